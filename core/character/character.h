@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/joints/joint_face.h"
+#include "core/reduction/element_response.h"
+#include "core/skeleton/skeleton.h"
+
+namespace imomushi {
+
+/// What a live character is made of; a document makes one (document/character_input.h). Indices, no names.
+struct CharacterInput {
+    struct Element {
+        std::shared_ptr<const ElementMesh> mesh;
+        std::vector<JointFace> faces;
+        std::shared_ptr<const ElementResponse> response;  ///< null: not precomputed, the element follows its bones rigidly
+        double stiffness = 1.0;                           ///< relative shear modulus
+        std::vector<int> bones;                           ///< bones that run through it; empty: it stays at rest
+        /// True: joint planes at its faces are not bisected, they turn with this element (model.md section 4, free ends).
+        bool leadsJointPlanes = false;
+    };
+    /// One joint: faces that must look like one surface, at one joint point.
+    struct Joint {
+        struct Face {
+            int element = -1;
+            int face = -1;
+            int bone = -1;       ///< the bone of that element that ends here, -1: none (the element's frame stands in)
+        };
+        int point = -1;          ///< joint point of the skeleton, -1: none (the joint follows its elements' frames)
+        std::vector<Face> faces; ///< one: a free face or a cap held by its bone
+        std::vector<std::pair<std::int32_t, std::int32_t>> welded;  ///< of faces 0 and 1: body vertices that are one point
+    };
+    Skeleton skeleton;
+    std::vector<Element> elements;
+    std::vector<Joint> joints;  ///< every joint face belongs to exactly one joint
+    BasisKind basis = BasisKind::Affine;
+};
+
+/// Things a frame wants to say without failing.
+enum class FrameWarning : unsigned {
+    BasisLosesTwist = 1,   ///< the pose twists or shifts a face in its plane and the basis "paper" cannot: choose "affine"
+    TargetOutOfReach = 2,
+    PoseRefused = 4,       ///< a pose came out non-finite; the last good one stays
+};
+
+/// A character that is performed: pose -> joint maps -> v -> A' v -> world positions and normals (model.md section 1, steps 1 and 3).
+/// Built once, then update() is the per-frame job: it neither allocates, locks nor fails.
+class Character {
+public:
+    /// Errors: "bad-value" when the input contradicts itself.
+    static Result<Character> build(CharacterInput input);
+    Character(Character&&) noexcept;
+    Character& operator=(Character&&) noexcept;
+    ~Character();
+
+    [[nodiscard]] const CharacterInput& input() const;
+
+    /// Inverse kinematics from `pose` towards `holds`, in place.
+    InverseKinematics::Report solvePose(const std::vector<Hold>& holds, Pose& pose);
+
+    /// Deforms all elements to `pose`. Elements whose v did not change since the last update() are not evaluated again (only moved).
+    void update(const Pose& pose);
+
+    /// What the last update() left, single precision, ready for display. Memory stays where it is for the character's life.
+    struct Surface {
+        const float* positions = nullptr;  ///< #body vertices x 3, world, m
+        const float* normals = nullptr;    ///< #body vertices x 3, unit, world; area-weighted over the body's triangles
+        int vertices = 0;
+        std::uint64_t revision = 0;        ///< changes when the content does
+    };
+    [[nodiscard]] Surface surface(int element) const;
+
+    /// The same pose in double precision for files and measurements: #body vertices x 3, world. Allocates.
+    [[nodiscard]] Points positions(int element) const;
+
+    /// Joint parameters v of an element as last updated (all faces, see ElementResponse), and the rigid motion of its frame.
+    [[nodiscard]] const Eigen::VectorXd& jointParameters(int element) const;
+    [[nodiscard]] Eigen::Isometry3d frame(int element) const;  ///< rest -> world
+
+    struct Stats {
+        unsigned warnings = 0;          ///< of FrameWarning
+        int evaluatedElements = 0;      ///< whose product was computed in the last update()
+        int evaluatedVertices = 0;
+        double poseMs = 0, jointsMs = 0, productMs = 0, normalsMs = 0;  ///< wall time by stage of the last solvePose() and update()
+    };
+    [[nodiscard]] const Stats& stats() const;
+
+    /// Factor c of joint j in a = b = 1 + c s, s = mean outward shift of its faces in metres: the one of least elastic energy
+    /// when the bones are straight (model.md section 2). 1/m, negative: a stretched joint gets thinner.
+    [[nodiscard]] double shrink(int joint) const;
+
+private:
+    struct State;
+    explicit Character(std::unique_ptr<State> state);
+    std::unique_ptr<State> state_;
+};
+
+/// Statics of one element alone, in its own rest frame: v (all faces) -> #body vertices x 3 positions.
+/// Face vertices follow the basis columns exactly, free vertices A' v.
+Points deformElement(const ElementMesh& mesh, const std::vector<JointFace>& faces, const ElementResponse& response,
+                     const Eigen::VectorXd& v);
+
+}  // namespace imomushi

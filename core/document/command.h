@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/base/result.h"
+
+namespace imomushi {
+
+class Session;
+using Json = nlohmann::ordered_json;
+
+/// One key of a command, for checking and for `imomushi run --help`.
+struct CommandKey {
+    std::string name;
+    /// What a value must be: checked before the command runs. NaN and infinity are never accepted.
+    enum class Type { Text, Number, Integer, Boolean, Vector3, Object, Array, Any } type = Type::Text;
+    bool required = false;
+    std::string help;  ///< one English sentence, with unit and range
+};
+
+/// A thing an artist can do: the same for studio, scripts, recovery and tests.
+struct Command {
+    std::string name;  ///< value of "do"
+    std::string help;
+    std::vector<CommandKey> keys;
+    /// True: goes on the undo stack as one step and into the journal.
+    bool changesDocument = false;
+    /// Does it. `arguments`: the whole object, already checked against `keys`. The answer is what the command adds to {"line","do","ok"}.
+    /// Changes the document through Session::edit() only.
+    std::function<Result<Json>(Session&, const Json& arguments, const Progress&)> run;
+};
+
+/// All commands that exist in this program, by name.
+class CommandRegistry {
+public:
+    void add(Command command);
+    [[nodiscard]] const Command* find(std::string_view name) const;
+    [[nodiscard]] const std::vector<Command>& all() const { return commands_; }
+
+private:
+    std::vector<Command> commands_;
+};
+
+/// The commands of core (all but those that draw). Adds to `registry`.
+void addCoreCommands(CommandRegistry& registry);
+
+}  // namespace imomushi

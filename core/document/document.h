@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/joints/face_basis.h"
+#include "core/joints/joint_face.h"
+#include "core/mesh/health.h"
+#include "core/mesh/mesh.h"
+#include "core/skeleton/skeleton.h"
+
+namespace imomushi {
+
+/// Identity of a part within one document; never used again after the part is gone. 0: none.
+using PartId = std::uint64_t;
+
+struct Element {
+    PartId id = 0;
+    std::string name;
+    std::shared_ptr<const ElementMesh> mesh;
+    std::vector<JointFace> faces;
+    double nu = 0.45;        ///< Poisson ratio, 0...0.5
+    double stiffness = 1.0;  ///< relative shear modulus, > 0
+    double density = 1000.0; ///< kg/m^3, > 0
+    /// Linear RGB of an element whose mesh brings no look of its own.
+    Eigen::Vector3f color = Eigen::Vector3f(0.55f, 0.75f, 0.45f);
+    bool visible = true;
+    bool locked = false;     ///< not picked or changed in the viewport
+    /// Who turns the joint planes of this element: Auto = the element itself where it has a single face, the bisector otherwise.
+    enum class JointPlanes { Auto, Bisector, Element } jointPlanes = JointPlanes::Auto;
+    std::vector<MeshIssue> issues;  ///< as found on import
+    [[nodiscard]] int faceIndex(std::string_view face) const;  ///< -1: no such face
+};
+
+/// A joint face by element and name.
+struct FaceRef {
+    PartId element = 0;
+    std::string face;
+    auto operator<=>(const FaceRef&) const = default;
+};
+
+/// Faces that must look like one surface (two or more).
+struct Joint {
+    PartId id = 0;
+    std::vector<FaceRef> faces;
+};
+
+/// One end of a bone.
+struct EndpointRef {
+    PartId bone = 0;
+    bool atEnd = false;  ///< false: "bone/start"
+    auto operator<=>(const EndpointRef&) const = default;
+};
+
+struct Bone {
+    PartId id = 0;
+    std::string name;
+    PartId element = 0;  ///< 0: runs through no element
+    /// Where an end is: at the centroid of a face, at another bone's end, or at a point (m, at rest).
+    using Place = std::variant<FaceRef, EndpointRef, Vec3>;
+    Place start, end;
+    PartId parent = 0;
+    double roll = 0.0;          ///< radians at rest, turns the bone's x axis about its direction
+    double minStretch = 0.5;    ///< of the rest length
+    double maxStretch = 2.0;
+};
+
+/// A dragged or pinned endpoint. A pin holds the endpoint where it is at rest until it is dragged.
+struct Held {
+    bool pinned = false;
+    Vec3 target = Vec3::Zero();      ///< where it is to be
+    std::optional<double> roll;      ///< radians
+    Vec3 from = Vec3::Zero();        ///< glide: where it started,
+    double seconds = 0.0;            ///<        how long it takes (0: at once),
+    double elapsed = 0.0;            ///<        and how much of that has passed
+};
+
+struct CharacterSettings {
+    BasisKind basis = BasisKind::Affine;
+    std::string format = "float";
+    int threads = 0;  ///< 0: as many as the machine has
+};
+
+/// What the artist authors, as immutable parts. Only commands (command.h) change it, by exchanging parts (history.h).
+struct Document {
+    std::map<PartId, std::shared_ptr<const Element>> elements;  ///< in order of creation
+    std::map<PartId, std::shared_ptr<const Joint>> joints;
+    std::map<PartId, std::shared_ptr<const Bone>> bones;
+    CharacterSettings settings;
+    std::map<EndpointRef, Held> held;  ///< targets of drags, and pins
+    Pose pose;                         ///< empty: at rest
+    PartId nextId = 1;
+
+    [[nodiscard]] const Element* elementNamed(std::string_view name) const;
+    [[nodiscard]] const Bone* boneNamed(std::string_view name) const;
+    /// "element/face". Errors: "no-such-element", "no-such-face", with the names there are.
+    [[nodiscard]] Result<FaceRef> face(std::string_view path) const;
+    /// "bone/start", "bone/end". Errors: "no-such-bone", "bad-value".
+    [[nodiscard]] Result<EndpointRef> endpoint(std::string_view path) const;
+};
+
+}  // namespace imomushi

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "core/character/character.h"
+#include "core/document/command.h"
+#include "core/document/document.h"
+#include "core/io/import.h"
+#include "core/reduction/element_response.h"
+
+namespace imomushi {
+
+/// Precomputed responses by content key, shared by everything in a session. Never undone; undo only asks for another key. Thread-safe.
+class ResponseCache {
+public:
+    [[nodiscard]] std::shared_ptr<const ElementResponse> find(const ContentKey& key) const;
+    void insert(const ContentKey& key, std::shared_ptr<const ElementResponse> response);
+    [[nodiscard]] std::vector<std::pair<ContentKey, std::shared_ptr<const ElementResponse>>> all() const;
+
+private:
+    mutable std::mutex mutex_;
+    std::map<ContentKey, std::shared_ptr<const ElementResponse>> responses_;
+};
+
+/// A document that is being worked on, with its history, its responses and its live character: the one door for change.
+class Session {
+public:
+    /// `registry` must outlive the session.
+    explicit Session(const CommandRegistry& registry);
+    ~Session();
+    Session(const Session&) = delete;
+    Session& operator=(const Session&) = delete;
+
+    /// Runs one command: {"do": name, key: value, ...}. Checks names, types and finiteness of every key first; on an error the document
+    /// is as it was. Errors: "unknown-command", "unknown-key", "missing-key", "bad-type", "not-finite", and the command's own.
+    Result<Json> execute(const Json& command, const Progress& progress = {});
+
+    [[nodiscard]] const Document& document() const;
+    [[nodiscard]] const CommandRegistry& registry() const;
+    [[nodiscard]] ResponseCache& responses();
+
+    // ---- history -------------------------------------------------------------------------------------------------
+    struct Step {
+        std::string name;     ///< of the command ("add-bone"), for display through tr()
+        std::string subject;  ///< what it was done to
+    };
+    [[nodiscard]] const std::vector<Step>& steps() const;  ///< all, oldest first
+    [[nodiscard]] int position() const;                    ///< how many of them are done; the rest can be redone
+    /// Commands between begin and end become one undo step (a drag gesture). cancelGesture() takes them back.
+    void beginGesture();
+    void endGesture();
+    void cancelGesture();
+    /// Differs from what was last saved or opened.
+    [[nodiscard]] bool modified() const;
+    [[nodiscard]] const std::filesystem::path& path() const;  ///< of the project file, empty: never saved
+
+    // ---- live ----------------------------------------------------------------------------------------------------
+    /// The character of the document as it is now, rebuilt lazily after structural changes; null while there are no elements.
+    /// Elements without a fresh response follow their bones rigidly (or with their last response where it still fits).
+    Character* character();
+    [[nodiscard]] int elementIndex(PartId element) const;      ///< in character(), -1: none
+    [[nodiscard]] int pointIndex(const EndpointRef& end) const;  ///< joint point in the skeleton, -1: none
+    /// Advances glides, poses and effects by one frame and updates the character. What "step" does `frames` times.
+    void stepFrame(double dt);
+
+    enum class ResponseState { None, Fresh, Stale };
+    [[nodiscard]] ResponseState responseState(PartId element) const;
+    /// What a precompute of this element would take as input (for jobs in the background).
+    [[nodiscard]] ResponseInput responseInput(PartId element) const;
+
+    // ---- for studio and recovery -----------------------------------------------------------------------------------
+    /// Called after each change, on the caller's thread.
+    struct Change {
+        bool structure = false;  ///< elements, faces, joints, bones, settings
+        bool pose = false;
+        bool responses = false;
+        bool file = false;       ///< path or saved state
+    };
+    void setListener(std::function<void(const Change&)> listener);
+    /// Replaces importFile() (the studio imports in the background and answers from what it prepared).
+    void setImporter(std::function<Result<ImportResult>(const ImportRequest&, const Progress&)> importer);
+    /// Every document-changing command of this session so far, as script lines: what "Save as script" and the journal write.
+    [[nodiscard]] const std::vector<Json>& script() const;
+
+    // ---- for commands only -------------------------------------------------------------------------------------------
+    /// The document to change inside Command::run; what it was goes on the undo stack when the command succeeds.
+    Document& edit();
+    struct State;
+    State& state();
+
+private:
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace imomushi

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/base/result.h"
+#include "core/mesh/mesh.h"
+
+namespace imomushi {
+
+/// A patch of the surface whose displacement is prescribed. Patches must not share vertices.
+struct HeldPatch {
+    std::vector<std::int32_t> vertices;   ///< ascending, the rim included
+    std::vector<std::int32_t> triangles;  ///< all triangles whose corners lie in `vertices`
+};
+
+/// How good a factorised boundary problem is, and what it cost.
+struct SolveQuality {
+    double residual = 0.0;  ///< largest |A x - b| / |b| over the solved columns (2-norm), after refinement
+    double rcond = 0.0;     ///< LAPACK's estimate of the reciprocal condition number of the scaled matrix, 1-norm
+    double assembleSeconds = 0.0, factoriseSeconds = 0.0, solveSeconds = 0.0;
+    std::size_t peakBytes = 0;
+};
+
+/// Linear elastostatics of one closed body with unit shear modulus: direct collocation at the vertices, displacement continuous and piecewise
+/// linear, tractions linear on each held patch (one-sided at its rim) and zero elsewhere; all integrals in closed form (see
+/// kernels.h). Unknowns per vertex: its displacement where it is free, its traction where it is held.
+/// Built once (assembly and factorisation), then solve() answers any number of right-hand sides.
+/// The same input gives the same bytes for any number of threads.
+class BoundaryProblem {
+public:
+    struct Input {
+        const TriangleMesh* mesh = nullptr;  ///< closed, outward; read during build() only
+        std::vector<HeldPatch> held;         ///< at least one
+        double nu = 0.45;                    ///< Poisson ratio, 0...0.5
+        int threads = 1;
+    };
+    /// Errors: "cancelled", "bad-value", "no-memory", "no-face", "shared-rim" (two patches share a vertex), "no-free-vertex",
+    /// "singular", "not-closed" (the solid-angle sums say that the surface is open, inverted or self-overlapping).
+    static Result<BoundaryProblem> build(const Input& input, const Progress& progress);
+
+    /// Bytes and seconds that build() will need, before it runs. `flops` is this machine's measured LU rate.
+    struct Estimate {
+        double seconds = 0.0;
+        std::size_t bytes = 0;
+    };
+    static Estimate estimate(int vertices, int columns, int threads);
+
+    BoundaryProblem(BoundaryProblem&&) noexcept;
+    BoundaryProblem& operator=(BoundaryProblem&&) noexcept;
+    ~BoundaryProblem();
+
+    /// Solves for the prescribed displacements `held` (3 * #heldVertices x k; patches in order, vertices in their order, xyz).
+    /// displacement: 3 * #freeVertices x k, xyz of freeVertices(); traction: like held, for shear modulus 1 (Pa per Pa).
+    /// Errors: "cancelled", "bad-value", "inaccurate" (the residual stayed above 1e-6).
+    struct Solution {
+        Eigen::MatrixXd displacement;
+        Eigen::MatrixXd traction;
+    };
+    Result<Solution> solve(const Eigen::MatrixXd& held, const Progress& progress);
+
+    [[nodiscard]] const std::vector<std::int32_t>& freeVertices() const;  ///< ascending
+    [[nodiscard]] const SolveQuality& quality() const;
+
+private:
+    struct State;
+    explicit BoundaryProblem(std::unique_ptr<State> state);
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace imomushi

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+
+#include "core/joints/joint_face.h"
+
+namespace imomushi {
+
+/// Where the points of a joint face are, relative to their rest, in the frame of the face: p -> linear * p + shift, p = (x, y, z)
+/// with z = 0 on a flat face. At rest linear = I and shift = 0.
+struct JointMap {
+    Eigen::Matrix3d linear = Eigen::Matrix3d::Identity();
+    Vec3 shift = Vec3::Zero();
+};
+
+/// Eq. (5) of Watanabe et al. (FIT 2006). Angles in radians, dz in metres along the outward normal.
+struct PaperParameters {
+    double a = 1.0, b = 1.0, theta1 = 0.0, theta2 = 0.0, dz = 0.0;
+};
+
+/// The joint map of eq. (5), exactly: in-plane stretch a at theta1 (which rises by theta2) and b across it, shift dz.
+/// The third column of `linear` (used by faces that are not flat) is the unit normal of the displaced plane.
+JointMap jointMap(const PaperParameters& p);
+
+enum class BasisKind { Paper, Affine };
+
+/// The joint modes of one face: displacement of a face point = sum of columns times v, where v = 0 at rest.
+/// Columns in this order, in the frame of the face (u = displacement of the point (x, y, z)):
+///   0 ux = x     1 ux = y, uy = x     2 uy = y     3 uz = x     4 uz = y     5 uz = 1          (paper, eq. (5))
+///   6 ux = 1     7 uy = 1     8 ux = -y, uy = x                                                (affine adds these)
+///   then, on faces that are not flat, three more: ux = z, uy = z, uz = z
+struct FaceBasis {
+    BasisKind kind = BasisKind::Affine;
+    bool flat = true;
+
+    [[nodiscard]] int columns() const { return (kind == BasisKind::Paper ? 6 : 9) + (flat ? 0 : 3); }
+
+    /// 3 x columns(): the displacement of the local point p, in face axes.
+    [[nodiscard]] Eigen::Matrix<double, 3, Eigen::Dynamic> at(const Vec3& p) const;
+
+    /// The coefficients of `map`; what the basis cannot say is left out. `lost`: the largest relative size of what was left out
+    /// (twist as an angle in radians; in-plane shift relative to `size`, the size of the face in metres), 0 when nothing was.
+    void coefficients(const JointMap& map, double size, double* v, double& lost) const;
+};
+
+/// "paper", "affine". Errors: "bad-value" with the names there are.
+Result<BasisKind> basisKind(const std::string& name);
+std::string basisName(BasisKind kind);
+
+}  // namespace imomushi

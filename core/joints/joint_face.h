@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/mesh/mesh.h"
+
+namespace imomushi {
+
+/// The local frame of a joint face at rest: origin = area centroid of the patch, z = outward normal of the element there,
+/// x = the global axis least aligned with z (ties within 1e-6: x before y before z) projected into the plane, y = z cross x.
+struct FaceFrame {
+    Vec3 origin = Vec3::Zero();
+    Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  ///< columns x, y, z
+
+    [[nodiscard]] Vec3 toLocal(const Vec3& world) const { return axes.transpose() * (world - origin); }
+    [[nodiscard]] Vec3 toWorld(const Vec3& local) const { return origin + axes * local; }
+};
+
+/// A patch of an element's surface, fixed to a joint.
+struct JointFace {
+    std::string name;
+    std::vector<std::int32_t> vertices;   ///< body vertices, ascending
+    std::vector<std::int32_t> triangles;  ///< body triangles, ascending; connected
+    FaceFrame frame;
+    double area = 0.0;            ///< m^2
+    double size = 0.0;            ///< m, largest distance of a vertex from the origin of the frame
+    double planarityError = 0.0;  ///< m, largest |z| of a vertex in the frame
+    /// Flat to rounding or artist's tolerance. A face that is not flat gets three more columns in every basis (FaceBasis).
+    [[nodiscard]] bool flat() const { return planarityError <= kFlatTolerance * size; }
+    static constexpr double kFlatTolerance = 1e-3;
+};
+
+/// The largest connected patch of triangles with all corners within `tolerance` (metres) of the plane through `origin` with
+/// outward `normal` (any length), and normals within 10 degrees of it.
+/// Errors: "no-patch" (nothing lies in the plane), "bad-value".
+Result<JointFace> jointFaceByPlane(const TriangleMesh& body, const Vec3& origin, const Vec3& normal, double tolerance);
+
+/// The patch of the triangles whose corners are all in `vertices`.
+/// Errors: "no-patch", "bad-index", "not-connected", "not-planar" (farther from its plane than half of its size: no frame).
+Result<JointFace> jointFaceByVertices(const TriangleMesh& body, const std::vector<std::int32_t>& vertices);
+
+/// The flat region around triangle `seed`: grows over neighbours whose normals stay within `angle` radians of the seed's and whose
+/// corners stay within `tolerance` metres of its plane. What a click of the face tool selects.
+Result<JointFace> jointFaceBySeed(const TriangleMesh& body, std::int32_t seed, double angle, double tolerance);
+
+}  // namespace imomushi

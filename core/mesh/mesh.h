@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace imomushi {
+
+using Vec3 = Eigen::Vector3d;
+/// #V x 3, a point per row, contiguous as xyz xyz ...
+using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
+/// #F x 3, the corners of a triangle per row, counter-clockwise seen from outside.
+using Triangles = Eigen::Matrix<std::int32_t, Eigen::Dynamic, 3, Eigen::RowMajor>;
+
+/// A triangle surface. Metres, +Y up, right-handed.
+struct TriangleMesh {
+    Points vertices;
+    Triangles triangles;
+};
+
+/// A picture that came in with a mesh, as its encoded bytes (PNG, JPEG, ...).
+struct Texture {
+    std::string name;
+    std::string mimeType;
+    std::vector<std::uint8_t> bytes;
+};
+
+/// The look of a part of a surface (metallic-roughness, as in glTF). Colours are linear RGBA, 0...1.
+struct Material {
+    std::string name;
+    Eigen::Vector4f baseColor = Eigen::Vector4f(0.8f, 0.8f, 0.8f, 1.0f);
+    float metallic = 0.0f;
+    float roughness = 0.6f;
+    int baseColorTexture = -1;  ///< into Look::textures, -1: none
+};
+
+/// What the artist sees of a body: its render vertices, which are body vertices split where normals, texture coordinates or colours
+/// jump. Optional attributes have zero rows where the file had none.
+struct Look {
+    std::vector<std::int32_t> bodyVertex;  ///< #R: the body vertex of each render vertex
+    Triangles triangles;                   ///< #F x 3 render vertices; triangle f is body triangle f
+    Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> normals;   ///< #R x 3 or 0 x 3; empty: smooth normals of the body
+    Eigen::Matrix<float, Eigen::Dynamic, 2, Eigen::RowMajor> texCoords;  ///< #R x 2 or 0 x 2; origin top left (glTF)
+    Eigen::Matrix<float, Eigen::Dynamic, 4, Eigen::RowMajor> colors;     ///< #R x 4 or 0 x 4, linear RGBA
+    std::vector<std::int32_t> material;    ///< #F into materials, or empty: no material
+    std::vector<Material> materials;
+    std::vector<Texture> textures;
+};
+
+/// One body with its look: what an element is made of. Body vertices keep the order of the file (a weld keeps the lowest index).
+struct ElementMesh {
+    TriangleMesh body;  ///< closed and outward-oriented in every element of a document
+    Look look;
+};
+
+}  // namespace imomushi

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "core/base/hash.h"
+#include "core/base/progress.h"
+#include "core/base/result.h"
+#include "core/elasticity/boundary_problem.h"
+#include "core/joints/face_basis.h"
+#include "core/joints/joint_face.h"
+#include "core/mesh/mesh.h"
+
+namespace imomushi {
+
+/// What a precompute reports of one element.
+struct ResponseQuality {
+    SolveQuality solve;
+    double asymmetry = 0.0;       ///< |K - K^T| / |K + K^T| (Frobenius) of the raw joint stiffness
+    double negativeEnergy = 0.0;  ///< most negative eigenvalue of K over the largest, before it was set to zero
+    double seconds = 0.0;         ///< wall time of the whole precompute
+};
+
+/// The precomputed answer of one element: displacement of its free vertices X = A' v for the joint parameters v of all its faces
+/// (Watanabe et al. 2006, section 3; v = 0 at rest, model.md writes v - v0), and the energy 1/2 v^T K v.
+/// An element without a joint face has no columns: it follows its bone rigidly.
+struct ElementResponse {
+    std::vector<std::int32_t> freeVertices;  ///< ascending body vertices that no face holds
+    std::vector<FaceBasis> bases;            ///< one per joint face, in the order of the element's faces
+    std::vector<int> firstColumn;            ///< of each face; one more entry: the number of columns g
+    Eigen::MatrixXd response;                ///< A': 3 * #free x g, rows xyz per free vertex, displacement (m) per unit of v, element rest axes
+    Eigen::MatrixXd stiffness;               ///< K: g x g, symmetric, positive semi-definite, zero on rigid motions; for shear modulus 1
+    ResponseQuality quality;
+
+    [[nodiscard]] int columns() const { return firstColumn.empty() ? 0 : firstColumn.back(); }
+    [[nodiscard]] std::size_t bytes() const;
+};
+
+/// Everything the precompute of one element depends on.
+struct ResponseInput {
+    std::shared_ptr<const ElementMesh> mesh;
+    std::vector<JointFace> faces;
+    double nu = 0.45;
+    BasisKind basis = BasisKind::Affine;
+    int threads = 1;  ///< not part of the key: it changes no byte of the answer
+};
+
+/// The content key of the answer: mesh, faces, nu, basis and the version of the solver.
+ContentKey responseKey(const ResponseInput& input);
+
+/// Errors: those of BoundaryProblem::build and solve.
+Result<ElementResponse> buildResponse(const ResponseInput& input, const Progress& progress);
+
+/// Seconds and bytes of buildResponse() on this machine, and the milliseconds per frame of its product.
+struct ResponseEstimate {
+    double seconds = 0.0;
+    std::size_t bytes = 0;
+    double frameMilliseconds = 0.0;
+    int columns = 0;
+};
+ResponseEstimate estimateResponse(const ResponseInput& input);
+
+/// Statics of one element alone for given displacements of its joint-face vertices (no reduction): displacement of every body vertex,
+/// #V x 3. `faceDisplacement`: per face #vertices x 3 in world axes.
+Result<Points> solveFull(const ResponseInput& input, const std::vector<Points>& faceDisplacement, const Progress& progress);
+
+}  // namespace imomushi

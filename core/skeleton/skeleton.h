@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/mesh/mesh.h"
+
+namespace imomushi {
+
+/// The bones of a character at rest, as forests over joint points. Indices into these vectors are what the per-frame code uses; names
+/// stay in the document.
+struct Skeleton {
+    struct Bone {
+        int start = -1;           ///< joint point
+        int end = -1;             ///< joint point
+        int parent = -1;          ///< bone, -1: a root
+        double length = 0.0;      ///< m at rest, > 0
+        double minStretch = 0.5;  ///< smallest and largest length relative to rest
+        double maxStretch = 2.0;
+    };
+    std::vector<Vec3> points;  ///< joint points at rest, m
+    std::vector<Bone> bones;   ///< parents before children
+};
+
+/// A joint point that the artist holds.
+struct Hold {
+    int point = -1;
+    Vec3 target = Vec3::Zero();
+    bool hasRoll = false;
+    double roll = 0.0;  ///< radians about the bone's axis, relative to rest
+};
+
+/// A pose: everything that the joint points and bones need to be drawn, and the state from which the next pose follows.
+struct Pose {
+    std::vector<Vec3> points;                 ///< per joint point, m
+    std::vector<Eigen::Quaterniond> frames;   ///< per bone: rotation from rest, parallel-transported, roll left out
+    std::vector<double> roll;                 ///< per joint point, radians
+};
+
+/// The pose of rest: points as in the skeleton, no rotation.
+Pose restPose(const Skeleton& skeleton);
+
+/// Inverse kinematics on any forest with any number of held points and stretchable bones: the pose near the last one of least
+/// stretch and bend whose held points are at their targets, or as near as the stretch limits allow.
+/// Motion is smooth: no joint point moves farther in one solve() than kMotionGain times the largest move of a target since the last one
+/// plus what one relaxation step moves. Without holds nothing moves. Allocates in its constructor only.
+class InverseKinematics {
+public:
+    explicit InverseKinematics(const Skeleton& skeleton);
+    InverseKinematics(InverseKinematics&&) noexcept;
+    InverseKinematics& operator=(InverseKinematics&&) noexcept;
+    ~InverseKinematics();
+
+    struct Report {
+        bool settled = true;        ///< the pose no longer changes when solved again
+        double largestMiss = 0.0;   ///< m, largest distance of a held point from its target
+        bool finite = true;         ///< false: the step was refused and the last good pose kept
+    };
+    /// One frame: moves `pose` towards the holds. Targets must be finite.
+    Report solve(const std::vector<Hold>& holds, Pose& pose);
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace imomushi

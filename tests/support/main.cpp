@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Floating-point traps are on in every test: a division by zero, an invalid operation or an overflow is a bug, not a NaN to be found later.
+#define DOCTEST_CONFIG_IMPLEMENT
+#include <cfenv>
+#include <doctest/doctest.h>
+
+int main(int argc, char** argv) {
+    feenableexcept(FE_DIVBYZERO | FE_INVALID | FE_OVERFLOW);
+    return doctest::Context(argc, argv).run();
+}
