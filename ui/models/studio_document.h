@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <QObject>
+#include <QString>
+#include <vector>
+
+#include "core/document/session.h"
+
+namespace imomushi {
+
+/// One thing that can be selected: an element, one of its faces, a bone or one of a bone's endpoints.
+struct SelectionItem {
+    enum class Kind { Element, Face, Bone, Endpoint } kind = Kind::Element;
+    PartId part = 0;       ///< element (Element, Face) or bone (Bone, Endpoint)
+    std::string face;      ///< Face only
+    bool atEnd = false;    ///< Endpoint only
+    bool operator==(const SelectionItem&) const = default;
+};
+
+/// A session as Qt sees it: runs commands, says what changed, and holds what is selected. No widgets, no OpenGL.
+/// Lives on the GUI thread.
+class StudioDocument : public QObject {
+    Q_OBJECT
+public:
+    explicit StudioDocument(const CommandRegistry& registry, QObject* parent = nullptr);
+
+    [[nodiscard]] Session& session() { return session_; }
+    [[nodiscard]] const Document& document() const { return session_.document(); }
+
+    /// Runs one command on this thread. On failure emits failed() unless `quiet`.
+    Result<Json> execute(const Json& command, bool quiet = false);
+
+    [[nodiscard]] const std::vector<SelectionItem>& selection() const { return selection_; }
+    void select(std::vector<SelectionItem> items);
+    [[nodiscard]] bool isSelected(const SelectionItem& item) const;
+    [[nodiscard]] const std::optional<SelectionItem>& hovered() const { return hovered_; }
+    void setHovered(std::optional<SelectionItem> item);
+
+signals:
+    void structureChanged();   ///< elements, faces, joints, bones, settings
+    void poseChanged();        ///< the character moved
+    void responsesChanged();   ///< a precompute finished or went out of date
+    void historyChanged();     ///< undo, redo, steps
+    void fileChanged();        ///< path or saved state
+    void selectionChanged();
+    void hoverChanged();
+    void failed(const QString& message);  ///< a command was refused: one translated sentence
+
+private:
+    Session session_;
+    std::vector<SelectionItem> selection_;
+    std::optional<SelectionItem> hovered_;
+};
+
+}  // namespace imomushi
