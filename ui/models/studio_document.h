@@ -3,6 +3,7 @@
 
 #include <QObject>
 #include <QString>
+#include <optional>
 #include <vector>
 
 #include "core/document/session.h"
@@ -37,7 +38,7 @@ public:
     [[nodiscard]] const std::optional<SelectionItem>& hovered() const { return hovered_; }
     void setHovered(std::optional<SelectionItem> item);
 
-signals:
+Q_SIGNALS:
     void structureChanged();   ///< elements, faces, joints, bones, settings
     void poseChanged();        ///< the character moved
     void responsesChanged();   ///< a precompute finished or went out of date
@@ -48,6 +49,8 @@ signals:
     void failed(const QString& message);  ///< a command was refused: one translated sentence
 
 private:
+    [[nodiscard]] bool exists(const SelectionItem& item) const;
+
     Session session_;
     std::vector<SelectionItem> selection_;
     std::optional<SelectionItem> hovered_;

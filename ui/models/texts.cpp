@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/models/texts.h"
+
+#include <QCoreApplication>
+#include <QLocale>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace imomushi {
+namespace {
+
+struct Texts {
+    Q_DECLARE_TR_FUNCTIONS(Texts)
+};
+
+QString named(const std::map<std::string, const char*>& table, const char* context, const std::string& key) {
+    const auto found = table.find(key);
+    return found == table.end() ? QString() : QCoreApplication::translate(context, found->second);
+}
+
+// In English the message of core is shown, which knows names and numbers; other languages show the sentence of the code.
+const std::map<std::string, const char*> kErrors = {
+    {"unknown-command", QT_TRANSLATE_NOOP("Errors", "There is no such command.")},
+    {"unknown-key", QT_TRANSLATE_NOOP("Errors", "The command does not know one of its keys.")},
+    {"missing-key", QT_TRANSLATE_NOOP("Errors", "A key of the command is missing.")},
+    {"bad-type", QT_TRANSLATE_NOOP("Errors", "A value has the wrong type.")},
+    {"bad-value", QT_TRANSLATE_NOOP("Errors", "This value is not allowed here.")},
+    {"not-finite", QT_TRANSLATE_NOOP("Errors", "Only finite numbers are accepted.")},
+    {"no-such-element", QT_TRANSLATE_NOOP("Errors", "There is no element of that name.")},
+    {"no-such-face", QT_TRANSLATE_NOOP("Errors", "There is no joint face of that name.")},
+    {"no-such-bone", QT_TRANSLATE_NOOP("Errors", "There is no bone of that name.")},
+    {"name-taken", QT_TRANSLATE_NOOP("Errors", "This name is already taken. Choose another one.")},
+    {"bad-name", QT_TRANSLATE_NOOP("Errors", "This name cannot be used. Choose another one.")},
+    {"no-patch", QT_TRANSLATE_NOOP("Errors", "No flat patch of the surface lies there.")},
+    {"bad-index", QT_TRANSLATE_NOOP("Errors", "A vertex does not exist.")},
+    {"not-connected", QT_TRANSLATE_NOOP("Errors", "The patch falls into several pieces. Choose one connected patch.")},
+    {"not-planar", QT_TRANSLATE_NOOP("Errors", "The patch is too far from flat for a joint face.")},
+    {"file-not-found", QT_TRANSLATE_NOOP("Errors", "The file was not found.")},
+    {"not-readable", QT_TRANSLATE_NOOP("Errors", "The file cannot be read. Check its permissions.")},
+    {"not-writable", QT_TRANSLATE_NOOP("Errors", "The file cannot be written. Check the folder and its permissions.")},
+    {"unknown-format", QT_TRANSLATE_NOOP("Errors", "This file format is not known. Use OBJ, PLY, STL, glTF, FBX or DAE.")},
+    {"bad-file", QT_TRANSLATE_NOOP("Errors", "The file is damaged and cannot be used.")},
+    {"non-finite", QT_TRANSLATE_NOOP("Errors", "The mesh has vertices that are not finite numbers.")},
+    {"empty-mesh", QT_TRANSLATE_NOOP("Errors", "There is no mesh in the file.")},
+    {"too-large", QT_TRANSLATE_NOOP("Errors", "The file is too large.")},
+    {"timeout", QT_TRANSLATE_NOOP("Errors", "Reading the file took too long.")},
+    {"worker-failed", QT_TRANSLATE_NOOP("Errors", "The importer could not read the file.")},
+    {"cancelled", QT_TRANSLATE_NOOP("Errors", "Cancelled.")},
+    {"no-memory", QT_TRANSLATE_NOOP("Errors", "There is not enough memory. Use a smaller solver mesh.")},
+    {"no-face", QT_TRANSLATE_NOOP("Errors", "The element needs a joint face first.")},
+    {"shared-rim", QT_TRANSLATE_NOOP("Errors", "Two joint faces of one element touch each other. Leave a row of vertices between them.")},
+    {"no-free-vertex", QT_TRANSLATE_NOOP("Errors", "Joint faces cover the whole element. Leave some of it free.")},
+    {"singular", QT_TRANSLATE_NOOP("Errors", "The element cannot be solved. Check its mesh.")},
+    {"not-closed", QT_TRANSLATE_NOOP("Errors", "The mesh is not a closed surface facing outward. Repair it first.")},
+    {"inaccurate", QT_TRANSLATE_NOOP("Errors", "The solution is not accurate enough. Check the mesh for slivers.")},
+    {"newer-version", QT_TRANSLATE_NOOP("Errors", "The project was made by a newer version of Imomushi. Update to open it.")},
+    {"not-a-project", QT_TRANSLATE_NOOP("Errors", "This file is not an Imomushi project.")},
+    {"nothing-to-undo", QT_TRANSLATE_NOOP("Errors", "There is nothing to undo.")},
+    {"nothing-to-redo", QT_TRANSLATE_NOOP("Errors", "There is nothing to redo.")},
+    {"gap", QT_TRANSLATE_NOOP("Errors", "The faces are too far apart to be joined.")},
+    {"no-path", QT_TRANSLATE_NOOP("Errors", "The project has no file yet. Choose one.")},
+    {"no-opengl", QT_TRANSLATE_NOOP("Errors", "OpenGL 3.3 is not available on this machine.")},
+};
+
+const std::map<std::string, const char*> kSteps = {
+    {"new", QT_TRANSLATE_NOOP("Steps", "New project")},
+    {"open", QT_TRANSLATE_NOOP("Steps", "Open project")},
+    {"import-element", QT_TRANSLATE_NOOP("Steps", "Import element")},
+    {"repair", QT_TRANSLATE_NOOP("Steps", "Repair mesh")},
+    {"cut", QT_TRANSLATE_NOOP("Steps", "Cut element")},
+    {"add-joint-face", QT_TRANSLATE_NOOP("Steps", "Add joint face")},
+    {"join", QT_TRANSLATE_NOOP("Steps", "Join faces")},
+    {"unjoin", QT_TRANSLATE_NOOP("Steps", "Separate faces")},
+    {"add-bone", QT_TRANSLATE_NOOP("Steps", "Add bone")},
+    {"remove-element", QT_TRANSLATE_NOOP("Steps", "Remove element")},
+    {"remove-joint-face", QT_TRANSLATE_NOOP("Steps", "Remove joint face")},
+    {"remove-joint", QT_TRANSLATE_NOOP("Steps", "Separate faces")},
+    {"remove-bone", QT_TRANSLATE_NOOP("Steps", "Remove bone")},
+    {"rename", QT_TRANSLATE_NOOP("Steps", "Rename")},
+    {"pin", QT_TRANSLATE_NOOP("Steps", "Pin")},
+    {"unpin", QT_TRANSLATE_NOOP("Steps", "Unpin")},
+    {"set", QT_TRANSLATE_NOOP("Steps", "Change setting")},
+    {"drag", QT_TRANSLATE_NOOP("Steps", "Drag")},
+    {"release", QT_TRANSLATE_NOOP("Steps", "Release")},
+    {"rest", QT_TRANSLATE_NOOP("Steps", "Rest pose")},
+    {"precompute", QT_TRANSLATE_NOOP("Steps", "Precompute")},
+};
+
+const std::map<std::string, const char*> kIssues = {
+    {"unwelded", QT_TRANSLATE_NOOP("Issues", "Vertices at the same place were welded.")},
+    {"open", QT_TRANSLATE_NOOP("Issues", "The surface has open edges. Close its holes.")},
+    {"non-manifold-edge", QT_TRANSLATE_NOOP("Issues", "More than two triangles meet at an edge.")},
+    {"non-manifold-vertex", QT_TRANSLATE_NOOP("Issues", "Parts of the surface touch at a single vertex.")},
+    {"inverted", QT_TRANSLATE_NOOP("Issues", "The surface faced inward.")},
+    {"mixed-winding", QT_TRANSLATE_NOOP("Issues", "Neighbouring triangles face different ways.")},
+    {"degenerate", QT_TRANSLATE_NOOP("Issues", "Some triangles have no area.")},
+    {"duplicate-triangle", QT_TRANSLATE_NOOP("Issues", "Some triangles exist twice.")},
+    {"self-intersection", QT_TRANSLATE_NOOP("Issues", "The surface passes through itself.")},
+    {"components", QT_TRANSLATE_NOOP("Issues", "The mesh has several separate parts. Import them as one element each.")},
+    {"non-finite", QT_TRANSLATE_NOOP("Issues", "Some coordinates are not finite numbers.")},
+    {"unused-vertex", QT_TRANSLATE_NOOP("Issues", "Some vertices belong to no triangle.")},
+    {"huge", QT_TRANSLATE_NOOP("Issues", "The mesh is very large. Check its unit.")},
+    {"tiny", QT_TRANSLATE_NOOP("Issues", "The mesh is very small. Check its unit.")},
+    {"far-from-origin", QT_TRANSLATE_NOOP("Issues", "The mesh lies far from the origin.")},
+    {"not-triangles", QT_TRANSLATE_NOOP("Issues", "Faces with more than three corners were split.")},
+};
+
+const std::map<std::string, const char*> kStages = {
+    {"read", QT_TRANSLATE_NOOP("Stages", "Reading")},
+    {"parse", QT_TRANSLATE_NOOP("Stages", "Reading")},
+    {"weld", QT_TRANSLATE_NOOP("Stages", "Welding")},
+    {"mend", QT_TRANSLATE_NOOP("Stages", "Mending")},
+    {"check", QT_TRANSLATE_NOOP("Stages", "Checking")},
+    {"estimate", QT_TRANSLATE_NOOP("Stages", "Estimating")},
+    {"assemble", QT_TRANSLATE_NOOP("Stages", "Assembling")},
+    {"factorise", QT_TRANSLATE_NOOP("Stages", "Factorising")},
+    {"solve", QT_TRANSLATE_NOOP("Stages", "Solving")},
+    {"reduce", QT_TRANSLATE_NOOP("Stages", "Reducing")},
+};
+
+}  // namespace
+
+QString errorText(const Error& error) {
+    const auto found = kErrors.find(error.code);
+    if (found != kErrors.end()) {
+        const QString translated = QCoreApplication::translate("Errors", found->second);
+        if (translated != QString::fromUtf8(found->second)) return translated;
+    }
+    QString text = QString::fromStdString(error.message);
+    if (text.isEmpty()) return QString::fromStdString(error.code);
+    text[0] = text[0].toUpper();
+    if (!text.endsWith(u'.') && !text.endsWith(u'!')) text += u'.';
+    return text;
+}
+
+QString stepText(const std::string& command, const std::string& subject) {
+    QString name = named(kSteps, "Steps", command);
+    if (name.isEmpty()) name = QString::fromStdString(command);
+    return subject.empty() ? name : Texts::tr("%1: %2", "undo step: what was done, to what").arg(name, QString::fromStdString(subject));
+}
+
+QString issueText(const std::string& code, int count, const std::string& fallback) {
+    QString text = named(kIssues, "Issues", code);
+    if (text.isEmpty()) text = QString::fromStdString(fallback);
+    return count > 1 ? Texts::tr("%1 (%L2 places)", "mesh issue, number of places").arg(text).arg(count) : text;
+}
+
+QString stageText(const std::string& stage) {
+    const QString text = named(kStages, "Stages", stage);
+    return text.isEmpty() ? QString::fromStdString(stage) : text;
+}
+
+QString bytesText(double bytes) { return QLocale().formattedDataSize(qint64(bytes), 1, QLocale::DataSizeTraditionalFormat); }
+
+QString durationText(double seconds) {
+    const QLocale locale;
+    if (seconds < 0.9995) return Texts::tr("%1 ms").arg(locale.toString(std::max(1.0, std::round(seconds * 1000.0)), 'f', 0));
+    if (seconds < 60.0) return Texts::tr("%1 s").arg(locale.toString(seconds, 'f', seconds < 10.0 ? 1 : 0));
+    const int whole = int(std::min(seconds, 1e8));
+    return Texts::tr("%1 min %2 s").arg(whole / 60).arg(whole % 60);
+}
+
+QString lengthText(double metres) {
+    const QLocale locale;
+    const double size = std::abs(metres);
+    if (size == 0.0) return QStringLiteral("0 m");
+    if (size < 0.01) return QStringLiteral("%1 mm").arg(locale.toString(metres * 1000.0, 'g', 3));
+    if (size < 1.0) return QStringLiteral("%1 cm").arg(locale.toString(metres * 100.0, 'g', 3));
+    return QStringLiteral("%1 m").arg(locale.toString(metres, size < 1000.0 ? 'g' : 'f', size < 1000.0 ? 4 : 0));
+}
+
+}  // namespace imomushi

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <QString>
+#include <string>
+
+#include "core/base/result.h"
+
+namespace imomushi {
+
+/// A refused command as one sentence in the language of the studio; English from core where there is no translation.
+QString errorText(const Error& error);
+
+/// "add-bone" -> "Add bone", translated: names of undo steps. `subject`: what it was done to, may be empty.
+QString stepText(const std::string& command, const std::string& subject);
+
+/// A mesh issue by its code, translated, one sentence; `fallback` (English) where the code is unknown.
+QString issueText(const std::string& code, int count, const std::string& fallback);
+
+/// A progress stage ("assemble", "factorise", ...) translated.
+QString stageText(const std::string& stage);
+
+/// 1536 -> "1.5 KB".
+QString bytesText(double bytes);
+/// 75 -> "1 min 15 s"; under a second in ms.
+QString durationText(double seconds);
+/// 0.0123 -> "12.3 mm": the unit that reads best.
+QString lengthText(double metres);
+
+}  // namespace imomushi
