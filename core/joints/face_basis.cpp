@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/joints/face_basis.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace imomushi {
+
+JointMap jointMap(const PaperParameters& p) {
+    const double c1 = std::cos(p.theta1), s1 = std::sin(p.theta1);
+    const double c2 = std::cos(p.theta2), s2 = std::sin(p.theta2);
+    JointMap map;
+    // The six parameters of eq. (5) after the angles and stretches went in: in-plane stretch (symmetric), slopes, shift.
+    const double xx = p.a * c1 * c1 * c2 + p.b * s1 * s1;
+    const double xy = p.a * s1 * c1 * c2 - p.b * s1 * c1;
+    const double yy = p.a * s1 * s1 * c2 + p.b * c1 * c1;
+    map.linear.col(0) = Vec3(xx, xy, p.a * c1 * s2);
+    map.linear.col(1) = Vec3(xy, yy, p.a * s1 * s2);
+    map.linear.col(2) = Vec3(-c1 * s2, -s1 * s2, c2);
+    map.shift = Vec3(0.0, 0.0, p.dz);
+    return map;
+}
+
+Eigen::Matrix<double, 3, Eigen::Dynamic> FaceBasis::at(const Vec3& p) const {
+    Eigen::Matrix<double, 3, Eigen::Dynamic> u = Eigen::Matrix<double, 3, Eigen::Dynamic>::Zero(3, columns());
+    const double x = p.x(), y = p.y(), z = p.z();
+    u(0, 0) = x;
+    u(0, 1) = y, u(1, 1) = x;
+    u(1, 2) = y;
+    u(2, 3) = x;
+    u(2, 4) = y;
+    u(2, 5) = 1.0;
+    int next = 6;
+    if (kind == BasisKind::Affine) {
+        u(0, 6) = 1.0;
+        u(1, 7) = 1.0;
+        u(0, 8) = -y, u(1, 8) = x;
+        next = 9;
+    }
+    if (!flat)
+        for (int axis = 0; axis < 3; ++axis) u(axis, next + axis) = z;
+    return u;
+}
+
+void FaceBasis::coefficients(const JointMap& map, double size, double* v, double& lost) const {
+    Eigen::Matrix3d l = map.linear;
+    lost = 0.0;
+    if (kind == BasisKind::Paper) {
+        // Without the twist that eq. (5) cannot say, the in-plane part is symmetric (its polar factor), so the plane, its tilt and its
+        // stretch stay what they were.
+        const double twist = std::atan2(l(1, 0) - l(0, 1), l(0, 0) + l(1, 1));
+        const double c = std::cos(twist), s = std::sin(twist);
+        const Vec3 x = c * l.col(0) - s * l.col(1);
+        const Vec3 y = s * l.col(0) + c * l.col(1);
+        l.col(0) = x, l.col(1) = y;
+        lost = std::max(std::abs(twist), size > 0.0 ? map.shift.head<2>().norm() / size : 0.0);
+    }
+    v[0] = l(0, 0) - 1.0;
+    v[1] = 0.5 * (l(0, 1) + l(1, 0));
+    v[2] = l(1, 1) - 1.0;
+    v[3] = l(2, 0);
+    v[4] = l(2, 1);
+    v[5] = map.shift.z();
+    int next = 6;
+    if (kind == BasisKind::Affine) {
+        v[6] = map.shift.x();
+        v[7] = map.shift.y();
+        v[8] = 0.5 * (l(1, 0) - l(0, 1));
+        next = 9;
+    }
+    if (!flat) {
+        v[next] = l(0, 2);
+        v[next + 1] = l(1, 2);
+        v[next + 2] = l(2, 2) - 1.0;
+    }
+}
+
+Result<BasisKind> basisKind(const std::string& name) {
+    if (name == "paper") return BasisKind::Paper;
+    if (name == "affine") return BasisKind::Affine;
+    return fail("bad-value", "There is no basis \"" + name + "\"; choose \"paper\" or \"affine\".");
+}
+
+std::string basisName(BasisKind kind) {
+    return kind == BasisKind::Paper ? "paper" : "affine";
+}
+
+}  // namespace imomushi

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/joints/joint_face.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <unordered_map>
+
+namespace imomushi {
+namespace {
+
+/// Triangles of a plane face may lean this far from it: the contract's 10 degrees.
+const double kPlaneCosine = std::cos(10.0 * std::numbers::pi / 180.0);
+/// Two global axes are equally far from the normal when their cosines differ by less; then the earlier one gives x.
+constexpr double kAxisTie = 1e-6;
+/// A patch that leaves its own plane farther than this part of its size has no sensible frame.
+constexpr double kLargestBulge = 0.5;
+
+/// Twice the area times the normal.
+Vec3 doubleAreaVector(const TriangleMesh& body, std::int32_t t) {
+    const auto corner = [&](int c) -> Vec3 { return body.vertices.row(body.triangles(t, c)); };
+    const Vec3 origin = corner(0);
+    return (corner(1) - origin).cross(corner(2) - origin);
+}
+
+FaceFrame frameOf(const Vec3& origin, const Vec3& z) {
+    int axis = 0;
+    for (int k = 1; k < 3; ++k)
+        if (std::abs(z[k]) < std::abs(z[axis]) - kAxisTie) axis = k;
+    const Vec3 e = Vec3::Unit(axis);
+    const Vec3 x = (e - z.dot(e) * z).normalized();
+    FaceFrame frame;
+    frame.origin = origin;
+    frame.axes << x, z.cross(x), z;
+    return frame;
+}
+
+/// The connected patches (over shared edges) of the chosen triangles, each ascending.
+std::vector<std::vector<std::int32_t>> patches(const TriangleMesh& body, const std::vector<std::int32_t>& chosen) {
+    const auto edgeKey = [](std::int32_t a, std::int32_t b) {
+        return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(std::min(a, b))) << 32) |
+               static_cast<std::uint32_t>(std::max(a, b));
+    };
+    std::vector<std::size_t> parent(chosen.size());
+    for (std::size_t i = 0; i < parent.size(); ++i) parent[i] = i;
+    const auto root = [&](std::size_t i) {
+        while (parent[i] != i) i = parent[i] = parent[parent[i]];
+        return i;
+    };
+    std::unordered_map<std::uint64_t, std::size_t> firstAt;
+    for (std::size_t i = 0; i < chosen.size(); ++i)
+        for (int c = 0; c < 3; ++c) {
+            const auto [place, fresh] = firstAt.try_emplace(
+                edgeKey(body.triangles(chosen[i], c), body.triangles(chosen[i], (c + 1) % 3)), i);
+            if (!fresh) parent[std::max(root(i), root(place->second))] = std::min(root(i), root(place->second));
+        }
+    std::vector<std::vector<std::int32_t>> result;
+    std::unordered_map<std::size_t, std::size_t> indexOf;
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+        const auto [place, fresh] = indexOf.try_emplace(root(i), result.size());
+        if (fresh) result.emplace_back();
+        result[place->second].push_back(chosen[i]);
+    }
+    return result;
+}
+
+/// The face of a connected patch of triangles.
+Result<JointFace> faceOf(const TriangleMesh& body, std::vector<std::int32_t> triangles) {
+    JointFace face;
+    std::sort(triangles.begin(), triangles.end());
+    face.triangles = std::move(triangles);
+    for (const std::int32_t t : face.triangles)
+        for (int c = 0; c < 3; ++c) face.vertices.push_back(body.triangles(t, c));
+    std::sort(face.vertices.begin(), face.vertices.end());
+    face.vertices.erase(std::unique(face.vertices.begin(), face.vertices.end()), face.vertices.end());
+
+    // Relative to one of its own points, so that a face far from the world's origin loses no digits.
+    const Vec3 near = body.vertices.row(face.vertices.front());
+    Vec3 areaVector = Vec3::Zero(), moment = Vec3::Zero();
+    double area = 0.0;
+    for (const std::int32_t t : face.triangles) {
+        const Vec3 twice = doubleAreaVector(body, t);
+        Vec3 centre = Vec3::Zero();
+        for (int c = 0; c < 3; ++c) centre += (body.vertices.row(body.triangles(t, c)).transpose() - near) / 3.0;
+        const double a = 0.5 * twice.norm();
+        areaVector += 0.5 * twice;
+        moment += a * centre;
+        area += a;
+    }
+    if (!(area > 0.0)) return fail("no-patch", "The patch has no area; choose triangles that are not degenerate.");
+    // A patch that folds back on itself has an area vector much shorter than its area and no outward side.
+    if (!(areaVector.norm() > 0.3 * area))
+        return fail("not-planar", "The patch bends too far to have one outward side; choose a flatter one.");
+    face.area = area;
+    face.frame = frameOf(near + moment / area, areaVector.normalized());
+    for (const std::int32_t v : face.vertices) {
+        const Vec3 p = face.frame.toLocal(body.vertices.row(v).transpose());
+        face.size = std::max(face.size, p.norm());
+        face.planarityError = std::max(face.planarityError, std::abs(p.z()));
+    }
+    if (face.planarityError > kLargestBulge * face.size)
+        return fail("not-planar", "The patch leaves its plane by more than half of its size; choose a flatter one.");
+    return face;
+}
+
+}  // namespace
+
+Result<JointFace> jointFaceByPlane(const TriangleMesh& body, const Vec3& origin, const Vec3& normal, double tolerance) {
+    if (!origin.allFinite() || !normal.allFinite() || !(normal.norm() > 0.0))
+        return fail("bad-value", "The plane needs a finite origin and a normal that is not zero.");
+    if (!(tolerance >= 0.0) || !std::isfinite(tolerance))
+        return fail("bad-value", "The tolerance must be a finite number of at least 0.");
+    const Vec3 n = normal.stableNormalized();
+    std::vector<std::int32_t> chosen;
+    for (std::int32_t t = 0; t < body.triangles.rows(); ++t) {
+        bool inside = true;
+        for (int c = 0; c < 3 && inside; ++c) {
+            const Vec3 p = body.vertices.row(body.triangles(t, c));
+            inside = std::abs(n.dot(p - origin)) <= tolerance;
+        }
+        if (!inside) continue;
+        const Vec3 twice = doubleAreaVector(body, t);
+        if (twice.dot(n) >= kPlaneCosine * twice.norm()) chosen.push_back(t);
+    }
+    if (chosen.empty())
+        return fail("no-patch",
+                    "No triangle that faces along the normal lies in the plane; move the plane, turn its normal outward or raise "
+                    "the tolerance.");
+    auto found = patches(body, chosen);
+    const auto area = [&](const std::vector<std::int32_t>& patch) {
+        double sum = 0.0;
+        for (const std::int32_t t : patch) sum += doubleAreaVector(body, t).norm();
+        return sum;
+    };
+    std::size_t largest = 0;
+    for (std::size_t i = 1; i < found.size(); ++i)
+        if (area(found[i]) > area(found[largest])) largest = i;
+    return faceOf(body, std::move(found[largest]));
+}
+
+Result<JointFace> jointFaceByVertices(const TriangleMesh& body, const std::vector<std::int32_t>& vertices) {
+    std::vector<bool> named(static_cast<std::size_t>(body.vertices.rows()), false);
+    for (const std::int32_t v : vertices) {
+        if (v < 0 || v >= body.vertices.rows())
+            return fail("bad-index", "Vertex " + std::to_string(v) + " does not exist; the element has " +
+                                         std::to_string(body.vertices.rows()) + " vertices.");
+        named[static_cast<std::size_t>(v)] = true;
+    }
+    std::vector<std::int32_t> chosen;
+    std::vector<bool> used(named.size(), false);
+    for (std::int32_t t = 0; t < body.triangles.rows(); ++t) {
+        const auto is = [&](int c) { return named[static_cast<std::size_t>(body.triangles(t, c))]; };
+        if (!is(0) || !is(1) || !is(2)) continue;
+        chosen.push_back(t);
+        for (int c = 0; c < 3; ++c) used[static_cast<std::size_t>(body.triangles(t, c))] = true;
+    }
+    if (chosen.empty())
+        return fail("no-patch", "The vertices enclose no triangle; name all corners of the triangles of the face.");
+    for (const std::int32_t v : vertices)
+        if (!used[static_cast<std::size_t>(v)])
+            return fail("not-connected", "Vertex " + std::to_string(v) +
+                                             " belongs to no triangle of the face; name its neighbours too or leave it out.");
+    auto found = patches(body, chosen);
+    if (found.size() > 1)
+        return fail("not-connected", "The vertices form " + std::to_string(found.size()) +
+                                         " separate patches; make one joint face of each.");
+    return faceOf(body, std::move(found.front()));
+}
+
+Result<JointFace> jointFaceBySeed(const TriangleMesh& body, std::int32_t seed, double angle, double tolerance) {
+    if (seed < 0 || seed >= body.triangles.rows())
+        return fail("bad-index", "Triangle " + std::to_string(seed) + " does not exist.");
+    const Vec3 n = doubleAreaVector(body, seed).stableNormalized();
+    const Vec3 origin = body.vertices.row(body.triangles(seed, 0));
+    if (!(n.norm() > 0.5)) return fail("no-patch", "The triangle has no area; choose another one.");
+    const double cosine = std::cos(std::clamp(angle, 0.0, std::numbers::pi));
+    std::vector<std::int32_t> chosen;
+    for (std::int32_t t = 0; t < body.triangles.rows(); ++t) {
+        bool inside = true;
+        for (int c = 0; c < 3 && inside; ++c) {
+            const Vec3 p = body.vertices.row(body.triangles(t, c));
+            inside = std::abs(n.dot(p - origin)) <= tolerance;
+        }
+        const Vec3 twice = doubleAreaVector(body, t);
+        if (t == seed || (inside && twice.dot(n) >= cosine * twice.norm())) chosen.push_back(t);
+    }
+    for (auto& patch : patches(body, chosen))
+        if (std::binary_search(patch.begin(), patch.end(), seed)) return faceOf(body, std::move(patch));
+    return fail("no-patch", "No flat region lies there.");
+}
+
+}  // namespace imomushi
