@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/reduction/solver_mesh.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <tuple>
+#include <unordered_map>
+
+namespace imomushi {
+namespace {
+
+/// An edge may exceed the wanted size by this factor: the longest edge of a well-shaped triangle is about that much longer than its mean,
+/// and a bisected one then lies as far below the wanted size as it was above.
+constexpr double kSlack = 1.4;
+
+using Corner = std::array<std::int32_t, 3>;
+
+/// An edge in the order that decides which edge of a triangle is its longest: both triangles of an edge must agree, also where
+/// lengths are equal, or the search for a common longest edge would run in circles.
+struct Edge {
+    double squaredLength;
+    std::int32_t low, high;
+    auto operator<=>(const Edge&) const = default;
+};
+
+std::uint64_t key(std::int32_t a, std::int32_t b) {
+    return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(std::min(a, b))) << 32) |
+           static_cast<std::uint32_t>(std::max(a, b));
+}
+
+class Bisection {
+public:
+    Bisection(const TriangleMesh& body, std::vector<std::int32_t> labels) : labels_(std::move(labels)) {
+        for (Eigen::Index v = 0; v < body.vertices.rows(); ++v) points_.push_back(body.vertices.row(v));
+        for (Eigen::Index t = 0; t < body.triangles.rows(); ++t) {
+            corners_.push_back({body.triangles(t, 0), body.triangles(t, 1), body.triangles(t, 2)});
+            for (int c = 0; c < 3; ++c) attach(static_cast<std::int32_t>(t), c);
+        }
+    }
+
+    [[nodiscard]] std::int32_t triangles() const { return static_cast<std::int32_t>(corners_.size()); }
+    [[nodiscard]] const Corner& corner(std::int32_t t) const { return corners_[static_cast<std::size_t>(t)]; }
+    [[nodiscard]] const Vec3& point(std::int32_t v) const { return points_[static_cast<std::size_t>(v)]; }
+
+    [[nodiscard]] Edge longest(std::int32_t t) const {
+        const Corner& c = corner(t);
+        return std::max({edge(c[0], c[1]), edge(c[1], c[2]), edge(c[2], c[0])});
+    }
+
+    /// Bisects triangle t (whose index then names one of its halves), and first those neighbours whose longest edge is longer.
+    void bisect(std::int32_t t) {
+        const Edge wanted = longest(t);
+        while (neighbours_.contains(key(wanted.low, wanted.high))) {
+            Edge e = wanted;
+            std::int32_t at = t;
+            for (;;) {
+                at = across(at, e);
+                if (at < 0) break;
+                const Edge longer = longest(at);
+                if (longer == e) break;
+                e = longer;
+            }
+            split(e);
+        }
+    }
+
+    SolverMesh result(std::size_t faces) const {
+        SolverMesh out;
+        out.mesh.vertices.resize(static_cast<Eigen::Index>(points_.size()), 3);
+        for (std::size_t v = 0; v < points_.size(); ++v) out.mesh.vertices.row(static_cast<Eigen::Index>(v)) = points_[v].transpose();
+        out.mesh.triangles.resize(static_cast<Eigen::Index>(corners_.size()), 3);
+        out.faces.resize(faces);
+        for (std::size_t t = 0; t < corners_.size(); ++t) {
+            for (int c = 0; c < 3; ++c) out.mesh.triangles(static_cast<Eigen::Index>(t), c) = corners_[t][static_cast<std::size_t>(c)];
+            if (labels_[t] < 0) continue;
+            auto& patch = out.faces[static_cast<std::size_t>(labels_[t])];
+            patch.triangles.push_back(static_cast<std::int32_t>(t));
+            patch.vertices.insert(patch.vertices.end(), corners_[t].begin(), corners_[t].end());
+        }
+        for (auto& patch : out.faces) {
+            std::sort(patch.vertices.begin(), patch.vertices.end());
+            patch.vertices.erase(std::unique(patch.vertices.begin(), patch.vertices.end()), patch.vertices.end());
+        }
+        return out;
+    }
+
+private:
+    [[nodiscard]] Edge edge(std::int32_t a, std::int32_t b) const {
+        return {(point(a) - point(b)).squaredNorm(), std::min(a, b), std::max(a, b)};
+    }
+    [[nodiscard]] std::int32_t across(std::int32_t t, const Edge& e) const {
+        const auto& pair = neighbours_.at(key(e.low, e.high));
+        return pair[0] == t ? pair[1] : pair[0];
+    }
+    void attach(std::int32_t t, int c) {
+        const Corner& k = corner(t);
+        auto& pair = neighbours_.try_emplace(key(k[static_cast<std::size_t>(c)], k[static_cast<std::size_t>((c + 1) % 3)]),
+                                             std::array<std::int32_t, 2>{-1, -1})
+                         .first->second;
+        (pair[0] < 0 ? pair[0] : pair[1]) = t;
+    }
+    void replace(std::int32_t a, std::int32_t b, std::int32_t from, std::int32_t to) {
+        auto& pair = neighbours_.at(key(a, b));
+        (pair[0] == from ? pair[0] : pair[1]) = to;
+    }
+
+    /// Puts a vertex in the middle of an edge that is the longest of all its triangles.
+    void split(const Edge& e) {
+        const auto middle = static_cast<std::int32_t>(points_.size());
+        points_.push_back(0.5 * (point(e.low) + point(e.high)));
+        const auto pair = neighbours_.at(key(e.low, e.high));
+        neighbours_.erase(key(e.low, e.high));
+        for (const std::int32_t t : pair) {
+            if (t < 0) continue;
+            Corner& k = corners_[static_cast<std::size_t>(t)];
+            std::size_t c = 0;
+            while (key(k[c], k[(c + 1) % 3]) != key(e.low, e.high)) ++c;
+            const std::int32_t a = k[c], b = k[(c + 1) % 3], apex = k[(c + 2) % 3];
+            const auto half = static_cast<std::int32_t>(corners_.size());
+            k = {a, middle, apex};
+            corners_.push_back({middle, b, apex});
+            labels_.push_back(labels_[static_cast<std::size_t>(t)]);
+            replace(b, apex, t, half);
+            for (const auto& [p, q, owner] : {std::tuple{a, middle, t}, {middle, b, half}, {middle, apex, t}, {middle, apex, half}}) {
+                auto& entry = neighbours_.try_emplace(key(p, q), std::array<std::int32_t, 2>{-1, -1}).first->second;
+                (entry[0] < 0 ? entry[0] : entry[1]) = owner;
+            }
+        }
+    }
+
+    std::vector<Vec3> points_;
+    std::vector<Corner> corners_;
+    std::vector<std::int32_t> labels_;  ///< joint face of each triangle, -1: free
+    std::unordered_map<std::uint64_t, std::array<std::int32_t, 2>> neighbours_;
+};
+
+/// The rim edges of all faces: where a face meets the free surface.
+struct Rim {
+    struct Segment {
+        Vec3 from, along;
+        double length;
+    };
+    std::vector<Segment> segments;
+
+    Rim(const TriangleMesh& body, const std::vector<std::int32_t>& labels) {
+        std::unordered_map<std::uint64_t, std::pair<int, int>> sides;  // of each edge: face triangles, all triangles
+        for (Eigen::Index t = 0; t < body.triangles.rows(); ++t)
+            for (int c = 0; c < 3; ++c) {
+                auto& [held, all] = sides[key(body.triangles(t, c), body.triangles(t, (c + 1) % 3))];
+                held += labels[static_cast<std::size_t>(t)] >= 0 ? 1 : 0;
+                ++all;
+            }
+        for (Eigen::Index t = 0; t < body.triangles.rows(); ++t)
+            for (int c = 0; c < 3 && labels[static_cast<std::size_t>(t)] >= 0; ++c) {
+                const std::int32_t a = body.triangles(t, c), b = body.triangles(t, (c + 1) % 3);
+                const auto [held, all] = sides.at(key(a, b));
+                if (held == all) continue;
+                const Vec3 from = body.vertices.row(a), to = body.vertices.row(b);
+                segments.push_back({from, to - from, (to - from).norm()});
+            }
+    }
+
+    /// Distance of p from the nearest rim edge, and the length of that edge.
+    [[nodiscard]] std::pair<double, double> nearest(const Vec3& p) const {
+        double best = std::numeric_limits<double>::infinity(), length = 0.0;
+        for (const auto& s : segments) {
+            const double along = s.length > 0.0 ? std::clamp((p - s.from).dot(s.along) / (s.length * s.length), 0.0, 1.0) : 0.0;
+            const double d = (p - s.from - along * s.along).squaredNorm();
+            if (d < best) best = d, length = s.length;
+        }
+        return {std::sqrt(best), length};
+    }
+};
+
+}  // namespace
+
+SolverMesh solverMesh(const TriangleMesh& body, std::span<const JointFace> faces, const RimRefinement& refinement) {
+    assert(refinement.levels >= 0 && refinement.levels <= 8 && refinement.grading > 0.0);
+    std::vector<std::int32_t> labels(static_cast<std::size_t>(body.triangles.rows()), -1);
+    for (std::size_t f = 0; f < faces.size(); ++f)
+        for (const std::int32_t t : faces[f].triangles) labels[static_cast<std::size_t>(t)] = static_cast<std::int32_t>(f);
+
+    const Rim rim(body, labels);
+    Bisection mesh(body, std::move(labels));
+    if (refinement.levels == 0 || rim.segments.empty()) return mesh.result(faces.size());
+
+    const double finest = std::ldexp(1.0, -refinement.levels);
+    const auto tooLong = [&](std::int32_t t) {
+        // The nearest corner decides, so that all triangles that touch a rim get its finest size.
+        double wanted = std::numeric_limits<double>::infinity();
+        for (const std::int32_t v : mesh.corner(t)) {
+            const auto [distance, rimEdge] = rim.nearest(mesh.point(v));
+            wanted = std::min(wanted, std::max(finest * rimEdge, refinement.grading * distance));
+        }
+        return mesh.longest(t).squaredLength > kSlack * kSlack * wanted * wanted;
+    };
+    // Triangles are only ever appended or halved in place, so one pass that stays at a triangle until it fits visits all.
+    for (std::int32_t t = 0; t < mesh.triangles(); ++t)
+        while (tooLong(t)) mesh.bisect(t);
+    return mesh.result(faces.size());
+}
+
+}  // namespace imomushi

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <doctest/doctest.h>
+
+#include <Eigen/Geometry>
+#include <map>
+
+#include "core/reduction/solver_mesh.h"
+
+using namespace imomushi;
+
+namespace {
+
+/// A box 1 x 1 x 2 of n cells per unit length; shared vertices, outward.
+TriangleMesh box(int n) {
+    std::map<std::tuple<int, int, int>, int> index;
+    TriangleMesh mesh;
+    std::vector<Vec3> points;
+    std::vector<std::array<int, 3>> triangles;
+    const auto vertex = [&](int x, int y, int z) {
+        const auto [it, fresh] = index.try_emplace({x, y, z}, static_cast<int>(points.size()));
+        if (fresh) points.emplace_back(double(x) / n, double(y) / n, double(z) / n);
+        return it->second;
+    };
+    const int size[3] = {n, n, 2 * n};
+    for (int axis = 0; axis < 3; ++axis)
+        for (int side = 0; side < 2; ++side) {
+            const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+            for (int i = 0; i < size[u]; ++i)
+                for (int j = 0; j < size[v]; ++j) {
+                    const auto at = [&](int a, int b) {
+                        int p[3];
+                        p[axis] = side * size[axis], p[u] = i + a, p[v] = j + b;
+                        return vertex(p[0], p[1], p[2]);
+                    };
+                    const int q[4] = {at(0, 0), at(1, 0), at(1, 1), at(0, 1)};
+                    if (side) triangles.push_back({q[0], q[1], q[2]}), triangles.push_back({q[0], q[2], q[3]});
+                    else triangles.push_back({q[0], q[2], q[1]}), triangles.push_back({q[0], q[3], q[2]});
+                }
+        }
+    mesh.vertices.resize(static_cast<int>(points.size()), 3);
+    for (int i = 0; i < mesh.vertices.rows(); ++i) mesh.vertices.row(i) = points[i].transpose();
+    mesh.triangles.resize(static_cast<int>(triangles.size()), 3);
+    for (int i = 0; i < mesh.triangles.rows(); ++i)
+        for (int c = 0; c < 3; ++c) mesh.triangles(i, c) = triangles[i][c];
+    return mesh;
+}
+
+struct Facts {
+    bool closed = true;
+    double volume = 0, area = 0, worstQuality = 1;
+};
+
+Facts facts(const TriangleMesh& mesh) {
+    Facts f;
+    std::map<std::pair<int, int>, int> directed;
+    for (int t = 0; t < mesh.triangles.rows(); ++t) {
+        Vec3 p[3];
+        double squares = 0;
+        for (int c = 0; c < 3; ++c) p[c] = mesh.vertices.row(mesh.triangles(t, c));
+        for (int c = 0; c < 3; ++c) ++directed[{mesh.triangles(t, c), mesh.triangles(t, (c + 1) % 3)}], squares += (p[c] - p[(c + 1) % 3]).squaredNorm();
+        f.volume += p[0].dot(p[1].cross(p[2])) / 6;
+        const double area = 0.5 * (p[1] - p[0]).cross(p[2] - p[0]).norm();
+        f.area += area;
+        f.worstQuality = std::min(f.worstQuality, 4 * std::sqrt(3.0) * area / squares);
+    }
+    for (const auto& [e, n] : directed) f.closed = f.closed && n == 1 && directed.contains({e.second, e.first});
+    return f;
+}
+
+}  // namespace
+
+TEST_CASE("solver mesh: the same closed polyhedron, the body's vertices first, faces covered exactly, finer at the rims") {
+    const TriangleMesh body = box(4);
+    const std::vector<JointFace> faces{jointFaceByPlane(body, Vec3(0, 0, 0), Vec3(0, 0, -1), 1e-9).value(),
+                                       jointFaceByPlane(body, Vec3(0, 0, 2), Vec3(0, 0, 1), 1e-9).value()};
+    Eigen::Index last = body.vertices.rows();
+    for (int levels : {1, 2, 3}) {
+        const SolverMesh fine = solverMesh(body, faces, {levels, 0.6});
+        const Facts f = facts(fine.mesh);
+        CHECK(f.closed);
+        CHECK(f.volume == doctest::Approx(2.0).epsilon(1e-12));
+        CHECK(f.area == doctest::Approx(10.0).epsilon(1e-12));
+        // Longest-edge bisection of right isosceles triangles gives only their like.
+        CHECK(f.worstQuality >= facts(body).worstQuality - 1e-12);
+        CHECK(fine.mesh.vertices.topRows(body.vertices.rows()) == body.vertices);
+        CHECK(fine.mesh.vertices.rows() > last);
+        last = fine.mesh.vertices.rows();
+        for (std::size_t k = 0; k < 2; ++k) {
+            double area = 0, shortest = 1;
+            for (const auto t : fine.faces[k].triangles) {
+                Vec3 p[3];
+                for (int c = 0; c < 3; ++c) p[c] = fine.mesh.vertices.row(fine.mesh.triangles(t, c));
+                area += 0.5 * (p[1] - p[0]).cross(p[2] - p[0]).norm();
+                for (int c = 0; c < 3; ++c) shortest = std::min(shortest, (p[c] - p[(c + 1) % 3]).norm());
+            }
+            CHECK(area == doctest::Approx(1.0).epsilon(1e-12));
+            CHECK(shortest <= 0.25 * std::ldexp(1.0, -levels) * 1.0001);
+        }
+    }
+}
+
+TEST_CASE("solver mesh: no refinement gives the body back, and the same input gives the same mesh") {
+    const TriangleMesh body = box(3);
+    const std::vector<JointFace> faces{jointFaceByPlane(body, Vec3(0, 0, 0), Vec3(0, 0, -1), 1e-9).value()};
+    const SolverMesh same = solverMesh(body, faces, {0, 0.6});
+    CHECK(same.mesh.vertices == body.vertices);
+    CHECK(same.mesh.triangles == body.triangles);
+    CHECK(same.faces[0].vertices == faces[0].vertices);
+    CHECK(same.faces[0].triangles == faces[0].triangles);
+    CHECK(solverMesh(body, faces, {2, 0.6}).mesh.vertices == solverMesh(body, faces, {2, 0.6}).mesh.vertices);
+}
