@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/result.h"
@@ -36,22 +37,39 @@ struct Body {
     bool dimmed = false;                        ///< out of date: drawn with a calm hatch
     float opacity = 1.0f;                       ///< < 1: x-ray while bones are placed
     const std::vector<std::int32_t>* markedTriangles = nullptr;  ///< face under construction, issue places
+    /// Triangles that touch a neighbour (joined faces): neither drawn nor part of the normals at their rim. Null: none.
+    std::shared_ptr<const std::vector<std::int32_t>> coveredTriangles;
+    bool pickable = true;                       ///< false: pick() looks through it (a locked element)
 };
 
-/// Overlay primitives, drawn over the bodies with constant size in pixels where said so.
+/// Two bodies that must look like one surface: their normals are averaged over the welded body vertices.
+struct Seam {
+    int a = -1, b = -1;  ///< into Scene::bodies
+    std::shared_ptr<const std::vector<std::pair<std::int32_t, std::int32_t>>> welded;  ///< (vertex of a, vertex of b)
+};
+
+/// Overlay primitives, drawn over the bodies, dimmer where a body hides them. Lines and points keep their size in pixels.
+///   Bone         tapered octahedron from `from` to `to`
+///   JointPoint   ring at `from`; HeldPoint: disc in a ring; PinnedPoint: diamond
+///   FaceOutline  glowing closed polyline `outline` (the last point joins the first)
+///   PlaneGizmo   translucent square around `from`, half as wide as `to` is away, with an arrow along its normal to `to`
+///   Axis         arrow from `from` to `to`, in the colour of the world axis nearest to its direction
 struct Marker {
     enum class Shape { Bone, JointPoint, HeldPoint, PinnedPoint, FaceOutline, PlaneGizmo, Axis } shape = Shape::JointPoint;
-    std::uint64_t id = 0;            ///< what pick() answers
-    Vec3 from = Vec3::Zero(), to = Vec3::Zero();   ///< bone: its ends; points: `from`
-    std::vector<Vec3> outline;       ///< FaceOutline: closed polyline(s); NaN-free
+    std::uint64_t id = 0;            ///< what pick() answers; 0: not picked
+    Vec3 from = Vec3::Zero(), to = Vec3::Zero();   ///< m, world, finite
+    std::vector<Vec3> outline;       ///< FaceOutline only; m, world, finite
     bool selected = false, hovered = false;
 };
 
 struct Scene {
     Camera camera;
     std::vector<Body> bodies;
+    std::vector<Seam> seams;
     std::vector<Marker> markers;
     bool grid = true;
+    bool groundShadow = true;         ///< soft shadow on the ground, also without the grid
+    double ground = 0.0;              ///< m, world height of grid and shadow
     bool darkTheme = true;
     bool transparentBackground = false;
     float pixelRatio = 1.0f;  ///< device pixels per logical pixel
@@ -64,11 +82,13 @@ public:
     static Result<std::unique_ptr<SceneRenderer>> create();
     virtual ~SceneRenderer() = default;
 
-    /// Draws into framebuffer object `target` (0: the window's), size in device pixels.
+    /// Draws into framebuffer object `target` (0: the window's), size in device pixels. Values written are sRGB-encoded; with a transparent
+    /// background colour is multiplied by alpha. Leaves the context's state at OpenGL's defaults, except the framebuffer binding (`target`)
+    /// and the viewport.
     virtual void draw(const Scene& scene, unsigned target, int width, int height) = 0;
 
     /// Id of the marker (first) or body at a device pixel (origin top left) of the last drawn scene; 0: nothing. `triangle`: of the body, or -1.
-    /// `point`: world position there.
+    /// `point`: world position there. Draws nothing visible and needs no draw() before.
     struct Pick {
         std::uint64_t id = 0;
         int triangle = -1;
@@ -78,7 +98,8 @@ public:
     virtual Pick pick(const Scene& scene, int width, int height, int x, int y) = 0;
 };
 
-/// An OpenGL context without window or display (EGL surfaceless), current from creation to destruction on its thread.
+/// An OpenGL context without window or display (EGL surfaceless), current from creation to destruction on its thread. While it lives
+/// floating-point traps are off on that thread: drivers compute with infinities on purpose.
 class OffscreenContext {
 public:
     /// Errors: "no-opengl" with what EGL said.
@@ -86,10 +107,15 @@ public:
     virtual ~OffscreenContext() = default;
 };
 
-/// Draws a scene without a display and returns RGBA rows from the top, 4 bytes a pixel.
+/// Largest pictures that are drawn: side and number of pixels (8192 x 4320 and the like).
+inline constexpr int kLargestSide = 8192;
+inline constexpr long kMostPixels = 36'000'000;
+
+/// Draws a scene without a display and returns RGBA rows from the top, 4 bytes a pixel, sRGB with straight alpha. Works beside any
+/// other context of the caller: it draws on a thread of its own. Errors: "no-opengl", "bad-shader", "bad-size", "out-of-memory".
 Result<std::vector<std::uint8_t>> drawOffscreen(const Scene& scene, int width, int height);
 
-/// Writes RGBA rows as a PNG file. Errors: "not-writable".
+/// Writes RGBA rows as a PNG file. `path` is UTF-8. Errors: "not-writable".
 Result<void> writePng(const std::string& path, const std::vector<std::uint8_t>& rgba, int width, int height);
 
 }  // namespace imomushi::render

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/document/session.h"
+#include "ui/render/scene_renderer.h"
+
+namespace imomushi {
+
+/// What a body or marker of a scene stands for.
+struct ScenePart {
+    enum class Kind { Element, Face, Bone, Endpoint } kind = Kind::Element;
+    PartId part = 0;       ///< element (Element, Face) or bone (Bone, Endpoint)
+    int face = -1;         ///< Face: index into Element::faces
+    bool atEnd = false;    ///< Endpoint only
+    bool operator==(const ScenePart&) const = default;
+};
+
+/// The id that a part has in every scene (Body::id, Marker::id, Pick::id), and back. Unknown ids give nothing.
+std::uint64_t sceneId(const ScenePart& part);
+std::optional<ScenePart> scenePart(std::uint64_t id);
+
+/// What to show beside the bodies.
+struct SceneOptions {
+    bool bones = false;         ///< bones with their joint points, held and pinned points
+    bool faces = false;         ///< outlines of joint faces
+    float bodyOpacity = 1.0f;   ///< < 1: x-ray
+    std::vector<std::uint64_t> selected;  ///< scene ids
+    std::uint64_t hovered = 0;
+};
+
+/// The scene of a session. Keeps what does not change from frame to frame (outlines, covered triangles); one per view.
+class DocumentScene {
+public:
+    /// Sets bodies, seams, markers and ground of `scene` to the session's present state; leaves camera, theme and the rest alone.
+    /// Surfaces are pointed to, not copied: draw before the session changes again.
+    void update(Session& session, const SceneOptions& options, render::Scene& scene);
+
+private:
+    /// What is known of an element until it is replaced by a changed one.
+    struct ElementParts {
+        std::shared_ptr<const Element> element;
+        std::vector<std::vector<std::vector<std::int32_t>>> rims;  ///< per face: closed loops of body vertices
+        std::vector<int> joinedFaces;
+        std::shared_ptr<const std::vector<std::int32_t>> covered;
+        double lowest = 0.0;  ///< m, at rest
+        std::vector<float> restPositions, restNormals;  ///< shown while the character cannot be built
+    };
+    ElementParts& parts(const std::shared_ptr<const Element>& element, const std::vector<int>& joinedFaces);
+    std::map<PartId, ElementParts> parts_;
+    std::map<std::pair<PartId, PartId>, std::shared_ptr<const std::vector<std::pair<std::int32_t, std::int32_t>>>> welds_;
+};
+
+/// A camera that looks along `direction` (from eye to target, any length) and frames all bodies of `scene` tightly, with a margin.
+/// `aspect`: width by height. An empty scene is framed as the unit cube on the ground.
+render::Camera framed(const render::Scene& scene, const Vec3& direction, double aspect);
+
+/// The direction of the view that a file opens with: from the front, the right and above.
+Vec3 threeQuarterDirection();
+
+}  // namespace imomushi
