@@ -3,11 +3,14 @@
 
 #include <QString>
 #include <Qt>
+#include <algorithm>
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "ui/models/studio_document.h"
 #include "ui/render/scene_renderer.h"
+#include "ui/tools/tool_kind.h"
 
 namespace imomushi {
 
@@ -20,7 +23,15 @@ struct PointerEvent {
     Vec3 rayOrigin = Vec3::Zero();     ///< world
     Vec3 rayDirection = Vec3::UnitZ(); ///< unit
     Vec3 viewForward = -Vec3::UnitZ(); ///< unit, for dragging in the plane of the screen
+    double pixelAngle = 0.001;         ///< metres that a logical pixel covers per metre of depth (perspective; 0 otherwise)
+    double pixelSize = 0.0;            ///< metres that a logical pixel covers at any depth (orthographic; 0 otherwise)
+    bool bonesVisible = true;          ///< false: bones are hidden and not picked
     render::SceneRenderer::Pick pick;  ///< what lies under the pointer
+
+    /// Metres that a logical pixel covers at `p`.
+    [[nodiscard]] double pixelAt(const Vec3& p) const {
+        return pixelSize + pixelAngle * std::max(1e-9, viewForward.dot(p - rayOrigin));
+    }
 };
 
 /// What the user does with the pointer in the viewport: select, place a joint face, place bones, pose. No widgets, no OpenGL: tools can be tested
@@ -29,12 +40,21 @@ class Tool {
 public:
     explicit Tool(StudioDocument& document) : document_(document) {}
     virtual ~Tool() = default;
+    Tool(const Tool&) = delete;
+    Tool& operator=(const Tool&) = delete;
 
     virtual void press(const PointerEvent&) {}
     virtual void move(const PointerEvent&) {}     ///< also without a button: hover
     virtual void release(const PointerEvent&) {}
+    virtual void doubleClick(const PointerEvent& e) { press(e); }
+    virtual bool wheel(double /*notches*/, const PointerEvent&) { return false; }  ///< true: used, the view does not zoom
     virtual bool key(int /*key*/, Qt::KeyboardModifiers) { return false; }  ///< true: used
+    virtual void keyReleased(int /*key*/) {}
     virtual void cancel() {}                      ///< takes back an unfinished gesture (Esc, right button, focus lost)
+    /// A gesture is open: it must be released or cancelled before anything else happens to the document.
+    [[nodiscard]] virtual bool busy() const { return false; }
+    /// Something is unfinished that cancel() would end (an open gesture, a chain of bones, a placed plane).
+    [[nodiscard]] virtual bool pending() const { return busy(); }
     /// What the mouse buttons do now, translated, for the status bar.
     [[nodiscard]] virtual QString hint() const = 0;
     /// Adds what the tool shows to the scene (previews, handles).
@@ -43,5 +63,7 @@ public:
 protected:
     StudioDocument& document_;
 };
+
+std::unique_ptr<Tool> makeTool(ToolKind kind, StudioDocument& document);
 
 }  // namespace imomushi

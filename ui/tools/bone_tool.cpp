@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/tools/bone_tool.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "ui/scene/document_scene.h"
+#include "ui/tools/tool_texts.h"
+
+namespace imomushi {
+namespace {
+
+/// Bodies are seen through while bones are placed in them.
+constexpr float kXray = 0.45f;
+
+const Joint* jointOf(const Document& document, const FaceRef& face) {
+    for (const auto& [id, joint] : document.joints)
+        if (std::find(joint->faces.begin(), joint->faces.end(), face) != joint->faces.end()) return joint.get();
+    return nullptr;
+}
+
+/// Where the reference of an end finally leads: a face or a point.
+Bone::Place resolved(const Document& document, Bone::Place place) {
+    for (std::size_t i = 0; i <= document.bones.size(); ++i) {
+        const auto* end = std::get_if<EndpointRef>(&place);
+        if (!end) break;
+        const auto bone = document.bones.find(end->bone);
+        if (bone == document.bones.end()) break;
+        place = end->atEnd ? bone->second->end : bone->second->start;
+    }
+    return place;
+}
+
+/// The end of a bone that is at this face or at one joined to it.
+std::optional<EndpointRef> endAt(const Document& document, const FaceRef& face) {
+    const Joint* joint = jointOf(document, face);
+    const auto same = [&](const Bone::Place& place) {
+        const Bone::Place at = resolved(document, place);
+        const auto* other = std::get_if<FaceRef>(&at);
+        if (!other) return false;
+        return *other == face || (joint && std::find(joint->faces.begin(), joint->faces.end(), *other) != joint->faces.end());
+    };
+    for (const bool atEnd : {true, false})
+        for (const auto& [id, bone] : document.bones)
+            if (same(atEnd ? bone->end : bone->start)) return EndpointRef{id, atEnd};
+    return std::nullopt;
+}
+
+std::string freeBoneName(const Document& document) {
+    for (int n = 1;; ++n) {
+        std::string name = "bone " + std::to_string(n);
+        if (!document.boneNamed(name) && !document.elementNamed(name)) return name;
+    }
+}
+
+}  // namespace
+
+std::set<PartId> elementsAt(const Document& document, const Bone::Place& place) {
+    std::set<PartId> elements;
+    const Bone::Place at = resolved(document, place);
+    if (const auto* face = std::get_if<FaceRef>(&at)) {
+        elements.insert(face->element);
+        if (const Joint* joint = jointOf(document, *face))
+            for (const FaceRef& other : joint->faces) elements.insert(other.element);
+    } else if (const auto* end = std::get_if<EndpointRef>(&place)) {
+        // A point in the volume: the element that the bone runs through has it.
+        const auto bone = document.bones.find(end->bone);
+        if (bone != document.bones.end() && bone->second->element) elements.insert(bone->second->element);
+    }
+    return elements;
+}
+
+std::optional<BoneTool::Spot> BoneTool::spotAt(const EndpointRef& end) const {
+    const auto shown = endpointPosition(document_.session(), end);
+    const auto rest = endpointRestPosition(document_.document(), end);
+    if (!shown || !rest) return std::nullopt;
+    return Spot{end, *shown, *rest, elementsAt(document_.document(), end)};
+}
+
+std::optional<BoneTool::Spot> BoneTool::spotAt(const FaceRef& face) const {
+    // A joint that has the end of a bone shares it, and so bones become chains.
+    if (const auto end = endAt(document_.document(), face)) {
+        auto spot = spotAt(*end);
+        if (spot) spot->elements.merge(elementsAt(document_.document(), face));
+        return spot;
+    }
+    const auto shown = facePosition(document_.session(), face);
+    if (!shown) return std::nullopt;
+    const Element& element = *document_.document().elements.at(face.element);
+    return Spot{face, *shown, element.faces[std::size_t(element.faceIndex(face.face))].frame.origin,
+                elementsAt(document_.document(), face)};
+}
+
+bool BoneTool::stillThere(const Spot& spot) const {
+    if (const auto* face = std::get_if<FaceRef>(&spot.place)) {
+        const auto element = document_.document().elements.find(face->element);
+        return element != document_.document().elements.end() && element->second->faceIndex(face->face) >= 0;
+    }
+    if (const auto* end = std::get_if<EndpointRef>(&spot.place)) return document_.document().bones.contains(end->bone);
+    return true;
+}
+
+std::optional<BoneTool::Spot> BoneTool::spotUnder(const PointerEvent& e) const {
+    Session& session = document_.session();
+    const Document& d = document_.document();
+    PointerEvent seen = e;
+    seen.bonesVisible = true;  // this tool shows them
+    if (const auto end = pickEndpoint(session, seen)) return spotAt(*end);
+    if (e.modifiers & Qt::ShiftModifier) return std::nullopt;
+
+    // Centres of joint faces, also where a body hides them: it is seen through.
+    double nearest = kFaceCentrePixels;
+    std::optional<FaceRef> best;
+    for (const auto& [id, element] : d.elements) {
+        if (!element->visible || element->locked) continue;
+        for (const JointFace& face : element->faces) {
+            const auto at = facePosition(session, {id, face.name});
+            if (!at) continue;
+            const Vec3 to = *at - e.rayOrigin;
+            const double along = to.dot(e.rayDirection);
+            if (along <= 0.0) continue;
+            const double pixels = (to - along * e.rayDirection).norm() / e.pixelAt(*at);
+            if (pixels >= nearest) continue;
+            nearest = pixels;
+            best = FaceRef{id, face.name};
+        }
+    }
+    if (best) return spotAt(*best);
+
+    const auto hits = rayHits(session, e.rayOrigin, e.rayDirection);
+    const auto entry = std::find_if(hits.begin(), hits.end(), [](const RayHit& hit) { return hit.entering; });
+    if (entry == hits.end()) return std::nullopt;
+    const Element& element = *d.elements.at(entry->element);
+    if (const JointFace* face = faceOfTriangle(element, entry->triangle)) return spotAt(FaceRef{entry->element, face->name});
+    const auto exit = std::find_if(entry + 1, hits.end(),
+                                   [&](const RayHit& hit) { return !hit.entering && hit.element == entry->element; });
+    if (exit == hits.end()) return std::nullopt;
+    const Vec3 rest = 0.5 * (entry->rest + exit->rest);
+    return Spot{rest, 0.5 * (entry->point + exit->point), rest, {entry->element}};
+}
+
+void BoneTool::move(const PointerEvent& e) {
+    hovered_ = spotUnder(e);
+    if (start_ && !stillThere(*start_)) start_.reset();
+    std::optional<SelectionItem> item;
+    if (hovered_) {
+        if (const auto* face = std::get_if<FaceRef>(&hovered_->place))
+            item = SelectionItem{SelectionItem::Kind::Face, face->element, face->face, false};
+        if (const auto* end = std::get_if<EndpointRef>(&hovered_->place))
+            item = SelectionItem{SelectionItem::Kind::Endpoint, end->bone, {}, end->atEnd};
+    }
+    document_.setHovered(std::move(item));
+}
+
+void BoneTool::press(const PointerEvent& e) {
+    if (e.button != Qt::LeftButton) return;
+    move(e);
+    if (!hovered_) return;
+    if (!start_ || (e.modifiers & Qt::ShiftModifier)) {
+        start_ = hovered_;
+        return;
+    }
+    addBone(*start_, *hovered_);
+    move(e);
+}
+
+void BoneTool::addBone(const Spot& from, const Spot& to) {
+    const Document& d = document_.document();
+    if (from == to || (to.rest - from.rest).norm() <= 0.0) {
+        Q_EMIT document_.failed(ToolTexts::tr("A bone needs two different ends. Click somewhere else."));
+        return;
+    }
+    // Through which element: one that both ends have; of several the first without a bone.
+    PartId element = 0;
+    bool taken = true;
+    for (const PartId id : to.elements) {
+        if (!from.elements.contains(id)) continue;
+        const bool has = std::any_of(d.bones.begin(), d.bones.end(), [&](const auto& bone) { return bone.second->element == id; });
+        if (element && !(taken && !has)) continue;
+        element = id;
+        taken = has;
+    }
+    // Of joined faces the one of that element is named.
+    const auto path = [&](const Spot& spot) -> Json {
+        if (const auto* end = std::get_if<EndpointRef>(&spot.place)) return pathOf(d, *end);
+        if (const auto* point = std::get_if<Vec3>(&spot.place)) return jsonOf(*point);
+        FaceRef face = std::get<FaceRef>(spot.place);
+        if (const Joint* joint = element ? jointOf(d, face) : nullptr)
+            for (const FaceRef& other : joint->faces)
+                if (other.element == element) face = other;
+        return pathOf(d, face);
+    };
+    const std::string name = freeBoneName(d);
+    Json command = {{"do", "add-bone"}, {"name", name}};
+    if (element) command["element"] = d.elements.at(element)->name;
+    command["from"] = path(from);
+    command["to"] = path(to);
+    if (const auto* end = std::get_if<EndpointRef>(&from.place)) {
+        const auto bone = d.bones.find(end->bone);
+        const auto parent = end->atEnd || bone == d.bones.end() ? bone : d.bones.find(bone->second->parent);
+        if (parent != d.bones.end()) command["parent"] = parent->second->name;
+    }
+    if (!document_.execute(command)) return;
+    const Bone* bone = d.boneNamed(name);
+    if (!bone) return;
+    document_.select({SelectionItem{SelectionItem::Kind::Bone, bone->id, {}, false}});
+    start_ = spotAt(EndpointRef{bone->id, true});
+}
+
+bool BoneTool::key(int key, Qt::KeyboardModifiers) {
+    if (!start_ || (key != Qt::Key_Return && key != Qt::Key_Enter)) return false;
+    start_.reset();
+    return true;
+}
+
+void BoneTool::cancel() {
+    start_.reset();
+    hovered_.reset();
+}
+
+QString BoneTool::hint() const {
+    if (document_.document().elements.empty()) return ToolTexts::tr("Import a mesh first");
+    if (start_) return ToolTexts::tr("Click: end of the bone · Esc: end the chain");
+    return ToolTexts::tr("Click: start of a bone (joint face, end of a bone, or inside a body)");
+}
+
+void BoneTool::decorate(render::Scene& scene) const {
+    for (render::Body& body : scene.bodies) body.opacity = std::min(body.opacity, kXray);
+    const auto point = [&](const Spot& spot) {
+        render::Marker marker;
+        marker.shape = render::Marker::Shape::JointPoint;
+        marker.from = spot.shown;
+        marker.hovered = true;
+        scene.markers.push_back(std::move(marker));
+    };
+    if (start_ && hovered_ && !(*start_ == *hovered_)) {
+        render::Marker bone;
+        bone.shape = render::Marker::Shape::Bone;
+        bone.from = start_->shown;
+        bone.to = hovered_->shown;
+        bone.hovered = true;
+        scene.markers.push_back(std::move(bone));
+    }
+    if (start_) point(*start_);
+    if (hovered_) point(*hovered_);
+}
+
+}  // namespace imomushi

@@ -1,0 +1,370 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/tools/face_tool.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "ui/models/texts.h"
+#include "ui/tools/gesture.h"
+#include "ui/tools/tool_texts.h"
+
+namespace imomushi {
+namespace {
+
+/// Normals of a flat region: the 10 degrees of the contract of add-joint-face.
+constexpr double kAngle = 10.0 * std::numbers::pi / 180.0;
+/// The contract's tolerance, in parts of the element's diagonal; the wheel doubles and halves it.
+constexpr double kTolerance = 1e-4;
+constexpr int kMostWidened = 11;  ///< 2^11 * 1e-4: a fifth of the diagonal
+/// Centres of faces that meet lie within this part of their size: the contract's limit of join.
+constexpr double kMeetDistance = 0.01;
+/// Sizes and areas of faces that meet agree to this part; tessellations of one rim may differ.
+constexpr double kMeetShape = 0.05;
+/// Normals of faces that meet are opposite to within about 8 degrees.
+constexpr double kMeetCosine = 0.99;
+
+double diagonal(const TriangleMesh& mesh) {
+    if (mesh.vertices.rows() == 0) return 0.0;
+    return (mesh.vertices.colwise().maxCoeff() - mesh.vertices.colwise().minCoeff()).norm();
+}
+
+Vec3 corner(const TriangleMesh& mesh, std::int32_t triangle, int c) { return mesh.vertices.row(mesh.triangles(triangle, c)); }
+
+Vec3 normalOf(const TriangleMesh& mesh, std::int32_t triangle) {
+    const Vec3 a = corner(mesh, triangle, 0);
+    return (corner(mesh, triangle, 1) - a).cross(corner(mesh, triangle, 2) - a).stableNormalized();
+}
+
+/// The flat region of `mesh` that meets `face`, if there is one.
+std::optional<JointFace> meetingRegion(const TriangleMesh& mesh, const JointFace& face) {
+    std::int32_t seed = -1;
+    double nearest = face.size;
+    for (std::int32_t t = 0; t < mesh.triangles.rows(); ++t) {
+        const Vec3 centre = (corner(mesh, t, 0) + corner(mesh, t, 1) + corner(mesh, t, 2)) / 3.0;
+        const Vec3 d = centre - face.frame.origin;
+        if (std::abs(face.frame.axes.col(2).dot(d)) > kMeetDistance * face.size || d.norm() >= nearest) continue;
+        if (normalOf(mesh, t).dot(face.frame.axes.col(2)) > -kMeetCosine) continue;
+        nearest = d.norm();
+        seed = t;
+    }
+    if (seed < 0) return std::nullopt;
+    const auto region = jointFaceBySeed(mesh, seed, kAngle, std::max(kMeetDistance * face.size, face.planarityError));
+    if (!region || !facesMeet(face, *region)) return std::nullopt;
+    return *region;
+}
+
+const JointFace* faceInTheWay(const Element& element, const JointFace& face) {
+    for (const JointFace& other : element.faces) {
+        std::vector<std::int32_t> shared;
+        std::set_intersection(face.vertices.begin(), face.vertices.end(), other.vertices.begin(), other.vertices.end(),
+                              std::back_inserter(shared));
+        if (!shared.empty()) return &other;
+    }
+    return nullptr;
+}
+
+Json facesCommand(const Element& element, const std::string& name, const JointFace& face) {
+    return {{"do", "add-joint-face"}, {"element", element.name}, {"name", name}, {"vertices", face.vertices}};
+}
+
+bool joined(const Document& document, const FaceRef& face) {
+    for (const auto& [id, joint] : document.joints)
+        if (joint->faces.size() > 1 && std::find(joint->faces.begin(), joint->faces.end(), face) != joint->faces.end()) return true;
+    return false;
+}
+
+}  // namespace
+
+bool facesMeet(const JointFace& a, const JointFace& b) {
+    const double size = std::min(a.size, b.size);
+    return (a.frame.origin - b.frame.origin).norm() <= kMeetDistance * size &&
+           a.frame.axes.col(2).dot(b.frame.axes.col(2)) <= -kMeetCosine && std::abs(a.size - b.size) <= kMeetShape * size &&
+           std::abs(a.area - b.area) <= kMeetShape * std::min(a.area, b.area);
+}
+
+std::string freeFaceName(const Element& element) {
+    for (int n = 1;; ++n) {
+        std::string name = "face " + std::to_string(n);
+        if (element.faceIndex(name) < 0) return name;
+    }
+}
+
+int joinNeighbours(StudioDocument& document, const FaceRef& ref) {
+    const Document& d = document.document();
+    const auto own = d.elements.find(ref.element);
+    if (own == d.elements.end()) return 0;
+    const int index = own->second->faceIndex(ref.face);
+    if (index < 0) return 0;
+    const JointFace face = own->second->faces[std::size_t(index)];
+    std::vector<PartId> others;
+    for (const auto& [id, element] : d.elements)
+        if (id != ref.element && !element->locked) others.push_back(id);
+    int count = 0;
+    for (const PartId id : others) {
+        const std::shared_ptr<const Element> element = d.elements.at(id);
+        FaceRef partner;
+        for (const JointFace& other : element->faces)
+            if (facesMeet(face, other) && !joined(d, FaceRef{id, other.name})) partner = FaceRef{id, other.name};
+        if (!partner.element) {
+            const auto region = meetingRegion(element->mesh->body, face);
+            if (!region || faceInTheWay(*element, *region)) continue;
+            const std::string name = freeFaceName(*element);
+            if (!document.execute(facesCommand(*element, name, *region))) continue;
+            partner = FaceRef{id, name};
+        }
+        const auto answer = document.execute({{"do", "join"}, {"a", pathOf(d, ref)}, {"b", pathOf(d, partner)}}, true);
+        if (answer)
+            ++count;
+        else
+            Q_EMIT document.failed(ToolTexts::tr("The faces were not joined. %1").arg(errorText(answer.error())));
+    }
+    return count;
+}
+
+const Element* FaceTool::element() const {
+    const auto found = document_.document().elements.find(element_);
+    return found == document_.document().elements.end() || found->second != seen_ ? nullptr : found->second.get();
+}
+
+void FaceTool::look(PartId id) {
+    clearPreview();
+    const auto found = document_.document().elements.find(id);
+    if (found == document_.document().elements.end()) return;
+    element_ = id;
+    seen_ = found->second;
+}
+
+double FaceTool::tolerance(const Element& element) const {
+    return kTolerance * std::ldexp(1.0, widened_) * diagonal(element.mesh->body);
+}
+
+void FaceTool::clearPreview() {
+    element_ = 0;
+    seen_.reset();
+    seed_ = -1;
+    face_.reset();
+    existing_.clear();
+    refusal_.clear();
+}
+
+void FaceTool::preview(PartId id, std::int32_t triangle) {
+    look(id);
+    const Element* of = element();
+    if (!of) return;
+    seed_ = triangle;
+    if (const JointFace* face = faceOfTriangle(*of, triangle)) {
+        existing_ = face->name;
+        return;
+    }
+    auto face = jointFaceBySeed(of->mesh->body, triangle, kAngle, tolerance(*of));
+    if (!face) {
+        refusal_ = errorText(face.error());
+        return;
+    }
+    face_ = std::move(*face);
+    if (const JointFace* other = faceInTheWay(*of, *face_))
+        refusal_ = ToolTexts::tr("Touches the joint face \"%1\"").arg(QString::fromStdString(other->name));
+}
+
+void FaceTool::previewPlane() {
+    look(plane_->element);
+    const Element* of = element();
+    if (!of) {
+        plane_.reset();
+        return;
+    }
+    auto face = jointFaceByPlane(of->mesh->body, plane_->origin, plane_->normal, tolerance(*of));
+    if (!face) {
+        refusal_ = errorText(face.error());
+        return;
+    }
+    face_ = std::move(*face);
+    if (const JointFace* other = faceInTheWay(*of, *face_))
+        refusal_ = ToolTexts::tr("Touches the joint face \"%1\"").arg(QString::fromStdString(other->name));
+}
+
+void FaceTool::placePlane(const RayHit& hit) {
+    const auto found = document_.document().elements.find(hit.element);
+    if (found == document_.document().elements.end()) return;
+    Plane plane;
+    plane.element = hit.element;
+    plane.origin = hit.rest;
+    plane.normal = normalOf(found->second->mesh->body, hit.triangle);
+    plane.shownOrigin = hit.point;
+    Session& session = document_.session();
+    const int index = session.elementIndex(hit.element);
+    Character* character = session.character();
+    plane.shownNormal = character && index >= 0 ? Vec3(character->frame(index).linear() * plane.normal) : plane.normal;
+    plane_ = plane;
+}
+
+void FaceTool::press(const PointerEvent& e) {
+    if (e.button != Qt::LeftButton) return;
+    if (e.modifiers & Qt::ShiftModifier) {
+        const auto hits = rayHits(document_.session(), e.rayOrigin, e.rayDirection);
+        if (hits.empty()) return;
+        placePlane(hits.front());
+        plane_->dragging = true;
+        previewPlane();
+        return;
+    }
+    if (plane_) {
+        create();
+        return;
+    }
+    move(e);
+    if (!existing_.empty()) {
+        document_.select({SelectionItem{SelectionItem::Kind::Face, element_, existing_, false}});
+        return;
+    }
+    if (!element_) {
+        document_.select({});
+        return;
+    }
+    create();
+}
+
+void FaceTool::move(const PointerEvent& e) {
+    if (plane_ && !plane_->dragging) return;
+    auto hits = rayHits(document_.session(), e.rayOrigin, e.rayDirection);
+    if (plane_) {
+        if (hits.empty()) return;
+        placePlane(hits.front());
+        plane_->dragging = true;
+        previewPlane();
+        return;
+    }
+    // Ctrl looks behind the front surface, where the faces lie with which elements touch each other.
+    if ((e.modifiers & Qt::ControlModifier) && hits.size() > 1) hits.erase(hits.begin());
+    if (hits.empty()) {
+        clearPreview();
+        document_.setHovered(std::nullopt);
+        return;
+    }
+    const RayHit& hit = hits.front();
+    if (!element() || hit.element != element_ || hit.triangle != seed_) preview(hit.element, hit.triangle);
+    if (!existing_.empty())
+        document_.setHovered(SelectionItem{SelectionItem::Kind::Face, element_, existing_, false});
+    else
+        document_.setHovered(std::nullopt);
+}
+
+void FaceTool::release(const PointerEvent&) {
+    if (plane_) plane_->dragging = false;
+}
+
+bool FaceTool::widen(int steps) {
+    const int before = widened_;
+    widened_ = std::clamp(widened_ + steps, 0, kMostWidened);
+    if (plane_)
+        previewPlane();
+    else if (widened_ != before && seed_ >= 0)
+        preview(PartId(element_), std::int32_t(seed_));
+    return true;
+}
+
+bool FaceTool::wheel(double notches, const PointerEvent& e) {
+    // Without a placed plane the wheel zooms, as everywhere; Ctrl keeps it for the tolerance.
+    if (!plane_ && !(e.modifiers & Qt::ControlModifier)) return false;
+    return widen(notches > 0.0 ? 1 : -1);
+}
+
+void FaceTool::movePlane(double steps) {
+    previewPlane();
+    const Element* of = element();
+    if (!of) return;
+    const double step = 0.005 * steps * diagonal(of->mesh->body);
+    plane_->origin += step * plane_->normal;
+    plane_->shownOrigin += step * plane_->shownNormal;
+    previewPlane();
+}
+
+bool FaceTool::key(int key, Qt::KeyboardModifiers modifiers) {
+    if (key == Qt::Key_Up || key == Qt::Key_Plus) return seed_ >= 0 || plane_ ? widen(1) : false;
+    if (key == Qt::Key_Down || key == Qt::Key_Minus) return seed_ >= 0 || plane_ ? widen(-1) : false;
+    if (!plane_) return false;
+    const double pace = (modifiers & Qt::ShiftModifier) ? 0.1 : 1.0;
+    switch (key) {
+        case Qt::Key_Return:
+        case Qt::Key_Enter: create(); return true;
+        case Qt::Key_Right:
+        case Qt::Key_PageUp: movePlane(pace); return true;
+        case Qt::Key_Left:
+        case Qt::Key_PageDown: movePlane(-pace); return true;
+        case Qt::Key_X:
+        case Qt::Key_Y:
+        case Qt::Key_Z: {
+            // The axis nearest to the side that the plane faces already; once more turns it round.
+            const Vec3 axis = Vec3::Unit(key - Qt::Key_X);
+            const double along = axis.dot(plane_->normal);
+            plane_->normal = std::abs(along) > 1.0 - 1e-9 ? Vec3(-plane_->normal) : Vec3(along < 0.0 ? -axis : axis);
+            plane_->shownNormal = plane_->normal;
+            previewPlane();
+            return true;
+        }
+        default: return false;
+    }
+}
+
+void FaceTool::create() {
+    if (plane_) previewPlane();
+    const Element* of = element();
+    if (!of || !face_ || !refusal_.isEmpty()) {
+        if (!refusal_.isEmpty()) Q_EMIT document_.failed(refusal_);
+        return;
+    }
+    const std::string name = freeFaceName(*of);
+    Json command = facesCommand(*of, name, *face_);
+    if (plane_)
+        command = {{"do", "add-joint-face"},
+                   {"element", of->name},
+                   {"name", name},
+                   {"plane", {{"origin", jsonOf(plane_->origin)}, {"normal", jsonOf(plane_->normal)}}},
+                   {"tolerance", tolerance(*of)}};
+    const PartId id = element_;
+    Gesture gesture(document_);
+    if (!document_.execute(command)) return;
+    joinNeighbours(document_, FaceRef{id, name});
+    gesture.commit();
+    plane_.reset();
+    clearPreview();
+    document_.select({SelectionItem{SelectionItem::Kind::Face, id, name, false}});
+}
+
+void FaceTool::cancel() {
+    plane_.reset();
+    clearPreview();
+}
+
+QString FaceTool::hint() const {
+    if (plane_) {
+        const Element* of = element();
+        const QString width = of ? lengthText(tolerance(*of)) : QString();
+        if (!refusal_.isEmpty()) return refusal_ + QStringLiteral(" · ") + ToolTexts::tr("↑ ↓: tolerance (%1) · Esc: cancel").arg(width);
+        return ToolTexts::tr("Enter or click: make the face · ← →: move · X, Y, Z: turn · ↑ ↓: tolerance (%1) · Esc: cancel").arg(width);
+    }
+    if (!refusal_.isEmpty()) return refusal_;
+    if (!existing_.empty()) return ToolTexts::tr("Click: select the joint face \"%1\"").arg(QString::fromStdString(existing_));
+    if (face_) {
+        const Element* of = element();
+        return ToolTexts::tr("Click: joint face of %n vertices", nullptr, int(face_->vertices.size())) + QStringLiteral(" · ") +
+               ToolTexts::tr("↑ ↓: tolerance (%1) · Shift+click: plane").arg(of ? lengthText(tolerance(*of)) : QString());
+    }
+    return ToolTexts::tr("Click a flat region: joint face · Shift+click: plane · Ctrl: look behind the surface");
+}
+
+void FaceTool::decorate(render::Scene& scene) const {
+    const Element* of = element();
+    if (face_ && of)
+        if (render::Body* body = bodyOf(scene, element_)) body->markedTriangles = &face_->triangles;
+    if (!plane_) return;
+    render::Marker gizmo;
+    gizmo.shape = render::Marker::Shape::PlaneGizmo;
+    gizmo.from = plane_->shownOrigin;
+    gizmo.to = plane_->shownOrigin + 0.25 * (of ? diagonal(of->mesh->body) : 1.0) * plane_->shownNormal;
+    scene.markers.push_back(std::move(gizmo));
+}
+
+}  // namespace imomushi

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+
+#include "ui/tools/picking.h"
+#include "ui/tools/tool.h"
+
+namespace imomushi {
+
+/// Makes joint faces: a click takes the flat region under the pointer; Shift places a plane and Enter takes what lies in it. Ctrl looks behind the
+/// surface in front, to where two elements touch. A face that meets one of a neighbour (or a flat region of its own shape there) is joined
+/// to it in the same undo step.
+class FaceTool : public Tool {
+public:
+    using Tool::Tool;
+    void press(const PointerEvent& e) override;
+    void move(const PointerEvent& e) override;
+    void release(const PointerEvent& e) override;
+    bool wheel(double notches, const PointerEvent& e) override;
+    bool key(int key, Qt::KeyboardModifiers modifiers) override;
+    void cancel() override;
+    [[nodiscard]] bool pending() const override { return plane_.has_value(); }
+    [[nodiscard]] QString hint() const override;
+    void decorate(render::Scene& scene) const override;
+
+private:
+    struct Plane {
+        PartId element = 0;
+        Vec3 origin = Vec3::Zero(), normal = Vec3::UnitZ();  ///< at rest, as the command takes it
+        Vec3 shownOrigin = Vec3::Zero(), shownNormal = Vec3::UnitZ();  ///< posed, as it is drawn
+        bool dragging = false;
+    };
+
+    void look(PartId element);
+    void preview(PartId element, std::int32_t triangle);
+    void previewPlane();
+    void clearPreview();
+    void placePlane(const RayHit& hit);
+    void movePlane(double steps);
+    bool widen(int steps);
+    void create();
+    [[nodiscard]] const Element* element() const;
+    [[nodiscard]] double tolerance(const Element& element) const;
+
+    PartId element_ = 0;              ///< of the preview
+    std::shared_ptr<const Element> seen_;  ///< that element when the preview was made: a changed one needs a new preview
+    std::int32_t seed_ = -1;          ///< triangle under the pointer
+    std::optional<JointFace> face_;   ///< what a click (Enter) would make
+    std::string existing_;            ///< the joint face under the pointer, or the one that is in the way
+    QString refusal_;                 ///< why a click makes nothing here
+    std::optional<Plane> plane_;
+    int widened_ = 0;                 ///< tolerance = kTolerance * 2^widened of the diagonal
+};
+
+/// The same place, the same shape and opposite normals: two faces that can be joined (model.md section 1).
+bool facesMeet(const JointFace& a, const JointFace& b);
+
+/// Joins `face` with what meets it: a face of a neighbour, or a flat region of the same shape, which becomes a face. Answers how many were joined;
+/// a refused join is told by failed() and changes nothing. Inside a gesture of the caller.
+int joinNeighbours(StudioDocument& document, const FaceRef& face);
+
+/// "face 1", "face 2", ...: the first that the element does not have yet.
+std::string freeFaceName(const Element& element);
+
+}  // namespace imomushi

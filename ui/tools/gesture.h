@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "ui/models/studio_document.h"
+
+namespace imomushi {
+
+/// One undo step of several commands. Takes the commands back unless commit() was called: no path leaves a gesture open.
+class Gesture {
+public:
+    explicit Gesture(StudioDocument& document) : document_(&document) { document.session().beginGesture(); }
+    ~Gesture() {
+        if (!document_) return;
+        document_->session().cancelGesture();
+        Q_EMIT document_->historyChanged();
+    }
+    Gesture(const Gesture&) = delete;
+    Gesture& operator=(const Gesture&) = delete;
+
+    void commit() {
+        document_->session().endGesture();
+        StudioDocument* document = document_;
+        document_ = nullptr;
+        Q_EMIT document->historyChanged();
+    }
+
+private:
+    StudioDocument* document_;
+};
+
+}  // namespace imomushi

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/tools/picking.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "ui/scene/document_scene.h"
+
+namespace imomushi {
+namespace {
+
+/// A chain of "this end is where that end is" longer than this is a cycle.
+constexpr int kMostReferences = 1000;
+
+/// Positions of an element's body vertices as posed; at rest where there is no live character.
+struct PosedBody {
+    const float* posed = nullptr;
+    const TriangleMesh* rest = nullptr;
+
+    PosedBody(Session& session, PartId id, const Element& element) : rest(&element.mesh->body) {
+        Character* character = session.character();
+        const int index = session.elementIndex(id);
+        if (!character || index < 0) return;
+        const Character::Surface surface = character->surface(index);
+        if (surface.vertices == rest->vertices.rows()) posed = surface.positions;
+    }
+    [[nodiscard]] Vec3 at(std::int32_t vertex) const {
+        if (posed) return {posed[3 * vertex], posed[3 * vertex + 1], posed[3 * vertex + 2]};
+        return rest->vertices.row(vertex);
+    }
+};
+
+const Vec3* skeletonPoint(Session& session, const EndpointRef& end) {
+    Character* character = session.character();
+    const int index = session.pointIndex(end);
+    if (!character || index < 0) return nullptr;
+    const auto& posed = session.document().pose.points;
+    const auto& rest = character->input().skeleton.points;
+    if (index >= int(rest.size())) return nullptr;
+    return posed.size() == rest.size() ? &posed[std::size_t(index)] : &rest[std::size_t(index)];
+}
+
+/// Distance from the pointer's ray to `p` in logical pixels; infinite behind the eye.
+double pixelsTo(const PointerEvent& e, const Vec3& p) {
+    const Vec3 d = p - e.rayOrigin;
+    const double along = d.dot(e.rayDirection);
+    if (along <= 0.0) return std::numeric_limits<double>::infinity();
+    return (d - along * e.rayDirection).norm() / e.pixelAt(p);
+}
+
+/// The point of the segment a...b nearest to the pointer's ray.
+Vec3 nearestOnSegment(const PointerEvent& e, const Vec3& a, const Vec3& b) {
+    const Vec3 s = b - a, w = a - e.rayOrigin;
+    const double sr = s.dot(e.rayDirection);
+    const double denominator = s.squaredNorm() - sr * sr;
+    if (denominator <= 1e-12 * s.squaredNorm()) return a;
+    const double t = (sr * w.dot(e.rayDirection) - s.dot(w)) / denominator;
+    return a + std::clamp(t, 0.0, 1.0) * s;
+}
+
+}  // namespace
+
+std::vector<RayHit> rayHits(Session& session, const Vec3& rayOrigin, const Vec3& rayDirection) {
+    std::vector<RayHit> hits;
+    for (const auto& [id, element] : session.document().elements) {
+        if (!element->visible || element->locked) continue;
+        const PosedBody body(session, id, *element);
+        const Triangles& triangles = element->mesh->body.triangles;
+        for (std::int32_t t = 0; t < triangles.rows(); ++t) {
+            // Moeller and Trumbore, two-sided.
+            const Vec3 a = body.at(triangles(t, 0));
+            const Vec3 ab = body.at(triangles(t, 1)) - a, ac = body.at(triangles(t, 2)) - a;
+            const Vec3 p = rayDirection.cross(ac);
+            const double determinant = ab.dot(p);
+            if (determinant == 0.0) continue;
+            const Vec3 s = rayOrigin - a;
+            const double u = s.dot(p) / determinant;
+            if (!(u >= 0.0 && u <= 1.0)) continue;
+            const Vec3 q = s.cross(ab);
+            const double v = rayDirection.dot(q) / determinant;
+            if (!(v >= 0.0 && u + v <= 1.0)) continue;
+            const double distance = ac.dot(q) / determinant;
+            if (!(distance > 0.0)) continue;
+            RayHit hit;
+            hit.element = id;
+            hit.triangle = t;
+            hit.distance = distance;
+            hit.entering = determinant > 0.0;
+            hit.point = rayOrigin + distance * rayDirection;
+            const auto corner = [&](int c) -> Vec3 { return element->mesh->body.vertices.row(triangles(t, c)); };
+            hit.rest = (1.0 - u - v) * corner(0) + u * corner(1) + v * corner(2);
+            hits.push_back(hit);
+        }
+    }
+    std::stable_sort(hits.begin(), hits.end(), [](const RayHit& a, const RayHit& b) { return a.distance < b.distance; });
+    return hits;
+}
+
+const JointFace* faceOfTriangle(const Element& element, std::int32_t triangle) {
+    for (const JointFace& face : element.faces)
+        if (std::binary_search(face.triangles.begin(), face.triangles.end(), triangle)) return &face;
+    return nullptr;
+}
+
+std::optional<Vec3> endpointRestPosition(const Document& document, const EndpointRef& end) {
+    EndpointRef now = end;
+    for (int i = 0; i < kMostReferences; ++i) {
+        const auto bone = document.bones.find(now.bone);
+        if (bone == document.bones.end()) return std::nullopt;
+        const Bone::Place& place = now.atEnd ? bone->second->end : bone->second->start;
+        if (const auto* point = std::get_if<Vec3>(&place)) return *point;
+        if (const auto* face = std::get_if<FaceRef>(&place)) {
+            const auto element = document.elements.find(face->element);
+            if (element == document.elements.end()) return std::nullopt;
+            const int index = element->second->faceIndex(face->face);
+            if (index < 0) return std::nullopt;
+            return element->second->faces[std::size_t(index)].frame.origin;
+        }
+        now = std::get<EndpointRef>(place);
+    }
+    return std::nullopt;
+}
+
+std::optional<Vec3> endpointPosition(Session& session, const EndpointRef& end) {
+    if (const Vec3* point = skeletonPoint(session, end)) return *point;
+    return endpointRestPosition(session.document(), end);
+}
+
+std::optional<Vec3> facePosition(Session& session, const FaceRef& ref) {
+    const auto found = session.document().elements.find(ref.element);
+    if (found == session.document().elements.end()) return std::nullopt;
+    const Element& element = *found->second;
+    const int index = element.faceIndex(ref.face);
+    if (index < 0) return std::nullopt;
+    // With the areas at rest as weights the centroid follows every joint map exactly, for these are affine.
+    const JointFace& face = element.faces[std::size_t(index)];
+    const PosedBody body(session, ref.element, element);
+    const TriangleMesh& rest = element.mesh->body;
+    Vec3 sum = Vec3::Zero();
+    double area = 0.0;
+    for (const std::int32_t t : face.triangles) {
+        const Vec3 a = rest.vertices.row(rest.triangles(t, 0)), b = rest.vertices.row(rest.triangles(t, 1)),
+                   c = rest.vertices.row(rest.triangles(t, 2));
+        const double weight = (b - a).cross(c - a).norm();
+        sum += weight / 3.0 * (body.at(rest.triangles(t, 0)) + body.at(rest.triangles(t, 1)) + body.at(rest.triangles(t, 2)));
+        area += weight;
+    }
+    return area > 0.0 ? Vec3(sum / area) : face.frame.origin;
+}
+
+EndpointRef holdingEndpoint(Session& session, const EndpointRef& end) {
+    const int point = session.pointIndex(end);
+    if (point < 0) return end;
+    for (const auto& [held, value] : session.document().held)
+        if (session.pointIndex(held) == point) return held;
+    if (end.atEnd) return end;
+    for (const auto& [id, bone] : session.document().bones)
+        if (session.pointIndex({id, true}) == point) return {id, true};
+    return end;
+}
+
+std::optional<EndpointRef> pickEndpoint(Session& session, const PointerEvent& e, double pixels) {
+    if (!e.bonesVisible) return std::nullopt;
+    std::optional<EndpointRef> best;
+    double nearest = pixels;
+    for (const auto& [id, bone] : session.document().bones)
+        for (const bool atEnd : {true, false}) {
+            const auto at = endpointPosition(session, {id, atEnd});
+            if (!at) continue;
+            const double distance = pixelsTo(e, *at);
+            if (distance > nearest || (best && distance == nearest)) continue;
+            nearest = distance;
+            best = EndpointRef{id, atEnd};
+        }
+    if (best) best = holdingEndpoint(session, *best);
+    return best;
+}
+
+std::optional<SelectionItem> pickItem(Session& session, const PointerEvent& e) {
+    if (e.bonesVisible) {
+        if (const auto end = pickEndpoint(session, e)) return SelectionItem{SelectionItem::Kind::Endpoint, end->bone, {}, end->atEnd};
+        double nearest = kBonePixels;
+        std::optional<SelectionItem> best;
+        for (const auto& [id, bone] : session.document().bones) {
+            const auto from = endpointPosition(session, {id, false}), to = endpointPosition(session, {id, true});
+            if (!from || !to) continue;
+            const double distance = pixelsTo(e, nearestOnSegment(e, *from, *to));
+            if (distance > nearest) continue;
+            nearest = distance;
+            best = SelectionItem{SelectionItem::Kind::Bone, id, {}, false};
+        }
+        if (best) return best;
+    }
+    const auto hits = rayHits(session, e.rayOrigin, e.rayDirection);
+    if (hits.empty()) return std::nullopt;
+    const RayHit& hit = hits.front();
+    const Element& element = *session.document().elements.at(hit.element);
+    if (const JointFace* face = faceOfTriangle(element, hit.triangle))
+        return SelectionItem{SelectionItem::Kind::Face, hit.element, face->name, false};
+    return SelectionItem{SelectionItem::Kind::Element, hit.element, {}, false};
+}
+
+std::string pathOf(const Document& document, const EndpointRef& end) {
+    const auto bone = document.bones.find(end.bone);
+    return bone == document.bones.end() ? std::string() : bone->second->name + (end.atEnd ? "/end" : "/start");
+}
+
+std::string pathOf(const Document& document, const FaceRef& face) {
+    const auto element = document.elements.find(face.element);
+    return element == document.elements.end() ? std::string() : element->second->name + "/" + face.face;
+}
+
+Json jsonOf(const Vec3& v) { return Json::array({v.x(), v.y(), v.z()}); }
+
+render::Body* bodyOf(render::Scene& scene, PartId element) {
+    const std::uint64_t id = sceneId({ScenePart::Kind::Element, element, -1, false});
+    for (render::Body& body : scene.bodies)
+        if (body.id == id) return &body;
+    return nullptr;
+}
+
+}  // namespace imomushi

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ui/tools/tool.h"
+
+namespace imomushi {
+
+/// Distances in logical pixels within which the pointer takes hold of things.
+inline constexpr double kEndpointPixels = 12.0;
+inline constexpr double kBonePixels = 6.0;
+inline constexpr double kFaceCentrePixels = 14.0;
+
+/// A crossing of a ray with the surface of an element as it is posed now.
+struct RayHit {
+    PartId element = 0;
+    std::int32_t triangle = -1;  ///< of the body
+    double distance = 0.0;       ///< m along the ray
+    bool entering = true;        ///< from outside to inside
+    Vec3 point = Vec3::Zero();   ///< world, posed
+    Vec3 rest = Vec3::Zero();    ///< the same surface point at rest
+};
+
+/// All crossings with visible, unlocked elements, nearest first. rayDirection must be a unit vector.
+std::vector<RayHit> rayHits(Session& session, const Vec3& rayOrigin, const Vec3& rayDirection);
+
+/// The joint face of an element that a triangle belongs to; null: none.
+const JointFace* faceOfTriangle(const Element& element, std::int32_t triangle);
+
+/// Where an end of a bone is now (posed), or at rest; none: the reference leads nowhere.
+std::optional<Vec3> endpointPosition(Session& session, const EndpointRef& end);
+std::optional<Vec3> endpointRestPosition(const Document& document, const EndpointRef& end);
+/// Where the centre of a joint face is now (posed).
+std::optional<Vec3> facePosition(Session& session, const FaceRef& face);
+
+/// The end of a bone nearest to the pointer, within `pixels` of it. Of several ends at one joint point the one that is held already is
+/// taken, then the end (not the start) of the oldest bone.
+std::optional<EndpointRef> pickEndpoint(Session& session, const PointerEvent& e, double pixels = kEndpointPixels);
+
+/// Another reference to the same joint point that is to be preferred for holding it.
+EndpointRef holdingEndpoint(Session& session, const EndpointRef& end);
+
+/// What lies under the pointer: bones and their ends, drawn over everything, come before bodies; a triangle of a joint face is the face.
+std::optional<SelectionItem> pickItem(Session& session, const PointerEvent& e);
+
+/// Names as commands take them: "bone/end", "element/face".
+std::string pathOf(const Document& document, const EndpointRef& end);
+std::string pathOf(const Document& document, const FaceRef& face);
+Json jsonOf(const Vec3& v);
+
+/// The body of an element in a scene that is being put together; null: it is hidden.
+render::Body* bodyOf(render::Scene& scene, PartId element);
+
+}  // namespace imomushi

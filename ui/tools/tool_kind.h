@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+namespace imomushi {
+
+/// The tools of the viewport: select; joint faces; bones; pose (drag endpoints).
+enum class ToolKind { Select, Face, Bone, Pose };
+
+}  // namespace imomushi
