@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/mesh/cgal/intersections.h"
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/box_intersection_d.h>
+
+#include <algorithm>
+#include <array>
+
+#include "core/mesh/cgal/floating_point_guard.h"
+
+namespace imomushi {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Point = Kernel::Point_3;
+using Box = CGAL::Box_intersection_d::Box_with_info_d<double, 3, std::int32_t>;
+
+Point point(const TriangleMesh& mesh, std::int32_t v) {
+    return {mesh.vertices(v, 0), mesh.vertices(v, 1), mesh.vertices(v, 2)};
+}
+
+/// Two triangles on one edge meet elsewhere only where they lie on each other.
+bool foldedOnto(const Point& a, const Point& b, const Point& c, const Point& d) {
+    return CGAL::coplanar(a, b, c, d) && CGAL::coplanar_orientation(a, b, c, d) == CGAL::POSITIVE;
+}
+
+bool meet(const TriangleMesh& mesh, std::int32_t f, std::int32_t g) {
+    std::array<std::int32_t, 3> p{}, q{};
+    for (int k = 0; k < 3; ++k) p[k] = mesh.triangles(f, k), q[k] = mesh.triangles(g, k);
+    std::array<int, 3> inP{}, inQ{};  // corners of p and q that are shared
+    int shared = 0;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            if (p[i] == q[j]) {
+                inP[shared] = i;
+                inQ[shared] = j;
+                if (++shared == 3) return true;
+                break;
+            }
+    if (shared == 2) {
+        const int c = 3 - inP[0] - inP[1], d = 3 - inQ[0] - inQ[1];
+        return foldedOnto(point(mesh, p[inP[0]]), point(mesh, p[inP[1]]), point(mesh, p[c]), point(mesh, q[d]));
+    }
+    const Kernel::Triangle_3 s(point(mesh, p[0]), point(mesh, p[1]), point(mesh, p[2]));
+    const Kernel::Triangle_3 t(point(mesh, q[0]), point(mesh, q[1]), point(mesh, q[2]));
+    if (shared == 1) {
+        const Kernel::Segment_3 pSide(point(mesh, p[(inP[0] + 1) % 3]), point(mesh, p[(inP[0] + 2) % 3]));
+        const Kernel::Segment_3 qSide(point(mesh, q[(inQ[0] + 1) % 3]), point(mesh, q[(inQ[0] + 2) % 3]));
+        return CGAL::do_intersect(t, pSide) || CGAL::do_intersect(s, qSide);
+    }
+    return CGAL::do_intersect(s, t);
+}
+
+struct Enough {};  // leaves CGAL's sweep early
+
+}  // namespace
+
+std::vector<std::pair<std::int32_t, std::int32_t>> selfIntersections(const TriangleMesh& mesh, std::size_t limit) {
+    const FloatingPointGuard guard;
+    std::vector<Box> boxes;
+    boxes.reserve(static_cast<std::size_t>(mesh.triangles.rows()));
+    for (std::int32_t f = 0; f < mesh.triangles.rows(); ++f) {
+        const Point a = point(mesh, mesh.triangles(f, 0)), b = point(mesh, mesh.triangles(f, 1)), c = point(mesh, mesh.triangles(f, 2));
+        if (CGAL::collinear(a, b, c)) continue;
+        boxes.emplace_back(a.bbox() + b.bbox() + c.bbox(), f);
+    }
+    std::vector<std::pair<std::int32_t, std::int32_t>> pairs;
+    const auto test = [&](const Box& x, const Box& y) {
+        if (!meet(mesh, x.info(), y.info())) return;
+        pairs.push_back(std::minmax(x.info(), y.info()));
+        if (pairs.size() >= limit) throw Enough{};
+    };
+    try {
+        CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), test);
+    } catch (const Enough&) {
+    }
+    std::sort(pairs.begin(), pairs.end());
+    return pairs;
+}
+
+}  // namespace imomushi

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/mesh/topology.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+#include <unordered_map>
+
+namespace imomushi {
+namespace {
+
+std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+/// Union of sets whose representative is their lowest member.
+class LowestOf {
+public:
+    explicit LowestOf(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
+    std::int32_t find(std::int32_t i) {
+        while (parent_[index(i)] != i) i = parent_[index(i)] = parent_[index(parent_[index(i)])];
+        return i;
+    }
+    void join(std::int32_t a, std::int32_t b) {
+        a = find(a), b = find(b);
+        if (a != b) parent_[index(std::max(a, b))] = std::min(a, b);
+    }
+
+private:
+    std::vector<std::int32_t> parent_;
+};
+
+}  // namespace
+
+EdgeTable::EdgeTable(const Triangles& triangles) : edgeOf_(static_cast<std::size_t>(triangles.rows()) * 3, -1) {
+    uses_.reserve(edgeOf_.size());
+    for (std::int32_t f = 0; f < triangles.rows(); ++f)
+        for (int k = 0; k < 3; ++k) {
+            const std::int32_t a = triangles(f, k), b = triangles(f, (k + 1) % 3);
+            if (a != b) uses_.push_back({std::min(a, b), std::max(a, b), f, static_cast<std::int8_t>(k), a < b});
+        }
+    std::sort(uses_.begin(), uses_.end(), [](const EdgeUse& x, const EdgeUse& y) {
+        return std::tie(x.low, x.high, x.triangle, x.corner) < std::tie(y.low, y.high, y.triangle, y.corner);
+    });
+    for (std::size_t i = 0; i < uses_.size(); ++i) {
+        if (i == 0 || uses_[i].low != uses_[i - 1].low || uses_[i].high != uses_[i - 1].high) first_.push_back(static_cast<std::int32_t>(i));
+        edgeOf_[index(uses_[i].triangle) * 3 + static_cast<std::size_t>(uses_[i].corner)] = static_cast<std::int32_t>(first_.size()) - 1;
+    }
+    first_.push_back(static_cast<std::int32_t>(uses_.size()));
+}
+
+std::vector<std::int32_t> edgeComponents(const Triangles& triangles, const EdgeTable& edges, int& count) {
+    LowestOf sets(static_cast<std::size_t>(triangles.rows()));
+    for (int e = 0; e < edges.size(); ++e)
+        for (const EdgeUse& use : edges.uses(e)) sets.join(edges.uses(e).front().triangle, use.triangle);
+    std::vector<std::int32_t> component(static_cast<std::size_t>(triangles.rows()));
+    count = 0;
+    for (std::int32_t f = 0; f < triangles.rows(); ++f) {
+        const std::int32_t root = sets.find(f);
+        component[index(f)] = root == f ? count++ : component[index(root)];
+    }
+    return component;
+}
+
+std::vector<std::vector<std::int32_t>> boundaryLoops(const EdgeTable& edges) {
+    // What a cap must run along: each lonely side backwards. A vertex may have several ways out.
+    std::unordered_map<std::int32_t, std::vector<std::int32_t>> next;
+    std::vector<std::pair<std::int32_t, std::int32_t>> sides;
+    for (int e = 0; e < edges.size(); ++e) {
+        const auto uses = edges.uses(e);
+        if (uses.size() != 1) continue;
+        const EdgeUse& use = uses.front();
+        sides.emplace_back(use.forward ? use.high : use.low, use.forward ? use.low : use.high);
+    }
+    for (auto side = sides.rbegin(); side != sides.rend(); ++side) next[side->first].push_back(side->second);  // taken from the back
+
+    std::vector<std::vector<std::int32_t>> loops;
+    for (const auto& [start, unused] : sides) {
+        while (!next[start].empty()) {
+            std::vector<std::int32_t> chain{start};
+            std::unordered_map<std::int32_t, std::size_t> place{{start, 0}};
+            for (;;) {
+                auto& ways = next[chain.back()];
+                if (ways.empty()) break;  // mixed winding: the chain ends nowhere and bounds nothing
+                const std::int32_t to = ways.back();
+                ways.pop_back();
+                if (const auto seen = place.find(to); seen != place.end()) {
+                    std::vector<std::int32_t> loop(chain.begin() + static_cast<std::ptrdiff_t>(seen->second), chain.end());
+                    for (std::size_t i = 1; i < loop.size(); ++i) place.erase(loop[i]);
+                    chain.resize(seen->second + 1);
+                    loops.push_back(std::move(loop));
+                    if (chain.size() == 1) break;
+                } else {
+                    place.emplace(to, chain.size());
+                    chain.push_back(to);
+                }
+            }
+        }
+    }
+    return loops;
+}
+
+std::vector<std::int32_t> nonManifoldVertices(const Triangles& triangles, const EdgeTable& edges) {
+    // Corners at a vertex belong to one fan when a common edge of exactly two triangles leads from one to the other.
+    LowestOf fans(static_cast<std::size_t>(triangles.rows()) * 3);
+    const auto cornerAt = [&](std::int32_t f, std::int32_t v) {
+        for (int k = 0; k < 3; ++k)
+            if (triangles(f, k) == v) return f * 3 + k;
+        return f * 3;
+    };
+    for (int e = 0; e < edges.size(); ++e) {
+        const auto uses = edges.uses(e);
+        if (uses.size() != 2) continue;
+        for (const std::int32_t v : {uses[0].low, uses[0].high}) fans.join(cornerAt(uses[0].triangle, v), cornerAt(uses[1].triangle, v));
+    }
+    std::unordered_map<std::int32_t, std::int32_t> fanOf;
+    fanOf.reserve(static_cast<std::size_t>(triangles.rows()));
+    std::vector<std::int32_t> bad;
+    for (std::int32_t c = 0; c < triangles.rows() * 3; ++c) {
+        if (fans.find(c) != c) continue;
+        const std::int32_t v = triangles(c / 3, c % 3);
+        if (!fanOf.emplace(v, c).second) bad.push_back(v);
+    }
+    std::sort(bad.begin(), bad.end());
+    bad.erase(std::unique(bad.begin(), bad.end()), bad.end());
+    return bad;
+}
+
+Vec3 areaVector(const TriangleMesh& mesh, std::int32_t f) {
+    const Vec3 a = mesh.vertices.row(mesh.triangles(f, 0));
+    const Vec3 b = mesh.vertices.row(mesh.triangles(f, 1));
+    const Vec3 c = mesh.vertices.row(mesh.triangles(f, 2));
+    return (b - a).cross(c - a);
+}
+
+bool degenerate(const TriangleMesh& mesh, std::int32_t f) {
+    const std::int32_t i = mesh.triangles(f, 0), j = mesh.triangles(f, 1), k = mesh.triangles(f, 2);
+    if (i == j || j == k || k == i) return true;
+    const Vec3 a = mesh.vertices.row(i), b = mesh.vertices.row(j), c = mesh.vertices.row(k);
+    const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
+    if (longest == 0.0) return true;
+    // Divided before it is squared: no underflow for tiny meshes.
+    return (((b - a) / longest).cross((c - a) / longest)).norm() < kFlat;
+}
+
+Points vertexNormals(const TriangleMesh& mesh) {
+    Points normals = Points::Zero(mesh.vertices.rows(), 3);
+    for (std::int32_t f = 0; f < mesh.triangles.rows(); ++f) {
+        const Vec3 n = areaVector(mesh, f);
+        for (int k = 0; k < 3; ++k) normals.row(mesh.triangles(f, k)) += n.transpose();
+    }
+    for (Eigen::Index v = 0; v < normals.rows(); ++v)
+        if (const double length = normals.row(v).norm(); length > 0.0) normals.row(v) /= length;
+    return normals;
+}
+
+}  // namespace imomushi
