@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <QElapsedTimer>
+#include <QOpenGLWidget>
+#include <QPointF>
+#include <QTimer>
+#include <memory>
+#include <optional>
+
+#include "ui/models/studio_document.h"
+#include "ui/scene/document_scene.h"
+#include "ui/tools/tool.h"
+#include "ui/viewport/camera_controller.h"
+
+class QLabel;
+
+namespace imomushi {
+
+/// The view of the character: draws it, hands the pointer to the tool, and moves the camera. It draws when something changed, and
+/// at 60 Hz only while something moves. Where there is no OpenGL 3.3 it says so and the rest of the studio goes on.
+class ViewportWidget : public QOpenGLWidget {
+    Q_OBJECT
+public:
+    explicit ViewportWidget(StudioDocument& document, QWidget* parent = nullptr);
+    ~ViewportWidget() override;
+
+    void setTool(ToolKind kind);
+    [[nodiscard]] ToolKind tool() const { return kind_; }
+    /// What the mouse does now, translated.
+    [[nodiscard]] QString hint() const;
+
+    void frameAll(bool animate = true);
+    /// Frames what is selected; everything where nothing is.
+    void frameSelection(bool animate = true);
+    void setNavigationPreset(NavigationPreset preset);
+    [[nodiscard]] NavigationPreset navigationPreset() const { return preset_; }
+    void setViewAxis(ViewAxis axis);
+    void setOrthographic(bool on);
+    [[nodiscard]] bool orthographic() const { return camera_.orthographic(); }
+    void setBonesVisible(bool on);
+    [[nodiscard]] bool bonesVisible() const { return bones_; }
+    void setGridVisible(bool on);
+    [[nodiscard]] bool gridVisible() const { return grid_; }
+    void setXray(bool on);
+    [[nodiscard]] bool xray() const { return xray_; }
+    /// Triangles of an element to point out (the places of a mesh issue); empty: none.
+    void setMarkedTriangles(PartId element, std::vector<std::int32_t> triangles);
+
+    /// Takes back what is unfinished (Esc).
+    void cancel();
+    /// A gesture is open: commands from elsewhere must wait or cancel() it first.
+    [[nodiscard]] bool busy() const;
+    /// Where a point of the world (m) is in this widget, logical pixels; none: behind the eye.
+    [[nodiscard]] std::optional<QPointF> onScreen(const Vec3& p) const;
+    /// Where an end of a bone is in this widget.
+    [[nodiscard]] std::optional<QPointF> onScreen(const EndpointRef& end) const;
+    [[nodiscard]] CameraController& cameraController() { return camera_; }
+
+    [[nodiscard]] QSize sizeHint() const override { return {960, 640}; }
+    [[nodiscard]] QSize minimumSizeHint() const override { return {160, 120}; }
+
+Q_SIGNALS:
+    void hintChanged(const QString& hint);
+    /// cpuMs: solving, updating and drawing of one frame (about ten times a second while frames are drawn); fps: 0 while nothing moves.
+    void frameMeasured(double cpuMs, double fps, int vertices);
+    void toolChanged(imomushi::ToolKind kind);
+    /// Projection, bones, grid or x-ray were switched, by whom ever.
+    void viewChanged();
+
+protected:
+    void initializeGL() override;
+    void resizeGL(int width, int height) override;
+    void paintGL() override;
+    bool event(QEvent* e) override;
+    void mousePressEvent(QMouseEvent* e) override;
+    void mouseMoveEvent(QMouseEvent* e) override;
+    void mouseReleaseEvent(QMouseEvent* e) override;
+    void mouseDoubleClickEvent(QMouseEvent* e) override;
+    void wheelEvent(QWheelEvent* e) override;
+    void keyPressEvent(QKeyEvent* e) override;
+    void keyReleaseEvent(QKeyEvent* e) override;
+    void contextMenuEvent(QContextMenuEvent* e) override;
+    void focusOutEvent(QFocusEvent* e) override;
+    void leaveEvent(QEvent* e) override;
+    void showEvent(QShowEvent* e) override;
+    void hideEvent(QHideEvent* e) override;
+
+private:
+    [[nodiscard]] PointerEvent pointer(QPointF position, Qt::MouseButton button, Qt::MouseButtons buttons,
+                                       Qt::KeyboardModifiers modifiers) const;
+    [[nodiscard]] SceneOptions sceneOptions() const;
+    [[nodiscard]] bool dark() const;
+    void paintOver();
+    void tick();
+    void animate();               ///< starts the frame timer
+    void toolActed(const QElapsedTimer& since);
+    void structureChanged();
+    void poseChanged();
+    void updateHint();
+    void releaseGraphics();
+    void showMessage(const QString& text);
+    [[nodiscard]] std::vector<Vec3> pointsOf(const std::vector<SelectionItem>& items) const;
+    [[nodiscard]] bool navigationKey(QKeyEvent* e);
+
+    StudioDocument& document_;
+    ToolKind kind_ = ToolKind::Select;
+    std::unique_ptr<Tool> tool_;
+    CameraController camera_;
+    NavigationPreset preset_ = NavigationPreset::Blender;
+    Navigation navigation_ = Navigation::None;
+    Qt::MouseButton navigationButton_ = Qt::NoButton;
+    bool ballPressed_ = false, ballMoved_ = false, overBall_ = false;
+    std::optional<ViewAxis> ballHovered_;
+    QPointF last_;
+    bool swallowMenu_ = false;
+
+    bool bones_ = true, grid_ = true, xray_ = false;
+    bool empty_ = true;           ///< there were no elements: the first that comes is framed
+    PartId markedElement_ = 0;
+    std::vector<std::int32_t> marked_;
+
+    std::unique_ptr<render::SceneRenderer> renderer_;
+    DocumentScene documentScene_;
+    render::Scene scene_;
+    QLabel* message_ = nullptr;
+
+    QTimer timer_;
+    QElapsedTimer clock_;         ///< since the last tick
+    bool relaxing_ = false;       ///< the pose still moves by itself
+    bool stepping_ = false;
+    std::vector<Vec3> before_;
+    double workMs_ = 0.0;         ///< of commands and solving since the last painting
+    QElapsedTimer painted_, told_;
+    double frameSeconds_ = 0.0;   ///< smoothed; 0: not running
+    QString hint_;
+};
+
+}  // namespace imomushi
