@@ -5,7 +5,7 @@ set(CMAKE_AUTOMOC ON)
 
 imomushi_library(imomushi_models ui/models imomushi_document Qt6::Gui)
 imomushi_library(imomushi_jobs ui/jobs imomushi_models)
-imomushi_library(imomushi_tools ui/tools imomushi_models imomushi_render)
+imomushi_library(imomushi_tools ui/tools imomushi_models imomushi_scene)
 imomushi_library(imomushi_viewport ui/viewport imomushi_tools Qt6::OpenGLWidgets)
 imomushi_library(imomushi_panels ui/panels imomushi_viewport imomushi_jobs Qt6::Svg)
 imomushi_library(imomushi_studio ui imomushi_panels)
