@@ -22,7 +22,7 @@ struct HeldPatch {
 /// How good a factorised boundary problem is, and what it cost.
 struct SolveQuality {
     double residual = 0.0;  ///< largest |A x - b| / |b| over the solved columns (2-norm), after refinement
-    double rcond = 0.0;     ///< LAPACK's estimate of the reciprocal condition number of the scaled matrix, 1-norm
+    double rcond = 0.0;     ///< estimate of the reciprocal condition number of the scaled matrix in the maximum norm (Higham 1988, LAPACK slacn2)
     double assembleSeconds = 0.0, factoriseSeconds = 0.0, solveSeconds = 0.0;
     std::size_t peakBytes = 0;
 };

@@ -1,0 +1,368 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/elasticity/boundary_problem.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <mutex>
+#include <new>
+#include <numbers>
+#include <string>
+#include <thread>
+
+#include "core/base/parallel.h"
+#include "core/elasticity/dense_lu.h"
+#include "core/elasticity/kernels.h"
+#include "core/mesh/topology.h"
+
+namespace imomushi {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+/// Rows of collocation points done by one thread before it looks whether anybody still wants them.
+constexpr std::size_t kRowGrain = 4;
+/// The share of the full solid angle by which the sums may miss 0...1: rounding is 1e-13, an overlap is off by 1.
+constexpr double kSolidAngleTolerance = 1e-6;
+/// Refinement goes on while it gains this much...
+constexpr double kRefinementGain = 0.25;
+/// ...and until the residual is at the rounding of double precision.
+constexpr double kResidualGoal = 1e-14;
+constexpr int kMaxRefinements = 20;
+/// Above this residual the solution is refused.
+constexpr double kResidualLimit = 1e-6;
+/// Below this reciprocal condition number single precision cannot tell the matrix from a singular one.
+constexpr double kSingularRcond = 1e-9;
+
+/// Bytes that can still be had without swapping; the largest number where the system does not say.
+std::size_t availableMemory() {
+    std::ifstream file("/proc/meminfo");
+    for (std::string key; file >> key;) {
+        if (key == "MemAvailable:") {
+            std::size_t kilobytes = 0;
+            file >> kilobytes;
+            return kilobytes * 1024;
+        }
+    }
+    const long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGE_SIZE);
+    return pages > 0 && size > 0 ? static_cast<std::size_t>(pages) * static_cast<std::size_t>(size) : ~std::size_t{0};
+}
+
+/// Eigen's allFinite() subtracts infinities, which is a floating-point exception.
+template <class Matrix>
+bool finite(const Matrix& m) {
+    return std::all_of(m.data(), m.data() + m.size(), [](auto x) { return std::isfinite(x); });
+}
+
+std::string gigabytes(std::size_t bytes) {
+    const auto tenths = static_cast<long>(std::lround(static_cast<double>(bytes) / 1e8));
+    return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " GB";
+}
+
+std::size_t matrixBytes(std::size_t freeVertices, std::size_t heldVertices) {
+    const std::size_t n = 3 * (freeVertices + heldVertices);
+    return n * n * sizeof(double) + n * 3 * heldVertices * sizeof(double) + DenseLu::bytesFor(static_cast<std::int32_t>(n));
+}
+
+/// The largest number of vertices whose matrix LAPACK's 32-bit indices can address.
+constexpr Eigen::Index kMaxVertices = 200'000;
+
+Result<void> checkMesh(const TriangleMesh& mesh) {
+    const Eigen::Index count = mesh.vertices.rows();
+    if (count < 4 || mesh.triangles.rows() < 4)
+        return fail("not-closed", "The mesh has too few triangles to enclose a body; import a closed surface.");
+    if (count > kMaxVertices) return fail("no-memory", "The mesh has too many vertices to be solved directly; reduce it first.");
+    if (!finite(mesh.vertices))
+        return fail("bad-value", "The mesh has a vertex that is not a finite point; repair the mesh.");
+    if (mesh.triangles.minCoeff() < 0 || mesh.triangles.maxCoeff() >= count)
+        return fail("bad-value", "A triangle of the mesh names a vertex that does not exist; repair the mesh.");
+    std::vector<char> used(static_cast<std::size_t>(count));
+    for (Eigen::Index f = 0; f < mesh.triangles.rows(); ++f)
+        for (int c = 0; c < 3; ++c) used[static_cast<std::size_t>(mesh.triangles(f, c))] = 1;
+    if (std::find(used.begin(), used.end(), 0) != used.end())
+        return fail("bad-value", "The mesh has a vertex that belongs to no triangle; remove it.");
+    const EdgeTable edges(mesh.triangles);
+    for (int e = 0; e < edges.size(); ++e) {
+        const auto uses = edges.uses(e);
+        if (uses.size() != 2 || uses[0].forward == uses[1].forward)
+            return fail("not-closed",
+                        "The surface is not closed and evenly oriented at the edge between vertices " + std::to_string(uses[0].low) + " and " +
+                            std::to_string(uses[0].high) + "; repair the mesh.");
+    }
+    return {};
+}
+
+/// The unit of length and the origin in which the body is about one unit large and lies about 0.
+struct Scale {
+    Vec3 origin;
+    double length;
+};
+
+Scale scaleOf(const Points& vertices) {
+    const Vec3 low = vertices.colwise().minCoeff().transpose(), high = vertices.colwise().maxCoeff().transpose();
+    return {0.5 * (low + high), (high - low).norm()};
+}
+
+}  // namespace
+
+struct BoundaryProblem::State {
+    std::int32_t freeCount = 0, heldCount = 0;
+    std::vector<std::int32_t> freeVertices;
+    std::vector<double> tractionScale;  ///< per held vertex: traction (of the body in metres) per unknown
+    std::size_t ld = 0;
+    LargeArray<double> matrix;   ///< A by rows, n x n, n = 3 (free + held): unknowns u of free vertices, then scaled t of held ones
+    LargeArray<double> heldH;    ///< H_J by rows, n x 3 held
+    DenseLu lu;                  ///< of A^T: A by rows is A^T by columns
+    double nu = 0.0;
+    int threads = 1;
+    SolveQuality quality;
+
+    [[nodiscard]] std::int32_t unknowns() const { return 3 * (freeCount + heldCount); }
+    Result<double> assemble(const TriangleMesh& body, const Input& input, const Progress& progress);
+};
+
+/// Fills matrix, heldH and lu; returns the 1-norm of A^T (largest sum of magnitudes in a row of A).
+Result<double> BoundaryProblem::State::assemble(const TriangleMesh& body, const Input& input, const Progress& progress) {
+    const std::int32_t count = freeCount + heldCount;
+    const std::int32_t n = unknowns();
+    // Block columns: free vertices in order, then held ones patch by patch. Rows follow the same order.
+    std::vector<std::int32_t> order = freeVertices;
+    for (const HeldPatch& patch : input.held) order.insert(order.end(), patch.vertices.begin(), patch.vertices.end());
+    std::vector<std::int32_t> blockColumn(static_cast<std::size_t>(count)), heldColumn(static_cast<std::size_t>(count), 0);
+    for (std::int32_t i = 0; i < count; ++i) {
+        blockColumn[static_cast<std::size_t>(order[static_cast<std::size_t>(i)])] = i;
+        if (i >= freeCount) heldColumn[static_cast<std::size_t>(order[static_cast<std::size_t>(i)])] = i - freeCount;
+    }
+
+    // In units of the body's size; u is the same number there, tractions are multiplied by the size.
+    const Scale scale = scaleOf(body.vertices);
+    TriangleMesh unit = body;
+    unit.vertices = (body.vertices.rowwise() - scale.origin.transpose()) / scale.length;
+
+    std::vector<char> inPatch(static_cast<std::size_t>(unit.triangles.rows()));
+    std::vector<double> patchArea(static_cast<std::size_t>(heldCount));
+    for (const HeldPatch& patch : input.held)
+        for (const std::int32_t f : patch.triangles) {
+            inPatch[static_cast<std::size_t>(f)] = 1;
+            const double area = 0.5 * areaVector(unit, f).norm();
+            for (int c = 0; c < 3; ++c)
+                patchArea[static_cast<std::size_t>(heldColumn[static_cast<std::size_t>(unit.triangles(f, c))])] += area / 3.0;
+        }
+    std::vector<std::int32_t> plainTriangles, patchTriangles;
+    for (std::int32_t f = 0; f < unit.triangles.rows(); ++f) (inPatch[static_cast<std::size_t>(f)] ? patchTriangles : plainTriangles).push_back(f);
+    const TriangleBatch plain(unit, plainTriangles, blockColumn);
+    const TriangleBatch patched(unit, patchTriangles, blockColumn, heldColumn);
+
+    // Traction columns times 2 mu / h, h the size of a vertex's share of the patch: entries of order one like those of H.
+    std::vector<double> columnScale(static_cast<std::size_t>(heldCount));
+    tractionScale.resize(static_cast<std::size_t>(heldCount));
+    for (std::size_t j = 0; j < columnScale.size(); ++j) {
+        columnScale[j] = 2.0 / std::sqrt(patchArea[j]);
+        tractionScale[j] = columnScale[j] / scale.length;
+    }
+
+    std::vector<double> solidAngle(static_cast<std::size_t>(count)), rowNorm(static_cast<std::size_t>(count));
+    std::atomic<std::int32_t> done{0};
+    const std::thread::id builder = std::this_thread::get_id();
+    parallelFor(threads, static_cast<std::size_t>(count), kRowGrain, [&](std::size_t begin, std::size_t end) {
+        if (progress.cancelled()) return;
+        thread_local std::vector<double> h, g;
+        for (std::size_t p = begin; p < end; ++p) {
+            h.assign(9 * static_cast<std::size_t>(count), 0.0);
+            g.assign(9 * static_cast<std::size_t>(heldCount), 0.0);
+            const Vec3 x = unit.vertices.row(order[p]).transpose();
+            double sumD = addBlocks(plain, x, nu, h.data(), nullptr);
+            sumD += addBlocks(patched, x, nu, h.data(), g.data());
+            const double freeTerm = -sumD / (4.0 * std::numbers::pi);
+            solidAngle[p] = freeTerm;
+            for (std::size_t k = 0; k < 3; ++k) h[9 * p + 4 * k] += freeTerm;
+            for (std::size_t k = 0; k < 3; ++k) {
+                double* row = matrix.data() + (3 * p + k) * ld;
+                double* heldRow = heldH.data() + (3 * p + k) * 3 * static_cast<std::size_t>(heldCount);
+                float* single = lu.column(static_cast<std::int32_t>(3 * p + k));
+                for (std::size_t v = 0; v < static_cast<std::size_t>(freeCount); ++v)
+                    for (std::size_t l = 0; l < 3; ++l) row[3 * v + l] = h[9 * v + 3 * k + l];
+                double* tractions = row + 3 * static_cast<std::size_t>(freeCount);
+                for (std::size_t v = 0; v < static_cast<std::size_t>(heldCount); ++v)
+                    for (std::size_t l = 0; l < 3; ++l) {
+                        heldRow[3 * v + l] = h[9 * (static_cast<std::size_t>(freeCount) + v) + 3 * k + l];
+                        tractions[3 * v + l] = -columnScale[v] * g[9 * v + 3 * k + l];
+                    }
+                double norm = 0.0;
+                for (std::int32_t l = 0; l < n; ++l) {
+                    single[l] = static_cast<float>(row[l]);
+                    norm += std::abs(row[l]);
+                }
+                rowNorm[p] = std::max(rowNorm[p], norm);
+            }
+        }
+        const std::int32_t finished = done += static_cast<std::int32_t>(end - begin);
+        if (std::this_thread::get_id() == builder) progress.report("assemble", static_cast<double>(finished) / count);
+    });
+    if (progress.cancelled()) return fail(kCancelled, "The precompute was cancelled.");
+
+    for (std::size_t p = 0; p < solidAngle.size(); ++p)
+        if (!(solidAngle[p] > -kSolidAngleTolerance && solidAngle[p] < 1.0 + kSolidAngleTolerance))
+            return fail("not-closed", "The surface is turned inside out or overlaps itself at vertex " + std::to_string(order[p]) +
+                                          " (solid angle " + std::to_string(solidAngle[p]) + " of a full sphere); repair the mesh.");
+    const double norm = *std::max_element(rowNorm.begin(), rowNorm.end());
+    if (!std::isfinite(norm)) return fail("bad-value", "The mesh gives integrals that are not finite; repair its degenerate triangles.");
+    return norm;
+}
+
+Result<BoundaryProblem> BoundaryProblem::build(const Input& input, const Progress& progress) {
+    if (!input.mesh) return fail("bad-value", "There is no mesh to solve on.");
+    if (!std::isfinite(input.nu) || input.nu < 0.0 || input.nu > 0.5) return fail("bad-value", "The Poisson ratio must lie between 0 and 0.5.");
+    const TriangleMesh& mesh = *input.mesh;
+    if (auto ok = checkMesh(mesh); !ok) return tl::make_unexpected(ok.error());
+    for (std::int32_t f = 0; f < mesh.triangles.rows(); ++f)
+        if (degenerate(mesh, f))
+            return fail("bad-value", "Triangle " + std::to_string(f) + " has no area; repair the mesh.");
+
+    auto state = std::make_unique<State>();
+    state->nu = input.nu;
+    state->threads = std::max(1, input.threads);
+    const auto vertexCount = static_cast<std::size_t>(mesh.vertices.rows());
+    std::vector<int> patchOf(vertexCount, -1);
+    if (input.held.empty()) return fail("no-face", "Nothing holds the body; give it a joint face.");
+    for (std::size_t i = 0; i < input.held.size(); ++i) {
+        const HeldPatch& patch = input.held[i];
+        if (patch.vertices.empty() || patch.triangles.empty()) return fail("no-face", "A joint face has no triangles; choose it again.");
+        for (const std::int32_t v : patch.vertices) {
+            if (v < 0 || static_cast<std::size_t>(v) >= vertexCount)
+                return fail("bad-value", "A joint face names a vertex that does not exist; choose it again.");
+            int& owner = patchOf[static_cast<std::size_t>(v)];
+            if (owner == static_cast<int>(i)) return fail("bad-value", "A joint face names vertex " + std::to_string(v) + " twice; choose it again.");
+            if (owner >= 0)
+                return fail("shared-rim", "Two joint faces share vertex " + std::to_string(v) +
+                                              "; leave at least one edge of free surface between them.");
+            owner = static_cast<int>(i);
+        }
+        std::vector<char> covered(vertexCount);
+        for (const std::int32_t f : patch.triangles) {
+            if (f < 0 || f >= mesh.triangles.rows())
+                return fail("bad-value", "A joint face names a triangle that does not exist; choose it again.");
+            for (int c = 0; c < 3; ++c) {
+                const auto v = static_cast<std::size_t>(mesh.triangles(f, c));
+                if (patchOf[v] != static_cast<int>(i))
+                    return fail("bad-value", "A joint face has a triangle with a corner outside of it; choose it again.");
+                covered[v] = 1;
+            }
+        }
+        for (const std::int32_t v : patch.vertices)
+            if (!covered[static_cast<std::size_t>(v)])
+                return fail("bad-value", "A joint face has a vertex without a triangle (" + std::to_string(v) + "); choose it again.");
+        state->heldCount += static_cast<std::int32_t>(patch.vertices.size());
+    }
+    for (std::size_t v = 0; v < vertexCount; ++v)
+        if (patchOf[v] < 0) state->freeVertices.push_back(static_cast<std::int32_t>(v));
+    state->freeCount = static_cast<std::int32_t>(state->freeVertices.size());
+    if (state->freeCount == 0) return fail("no-free-vertex", "Joint faces cover the whole surface; leave some of it free.");
+
+    const std::size_t bytes = matrixBytes(static_cast<std::size_t>(state->freeCount), static_cast<std::size_t>(state->heldCount));
+    const std::string noMemory = "Solving " + std::to_string(vertexCount) + " vertices needs " + gigabytes(bytes) +
+                                 " of memory, more than there is; use a coarser mesh or close other programs.";
+    if (bytes > availableMemory()) return fail("no-memory", noMemory);
+    const std::int32_t n = state->unknowns();
+    double norm = 0.0;
+    try {
+        state->ld = static_cast<std::size_t>(n);
+        state->matrix = LargeArray<double>(static_cast<std::size_t>(n) * state->ld);
+        state->heldH = LargeArray<double>(static_cast<std::size_t>(n) * 3 * static_cast<std::size_t>(state->heldCount));
+        state->lu = DenseLu(n);
+        state->quality.peakBytes = bytes;
+
+        // Shares of the time as estimated beforehand.
+        const double pairs = static_cast<double>(vertexCount) * static_cast<double>(mesh.triangles.rows());
+        const double assembly = 100e-9 * pairs, factorisation = 2.0 / 3.0 * std::pow(n, 3) / 60e9;
+        const double split = assembly / (assembly + factorisation);
+        auto start = Clock::now();
+        auto assembled = state->assemble(mesh, input, progress.part(0.0, split));
+        if (!assembled) return tl::make_unexpected(assembled.error());
+        norm = *assembled;
+        state->quality.assembleSeconds = secondsSince(start);
+        start = Clock::now();
+        const Progress factorising = progress.part(split, 1.0);
+        const auto cancelled = [] { return fail(kCancelled, "The precompute was cancelled."); };
+        if (!state->lu.factorise(state->threads, factorising)) return cancelled();
+        if (!state->lu.reciprocalCondition(norm, state->threads, factorising, state->quality.rcond)) return cancelled();
+        state->quality.factoriseSeconds = secondsSince(start);
+    } catch (const std::bad_alloc&) {
+        return fail("no-memory", noMemory);
+    }
+    if (!(state->quality.rcond > kSingularRcond))
+        return fail("singular", "The equations of this body have no unique answer; check that every separate part of it has a joint face and "
+                                "that no two vertices lie at the same point.");
+    return BoundaryProblem(std::move(state));
+}
+
+Result<BoundaryProblem::Solution> BoundaryProblem::solve(const Eigen::MatrixXd& held, const Progress& progress) {
+    State& s = *state_;
+    const std::int32_t n = s.unknowns(), known = 3 * s.heldCount;
+    if (held.rows() != known) return fail("bad-value", "The displacements do not match the held vertices.");
+    if (!finite(held)) return fail("bad-value", "A prescribed displacement is not finite.");
+    const auto k = static_cast<std::int32_t>(held.cols());
+    const auto cancelled = [] { return fail(kCancelled, "The precompute was cancelled."); };
+    const auto start = Clock::now();
+
+    Eigen::MatrixXd right(n, k), x = Eigen::MatrixXd::Zero(n, k);
+    if (!subtractProduct(s.heldH.data(), static_cast<std::size_t>(known), n, known, held.data(), k, right.data(), true, s.threads, progress))
+        return cancelled();
+    const Eigen::VectorXd rightNorm = right.colwise().norm();
+
+    // The factors are in single precision: each step of refinement gains about five digits, in residuals of double precision.
+    Eigen::MatrixXd residual = right;
+    Eigen::MatrixXf step(n, k);
+    double worst = 1.0;
+    for (int round = 0; round < kMaxRefinements && worst > kResidualGoal; ++round) {
+        Eigen::VectorXd norm = residual.colwise().norm();
+        for (std::int32_t c = 0; c < k; ++c) step.col(c) = (residual.col(c) / (norm[c] > 0.0 ? norm[c] : 1.0)).cast<float>();
+        if (!s.lu.solve(step.data(), k, true, s.threads, progress)) return cancelled();
+        if (!finite(step)) break;
+        Eigen::MatrixXd next = x + step.cast<double>() * norm.asDiagonal();
+        Eigen::MatrixXd nextResidual = right;
+        if (!subtractProduct(s.matrix.data(), s.ld, n, n, next.data(), k, nextResidual.data(), false, s.threads, progress))
+            return cancelled();
+        double reached = 0.0;
+        for (std::int32_t c = 0; c < k; ++c)
+            if (rightNorm[c] > 0.0) reached = std::max(reached, nextResidual.col(c).norm() / rightNorm[c]);
+        if (!(reached < worst)) break;  // at the limit of this matrix
+        const bool gains = reached < kRefinementGain * worst;
+        x.swap(next);
+        residual.swap(nextResidual);
+        worst = reached;
+        progress.report("solve", std::min(1.0, std::log10(std::max(worst, kResidualGoal)) / std::log10(kResidualGoal)));
+        if (!gains) break;
+    }
+    if (rightNorm.isZero(0.0)) worst = 0.0;
+    s.quality.residual = std::max(s.quality.residual, worst);
+    s.quality.solveSeconds += secondsSince(start);
+    if (!(worst <= kResidualLimit))
+        return fail("inaccurate", "The equations of this body are too ill-conditioned to be solved accurately; repair thin spikes and nearly "
+                                  "coinciding surfaces, or remesh it more evenly.");
+    Solution solution;
+    solution.displacement = x.topRows(3 * s.freeCount);
+    solution.traction = x.bottomRows(known);
+    for (std::int32_t v = 0; v < s.heldCount; ++v) solution.traction.middleRows(3 * v, 3) *= s.tractionScale[static_cast<std::size_t>(v)];
+    return solution;
+}
+
+BoundaryProblem::Estimate BoundaryProblem::estimate(int vertices, int columns, int threads) {
+    (void)vertices, (void)columns, (void)threads;
+    return {};
+}
+
+BoundaryProblem::BoundaryProblem(std::unique_ptr<State> state) : state_(std::move(state)) {}
+BoundaryProblem::BoundaryProblem(BoundaryProblem&&) noexcept = default;
+BoundaryProblem& BoundaryProblem::operator=(BoundaryProblem&&) noexcept = default;
+BoundaryProblem::~BoundaryProblem() = default;
+const std::vector<std::int32_t>& BoundaryProblem::freeVertices() const { return state_->freeVertices; }
+const SolveQuality& BoundaryProblem::quality() const { return state_->quality; }
+
+}  // namespace imomushi

@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The pairs of kernels.cpp, a vector of triangles at a time: compiled once per instruction set, chosen at run time.
+#include <numbers>
+
+#include "core/elasticity/kernels.h"
+
+// Vector types are held in arrays below, which vectors of unknown size (SVE, RISC-V) do not allow: ARM uses NEON.
+#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "core/elasticity/kernels_vector.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include <hwy/contrib/math/math-inl.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace imomushi {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using D = hn::CappedTag<double, TriangleBatch::kPad>;
+using V = hn::Vec<D>;
+
+// Lengths are of order one (boundary_problem.cpp scales the body). Below these a logarithm's factor has vanished to rounding.
+constexpr double kTinyLength = 1e-30;
+constexpr double kTinySquare = 1e-60;
+
+HWY_INLINE V constant(double value) { return hn::Set(D(), value); }
+
+HWY_INLINE V dot(const V* a, const V* b) { return hn::MulAdd(a[0], b[0], hn::MulAdd(a[1], b[1], hn::Mul(a[2], b[2]))); }
+
+/// The angle of (x, y) in (-pi, pi]; 0 at the origin.
+HWY_INLINE V atan2(V y, V x) {
+    const D d;
+    const V ay = hn::Abs(y), ax = hn::Abs(x);
+    const V big = hn::Max(hn::Max(ay, ax), constant(1e-300)), small = hn::Min(ay, ax);
+    V angle = hn::Atan(d, hn::Div(small, big));
+    angle = hn::IfThenElse(hn::Gt(ay, ax), hn::Sub(constant(std::numbers::pi / 2), angle), angle);
+    angle = hn::IfThenElse(hn::Lt(x, hn::Zero(d)), hn::Sub(constant(std::numbers::pi), angle), angle);
+    return hn::CopySign(angle, y);
+}
+
+/// Index of entry (i, j) of a symmetric 3 x 3 matrix.
+constexpr int kSymmetric[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+
+template <bool kWithG>
+double addBlocksOf(const TriangleBatch& batch, const Vec3& x, double nu, double* HWY_RESTRICT h, double* HWY_RESTRICT g) {
+    const D d;
+    constexpr int kLanes = TriangleBatch::kPad;
+    const V zero = hn::Zero(d), half = constant(0.5), one = constant(1.0), two = constant(2.0);
+    const V dFactor = constant(1.0 / (4.0 * std::numbers::pi));
+    const V mFactor = constant(1.0 / (8.0 * std::numbers::pi * (1.0 - nu)));
+    const V gFactor = constant(1.0 / (16.0 * std::numbers::pi * (1.0 - nu)));
+    const V isotropicM = constant(1.0 - 2.0 * nu), isotropicG = constant(3.0 - 4.0 * nu);
+    const V xv[3] = {constant(x[0]), constant(x[1]), constant(x[2])};
+    V sumD = zero;
+    HWY_ALIGN double hBlocks[3][9][kLanes];
+    HWY_ALIGN double gBlocks[3][6][kLanes];
+
+    for (std::size_t i = 0; i < batch.paddedSize(); i += hn::Lanes(d)) {
+        const auto load = [&](int f) HWY_ATTR { return hn::LoadU(d, batch.field(f) + i); };
+        V r[3][3], R2[3], R[3];
+        for (int c = 0; c < 3; ++c) {
+            for (int k = 0; k < 3; ++k) r[c][k] = hn::Sub(load(TriangleBatch::kCorner + 3 * c + k), xv[k]);
+            R2[c] = dot(r[c], r[c]);
+            R[c] = hn::Sqrt(R2[c]);
+        }
+        const V n[3] = {load(TriangleBatch::kNormal), load(TriangleBatch::kNormal + 1), load(TriangleBatch::kNormal + 2)};
+
+        // Signed height w of x above the plane, from the nearest corner: exactly 0 on a corner.
+        V nearest[3];
+        const auto nearer1 = hn::Lt(R2[1], R2[0]);
+        const auto nearer2 = hn::Lt(R2[2], hn::Min(R2[0], R2[1]));
+        for (int k = 0; k < 3; ++k) nearest[k] = hn::IfThenElse(nearer2, r[2][k], hn::IfThenElse(nearer1, r[1][k], r[0][k]));
+        const V w = hn::Neg(dot(nearest, n));
+        const V w2 = hn::Mul(w, w);
+
+        const V denominator = hn::MulAdd(
+            hn::Mul(R[0], R[1]), R[2],
+            hn::MulAdd(dot(r[0], r[1]), R[2], hn::MulAdd(dot(r[0], r[2]), R[1], hn::Mul(dot(r[1], r[2]), R[0]))));
+        V Om = hn::Mul(two, atan2(hn::Mul(load(TriangleBatch::kTwiceArea), w), denominator));
+        Om = hn::IfThenElse(hn::Eq(w, zero), zero, Om);
+
+        V I0 = hn::Neg(hn::Mul(w, Om));
+        V q[3] = {zero, zero, zero};
+        V edges[6] = {zero, zero, zero, zero, zero, zero};  // sum of t0 f m m^T + (R1 - R0) (e m^T + m e^T) / 2
+        V e[3][3], m[3][3], t0[3], E0[3], E1[3], E2[3], J[3];
+        for (int a = 0; a < 3; ++a) {
+            const int b = (a + 1) % 3;
+            for (int k = 0; k < 3; ++k) e[a][k] = load(TriangleBatch::kTangent + 3 * a + k);
+            for (int k = 0; k < 3; ++k) {
+                const int k1 = (k + 1) % 3, k2 = (k + 2) % 3;
+                m[a][k] = hn::NegMulAdd(e[a][k2], n[k1], hn::Mul(e[a][k1], n[k2]));
+            }
+            const V length = load(TriangleBatch::kLength + a);
+            const auto firstNearer = hn::Lt(R2[a], R2[b]);
+            const V near[3] = {hn::IfThenElse(firstNearer, r[a][0], r[b][0]), hn::IfThenElse(firstNearer, r[a][1], r[b][1]),
+                               hn::IfThenElse(firstNearer, r[a][2], r[b][2])};
+            t0[a] = dot(near, m[a]);
+            const V s0 = dot(r[a], e[a]), s1 = dot(r[b], e[a]);
+            const V R02 = hn::MulAdd(t0[a], t0[a], w2);
+            const V sumR = hn::Add(R[a], R[b]);
+            // f = ln(big / small) = log1p(excess / small), in three ways that do not cancel: far away by the sum of the distances, near by the ends on
+            // one side of the foot of x or on both.
+            const V P0 = hn::Max(hn::Add(R[a], hn::Abs(s0)), constant(kTinyLength));
+            const V P1 = hn::Max(hn::Add(R[b], hn::Abs(s1)), constant(kTinyLength));
+            const auto astride = hn::And(hn::Lt(s0, zero), hn::Gt(s1, zero));
+            const V flat2 = hn::Max(R02, constant(kTinySquare));
+            V small = hn::IfThenElse(astride, flat2, hn::Min(P0, P1));
+            V excess = hn::IfThenElse(astride, hn::Max(hn::MulSub(P0, P1, flat2), zero), hn::Sub(hn::Max(P0, P1), hn::Min(P0, P1)));
+            const auto far = hn::Gt(sumR, hn::Mul(two, length));
+            small = hn::IfThenElse(far, hn::Sub(sumR, length), small);
+            excess = hn::IfThenElse(far, hn::Mul(two, length), excess);
+            const V f = hn::Log1p(d, hn::Div(excess, small));
+            E0[a] = f;
+            E1[a] = hn::Div(hn::Mul(length, hn::Add(s0, s1)), sumR);  // R1 - R0
+            if constexpr (kWithG) {
+                const V ends = hn::MulSub(s1, R[b], hn::Mul(s0, R[a])), side = hn::Mul(R02, f);
+                J[a] = hn::Mul(half, hn::Add(ends, side));
+                E2[a] = hn::Mul(half, hn::Sub(ends, side));
+            }
+            const V t0f = hn::Mul(t0[a], f);
+            I0 = hn::Add(I0, t0f);
+            for (int k = 0; k < 3; ++k) q[k] = hn::NegMulAdd(m[a][k], f, q[k]);
+            V along[3];  // t0 f m + (R1 - R0) e, whose symmetric product with m is wanted
+            const V halfE1 = hn::Mul(half, E1[a]), halfT0f = hn::Mul(half, t0f);
+            for (int k = 0; k < 3; ++k) along[k] = hn::MulAdd(halfT0f, m[a][k], hn::Mul(halfE1, e[a][k]));
+            for (int k = 0; k < 3; ++k)
+                for (int l = k; l < 3; ++l)
+                    edges[kSymmetric[k][l]] =
+                        hn::Add(edges[kSymmetric[k][l]], hn::MulAdd(along[k], m[a][l], hn::Mul(m[a][k], along[l])));
+        }
+
+        V Q[6], S[6], M[6];
+        const V wOm = hn::Mul(w, Om);
+        for (int k = 0; k < 3; ++k)
+            for (int l = k; l < 3; ++l) {
+                const int s = kSymmetric[k][l];
+                const V nn = hn::Mul(n[k], n[l]);
+                const V projector = k == l ? hn::Sub(one, nn) : hn::Neg(nn);
+                Q[s] = hn::MulSub(I0, projector, edges[s]);
+                const V nq = hn::MulAdd(n[k], q[l], hn::Mul(q[k], n[l]));
+                S[s] = hn::MulAdd(wOm, nn, hn::NegMulAdd(w, nq, Q[s]));
+                M[s] = hn::Mul(mFactor, k == l ? hn::MulAdd(isotropicM, I0, S[s]) : S[s]);
+            }
+
+        V height[3];
+        for (int a = 0; a < 3; ++a) {
+            const int o = (a + 1) % 3;  // the edge opposite to corner a
+            height[a] = load(TriangleBatch::kHeight + o);
+            const V Da = hn::Mul(height[a], hn::MulSub(t0[o], Om, hn::Mul(w, dot(m[o], q))));
+            sumD = hn::Add(sumD, Da);
+            const V diagonal = hn::Mul(dFactor, Da);
+            const V k3[3] = {hn::Mul(height[a], e[o][0]), hn::Mul(height[a], e[o][1]), hn::Mul(height[a], e[o][2])};
+            for (int row = 0; row < 3; ++row) {
+                const V* Mr[3] = {&M[kSymmetric[row][0]], &M[kSymmetric[row][1]], &M[kSymmetric[row][2]]};
+                for (int column = 0; column < 3; ++column) {
+                    const int c1 = (column + 1) % 3, c2 = (column + 2) % 3;
+                    // - M [k3]x, as g n^T - n g^T = -[k3]x
+                    V block = hn::MulSub(*Mr[c2], k3[c1], hn::Mul(*Mr[c1], k3[c2]));
+                    if (row == column) block = hn::Add(block, diagonal);
+                    hn::Store(block, d, hBlocks[a][3 * row + column]);
+                }
+            }
+        }
+
+        if constexpr (kWithG) {
+            V L[3] = {zero, zero, zero};
+            for (int a = 0; a < 3; ++a)
+                for (int k = 0; k < 3; ++k) L[k] = hn::MulAdd(m[a][k], J[a], L[k]);
+            for (int a = 0; a < 3; ++a) {
+                const int o = (a + 1) % 3;
+                const V gradient[3] = {hn::Neg(hn::Mul(height[a], m[o][0])), hn::Neg(hn::Mul(height[a], m[o][1])),
+                                       hn::Neg(hn::Mul(height[a], m[o][2]))};
+                const V atX = hn::Mul(height[a], t0[o]);
+                const V gL = dot(gradient, L);
+                const V linear = hn::MulAdd(atX, I0, gL);
+                V T[6];  // int (gradient . rho) rho rho^T / R^3
+                for (int k = 0; k < 3; ++k)
+                    for (int l = k; l < 3; ++l) {
+                        const V nn = hn::Mul(n[k], n[l]);
+                        const V gl = hn::MulAdd(L[k], gradient[l], hn::Mul(gradient[k], L[l]));
+                        T[kSymmetric[k][l]] = hn::MulAdd(half, gl, hn::Mul(gL, k == l ? hn::Sub(one, nn) : hn::Neg(nn)));
+                    }
+                for (int b = 0; b < 3; ++b) {
+                    const V gm = dot(gradient, m[b]), ge = dot(gradient, e[b]);
+                    const V cross = hn::Mul(t0[b], E1[b]);
+                    const V alongM = hn::Mul(half, hn::MulAdd(gm, hn::Mul(hn::Mul(t0[b], t0[b]), E0[b]), hn::Mul(cross, ge)));
+                    const V alongE = hn::Mul(half, hn::MulAdd(cross, gm, hn::Mul(ge, E2[b])));
+                    V along[3];
+                    for (int k = 0; k < 3; ++k) along[k] = hn::MulAdd(alongM, m[b][k], hn::Mul(alongE, e[b][k]));
+                    for (int k = 0; k < 3; ++k)
+                        for (int l = k; l < 3; ++l)
+                            T[kSymmetric[k][l]] = hn::Sub(T[kSymmetric[k][l]], hn::MulAdd(along[k], m[b][l], hn::Mul(m[b][k], along[l])));
+                }
+                V Qg[3];
+                for (int k = 0; k < 3; ++k) {
+                    const V row[3] = {Q[kSymmetric[k][0]], Q[kSymmetric[k][1]], Q[kSymmetric[k][2]]};
+                    Qg[k] = dot(row, gradient);
+                }
+                const V w2gq = hn::Mul(w2, dot(gradient, q));
+                for (int k = 0; k < 3; ++k)
+                    for (int l = k; l < 3; ++l) {
+                        const int s = kSymmetric[k][l];
+                        const V nQg = hn::MulAdd(n[k], Qg[l], hn::Mul(Qg[k], n[l]));
+                        V entry = hn::NegMulAdd(w, nQg, hn::MulAdd(atX, S[s], T[s]));
+                        entry = hn::MulAdd(w2gq, hn::Mul(n[k], n[l]), entry);
+                        if (k == l) entry = hn::MulAdd(isotropicG, linear, entry);
+                        hn::Store(hn::Mul(gFactor, entry), d, gBlocks[a][s]);
+                    }
+            }
+        }
+
+        for (int a = 0; a < 3; ++a) {
+            const std::int32_t* column = batch.column(a) + i;
+            for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane) {
+                double* block = h + 9 * static_cast<std::ptrdiff_t>(column[lane]);
+                for (int k = 0; k < 9; ++k) block[k] += hBlocks[a][k][lane];
+            }
+            if constexpr (kWithG) {
+                const std::int32_t* displacementColumn = batch.displacementColumn(a) + i;
+                for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane) {
+                    double* block = g + 9 * static_cast<std::ptrdiff_t>(displacementColumn[lane]);
+                    for (int k = 0; k < 3; ++k)
+                        for (int l = 0; l < 3; ++l) block[3 * k + l] += gBlocks[a][kSymmetric[k][l]][lane];
+                }
+            }
+        }
+    }
+    HWY_ALIGN double lanes[kLanes];
+    hn::Store(sumD, d, lanes);
+    double sum = 0.0;
+    for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane) sum += lanes[lane];
+    return sum;
+}
+
+double addBlocks(const TriangleBatch& batch, const Vec3& x, double nu, double* h, double* g) {
+    return g ? addBlocksOf<true>(batch, x, nu, h, g) : addBlocksOf<false>(batch, x, nu, h, g);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace imomushi
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace imomushi {
+HWY_EXPORT(addBlocks);
+double addBlocks(const TriangleBatch& batch, const Vec3& x, double nu, double* h, double* g) {
+    return HWY_DYNAMIC_DISPATCH(addBlocks)(batch, x, nu, h, g);
+}
+}  // namespace imomushi
+#endif
