@@ -12,7 +12,7 @@ build_packages=(
     g++ cmake ninja-build pkg-config
     # studio
     qt6-base-dev qt6-tools-dev qt6-tools-dev-tools qt6-l10n-tools libqt6opengl6-dev 'qt6-svg-dev|libqt6svg6-dev'
-    libgl-dev libegl-dev libepoxy-dev libpng-dev
+    libgl-dev libegl-dev libepoxy-dev libpng-dev libturbojpeg0-dev
     # core
     libeigen3-dev libassimp-dev libcgal-dev libopenblas-dev liblapacke-dev libhwy-dev libxxhash-dev libsqlite3-dev
     libexpected-dev nlohmann-json3-dev libtinygltf-dev

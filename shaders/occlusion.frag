@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Ambient occlusion from the depth of the picture (after McGuire et al. 2012, "Scalable Ambient Obscurance").
+#version 330 core
+#include "frame.glsl"
+#include "tone.glsl"
+in vec2 uv;
+uniform sampler2D surface;
+uniform float radius;  // m
+uniform int taps;
+out vec4 outOcclusion;
+
+vec3 viewPosition(vec2 at, float depth) {
+    vec2 slope = (at * 2.0 - 1.0) * frame.projection.xy;
+    return vec3(frame.eye.w > 0.5 ? slope : slope * depth, -depth);
+}
+
+void main() {
+    vec4 here = texture(surface, uv);
+    outOcclusion = vec4(1.0);
+    if (here.w > 1e20) return;
+    vec3 p = viewPosition(uv, here.w);
+    vec3 n = here.xyz;
+    // The disc of `radius` around p on the screen, in texture coordinates.
+    vec2 disc = radius / (2.0 * frame.projection.xy * (frame.eye.w > 0.5 ? 1.0 : here.w));
+    disc = min(disc, vec2(0.15));
+    float turn = pixelNoise(floor(gl_FragCoord.xy)) * 6.2831853;
+    float sum = 0.0;
+    for (int i = 0; i < taps; ++i) {
+        float r = (float(i) + 0.5) / float(taps);
+        float angle = turn + float(i) * 2.3999632;
+        vec2 at = uv + r * vec2(cos(angle), sin(angle)) * disc;
+        float depth = texture(surface, at).w;
+        vec3 d = viewPosition(at, min(depth, 1e6)) - p;
+        float dd = dot(d, d);
+        float f = max(radius * radius - dd, 0.0) / (radius * radius);
+        sum += f * f * max((dot(d, n) - 0.02 * radius) * inversesqrt(dd + 1e-4 * radius * radius), 0.0);
+    }
+    outOcclusion = vec4(clamp(1.0 - 2.1 * sum / float(taps), 0.0, 1.0));
+}

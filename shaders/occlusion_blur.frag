@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Averages the noise of occlusion.frag away without crossing edges in depth.
+#version 330 core
+#include "frame.glsl"
+in vec2 uv;
+uniform sampler2D surface;
+uniform sampler2D occlusion;
+uniform vec2 texel;
+out vec4 outOcclusion;
+
+void main() {
+    float depth = texture(surface, uv).w;
+    outOcclusion = vec4(1.0);
+    // Past a silhouette the nearest body's value continues, so that a pixel of the full picture never reads the bright outside.
+    float range = 0.06 * frame.sphere.w;
+    float sum = 0.0, weights = 1e-4;
+    for (int y = -2; y < 2; ++y)
+        for (int x = -2; x < 2; ++x) {
+            vec2 at = uv + (vec2(x, y) + 0.5) * texel;
+            float d = texture(surface, at).w;
+            float w = d > 1e20 ? 0.0 : (depth > 1e20 ? 1.0 : max(1.0 - abs(d - depth) / range, 0.0));
+            sum += w * texture(occlusion, at).r;
+            weights += w;
+        }
+    outOcclusion = vec4(weights > 0.01 ? sum / weights : 1.0);
+}

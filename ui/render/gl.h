@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <epoxy/gl.h>
+
+#include <Eigen/Core>
+#include <cfenv>
+#include <string>
+#include <utility>
+
+#include "core/base/result.h"
+
+namespace imomushi::render {
+
+/// An OpenGL name that is deleted with its owner; 0: none. The context must be current then.
+template <void (*destroy)(GLuint)>
+class Name {
+public:
+    Name() = default;
+    explicit Name(GLuint name) : name_(name) {}
+    Name(Name&& other) noexcept : name_(std::exchange(other.name_, 0)) {}
+    Name& operator=(Name&& other) noexcept {
+        std::swap(name_, other.name_);
+        return *this;
+    }
+    ~Name() {
+        if (name_) destroy(name_);
+    }
+    operator GLuint() const { return name_; }
+
+private:
+    GLuint name_ = 0;
+};
+
+inline void deleteBuffer(GLuint n) { glDeleteBuffers(1, &n); }
+inline void deleteVertexArray(GLuint n) { glDeleteVertexArrays(1, &n); }
+inline void deleteTexture(GLuint n) { glDeleteTextures(1, &n); }
+inline void deleteFramebuffer(GLuint n) { glDeleteFramebuffers(1, &n); }
+inline void deleteRenderbuffer(GLuint n) { glDeleteRenderbuffers(1, &n); }
+inline void deleteProgram(GLuint n) { glDeleteProgram(n); }
+using Buffer = Name<deleteBuffer>;
+using VertexArray = Name<deleteVertexArray>;
+using TextureName = Name<deleteTexture>;
+using Framebuffer = Name<deleteFramebuffer>;
+using Renderbuffer = Name<deleteRenderbuffer>;
+
+Buffer makeBuffer();
+VertexArray makeVertexArray();
+
+/// A vertex and a fragment shader of shaders/, linked. `#include "x.glsl"` lines are resolved. The uniform block Frame is bound to 0.
+class Program {
+public:
+    Program() = default;
+    /// Errors: "bad-shader" with the compiler's log.
+    static Result<Program> link(const char* vertex, const char* fragment);
+
+    void use() const { glUseProgram(name_); }
+    // The program must be in use.
+    void set(const char* uniform, int value) const { glUniform1i(at(uniform), value); }
+    void set(const char* uniform, unsigned value) const { glUniform1ui(at(uniform), value); }
+    void set(const char* uniform, float value) const { glUniform1f(at(uniform), value); }
+    void set(const char* uniform, const Eigen::Vector2f& v) const { glUniform2fv(at(uniform), 1, v.data()); }
+    void set(const char* uniform, const Eigen::Vector3f& v) const { glUniform3fv(at(uniform), 1, v.data()); }
+    void set(const char* uniform, const Eigen::Vector4f& v) const { glUniform4fv(at(uniform), 1, v.data()); }
+    void set(const char* uniform, const Eigen::Matrix4f& m) const { glUniformMatrix4fv(at(uniform), 1, GL_FALSE, m.data()); }
+
+private:
+    [[nodiscard]] GLint at(const char* uniform) const { return glGetUniformLocation(name_, uniform); }
+    Name<deleteProgram> name_;
+};
+
+/// A picture to draw into: colour and depth, either of which may be absent (format 0), as textures or, with `samples` > 1, multisampled.
+class Target {
+public:
+    /// Makes it new when anything changed. False: the driver has no memory for it.
+    bool resize(int width, int height, GLenum color, GLenum depth, int samples = 1);
+    /// Binds it for drawing, with the viewport on all of it.
+    void bind() const;
+    [[nodiscard]] GLuint framebuffer() const { return framebuffer_; }
+    [[nodiscard]] GLuint color() const { return color_; }
+    [[nodiscard]] GLuint depth() const { return depth_; }
+    [[nodiscard]] int width() const { return width_; }
+    [[nodiscard]] int height() const { return height_; }
+
+private:
+    Framebuffer framebuffer_;
+    TextureName color_, depth_;
+    Renderbuffer colorSamples_, depthSamples_;
+    int width_ = 0, height_ = 0, samples_ = 0;
+    GLenum colorFormat_ = 0, depthFormat_ = 0;
+};
+
+/// Floating-point traps off while it lives: drivers compute with infinities on purpose.
+class NoFloatingPointTraps {
+public:
+    NoFloatingPointTraps() { std::feholdexcept(&before_); }
+    ~NoFloatingPointTraps() { std::fesetenv(&before_); }
+    NoFloatingPointTraps(const NoFloatingPointTraps&) = delete;
+    NoFloatingPointTraps& operator=(const NoFloatingPointTraps&) = delete;
+
+private:
+    std::fenv_t before_{};
+};
+
+}  // namespace imomushi::render
