@@ -38,7 +38,9 @@ struct Hold {
 /// A pose: everything that the joint points and bones need to be drawn, and the state from which the next pose follows.
 struct Pose {
     std::vector<Vec3> points;                 ///< per joint point, m
-    std::vector<Eigen::Quaterniond> frames;   ///< per bone: rotation from rest, parallel-transported, roll left out
+    /// Per bone: rotation from rest, parallel-transported, roll left out. Signs are consistent within a tree of bones: the scalar product of
+    /// two neighbours is the cosine of half the bend between them.
+    std::vector<Eigen::Quaterniond> frames;
     std::vector<double> roll;                 ///< per joint point, radians
 };
 
@@ -56,12 +58,22 @@ public:
     InverseKinematics& operator=(InverseKinematics&&) noexcept;
     ~InverseKinematics();
 
+    /// No joint point moves farther in one solve() than this times the largest move of a target since the last one
+    /// (or kFading of that of the solve() before: a body follows a large drag over several), ...
+    static constexpr double kMotionGain = 3.0;
+    static constexpr double kFading = 0.8;
+    /// ... plus this times the mean rest length of the bones: what a bent or compressed body gives back per frame, even when nobody moves it.
+    static constexpr double kRelaxation = 0.03;
+
     struct Report {
         bool settled = true;        ///< the pose no longer changes when solved again
         double largestMiss = 0.0;   ///< m, largest distance of a held point from its target
+        bool outOfReach = false;    ///< a held point rests away from its target: stretch or bend limits keep it there
         bool finite = true;         ///< false: the step was refused and the last good pose kept
     };
-    /// One frame: moves `pose` towards the holds. Targets must be finite.
+    /// One frame: moves `pose` towards the holds (of two at one joint point the later counts). Targets must be finite.
+    /// A held point without a roll keeps the roll it has; between held points roll spreads evenly along the bones.
+    /// A pose that does not fit the skeleton counts as the pose of rest.
     Report solve(const std::vector<Hold>& holds, Pose& pose);
 
 private:

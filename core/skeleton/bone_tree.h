@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "core/skeleton/skeleton.h"
+
+namespace imomushi {
+
+/// How the bones of a skeleton hang together, derived once and shared by inverse kinematics and characters. One entry per bone.
+struct BoneTree {
+    /// The bone whose frame is transported to this one: Skeleton::Bone::parent, or else the first earlier bone at a common
+    /// joint point (an artist need not name parents along a chain); -1: a root. Always smaller than the bone's own index.
+    std::vector<int> parent;
+    std::vector<int> tree;            ///< index of its root bone: frames of one tree have consistent quaternion signs
+    std::vector<Vec3> restDirection;  ///< unit, start -> end
+    /// +1 or -1: roll is one number per joint point, so along a chain that leaves its root in two opposite directions one
+    /// half counts it against its bones' directions.
+    std::vector<double> rollSign;
+};
+
+BoneTree boneTree(const Skeleton& skeleton);
+
+/// The rotation of least angle that takes the unit vector `from` to the unit vector `to`; real part >= 0. Opposite vectors: half a turn
+/// about some axis across them.
+Eigen::Quaterniond minimalRotation(const Vec3& from, const Vec3& to);
+
+/// Roll of a bone in radians about its direction: the mean of its two ends.
+double boneRoll(const Skeleton& skeleton, const BoneTree& tree, const Pose& pose, int bone);
+
+}  // namespace imomushi

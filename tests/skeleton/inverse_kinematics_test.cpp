@@ -1,0 +1,381 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <doctest/doctest.h>
+#include <rapidcheck.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "core/skeleton/block_cholesky.h"
+#include "core/skeleton/bone_tree.h"
+#include "core/skeleton/skeleton.h"
+#include "tests/support/allocations.h"
+
+using namespace imomushi;
+
+namespace {
+
+// Bones of length 1 along x.
+Skeleton chain(int bones) {
+    Skeleton s;
+    for (int i = 0; i <= bones; ++i) s.points.emplace_back(i, 0, 0);
+    for (int i = 0; i < bones; ++i) s.bones.push_back({i, i + 1, i - 1, 1.0});
+    return s;
+}
+
+// A body bone and `arms` arms of `bones` bones from its end.
+Skeleton octopus(int arms, int bones) {
+    Skeleton s;
+    s.points = {Vec3(0, 1, 0), Vec3(0, 0, 0)};
+    s.bones.push_back({0, 1, -1, 1.0});
+    for (int a = 0; a < arms; ++a) {
+        int at = 1, parent = 0;
+        const double angle = 2 * M_PI * a / arms;
+        const Vec3 out(std::cos(angle), -0.3, std::sin(angle));
+        for (int i = 1; i <= bones; ++i) {
+            s.points.push_back(0.6 * i * out);
+            const int point = static_cast<int>(s.points.size()) - 1;
+            s.bones.push_back({at, point, parent, (s.points[point] - s.points[at]).norm()});
+            at = point;
+            parent = static_cast<int>(s.bones.size()) - 1;
+        }
+    }
+    return s;
+}
+
+int settle(InverseKinematics& ik, const std::vector<Hold>& holds, Pose& pose, InverseKinematics::Report& report, int most = 200) {
+    for (int i = 1; i <= most; ++i) {
+        report = ik.solve(holds, pose);
+        if (report.settled) return i;
+    }
+    return most + 1;
+}
+
+double largestMove(const Pose& a, const Pose& b) {
+    double m = 0;
+    for (std::size_t i = 0; i < a.points.size(); ++i) m = std::max(m, (a.points[i] - b.points[i]).norm());
+    return m;
+}
+
+double largestTurn(const Pose& a, const Pose& b) {
+    double m = 0;
+    for (std::size_t i = 0; i < a.frames.size(); ++i) m = std::max(m, a.frames[i].angularDistance(b.frames[i]));
+    return m;
+}
+
+bool finite(const Pose& pose) {
+    bool ok = true;
+    for (const auto& p : pose.points) ok = ok && p.allFinite();
+    for (const auto& q : pose.frames) ok = ok && q.coeffs().allFinite();
+    for (const double r : pose.roll) ok = ok && std::isfinite(r);
+    return ok;
+}
+
+void checkFramesFollowBones(const Skeleton& s, const Pose& pose) {
+    const BoneTree tree = boneTree(s);
+    for (std::size_t b = 0; b < s.bones.size(); ++b) {
+        const Vec3 along = pose.points[s.bones[b].end] - pose.points[s.bones[b].start];
+        if (along.norm() > 1e-6) CHECK((pose.frames[b] * tree.restDirection[b] - along.normalized()).norm() < 1e-9);
+        if (tree.parent[b] >= 0) CHECK(pose.frames[b].dot(pose.frames[tree.parent[b]]) > 0.0);
+    }
+}
+
+Vec3 randomVector(std::mt19937& random, double size) {
+    std::uniform_real_distribution<double> d(-size, size);
+    const double x = d(random), y = d(random), z = d(random);
+    return {x, y, z};
+}
+
+}  // namespace
+
+TEST_CASE("block Cholesky: solves a random positive definite system with the pattern of a tree") {
+    std::mt19937 random(1);
+    const int n = 12;
+    std::vector<std::pair<int, int>> pairs;
+    for (int i = 1; i < n; ++i) pairs.emplace_back(i, (i - 1) / 2);
+    pairs.emplace_back(11, 3);
+    BlockCholesky system(n, pairs);
+    system.setZero();
+    Eigen::MatrixXd dense = 20.0 * Eigen::MatrixXd::Identity(3 * n, 3 * n);
+    for (int i = 0; i < n; ++i) system.add(i, i, 20.0 * Eigen::Matrix3d::Identity());
+    for (const auto& [i, j] : pairs) {
+        Eigen::Matrix3d m;
+        for (int c = 0; c < 3; ++c) m.col(c) = randomVector(random, 2.0);
+        system.add(i, j, m);
+        dense.block<3, 3>(3 * i, 3 * j) += m;
+        dense.block<3, 3>(3 * j, 3 * i) += m.transpose();
+    }
+    std::vector<Vec3> x(n), b(n);
+    for (auto& v : x) v = randomVector(random, 1.0);
+    for (int i = 0; i < n; ++i) {
+        b[i].setZero();
+        for (int j = 0; j < n; ++j) b[i] += dense.block<3, 3>(3 * i, 3 * j) * x[j];
+    }
+    REQUIRE(system.factorise());
+    system.solve(b);
+    for (int i = 0; i < n; ++i) CHECK((b[i] - x[i]).norm() < 1e-12);
+}
+
+TEST_CASE("inverse kinematics: without holds nothing moves") {
+    const Skeleton s = chain(5);
+    InverseKinematics ik(s);
+    Pose pose = restPose(s);
+    pose.points[3].y() = 0.7;
+    const Pose before = pose;
+    CHECK(ik.solve({}, pose).settled);
+    CHECK(largestMove(before, pose) == 0.0);
+}
+
+TEST_CASE("inverse kinematics: holds at rest leave the pose of rest") {
+    const Skeleton s = octopus(8, 5);
+    InverseKinematics ik(s);
+    Pose pose = restPose(s);
+    std::vector<Hold> holds;
+    for (const int p : {0, 6, 11, 41}) holds.push_back({p, s.points[p]});
+    const auto report = ik.solve(holds, pose);
+    CHECK(report.settled);
+    CHECK(largestMove(restPose(s), pose) < 1e-12);
+    CHECK(largestTurn(restPose(s), pose) < 1e-7);
+}
+
+TEST_CASE("inverse kinematics: a reachable target is reached, after small and after large drags") {
+    const Skeleton s = chain(5);
+    for (const Vec3& to : {Vec3(4.9, 0.3, 0), Vec3(3, 2, 1), Vec3(0.5, 0.5, 0), Vec3(-4, 1, 0), Vec3(-4, 0, 0), Vec3(0, 0, 3), Vec3(9, 0, 0), Vec3(2, 0, 0)}) {
+        CAPTURE(to.transpose());
+        InverseKinematics ik(s);
+        Pose pose = restPose(s);
+        const std::vector<Hold> holds = {{0, Vec3(0, 0, 0)}, {5, to}};
+        InverseKinematics::Report report;
+        const int solves = settle(ik, holds, pose, report);
+        CHECK(solves <= 200);
+        CHECK(report.largestMiss < 1e-6);
+        CHECK_FALSE(report.outOfReach);
+        checkFramesFollowBones(s, pose);
+    }
+}
+
+TEST_CASE("inverse kinematics: a target out of reach is approached to the stretch limits") {
+    const Skeleton s = chain(5);
+    InverseKinematics ik(s);
+    Pose pose = restPose(s);
+    InverseKinematics::Report report;
+    CHECK(settle(ik, {{0, Vec3(0, 0, 0)}, {5, Vec3(0, 1e7, 0)}}, pose, report) <= 200);
+    CHECK(report.outOfReach);
+    CHECK(report.finite);
+    // Five bones of length 1, limit 2, one percent of slack at the full force of a hold.
+    CHECK(pose.points[5].y() == doctest::Approx(10.0).epsilon(0.02));
+    CHECK(pose.points[5].head<1>().norm() < 0.01);
+    // And back.
+    CHECK(settle(ik, {{0, Vec3(0, 0, 0)}, {5, Vec3(5, 0, 0)}}, pose, report) <= 200);
+    CHECK(report.largestMiss < 1e-6);
+}
+
+TEST_CASE("inverse kinematics: an unpinned body follows the dragged end") {
+    const Skeleton s = chain(5);
+    InverseKinematics ik(s);
+    Pose pose = restPose(s);
+    InverseKinematics::Report report;
+    for (int i = 1; i <= 400; ++i) report = ik.solve({{5, Vec3(5, 0.05 * i, 0)}}, pose);
+    CHECK(report.largestMiss < 1e-3);
+    // The body trails behind the head along the way it was dragged.
+    CHECK(pose.points[0].y() < pose.points[5].y() - 4.0);
+    CHECK(std::abs(pose.points[0].x() - 5.0) < 1.0);
+    for (int b = 0; b < 5; ++b) CHECK((pose.points[b + 1] - pose.points[b]).norm() == doctest::Approx(1.0).epsilon(0.1));
+}
+
+TEST_CASE("inverse kinematics: degenerate input stays finite") {
+    const double big = std::numeric_limits<double>::max();
+    const std::vector<std::vector<Hold>> cases = {
+        {{0, Vec3(0, 0, 0)}, {5, Vec3(0, 0, 0)}},                                   // all at one place
+        {{2, Vec3(1, 1, 1)}, {3, Vec3(1, 1, 1)}},                                   // both ends of one bone
+        {{2, Vec3(-50, 0, 0)}, {3, Vec3(50, 0, 0)}},                                // incompatible
+        {{0, Vec3(0, 0, 0)}, {1, Vec3(0, 0, 0)}, {2, Vec3(0, 0, 0)}, {3, Vec3(0, 0, 0)}, {4, Vec3(0, 0, 0)}, {5, Vec3(0, 0, 0)}},
+        {{0, Vec3(0, 0, 0)}, {5, Vec3(big, -big, big)}},                            // at the end of the world
+        {{0, Vec3(-big, 0, 0)}, {5, Vec3(big, 0, 0)}},
+        {{5, Vec3(1, 0, 0)}, {5, Vec3(2, 0, 0)}},                                   // twice the same point
+    };
+    for (const auto& holds : cases) {
+        const Skeleton s = chain(5);
+        InverseKinematics ik(s);
+        for (const bool collapsed : {false, true}) {
+            Pose pose = restPose(s);
+            if (collapsed)
+                for (auto& p : pose.points) p.setZero();
+            for (int i = 0; i < 100; ++i) CHECK(ik.solve(holds, pose).finite);
+            CHECK(finite(pose));
+            for (const auto& b : s.bones) CHECK((pose.points[b.end] - pose.points[b.start]).norm() > 0.4);
+        }
+    }
+}
+
+TEST_CASE("inverse kinematics: what is not a number is refused and the pose kept") {
+    const Skeleton s = chain(3);
+    InverseKinematics ik(s);
+    Pose pose = restPose(s);
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    CHECK_FALSE(ik.solve({{3, Vec3(nan, 0, 0)}}, pose).finite);
+    CHECK_FALSE(ik.solve({{7, Vec3(0, 0, 0)}}, pose).finite);
+    CHECK(largestMove(pose, restPose(s)) == 0.0);
+    CHECK(ik.solve({{3, Vec3(3, 1, 0)}}, pose).finite);
+    pose.points[1].x() = nan;
+    CHECK_FALSE(ik.solve({{3, Vec3(3, 1, 0)}}, pose).finite);
+}
+
+TEST_CASE("inverse kinematics: one bone pinned at its start turns round when the target passes through the pin") {
+    const Skeleton s = chain(1);
+    InverseKinematics ik(s);
+    Pose pose = restPose(s), last = pose;
+    for (int i = 0; i <= 200; ++i) {
+        ik.solve({{0, Vec3::Zero()}, {1, Vec3(1 - 0.01 * i, 0, 0)}}, pose);
+        CHECK(largestMove(last, pose) <= InverseKinematics::kMotionGain * 0.01 + InverseKinematics::kRelaxation + 1e-12);
+        last = pose;
+    }
+    InverseKinematics::Report report;
+    settle(ik, {{0, Vec3::Zero()}, {1, Vec3(-1, 0, 0)}}, pose, report);
+    CHECK(report.largestMiss < 1e-6);
+}
+
+TEST_CASE("inverse kinematics: no joint point and no frame jumps in a random walk out of reach, through folds and through joints") {
+    for (const unsigned seed : {1u, 2u, 3u}) {
+        CAPTURE(seed);
+        const Skeleton s = chain(5);
+        InverseKinematics ik(s), again(s);
+        Pose pose = restPose(s), same = pose;
+        std::mt19937 random(seed);
+        Vec3 target(5, 0, 0), velocity = Vec3::Zero();
+        const double step = 0.05;  // one percent of the length
+        const double limit = InverseKinematics::kMotionGain * step + InverseKinematics::kRelaxation;
+        double turn = 0.0;
+        bool fits = true, bytes = true;
+        for (int i = 0; i < 10000; ++i) {
+            velocity = (velocity + randomVector(random, 0.5)).normalized();
+            // Every now and then home through the pinned tail and the other joints, or far away.
+            if (i % 1500 > 1100) velocity = (pose.points[i % 3] - target + 1e-3 * velocity).normalized();
+            if (target.norm() > 40.0) velocity = -target.normalized();
+            target += step * velocity;
+            const Pose last = pose;
+            const auto report = ik.solve({{0, Vec3::Zero()}, {5, target}}, pose);
+            again.solve({{0, Vec3::Zero()}, {5, target}}, same);
+            fits = fits && report.finite && finite(pose) && largestMove(last, pose) <= limit * (1 + 1e-9);
+            bytes = bytes && pose.points == same.points;
+            turn = std::max(turn, largestTurn(last, pose));
+        }
+        CHECK(fits);
+        CHECK(bytes);
+        // Turns count as moves of a bone's tip about its start; roots may return towards rest by half as much on top.
+        CHECK(turn <= 1.5 * limit + 1e-6);
+        checkFramesFollowBones(s, pose);
+    }
+}
+
+TEST_CASE("inverse kinematics: an octopus with several pins and drags reaches all of them") {
+    const Skeleton s = octopus(8, 5);
+    InverseKinematics ik(s);
+    Pose pose = restPose(s);
+    std::vector<Hold> holds = {{0, s.points[0]}, {6, s.points[6]}, {11, s.points[11]}, {16, s.points[16]}, {41, s.points[41]}};
+    InverseKinematics::Report report;
+    for (int i = 1; i <= 60; ++i) {
+        holds[1].target = s.points[6] + 0.03 * i * Vec3(0, 1, 0);
+        holds[2].target = s.points[11] - 0.02 * i * Vec3(1, 0, 1);
+        holds[3].target = s.points[16] + 0.01 * i * Vec3(1, 2, -1);
+        report = ik.solve(holds, pose);
+        CHECK(report.finite);
+    }
+    CHECK(settle(ik, holds, pose, report) <= 200);
+    CHECK(report.largestMiss < 1e-6);
+    checkFramesFollowBones(s, pose);
+}
+
+TEST_CASE("inverse kinematics: settles for any targets within 200 solves") {
+    CHECK(rc::check("random holds on an octopus", [] {
+        const Skeleton s = octopus(6, 4);
+        InverseKinematics ik(s);
+        Pose pose = restPose(s);
+        std::mt19937 random(*rc::gen::arbitrary<unsigned>());
+        std::vector<Hold> holds;
+        const int count = *rc::gen::inRange(1, 6);
+        for (int i = 0; i < count; ++i)
+            holds.push_back({static_cast<int>(random() % s.points.size()), randomVector(random, *rc::gen::element(0.5, 2.0, 10.0))});
+        InverseKinematics::Report report;
+        const int solves = settle(ik, holds, pose, report);
+        RC_ASSERT(report.finite);
+        RC_ASSERT(solves <= 200);
+    }));
+}
+
+TEST_CASE("inverse kinematics: turned and shifted input gives the turned and shifted pose") {
+    const Skeleton s = chain(4);
+    const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.8, Vec3(1, 2, 3).normalized()));
+    const Vec3 shift(3, -2, 1);
+    Skeleton moved = s;
+    for (auto& p : moved.points) p = turn * p + shift;
+    InverseKinematics one(s), two(moved);
+    Pose a = restPose(s), b = restPose(moved);
+    for (int i = 1; i <= 30; ++i) {
+        const Vec3 to(4 - 0.05 * i, 0.08 * i, 0.02 * i);
+        one.solve({{0, Vec3::Zero()}, {4, to}}, a);
+        two.solve({{0, shift}, {4, turn * to + shift}}, b);
+    }
+    // Not to rounding: the side that a compressed bone is pushed to is up, wherever the body points.
+    for (std::size_t i = 0; i < a.points.size(); ++i) CHECK((turn * a.points[i] + shift - b.points[i]).norm() < 0.05);
+}
+
+TEST_CASE("inverse kinematics: roll spreads evenly between held ends and follows a single one") {
+    const Skeleton s = chain(4);
+    InverseKinematics ik(s);
+    Pose pose = restPose(s);
+    ik.solve({{0, Vec3::Zero()}, {4, Vec3(4, 0, 0), true, 1.0}}, pose);
+    for (int i = 0; i <= 4; ++i) CHECK(pose.roll[i] == doctest::Approx(0.25 * i).epsilon(1e-9));
+    const BoneTree tree = boneTree(s);
+    CHECK(boneRoll(s, tree, pose, 0) == doctest::Approx(0.125));
+
+    Pose loose = restPose(s);
+    ik.solve({{4, Vec3(4, 0, 0), true, 1.0}}, loose);
+    for (int i = 0; i <= 4; ++i) CHECK(loose.roll[i] == doctest::Approx(1.0).epsilon(1e-6));
+
+    // A chain that leaves its root both ways turns as one body.
+    Skeleton both;
+    for (int i = 0; i <= 4; ++i) both.points.emplace_back(i, 0, 0);
+    both.bones = {{2, 3, -1, 1.0}, {3, 4, 0, 1.0}, {2, 1, 0, 1.0}, {1, 0, 2, 1.0}};
+    InverseKinematics two(both);
+    Pose twist = restPose(both);
+    two.solve({{0, both.points[0], true, -1.0}, {4, both.points[4], true, 1.0}}, twist);
+    const BoneTree bothTree = boneTree(both);
+    for (int b = 0; b < 4; ++b) {
+        const Vec3 axis = boneRoll(both, bothTree, twist, b) * bothTree.restDirection[b];
+        CHECK((axis - Vec3(1, 0, 0)).norm() < 1e-6);
+    }
+}
+
+TEST_CASE("inverse kinematics: a root that swings through the opposite of rest does not spin, and its roll does not drift") {
+    Skeleton s = chain(2);
+    InverseKinematics ik(s);
+    Pose pose = restPose(s), last = pose;
+    double turn = 0.0;
+    for (int i = 0; i <= 3000; ++i) {
+        const double angle = 0.01 * i;
+        const Vec3 d(std::cos(angle), std::sin(angle), 0.05 * std::sin(0.37 * angle));
+        ik.solve({{0, -d}, {2, d}}, pose);
+        turn = std::max(turn, largestTurn(last, pose));
+        last = pose;
+    }
+    CHECK(turn < 0.1);
+    InverseKinematics::Report report;
+    settle(ik, {{0, Vec3(0, -1, 0)}, {2, Vec3(0, 1, 0)}}, pose, report);
+    const Eigen::Quaterniond minimal = minimalRotation(Vec3::UnitX(), Vec3::UnitY());
+    CHECK(pose.frames[0].angularDistance(minimal) < 1e-2);
+}
+
+TEST_CASE("inverse kinematics: solve allocates nothing") {
+    const Skeleton s = octopus(8, 5);
+    InverseKinematics ik(s);
+    Pose pose = restPose(s);
+    std::vector<Hold> holds = {{0, s.points[0]}, {6, s.points[6], true, 0.3}, {11, s.points[11]}};
+    ik.solve(holds, pose);
+    const auto before = allocations();
+    for (int i = 0; i < 20; ++i) {
+        holds[1].target.y() += 0.1;
+        ik.solve(holds, pose);
+    }
+    CHECK(allocations() == before);
+}
