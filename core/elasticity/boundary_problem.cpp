@@ -98,6 +98,67 @@ Result<void> checkMesh(const TriangleMesh& mesh) {
     return {};
 }
 
+/// What this machine does, one thread: measured once per process, in about 20 ms.
+struct MachineRates {
+    double secondsPerPair;   ///< a collocation point and a triangle
+    double flops;            ///< of the products inside the factorisation, 1/s
+    double bytesPerSecond;   ///< read from memory
+};
+
+/// Beside the pairs: rows are cleared, sorted into the matrix and rounded to single precision.
+constexpr double kAssemblyOverhead = 1.3;
+/// Beside the products: panels, exchanges of rows, threads that wait at the end.
+constexpr double kFactorOverhead = 1.3;
+/// Joint faces hold about this share of an element's vertices.
+constexpr double kUsualHeldShare = 0.15;
+
+template <class Work>
+double fastest(int rounds, Work work) {
+    double best = 1e30;
+    for (int i = 0; i < rounds; ++i) {
+        const auto start = Clock::now();
+        work();
+        best = std::min(best, secondsSince(start));
+    }
+    return best;
+}
+
+MachineRates measureRates() {
+    MachineRates rates{};
+    // A strip of triangles, seen from points beside it.
+    constexpr std::int32_t kTriangles = 512, kPoints = 32;
+    TriangleMesh strip;
+    strip.vertices.resize(kTriangles + 2, 3);
+    strip.triangles.resize(kTriangles, 3);
+    std::vector<std::int32_t> which(kTriangles), columns(kTriangles + 2);
+    for (std::int32_t i = 0; i < kTriangles + 2; ++i) {
+        strip.vertices.row(i) << i / 512.0, (i % 2) / 256.0, 0.1 * std::sin(i / 50.0);
+        columns[static_cast<std::size_t>(i)] = i;
+    }
+    for (std::int32_t f = 0; f < kTriangles; ++f) {
+        strip.triangles.row(f) << f, f + 1 + f % 2, f + 2 - f % 2;
+        which[static_cast<std::size_t>(f)] = f;
+    }
+    const TriangleBatch batch(strip, which, columns);
+    std::vector<double> h(9 * columns.size());
+    rates.secondsPerPair = fastest(3, [&] {
+                               for (std::int32_t i = 0; i < kPoints; ++i)
+                                   addBlocks(batch, Vec3(i / 32.0, 0.3, 0.2), 0.3, h.data(), nullptr);
+                           }) / (kTriangles * kPoints);
+    rates.flops = measureProductRate();
+    const std::vector<double> memory(std::size_t{2} << 20, 1.0);  // 16 MB
+    volatile double sum = 0.0;
+    rates.bytesPerSecond = static_cast<double>(memory.size() * sizeof(double)) / fastest(3, [&] {
+                               sum = Eigen::Map<const Eigen::VectorXd>(memory.data(), static_cast<Eigen::Index>(memory.size())).sum();
+                           });
+    return rates;
+}
+
+MachineRates machineRates() {
+    static const MachineRates rates = measureRates();
+    return rates;
+}
+
 /// The unit of length and the origin in which the body is about one unit large and lies about 0.
 struct Scale {
     Vec3 origin;
@@ -280,7 +341,9 @@ Result<BoundaryProblem> BoundaryProblem::build(const Input& input, const Progres
 
         // Shares of the time as estimated beforehand.
         const double pairs = static_cast<double>(vertexCount) * static_cast<double>(mesh.triangles.rows());
-        const double assembly = 100e-9 * pairs, factorisation = 2.0 / 3.0 * std::pow(n, 3) / 60e9;
+        const MachineRates rates = machineRates();
+        const double assembly = rates.secondsPerPair * kAssemblyOverhead * pairs;
+        const double factorisation = 2.0 / 3.0 * std::pow(n, 3) / rates.flops * kFactorOverhead;
         const double split = assembly / (assembly + factorisation);
         auto start = Clock::now();
         auto assembled = state->assemble(mesh, input, progress.part(0.0, split));
@@ -354,8 +417,18 @@ Result<BoundaryProblem::Solution> BoundaryProblem::solve(const Eigen::MatrixXd& 
 }
 
 BoundaryProblem::Estimate BoundaryProblem::estimate(int vertices, int columns, int threads) {
-    (void)vertices, (void)columns, (void)threads;
-    return {};
+    Estimate out;
+    if (vertices <= 0) return out;
+    const MachineRates rates = machineRates();
+    const double v = vertices, n = 3.0 * v, crew = std::clamp(threads, 1, hardwareThreads());
+    const double pairs = 2.0 * v * v;  // two triangles per vertex
+    out.seconds = (rates.secondsPerPair * kAssemblyOverhead * pairs + 2.0 / 3.0 * n * n * n / rates.flops * kFactorOverhead) / crew;
+    // Estimating the condition (about ten triangles with one column), then solving and refining (three rounds), all bound by memory.
+    const double passes = 10.0 * 2.0 * n * n + 3.0 * (4.0 + 8.0) * n * n;
+    out.seconds += passes / rates.bytesPerSecond + 3.0 * 4.0 * n * n * columns / (rates.flops * crew);
+    const auto held = static_cast<std::size_t>(kUsualHeldShare * v);
+    out.bytes = matrixBytes(static_cast<std::size_t>(vertices) - held, held) + 40 * static_cast<std::size_t>(n) * static_cast<std::size_t>(columns);
+    return out;
 }
 
 BoundaryProblem::BoundaryProblem(std::unique_ptr<State> state) : state_(std::move(state)) {}

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <mutex>
@@ -177,6 +178,21 @@ bool DenseLu::reciprocalCondition(double norm1, int threads, const Progress& pro
     } while (kase != 0);
     if (inverseNorm > 0.0f) rcond = 1.0 / (norm1 * static_cast<double>(inverseNorm));
     return true;
+}
+
+double measureProductRate() {
+    useSingleThreadedBlas();
+    constexpr std::int32_t kHeight = 1024;
+    const std::vector<float> a(static_cast<std::size_t>(kHeight * kPanel), 0.5f), b(static_cast<std::size_t>(kPanel * kTile), 0.5f);
+    std::vector<float> c(static_cast<std::size_t>(kHeight * kTile));
+    double best = 1e30;
+    for (int round = 0; round < 4; ++round) {
+        const auto start = std::chrono::steady_clock::now();
+        cblas_sgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, kHeight, kTile, kPanel, -1.0f, a.data(), kHeight, b.data(), kPanel, 0.0f,
+                    c.data(), kHeight);
+        best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    }
+    return 2.0 * kHeight * kTile * kPanel / best;
 }
 
 bool subtractProduct(const double* a, std::size_t ld, std::int32_t rows, std::int32_t inner, const double* b, std::int32_t columns,

@@ -64,6 +64,9 @@ private:
 bool subtractProduct(const double* a, std::size_t ld, std::int32_t rows, std::int32_t inner, const double* b, std::int32_t columns,
                      double* c, bool replace, int threads, const Progress& progress);
 
+/// Floating-point operations per second that one thread reaches in the products inside DenseLu, measured now (a few ms).
+double measureProductRate();
+
 /// Makes every BLAS call of this process run on its caller's thread. DenseLu and subtractProduct() call it themselves.
 void useSingleThreadedBlas();
 
