@@ -4,7 +4,6 @@
 #version 330 core
 #include "frame.glsl"
 #include "tone.glsl"
-#include "disc.glsl"
 in vec3 worldPosition;
 in vec3 worldNormal;
 in vec2 uv;
@@ -14,8 +13,7 @@ uniform float metallic;
 uniform float roughness;
 uniform bool textured;
 uniform sampler2D baseTexture;
-uniform sampler2DShadow shadowMap;
-uniform sampler2D occlusionMap;
+uniform sampler2D occlusionMap;  // of occlusion.frag
 uniform float opacity;
 uniform float hovered;
 uniform float dimmed;
@@ -28,13 +26,7 @@ const vec3 kSky = vec3(0.36, 0.405, 0.47);
 const vec3 kFloor = vec3(0.205, 0.18, 0.165);
 const float kPi = 3.14159265;
 
-float keyVisible(vec3 p, vec3 n) {
-    // Moving the point out along the normal by a texel and a half keeps a surface from shadowing itself.
-    vec3 q = (frame.shadow * vec4(p + n * frame.projection.z * 1.5, 1.0)).xyz * 0.5 + 0.5;
-    float sum = 0.0;
-    for (int i = 0; i < kTaps; ++i) sum += texture(shadowMap, vec3(q.xy + kDisc[i] * frame.keyDirection.w, q.z - 0.0007));
-    return sum / float(kTaps);
-}
+float fifth(float x) { return x * x * x * x * x; }
 
 // GGX with the height-correlated Smith visibility in Hammon's approximation; times pi, as the lights are.
 float specularLobe(float nl, float nv, float nh, float alpha) {
@@ -54,7 +46,6 @@ vec3 surroundings(vec3 r, float rough) {
 void main() {
     vec3 n = normalize(worldNormal);
     vec3 v = towardsEye(worldPosition);
-    if (!gl_FrontFacing) n = -n;
     float nv = clamp(dot(n, v), 1e-3, 1.0);
 
     vec3 base = baseColor * vertexColor.rgb;
@@ -64,7 +55,9 @@ void main() {
     float rough = clamp(roughness, 0.08, 1.0);
     float alpha = rough * rough;
 
-    float occlusion = texture(occlusionMap, gl_FragCoord.xy * frame.viewport.zw).r;
+    // What an x-ray body shows lies behind others in that map.
+    vec2 screen = opacity < 0.99 ? vec2(1.0) : texture(occlusionMap, gl_FragCoord.xy * frame.viewport.zw).rg;
+    float occlusion = screen.r, visible = screen.g;
     // Near the ground less of the hemisphere is open below.
     float height = (worldPosition.y - frame.ground.x) / (0.35 * frame.sphere.w);
     occlusion *= mix(1.0, mix(0.72 + 0.28 * clamp(n.y, 0.0, 1.0), 1.0, clamp(height, 0.0, 1.0)), frame.ground.z);
@@ -76,19 +69,17 @@ void main() {
     vec3 l = frame.keyDirection.xyz;
     vec3 h = normalize(l + v);
     float nl = dot(n, l);
-    float visible = keyVisible(worldPosition, n);
     vec3 wrap = 0.16 + 0.22 * diffuse;
     vec3 lit = max((nl + wrap) / (1.0 + wrap), 0.0);
     lit *= lit * 0.35 + 0.65;
     float unshaded = mix(1.0, visible, smoothstep(-0.2, 0.25, nl));
     vec3 light = diffuse * kKey * lit * unshaded;
-    float fh = pow(1.0 - clamp(dot(l, h), 0.0, 1.0), 5.0);
+    float fh = fifth(1.0 - clamp(dot(l, h), 0.0, 1.0));
     float nlc = max(nl, 0.0);
     light += (f0 + (1.0 - f0) * fh) * specularLobe(nlc, nv, clamp(dot(n, h), 0.0, 1.0), max(alpha, 0.03)) * nlc * visible * kKey;
 
     // Fill: a large box beside the camera
-    vec3 right = normalize(cross(frame.forward.xyz, vec3(0.0, 1.0, 0.001)));
-    vec3 fillDirection = normalize(-frame.forward.xyz + 0.7 * right + vec3(0.0, 0.15, 0.0));
+    vec3 fillDirection = normalize(-frame.forward.xyz + 0.7 * frame.right.xyz + vec3(0.0, 0.15, 0.0));
     light += diffuse * kFill * (0.4 + 0.6 * max(dot(n, fillDirection), 0.0)) * bounced;
 
     // Hemisphere
@@ -100,7 +91,7 @@ void main() {
     light += (f0 * scale.x + scale.y) * surroundings(r, rough) * occlusion;
 
     // Rim: from behind and above, seen at grazing angles only
-    float edge = pow(1.0 - nv, 3.2);
+    float edge = (1.0 - nv) * (1.0 - nv) * (1.0 - nv);
     light += kRim * edge * smoothstep(-0.35, 0.8, n.y + 0.35 * dot(n, -frame.forward.xyz)) * (0.25 + 0.75 * base) * occlusion;
 
     vec3 color = toneMap(light);

@@ -3,21 +3,45 @@
 #version 330 core
 #include "frame.glsl"
 #include "tone.glsl"
+#include "floor.glsl"
 in vec2 uv;
 uniform sampler2D picture;  // linear, premultiplied
+uniform sampler2D surface;  // of surface.frag
 uniform bool transparent;
 out vec4 outColor;
 
 void main() {
     vec4 c = texelFetch(picture, ivec2(gl_FragCoord.xy), 0);
+
+    // The floor is where the ray through this pixel meets the ground; drawn here, its lines need no multisampling.
+    vec2 slope = (uv * 2.0 - 1.0) * frame.projection.xy;
+    vec3 across = frame.right.xyz * slope.x + frame.above.xyz * slope.y;
+    bool flatView = frame.eye.w > 0.5;
+    vec3 origin = flatView ? frame.eye.xyz + across : frame.eye.xyz;
+    vec3 ray = flatView ? frame.forward.xyz : frame.forward.xyz + across;  // its length along the view is 1
+    float depth = (frame.ground.x - origin.y) / (abs(ray.y) > 1e-5 ? ray.y : 1e-5);
+    bool seen = depth > 1e-4 && depth < 1e3 * frame.lines.w;
+    depth = seen ? depth : 1.0;
+    vec2 p = (origin + ray * depth).xz;
+    // How far p moves from one pixel to the next.
+    float steep = flatView ? 1.0 : depth;
+    vec2 turn = frame.projection.xy * 2.0 * frame.viewport.zw * steep;
+    float perRay = 1.0 / (abs(ray.y) > 1e-5 ? ray.y : 1e-5);
+    vec2 alongX = (frame.right.xz - ray.xz * (frame.right.y * perRay)) * turn.x;
+    vec2 alongY = (frame.above.xz - ray.xz * (frame.above.y * perRay)) * turn.y;
+    vec2 perPixel = abs(alongX) + abs(alongY) + 1e-7;
+    vec4 ground = floorColor(p, perPixel, abs(ray.y) * inversesqrt(dot(ray, ray))) * (seen ? 1.0 : 0.0);
+    // Part of a body below the ground shows through it.
+    c = depth < texture(surface, uv).w && c.a > 0.999 ? over(ground, c) : over(c, ground);
     if (transparent) {
         outColor = vec4(encodeSrgb(c.rgb / max(c.a, 1e-4)) * c.a, c.a);
         return;
     }
     bool dark = frame.ground.w > 0.5;
     vec2 q = (uv - vec2(0.5, 0.58)) * vec2(frame.viewport.x * frame.viewport.w, 1.0);
-    float glow = exp(-1.5 * dot(q, q));
-    float t = smoothstep(0.0, 1.0, uv.y);
+    float glow = 1.0 / (1.0 + 1.6 * dot(q, q));
+    glow *= glow;
+    float t = uv.y * uv.y * (3.0 - 2.0 * uv.y);
     vec3 back = dark ? mix(vec3(0.0105, 0.0118, 0.0150), vec3(0.0215, 0.0242, 0.0305), t) + vec3(0.0165, 0.0190, 0.0245) * glow
                      : mix(vec3(0.600, 0.635, 0.690), vec3(0.760, 0.785, 0.825), t) + vec3(0.10) * glow;
     vec3 color = encodeSrgb(c.rgb + back * (1.0 - c.a));

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Ambient occlusion from the depth of the picture (after McGuire et al. 2012, "Scalable Ambient Obscurance").
+// Red: ambient occlusion from the depth of the picture (after McGuire et al. 2012, "Scalable Ambient Obscurance").
+// Green: how much of the key light is visible. Both are smooth, so they may be computed at half the resolution.
 #version 330 core
 #include "frame.glsl"
 #include "tone.glsl"
+#include "disc.glsl"
 in vec2 uv;
 uniform sampler2D surface;
+uniform sampler2DShadow shadowMap;
 uniform float radius;  // m
 uniform int taps;
 out vec4 outOcclusion;
@@ -12,6 +15,15 @@ out vec4 outOcclusion;
 vec3 viewPosition(vec2 at, float depth) {
     vec2 slope = (at * 2.0 - 1.0) * frame.projection.xy;
     return vec3(frame.eye.w > 0.5 ? slope : slope * depth, -depth);
+}
+
+float keyVisible(vec3 p, vec3 n, float turn) {
+    // Moving the point out along the normal keeps a surface from shadowing itself.
+    vec3 q = (frame.shadow * vec4(p + n * frame.projection.z * 2.0, 1.0)).xyz * 0.5 + 0.5;
+    vec2 x = vec2(cos(turn), sin(turn)) * frame.keyDirection.w, y = vec2(-x.y, x.x);
+    float sum = 0.0;
+    for (int i = 0; i < kTaps; ++i) sum += texture(shadowMap, vec3(q.xy + kDisc[i].x * x + kDisc[i].y * y, q.z - 0.0007));
+    return sum / float(kTaps);
 }
 
 void main() {
@@ -35,5 +47,7 @@ void main() {
         float f = max(radius * radius - dd, 0.0) / (radius * radius);
         sum += f * f * max((dot(d, n) - 0.02 * radius) * inversesqrt(dd + 1e-4 * radius * radius), 0.0);
     }
-    outOcclusion = vec4(clamp(1.0 - 2.1 * sum / float(taps), 0.0, 1.0));
+    mat3 toWorld = transpose(mat3(frame.view));
+    vec3 world = toWorld * (p - frame.view[3].xyz);
+    outOcclusion = vec4(clamp(1.0 - 2.1 * sum / float(taps), 0.0, 1.0), keyVisible(world, toWorld * n, turn), 0.0, 1.0);
 }

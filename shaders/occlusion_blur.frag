@@ -13,14 +13,15 @@ void main() {
     outOcclusion = vec4(1.0);
     // Past a silhouette the nearest body's value continues, so that a pixel of the full picture never reads the bright outside.
     float range = 0.06 * frame.sphere.w;
-    float sum = 0.0, weights = 1e-4;
+    vec2 sum = vec2(0.0);
+    float weights = 1e-4;
     for (int y = -2; y < 2; ++y)
         for (int x = -2; x < 2; ++x) {
             vec2 at = uv + (vec2(x, y) + 0.5) * texel;
             float d = texture(surface, at).w;
             float w = d > 1e20 ? 0.0 : (depth > 1e20 ? 1.0 : max(1.0 - abs(d - depth) / range, 0.0));
-            sum += w * texture(occlusion, at).r;
+            sum += w * texture(occlusion, at).rg;
             weights += w;
         }
-    outOcclusion = vec4(weights > 0.01 ? sum / weights : 1.0);
+    outOcclusion = vec4(weights > 0.01 ? sum / weights : vec2(1.0), 0.0, 1.0);
 }

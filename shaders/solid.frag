@@ -12,8 +12,7 @@ out vec4 outColor;
 void main() {
     vec3 n = normalize(worldNormal);
     vec3 v = towardsEye(worldPosition);
-    vec3 right = normalize(cross(frame.forward.xyz, vec3(0.0, 1.0, 0.001)));
-    vec3 l = normalize(v + vec3(0.0, 0.8, 0.0) - 0.6 * right);
+    vec3 l = normalize(v + vec3(0.0, 0.8, 0.0) - 0.6 * frame.right.xyz);
     float lit = 0.42 + 0.58 * max(dot(n, l), 0.0);
     float edge = pow(1.0 - abs(dot(n, v)), 3.0);
     float alpha = solidColor.a * fadeBehind(depth, hidden);

@@ -8,6 +8,5 @@ out vec4 outSurface;
 
 void main() {
     vec3 n = normalize(mat3(frame.view) * worldNormal);
-    if (!gl_FrontFacing) n = -n;
     outSurface = vec4(n, -(frame.view * vec4(worldPosition, 1.0)).z);
 }

@@ -28,7 +28,7 @@ using Eigen::Vector4f;
 /// shaders/frame.glsl, std140.
 struct FrameBlock {
     Matrix4f viewProjection, view, shadow;
-    Vector4f eye, forward, keyDirection, viewport, sphere, ground, patchArea, lines, projection;
+    Vector4f eye, forward, keyDirection, viewport, sphere, ground, patchArea, lines, projection, right, above;
 };
 
 // The key light: from the left, above and in front, so that the three-quarter view from the right shows light and shade.
@@ -86,9 +86,9 @@ private:
     void fillBody(const Body& body, GpuBody& gpu);
     void setFrame(const Scene& scene, int width, int height);
     void drawShadows(const Scene& scene);
-    void drawSurface(const Scene& scene, int width, int height);
+    void drawSurface(const Scene& scene);
+    void scissor(const Target& target) const;
     void drawBody(const Scene& scene, std::size_t i, bool depthOnly);
-    void drawGround(const Scene& scene);
     void drawMarkers(const Scene& scene, int height);
     void drawOutlines(const Scene& scene, unsigned target, int width, int height);
     void drawAll(const GpuBody& gpu) const {
@@ -104,8 +104,9 @@ private:
         glBindTexture(GL_TEXTURE_2D, texture);
     }
 
+    [[nodiscard]] int shadowSize() const { return software_ ? 768 : 2048; }
     bool software_ = false;  ///< no graphics card: cheaper shadows and occlusion
-    Program body_, shadow_, surface_, mask_, identity_, marked_, height_, groundShadow_, blur_, occlusion_, occlusionBlur_, ground_, solid_,
+    Program body_, shadow_, surface_, mask_, identity_, marked_, height_, groundShadow_, blur_, occlusion_, occlusionBlur_, solid_,
         line_, point_, compose_, outline_;
     Buffer frame_, solidBuffer_, lineBuffer_, pointBuffer_;
     VertexArray empty_, solidArray_, lineArray_, pointArray_;
@@ -118,6 +119,8 @@ private:
     FrameBlock block_;
     Vec3 centre_ = Vec3::Zero();
     double radius_ = 1.0;
+    Eigen::AlignedBox2f box_;  ///< what bodies and markers cover of the picture, 0...1 from the lower left
+    std::vector<std::size_t> order_;  ///< bodies, nearest first
     std::uint64_t shadowStamp_ = 0;
     Matrix4f heightTransform_;
 
@@ -154,7 +157,6 @@ Result<void> Renderer::prepare() {
                                                          {&blur_, "fullscreen.vert", "blur.frag"},
                                                          {&occlusion_, "fullscreen.vert", "occlusion.frag"},
                                                          {&occlusionBlur_, "fullscreen.vert", "occlusion_blur.frag"},
-                                                         {&ground_, "ground.vert", "ground.frag"},
                                                          {&solid_, "solid.vert", "solid.frag"},
                                                          {&line_, "line.vert", "line.frag"},
                                                          {&point_, "point.vert", "point.frag"},
@@ -370,9 +372,8 @@ void Renderer::setFrame(const Scene& scene, int width, int height) {
     const double fadeRadius = 5.0 * radius_ + 2.5 * reach;
     const Eigen::Matrix4d view = camera.view();
     const double aspect = static_cast<double>(width) / height;
-    const double held = scene.grid || scene.groundShadow
-                            ? 1.5 * fadeRadius + (camera.target - centre_).norm() + std::abs(centre_.y() - scene.ground)
-                            : radius_ + 0.5 * reach;
+    double held = radius_;
+    for (const Marker& m : scene.markers) held = std::max({held, (m.from - centre_).norm() * 1.2, (m.to - centre_).norm() * 1.2});
     const Eigen::Matrix4d projection = camera.projection(aspect, centre_, held);
 
     FrameBlock& b = block_;
@@ -398,7 +399,46 @@ void Renderer::setFrame(const Scene& scene, int width, int height) {
     const double whole = std::floor(decade), fine = std::pow(10.0, whole - 1.0);
     b.lines << static_cast<float>(fine), static_cast<float>(10.0 * fine), static_cast<float>(decade - whole), static_cast<float>(fadeRadius);
     const double h = camera.orthographic ? 0.5 * camera.orthoHeight : std::tan(0.5 * camera.fov);
-    b.projection << static_cast<float>(h * aspect), static_cast<float>(h), static_cast<float>(2.04 * radius_ / (software_ ? 1024 : 2048)), 0.0f;
+    b.projection << static_cast<float>(h * aspect), static_cast<float>(h), static_cast<float>(2.04 * radius_ / (shadowSize())), 0.0f;
+
+    b.right << view.block<1, 3>(0, 0).transpose().cast<float>(), 0.0f;
+    b.above << view.block<1, 3>(1, 0).transpose().cast<float>(), 0.0f;
+
+    box_.setEmpty();
+    const auto cover = [&](const Vec3& low, const Vec3& high, double pixels) {
+        for (int k = 0; k < 8; ++k) {
+            const Vec3 p((k & 1 ? high : low).x(), (k & 2 ? high : low).y(), (k & 4 ? high : low).z());
+            const Eigen::Vector4d c = projection * view * p.homogeneous();
+            if (c.w() < 1e-3 * radius_ && !camera.orthographic) {
+                box_ = Eigen::AlignedBox2f(Vector2f::Zero(), Vector2f::Ones());
+                return;
+            }
+            const Eigen::Vector2d s = c.head<2>() / c.w() * 0.5 + Eigen::Vector2d(0.5, 0.5), margin(pixels / width, pixels / height);
+            box_.extend((s - margin).cast<float>());
+            box_.extend((s + margin).cast<float>());
+        }
+    };
+    order_.clear();
+    for (std::size_t i = 0; i < drawn_.size(); ++i) {
+        if (!drawn_[i]) continue;
+        cover(drawn_[i]->low.cast<double>(), drawn_[i]->high.cast<double>(), 1.0);
+        order_.push_back(i);
+    }
+    const auto near = [&](std::size_t i) { return forward.cast<float>().dot(drawn_[i]->low + drawn_[i]->high); };
+    std::sort(order_.begin(), order_.end(), [&](std::size_t i, std::size_t j) { return std::pair(near(i), i) < std::pair(near(j), j); });
+    for (const Marker& m : scene.markers) {
+        const double length = (m.to - m.from).norm();
+        const Vec3 r = Vec3::Constant(m.shape == Marker::Shape::Bone ? 0.1 * length : m.shape == Marker::Shape::PlaneGizmo ? 1.5 * length : 0.0);
+        const double pixels = 24.0 * scene.pixelRatio;
+        if (m.shape == Marker::Shape::FaceOutline)
+            for (const Vec3& p : m.outline) cover(p, p, pixels);
+        else if (m.shape == Marker::Shape::Bone || m.shape == Marker::Shape::PlaneGizmo || m.shape == Marker::Shape::Axis)
+            cover(m.from.cwiseMin(m.to) - r, m.from.cwiseMax(m.to) + r, pixels);
+        else
+            cover(m.from, m.from, pixels);
+    }
+    box_ = box_.intersection(Eigen::AlignedBox2f(Vector2f::Zero(), Vector2f::Ones()));
+    if (box_.isEmpty()) box_ = Eigen::AlignedBox2f(Vector2f::Zero(), Vector2f::Zero());
 
     glBindBuffer(GL_UNIFORM_BUFFER, frame_);
     glBufferSubData(GL_UNIFORM_BUFFER, 0, sizeof b, &b);
@@ -467,27 +507,40 @@ void Renderer::drawShadows(const Scene& scene) {
     fullscreen();
 }
 
-void Renderer::drawSurface(const Scene& scene, int width, int height) {
-    (void)width;
-    (void)height;
+/// Limits drawing to what bodies and markers cover: most of the picture is background.
+void Renderer::scissor(const Target& target) const {
+    glEnable(GL_SCISSOR_TEST);
+    const Vector2f size(static_cast<float>(target.width()), static_cast<float>(target.height()));
+    const Vector2f low = (box_.min().cwiseProduct(size).array() - 1.0f).floor(), high = (box_.max().cwiseProduct(size).array() + 1.0f).ceil();
+    glScissor(static_cast<int>(low.x()), static_cast<int>(low.y()), static_cast<int>(high.x() - low.x()), static_cast<int>(high.y() - low.y()));
+}
+
+void Renderer::drawSurface(const Scene& scene) {
     surfaceMap_.bind();
     const float nothing[4] = {0.0f, 0.0f, 0.0f, 1e30f};
     glClearBufferfv(GL_COLOR, 0, nothing);
     glClear(GL_DEPTH_BUFFER_BIT);
     glEnable(GL_DEPTH_TEST);
+    glEnable(GL_CULL_FACE);
     surface_.use();
     surface_.set("transform", block_.viewProjection);
-    for (std::size_t i = 0; i < drawn_.size(); ++i)
-        if (drawn_[i] && scene.bodies[i].opacity > 0.99f) drawAll(*drawn_[i]);
+    for (const std::size_t i : order_)
+        if (scene.bodies[i].opacity > 0.99f) drawAll(*drawn_[i]);
+    glDisable(GL_CULL_FACE);
     glDisable(GL_DEPTH_TEST);
 
+    scissor(occlusionSwap_);
     occlusionSwap_.bind();
     occlusion_.use();
     occlusion_.set("surface", 0);
     occlusion_.set("radius", static_cast<float>(0.17 * radius_));
     occlusion_.set("taps", software_ ? 7 : 14);
+    occlusion_.set("shadowMap", 1);
     bindTexture(0, surfaceMap_.color());
+    bindTexture(1, shadowMap_.depth());
+    glBindSampler(1, compareSampler_);
     fullscreen();
+    glBindSampler(1, 0);
     occlusionMap_.bind();
     occlusionBlur_.use();
     occlusionBlur_.set("surface", 0);
@@ -495,6 +548,7 @@ void Renderer::drawSurface(const Scene& scene, int width, int height) {
     occlusionBlur_.set("texel", Vector2f(1.0f / static_cast<float>(occlusionMap_.width()), 1.0f / static_cast<float>(occlusionMap_.height())));
     bindTexture(1, occlusionSwap_.color());
     fullscreen();
+    glDisable(GL_SCISSOR_TEST);
 }
 
 void Renderer::drawBody(const Scene& scene, std::size_t i, bool depthOnly) {
@@ -530,18 +584,6 @@ void Renderer::drawBody(const Scene& scene, std::size_t i, bool depthOnly) {
     }
 }
 
-void Renderer::drawGround(const Scene& scene) {
-    if (!scene.grid && !scene.groundShadow) return;
-    ground_.use();
-    ground_.set("middle", Vector2f(static_cast<float>(scene.camera.target.x()), static_cast<float>(scene.camera.target.z())));
-    ground_.set("shade", 0);
-    bindTexture(0, shade_.color());
-    glDepthMask(GL_FALSE);
-    glBindVertexArray(empty_);
-    glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
-    glDepthMask(GL_TRUE);
-}
-
 template <class T>
 void stream(const Buffer& buffer, const std::vector<T>& data) {
     glBindBuffer(GL_ARRAY_BUFFER, buffer);
@@ -563,9 +605,7 @@ void Renderer::drawMarkers(const Scene& scene, int height) {
     if (!markers_.sheets.empty()) {
         stream(solidBuffer_, markers_.sheets);
         glDepthMask(GL_FALSE);
-        glEnable(GL_CULL_FACE);
         glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(markers_.sheets.size()));
-        glDisable(GL_CULL_FACE);
         glDepthMask(GL_TRUE);
     }
     glDisable(GL_DEPTH_TEST);
@@ -668,12 +708,12 @@ void Renderer::draw(const Scene& scene, unsigned target, int width, int height) 
     if (width < 1 || height < 1) return;
     const NoFloatingPointTraps quiet;
     resetState();
-    const int shadowSize = software_ ? 1024 : 2048, part = software_ ? 2 : 1;
+    const int part = software_ ? 2 : 1;
     const int w = (width + part - 1) / part, h = (height + part - 1) / part;
     const bool memory = picture_.resize(width, height, GL_SRGB8_ALPHA8, GL_DEPTH_COMPONENT24, kSamples) && resolved_.resize(width, height, GL_SRGB8_ALPHA8, 0) &&
-                        shadowMap_.resize(shadowSize, shadowSize, 0, GL_DEPTH_COMPONENT24) && shade_.resize(kGroundShade, kGroundShade, GL_RGBA8, 0) &&
+                        shadowMap_.resize(shadowSize(), shadowSize(), 0, GL_DEPTH_COMPONENT24) && shade_.resize(kGroundShade, kGroundShade, GL_RGBA8, 0) &&
                         shadeSwap_.resize(kGroundShade, kGroundShade, GL_RGBA8, GL_DEPTH_COMPONENT24) && surfaceMap_.resize(w, h, GL_RGBA32F, GL_DEPTH_COMPONENT24) &&
-                        occlusionMap_.resize(w, h, GL_R8, 0) && occlusionSwap_.resize(w, h, GL_R8, 0);
+                        occlusionMap_.resize(w, h, GL_RG8, 0) && occlusionSwap_.resize(w, h, GL_RG8, 0);
     if (!memory) {
         // Nothing sensible can be shown without memory; the last picture stays.
         glBindFramebuffer(GL_FRAMEBUFFER, target);
@@ -686,31 +726,26 @@ void Renderer::draw(const Scene& scene, unsigned target, int width, int height) 
     takeBodies(scene);
     setFrame(scene, width, height);
     drawShadows(scene);
-    drawSurface(scene, width, height);
+    drawSurface(scene);
 
     picture_.bind();
     glEnable(GL_FRAMEBUFFER_SRGB);
     glEnable(GL_DEPTH_TEST);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-    bindTexture(1, shadowMap_.depth());
-    glBindSampler(1, compareSampler_);
-    bindTexture(2, occlusionMap_.color());
-    const auto prepareBody = [&] {
-        body_.use();
-        body_.set("transform", block_.viewProjection);
-        body_.set("baseTexture", 0);
-        body_.set("shadowMap", 1);
-        body_.set("occlusionMap", 2);
-    };
-    prepareBody();
-    for (std::size_t i = 0; i < drawn_.size(); ++i)
-        if (drawn_[i] && scene.bodies[i].opacity > 0.99f) drawBody(scene, i, false);
+    bindTexture(1, occlusionMap_.color());
+    body_.use();
+    body_.set("transform", block_.viewProjection);
+    body_.set("baseTexture", 0);
+    body_.set("occlusionMap", 1);
+    // Bodies are closed and outward: what faces away is hidden.
+    glEnable(GL_CULL_FACE);
+    for (const std::size_t i : order_)
+        if (scene.bodies[i].opacity > 0.99f) drawBody(scene, i, false);
     glEnable(GL_BLEND);
-    drawGround(scene);
     // X-ray: only the nearest surface of each body shows, so lay down its depth first.
-    prepareBody();
-    for (std::size_t i = 0; i < drawn_.size(); ++i) {
-        if (!drawn_[i] || scene.bodies[i].opacity > 0.99f) continue;
+    for (auto at = order_.rbegin(); at != order_.rend(); ++at) {
+        const std::size_t i = *at;
+        if (scene.bodies[i].opacity > 0.99f) continue;
         glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
         drawBody(scene, i, true);
         glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
@@ -729,14 +764,17 @@ void Renderer::draw(const Scene& scene, unsigned target, int width, int height) 
         glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, drawn_[i]->indices);
     }
     glDisable(GL_POLYGON_OFFSET_FILL);
-    glBindSampler(1, 0);
+    glDisable(GL_CULL_FACE);
     if (!scene.markers.empty()) drawMarkers(scene, height);
     glDisable(GL_BLEND);
     glDisable(GL_DEPTH_TEST);
 
     glBindFramebuffer(GL_READ_FRAMEBUFFER, picture_.framebuffer());
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved_.framebuffer());
+    glClear(GL_COLOR_BUFFER_BIT);
+    scissor(resolved_);
     glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    glDisable(GL_SCISSOR_TEST);
     glDisable(GL_FRAMEBUFFER_SRGB);
 
     glBindFramebuffer(GL_FRAMEBUFFER, target);
@@ -744,7 +782,12 @@ void Renderer::draw(const Scene& scene, unsigned target, int width, int height) 
     compose_.use();
     compose_.set("picture", 0);
     compose_.set("transparent", scene.transparentBackground ? 1 : 0);
+    compose_.set("surface", 1);
+    compose_.set("shade", 2);
+    compose_.set("middle", Vector2f(static_cast<float>(scene.camera.target.x()), static_cast<float>(scene.camera.target.z())));
     bindTexture(0, resolved_.color());
+    bindTexture(1, surfaceMap_.color());
+    bindTexture(2, shade_.color());
     fullscreen();
     drawOutlines(scene, target, width, height);
     resetState();
