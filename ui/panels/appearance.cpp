@@ -15,6 +15,7 @@
 #include <QStyleFactory>
 #include <QSvgRenderer>
 #include <QTemporaryDir>
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -330,7 +331,7 @@ void Appearance::apply() {
             scaled += QStringLiteral("%1px").arg(value <= 2 ? value : px(value));
             last = match.capturedEnd();
         }
-        style = scaled + QStringView(style).mid(last);
+        style = scaled + style.mid(last);
     }
     const QColor muted = color(Role::Muted);
     const std::pair<const char*, QString> tokens[] = {

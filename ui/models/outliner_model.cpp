@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/models/outliner_model.h"
+
+#include <QStringList>
+#include <functional>
+#include <map>
+#include <vector>
+
+namespace imomushi {
+
+struct OutlinerModel::Node {
+    Kind kind = Kind::Character;
+    PartId part = 0;
+    std::string face;
+    Node* parent = nullptr;
+    int row = 0;
+    std::vector<std::unique_ptr<Node>> children;
+
+    Node& add(Kind childKind, PartId childPart, std::string childFace = {}) {
+        auto child = std::make_unique<Node>();
+        child->kind = childKind;
+        child->part = childPart;
+        child->face = std::move(childFace);
+        child->parent = this;
+        child->row = int(children.size());
+        children.push_back(std::move(child));
+        return *children.back();
+    }
+    [[nodiscard]] bool sameShape(const Node& other) const {
+        if (kind != other.kind || part != other.part || face != other.face || children.size() != other.children.size()) return false;
+        for (std::size_t i = 0; i < children.size(); ++i)
+            if (!children[i]->sameShape(*other.children[i])) return false;
+        return true;
+    }
+};
+
+OutlinerModel::OutlinerModel(StudioDocument& document, QObject* parent)
+    : QAbstractItemModel(parent), document_(document), root_(std::make_unique<Node>()) {
+    rebuild();
+    connect(&document, &StudioDocument::structureChanged, this, &OutlinerModel::rebuild);
+    connect(&document, &StudioDocument::responsesChanged, this, &OutlinerModel::retranslate);
+    connect(&document, &StudioDocument::fileChanged, this, &OutlinerModel::retranslate);
+}
+
+OutlinerModel::~OutlinerModel() = default;
+
+void OutlinerModel::rebuild() {
+    const Document& d = document_.document();
+    auto root = std::make_unique<Node>();
+    Node& character = root->add(Kind::Character, 0);
+    for (const auto& [id, element] : d.elements) {
+        Node& node = character.add(Kind::Element, id);
+        for (const JointFace& face : element->faces) node.add(Kind::Face, id, face.name);
+    }
+    if (!d.bones.empty()) {
+        Node& bones = character.add(Kind::Bones, 0);
+        std::multimap<PartId, PartId> children;
+        for (const auto& [id, bone] : d.bones) children.emplace(d.bones.contains(bone->parent) ? bone->parent : 0, id);
+        const std::function<void(Node&, PartId)> grow = [&](Node& node, PartId parent) {
+            const auto [begin, end] = children.equal_range(parent);
+            for (auto it = begin; it != end; ++it) grow(node.add(Kind::Bone, it->second), it->second);
+        };
+        grow(bones, 0);
+    }
+    if (root->sameShape(*root_)) {
+        retranslate();
+        return;
+    }
+    beginResetModel();
+    root_ = std::move(root);
+    endResetModel();
+}
+
+void OutlinerModel::retranslate() {
+    const std::function<void(const Node&)> tell = [&](const Node& node) {
+        if (node.children.empty()) return;
+        Q_EMIT dataChanged(indexOf(node.children.front().get(), 0), indexOf(node.children.back().get(), kColumns - 1));
+        for (const auto& child : node.children) tell(*child);
+    };
+    tell(*root_);
+}
+
+OutlinerModel::Node* OutlinerModel::node(const QModelIndex& index) const {
+    return index.isValid() ? static_cast<Node*>(index.internalPointer()) : root_.get();
+}
+
+QModelIndex OutlinerModel::indexOf(const Node* node, int column) const {
+    return node == root_.get() ? QModelIndex() : createIndex(node->row, column, const_cast<Node*>(node));
+}
+
+QModelIndex OutlinerModel::index(int row, int column, const QModelIndex& parent) const {
+    const Node* n = node(parent);
+    if (row < 0 || row >= int(n->children.size()) || column < 0 || column >= kColumns) return {};
+    return createIndex(row, column, n->children[std::size_t(row)].get());
+}
+
+QModelIndex OutlinerModel::parent(const QModelIndex& index) const { return index.isValid() ? indexOf(node(index)->parent) : QModelIndex(); }
+
+int OutlinerModel::rowCount(const QModelIndex& parent) const { return parent.column() > 0 ? 0 : int(node(parent)->children.size()); }
+
+int OutlinerModel::columnCount(const QModelIndex&) const { return kColumns; }
+
+std::shared_ptr<const Element> OutlinerModel::element(const Node& n) const {
+    const auto found = document_.document().elements.find(n.part);
+    return found == document_.document().elements.end() ? nullptr : found->second;
+}
+
+std::optional<SelectionItem> OutlinerModel::item(const QModelIndex& index) const {
+    if (!index.isValid()) return std::nullopt;
+    const Node& n = *node(index);
+    switch (n.kind) {
+        case Kind::Element: return SelectionItem{SelectionItem::Kind::Element, n.part, {}, false};
+        case Kind::Face: return SelectionItem{SelectionItem::Kind::Face, n.part, n.face, false};
+        case Kind::Bone: return SelectionItem{SelectionItem::Kind::Bone, n.part, {}, false};
+        case Kind::Character:
+        case Kind::Bones: break;
+    }
+    return std::nullopt;
+}
+
+QModelIndex OutlinerModel::indexOf(const SelectionItem& wanted) const {
+    SelectionItem shown = wanted;
+    if (shown.kind == SelectionItem::Kind::Endpoint) shown = {SelectionItem::Kind::Bone, wanted.part, {}, false};
+    QModelIndex found;
+    const std::function<bool(const Node&)> look = [&](const Node& n) {
+        for (const auto& child : n.children) {
+            const QModelIndex at = indexOf(child.get());
+            if (item(at) == shown) {
+                found = at;
+                return true;
+            }
+            if (look(*child)) return true;
+        }
+        return false;
+    };
+    look(*root_);
+    return found;
+}
+
+namespace {
+
+QString joinedWith(const Document& d, PartId element, const std::string& face) {
+    QStringList others;
+    for (const auto& [id, joint] : d.joints) {
+        bool mine = false;
+        QStringList rest;
+        for (const FaceRef& ref : joint->faces) {
+            if (ref.element == element && ref.face == face) {
+                mine = true;
+            } else if (const auto other = d.elements.find(ref.element); other != d.elements.end()) {
+                rest << QString::fromStdString(other->second->name + "/" + ref.face);
+            }
+        }
+        if (mine) others << rest;
+    }
+    return others.join(QStringLiteral(", "));
+}
+
+}  // namespace
+
+QVariant OutlinerModel::data(const QModelIndex& index, int role) const {
+    if (!index.isValid()) return {};
+    const Node& n = *node(index);
+    const Document& d = document_.document();
+    if (role == KindRole) return int(n.kind);
+    const auto e = n.kind == Kind::Element || n.kind == Kind::Face ? element(n) : nullptr;
+    if ((n.kind == Kind::Element || n.kind == Kind::Face) && !e) return {};
+    if (n.kind == Kind::Bone && !d.bones.contains(n.part)) return {};
+
+    switch (index.column()) {
+        case Name:
+            if (role == Qt::DisplayRole || role == Qt::EditRole || role == Qt::AccessibleTextRole) {
+                switch (n.kind) {
+                    case Kind::Character: return tr("Character");
+                    case Kind::Bones: return tr("Bones");
+                    case Kind::Element: return QString::fromStdString(e->name);
+                    case Kind::Face: return QString::fromStdString(n.face);
+                    case Kind::Bone: return QString::fromStdString(d.bones.at(n.part)->name);
+                }
+            }
+            if (role == IconRole) {
+                static constexpr const char* kIcons[] = {"character", "element", "face", "bones", "bone"};
+                return QString::fromLatin1(kIcons[int(n.kind)]);
+            }
+            if (role == NoteRole && n.kind == Kind::Face) {
+                const QString others = joinedWith(d, n.part, n.face);
+                return others.isEmpty() ? QString() : tr("joined with %1").arg(others);
+            }
+            break;
+        case State: {
+            if (n.kind != Kind::Element || e->faces.empty()) break;
+            const auto state = document_.session().responseState(n.part);
+            if (role == IconRole) {
+                // Fresh needs no sign: only what asks for something is shown.
+                if (state == Session::ResponseState::Stale) return QStringLiteral("stale");
+                if (state == Session::ResponseState::None) return QStringLiteral("none");
+            }
+            if (role == Qt::ToolTipRole || role == Qt::AccessibleTextRole) {
+                switch (state) {
+                    case Session::ResponseState::Fresh: return tr("Precomputed");
+                    case Session::ResponseState::Stale: return tr("Out of date: precompute again");
+                    case Session::ResponseState::None: return tr("Not precomputed yet");
+                }
+            }
+            break;
+        }
+        case Visible:
+            if (n.kind != Kind::Element) break;
+            if (role == IconRole) return e->visible ? QStringLiteral("eye") : QStringLiteral("eye-off");
+            if (role == Qt::ToolTipRole || role == Qt::AccessibleTextRole) return e->visible ? tr("Visible: click to hide") : tr("Hidden: click to show");
+            break;
+        case Locked:
+            if (n.kind != Kind::Element) break;
+            if (role == IconRole) return e->locked ? QStringLiteral("lock") : QStringLiteral("unlock");
+            if (role == Qt::ToolTipRole || role == Qt::AccessibleTextRole) return e->locked ? tr("Locked: click to unlock") : tr("Not locked: click to lock");
+            break;
+        default: break;
+    }
+    return {};
+}
+
+bool OutlinerModel::setData(const QModelIndex& index, const QVariant& value, int role) {
+    if (role != Qt::EditRole || index.column() != Name) return false;
+    const Node& n = *node(index);
+    const Document& d = document_.document();
+    const std::string name = value.toString().trimmed().toStdString();
+    std::string target;
+    if (n.kind == Kind::Element && element(n)) target = element(n)->name;
+    if (n.kind == Kind::Face && element(n)) target = element(n)->name + "/" + n.face;
+    if (n.kind == Kind::Bone && d.bones.contains(n.part)) target = d.bones.at(n.part)->name;
+    if (target.empty() || name.empty() || name == data(index, Qt::EditRole).toString().toStdString()) return false;
+    return document_.execute({{"do", "rename"}, {"target", target}, {"name", name}}).has_value();
+}
+
+Qt::ItemFlags OutlinerModel::flags(const QModelIndex& index) const {
+    if (!index.isValid()) return Qt::NoItemFlags;
+    Qt::ItemFlags flags = Qt::ItemIsEnabled | Qt::ItemIsSelectable;
+    const Kind kind = node(index)->kind;
+    if (index.column() == Name && kind != Kind::Character && kind != Kind::Bones) flags |= Qt::ItemIsEditable;
+    return flags;
+}
+
+void OutlinerModel::toggle(const QModelIndex& index) {
+    const Node& n = *node(index);
+    if (n.kind != Kind::Element) return;
+    const auto e = element(n);
+    if (!e) return;
+    if (index.column() == Visible) document_.execute({{"do", "set"}, {"target", e->name}, {"property", "visible"}, {"value", !e->visible}});
+    if (index.column() == Locked) document_.execute({{"do", "set"}, {"target", e->name}, {"property", "locked"}, {"value", !e->locked}});
+}
+
+}  // namespace imomushi

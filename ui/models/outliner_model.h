@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <QAbstractItemModel>
+#include <memory>
+#include <optional>
+
+#include "ui/models/studio_document.h"
+
+namespace imomushi {
+
+/// The document as a tree: character > elements > joint faces, and the bones as they hang on each other.
+class OutlinerModel : public QAbstractItemModel {
+    Q_OBJECT
+public:
+    enum Column { Name, State, Visible, Locked, kColumns };
+    enum class Kind { Character, Element, Face, Bones, Bone };
+    enum Roles {
+        KindRole = Qt::UserRole,  ///< int of Kind
+        IconRole,                 ///< QString: name of a line icon; empty: none
+        NoteRole,                 ///< QString: said behind the name, muted ("joined with ...")
+    };
+
+    explicit OutlinerModel(StudioDocument& document, QObject* parent = nullptr);
+    ~OutlinerModel() override;
+
+    [[nodiscard]] std::optional<SelectionItem> item(const QModelIndex& index) const;
+    /// Where an item is shown; an endpoint is shown at its bone.
+    [[nodiscard]] QModelIndex indexOf(const SelectionItem& item) const;
+
+    [[nodiscard]] QModelIndex index(int row, int column, const QModelIndex& parent = {}) const override;
+    [[nodiscard]] QModelIndex parent(const QModelIndex& index) const override;
+    [[nodiscard]] int rowCount(const QModelIndex& parent = {}) const override;
+    [[nodiscard]] int columnCount(const QModelIndex& parent = {}) const override;
+    [[nodiscard]] QVariant data(const QModelIndex& index, int role) const override;
+    bool setData(const QModelIndex& index, const QVariant& value, int role) override;
+    [[nodiscard]] Qt::ItemFlags flags(const QModelIndex& index) const override;
+
+    /// Shows or hides, locks or unlocks an element.
+    void toggle(const QModelIndex& index);
+    /// Says everything again, in the present language.
+    void retranslate();
+
+private:
+    struct Node;
+    void rebuild();
+    [[nodiscard]] Node* node(const QModelIndex& index) const;
+    [[nodiscard]] QModelIndex indexOf(const Node* node, int column = 0) const;
+    [[nodiscard]] std::shared_ptr<const Element> element(const Node& node) const;
+
+    StudioDocument& document_;
+    std::unique_ptr<Node> root_;
+};
+
+}  // namespace imomushi

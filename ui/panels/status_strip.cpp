@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/panels/status_strip.h"
+
+#include <QEvent>
+#include <QHBoxLayout>
+#include <QLabel>
+#include <QLocale>
+#include <QToolButton>
+
+#include "ui/panels/appearance.h"
+
+namespace imomushi {
+
+StatusStrip::StatusStrip(StudioDocument& document, QWidget* parent) : QWidget(parent), document_(document) {
+    setObjectName(QStringLiteral("statusBar"));
+    setAttribute(Qt::WA_StyledBackground);
+    mouse_ = new QLabel(this);
+    hint_ = new QLabel(this);
+    hint_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
+    state_ = new QToolButton(this);
+    state_->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
+    vertices_ = new QLabel(this);
+    ms_ = new QLabel(this);
+    fps_ = new QLabel(this);
+    for (QLabel* label : {vertices_, ms_, fps_}) label->setAlignment(Qt::AlignRight | Qt::AlignVCenter);
+    auto* layout = new QHBoxLayout(this);
+    layout->setContentsMargins(12, 3, 14, 4);
+    layout->setSpacing(8);
+    layout->addWidget(mouse_);
+    layout->addWidget(hint_, 1);
+    layout->addWidget(state_);
+    for (QLabel* label : {vertices_, ms_, fps_}) layout->addWidget(label);
+    connect(state_, &QToolButton::clicked, this, &StatusStrip::precomputeWanted);
+    const auto soon = [this] {
+        if (scheduled_) return;
+        scheduled_ = true;
+        QMetaObject::invokeMethod(this, &StatusStrip::update, Qt::QueuedConnection);
+    };
+    connect(&document, &StudioDocument::structureChanged, this, soon);
+    connect(&document, &StudioDocument::responsesChanged, this, soon);
+    connect(&document, &StudioDocument::fileChanged, this, soon);
+    connect(&Appearance::instance(), &Appearance::changed, this, soon);
+    update();
+}
+
+void StatusStrip::setHint(const QString& hint) {
+    hint_->setText(hint);
+    hint_->setToolTip(hint);
+}
+
+QString StatusStrip::hint() const { return hint_->text(); }
+
+void StatusStrip::setFrame(double cpuMs, double fps, int vertices) {
+    lastMs_ = cpuMs;
+    lastFps_ = fps;
+    lastVertices_ = vertices;
+    showFrame();
+}
+
+void StatusStrip::showFrame() {
+    const QLocale locale;
+    vertices_->setText(tr("%1 vertices").arg(locale.toString(lastVertices_)));
+    ms_->setText(lastMs_ < 0.0 ? QStringLiteral("– ms") : QStringLiteral("%1 ms").arg(locale.toString(lastMs_, 'f', lastMs_ < 10.0 ? 2 : 1)));
+    fps_->setText(lastMs_ < 0.0 ? QStringLiteral("– fps") : QStringLiteral("%1 fps").arg(locale.toString(lastFps_, 'f', 0)));
+}
+
+void StatusStrip::setBusy(const QString& text) {
+    if (busy_ == text) return;
+    busy_ = text;
+    update();
+}
+
+void StatusStrip::update() {
+    scheduled_ = false;
+    mouse_->setPixmap(themedIcon(QStringLiteral("mouse"), Appearance::Role::Muted).pixmap(QSize(px(16), px(16)), devicePixelRatioF()));
+    state_->setIconSize(QSize(px(16), px(16)));
+    // Fixed widths, so that nothing jumps while numbers change.
+    ms_->setMinimumWidth(fontMetrics().horizontalAdvance(QStringLiteral("000.00 ms")) + px(4));
+    fps_->setMinimumWidth(fontMetrics().horizontalAdvance(QStringLiteral("000 fps")) + px(4));
+    int stale = 0, all = 0;
+    for (const auto& [id, element] : document_.document().elements) {
+        if (element->faces.empty()) continue;
+        ++all;
+        if (document_.session().responseState(id) != Session::ResponseState::Fresh) ++stale;
+    }
+    state_->setVisible(all > 0 || !busy_.isEmpty());
+    if (!busy_.isEmpty()) {
+        state_->setIcon(themedIcon(QStringLiteral("precompute"), Appearance::Role::Accent));
+        state_->setText(busy_);
+    } else if (stale > 0) {
+        state_->setIcon(themedIcon(QStringLiteral("stale"), Appearance::Role::Warning));
+        state_->setText(tr("%1 of %2 out of date").arg(stale).arg(all));
+        state_->setToolTip(tr("Precompute what is out of date (P)"));
+    } else {
+        state_->setIcon(themedIcon(QStringLiteral("fresh"), Appearance::Role::Good));
+        state_->setText(tr("Precomputed"));
+        state_->setToolTip(tr("All elements are up to date"));
+    }
+    state_->setAccessibleName(tr("State of the precompute: %1").arg(state_->text()));
+    ms_->setToolTip(tr("Time of the processor for one frame: bones, surfaces, normals"));
+    fps_->setToolTip(tr("Frames per second of the viewport"));
+    showFrame();
+}
+
+void StatusStrip::changeEvent(QEvent* event) {
+    QWidget::changeEvent(event);
+    if (event->type() == QEvent::LanguageChange) update();
+}
+
+}  // namespace imomushi

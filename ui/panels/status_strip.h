@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <QWidget>
+
+#include "ui/models/studio_document.h"
+
+class QLabel;
+class QToolButton;
+
+namespace imomushi {
+
+/// The line at the foot: left what the mouse does now, right the state of the precompute, vertices, milliseconds and frames per second.
+class StatusStrip : public QWidget {
+    Q_OBJECT
+public:
+    explicit StatusStrip(StudioDocument& document, QWidget* parent = nullptr);
+    void setHint(const QString& hint);
+    void setFrame(double cpuMs, double fps, int vertices);
+    void setBusy(const QString& text);  ///< empty: not busy
+    [[nodiscard]] QString hint() const;
+
+signals:
+    void precomputeWanted();
+
+protected:
+    void changeEvent(QEvent* event) override;
+
+private:
+    void update();
+    void showFrame();
+    StudioDocument& document_;
+    QLabel* mouse_;
+    QLabel* hint_;
+    QToolButton* state_;
+    QLabel* vertices_;
+    QLabel* ms_;
+    QLabel* fps_;
+    QString busy_;
+    double lastMs_ = -1.0, lastFps_ = 0.0;
+    int lastVertices_ = 0;
+    bool scheduled_ = false;
+};
+
+}  // namespace imomushi
