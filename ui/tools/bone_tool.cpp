@@ -13,12 +13,6 @@ namespace {
 /// Bodies are seen through while bones are placed in them.
 constexpr float kXray = 0.45f;
 
-const Joint* jointOf(const Document& document, const FaceRef& face) {
-    for (const auto& [id, joint] : document.joints)
-        if (std::find(joint->faces.begin(), joint->faces.end(), face) != joint->faces.end()) return joint.get();
-    return nullptr;
-}
-
 /// Where the reference of an end finally leads: a face or a point.
 Bone::Place resolved(const Document& document, Bone::Place place) {
     for (std::size_t i = 0; i <= document.bones.size(); ++i) {
@@ -33,7 +27,7 @@ Bone::Place resolved(const Document& document, Bone::Place place) {
 
 /// The end of a bone that is at this face or at one joined to it.
 std::optional<EndpointRef> endAt(const Document& document, const FaceRef& face) {
-    const Joint* joint = jointOf(document, face);
+    const Joint* joint = document.jointOf(face);
     const auto same = [&](const Bone::Place& place) {
         const Bone::Place at = resolved(document, place);
         const auto* other = std::get_if<FaceRef>(&at);
@@ -60,7 +54,7 @@ std::set<PartId> elementsAt(const Document& document, const Bone::Place& place) 
     const Bone::Place at = resolved(document, place);
     if (const auto* face = std::get_if<FaceRef>(&at)) {
         elements.insert(face->element);
-        if (const Joint* joint = jointOf(document, *face))
+        if (const Joint* joint = document.jointOf(*face))
             for (const FaceRef& other : joint->faces) elements.insert(other.element);
     } else if (const auto* end = std::get_if<EndpointRef>(&place)) {
         // A point in the volume: the element that the bone runs through has it.
@@ -185,7 +179,7 @@ void BoneTool::addBone(const Spot& from, const Spot& to) {
         if (const auto* end = std::get_if<EndpointRef>(&spot.place)) return pathOf(d, *end);
         if (const auto* point = std::get_if<Vec3>(&spot.place)) return jsonOf(*point);
         FaceRef face = std::get<FaceRef>(spot.place);
-        if (const Joint* joint = element ? jointOf(d, face) : nullptr)
+        if (const Joint* joint = element ? d.jointOf(face) : nullptr)
             for (const FaceRef& other : joint->faces)
                 if (other.element == element) face = other;
         return pathOf(d, face);

@@ -69,12 +69,6 @@ Json facesCommand(const Element& element, const std::string& name, const JointFa
     return {{"do", "add-joint-face"}, {"element", element.name}, {"name", name}, {"vertices", face.vertices}};
 }
 
-bool joined(const Document& document, const FaceRef& face) {
-    for (const auto& [id, joint] : document.joints)
-        if (joint->faces.size() > 1 && std::find(joint->faces.begin(), joint->faces.end(), face) != joint->faces.end()) return true;
-    return false;
-}
-
 }  // namespace
 
 bool facesMeet(const JointFace& a, const JointFace& b) {
@@ -106,7 +100,7 @@ int joinNeighbours(StudioDocument& document, const FaceRef& ref) {
         const std::shared_ptr<const Element> element = d.elements.at(id);
         FaceRef partner;
         for (const JointFace& other : element->faces)
-            if (facesMeet(face, other) && !joined(d, FaceRef{id, other.name})) partner = FaceRef{id, other.name};
+            if (facesMeet(face, other) && !d.jointOf(FaceRef{id, other.name})) partner = FaceRef{id, other.name};
         if (!partner.element) {
             const auto region = meetingRegion(element->mesh->body, face);
             if (!region || faceInTheWay(*element, *region)) continue;

@@ -41,7 +41,7 @@ bool removeSelection(StudioDocument& document) {
         if (item.kind == SelectionItem::Kind::Bone) {
             const auto bone = d.bones.find(item.part);
             if (bone == d.bones.end()) continue;
-            command = {{"do", "remove-bone"}, {"bone", bone->second->name}};
+            command = {{"do", "remove-bone"}, {"name", bone->second->name}};
         } else {
             const auto element = d.elements.find(item.part);
             if (element == d.elements.end()) continue;
@@ -49,7 +49,7 @@ bool removeSelection(StudioDocument& document) {
                 if (element->second->faceIndex(item.face) < 0) continue;
                 command = {{"do", "remove-joint-face"}, {"face", pathOf(d, FaceRef{item.part, item.face})}};
             } else {
-                command = {{"do", "remove-element"}, {"element", element->second->name}};
+                command = {{"do", "remove-element"}, {"name", element->second->name}};
             }
         }
         if (!document.execute(command)) return false;

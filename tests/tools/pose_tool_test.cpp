@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/tools/pose_tool.h"
+
+#include <cmath>
+
+#include "tests/tools/stage.h"
+#include "ui/tools/picking.h"
+
+using namespace imomushi;
+using Kind = SelectionItem::Kind;
+
+namespace {
+
+struct PoseStage : Stage {
+    PoseTool tool{document()};
+    EndpointRef tip;
+    PoseStage() {
+        addTwoBones(*this);
+        look(ViewAxis::Front);
+        tip = {now().boneNamed("bone 2")->id, true};
+    }
+    const Held* held() {
+        const auto found = now().held.find(tip);
+        return found == now().held.end() ? nullptr : &found->second;
+    }
+};
+
+}  // namespace
+
+TEST_CASE("pose tool: a drag moves the end with the pointer and is one undo step") {
+    PoseStage stage;
+    const int before = stage.steps();
+    stage.press(stage.tool, Vec3(3, 0, 0));
+    CHECK(stage.tool.busy());
+    for (int i = 1; i <= 10; ++i) stage.pull(stage.tool, Vec3(3 - 0.02 * i, 0.1 * i, 0));
+    stage.letGo(stage.tool, Vec3(2.8, 1.0, 0));
+    CHECK(!stage.tool.busy());
+    CHECK(stage.steps() == before + 1);
+    REQUIRE(stage.held());
+    CHECK((stage.held()->target - Vec3(2.8, 1.0, 0)).norm() < 1e-9);
+    const auto at = endpointPosition(stage.session(), stage.tip);
+    REQUIRE(at);
+    CHECK((*at - Vec3(2.8, 1.0, 0)).norm() < 0.05);
+    stage.run({{"do", "undo"}});
+    CHECK(!stage.held());
+    CHECK((*endpointPosition(stage.session(), stage.tip) - Vec3(3, 0, 0)).norm() < 1e-9);
+}
+
+TEST_CASE("pose tool: a click selects the end and makes no step") {
+    PoseStage stage;
+    const int before = stage.steps();
+    stage.click(stage.tool, Vec3(3, 0, 0));
+    CHECK(stage.steps() == before);
+    CHECK(stage.selected() == SelectionItem{Kind::Endpoint, stage.tip.bone, {}, true});
+}
+
+TEST_CASE("pose tool: cancelling a drag restores the pose and leaves no step and no open gesture") {
+    PoseStage stage;
+    const int before = stage.steps();
+    stage.press(stage.tool, Vec3(3, 0, 0));
+    stage.pull(stage.tool, Vec3(2, 1, 0));
+    REQUIRE(stage.held());
+    stage.tool.cancel();
+    CHECK(!stage.tool.busy());
+    CHECK(!stage.held());
+    CHECK(stage.steps() == before);
+    CHECK((*endpointPosition(stage.session(), stage.tip) - Vec3(3, 0, 0)).norm() < 1e-9);
+    stage.pull(stage.tool, Vec3(1, 1, 0));
+    stage.letGo(stage.tool, Vec3(1, 1, 0));
+    CHECK(stage.steps() == before);
+    stage.run({{"do", "pin"}, {"endpoint", "bone 1/start"}});
+    CHECK(stage.steps() == before + 1);
+}
+
+TEST_CASE("pose tool: a tool that goes away in mid-drag takes the drag back") {
+    Stage stage;
+    addTwoBones(stage);
+    stage.look(ViewAxis::Front);
+    const int before = stage.steps();
+    {
+        PoseTool tool(stage.document());
+        stage.press(tool, Vec3(3, 0, 0));
+        stage.pull(tool, Vec3(2, 1, 0));
+    }
+    CHECK(stage.steps() == before);
+    CHECK(stage.now().held.empty());
+}
+
+TEST_CASE("pose tool: X, Y and Z lock the drag to an axis, again frees it") {
+    PoseStage stage;
+    stage.press(stage.tool, Vec3(3, 0, 0));
+    stage.pull(stage.tool, Vec3(2.9, 0.1, 0));
+    CHECK(stage.tool.key(Qt::Key_Y, {}));
+    stage.pull(stage.tool, Vec3(2.5, 0.6, 0));
+    REQUIRE(stage.held());
+    CHECK(stage.held()->target.x() == doctest::Approx(3.0));
+    CHECK(stage.held()->target.z() == doctest::Approx(0.0));
+    CHECK(stage.held()->target.y() == doctest::Approx(0.6));
+    render::Scene scene;
+    stage.tool.decorate(scene);
+    CHECK(scene.markers.size() == 1);
+    // Along the view nothing can be moved with the pointer: it stays.
+    CHECK(stage.tool.key(Qt::Key_Z, {}));
+    stage.pull(stage.tool, Vec3(1.0, 1.0, 0));
+    CHECK((stage.held()->target - Vec3(3, 0, 0)).norm() < 1e-9);
+    stage.letGo(stage.tool, Vec3(1, 1, 0));
+}
+
+TEST_CASE("pose tool: Shift drags ten times finer, Ctrl onto the grid") {
+    PoseStage stage;
+    stage.press(stage.tool, Vec3(3, 0, 0));
+    stage.pull(stage.tool, Vec3(3, 0.5, 0), Qt::ShiftModifier);
+    REQUIRE(stage.held());
+    CHECK(stage.held()->target.y() == doctest::Approx(0.05));
+    stage.pull(stage.tool, Vec3(2.77, 0.93, 0), Qt::ControlModifier);
+    const Vec3 snapped = stage.held()->target;
+    // 7 m over 800 pixels: the grid is the first power of ten over 12 pixels, 1 m.
+    for (int k = 0; k < 3; ++k) CHECK(std::abs(snapped[k] - std::round(snapped[k])) < 1e-12);
+    stage.letGo(stage.tool, Vec3(2.8, 0.9, 0));
+}
+
+TEST_CASE("pose tool: the wheel and R turn the end about its bone in the same step as the drag") {
+    PoseStage stage;
+    const int before = stage.steps();
+    stage.press(stage.tool, Vec3(3, 0, 0));
+    CHECK(stage.tool.wheel(2.0, stage.at(0, 0, Qt::NoButton, Qt::LeftButton)));
+    REQUIRE(stage.held());
+    REQUIRE(stage.held()->roll);
+    const double turned = *stage.held()->roll;
+    CHECK(turned > 0.1);
+    CHECK(stage.tool.key(Qt::Key_R, {}));
+    const Vec3 target = stage.held()->target;
+    stage.pull(stage.tool, Vec3(3.5, 0, 0));
+    CHECK(*stage.held()->roll > turned);
+    CHECK((stage.held()->target - target).norm() < 1e-9);
+    stage.tool.keyReleased(Qt::Key_R);
+    stage.pull(stage.tool, Vec3(3.5, 0.5, 0));
+    CHECK((stage.held()->target - Vec3(3, 0.5, 0)).norm() < 1e-9);
+    stage.letGo(stage.tool, Vec3(3.5, 0.5, 0));
+    CHECK(stage.steps() == before + 1);
+}
+
+TEST_CASE("pose tool: without a drag the wheel is left to the view") {
+    PoseStage stage;
+    stage.hover(stage.tool, Vec3(3, 0, 0));
+    CHECK(!stage.tool.wheel(1.0, stage.at(0, 0, Qt::NoButton, Qt::NoButton)));
+}
+
+TEST_CASE("pose tool: P pins and unpins the end under the pointer, a double click lets go") {
+    PoseStage stage;
+    stage.hover(stage.tool, Vec3(3, 0, 0));
+    CHECK(stage.tool.key(Qt::Key_P, {}));
+    REQUIRE(stage.held());
+    CHECK(stage.held()->pinned);
+    CHECK(stage.tool.key(Qt::Key_P, {}));
+    CHECK(!stage.held());
+    stage.press(stage.tool, Vec3(3, 0, 0));
+    stage.pull(stage.tool, Vec3(2.9, 0.4, 0));
+    stage.letGo(stage.tool, Vec3(2.9, 0.4, 0));
+    REQUIRE(stage.held());
+    const Vec3 at = *endpointPosition(stage.session(), stage.tip);
+    const auto s = stage.screen(at);
+    stage.tool.doubleClick(stage.at(s.x(), s.y(), Qt::LeftButton, Qt::LeftButton));
+    CHECK(!stage.held());
+    CHECK(stage.refusals.empty());
+}
+
+TEST_CASE("pose tool: pulling at the body pulls at the nearest end of its bone") {
+    PoseStage stage;
+    stage.press(stage.tool, Vec3(2.6, 0.4, 0));
+    stage.pull(stage.tool, Vec3(2.6, 0.9, 0));
+    REQUIRE(stage.held());
+    CHECK((stage.held()->target - Vec3(3, 0.5, 0)).norm() < 1e-9);
+    stage.letGo(stage.tool, Vec3(2.6, 0.9, 0));
+}
+
+TEST_CASE("pose tool: an end that is gone in mid-drag ends the drag without a trace") {
+    PoseStage stage;
+    stage.press(stage.tool, Vec3(3, 0, 0));
+    stage.session().execute({{"do", "remove-bone"}, {"name", "bone 2"}});
+    const int before = stage.steps();
+    stage.pull(stage.tool, Vec3(2, 1, 0));
+    CHECK(!stage.tool.busy());
+    CHECK(stage.steps() == before);
+    CHECK(stage.refusals.size() == 1);
+}
+
+TEST_CASE("pose tool: targets far out of reach stay finite") {
+    PoseStage stage;
+    stage.press(stage.tool, Vec3(3, 0, 0));
+    for (int i = 0; i < 20; ++i) stage.pull(stage.tool, Vec3(1e4 * (i % 3 - 1), 1e4 * (i % 5 - 2), 0));
+    stage.letGo(stage.tool, Vec3(0, 0, 0));
+    for (const Vec3& p : stage.now().pose.points) CHECK(p.allFinite());
+}

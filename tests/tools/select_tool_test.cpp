@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/tools/select_tool.h"
+
+#include "tests/tools/stage.h"
+#include "ui/tools/picking.h"
+
+using namespace imomushi;
+using Kind = SelectionItem::Kind;
+
+TEST_CASE("picking: a ray crosses a box twice, in and out, and knows the rest point") {
+    Stage stage;
+    addTwoBars(stage);
+    const auto hits = rayHits(stage.session(), Vec3(1.1, 0.2, 9), -Vec3::UnitZ());
+    REQUIRE(hits.size() == 2);
+    CHECK(hits[0].entering);
+    CHECK(!hits[1].entering);
+    CHECK(hits[0].distance == doctest::Approx(8.5));
+    CHECK((hits[0].rest - Vec3(1.1, 0.2, 0.5)).norm() < 1e-6);
+    CHECK((hits[1].rest - Vec3(1.1, 0.2, -0.5)).norm() < 1e-6);
+    CHECK(hits[0].element == stage.element("right").id);
+}
+
+TEST_CASE("picking: hidden and locked elements are looked through") {
+    Stage stage;
+    addTwoBars(stage);
+    stage.run({{"do", "set"}, {"target", "right"}, {"property", "locked"}, {"value", true}});
+    CHECK(rayHits(stage.session(), Vec3(1.1, 0.2, 9), -Vec3::UnitZ()).empty());
+    stage.run({{"do", "set"}, {"target", "left"}, {"property", "visible"}, {"value", false}});
+    CHECK(rayHits(stage.session(), Vec3(-1.1, 0.2, 9), -Vec3::UnitZ()).empty());
+}
+
+TEST_CASE("select: a click takes what is under it, Shift adds and takes away, nothing clears") {
+    Stage stage;
+    addTwoBars(stage);
+    stage.look(ViewAxis::Front);
+    SelectTool tool(stage.document());
+    const SelectionItem left{Kind::Element, stage.element("left").id, {}, false}, right{Kind::Element, stage.element("right").id, {}, false};
+    stage.click(tool, Vec3(1.1, 0.1, 0));
+    CHECK(stage.selected() == right);
+    stage.click(tool, Vec3(-1.1, 0.1, 0), Qt::ShiftModifier);
+    CHECK(stage.document().selection().size() == 2);
+    stage.click(tool, Vec3(1.1, 0.1, 0), Qt::ShiftModifier);
+    CHECK(stage.selected() == left);
+    stage.click(tool, Vec3(0, 1.2, 0));
+    CHECK(stage.document().selection().empty());
+}
+
+TEST_CASE("select: bones and their ends lie over bodies, joint faces are parts of their own") {
+    Stage stage;
+    addTwoBones(stage);
+    stage.look(ViewAxis::Front);
+    SelectTool tool(stage.document());
+    const PartId bone2 = stage.now().boneNamed("bone 2")->id;
+    stage.hover(tool, Vec3(1.7, 0.0, 0));
+    CHECK(stage.document().hovered() == SelectionItem{Kind::Bone, bone2, {}, false});
+    stage.click(tool, Vec3(3.0, 0.0, 0));
+    CHECK(stage.selected() == SelectionItem{Kind::Endpoint, bone2, {}, true});
+    stage.look(ViewAxis::Right);
+    stage.click(tool, Vec3(3.0, 0.3, 0.3));
+    CHECK(stage.selected() == SelectionItem{Kind::Face, stage.element("right").id, "tip", false});
+    CHECK(stage.steps() == 2 + 4 + 1 + 2);  // looking changes nothing
+}
+
+TEST_CASE("select: Delete removes everything selected in one undo step") {
+    Stage stage;
+    addTwoBones(stage);
+    stage.look(ViewAxis::Front);
+    SelectTool tool(stage.document());
+    const int before = stage.steps();
+    CHECK(!tool.key(Qt::Key_Delete, {}));
+    const Element& right = stage.element("right");
+    stage.document().select({{Kind::Element, right.id, {}, false},
+                             {Kind::Face, right.id, "tip", false},
+                             {Kind::Bone, stage.now().boneNamed("bone 2")->id, {}, false}});
+    CHECK(tool.key(Qt::Key_Delete, {}));
+    CHECK(stage.now().elements.size() == 1);
+    CHECK(stage.now().bones.size() == 1);
+    CHECK(stage.document().selection().empty());
+    CHECK(stage.steps() == before + 1);
+    stage.run({{"do", "undo"}});
+    CHECK(stage.now().elements.size() == 2);
+    CHECK(stage.now().bones.size() == 2);
+    CHECK(stage.element("right").faces.size() == 2);
+}
