@@ -2,12 +2,14 @@
 #include "core/elasticity/boundary_problem.h"
 
 #include <doctest/doctest.h>
+#include <lapacke.h>
 
 #include <Eigen/Geometry>
-#include <chrono>
 #include <cmath>
+#include <limits>
+#include <map>
 #include <numbers>
-#include <thread>
+#include <stop_token>
 
 #include "core/base/hash.h"
 #include "core/elasticity/kernels.h"
@@ -151,17 +153,77 @@ TEST_CASE("boundary problem: a body far from the origin gives the same answer") 
     CHECK((ua->displacement - ub->displacement).norm() <= 1e-10 * ua->displacement.norm());
 }
 
-TEST_CASE("boundary problem: a point force outside the body is met with order 1.5") {
-    // Kelvin's solution is a field without body force inside: its displacement on the ends, its tractions cannot be given on the free
-    // sides, so the sides are held as well and only an inner stretch of them is free... the ends of a bar are, with all of its sides held.
+TEST_CASE("boundary integrals: a point force outside the body is met with order 1.5 in L2") {
+    // Kelvin's field with shear modulus 1, smooth inside: held on the ends, its exact tractions on the sides.
     const double nu = 0.3;
-    const Vec3 source(1.2, 0.7, 1.3), force(1.0, -0.5, 0.7);
-    const auto kelvin = [&](const Vec3& p) -> Vec3 {
+    const Vec3 source(1.0, 0.3, 0.6), force(1.0, -0.5, 0.7);
+    const double factor = 1.0 / (16.0 * std::numbers::pi * (1.0 - nu));
+    const auto displacement = [&](const Vec3& p) -> Vec3 {
         const Vec3 r = p - source;
         const double R = r.norm();
-        return ((3.0 - 4.0 * nu) * force + r * r.dot(force) / (R * R)) / (16.0 * std::numbers::pi * (1.0 - nu) * R);
+        return factor * ((3.0 - 4.0 * nu) * force + r * r.dot(force) / (R * R)) / R;
     };
-    (void)kelvin;
+    const auto stress = [&](const Vec3& p) -> Eigen::Matrix3d {
+        const Vec3 r = p - source;
+        const double R = r.norm(), R3 = R * R * R, rf = r.dot(force);
+        const Eigen::Matrix3d gradient = factor * ((rf * Eigen::Matrix3d::Identity() + r * force.transpose() -
+                                                    (3.0 - 4.0 * nu) * force * r.transpose()) / R3 -
+                                                   3.0 * rf * r * r.transpose() / (R3 * R * R));
+        const Eigen::Matrix3d strain = 0.5 * (gradient + gradient.transpose());
+        return 2.0 * strain + 2.0 * nu / (1.0 - 2.0 * nu) * strain.trace() * Eigen::Matrix3d::Identity();
+    };
+    std::map<int, double> error;
+    for (const int n : {4, 8}) {
+        const Body body = shapes::bar(n, 1.0);
+        const TriangleMesh& mesh = body.mesh;
+        const auto size = static_cast<int>(3 * mesh.vertices.rows());
+        std::vector<char> held(static_cast<std::size_t>(mesh.vertices.rows())), onEnd(static_cast<std::size_t>(mesh.triangles.rows()));
+        for (const auto& end : body.ends) {
+            for (const auto v : end.vertices) held[static_cast<std::size_t>(v)] = 1;
+            for (const auto f : end.triangles) onEnd[static_cast<std::size_t>(f)] = 1;
+        }
+        Eigen::MatrixXd A = Eigen::MatrixXd::Zero(size, size), b = Eigen::MatrixXd::Zero(size, 1);
+        for (int v = 0; v < size / 3; ++v) {
+            const Vec3 x = mesh.vertices.row(v).transpose();
+            Eigen::Matrix3d freeTerm = Eigen::Matrix3d::Zero();
+            const auto addH = [&](int column, const Eigen::Matrix3d& h) {
+                if (held[static_cast<std::size_t>(column)])
+                    b.block<3, 1>(3 * v, 0) -= h * displacement(mesh.vertices.row(column).transpose());
+                else
+                    A.block<3, 3>(3 * v, 3 * column) += h;
+            };
+            for (int f = 0; f < mesh.triangles.rows(); ++f) {
+                std::array<Vec3, 3> p;
+                for (int c = 0; c < 3; ++c) p[static_cast<std::size_t>(c)] = mesh.vertices.row(mesh.triangles(f, c)).transpose();
+                const PairBlocks blocks = pairBlocks(x, p, nu);
+                freeTerm -= triangleIntegrals(x, p).solidAngle / (4.0 * std::numbers::pi) * Eigen::Matrix3d::Identity();
+                const Vec3 normal = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
+                for (int c = 0; c < 3; ++c) {
+                    const auto i = static_cast<std::size_t>(c);
+                    addH(mesh.triangles(f, c), blocks.h[i]);
+                    if (onEnd[static_cast<std::size_t>(f)])
+                        A.block<3, 3>(3 * v, 3 * mesh.triangles(f, c)) -= blocks.g[i];
+                    else
+                        b.block<3, 1>(3 * v, 0) += blocks.g[i] * (stress(p[i]) * normal);
+                }
+            }
+            addH(v, freeTerm);
+        }
+        std::vector<int> pivots(static_cast<std::size_t>(size));
+        REQUIRE(LAPACKE_dgesv(LAPACK_COL_MAJOR, size, 1, A.data(), size, pivots.data(), b.data(), size) == 0);
+        double wrong = 0.0, all = 0.0;
+        for (int v = 0; v < size / 3; ++v)
+            if (!held[static_cast<std::size_t>(v)]) {
+                const Vec3 exact = displacement(mesh.vertices.row(v).transpose());
+                wrong += (b.block<3, 1>(3 * v, 0) - exact).squaredNorm();
+                all += exact.squaredNorm();
+            }
+        error[n] = std::sqrt(wrong / all);
+        MESSAGE(n, " cells per side: ", error[n]);
+    }
+    const double order = std::log2(error[4] / error[8]);
+    MESSAGE("order ", order);
+    CHECK(order >= 1.5);
 }
 
 TEST_CASE("boundary problem: the torque of a twisted square bar is Saint-Venant's") {
@@ -222,7 +284,7 @@ TEST_CASE("boundary problem: the bytes of the answer do not depend on the number
 }
 
 TEST_CASE("boundary problem: cancelling answers at once, at any stage") {
-    const Body body = shapes::cylinder(1.0, 4.0, 48, 40);
+    const Body body = shapes::cylinder(1.0, 4.0, 24, 16);
     for (const char* stage : {"assemble", "factorise", "solve"}) {
         std::stop_source stop;
         double reports = 0;
@@ -250,43 +312,42 @@ TEST_CASE("boundary problem: cancelling answers at once, at any stage") {
 
 TEST_CASE("boundary problem: what cannot be solved is refused with a reason") {
     const Body bar = shapes::bar(2);
-    const auto code = [](const Body& body, const BoundaryProblem::Input& input) {
-        (void)body;
+    const auto code = [](const BoundaryProblem::Input& input) {
         auto problem = BoundaryProblem::build(input, {});
         return problem ? std::string("solved") : problem.error().code;
     };
     SUBCASE("Poisson ratio out of range") {
         for (const double nu : {-0.1, 0.51, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
-            CHECK(code(bar, inputOf(bar, nu)) == "bad-value");
+            CHECK(code(inputOf(bar, nu)) == "bad-value");
     }
     SUBCASE("no face, or one without triangles") {
         auto input = inputOf(bar, 0.3);
         input.held.clear();
-        CHECK(code(bar, input) == "no-face");
+        CHECK(code(input) == "no-face");
         input.held.resize(1);
-        CHECK(code(bar, input) == "no-face");
+        CHECK(code(input) == "no-face");
     }
     SUBCASE("two faces that share a vertex") {
         auto input = inputOf(bar, 0.3);
         const auto side = shapes::patchWhere(bar.mesh, [](const Vec3& p) { return p.x() == 0.5; });
         input.held.push_back({side.vertices, side.triangles});
-        CHECK(code(bar, input) == "shared-rim");
+        CHECK(code(input) == "shared-rim");
     }
     SUBCASE("everything held") {
         auto input = inputOf(bar, 0.3);
         const auto all = shapes::patchWhere(bar.mesh, [](const Vec3&) { return true; });
         input.held = {{all.vertices, all.triangles}};
-        CHECK(code(bar, input) == "no-free-vertex");
+        CHECK(code(input) == "no-free-vertex");
     }
     SUBCASE("inverted") {
         const Body inside = shapes::inverted(bar);
-        CHECK(code(inside, inputOf(inside, 0.3)) == "not-closed");
+        CHECK(code(inputOf(inside, 0.3)) == "not-closed");
     }
     SUBCASE("open") {
         Body open = bar;
         open.mesh.triangles.conservativeResize(open.mesh.triangles.rows() - 1, 3);
         open.ends.pop_back();
-        CHECK(code(open, inputOf(open, 0.3)) == "not-closed");
+        CHECK(code(inputOf(open, 0.3)) == "not-closed");
     }
     SUBCASE("one body inside another, both outward") {
         Body two = shapes::bar(2);
@@ -297,10 +358,10 @@ TEST_CASE("boundary problem: what cannot be solved is refused with a reason") {
         Triangles triangles(two.mesh.triangles.rows() + inner.mesh.triangles.rows(), 3);
         triangles << two.mesh.triangles, (inner.mesh.triangles.array() + count).matrix();
         two.mesh = {points, triangles};
-        CHECK(code(two, inputOf(two, 0.3)) == "not-closed");
+        CHECK(code(inputOf(two, 0.3)) == "not-closed");
         // Turned inwards it is a cavity, which is allowed.
         for (Eigen::Index f = triangles.rows() / 2; f < triangles.rows(); ++f) std::swap(two.mesh.triangles(f, 1), two.mesh.triangles(f, 2));
-        CHECK(code(two, inputOf(two, 0.3)) == "solved");
+        CHECK(code(inputOf(two, 0.3)) == "solved");
     }
     SUBCASE("a separate part that nothing holds") {
         Body two = shapes::bar(2);
@@ -310,23 +371,23 @@ TEST_CASE("boundary problem: what cannot be solved is refused with a reason") {
         Triangles triangles(2 * two.mesh.triangles.rows(), 3);
         triangles << two.mesh.triangles, (two.mesh.triangles.array() + count).matrix();
         two.mesh = {points, triangles};
-        CHECK(code(two, inputOf(two, 0.3)) == "singular");
+        CHECK(code(inputOf(two, 0.3)) == "singular");
     }
     SUBCASE("not finite, out of range, degenerate") {
         Body broken = bar;
         broken.mesh.vertices(3, 1) = std::numeric_limits<double>::quiet_NaN();
-        CHECK(code(broken, inputOf(broken, 0.3)) == "bad-value");
+        CHECK(code(inputOf(broken, 0.3)) == "bad-value");
         broken = bar;
         broken.mesh.triangles(3, 1) = 100000;
-        CHECK(code(broken, inputOf(broken, 0.3)) == "bad-value");
+        CHECK(code(inputOf(broken, 0.3)) == "bad-value");
         broken = bar;
         broken.mesh.vertices.row(broken.mesh.triangles(0, 1)) = broken.mesh.vertices.row(broken.mesh.triangles(0, 0));
-        CHECK(code(broken, inputOf(broken, 0.3)) == "bad-value");
+        CHECK(code(inputOf(broken, 0.3)) == "bad-value");
         auto input = inputOf(bar, 0.3);
         input.held[0].vertices[0] = 100000;
-        CHECK(code(bar, input) == "bad-value");
+        CHECK(code(input) == "bad-value");
         input.mesh = nullptr;
-        CHECK(code(bar, input) == "bad-value");
+        CHECK(code(input) == "bad-value");
     }
     SUBCASE("displacements that do not match or are not finite") {
         auto problem = BoundaryProblem::build(inputOf(bar, 0.3), {});
