@@ -50,7 +50,7 @@ Result<ImportResult> importFile(const ImportRequest& request, const Progress& pr
 /// The program that importFile() starts as its worker: this executable's path unless set; called as `PROGRAM import-worker`.
 void setImportWorker(std::filesystem::path program);
 
-/// main() of the worker: reads a request from standard input, writes the scene to standard output (protocol in worker.cpp).
+/// main() of the worker: reads a request from standard input, writes the answer to standard output (message.h).
 int importWorkerMain();
 
 }  // namespace imomushi

@@ -164,8 +164,8 @@ std::vector<MeshIssue> checkMesh(const TriangleMesh& mesh) {
     if (atEdges.openEdges > 0) {
         const std::size_t loops = boundaryLoops(edges).size();
         showTriangles(add(issue(Severity::Error, "open",
-                                "The surface is open: " + counted(atEdges.openEdges, "edge has", "edges have") + " only one triangle, around " +
-                                    counted(loops, "hole", "holes") + "; close it in a modelling program.",
+                                "The surface is open: " + counted(atEdges.openEdges, "edge has", "edges have") + " only one triangle" +
+                                    (loops > 0 ? ", around " + counted(loops, "hole", "holes") : std::string()) + "; close it in a modelling program.",
                                 std::max<std::size_t>(loops, 1))),
                       atEdges.open);
     }

@@ -36,7 +36,7 @@ struct MeshFacts {
 
 MeshFacts meshFacts(const TriangleMesh& mesh);
 
-/// All issues of a body as it is; changes nothing. Self-intersections by CGAL (core/mesh/intersections.cpp).
+/// All issues of a body as it is; changes nothing. Any indices and numbers will do.
 std::vector<MeshIssue> checkMesh(const TriangleMesh& mesh);
 
 }  // namespace imomushi

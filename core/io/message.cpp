@@ -1,0 +1,330 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/io/message.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <type_traits>
+
+#include "core/io/raw_scene.h"
+
+namespace imomushi {
+namespace {
+
+constexpr char kMagic[4] = {'i', 'm', 'o', '1'};
+constexpr std::uint64_t kMostItems = std::uint64_t{1} << 30;
+
+class Writer {
+public:
+    template <class T>
+        requires std::is_arithmetic_v<T>
+    void value(T v) {
+        bytes_.append(reinterpret_cast<const char*>(&v), sizeof v);
+    }
+    template <class T>
+    void items(const T* data, std::size_t count) {
+        value(static_cast<std::uint64_t>(count));
+        if (count > 0) bytes_.append(reinterpret_cast<const char*>(data), count * sizeof(T));
+    }
+    void text(std::string_view s) { items(s.data(), s.size()); }
+    template <class M>
+    void matrix(const M& m) {
+        items(m.data(), static_cast<std::size_t>(m.size()));
+    }
+    std::string take() { return std::move(bytes_); }
+
+private:
+    std::string bytes_;
+};
+
+/// Reads what Writer wrote. After the first thing that does not fit everything reads as empty and good() is false.
+class Reader {
+public:
+    explicit Reader(std::string_view bytes) : rest_(bytes) {}
+    [[nodiscard]] bool good() const { return good_; }
+    [[nodiscard]] bool finished() const { return good_ && rest_.empty(); }
+    void refuse() { good_ = false; }
+
+    template <class T>
+        requires std::is_arithmetic_v<T>
+    T value() {
+        T v{};
+        if (!good_ || rest_.size() < sizeof v) {
+            good_ = false;
+            return T{};
+        }
+        std::memcpy(&v, rest_.data(), sizeof v);
+        rest_.remove_prefix(sizeof v);
+        return v;
+    }
+    /// How many items of `size` bytes follow.
+    std::size_t count(std::size_t size) {
+        const auto n = value<std::uint64_t>();
+        if (!good_ || n > kMostItems || n > rest_.size() / size) {
+            good_ = false;
+            return 0;
+        }
+        return static_cast<std::size_t>(n);
+    }
+    template <class T>
+    std::vector<T> items() {
+        std::vector<T> v(count(sizeof(T)));
+        copy(v.data(), v.size() * sizeof(T));
+        return v;
+    }
+    std::string text() {
+        std::string s(count(1), '\0');
+        copy(s.data(), s.size());
+        return s;
+    }
+    template <class M>
+    void matrix(M& m) {
+        const std::size_t n = count(sizeof(typename M::Scalar));
+        if (n % static_cast<std::size_t>(M::ColsAtCompileTime) != 0) {
+            good_ = false;
+            return;
+        }
+        m.resize(static_cast<Eigen::Index>(n) / M::ColsAtCompileTime, M::ColsAtCompileTime);
+        copy(m.data(), n * sizeof(typename M::Scalar));
+    }
+
+private:
+    void copy(void* to, std::size_t n) {
+        if (!good_ || n == 0) return;
+        std::memcpy(to, rest_.data(), n);
+        rest_.remove_prefix(n);
+    }
+    std::string_view rest_;
+    bool good_ = true;
+};
+
+void write(Writer& w, const std::vector<MeshIssue>& issues) {
+    w.value(static_cast<std::uint64_t>(issues.size()));
+    for (const MeshIssue& i : issues) {
+        w.value(static_cast<std::uint8_t>(i.severity));
+        w.text(i.code);
+        w.text(i.text);
+        w.value(static_cast<std::int32_t>(i.count));
+        w.value(static_cast<std::uint8_t>(i.fixed));
+        w.items(i.triangles.data(), i.triangles.size());
+        w.items(i.vertices.data(), i.vertices.size());
+    }
+}
+
+bool inRange(const std::vector<std::int32_t>& indices, Eigen::Index end) {
+    return std::all_of(indices.begin(), indices.end(), [&](std::int32_t i) { return i >= 0 && i < end; });
+}
+
+bool inRange(const Triangles& t, Eigen::Index end) { return t.rows() == 0 || (t.minCoeff() >= 0 && t.maxCoeff() < end); }
+
+/// `triangles`, `vertices`: how many there are to refer to.
+std::vector<MeshIssue> readIssues(Reader& r, Eigen::Index triangles, Eigen::Index vertices) {
+    std::vector<MeshIssue> issues;
+    const std::size_t n = r.count(1);
+    for (std::size_t i = 0; i < n && r.good(); ++i) {
+        MeshIssue& issue = issues.emplace_back();
+        const auto severity = r.value<std::uint8_t>();
+        if (severity > static_cast<std::uint8_t>(Severity::Error)) r.refuse();
+        issue.severity = static_cast<Severity>(severity);
+        issue.code = cleanName(r.text(), "unknown");
+        issue.text = r.text();
+        issue.count = r.value<std::int32_t>();
+        issue.fixed = r.value<std::uint8_t>() != 0;
+        issue.triangles = r.items<std::int32_t>();
+        issue.vertices = r.items<std::int32_t>();
+        if (!inRange(issue.triangles, triangles) || !inRange(issue.vertices, vertices)) r.refuse();
+    }
+    return issues;
+}
+
+void write(Writer& w, const Look& look) {
+    w.items(look.bodyVertex.data(), look.bodyVertex.size());
+    w.matrix(look.triangles);
+    w.matrix(look.normals);
+    w.matrix(look.texCoords);
+    w.matrix(look.colors);
+    w.items(look.material.data(), look.material.size());
+    w.value(static_cast<std::uint64_t>(look.materials.size()));
+    for (const Material& m : look.materials) {
+        w.text(m.name);
+        w.matrix(m.baseColor);
+        w.value(m.metallic);
+        w.value(m.roughness);
+        w.value(static_cast<std::int32_t>(m.baseColorTexture));
+    }
+    w.value(static_cast<std::uint64_t>(look.textures.size()));
+    for (const Texture& t : look.textures) {
+        w.text(t.name);
+        w.text(t.mimeType);
+        w.items(t.bytes.data(), t.bytes.size());
+    }
+}
+
+void readLook(Reader& r, const TriangleMesh& body, Look& look) {
+    look.bodyVertex = r.items<std::int32_t>();
+    r.matrix(look.triangles);
+    r.matrix(look.normals);
+    r.matrix(look.texCoords);
+    r.matrix(look.colors);
+    look.material = r.items<std::int32_t>();
+    const std::size_t materials = r.count(1);
+    for (std::size_t i = 0; i < materials && r.good(); ++i) {
+        Material& m = look.materials.emplace_back();
+        m.name = cleanName(r.text(), "material");
+        Eigen::Matrix<float, Eigen::Dynamic, 4, Eigen::RowMajor> color;
+        r.matrix(color);
+        m.metallic = r.value<float>();
+        m.roughness = r.value<float>();
+        m.baseColorTexture = r.value<std::int32_t>();
+        if (color.rows() != 1 || !color.allFinite() || !std::isfinite(m.metallic) || !std::isfinite(m.roughness)) {
+            r.refuse();
+            return;
+        }
+        m.baseColor = color.row(0).transpose();
+    }
+    const std::size_t textures = r.count(1);
+    for (std::size_t i = 0; i < textures && r.good(); ++i) {
+        Texture& t = look.textures.emplace_back();
+        t.name = cleanName(r.text(), "texture");
+        t.mimeType = cleanName(r.text(), "application/octet-stream");
+        t.bytes = r.items<std::uint8_t>();
+    }
+    if (!r.good()) return;
+
+    const auto renderVertices = static_cast<Eigen::Index>(look.bodyVertex.size());
+    const auto fits = [&](Eigen::Index rows) { return rows == 0 || rows == renderVertices; };
+    bool good = inRange(look.bodyVertex, body.vertices.rows()) && look.triangles.rows() == body.triangles.rows() &&
+                inRange(look.triangles, renderVertices) && fits(look.normals.rows()) && fits(look.texCoords.rows()) && fits(look.colors.rows()) &&
+                look.normals.allFinite() && look.texCoords.allFinite() && look.colors.allFinite() &&
+                (look.material.empty() || static_cast<Eigen::Index>(look.material.size()) == body.triangles.rows()) &&
+                inRange(look.material, static_cast<Eigen::Index>(look.materials.size()));
+    for (const Material& m : look.materials)
+        good = good && m.baseColorTexture >= -1 && m.baseColorTexture < static_cast<int>(look.textures.size());
+    for (Eigen::Index i = 0; good && i < look.triangles.size(); ++i)
+        good = look.bodyVertex[static_cast<std::size_t>(look.triangles.data()[i])] == body.triangles.data()[i];
+    if (!good) r.refuse();
+}
+
+tl::unexpected<Error> contradicts() {
+    return fail("worker-failed", "The import worker answered with something that contradicts itself: the file is probably damaged, export it again.");
+}
+
+}  // namespace
+
+std::string frame(FrameKind kind, std::string_view content) {
+    Writer w;
+    w.value(static_cast<std::uint32_t>(kind));
+    w.value(static_cast<std::uint64_t>(content.size()));
+    std::string bytes(kMagic, sizeof kMagic);
+    bytes += w.take();
+    bytes += content;
+    return bytes;
+}
+
+bool parseFrameHeader(std::string_view header, FrameKind& kind, std::uint64_t& length) {
+    if (header.size() < kFrameHeader || header.substr(0, 4) != std::string_view(kMagic, 4)) return false;
+    Reader r(header.substr(4, kFrameHeader - 4));
+    const auto k = r.value<std::uint32_t>();
+    length = r.value<std::uint64_t>();
+    if (k < 1 || k > 3) return false;
+    kind = static_cast<FrameKind>(k);
+    return true;
+}
+
+std::string encodeRequest(const ImportRequest& request) {
+    Writer w;
+    w.text(request.path.native());
+    w.value(static_cast<std::uint8_t>(request.unit));
+    w.value(static_cast<std::uint8_t>(request.up));
+    w.value(static_cast<std::uint8_t>(request.split));
+    return w.take();
+}
+
+Result<ImportRequest> decodeRequest(std::string_view content) {
+    Reader r(content);
+    ImportRequest request;
+    request.path = r.text();
+    const auto unit = r.value<std::uint8_t>(), up = r.value<std::uint8_t>(), split = r.value<std::uint8_t>();
+    if (!r.finished() || unit > static_cast<std::uint8_t>(Unit::Metre) || up > static_cast<std::uint8_t>(UpAxis::Z) || split > 1)
+        return fail("worker-failed", "The import worker was asked something that it does not understand.");
+    request.unit = static_cast<Unit>(unit);
+    request.up = static_cast<UpAxis>(up);
+    request.split = split != 0;
+    return request;
+}
+
+std::string encodeProgress(std::string_view stage, double fraction) {
+    Writer w;
+    w.text(stage);
+    w.value(fraction);
+    return w.take();
+}
+
+bool decodeProgress(std::string_view content, std::string& stage, double& fraction) {
+    Reader r(content);
+    stage = cleanName(r.text(), "import");
+    fraction = r.value<double>();
+    return r.finished() && fraction >= 0.0 && fraction <= 1.0;
+}
+
+std::string encodeAnswer(const Result<ImportResult>& answer) {
+    Writer w;
+    w.value(static_cast<std::uint8_t>(answer.has_value()));
+    if (!answer) {
+        w.text(answer.error().code);
+        w.text(answer.error().message);
+        return w.take();
+    }
+    w.text(answer->format);
+    w.value(answer->metresPerUnit);
+    w.value(static_cast<std::uint8_t>(answer->zUpConverted));
+    w.value(static_cast<std::uint64_t>(answer->bodies.size()));
+    for (const ImportedBody& body : answer->bodies) {
+        w.text(body.name);
+        w.matrix(body.mesh.body.vertices);
+        w.matrix(body.mesh.body.triangles);
+        write(w, body.mesh.look);
+        write(w, body.issues);
+        w.value(static_cast<std::int32_t>(body.components));
+        w.value(static_cast<std::uint8_t>(body.closed));
+    }
+    write(w, answer->issues);
+    return w.take();
+}
+
+Result<ImportResult> decodeAnswer(std::string_view content) {
+    Reader r(content);
+    if (r.value<std::uint8_t>() == 0) {
+        std::string code = cleanName(r.text(), ""), message = r.text();
+        if (!r.finished() || code.empty() || message.empty()) return contradicts();
+        return fail(std::move(code), std::move(message));
+    }
+    ImportResult result;
+    result.format = cleanName(r.text(), "");
+    result.metresPerUnit = r.value<double>();
+    result.zUpConverted = r.value<std::uint8_t>() != 0;
+    if (!(result.metresPerUnit > 0.0) || !std::isfinite(result.metresPerUnit)) return contradicts();
+    const std::size_t bodies = r.count(1);
+    for (std::size_t i = 0; i < bodies && r.good(); ++i) {
+        ImportedBody& body = result.bodies.emplace_back();
+        body.name = cleanName(r.text(), "mesh");
+        r.matrix(body.mesh.body.vertices);
+        r.matrix(body.mesh.body.triangles);
+        const TriangleMesh& mesh = body.mesh.body;
+        if (!r.good() || mesh.triangles.rows() == 0 || !mesh.vertices.allFinite() || !inRange(mesh.triangles, mesh.vertices.rows())) return contradicts();
+        readLook(r, mesh, body.mesh.look);
+        body.issues = readIssues(r, mesh.triangles.rows(), mesh.vertices.rows());
+        body.components = r.value<std::int32_t>();
+        body.closed = r.value<std::uint8_t>() != 0;
+        if (!r.good() || body.components < 1) return contradicts();
+        if (body.closed) {
+            const MeshFacts facts = meshFacts(mesh);
+            body.closed = facts.closed && facts.outward;
+        }
+    }
+    result.issues = readIssues(r, 0, 0);
+    if (!r.finished() || result.bodies.empty()) return contradicts();
+    return result;
+}
+
+}  // namespace imomushi

@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// FBX and COLLADA through assimp. No post-processing of assimp's runs: it drops what it finds invalid without a word, and our own weld, triangulation
+// and checks tell the artist. Positions are single precision there.
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <assimp/Importer.hpp>
+#include <assimp/config.h>
+#include <assimp/material.h>
+#include <assimp/scene.h>
+#include <cmath>
+#include <cstring>
+
+#include "core/io/raw_scene.h"
+#include "core/io/text_scanner.h"
+
+namespace imomushi {
+namespace {
+
+constexpr int kDeepest = 1000;  // nodes within nodes
+
+using Matrix = Eigen::Matrix4d;
+
+Matrix matrix(const aiMatrix4x4& m) {
+    Matrix result;
+    for (unsigned r = 0; r < 4; ++r)
+        for (unsigned c = 0; c < 4; ++c) result(r, c) = static_cast<double>(m[r][c]);
+    return result;
+}
+
+std::string_view text(const aiString& s) { return {s.data, s.length}; }
+
+/// COLLADA's own <unit meter="..."> and <up_axis>: assimp applies them to the root node and says nothing, so it is told not to.
+struct Asset {
+    double meter = 1.0;
+    bool zUp = false, xUp = false;
+};
+
+Asset colladaAsset(std::string_view xml) {
+    Asset asset;
+    const std::size_t end = std::min(xml.find("</asset>"), xml.size());
+    xml = xml.substr(0, end);
+    if (const std::size_t unit = xml.find("<unit"); unit != std::string_view::npos) {
+        const std::string_view tag = xml.substr(unit, xml.find('>', unit) - unit);
+        if (const std::size_t meter = tag.find("meter="); meter != std::string_view::npos && meter + 7 < tag.size()) {
+            const char quote = tag[meter + 6];
+            const std::string_view value = tag.substr(meter + 7, tag.find(quote, meter + 7) - meter - 7);
+            double number = 0.0;
+            if (parseNumber(trimmed(value), number) && std::isfinite(number) && number > 0.0) asset.meter = number;
+        }
+    }
+    if (const std::size_t up = xml.find("<up_axis>"); up != std::string_view::npos) {
+        const std::string_view value = trimmed(xml.substr(up + 9, 8));
+        asset.zUp = value.substr(0, 1) == "Z";
+        asset.xUp = value.substr(0, 1) == "X";
+    }
+    return asset;
+}
+
+class AssimpReader {
+public:
+    explicit AssimpReader(const SourceFile& file) : file_(file), textures_(file, scene_) {}
+
+    Result<RawScene> read(std::string_view format) {
+        scene_.format = format;
+        Assimp::Importer importer;
+        importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, false);
+        importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_CAMERAS, false);
+        importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_LIGHTS, false);
+        importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
+        // From memory, with the suffix as a hint: no other file is opened, and no other importer guesses at the content.
+        const bool rightKind = format == "dae" ? file_.bytes.substr(0, 4096).find("COLLADA") != std::string_view::npos
+                                               : file_.bytes.substr(0, 18) == "Kaydara FBX Binary" || file_.bytes.substr(0, 65536).find("FBX") != std::string_view::npos;
+        if (!rightKind) return badFile(file_, 0, format == "dae" ? "is no COLLADA file: export it again." : "is no FBX file: export it again.");
+        const aiScene* scene = importer.ReadFileFromMemory(file_.bytes.data(), file_.bytes.size(), 0, std::string(format).c_str());
+        if (!scene) return badFile(file_, 0, "cannot be read (" + cleanName(importer.GetErrorString(), "damaged") + "): export it again, best as GLB or OBJ.");
+        ai_ = scene;
+        unitsAndAxes(format);
+        if (!scene->mRootNode || scene->mNumMeshes == 0) return fail("empty-mesh", file_.quoted() + " has no mesh: choose a file with one.");
+        materials();
+        if (auto done = node(*scene->mRootNode, Matrix::Identity(), 0); !done) return tl::unexpected(done.error());
+        return finish();
+    }
+
+private:
+    void unitsAndAxes(std::string_view format) {
+        if (format == "dae") {
+            const Asset asset = colladaAsset(file_.bytes.substr(0, 1 << 16));
+            scene_.metresPerUnit = asset.meter;
+            scene_.zUp = asset.zUp;
+            removed_ = 1.0 / asset.meter;  // assimp scales the root by the unit
+            if (asset.xUp) tell(scene_, Severity::Warning, "not-understood", "The file's up axis is X: turn the mesh after the import.", 1, false);
+            return;
+        }
+        double factor = 1.0;
+        int up = 1, upSign = 1;
+        if (ai_->mMetaData) {
+            float f = 0.0f;
+            if (ai_->mMetaData->Get("UnitScaleFactor", factor)) {
+            } else if (ai_->mMetaData->Get("UnitScaleFactor", f)) {
+                factor = static_cast<double>(f);
+            }
+            ai_->mMetaData->Get("UpAxis", up);
+            ai_->mMetaData->Get("UpAxisSign", upSign);
+        }
+        scene_.metresPerUnit = std::isfinite(factor) && factor > 0.0 ? factor / 100.0 : 0.01;  // UnitScaleFactor: centimetres per unit
+        scene_.zUp = up == 2 && upSign > 0;
+        if (up == 0 || upSign < 0) tell(scene_, Severity::Warning, "not-understood", "The file's up axis is neither Y nor Z: turn the mesh after the import.", 1, false);
+    }
+
+    void materials() {
+        Look& look = scene_.surface.mesh.look;
+        for (unsigned i = 0; i < ai_->mNumMaterials; ++i) {
+            const aiMaterial& from = *ai_->mMaterials[i];
+            Material& to = look.materials.emplace_back();
+            aiString name;
+            if (from.Get(AI_MATKEY_NAME, name) == AI_SUCCESS) to.name = cleanName(text(name), "material");
+            aiColor4D color;
+            if (from.Get(AI_MATKEY_COLOR_DIFFUSE, color) == AI_SUCCESS) {
+                const Eigen::Vector4f c(color.r, color.g, color.b, 1.0f);
+                if (c.allFinite()) to.baseColor = c.cwiseMax(0.0f).cwiseMin(1.0f);
+            }
+            float value = 0.0f;
+            if (from.Get(AI_MATKEY_OPACITY, value) == AI_SUCCESS && std::isfinite(value) && value > 0.0f) to.baseColor[3] = std::min(value, 1.0f);
+            if (from.Get(AI_MATKEY_METALLIC_FACTOR, value) == AI_SUCCESS && std::isfinite(value)) to.metallic = std::clamp(value, 0.0f, 1.0f);
+            if (from.Get(AI_MATKEY_ROUGHNESS_FACTOR, value) == AI_SUCCESS && std::isfinite(value)) to.roughness = std::clamp(value, 0.0f, 1.0f);
+            aiString path;
+            if (from.GetTexture(aiTextureType_DIFFUSE, 0, &path) != AI_SUCCESS && from.GetTexture(aiTextureType_BASE_COLOR, 0, &path) != AI_SUCCESS) continue;
+            const int texture = textureAt(std::string(text(path)));
+            Material& again = look.materials.back();
+            again.baseColorTexture = texture;
+            if (texture >= 0) again.baseColor.head<3>().setOnes();
+        }
+    }
+
+    int textureAt(const std::string& path) {
+        for (const auto& [known, index] : embedded_)
+            if (known == path) return index;
+        const aiTexture* inside = ai_->GetEmbeddedTexture(path.c_str());
+        int index = -1;
+        if (inside && inside->mHeight == 0) {
+            index = textures_.fromBytes(path, {reinterpret_cast<const char*>(inside->pcData), inside->mWidth});
+        } else if (inside) {
+            tell(scene_, Severity::Warning, "texture", "The texture '" + cleanName(path, "?") + "' is stored without a picture format and was left out.", 1);
+        } else {
+            index = textures_.fromFile(path);
+        }
+        embedded_.emplace_back(path, index);
+        return index;
+    }
+
+    Result<void> node(const aiNode& at, const Matrix& parent, int depth) {
+        if (depth > kDeepest) return badFile(file_, 0, "its nodes are nested too deeply: flatten the scene.");
+        const Matrix world = parent * matrix(at.mTransformation);
+        for (unsigned i = 0; i < at.mNumMeshes; ++i) {
+            if (at.mMeshes[i] >= ai_->mNumMeshes) return badFile(file_, 0, "a node refers to a mesh that does not exist: export it again.");
+            if (auto done = mesh(*ai_->mMeshes[at.mMeshes[i]], at, world); !done) return done;
+        }
+        for (unsigned i = 0; i < at.mNumChildren; ++i)
+            if (auto done = node(*at.mChildren[i], world, depth + 1); !done) return done;
+        return {};
+    }
+
+    Result<void> mesh(const aiMesh& from, const aiNode& at, const Matrix& world) {
+        const auto first = points_.size() / 3;
+        if (first + from.mNumVertices > std::size_t{1} << 30) return fail("too-large", file_.quoted() + " has more vertices than can be handled: reduce the mesh.");
+        if (!from.mVertices || from.mNumVertices == 0) return {};
+        morphs_ += from.mNumAnimMeshes;
+        const std::string name = cleanName(text(at.mName), cleanName(text(from.mName), "mesh"));
+        // Pieces of one node differ by material only: they are one part.
+        if (&at != lastNode_) {
+            lastNode_ = &at;
+            scene_.partNames.push_back(name);
+        }
+        const auto part = static_cast<std::int32_t>(scene_.partNames.size()) - 1;
+        const Eigen::Matrix3d linear = world.topLeftCorner<3, 3>();
+        const double determinant = linear.determinant();
+        const bool mirrored = determinant < 0.0;
+        const Eigen::Matrix3d forNormals = std::abs(determinant) > 1e-300 ? Eigen::Matrix3d(linear.inverse().transpose()) : Eigen::Matrix3d::Identity();
+        for (unsigned v = 0; v < from.mNumVertices; ++v) {
+            const Eigen::Vector4d p = world * Eigen::Vector4d(static_cast<double>(from.mVertices[v].x), static_cast<double>(from.mVertices[v].y), static_cast<double>(from.mVertices[v].z), 1.0);
+            const Vec3 x = p.head<3>() * removed_;
+            if (!x.allFinite()) scene_.nonFinite.emplace_back(static_cast<std::int32_t>(points_.size() / 3), "in '" + name + "'");
+            points_.insert(points_.end(), x.data(), x.data() + 3);
+            const auto flag = [&](bool finite) { badAttributes_ += !finite; return finite; };
+            Vec3 n = Vec3::Zero();
+            if (from.mNormals) {
+                anyNormals_ = true;
+                n = forNormals * Vec3(static_cast<double>(from.mNormals[v].x), static_cast<double>(from.mNormals[v].y), static_cast<double>(from.mNormals[v].z));
+                n = flag(n.allFinite()) && n.norm() > 0.0 ? Vec3(n.normalized()) : Vec3::Zero();
+            }
+            for (int k = 0; k < 3; ++k) normals_.push_back(static_cast<float>(n[k]));
+            Eigen::Vector2f uv = Eigen::Vector2f::Zero();
+            if (from.mTextureCoords[0]) {
+                anyUv_ = true;
+                const auto& t = from.mTextureCoords[0][v];
+                if (flag(std::isfinite(t.x) && std::isfinite(t.y))) uv = {t.x, 1.0f - t.y};
+            }
+            texCoords_.insert(texCoords_.end(), uv.data(), uv.data() + 2);
+            Eigen::Vector4f color = Eigen::Vector4f::Ones();
+            if (from.mColors[0]) {
+                anyColors_ = true;
+                const auto& c = from.mColors[0][v];
+                color = {linearFromSrgb(static_cast<double>(c.r)), linearFromSrgb(static_cast<double>(c.g)), linearFromSrgb(static_cast<double>(c.b)),
+                         std::isfinite(c.a) ? std::clamp(c.a, 0.0f, 1.0f) : 1.0f};
+            }
+            colors_.insert(colors_.end(), color.data(), color.data() + 4);
+        }
+        std::vector<std::int32_t> polygon;
+        std::vector<std::array<std::int32_t, 3>> cut;
+        for (unsigned f = 0; f < from.mNumFaces; ++f) {
+            const aiFace& face = from.mFaces[f];
+            if (face.mNumIndices < 3) {
+                ++linesAndPoints_;
+                continue;
+            }
+            polygon.clear();
+            for (unsigned k = 0; k < face.mNumIndices; ++k) {
+                if (face.mIndices[k] >= from.mNumVertices) return badFile(file_, 0, "a face of '" + name + "' refers to a vertex that does not exist: export it again.");
+                polygon.push_back(static_cast<std::int32_t>(first + face.mIndices[k]));
+            }
+            polygons_ += polygon.size() > 3;
+            if (mirrored) std::reverse(polygon.begin(), polygon.end());
+            triangulatePolygon(points_, polygon, cut);
+            for (const auto& t : cut) {
+                for (const std::int32_t k : t) triangles_.push_back(polygon[static_cast<std::size_t>(k)]);
+                scene_.surface.part.push_back(part);
+                material_.push_back(from.mMaterialIndex < ai_->mNumMaterials ? static_cast<std::int32_t>(from.mMaterialIndex) : 0);
+            }
+        }
+        return {};
+    }
+
+    Result<RawScene> finish() {
+        if (triangles_.empty()) return fail("empty-mesh", file_.quoted() + " has no triangles: choose a file with a mesh.");
+        if (polygons_ > 0) tell(scene_, Severity::Info, "not-triangles", std::to_string(polygons_) + (polygons_ == 1 ? " polygon was" : " polygons were") + " cut into triangles.", polygons_);
+        if (linesAndPoints_ > 0) tell(scene_, Severity::Info, "not-a-surface", std::to_string(linesAndPoints_) + " lines and points left out.", linesAndPoints_);
+        if (morphs_ > 0) tell(scene_, Severity::Info, "morph-targets", std::to_string(morphs_) + " morph targets left out.", morphs_);
+        if (badAttributes_ > 0) tell(scene_, Severity::Warning, "non-finite", std::to_string(badAttributes_) + " normals or texture coordinates not finite; they were replaced.", badAttributes_);
+        ElementMesh& mesh = scene_.surface.mesh;
+        const auto vertices = static_cast<Eigen::Index>(points_.size() / 3);
+        mesh.body.vertices = Eigen::Map<const Points>(points_.data(), vertices, 3);
+        mesh.body.triangles = Eigen::Map<const Triangles>(triangles_.data(), static_cast<Eigen::Index>(triangles_.size() / 3), 3);
+        Look& look = mesh.look;
+        if (!look.materials.empty()) look.material = std::move(material_);
+        if (anyNormals_ || anyUv_ || anyColors_) {
+            look.triangles = mesh.body.triangles;
+            for (Eigen::Index v = 0; v < vertices; ++v) look.bodyVertex.push_back(static_cast<std::int32_t>(v));
+            if (anyNormals_) look.normals = Eigen::Map<const decltype(look.normals)>(normals_.data(), vertices, 3);
+            if (anyUv_) look.texCoords = Eigen::Map<const decltype(look.texCoords)>(texCoords_.data(), vertices, 2);
+            if (anyColors_) look.colors = Eigen::Map<const decltype(look.colors)>(colors_.data(), vertices, 4);
+        }
+        return std::move(scene_);
+    }
+
+    const SourceFile& file_;
+    RawScene scene_;
+    TextureLoader textures_;
+    const aiScene* ai_ = nullptr;
+    const aiNode* lastNode_ = nullptr;
+    double removed_ = 1.0;
+    std::vector<std::pair<std::string, int>> embedded_;
+    std::vector<double> points_;
+    std::vector<float> normals_, texCoords_, colors_;
+    std::vector<std::int32_t> triangles_, material_;
+    bool anyNormals_ = false, anyUv_ = false, anyColors_ = false;
+    std::size_t polygons_ = 0, linesAndPoints_ = 0, morphs_ = 0, badAttributes_ = 0;
+};
+
+}  // namespace
+
+Result<RawScene> readByAssimp(const SourceFile& file, std::string_view format) { return AssimpReader(file).read(format); }
+
+}  // namespace imomushi

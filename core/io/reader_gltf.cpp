@@ -1,0 +1,622 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// glTF 2.0 and GLB. Source: "glTF 2.0 Specification", Khronos. Own reader on a JSON library: assimp drops triangles with bad indices without a word,
+// misreads skin weights and welds nothing exactly; tinygltf leaves the accessors, which are most of the work and of the checks, to its user.
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "core/io/raw_scene.h"
+
+namespace imomushi {
+namespace {
+
+using Json = nlohmann::json;
+using Matrix = Eigen::Matrix4d;
+
+constexpr int kDeepest = 1000;                                   // nodes within nodes
+constexpr std::size_t kLargestBuffer = std::size_t{1} << 30;
+constexpr double kSameMatrix = 1e-6;  // joints that agree to this move a skin as one: its coordinates stay what the file says
+
+/// Leaves the reader with an error; caught in readGltf().
+struct Refused {
+    Error error;
+};
+
+const Json kNothing;
+
+class GltfReader {
+public:
+    explicit GltfReader(const SourceFile& file) : file_(file), textures_(file, scene_) {}
+
+    RawScene read() {
+        container();
+        if (!json_.is_object()) refuse("holds no glTF scene.");
+        const std::string version = text(member(member(json_, "asset"), "version"));
+        if (version.substr(0, 2) != "2.") refuse("is glTF version '" + cleanName(version, "?") + "'; export it as version 2.");
+        extensions();
+        buffers_.resize(list("buffers").size());
+        materials();
+        const Json& scenes = list("scenes");
+        std::vector<char> visited(list("nodes").size(), 0);
+        global_.assign(visited.size(), Matrix::Identity());
+        std::vector<std::size_t> roots;
+        if (!scenes.empty()) {
+            const Json& scene = scenes.at(index(member(json_, "scene"), scenes.size(), "scene", 0));
+            for (const Json& root : array(member(scene, "nodes"))) roots.push_back(index(root, visited.size(), "node"));
+        } else {
+            std::vector<char> isChild(visited.size(), 0);
+            for (const Json& node : list("nodes"))
+                for (const Json& child : array(member(node, "children"))) isChild[index(child, visited.size(), "node")] = 1;
+            for (std::size_t n = 0; n < visited.size(); ++n)
+                if (!isChild[n]) roots.push_back(n);
+        }
+        for (const std::size_t root : roots) place(root, Matrix::Identity(), visited, 0);
+        for (std::size_t n = 0; n < visited.size(); ++n)
+            if (visited[n]) node(list("nodes")[n], global_[n]);
+        return finish();
+    }
+
+private:
+    [[noreturn]] void refuse(const std::string& what) const { throw Refused{badFile(file_, 0, what).value()}; }
+
+    // --- JSON, of which nothing is believed ---
+
+    static const Json& member(const Json& object, const char* key) {
+        if (!object.is_object()) return kNothing;
+        const auto found = object.find(key);
+        return found == object.end() ? kNothing : *found;
+    }
+    const Json& array(const Json& value) const {
+        static const Json kEmpty = Json::array();
+        if (value.is_null()) return kEmpty;
+        if (!value.is_array()) refuse("has something else where a list belongs.");
+        return value;
+    }
+    const Json& list(const char* key) const { return array(member(json_, key)); }
+    static std::string text(const Json& value) { return value.is_string() ? value.get<std::string>() : std::string(); }
+    std::uint64_t number(const Json& value, const char* what, std::optional<std::uint64_t> otherwise = {}) const {
+        if (value.is_null() && otherwise) return *otherwise;
+        if (value.is_number_unsigned()) return value.get<std::uint64_t>();
+        if (value.is_number_float() && value.get<double>() >= 0.0 && value.get<double>() < 9e15 && value.get<double>() == std::floor(value.get<double>()))
+            return static_cast<std::uint64_t>(value.get<double>());
+        refuse(std::string("has no valid ") + what + ".");
+    }
+    std::size_t index(const Json& value, std::size_t count, const char* what, std::optional<std::uint64_t> otherwise = {}) const {
+        const std::uint64_t i = number(value, what, otherwise);
+        if (i >= count) refuse(std::string("refers to ") + what + " " + std::to_string(i) + ", and there are " + std::to_string(count) + " (counted from 0).");
+        return static_cast<std::size_t>(i);
+    }
+    /// `n` finite numbers, or `otherwise` where there are none.
+    std::vector<double> numbers(const Json& value, std::size_t n, std::vector<double> otherwise, const char* what) const {
+        if (value.is_null()) return otherwise;
+        std::vector<double> result;
+        if (value.is_array())
+            for (const Json& x : value)
+                if (x.is_number() && std::isfinite(x.get<double>())) result.push_back(x.get<double>());
+        if (result.size() != n || value.size() != n) refuse(std::string("has no valid ") + what + ".");
+        return result;
+    }
+    double number(const Json& value, double otherwise) const { return value.is_number() && std::isfinite(value.get<double>()) ? value.get<double>() : otherwise; }
+
+    // --- the file ---
+
+    void container() {
+        std::string_view text = file_.bytes;
+        scene_.format = "gltf";
+        if (text.substr(0, 4) == "glTF") {
+            scene_.format = "glb";
+            const auto word = [&](std::size_t at) {
+                std::uint32_t v = 0;
+                std::memcpy(&v, file_.bytes.data() + at, 4);
+                return v;
+            };
+            if (text.size() < 20) refuse("is cut off: export it again.");
+            if (word(4) != 2) refuse("is GLB version " + std::to_string(word(4)) + "; export it as version 2.");
+            if (word(8) > text.size()) refuse("is cut off: it announces " + std::to_string(word(8)) + " bytes and has " + std::to_string(text.size()) + "; export it again.");
+            text = {};
+            bool first = true;
+            for (std::size_t at = 12; at + 8 <= word(8);) {
+                const std::size_t length = word(at);
+                const std::uint32_t type = word(at + 4);
+                at += 8;
+                if (length > word(8) - at) refuse("is cut off within a chunk: export it again.");
+                const std::string_view chunk = file_.bytes.substr(at, length);
+                if (first && type != 0x4E4F534A) refuse("does not begin with its JSON chunk: export it again.");
+                if (first) text = chunk;
+                if (!first && type == 0x004E4942 && !binary_) binary_ = chunk;
+                first = false;
+                at += (length + 3) / 4 * 4;
+            }
+        }
+        if (text.substr(0, 3) == "\xef\xbb\xbf") text.remove_prefix(3);
+        try {
+            json_ = Json::parse(text);
+        } catch (const Json::parse_error& e) {
+            const std::size_t lines = static_cast<std::size_t>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(std::min(e.byte, text.size())), '\n')) + 1;
+            throw Refused{badFile(file_, scene_.format == "gltf" ? lines : 0, "its JSON is damaged at byte " + std::to_string(e.byte) + ": export it again.").value()};
+        }
+    }
+
+    void extensions() {
+        static const char* const kKnown[] = {"KHR_mesh_quantization", "KHR_texture_transform", "KHR_lights_punctual", "EXT_texture_webp", "KHR_texture_basisu"};
+        for (const Json& name : list("extensionsRequired")) {
+            const std::string extension = text(name);
+            const bool known = extension.rfind("KHR_materials_", 0) == 0 || std::find(std::begin(kKnown), std::end(kKnown), extension) != std::end(kKnown);
+            if (!known) {
+                const bool compressed = extension == "KHR_draco_mesh_compression" || extension == "EXT_meshopt_compression";
+                refuse(compressed ? "is compressed (" + extension + "): export it without compression."
+                                  : "needs the extension '" + cleanName(extension, "?") + "', which is not known here: export it without.");
+            }
+        }
+    }
+
+    std::string_view buffer(std::size_t i) {
+        auto& known = buffers_[i];
+        if (known) return *known;
+        const Json& from = list("buffers")[i];
+        const std::uint64_t length = number(member(from, "byteLength"), "length of a buffer");
+        const std::string uri = text(member(from, "uri"));
+        if (uri.empty()) {
+            if (i != 0 || !binary_) refuse("has a buffer without content: export it again.");
+            known = *binary_;
+        } else if (uri.rfind("data:", 0) == 0) {
+            owned_.push_back(std::make_unique<std::string>(decodeData(uri)));
+            known = *owned_.back();
+        } else {
+            auto bytes = readBeside(file_, decodePercent(uri), kLargestBuffer);
+            if (!bytes) refuse("needs the file '" + cleanName(uri, "?") + "', which " + bytes.error().message + ".");
+            owned_.push_back(std::make_unique<std::string>(std::move(*bytes)));
+            known = *owned_.back();
+        }
+        if (known->size() < length)
+            refuse("has a buffer of " + std::to_string(known->size()) + " bytes that should have " + std::to_string(length) + ": it is cut off, export it again.");
+        known = known->substr(0, length);
+        return *known;
+    }
+
+    std::string decodeData(const std::string& uri) const {
+        const std::size_t comma = uri.find(',');
+        if (comma == std::string::npos || uri.substr(0, comma).find(";base64") == std::string::npos) refuse("has data that is not in base64: export it again.");
+        std::string bytes;
+        bytes.reserve((uri.size() - comma) / 4 * 3);
+        std::uint32_t bits = 0;
+        int have = 0;
+        for (std::size_t i = comma + 1; i < uri.size() && uri[i] != '='; ++i) {
+            const char c = uri[i];
+            const int six = c >= 'A' && c <= 'Z' ? c - 'A' : c >= 'a' && c <= 'z' ? c - 'a' + 26 : c >= '0' && c <= '9' ? c - '0' + 52 : c == '+' || c == '-' ? 62 : c == '/' || c == '_' ? 63 : -1;
+            if (six < 0) refuse("has damaged base64 data: export it again.");
+            bits = bits << 6 | static_cast<std::uint32_t>(six);
+            if ((have += 6) >= 8) {
+                have -= 8;
+                bytes += static_cast<char>(bits >> have & 0xFFU);
+            }
+        }
+        return bytes;
+    }
+
+    static std::string decodePercent(const std::string& uri) {
+        std::string plain;
+        const auto hex = [](char c) { return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1; };
+        for (std::size_t i = 0; i < uri.size(); ++i) {
+            if (uri[i] == '%' && i + 2 < uri.size() && hex(uri[i + 1]) >= 0 && hex(uri[i + 2]) >= 0) {
+                plain += static_cast<char>(hex(uri[i + 1]) * 16 + hex(uri[i + 2]));
+                i += 2;
+            } else {
+                plain += uri[i];
+            }
+        }
+        return plain;
+    }
+
+    // --- accessors ---
+
+    std::string_view bufferView(std::size_t i, std::size_t* stride = nullptr) {
+        const Json& view = list("bufferViews")[i];
+        const std::string_view whole = buffer(index(member(view, "buffer"), buffers_.size(), "buffer"));
+        const std::uint64_t offset = number(member(view, "byteOffset"), "offset of a buffer view", 0), length = number(member(view, "byteLength"), "length of a buffer view");
+        if (offset > whole.size() || length > whole.size() - offset) refuse("has a buffer view that reaches beyond its buffer: export it again.");
+        if (stride) *stride = static_cast<std::size_t>(number(member(view, "byteStride"), "stride of a buffer view", 0));
+        return whole.substr(offset, length);
+    }
+
+    static std::size_t componentSize(std::uint64_t type) { return type == 5120 || type == 5121 ? 1 : type == 5122 || type == 5123 ? 2 : type == 5125 || type == 5126 ? 4 : 0; }
+
+    static double component(const char* at, std::uint64_t type, bool normalized) {
+        const auto get = [&](auto v, double scale) {
+            std::memcpy(&v, at, sizeof v);
+            return normalized ? std::max(static_cast<double>(v) / scale, -1.0) : static_cast<double>(v);
+        };
+        switch (type) {
+            case 5120: return get(std::int8_t{}, 127.0);
+            case 5121: return get(std::uint8_t{}, 255.0);
+            case 5122: return get(std::int16_t{}, 32767.0);
+            case 5123: return get(std::uint16_t{}, 65535.0);
+            case 5125: return get(std::uint32_t{}, 4294967295.0);
+            default: {
+                float f = 0.0f;
+                std::memcpy(&f, at, sizeof f);
+                return static_cast<double>(f);
+            }
+        }
+    }
+
+    struct Values {
+        std::size_t count = 0, width = 0;
+        std::vector<double> at;  // count x width
+    };
+
+    Values accessor(const Json& reference, const char* what) {
+        const Json& accessors = list("accessors");
+        const Json& from = accessors[index(reference, accessors.size(), "accessor")];
+        const std::string type = text(member(from, "type"));
+        const std::size_t width = type == "SCALAR" ? 1 : type == "VEC2" ? 2 : type == "VEC3" ? 3 : type == "VEC4" ? 4 : type == "MAT4" ? 16 : 0;
+        const std::uint64_t componentType = number(member(from, "componentType"), "component type");
+        const std::size_t size = componentSize(componentType);
+        const std::uint64_t count = number(member(from, "count"), "count");
+        if (width == 0 || size == 0) refuse(std::string("has ") + what + " of an unknown type: export it again.");
+        if (count > std::uint64_t{1} << 28) throw Refused{{"too-large", file_.quoted() + " has more vertices than can be handled: reduce the mesh."}};
+        const Json& normalizedFlag = member(from, "normalized");
+        const bool normalized = normalizedFlag.is_boolean() && normalizedFlag.get<bool>() && componentType != 5126;
+        Values values{static_cast<std::size_t>(count), width, {}};
+        if (const Json& view = member(from, "bufferView"); !view.is_null()) {
+            std::size_t stride = 0;
+            const std::string_view bytes = slice(view, number(member(from, "byteOffset"), "offset of an accessor", 0), count, width * size, stride, what);
+            values.at.resize(values.count * width);
+            for (std::size_t i = 0; i < values.count; ++i)
+                for (std::size_t k = 0; k < width; ++k) values.at[i * width + k] = component(bytes.data() + i * stride + k * size, componentType, normalized);
+        } else {
+            values.at.assign(values.count * width, 0.0);
+        }
+        if (const Json& sparse = member(from, "sparse"); !sparse.is_null()) {
+            const std::uint64_t few = number(member(sparse, "count"), "count");
+            const Json &where = member(sparse, "indices"), &with = member(sparse, "values");
+            const std::uint64_t indexType = number(member(where, "componentType"), "component type");
+            const std::size_t indexSize = componentSize(indexType);
+            if (indexSize == 0 || few > count) refuse(std::string("has ") + what + " with impossible sparse values: export it again.");
+            std::size_t indexStride = 0, stride = 0;
+            const std::string_view places = slice(member(where, "bufferView"), number(member(where, "byteOffset"), "offset", 0), few, indexSize, indexStride, what);
+            const std::string_view bytes = slice(member(with, "bufferView"), number(member(with, "byteOffset"), "offset", 0), few, width * size, stride, what);
+            for (std::size_t i = 0; i < few; ++i) {
+                const double place = component(places.data() + i * indexStride, indexType, false);
+                if (!(place >= 0.0 && place < static_cast<double>(count))) refuse(std::string("has ") + what + " with impossible sparse values: export it again.");
+                for (std::size_t k = 0; k < width; ++k)
+                    values.at[static_cast<std::size_t>(place) * width + k] = component(bytes.data() + i * stride + k * size, componentType, normalized);
+            }
+        }
+        return values;
+    }
+
+    /// The part of a buffer view with `count` items of `size` bytes.
+    std::string_view slice(const Json& view, std::uint64_t offset, std::uint64_t count, std::size_t size, std::size_t& stride, const char* what) {
+        const std::string_view bytes = bufferView(index(view, list("bufferViews").size(), "buffer view"), &stride);
+        if (stride == 0) stride = size;
+        if (stride < size || stride > 4096 || count > std::uint64_t{1} << 28) refuse(std::string("has ") + what + " with an impossible stride: export it again.");
+        const std::uint64_t needed = count == 0 ? 0 : stride * (count - 1) + size;
+        if (offset > bytes.size() || needed > bytes.size() - offset) refuse(std::string("has ") + what + " that reach beyond their buffer view: export it again.");
+        return bytes.substr(offset);
+    }
+
+    // --- materials ---
+
+    void materials() {
+        for (const Json& from : list("materials")) {
+            Material to;
+            to.name = cleanName(text(member(from, "name")), "material");
+            const Json& pbr = member(from, "pbrMetallicRoughness");
+            const Json& gloss = member(member(from, "extensions"), "KHR_materials_pbrSpecularGlossiness");
+            const bool glossy = pbr.is_null() && !gloss.is_null();
+            const auto color = numbers(glossy ? member(gloss, "diffuseFactor") : member(pbr, "baseColorFactor"), 4, {1, 1, 1, 1}, "base colour");
+            for (int k = 0; k < 4; ++k) to.baseColor[k] = static_cast<float>(std::clamp(color[static_cast<std::size_t>(k)], 0.0, 1.0));
+            to.metallic = glossy ? 0.0f : static_cast<float>(std::clamp(number(member(pbr, "metallicFactor"), 1.0), 0.0, 1.0));
+            to.roughness = static_cast<float>(std::clamp(glossy ? 1.0 - number(member(gloss, "glossinessFactor"), 1.0) : number(member(pbr, "roughnessFactor"), 1.0), 0.0, 1.0));
+            UvUse use;
+            const Json& info = glossy ? member(gloss, "diffuseTexture") : member(pbr, "baseColorTexture");
+            if (!info.is_null()) {
+                use.set = number(member(info, "texCoord"), "texture coordinate set", 0);
+                if (const Json& transform = member(member(info, "extensions"), "KHR_texture_transform"); !transform.is_null()) {
+                    const auto offset = numbers(member(transform, "offset"), 2, {0, 0}, "texture transform"), scale = numbers(member(transform, "scale"), 2, {1, 1}, "texture transform");
+                    const double turn = number(member(transform, "rotation"), 0.0), c = std::cos(turn), s = std::sin(turn);
+                    use.linear << c * scale[0], s * scale[1], -s * scale[0], c * scale[1];
+                    use.offset = {offset[0], offset[1]};
+                    use.set = number(member(transform, "texCoord"), "texture coordinate set", use.set);
+                }
+                to.baseColorTexture = texture(member(info, "index"));
+            }
+            scene_.surface.mesh.look.materials.push_back(to);
+            uvUse_.push_back(use);
+        }
+    }
+
+    int texture(const Json& reference) {
+        const Json& textures = list("textures");
+        const Json& from = textures[index(reference, textures.size(), "texture")];
+        const Json& webp = member(member(from, "extensions"), "EXT_texture_webp");
+        const Json& source = member(from, "source").is_null() ? member(webp, "source") : member(from, "source");
+        const Json& images = list("images");
+        if (source.is_null()) {
+            tell(scene_, Severity::Warning, "texture", "A texture is in a picture format that is not read here and was left out.", 1);
+            return -1;
+        }
+        const std::size_t i = index(source, images.size(), "image");
+        if (const auto known = images_.find(i); known != images_.end()) return known->second;
+        const Json& image = images[i];
+        const std::string uri = text(member(image, "uri")), name = text(member(image, "name"));
+        int result = -1;
+        if (uri.empty())
+            result = textures_.fromBytes(name.empty() ? "texture " + std::to_string(i) : name, bufferView(index(member(image, "bufferView"), list("bufferViews").size(), "buffer view")));
+        else if (uri.rfind("data:", 0) == 0)
+            result = textures_.fromBytes(name.empty() ? "texture " + std::to_string(i) : name, decodeData(uri));
+        else
+            result = textures_.fromFile(decodePercent(uri));
+        images_.emplace(i, result);
+        return result;
+    }
+
+    // --- nodes and meshes ---
+
+    void place(std::size_t n, const Matrix& parent, std::vector<char>& visited, int depth) {
+        if (visited[n] || depth > kDeepest) refuse("has nodes that contain themselves, or too many within each other: export it again.");
+        visited[n] = 1;
+        const Json& node = list("nodes")[n];
+        Matrix local = Matrix::Identity();
+        if (const Json& m = member(node, "matrix"); !m.is_null()) {
+            const auto x = numbers(m, 16, {}, "matrix of a node");
+            for (int i = 0; i < 16; ++i) local(i % 4, i / 4) = x[static_cast<std::size_t>(i)];
+        } else {
+            const auto t = numbers(member(node, "translation"), 3, {0, 0, 0}, "translation of a node"), r = numbers(member(node, "rotation"), 4, {0, 0, 0, 1}, "rotation of a node"),
+                       s = numbers(member(node, "scale"), 3, {1, 1, 1}, "scale of a node");
+            Eigen::Quaterniond q(r[3], r[0], r[1], r[2]);
+            if (!(q.norm() > 0.0)) q.setIdentity();
+            local.topLeftCorner<3, 3>() = q.normalized().toRotationMatrix() * Eigen::Vector3d(s[0], s[1], s[2]).asDiagonal();
+            local.topRightCorner<3, 1>() = Vec3(t[0], t[1], t[2]);
+        }
+        global_[n] = parent * local;
+        for (const Json& child : array(member(node, "children"))) place(index(child, visited.size(), "node"), global_[n], visited, depth + 1);
+    }
+
+    /// What turns the coordinates of a skinned vertex into the scene's: a matrix per joint, or one for all.
+    struct Skin {
+        std::vector<Matrix> joints;
+        bool rigid = false;  ///< all joints agree: joints[0] is it
+    };
+
+    Skin skin(const Json& reference) {
+        const Json& skins = list("skins");
+        const Json& from = skins[index(reference, skins.size(), "skin")];
+        Skin result;
+        for (const Json& joint : array(member(from, "joints"))) result.joints.push_back(global_[index(joint, global_.size(), "node")]);
+        if (result.joints.empty()) refuse("has a skin without joints: export it again.");
+        if (const Json& inverse = member(from, "inverseBindMatrices"); !inverse.is_null()) {
+            const Values m = accessor(inverse, "inverse bind matrices");
+            if (m.width != 16 || m.count < result.joints.size()) refuse("has fewer bind matrices than joints: export it again.");
+            for (std::size_t j = 0; j < result.joints.size(); ++j) {
+                const Matrix bind = Eigen::Map<const Matrix>(m.at.data() + 16 * j);
+                if (!bind.allFinite()) refuse("has a bind matrix that is not finite: export it again.");
+                result.joints[j] = result.joints[j] * bind;
+            }
+        }
+        const double size = result.joints[0].cwiseAbs().maxCoeff();
+        result.rigid = std::all_of(result.joints.begin(), result.joints.end(), [&](const Matrix& m) { return (m - result.joints[0]).cwiseAbs().maxCoeff() <= kSameMatrix * size; });
+        if (result.rigid && (result.joints[0] - Matrix::Identity()).cwiseAbs().maxCoeff() <= kSameMatrix) result.joints[0].setIdentity();
+        return result;
+    }
+
+    void node(const Json& from, const Matrix& world) {
+        if (member(from, "mesh").is_null()) return;
+        const Json& meshes = list("meshes");
+        const Json& mesh = meshes[index(member(from, "mesh"), meshes.size(), "mesh")];
+        const std::string name = cleanName(text(member(from, "name")), cleanName(text(member(mesh, "name")), "mesh"));
+        std::optional<Skin> bones;
+        if (const Json& s = member(from, "skin"); !s.is_null()) bones = skin(s);
+        const Json& weights = member(from, "weights").is_null() ? member(mesh, "weights") : member(from, "weights");
+        scene_.partNames.push_back(name);
+        for (const Json& primitive : array(member(mesh, "primitives"))) this->primitive(primitive, name, world, bones, weights);
+    }
+
+    void primitive(const Json& from, const std::string& name, const Matrix& world, const std::optional<Skin>& bones, const Json& weights) {
+        const std::uint64_t mode = number(member(from, "mode"), "mode", 4);
+        if (mode > 6) refuse("has a primitive of unknown mode in '" + name + "': export it again.");
+        if (mode < 4) {
+            ++linesAndPoints_;
+            return;
+        }
+        const Json& attributes = member(from, "attributes");
+        if (member(attributes, "POSITION").is_null()) {
+            tell(scene_, Severity::Warning, "not-understood", "A part of '" + name + "' without positions was left out" + (member(from, "extensions").is_null() ? "." : ": it is compressed, export it without compression."), 1);
+            return;
+        }
+        Values positions = accessor(member(attributes, "POSITION"), "positions");
+        if (positions.width != 3) refuse("has positions of '" + name + "' that are not three numbers: export it again.");
+        const std::size_t n = positions.count;
+        const auto optional = [&](const std::string& key, std::size_t width, const char* what) {
+            const Json& reference = member(attributes, key.c_str());
+            Values v;
+            if (reference.is_null()) return v;
+            v = accessor(reference, what);
+            if (v.count != n || v.width < width) refuse("has " + std::string(what) + " of '" + name + "' that do not fit its positions: export it again.");
+            return v;
+        };
+        // The shape at rest is that of the default weights.
+        const Json& targets = array(member(from, "targets"));
+        morphs_ += targets.size();
+        for (std::size_t t = 0; t < targets.size(); ++t) {
+            const double w = weights.is_array() && t < weights.size() ? number(weights[t], 0.0) : 0.0;
+            if (w == 0.0 || member(targets[t], "POSITION").is_null()) continue;
+            const Values shift = accessor(member(targets[t], "POSITION"), "morph target");
+            if (shift.count != n || shift.width != 3) refuse("has a morph target of '" + name + "' that does not fit its positions: export it again.");
+            for (std::size_t i = 0; i < 3 * n; ++i) positions.at[i] += w * shift.at[i];
+        }
+
+        std::int32_t material = -1;
+        if (const Json& m = member(from, "material"); !m.is_null()) material = static_cast<std::int32_t>(index(m, uvUse_.size(), "material"));
+        const UvUse use = material >= 0 ? uvUse_[static_cast<std::size_t>(material)] : UvUse{};
+        const Values normals = optional("NORMAL", 3, "normals"), colors = optional("COLOR_0", 3, "colours"), uv = optional("TEXCOORD_" + std::to_string(use.set), 2, "texture coordinates");
+        std::vector<Values> joints, jointWeights;
+        if (bones && !bones->rigid)
+            for (int set = 0; set < 4 && !member(attributes, ("JOINTS_" + std::to_string(set)).c_str()).is_null(); ++set) {
+                joints.push_back(optional("JOINTS_" + std::to_string(set), 4, "joints"));
+                jointWeights.push_back(optional("WEIGHTS_" + std::to_string(set), 4, "joint weights"));
+                if (jointWeights.back().count != n) refuse("has joints of '" + name + "' without weights: export it again.");
+            }
+
+        const auto first = static_cast<std::int32_t>(points_.size() / 3);
+        if (points_.size() / 3 + n > std::size_t{1} << 30) throw Refused{{"too-large", file_.quoted() + " has more vertices than can be handled: reduce the mesh."}};
+        const auto orZero = [&](double x) {
+            if (std::isfinite(x) && std::abs(x) < 1e30) return static_cast<float>(x);
+            ++badAttributes_;
+            return 0.0f;
+        };
+        bool mirrored = false;
+        for (std::size_t v = 0; v < n; ++v) {
+            Matrix m = world;
+            if (bones && bones->rigid) m = bones->joints[0];
+            if (!joints.empty()) {
+                Matrix blend = Matrix::Zero();
+                double sum = 0.0;
+                for (std::size_t set = 0; set < joints.size(); ++set)
+                    for (std::size_t k = 0; k < 4; ++k) {
+                        const double w = jointWeights[set].at[4 * v + k], j = joints[set].at[4 * v + k];
+                        if (!(w > 0.0) || !std::isfinite(w)) continue;
+                        if (!(j >= 0.0 && j < static_cast<double>(bones->joints.size()))) refuse("has a vertex of '" + name + "' on a joint that does not exist: export it again.");
+                        blend += w * bones->joints[static_cast<std::size_t>(j)];
+                        sum += w;
+                    }
+                if (sum > 0.0) m = blend / sum;
+            }
+            const Vec3 p(positions.at[3 * v], positions.at[3 * v + 1], positions.at[3 * v + 2]);
+            const Vec3 x = m == Matrix::Identity() ? p : Vec3(m.topLeftCorner<3, 3>() * p + m.topRightCorner<3, 1>());
+            if (!x.allFinite()) scene_.nonFinite.emplace_back(first + static_cast<std::int32_t>(v), "vertex " + std::to_string(v) + " of '" + name + "'");
+            points_.insert(points_.end(), x.data(), x.data() + 3);
+            const double determinant = m.topLeftCorner<3, 3>().determinant();
+            if (v == 0) mirrored = determinant < 0.0;
+            Vec3 normal = Vec3::Zero();
+            if (normals.count == n) {
+                anyNormals_ = true;
+                const Vec3 from3(orZero(normals.at[normals.width * v]), orZero(normals.at[normals.width * v + 1]), orZero(normals.at[normals.width * v + 2]));
+                normal = std::abs(determinant) > 1e-300 ? Vec3(m.topLeftCorner<3, 3>().inverse().transpose() * from3) : from3;
+                normal = normal.norm() > 0.0 && normal.allFinite() ? Vec3(normal.normalized()) : Vec3::Zero();
+                if (m.isIdentity(0.0)) normal = from3;
+            }
+            for (int k = 0; k < 3; ++k) normals_.push_back(static_cast<float>(normal[k]));
+            Eigen::Vector2d t = Eigen::Vector2d::Zero();
+            if (uv.count == n) {
+                anyUv_ = true;
+                t = use.linear * Eigen::Vector2d(orZero(uv.at[uv.width * v]), orZero(uv.at[uv.width * v + 1])) + use.offset;
+            }
+            texCoords_.push_back(orZero(t[0]));
+            texCoords_.push_back(orZero(t[1]));
+            for (std::size_t k = 0; k < 4; ++k) {
+                double c = 1.0;
+                if (colors.count == n && k < colors.width) {
+                    anyColors_ = true;
+                    c = colors.at[colors.width * v + k];
+                    badAttributes_ += !std::isfinite(c);
+                    c = std::isfinite(c) ? std::clamp(c, 0.0, 1.0) : 1.0;
+                }
+                colors_.push_back(static_cast<float>(c));
+            }
+        }
+
+        std::vector<std::int32_t> corners;
+        if (const Json& indices = member(from, "indices"); !indices.is_null()) {
+            const Values values = accessor(indices, "indices");
+            if (values.width != 1) refuse("has indices of '" + name + "' that are no single numbers: export it again.");
+            for (const double i : values.at) {
+                if (!(i >= 0.0 && i < static_cast<double>(n)) || i != std::floor(i))
+                    refuse("a triangle of '" + name + "' refers to vertex " + (std::isfinite(i) ? std::to_string(static_cast<std::int64_t>(i)) : "?") + ", and there are " + std::to_string(n) +
+                           " (counted from 0): export it again.");
+                corners.push_back(static_cast<std::int32_t>(i));
+            }
+        } else {
+            for (std::size_t i = 0; i < n; ++i) corners.push_back(static_cast<std::int32_t>(i));
+        }
+        const auto add = [&](std::size_t a, std::size_t b, std::size_t c) {
+            if (mirrored) std::swap(b, c);
+            triangles_.insert(triangles_.end(), {first + corners[a], first + corners[b], first + corners[c]});
+            scene_.surface.part.push_back(static_cast<std::int32_t>(scene_.partNames.size()) - 1);
+            material_.push_back(material);
+        };
+        if (mode == 4) {
+            if (corners.size() % 3 != 0) refuse("has a number of corners in '" + name + "' that makes no triangles: export it again.");
+            for (std::size_t i = 0; i + 2 < corners.size(); i += 3) add(i, i + 1, i + 2);
+        } else if (mode == 5) {
+            for (std::size_t i = 0; i + 2 < corners.size(); ++i) add(i, i + 1 + i % 2, i + 2 - i % 2);
+        } else {
+            for (std::size_t i = 1; i + 1 < corners.size(); ++i) add(0, i, i + 1);
+        }
+    }
+
+    RawScene finish() {
+        if (triangles_.empty()) {
+            const bool rig = !list("skins").empty() || !list("nodes").empty();
+            throw Refused{{"empty-mesh", file_.quoted() + (rig && list("meshes").empty() ? " holds bones but no mesh" : " has no triangles") + ": choose a file with a mesh."}};
+        }
+        if (linesAndPoints_ > 0) tell(scene_, Severity::Info, "not-a-surface", "Lines and points left out.", linesAndPoints_);
+        if (morphs_ > 0) tell(scene_, Severity::Info, "morph-targets", "Morph targets left out.", morphs_);
+        if (!list("skins").empty() || !list("animations").empty()) tell(scene_, Severity::Info, "bones", "Bones and animations of the file left out.", list("skins").size() + list("animations").size());
+        if (badAttributes_ > 0) tell(scene_, Severity::Warning, "non-finite", std::to_string(badAttributes_) + " numbers in colours, texture coordinates or normals not finite; they were replaced.", badAttributes_);
+        ElementMesh& mesh = scene_.surface.mesh;
+        const auto vertices = static_cast<Eigen::Index>(points_.size() / 3);
+        mesh.body.vertices = Eigen::Map<const Points>(points_.data(), vertices, 3);
+        mesh.body.triangles = Eigen::Map<const Triangles>(triangles_.data(), static_cast<Eigen::Index>(triangles_.size() / 3), 3);
+        Look& look = mesh.look;
+        if (std::any_of(material_.begin(), material_.end(), [](std::int32_t m) { return m >= 0; })) {
+            if (std::find(material_.begin(), material_.end(), -1) != material_.end()) {
+                std::replace(material_.begin(), material_.end(), -1, static_cast<std::int32_t>(look.materials.size()));
+                look.materials.emplace_back().name = "material";
+            }
+            look.material = std::move(material_);
+        } else {
+            look.materials.clear();
+            look.textures.clear();
+        }
+        if (anyNormals_ || anyUv_ || anyColors_) {
+            look.triangles = mesh.body.triangles;
+            for (Eigen::Index v = 0; v < vertices; ++v) look.bodyVertex.push_back(static_cast<std::int32_t>(v));
+            if (anyNormals_) look.normals = Eigen::Map<const decltype(look.normals)>(normals_.data(), vertices, 3);
+            if (anyUv_) look.texCoords = Eigen::Map<const decltype(look.texCoords)>(texCoords_.data(), vertices, 2);
+            if (anyColors_) look.colors = Eigen::Map<const decltype(look.colors)>(colors_.data(), vertices, 4);
+        }
+        return std::move(scene_);
+    }
+
+    /// Which texture coordinates a material uses, and how they are moved (KHR_texture_transform).
+    struct UvUse {
+        std::uint64_t set = 0;
+        Eigen::Matrix2d linear = Eigen::Matrix2d::Identity();
+        Eigen::Vector2d offset = Eigen::Vector2d::Zero();
+    };
+
+    const SourceFile& file_;
+    RawScene scene_;
+    TextureLoader textures_;
+    Json json_;
+    std::optional<std::string_view> binary_;
+    std::vector<std::optional<std::string_view>> buffers_;
+    std::vector<std::unique_ptr<std::string>> owned_;
+    std::vector<UvUse> uvUse_;
+    std::map<std::size_t, int> images_;
+    std::vector<Matrix> global_;  // of each node, to the scene
+    std::vector<double> points_;
+    std::vector<float> normals_, texCoords_, colors_;
+    std::vector<std::int32_t> triangles_, material_;
+    bool anyNormals_ = false, anyUv_ = false, anyColors_ = false;
+    std::size_t linesAndPoints_ = 0, morphs_ = 0, badAttributes_ = 0;
+};
+
+}  // namespace
+
+Result<RawScene> readGltf(const SourceFile& file) {
+    try {
+        return GltfReader(file).read();
+    } catch (const Refused& refused) {
+        return tl::unexpected(refused.error);
+    }
+}
+
+}  // namespace imomushi

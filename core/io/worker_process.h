@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+
+#include "core/io/import.h"
+
+namespace imomushi {
+
+/// What a worker may use; ten times what a million triangles need.
+struct ImportLimits {
+    std::size_t fileBytes = std::size_t{1} << 30;
+    std::size_t memoryBytes = std::size_t{8} << 30;  ///< address space
+    int cpuSeconds = 120;
+    double wallSeconds = 180.0;
+};
+
+/// importFile() with other limits.
+Result<ImportResult> importFile(const ImportRequest& request, const Progress& progress, const ImportLimits& limits);
+
+}  // namespace imomushi
