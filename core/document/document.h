@@ -34,6 +34,8 @@ struct Element {
     Eigen::Vector3f color = Eigen::Vector3f(0.55f, 0.75f, 0.45f);
     bool visible = true;
     bool locked = false;     ///< not picked or changed in the viewport
+    /// Where the boundary problem is solved: "default" (the project chooses) or "as-is" (on the body itself).
+    std::string solverMesh = "default";
     /// Who turns the joint planes of this element: Auto = the element itself where it has a single face, the bisector otherwise.
     enum class JointPlanes { Auto, Bisector, Element } jointPlanes = JointPlanes::Auto;
     std::vector<MeshIssue> issues;  ///< as found on import
@@ -78,15 +80,18 @@ struct Held {
     bool pinned = false;
     Vec3 target = Vec3::Zero();      ///< where it is to be
     std::optional<double> roll;      ///< radians
+    double fromRoll = 0.0;           ///< glide: the roll it started with
     Vec3 from = Vec3::Zero();        ///< glide: where it started,
     double seconds = 0.0;            ///<        how long it takes (0: at once),
     double elapsed = 0.0;            ///<        and how much of that has passed
+    bool operator==(const Held&) const = default;
 };
 
 struct CharacterSettings {
     BasisKind basis = BasisKind::Affine;
     std::string format = "float";
     int threads = 0;  ///< 0: as many as the machine has
+    bool operator==(const CharacterSettings&) const = default;
 };
 
 /// What the artist authors, as immutable parts. Only commands (command.h) change it, by exchanging parts (history.h).
@@ -101,6 +106,8 @@ struct Document {
 
     [[nodiscard]] const Element* elementNamed(std::string_view name) const;
     [[nodiscard]] const Bone* boneNamed(std::string_view name) const;
+    /// The joint that `face` belongs to, null: none.
+    [[nodiscard]] const Joint* jointOf(const FaceRef& face) const;
     /// "element/face". Errors: "no-such-element", "no-such-face", with the names there are.
     [[nodiscard]] Result<FaceRef> face(std::string_view path) const;
     /// "bone/start", "bone/end". Errors: "no-such-bone", "bad-value".

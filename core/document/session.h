@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -23,10 +24,13 @@ public:
     [[nodiscard]] std::shared_ptr<const ElementResponse> find(const ContentKey& key) const;
     void insert(const ContentKey& key, std::shared_ptr<const ElementResponse> response);
     [[nodiscard]] std::vector<std::pair<ContentKey, std::shared_ptr<const ElementResponse>>> all() const;
+    /// Rises with every insert().
+    [[nodiscard]] std::uint64_t revision() const;
 
 private:
     mutable std::mutex mutex_;
     std::map<ContentKey, std::shared_ptr<const ElementResponse>> responses_;
+    std::atomic<std::uint64_t> revision_ = 0;
 };
 
 /// A document that is being worked on, with its history, its responses and its live character: the one door for change.

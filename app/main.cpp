@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// One program: sub-commands are headless, everything else opens the studio.
+#include <iostream>
+#include <string_view>
+#include <vector>
+
+#include "app/headless/runner.h"
+#include "core/document/version.h"
+#include "core/io/import.h"
+#ifdef IMOMUSHI_STUDIO
+#include "ui/studio.h"
+#endif
+
+namespace {
+
+constexpr const char* kUsage =
+    "imomushi [PROJECT.imomushi]      the studio\n"
+    "imomushi run [--keep-going] SCRIPT\n"
+    "                                 performs a script without a display (\"-\": standard input)\n"
+    "imomushi run --help              all commands of a script, with their keys\n"
+    "imomushi --version\n"
+    "imomushi --help\n";
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    const std::string_view first = argc > 1 ? argv[1] : "";
+    if (first == "run") return imomushi::runMain(std::vector<std::string>(argv + 2, argv + argc), std::cin, std::cout, std::cerr);
+    if (first == "import-worker") return imomushi::importWorkerMain();
+    if (first == "--version") {
+        std::cout << "imomushi " << imomushi::kVersion << "\n";
+        return 0;
+    }
+    if (first == "--help" || first == "-h") {
+        std::cout << kUsage;
+        return 0;
+    }
+#ifdef IMOMUSHI_STUDIO
+    return imomushi::runStudio(argc, argv);
+#else
+    std::cerr << "This program was built without the studio.\n" << kUsage;
+    return 2;
+#endif
+}

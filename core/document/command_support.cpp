@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/document/command_support.h"
+
+#include <cstdio>
+
+#include "core/document/names.h"
+
+namespace imomushi {
+
+namespace {
+
+std::string shortNumber(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%g", value);
+    return text;
+}
+
+template <class Parts>
+Result<typename Parts::mapped_type> partNamed(const Parts& parts, std::string_view name, const char* code, const char* kind) {
+    std::vector<std::string> names;
+    for (const auto& [id, part] : parts) {
+        if (part->name == name) return part;
+        names.push_back(part->name);
+    }
+    return fail(code, std::string("There is no ") + kind + " \"" + std::string(name) + "\"; " + listNames(names) + ".");
+}
+
+}  // namespace
+
+Result<double> numberWithin(const Json& value, std::string_view name, double low, double high) {
+    if (!value.is_number()) return fail("bad-type", "\"" + std::string(name) + "\" must be a number.");
+    const double number = value.get<double>();
+    if (!(number >= low && number <= high))
+        return fail("bad-value", "\"" + std::string(name) + "\" must lie within " + shortNumber(low) + " and " + shortNumber(high) +
+                                     ", not " + shortNumber(number) + ".");
+    return number;
+}
+
+Result<std::shared_ptr<const Element>> elementOf(const Document& document, std::string_view name) {
+    return partNamed(document.elements, name, "no-such-element", "element");
+}
+
+Result<std::shared_ptr<const Bone>> boneOf(const Document& document, std::string_view name) {
+    return partNamed(document.bones, name, "no-such-bone", "bone");
+}
+
+Json placeJson(const Document& document, const Bone::Place& place) {
+    if (const auto* face = std::get_if<FaceRef>(&place)) return faceText(document, *face);
+    if (const auto* end = std::get_if<EndpointRef>(&place)) return endpointText(document, *end);
+    return json(std::get<Vec3>(place));
+}
+
+void addCoreCommands(CommandRegistry& registry) {
+    addFileCommands(registry);
+    addElementCommands(registry);
+    addBoneCommands(registry);
+    addPropertyCommands(registry);
+    addSolveCommands(registry);
+    addPoseCommands(registry);
+    addHistoryCommands(registry);
+    addMeasureCommands(registry);
+}
+
+}  // namespace imomushi

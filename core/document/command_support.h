@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <type_traits>
+
+#include "core/document/command.h"
+#include "core/document/document.h"
+
+namespace imomushi {
+
+/// Coordinates beyond this (m) are refused: their sixth powers would still be finite, and no character is that far away.
+inline constexpr double kLargestCoordinate = 1e9;
+/// Whole numbers beyond this are refused: they all fit an int.
+inline constexpr std::int64_t kLargestInteger = 1'000'000'000;
+
+/// "a text", "three numbers [x,y,z]", ...
+std::string_view typeText(CommandKey::Type type);
+
+/// [x,y,z] of finite numbers within kLargestCoordinate.
+inline std::optional<Vec3> vector3(const Json& value) {
+    if (!value.is_array() || value.size() != 3) return std::nullopt;
+    Vec3 v;
+    for (int i = 0; i < 3; ++i) {
+        if (!value[static_cast<std::size_t>(i)].is_number()) return std::nullopt;
+        v[i] = value[static_cast<std::size_t>(i)].get<double>();
+        if (!(std::abs(v[i]) <= kLargestCoordinate)) return std::nullopt;
+    }
+    return v;
+}
+
+inline Json json(const Vec3& v) { return Json::array({v.x(), v.y(), v.z()}); }
+
+/// The value of an optional key.
+inline const Json* find(const Json& arguments, const char* key) {
+    const auto found = arguments.find(key);
+    return found == arguments.end() ? nullptr : &*found;
+}
+
+inline const std::string& text(const Json& arguments, const char* key) { return arguments.at(key).get_ref<const std::string&>(); }
+
+/// An integer key, already checked.
+inline int integer(const Json& value) { return static_cast<int>(value.get<double>()); }
+
+/// A number within [low, high]. Errors: "bad-value".
+Result<double> numberWithin(const Json& value, std::string_view name, double low, double high);
+
+/// The element or bone of that name. Errors: "no-such-element", "no-such-bone" with the names there are.
+Result<std::shared_ptr<const Element>> elementOf(const Document& document, std::string_view name);
+Result<std::shared_ptr<const Bone>> boneOf(const Document& document, std::string_view name);
+
+/// How a script writes a place: "element/face", "bone/end" or [x,y,z].
+Json placeJson(const Document& document, const Bone::Place& place);
+
+/// Replaces a part by a changed copy: exchangePart(document.elements, id, [&](Element& e) { e.nu = nu; }).
+template <class Parts, class Change>
+void exchangePart(Parts& parts, PartId id, Change&& change) {
+    auto& part = parts.at(id);
+    auto copy = std::make_shared<std::remove_const_t<typename Parts::mapped_type::element_type>>(*part);
+    change(*copy);
+    part = std::move(copy);
+}
+
+// Each adds some commands to a registry.
+void addFileCommands(CommandRegistry& registry);      // new, open, save, save-script, list, import-element
+void addElementCommands(CommandRegistry& registry);   // add-joint-face, join, unjoin, remove-element, remove-joint-face
+void addBoneCommands(CommandRegistry& registry);      // add-bone, edit-bone, remove-bone
+void addPropertyCommands(CommandRegistry& registry);  // set, rename
+void addSolveCommands(CommandRegistry& registry);     // estimate, precompute, deform-element
+void addPoseCommands(CommandRegistry& registry);      // pin, unpin, drag, release, rest, step
+void addHistoryCommands(CommandRegistry& registry);   // undo, redo
+void addMeasureCommands(CommandRegistry& registry);   // measure, write-mesh
+
+}  // namespace imomushi

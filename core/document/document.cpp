@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/document/document.h"
+
+#include <algorithm>
+
+#include "core/document/names.h"
+
+namespace imomushi {
+
+namespace {
+
+template <class Parts>
+const typename Parts::mapped_type::element_type* named(const Parts& parts, std::string_view name) {
+    for (const auto& [id, part] : parts)
+        if (part->name == name) return part.get();
+    return nullptr;
+}
+
+template <class Parts>
+std::vector<std::string> namesOf(const Parts& parts) {
+    std::vector<std::string> names;
+    for (const auto& [id, part] : parts) names.push_back(part->name);
+    return names;
+}
+
+/// "before/after" at the first slash: names of elements and bones hold none.
+std::pair<std::string_view, std::string_view> split(std::string_view path) {
+    const auto slash = path.find('/');
+    if (slash == std::string_view::npos) return {path, {}};
+    return {path.substr(0, slash), path.substr(slash + 1)};
+}
+
+}  // namespace
+
+int Element::faceIndex(std::string_view face) const {
+    for (std::size_t i = 0; i < faces.size(); ++i)
+        if (faces[i].name == face) return static_cast<int>(i);
+    return -1;
+}
+
+const Element* Document::elementNamed(std::string_view name) const { return named(elements, name); }
+const Bone* Document::boneNamed(std::string_view name) const { return named(bones, name); }
+
+const Joint* Document::jointOf(const FaceRef& face) const {
+    for (const auto& [id, joint] : joints)
+        if (std::find(joint->faces.begin(), joint->faces.end(), face) != joint->faces.end()) return joint.get();
+    return nullptr;
+}
+
+Result<FaceRef> Document::face(std::string_view path) const {
+    const auto [elementName, faceName] = split(path);
+    const Element* element = elementNamed(elementName);
+    if (!element)
+        return fail("no-such-element",
+                    "There is no element \"" + std::string(elementName) + "\"; " + listNames(namesOf(elements)) + ".");
+    if (element->faceIndex(faceName) < 0) {
+        std::vector<std::string> names;
+        for (const JointFace& f : element->faces) names.push_back(f.name);
+        return fail("no-such-face", "The element \"" + element->name + "\" has no joint face \"" + std::string(faceName) +
+                                        "\"; " + listNames(names) + ".");
+    }
+    return FaceRef{element->id, std::string(faceName)};
+}
+
+Result<EndpointRef> Document::endpoint(std::string_view path) const {
+    const auto [boneName, end] = split(path);
+    const Bone* bone = boneNamed(boneName);
+    if (!bone)
+        return fail("no-such-bone",
+                    "There is no bone \"" + std::string(boneName) + "\"; " + listNames(namesOf(bones)) + ".");
+    if (end != "start" && end != "end")
+        return fail("bad-value", "\"" + std::string(path) + "\" is no endpoint: write \"" + bone->name + "/start\" or \"" +
+                                     bone->name + "/end\".");
+    return EndpointRef{bone->id, end == "end"};
+}
+
+}  // namespace imomushi

@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "core/document/character_input.h"
+#include "core/document/command_support.h"
+#include "core/document/names.h"
+#include "core/document/seam.h"
+#include "core/document/session_state.h"
+
+namespace imomushi {
+
+namespace {
+
+/// How far from the plane a corner may lie unless the command says: relative to the diagonal of the element.
+constexpr double kPlaneTolerance = 1e-4;
+/// Faces farther apart than this, relative to their size, are not joined: the seam would show.
+constexpr double kLargestGap = 0.01;
+
+double diagonal(const TriangleMesh& body) {
+    if (body.vertices.rows() == 0) return 0.0;
+    return (body.vertices.colwise().maxCoeff() - body.vertices.colwise().minCoeff()).norm();
+}
+
+struct Plane {
+    Vec3 origin, normal;
+};
+
+Result<Plane> planeFrom(const Json& value) {
+    Plane plane;
+    for (const auto& item : value.items())
+        if (item.key() != "origin" && item.key() != "normal")
+            return fail("unknown-key", "\"plane\" has no key \"" + item.key() + "\"; it has origin and normal.");
+    const Json* origin = find(value, "origin");
+    const Json* normal = find(value, "normal");
+    if (!origin || !normal) return fail("missing-key", "\"plane\" needs origin and normal.");
+    const auto o = vector3(*origin), n = vector3(*normal);
+    if (!o || !n) return fail("bad-type", "\"origin\" and \"normal\" of \"plane\" must be three numbers, each within 1e9.");
+    const double largest = n->cwiseAbs().maxCoeff();
+    if (largest == 0.0) return fail("bad-value", "The normal of the plane is zero: give it a direction.");
+    plane.origin = *o;
+    plane.normal = (*n / largest).normalized();
+    return plane;
+}
+
+Result<std::vector<std::int32_t>> indicesFrom(const Json& value, Eigen::Index count) {
+    std::vector<std::int32_t> indices;
+    for (const Json& part : value) {
+        const double index = part.is_number() ? part.get<double>() : -1.0;
+        if (index != std::floor(index) || index < 0.0 || index >= static_cast<double>(count))
+            return fail("bad-index", "\"vertices\" must hold whole numbers from 0 to " + std::to_string(count - 1) + ".");
+        indices.push_back(static_cast<std::int32_t>(index));
+    }
+    std::sort(indices.begin(), indices.end());
+    indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
+    return indices;
+}
+
+Json frameJson(const FaceFrame& frame) {
+    return Json{{"origin", json(frame.origin)}, {"x", json(frame.axes.col(0))}, {"y", json(frame.axes.col(1))}, {"z", json(frame.axes.col(2))}};
+}
+
+Result<Json> addJointFace(Session& session, const Json& arguments, const Progress&) {
+    Document& document = session.edit();
+    const auto element = elementOf(document, text(arguments, "element"));
+    if (!element) return tl::unexpected(element.error());
+    const std::string& name = text(arguments, "name");
+    if (auto ok = checkNameText(name); !ok) return tl::unexpected(ok.error());
+    if ((*element)->faceIndex(name) >= 0)
+        return fail("name-taken", "The element \"" + (*element)->name + "\" has a joint face \"" + name + "\" already: choose another name.");
+    const TriangleMesh& body = (*element)->mesh->body;
+    const Json* plane = find(arguments, "plane");
+    const Json* vertices = find(arguments, "vertices");
+    if ((plane != nullptr) == (vertices != nullptr)) return fail("missing-key", "\"add-joint-face\" needs either \"plane\" or \"vertices\".");
+    const double size = diagonal(body);
+
+    Result<JointFace> face = fail("no-patch", "");
+    if (plane) {
+        const auto given = planeFrom(*plane);
+        if (!given) return tl::unexpected(given.error());
+        double tolerance = kPlaneTolerance * size;
+        if (const Json* value = find(arguments, "tolerance")) {
+            const auto number = numberWithin(*value, "tolerance", 0.0, size);
+            if (!number) return tl::unexpected(number.error());
+            tolerance = *number;
+        }
+        face = jointFaceByPlane(body, given->origin, given->normal, tolerance);
+    } else {
+        if (arguments.contains("tolerance")) return fail("unknown-key", "\"tolerance\" goes with \"plane\" only.");
+        const auto indices = indicesFrom(*vertices, body.vertices.rows());
+        if (!indices) return tl::unexpected(indices.error());
+        face = jointFaceByVertices(body, *indices);
+    }
+    if (!face) return tl::unexpected(face.error());
+    for (const JointFace& other : (*element)->faces) {
+        std::vector<std::int32_t> shared;
+        std::set_intersection(other.vertices.begin(), other.vertices.end(), face->vertices.begin(), face->vertices.end(),
+                              std::back_inserter(shared));
+        if (!shared.empty())
+            return fail("shared-rim", "The face would share " + std::to_string(shared.size()) + " vertices with the joint face \"" + other.name +
+                                          "\": one ring of free triangles must lie between two faces.");
+    }
+    if (face->vertices.size() == static_cast<std::size_t>(body.vertices.rows()))
+        return fail("no-free-vertex", "The face would hold every vertex of the element: leave some of its surface free.");
+    face->name = name;
+    Json answer;
+    answer["vertices"] = face->vertices.size();
+    answer["triangles"] = face->triangles.size();
+    answer["indices"] = face->vertices;
+    answer["frame"] = frameJson(face->frame);
+    answer["planarity_error"] = face->planarityError;
+    answer["flat"] = face->flat();
+    answer["area"] = face->area;
+    answer["size"] = face->size;
+    exchangePart(document.elements, (*element)->id, [&](Element& changed) { changed.faces.push_back(std::move(*face)); });
+    return answer;
+}
+
+const JointFace& faceOf(const Document& document, const FaceRef& ref) {
+    const Element& element = *document.elements.at(ref.element);
+    return element.faces[static_cast<std::size_t>(element.faceIndex(ref.face))];
+}
+
+Result<Json> join(Session& session, const Json& arguments, const Progress&) {
+    Document& document = session.edit();
+    const auto a = document.face(text(arguments, "a"));
+    if (!a) return tl::unexpected(a.error());
+    const auto b = document.face(text(arguments, "b"));
+    if (!b) return tl::unexpected(b.error());
+    if (a->element == b->element) return fail("same-element", "Both faces belong to one element: join faces of two elements.");
+    const FaceOnBody first{&document.elements.at(a->element)->mesh->body, &faceOf(document, *a)};
+    const FaceOnBody second{&document.elements.at(b->element)->mesh->body, &faceOf(document, *b)};
+
+    double gap = 0.0;
+    for (const SeamPoint& point : seamPoints(first, second)) gap = std::max(gap, point.distance);
+    const double size = std::max(first.face->size, second.face->size);
+    if (!(gap <= kLargestGap * size)) {
+        char figures[96];
+        std::snprintf(figures, sizeof figures, "%.3g m apart at most, which is %.3g %% of their size", gap, 100.0 * gap / size);
+        return fail("gap-too-large", std::string("The faces are ") + figures + ": bring them together to 1 % before joining.");
+    }
+    const auto welded = weldedVertices(first, second);
+
+    const Joint* jointA = document.jointOf(*a);
+    const Joint* jointB = document.jointOf(*b);
+    if (jointA && jointA == jointB) return fail("already-joined", "These faces are joined already.");
+    if (jointA && jointB) {
+        // Two joints become one: the older one takes the faces of the younger.
+        const PartId keep = std::min(jointA->id, jointB->id), gone = std::max(jointA->id, jointB->id);
+        const std::vector<FaceRef> more = document.joints.at(gone)->faces;
+        document.joints.erase(gone);
+        exchangePart(document.joints, keep, [&](Joint& joint) { joint.faces.insert(joint.faces.end(), more.begin(), more.end()); });
+    } else if (jointA || jointB) {
+        exchangePart(document.joints, jointA ? jointA->id : jointB->id, [&](Joint& joint) { joint.faces.push_back(jointA ? *b : *a); });
+    } else {
+        Joint joint;
+        joint.id = document.nextId++;
+        joint.faces = {*a, *b};
+        document.joints.emplace(joint.id, std::make_shared<const Joint>(std::move(joint)));
+    }
+
+    Json warnings = Json::array();
+    if (first.face->frame.axes.col(2).dot(second.face->frame.axes.col(2)) > 0.0)
+        warnings.push_back("The faces look the same way, so that their elements overlap: join faces that look at each other.");
+    Json answer;
+    answer["welded"] = welded.size();
+    answer["unmatched"] = first.face->vertices.size() + second.face->vertices.size() - 2 * welded.size();
+    answer["largest_gap"] = gap;
+    answer["warnings"] = std::move(warnings);
+    return answer;
+}
+
+/// Takes a face out of its joint; a joint of one face is none.
+void leaveJoint(Document& document, const FaceRef& face) {
+    const Joint* joint = document.jointOf(face);
+    if (!joint) return;
+    const PartId id = joint->id;
+    exchangePart(document.joints, id, [&](Joint& changed) { std::erase(changed.faces, face); });
+    if (document.joints.at(id)->faces.size() < 2) document.joints.erase(id);
+}
+
+Result<Json> unjoin(Session& session, const Json& arguments, const Progress&) {
+    Document& document = session.edit();
+    const auto face = document.face(text(arguments, "face"));
+    if (!face) return tl::unexpected(face.error());
+    if (!document.jointOf(*face)) return fail("not-joined", "The face \"" + text(arguments, "face") + "\" is not joined.");
+    leaveJoint(document, *face);
+    return Json::object();
+}
+
+/// Ends of bones at faces that go away stay where they are, as points.
+void freeBones(Document& document, const std::vector<FaceRef>& faces) {
+    std::vector<PartId> ids;
+    for (const auto& [id, bone] : document.bones) ids.push_back(id);
+    for (const PartId id : ids) {
+        const auto refers = [&](const Bone::Place& place) {
+            const auto* face = std::get_if<FaceRef>(&place);
+            return face && std::find(faces.begin(), faces.end(), *face) != faces.end();
+        };
+        const Bone& bone = *document.bones.at(id);
+        if (!refers(bone.start) && !refers(bone.end)) continue;
+        exchangePart(document.bones, id, [&](Bone& changed) {
+            for (Bone::Place* place : {&changed.start, &changed.end})
+                if (refers(*place)) *place = Bone::Place(faceOf(document, std::get<FaceRef>(*place)).frame.origin);
+        });
+    }
+}
+
+Result<Json> removeJointFace(Session& session, const Json& arguments, const Progress&) {
+    Document& document = session.edit();
+    const auto face = document.face(text(arguments, "face"));
+    if (!face) return tl::unexpected(face.error());
+    leaveJoint(document, *face);
+    freeBones(document, {*face});
+    exchangePart(document.elements, face->element, [&](Element& element) { element.faces.erase(element.faces.begin() + element.faceIndex(face->face)); });
+    return Json::object();
+}
+
+Result<Json> removeElement(Session& session, const Json& arguments, const Progress&) {
+    Document& document = session.edit();
+    const auto element = elementOf(document, text(arguments, "name"));
+    if (!element) return tl::unexpected(element.error());
+    const PartId gone = (*element)->id;
+    std::vector<FaceRef> faces;
+    for (const JointFace& face : (*element)->faces) faces.push_back({gone, face.name});
+    for (const FaceRef& face : faces) leaveJoint(document, face);
+    freeBones(document, faces);
+    std::vector<PartId> through;
+    for (const auto& [id, bone] : document.bones)
+        if (bone->element == gone) through.push_back(id);
+    for (const PartId id : through) exchangePart(document.bones, id, [](Bone& bone) { bone.element = 0; });
+    document.elements.erase(gone);
+    session.state().results.erase(gone);
+    return Json::object();
+}
+
+}  // namespace
+
+void addElementCommands(CommandRegistry& registry) {
+    using Type = CommandKey::Type;
+    const CommandKey path{"face", Type::Text, true, "\"element/face\"."};
+    registry.add({"add-joint-face",
+                  "Makes a patch of an element's surface a joint face: by plane the largest connected patch in it, by vertices the triangles whose "
+                  "corners are all named.",
+                  {{"element", Type::Text, true, "The element."},
+                   {"name", Type::Text, true, "A name that no other face of the element has."},
+                   {"plane", Type::Object, false, "{\"origin\": [x,y,z], \"normal\": [x,y,z]}, metres, normal outward."},
+                   {"tolerance", Type::Number, false, "Metres that a corner may lie off the plane (1e-4 of the element's diagonal)."},
+                   {"vertices", Type::Array, false, "Body vertices, counted from 0."}},
+                  true, addJointFace});
+    registry.add({"join",
+                  "Joins two faces so that they look like one surface in every pose; moves nothing. A face that is joined already takes the other "
+                  "one into its joint.",
+                  {{"a", Type::Text, true, "\"element/face\"."}, {"b", Type::Text, true, "\"element/face\" of another element."}},
+                  true, join});
+    registry.add({"unjoin", "Takes a face out of its joint.", {path}, true, unjoin});
+    registry.add({"remove-joint-face", "Removes a joint face; bones that ended at it stay where they are.", {path}, true, removeJointFace});
+    registry.add({"remove-element",
+                  "Removes an element with its joint faces; bones that ended at them stay where they are.",
+                  {{"name", Type::Text, true, "The element."}},
+                  true, removeElement});
+}
+
+}  // namespace imomushi

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/document/names.h"
+
+#include <algorithm>
+
+namespace imomushi {
+
+bool isUtf8(std::string_view text) {
+    const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+    for (std::size_t i = 0; i < text.size();) {
+        const unsigned char first = byte(i);
+        const std::size_t length = first < 0x80 ? 1 : first < 0xc2 ? 0 : first < 0xe0 ? 2 : first < 0xf0 ? 3 : first < 0xf5 ? 4 : 0;
+        if (length == 0 || i + length > text.size()) return false;
+        for (std::size_t k = 1; k < length; ++k)
+            if ((byte(i + k) & 0xc0) != 0x80) return false;
+        // overlong forms, surrogates, beyond U+10FFFF
+        if ((first == 0xe0 && byte(i + 1) < 0xa0) || (first == 0xed && byte(i + 1) > 0x9f) ||
+            (first == 0xf0 && byte(i + 1) < 0x90) || (first == 0xf4 && byte(i + 1) > 0x8f))
+            return false;
+        i += length;
+    }
+    return true;
+}
+
+Result<void> checkNameText(std::string_view name) {
+    if (name.empty()) return fail("bad-name", "A name must not be empty: give it at least one character.");
+    if (!isUtf8(name)) return fail("bad-name", "The name is not UTF-8: write it in Unicode.");
+    if (name.find('/') != std::string_view::npos || name.find('\0') != std::string_view::npos)
+        return fail("bad-name", "The name \"" + std::string(name) + "\" holds a \"/\" (or a zero byte), which separates names in paths: choose another.");
+    return {};
+}
+
+Result<void> checkNewName(const Document& document, std::string_view name) {
+    if (auto ok = checkNameText(name); !ok) return ok;
+    if (name == "character" || std::find(kEffectNames.begin(), kEffectNames.end(), name) != kEffectNames.end())
+        return fail("bad-name", "The name \"" + std::string(name) + "\" belongs to the program: choose another.");
+    if (document.elementNamed(name) || document.boneNamed(name))
+        return fail("name-taken",
+                    "The name \"" + std::string(name) + "\" is taken: elements and bones share one name space, choose another.");
+    return {};
+}
+
+std::string freeName(const Document& document, std::string_view wish) {
+    std::string name(wish);
+    if (!isUtf8(name)) name.clear();
+    std::replace(name.begin(), name.end(), '/', '_');
+    std::replace(name.begin(), name.end(), '\0', '_');
+    if (name.empty()) name = "element";
+    std::string candidate = name;
+    for (int n = 2; !checkNewName(document, candidate); ++n) candidate = name + " " + std::to_string(n);
+    return candidate;
+}
+
+std::string listNames(const std::vector<std::string>& names) {
+    if (names.empty()) return "there are none yet";
+    constexpr std::size_t kMost = 12;
+    std::string text = names.size() == 1 ? "there is " : "there are ";
+    for (std::size_t i = 0; i < std::min(names.size(), kMost); ++i) text += (i ? ", \"" : "\"") + names[i] + "\"";
+    if (names.size() > kMost) text += " and " + std::to_string(names.size() - kMost) + " more";
+    return text;
+}
+
+std::string faceText(const Document& document, const FaceRef& face) {
+    const auto found = document.elements.find(face.element);
+    return found == document.elements.end() ? std::string() : found->second->name + "/" + face.face;
+}
+
+std::string endpointText(const Document& document, const EndpointRef& end) {
+    const auto found = document.bones.find(end.bone);
+    return found == document.bones.end() ? std::string() : found->second->name + (end.atEnd ? "/end" : "/start");
+}
+
+}  // namespace imomushi

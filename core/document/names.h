@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+
+#include "core/base/result.h"
+#include "core/document/document.h"
+
+namespace imomushi {
+
+/// Names of effects: elements and bones cannot have them, so that one name says what a command means.
+inline constexpr std::array<std::string_view, 9> kEffectNames = {
+    "bone-dynamics", "smooth-joints", "bend-warp", "joint-dynamics", "previous-model", "gravity", "inflate", "touch", "ground"};
+
+[[nodiscard]] bool isUtf8(std::string_view text);
+
+/// Whether `name` can be the name of an element, bone or face at all. Errors: "bad-name".
+Result<void> checkNameText(std::string_view name);
+/// Whether a new element or bone can be called `name`. Errors: "bad-name", "name-taken".
+Result<void> checkNewName(const Document& document, std::string_view name);
+/// `wish`, made a possible name and unique by a number at its end.
+std::string freeName(const Document& document, std::string_view wish);
+
+/// 'the names are "a", "b"', for messages; few of many.
+std::string listNames(const std::vector<std::string>& names);
+
+/// "element/face", "bone/start"
+std::string faceText(const Document& document, const FaceRef& face);
+std::string endpointText(const Document& document, const EndpointRef& end);
+
+}  // namespace imomushi

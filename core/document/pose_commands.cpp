@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "core/document/command_support.h"
+#include "core/document/names.h"
+#include "core/document/session_state.h"
+
+namespace imomushi {
+
+namespace {
+
+constexpr double kLongestGlide = 1e6;       // s
+constexpr double kLargestRoll = 1e6;        // radians
+constexpr double kLongestFrame = 10.0;      // s
+constexpr int kMostFrames = 10'000'000;     // two days of 60 Hz
+
+Json texts(const std::vector<std::string>& list) {
+    Json array = Json::array();
+    for (const std::string& text : list) array.push_back(text);
+    return array;
+}
+
+/// What is held at the joint point of `end`: an endpoint of another bone may be the same point.
+std::map<EndpointRef, Held>::iterator heldAt(Session::State& s, const EndpointRef& end) {
+    const int point = s.plan.pointIndex(end);
+    return std::find_if(s.document.held.begin(), s.document.held.end(),
+                        [&](const auto& held) { return s.plan.pointIndex(held.first) == point; });
+}
+
+Result<EndpointRef> endpointOf(Session::State& s, const Json& arguments) {
+    auto end = s.document.endpoint(text(arguments, "endpoint"));
+    if (!end) return end;
+    if (auto alive = s.live(); !alive) return tl::unexpected(alive.error());
+    return end;
+}
+
+Result<Json> pin(Session& session, const Json& arguments, const Progress&) {
+    Session::State& s = session.state();
+    const auto end = endpointOf(s, arguments);
+    if (!end) return tl::unexpected(end.error());
+    const auto position = s.positionOf(*end);
+    if (!position) return tl::unexpected(position.error());
+    Document& document = session.edit();
+    if (const auto held = heldAt(s, *end); held != document.held.end()) {
+        held->second.pinned = true;
+    } else {
+        Held made;
+        made.pinned = true;
+        made.target = *position;
+        document.held.emplace(*end, made);
+    }
+    return Json::object();
+}
+
+Result<Json> unpin(Session& session, const Json& arguments, const Progress&) {
+    Session::State& s = session.state();
+    const auto end = endpointOf(s, arguments);
+    if (!end) return tl::unexpected(end.error());
+    const auto held = heldAt(s, *end);
+    if (held == s.document.held.end() || !held->second.pinned)
+        return fail("not-pinned", "The endpoint \"" + text(arguments, "endpoint") + "\" is not pinned.");
+    session.edit().held.erase(held);
+    return Json::object();
+}
+
+Result<Json> drag(Session& session, const Json& arguments, const Progress&) {
+    Session::State& s = session.state();
+    const auto end = endpointOf(s, arguments);
+    if (!end) return tl::unexpected(end.error());
+    const auto position = s.positionOf(*end);
+    if (!position) return tl::unexpected(position.error());
+    Held made;
+    made.target = *vector3(arguments.at("to"));
+    if (const Json* roll = find(arguments, "roll")) {
+        const auto given = numberWithin(*roll, "roll", -kLargestRoll, kLargestRoll);
+        if (!given) return tl::unexpected(given.error());
+        made.roll = *given;
+    }
+    if (const Json* seconds = find(arguments, "seconds")) {
+        const auto given = numberWithin(*seconds, "seconds", 0.0, kLongestGlide);
+        if (!given) return tl::unexpected(given.error());
+        made.seconds = *given;
+    }
+    made.from = *position;
+    const auto point = static_cast<std::size_t>(s.plan.pointIndex(*end));
+    if (!s.document.pose.roll.empty()) made.fromRoll = s.document.pose.roll[point];
+    Document& document = session.edit();
+    if (const auto held = heldAt(s, *end); held != document.held.end()) {
+        made.pinned = held->second.pinned;
+        if (!made.roll) made.roll = held->second.roll;
+        document.held.erase(held);
+    }
+    document.held.insert_or_assign(*end, made);
+    s.results.clear();
+    if (made.seconds > 0.0) return Json{{"seconds", made.seconds}, {"warnings", texts(s.warningTexts(0))}};
+
+    const auto settled = s.settle();
+    if (!settled) return tl::unexpected(settled.error());
+    const auto now = s.positionOf(*end);
+    if (!now) return tl::unexpected(now.error());
+    Json answer;
+    answer["distance"] = (*now - made.target).norm();
+    answer["position"] = json(*now);
+    answer["settled"] = settled->settled;
+    answer["iterations"] = settled->iterations;
+    answer["ms"] = settled->milliseconds;
+    answer["warnings"] = texts(s.warningTexts(settled->warnings));
+    return answer;
+}
+
+Result<Json> release(Session& session, const Json& arguments, const Progress&) {
+    Session::State& s = session.state();
+    int released = 0;
+    const auto let = [&](std::map<EndpointRef, Held>::iterator held) -> Result<std::map<EndpointRef, Held>::iterator> {
+        ++released;
+        if (!held->second.pinned) return session.edit().held.erase(held);
+        // A pin that was dragged stays a pin, where it is now.
+        const auto position = s.positionOf(held->first);
+        if (!position) return tl::unexpected(position.error());
+        Held pinned;
+        pinned.pinned = true;
+        pinned.target = *position;
+        held->second = pinned;
+        return std::next(held);
+    };
+    if (arguments.contains("endpoint")) {
+        const auto end = endpointOf(s, arguments);
+        if (!end) return tl::unexpected(end.error());
+        const auto held = heldAt(s, *end);
+        if (held == s.document.held.end()) return fail("not-held", "The endpoint \"" + text(arguments, "endpoint") + "\" is not held.");
+        if (auto done = let(held); !done) return tl::unexpected(done.error());
+    } else {
+        for (auto held = session.edit().held.begin(); held != session.edit().held.end();) {
+            auto next = let(held);
+            if (!next) return tl::unexpected(next.error());
+            held = *next;
+        }
+    }
+    return Json{{"released", released}};
+}
+
+Result<Json> rest(Session& session, const Json&, const Progress&) {
+    Session::State& s = session.state();
+    if (auto alive = s.live(); !alive) return tl::unexpected(alive.error());
+    Document& document = session.edit();
+    document.pose = {};
+    std::erase_if(document.held, [](const auto& held) { return !held.second.pinned; });
+    for (auto& [end, held] : document.held) {
+        held = {};
+        held.pinned = true;
+        held.target = s.plan.input.skeleton.points[static_cast<std::size_t>(s.plan.pointIndex(end))];
+    }
+    s.results.clear();
+    s.showPose();
+    return Json::object();
+}
+
+/// Median, 99th percentile and maximum, by nearest rank.
+Json summary(std::vector<double> values) {
+    if (values.empty()) return Json{{"median", 0.0}, {"p99", 0.0}, {"max", 0.0}};
+    std::sort(values.begin(), values.end());
+    const auto rank = [&](double part) {
+        const auto n = static_cast<std::size_t>(std::ceil(part * static_cast<double>(values.size())));
+        return values[std::clamp<std::size_t>(n, 1, values.size()) - 1];
+    };
+    return Json{{"median", rank(0.5)}, {"p99", rank(0.99)}, {"max", values.back()}};
+}
+
+bool isFinite(const Character& character, const Pose& pose, std::size_t elements) {
+    for (const Vec3& p : pose.points)
+        if (!p.allFinite()) return false;
+    for (std::size_t e = 0; e < elements; ++e) {
+        const auto surface = character.surface(static_cast<int>(e));
+        for (int i = 0; i < 3 * surface.vertices; ++i)
+            if (!std::isfinite(surface.positions[i]) || !std::isfinite(surface.normals[i])) return false;
+    }
+    return true;
+}
+
+Result<Json> step(Session& session, const Json& arguments, const Progress& progress) {
+    Session::State& s = session.state();
+    const auto frames = numberWithin(arguments.at("frames"), "frames", 1, kMostFrames);
+    if (!frames) return tl::unexpected(frames.error());
+    double dt = 1.0 / 60.0;
+    if (const Json* given = find(arguments, "dt")) {
+        const auto value = numberWithin(*given, "dt", 0.0, kLongestFrame);
+        if (!value) return tl::unexpected(value.error());
+        if (*value <= 0.0) return fail("bad-value", "\"dt\" must be larger than 0 seconds.");
+        dt = *value;
+    }
+    const auto alive = s.live();
+    if (!alive) return tl::unexpected(alive.error());
+    const int count = static_cast<int>(*frames);
+    std::vector<double> total, pose, joints, product, normals;
+    unsigned warnings = 0;
+    bool finite = true;
+    s.results.clear();
+    for (int frame = 0; frame < count; ++frame) {
+        if (progress.cancelled()) return fail(kCancelled, "Stepping was cancelled.");
+        const auto start = std::chrono::steady_clock::now();
+        session.stepFrame(dt);
+        total.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+        if (!s.character) continue;
+        const Character::Stats& stats = s.character->stats();
+        warnings |= stats.warnings;
+        pose.push_back(stats.poseMs);
+        joints.push_back(stats.jointsMs);
+        product.push_back(stats.productMs);
+        normals.push_back(stats.normalsMs);
+        finite = finite && isFinite(*s.character, s.document.pose, s.plan.elements.size());
+    }
+    s.pending.pose = true;
+    Json answer;
+    answer["frames"] = count;
+    answer["ms_per_frame"] = summary(std::move(total));
+    answer["stages"] = {{"pose", summary(std::move(pose))},
+                        {"joints", summary(std::move(joints))},
+                        {"product", summary(std::move(product))},
+                        {"normals", summary(std::move(normals))}};
+    answer["effects"] = Json::object();
+    answer["warnings"] = texts(s.warningTexts(warnings));
+    answer["finite"] = finite;
+    return answer;
+}
+
+}  // namespace
+
+void addPoseCommands(CommandRegistry& registry) {
+    using Type = CommandKey::Type;
+    const CommandKey endpoint{"endpoint", Type::Text, true, "\"bone/start\" or \"bone/end\"."};
+    registry.add({"pin", "Holds an endpoint where it is, until it is unpinned.", {endpoint}, true, pin});
+    registry.add({"unpin", "Lets a pinned endpoint go.", {endpoint}, true, unpin});
+    registry.add({"drag",
+                  "Moves an endpoint; it stays held at the target until it is released. Without seconds the static pose is found before the answer.",
+                  {endpoint,
+                   {"to", Type::Vector3, true, "Where to, metres. Out of reach: as near as the bones can stretch."},
+                   {"roll", Type::Number, false, "Twist of the bone's end about its axis, radians from rest."},
+                   {"seconds", Type::Number, false, "Glides there in this time while step runs."}},
+                  true, drag});
+    registry.add({"release",
+                  "Lets dragged endpoints go; the pose stays. A pin that was dragged stays a pin where it is now.",
+                  {{"endpoint", Type::Text, false, "\"bone/start\" or \"bone/end\" (all unless given)."}},
+                  true, release});
+    registry.add({"rest", "The rest pose: all dragged endpoints released, pins back at rest, all velocities zero.", {}, true, rest});
+    registry.add({"step",
+                  "Performs frames: glides, poses, deformation.",
+                  {{"frames", Type::Integer, true, "How many, from 1."}, {"dt", Type::Number, false, "Seconds from frame to frame (1/60), up to 10."}},
+                  false, step});
+}
+
+}  // namespace imomushi

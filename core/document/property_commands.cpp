@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cmath>
+#include <functional>
+
+#include "core/document/command_support.h"
+#include "core/document/names.h"
+#include "core/document/session.h"
+
+namespace imomushi {
+
+namespace {
+
+constexpr double kSmallestRatio = 1e-6, kLargestRatio = 1e6;  // relative stiffness: beyond, joints of both kinds lose all digits
+constexpr double kSmallestDensity = 1e-3, kLargestDensity = 1e6;  // kg/m^3: from a near vacuum to more than any matter
+constexpr int kMostThreads = 1024;
+
+/// sRGB as people write it -> linear (IEC 61966-2-1).
+float linear(double encoded) {
+    return static_cast<float>(encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4));
+}
+
+Result<Eigen::Vector3f> colour(const Json& value) {
+    const auto bad = [] { return fail("bad-value", "\"color\" must be \"#rrggbb\" with six hexadecimal digits."); };
+    if (!value.is_string()) return bad();
+    const std::string& text = value.get_ref<const std::string&>();
+    if (text.size() != 7 || text[0] != '#' || text.find_first_not_of("0123456789abcdefABCDEF", 1) != std::string::npos) return bad();
+    Eigen::Vector3f rgb;
+    for (int i = 0; i < 3; ++i) rgb[i] = linear(std::stoi(text.substr(static_cast<std::size_t>(1 + 2 * i), 2), nullptr, 16) / 255.0);
+    return rgb;
+}
+
+Result<bool> boolean(const Json& value, const std::string& property) {
+    if (!value.is_boolean()) return fail("bad-type", "\"" + property + "\" must be true or false.");
+    return value.get<bool>();
+}
+
+Result<std::string> word(const Json& value, const std::string& property) {
+    if (!value.is_string()) return fail("bad-type", "\"" + property + "\" must be a text.");
+    return value.get<std::string>();
+}
+
+Result<void> noSuchProperty(const std::string& what, const std::string& property, const char* known) {
+    return fail("no-such-property", what + " has no property \"" + property + "\"; it has " + known + ".");
+}
+
+Result<void> setElement(Element& element, const std::string& property, const Json& value) {
+    const auto number = [&](double& to, double low, double high) -> Result<void> {
+        const auto given = numberWithin(value, property, low, high);
+        if (!given) return tl::unexpected(given.error());
+        to = *given;
+        return {};
+    };
+    const auto flag = [&](bool& to) -> Result<void> {
+        const auto given = boolean(value, property);
+        if (!given) return tl::unexpected(given.error());
+        to = *given;
+        return {};
+    };
+    if (property == "nu") return number(element.nu, 0.0, 0.5);
+    if (property == "stiffness") return number(element.stiffness, kSmallestRatio, kLargestRatio);
+    if (property == "density") return number(element.density, kSmallestDensity, kLargestDensity);
+    if (property == "visible") return flag(element.visible);
+    if (property == "locked") return flag(element.locked);
+    if (property == "color") {
+        const auto rgb = colour(value);
+        if (!rgb) return tl::unexpected(rgb.error());
+        element.color = *rgb;
+        return {};
+    }
+    if (property == "joint-planes") {
+        const auto given = word(value, property);
+        if (!given) return tl::unexpected(given.error());
+        if (*given == "auto")
+            element.jointPlanes = Element::JointPlanes::Auto;
+        else if (*given == "bisector")
+            element.jointPlanes = Element::JointPlanes::Bisector;
+        else if (*given == "element")
+            element.jointPlanes = Element::JointPlanes::Element;
+        else
+            return fail("bad-value", "\"joint-planes\" must be \"auto\", \"bisector\" or \"element\".");
+        return {};
+    }
+    if (property == "solver-mesh") {
+        const auto given = word(value, property);
+        if (!given) return tl::unexpected(given.error());
+        if (given->starts_with("refined:") || given->starts_with("decimated:"))
+            return fail("not-available", "The solver mesh \"" + *given + "\" is not available in this version: choose \"default\" or \"as-is\".");
+        if (*given != "default" && *given != "as-is") return fail("bad-value", "\"solver-mesh\" must be \"default\" or \"as-is\".");
+        element.solverMesh = *given;
+        return {};
+    }
+    return noSuchProperty("An element", property, "nu, stiffness, density, solver-mesh, joint-planes, color, visible and locked");
+}
+
+Result<void> setBone(Bone& bone, const std::string& property, const Json& value) {
+    if (property == "min-stretch") {
+        const auto given = numberWithin(value, property, 0.01, 1.0);
+        if (!given) return tl::unexpected(given.error());
+        bone.minStretch = *given;
+        return {};
+    }
+    if (property == "max-stretch") {
+        const auto given = numberWithin(value, property, 1.0, 100.0);
+        if (!given) return tl::unexpected(given.error());
+        bone.maxStretch = *given;
+        return {};
+    }
+    if (property == "roll") {
+        const auto given = numberWithin(value, property, -1e6, 1e6);
+        if (!given) return tl::unexpected(given.error());
+        bone.roll = *given;
+        return {};
+    }
+    return noSuchProperty("A bone", property, "min-stretch, max-stretch and roll");
+}
+
+Result<void> setCharacter(CharacterSettings& settings, const std::string& property, const Json& value) {
+    if (property == "basis") {
+        const auto given = word(value, property);
+        if (!given) return tl::unexpected(given.error());
+        if (*given == "full" || given->starts_with("modes:"))
+            return fail("not-available", "The basis \"" + *given + "\" is not available in this version: choose \"paper\" or \"affine\".");
+        const auto kind = basisKind(*given);
+        if (!kind) return tl::unexpected(kind.error());
+        settings.basis = *kind;
+        return {};
+    }
+    if (property == "format") {
+        const auto given = word(value, property);
+        if (!given) return tl::unexpected(given.error());
+        if (*given == "half" || *given == "int16")
+            return fail("not-available", "The format \"" + *given + "\" is not available in this version: choose \"float\".");
+        if (*given != "float") return fail("bad-value", "\"format\" must be \"float\".");
+        settings.format = *given;
+        return {};
+    }
+    if (property == "threads") {
+        const auto given = numberWithin(value, property, 0, kMostThreads);
+        if (!given) return tl::unexpected(given.error());
+        if (*given != std::floor(*given)) return fail("bad-value", "\"threads\" must be a whole number (0: all of this machine).");
+        settings.threads = static_cast<int>(*given);
+        return {};
+    }
+    return noSuchProperty("The character", property, "basis, format and threads");
+}
+
+Result<Json> set(Session& session, const Json& arguments, const Progress&) {
+    Document& document = session.edit();
+    const std::string& target = text(arguments, "target");
+    const std::string& property = text(arguments, "property");
+    const Json& value = arguments.at("value");
+    Result<void> done;
+    if (target == "character") {
+        done = setCharacter(document.settings, property, value);
+    } else if (const Element* element = document.elementNamed(target)) {
+        exchangePart(document.elements, element->id, [&](Element& changed) { done = setElement(changed, property, value); });
+    } else if (const Bone* bone = document.boneNamed(target)) {
+        exchangePart(document.bones, bone->id, [&](Bone& changed) { done = setBone(changed, property, value); });
+    } else {
+        done = fail("no-such-target", "There is no element or bone \"" + target + "\" to set; \"character\" has the settings of all.");
+    }
+    if (!done) return tl::unexpected(done.error());
+    return Json::object();
+}
+
+void renameFace(Document& document, const FaceRef& face, const std::string& name) {
+    exchangePart(document.elements, face.element, [&](Element& element) {
+        element.faces[static_cast<std::size_t>(element.faceIndex(face.face))].name = name;
+    });
+    if (const Joint* joint = document.jointOf(face))
+        exchangePart(document.joints, joint->id, [&](Joint& changed) {
+            for (FaceRef& f : changed.faces)
+                if (f == face) f.face = name;
+        });
+    std::vector<PartId> users;
+    for (const auto& [id, bone] : document.bones)
+        if (bone->start == Bone::Place(face) || bone->end == Bone::Place(face)) users.push_back(id);
+    for (const PartId id : users)
+        exchangePart(document.bones, id, [&](Bone& bone) {
+            for (Bone::Place* place : {&bone.start, &bone.end})
+                if (*place == Bone::Place(face)) *place = Bone::Place(FaceRef{face.element, name});
+        });
+}
+
+Result<Json> rename(Session& session, const Json& arguments, const Progress&) {
+    Document& document = session.edit();
+    const std::string& target = text(arguments, "target");
+    const std::string& name = text(arguments, "name");
+    if (target.find('/') != std::string::npos) {
+        const auto face = document.face(target);
+        if (!face) return tl::unexpected(face.error());
+        if (auto ok = checkNameText(name); !ok) return tl::unexpected(ok.error());
+        if (name == face->face) return Json::object();
+        if (document.elements.at(face->element)->faceIndex(name) >= 0)
+            return fail("name-taken", "The element has a joint face \"" + name + "\" already: choose another name.");
+        renameFace(document, *face, name);
+        return Json::object();
+    }
+    if (name == target && (document.elementNamed(name) || document.boneNamed(name))) return Json::object();
+    if (auto ok = checkNewName(document, name); !ok) return tl::unexpected(ok.error());
+    if (const Element* element = document.elementNamed(target))
+        exchangePart(document.elements, element->id, [&](Element& changed) { changed.name = name; });
+    else if (const Bone* bone = document.boneNamed(target))
+        exchangePart(document.bones, bone->id, [&](Bone& changed) { changed.name = name; });
+    else
+        return fail("no-such-target", "There is no element or bone \"" + target + "\" to rename.");
+    return Json::object();
+}
+
+}  // namespace
+
+void addPropertyCommands(CommandRegistry& registry) {
+    using Type = CommandKey::Type;
+    registry.add({"set",
+                  "Sets a property. Element: nu (0 to 0.5), stiffness (relative, 1e-6 to 1e6), density (kg/m^3), solver-mesh (\"default\", \"as-is\"), "
+                  "joint-planes (\"auto\", \"bisector\", \"element\": who turns the planes of its joints), color (\"#rrggbb\"), visible, locked. "
+                  "Bone: min-stretch (0.01 to 1), max-stretch (1 to 100, of the rest length), roll (radians at rest). "
+                  "Character: basis (\"paper\", \"affine\"), format (\"float\"), threads (0: all).",
+                  {{"target", Type::Text, true, "An element, a bone, or \"character\"."},
+                   {"property", Type::Text, true, "The name of the property."},
+                   {"value", Type::Any, true, "Its value."}},
+                  true, set});
+    registry.add({"rename",
+                  "Gives an element, a bone or a joint face another name.",
+                  {{"target", Type::Text, true, "An element, a bone, or \"element/face\"."},
+                   {"name", Type::Text, true, "The new name; for a face without its element."}},
+                  true, rename});
+}
+
+}  // namespace imomushi

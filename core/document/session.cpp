@@ -1,0 +1,517 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/document/session.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <new>
+
+#include "core/base/parallel.h"
+#include "core/document/command_support.h"
+#include "core/document/names.h"
+#include "core/document/session_state.h"
+
+namespace imomushi {
+
+namespace {
+
+/// A static pose counts as found after this many relaxation steps at the latest: about a tenth of a second for a large character.
+constexpr int kSettleSteps = 200;
+
+bool finite(const Json& value) {
+    if (value.is_number_float()) return std::isfinite(value.get<double>());
+    if (!value.is_structured()) return true;
+    return std::all_of(value.begin(), value.end(), [](const Json& part) { return finite(part); });
+}
+
+/// What an undo step says it was done to.
+std::string subjectOf(const Json& arguments) {
+    for (const char* key : {"name", "element", "endpoint", "target", "path", "a", "bone"})
+        if (const Json* value = find(arguments, key); value && value->is_string()) return value->get<std::string>();
+    return {};
+}
+
+bool sameFaces(const std::vector<JointFace>& a, const std::vector<JointFace>& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const JointFace& p, const JointFace& q) {
+        return p.name == q.name && p.frame.origin == q.frame.origin;
+    });
+}
+
+/// Whether joint points can have moved: more than names and materials differ.
+bool touchesSkeleton(const DocumentChange& change, const Document& after) {
+    if (!change.bones.empty() || !change.joints.empty()) return true;
+    return std::any_of(change.elements.begin(), change.elements.end(), [&](const auto& part) {
+        const auto now = after.elements.find(part.first);
+        if (!part.second || now == after.elements.end()) return true;
+        return part.second->mesh != now->second->mesh || !sameFaces(part.second->faces, now->second->faces);
+    });
+}
+
+/// Whether the live character is made of other things than before.
+bool touchesCharacter(const DocumentChange& change, const Document& after) {
+    if (touchesSkeleton(change, after)) return true;
+    if (change.settings && change.settings->basis != after.settings.basis) return true;
+    return std::any_of(change.elements.begin(), change.elements.end(), [&](const auto& part) {
+        const Element& was = *part.second;
+        const Element& is = *after.elements.at(part.first);
+        return was.nu != is.nu || was.stiffness != is.stiffness || was.jointPlanes != is.jointPlanes;
+    });
+}
+
+/// Whether a response is one of this element: the same free vertices and bases of the same kind.
+bool fits(const ElementResponse& response, const Element& element, BasisKind basis) {
+    if (response.bases.size() != element.faces.size()) return false;
+    const auto count = static_cast<std::size_t>(element.mesh->body.vertices.rows());
+    std::vector<bool> held(count, false);
+    for (std::size_t f = 0; f < element.faces.size(); ++f) {
+        if (response.bases[f].kind != basis || response.bases[f].flat != element.faces[f].flat()) return false;
+        for (const std::int32_t v : element.faces[f].vertices) held[static_cast<std::size_t>(v)] = true;
+    }
+    std::size_t next = 0;
+    for (std::size_t v = 0; v < count; ++v) {
+        if (held[v]) continue;
+        if (next == response.freeVertices.size() || static_cast<std::size_t>(response.freeVertices[next]) != v) return false;
+        ++next;
+    }
+    return next == response.freeVertices.size() && response.response.rows() == static_cast<Eigen::Index>(3 * next) &&
+           response.response.cols() == response.columns() && response.stiffness.rows() == response.columns();
+}
+
+}  // namespace
+
+// ---- responses -----------------------------------------------------------------------------------------------------
+
+std::shared_ptr<const ElementResponse> ResponseCache::find(const ContentKey& key) const {
+    const std::lock_guard lock(mutex_);
+    const auto found = responses_.find(key);
+    return found == responses_.end() ? nullptr : found->second;
+}
+
+void ResponseCache::insert(const ContentKey& key, std::shared_ptr<const ElementResponse> response) {
+    const std::lock_guard lock(mutex_);
+    responses_.insert_or_assign(key, std::move(response));
+    revision_.fetch_add(1, std::memory_order_release);
+}
+
+std::vector<std::pair<ContentKey, std::shared_ptr<const ElementResponse>>> ResponseCache::all() const {
+    const std::lock_guard lock(mutex_);
+    return {responses_.begin(), responses_.end()};
+}
+
+std::uint64_t ResponseCache::revision() const {
+    return revision_.load(std::memory_order_acquire);
+}
+
+ResponseInput Session::State::inputOf(PartId element) const {
+    const Element& e = *document.elements.at(element);
+    ResponseInput input;
+    input.mesh = e.mesh;
+    input.faces = e.faces;
+    input.nu = e.nu;
+    input.basis = document.settings.basis;
+    input.threads = document.settings.threads > 0 ? document.settings.threads : hardwareThreads();
+    return input;
+}
+
+const Session::State::KnownKey& Session::State::keysOf(PartId element) const {
+    const auto& part = document.elements.at(element);
+    KnownKey& known = keys[element];
+    if (known.element != part || known.basis != document.settings.basis) {
+        ResponseInput input = inputOf(element);
+        known = {part, document.settings.basis, responseKey(input), {}};
+        input.nu = 0.0;
+        known.shape = responseKey(input);
+    }
+    return known;
+}
+
+std::shared_ptr<const ElementResponse> Session::State::responseOf(PartId element, bool lastToo) const {
+    const KnownKey& known = keysOf(element);
+    auto response = responses.find(known.key);
+    if (!response && lastToo)
+        if (const auto last = lastResponses.find(element); last != lastResponses.end() && last->second.shape == known.shape)
+            response = responses.find(last->second.key);
+    // Responses come from files too, and a key alone proves nothing about what a file holds under it.
+    return response && fits(*response, *document.elements.at(element), document.settings.basis) ? response : nullptr;
+}
+
+// ---- live ------------------------------------------------------------------------------------------------------------
+
+Result<Character*> Session::State::live() {
+    if (characterValid && responsesSeen == responses.revision()) {
+        if (characterError) return tl::unexpected(*characterError);
+        return character ? &*character : nullptr;
+    }
+    characterValid = true;
+    responsesSeen = responses.revision();
+    character.reset();
+    characterError.reset();
+    auto planned = planCharacter(document);
+    if (!planned) {
+        characterError = planned.error();
+        return tl::unexpected(*characterError);
+    }
+    plan = std::move(*planned);
+    std::erase_if(lastResponses, [&](const auto& last) { return !document.elements.contains(last.first); });
+    if (document.elements.empty() && document.bones.empty()) return nullptr;
+    for (std::size_t i = 0; i < plan.elements.size(); ++i) {
+        const PartId id = plan.elements[i];
+        const KnownKey& known = keysOf(id);
+        if (responses.find(known.key)) lastResponses.insert_or_assign(id, LastResponse{known.key, known.shape});
+        plan.input.elements[i].response = responseOf(id, true);
+    }
+    auto built = Character::build(plan.input);
+    if (!built) {
+        characterError = built.error();
+        return tl::unexpected(*characterError);
+    }
+    character.emplace(std::move(*built));
+    trimPose();
+    showPose();
+    return &*character;
+}
+
+void Session::State::trimPose() {
+    const Skeleton& skeleton = plan.input.skeleton;
+    const Pose& pose = document.pose;
+    if (pose.points.size() != skeleton.points.size() || pose.frames.size() != skeleton.bones.size() ||
+        pose.roll.size() != skeleton.points.size())
+        document.pose = {};
+}
+
+void Session::State::showPose() {
+    if (!character) return;
+    character->update(document.pose.points.empty() ? restPose(plan.input.skeleton) : document.pose);
+}
+
+void Session::State::collectHolds() {
+    holds.clear();
+    for (const auto& [end, held] : document.held) {
+        Hold hold;
+        hold.point = plan.pointIndex(end);
+        if (hold.point < 0) continue;
+        const double done = held.seconds > 0.0 ? std::min(1.0, held.elapsed / held.seconds) : 1.0;
+        hold.target = done < 1.0 ? Vec3(held.from + done * (held.target - held.from)) : held.target;
+        hold.hasRoll = held.roll.has_value();
+        if (held.roll) hold.roll = done < 1.0 ? held.fromRoll + done * (*held.roll - held.fromRoll) : *held.roll;
+        holds.push_back(hold);
+    }
+}
+
+Result<Session::State::Settled> Session::State::settle() {
+    auto alive = live();
+    if (!alive) return tl::unexpected(alive.error());
+    Settled settled;
+    if (!character) return settled;
+    const auto start = std::chrono::steady_clock::now();
+    collectHolds();
+    if (!holds.empty() && document.pose.points.empty()) document.pose = restPose(plan.input.skeleton);
+    settled.settled = holds.empty();
+    while (!settled.settled && settled.iterations < kSettleSteps) {
+        const auto report = character->solvePose(holds, document.pose);
+        ++settled.iterations;
+        settled.settled = report.settled;
+        if (!report.finite) break;
+    }
+    showPose();
+    settled.warnings = character->stats().warnings;
+    settled.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    return settled;
+}
+
+Result<Vec3> Session::State::positionOf(const EndpointRef& end) {
+    if (auto alive = live(); !alive) return tl::unexpected(alive.error());
+    const auto point = static_cast<std::size_t>(plan.pointIndex(end));
+    return document.pose.points.empty() ? plan.input.skeleton.points[point] : document.pose.points[point];
+}
+
+std::vector<std::string> Session::State::warningTexts(unsigned warnings) const {
+    std::vector<std::string> texts = plan.warnings;
+    const auto has = [&](FrameWarning bit) { return (warnings & static_cast<unsigned>(bit)) != 0; };
+    if (has(FrameWarning::BasisLosesTwist))
+        texts.emplace_back("The pose twists or shifts a joint face in its plane, which the basis \"paper\" cannot follow: set the character's basis to \"affine\".");
+    if (has(FrameWarning::TargetOutOfReach))
+        texts.emplace_back("A target is out of reach; the endpoint stays as near as its bones can stretch (max-stretch).");
+    if (has(FrameWarning::PoseRefused))
+        texts.emplace_back("A pose was not finite and was refused; the last good pose stays: release the endpoints or return to rest.");
+    return texts;
+}
+
+Points Session::State::currentPositions(PartId element) {
+    if (const auto result = results.find(element); result != results.end()) return result->second;
+    const auto alive = live();
+    const int index = plan.elementIndex(element);
+    if (!alive || !*alive || index < 0) return document.elements.at(element)->mesh->body.vertices;
+    return (*alive)->positions(index);
+}
+
+// ---- history ---------------------------------------------------------------------------------------------------------
+
+void Session::State::push(Step step, DocumentChange change, std::vector<Json> lines) {
+    if (savedPosition > position) savedPosition = -1;
+    entries.resize(static_cast<std::size_t>(position));
+    steps.resize(static_cast<std::size_t>(position));
+    steps.push_back(step);
+    entries.push_back({std::move(step), std::move(change), std::move(lines)});
+    ++position;
+    scriptValid = false;
+}
+
+void Session::State::afterExchange(const DocumentChange& change) {
+    if (change.structure()) {
+        pending.structure = true;
+        if (touchesCharacter(change, document)) invalidateCharacter();
+    }
+    if (change.pose || !change.held.empty()) pending.pose = true;
+    scriptValid = false;
+}
+
+Result<std::vector<Session::Step>> Session::State::undo(int count) {
+    if (count > position)
+        return fail("nothing-to-undo", position == 0 ? "There is nothing to undo." : "There are only " + std::to_string(position) + " steps to undo.");
+    results.clear();
+    std::vector<Step> done;
+    for (; count > 0; --count) {
+        HistoryEntry& entry = entries[static_cast<std::size_t>(--position)];
+        exchange(document, entry.change);
+        afterExchange(entry.change);
+        done.push_back(entry.step);
+    }
+    if (live()) showPose();
+    return done;
+}
+
+Result<std::vector<Session::Step>> Session::State::redo(int count) {
+    const int left = static_cast<int>(entries.size()) - position;
+    if (count > left)
+        return fail("nothing-to-redo", left == 0 ? "There is nothing to redo." : "There are only " + std::to_string(left) + " steps to redo.");
+    results.clear();
+    std::vector<Step> done;
+    for (; count > 0; --count) {
+        HistoryEntry& entry = entries[static_cast<std::size_t>(position++)];
+        exchange(document, entry.change);
+        afterExchange(entry.change);
+        done.push_back(entry.step);
+    }
+    if (live()) showPose();
+    return done;
+}
+
+void Session::State::note(const Json& line) {
+    if (gesture)
+        gesture->lines.push_back(line);
+    else if (position > 0)
+        entries[static_cast<std::size_t>(position - 1)].lines.push_back(line);
+    else
+        firstLines.push_back(line);
+    scriptValid = false;
+}
+
+const std::vector<Json>& Session::State::allLines() const {
+    if (scriptValid) return script;
+    script = firstLines;
+    for (int i = 0; i < position; ++i) {
+        const auto& lines = entries[static_cast<std::size_t>(i)].lines;
+        script.insert(script.end(), lines.begin(), lines.end());
+    }
+    scriptValid = true;
+    return script;
+}
+
+void Session::State::replaceDocument(Document fresh, std::filesystem::path file, Json line) {
+    document = std::move(fresh);
+    path = std::move(file);
+    entries.clear();
+    steps.clear();
+    firstLines.assign(1, std::move(line));
+    position = savedPosition = 0;
+    gesture.reset();
+    scriptValid = false;
+    lastResponses.clear();
+    keys.clear();
+    results.clear();
+    invalidateCharacter();
+    pending = {true, true, true, true};
+}
+
+// ---- session -----------------------------------------------------------------------------------------------------------
+
+Session::Session(const CommandRegistry& registry) : state_(std::make_unique<State>(registry)) {
+    state_->importer = importFile;
+    state_->firstLines.push_back(Json{{"do", "new"}});
+}
+
+Session::~Session() = default;
+
+Result<Json> Session::execute(const Json& command, const Progress& progress) {
+    State& s = *state_;
+    if (!command.is_object()) return fail("bad-command", "A command is a JSON object with the key \"do\".");
+    const Json* name = find(command, "do");
+    if (!name || !name->is_string()) return fail("bad-command", "A command needs the key \"do\" with the name of what to do.");
+    const Command* what = s.registry.find(name->get_ref<const std::string&>());
+    if (!what) return fail("unknown-command", "There is no command \"" + name->get<std::string>() + "\"; \"imomushi run --help\" lists all.");
+    if (auto ok = checkArguments(*what, command); !ok) return tl::unexpected(ok.error());
+
+    const Document before = s.document;  // shares all parts
+    const int positionBefore = s.position;
+    s.pending = {};
+    const auto takeBack = [&] {
+        const DocumentChange change = difference(s.document, before, false);
+        const bool rebuild = touchesCharacter(change, before) || s.characterError;
+        s.document = before;
+        if (rebuild) s.invalidateCharacter();
+        if ((rebuild || !change.empty()) && s.live()) s.showPose();
+        s.pending = {};
+    };
+
+    Result<Json> answer = fail("internal", "");
+    try {
+        answer = what->run(*this, command, progress);
+        if (answer && !finite(*answer)) answer = fail("not-finite", "The answer is not finite: check the input of this command.");
+        if (answer && what->changesDocument) {
+            const DocumentChange change = difference(before, s.document, false);
+            if (touchesSkeleton(change, s.document)) {
+                const auto was = planCharacter(before);
+                const auto is = planCharacter(s.document);
+                if (!is) {
+                    answer = tl::unexpected(is.error());
+                } else {
+                    s.invalidateCharacter();
+                    std::erase_if(s.document.held, [&](const auto& held) { return is->pointIndex(held.first) < 0; });
+                    if (!was || !sameSkeleton(was->input.skeleton, is->input.skeleton)) {
+                        // The skeleton at rest is another one: begin from its rest pose, and pins at rest move along.
+                        s.document.pose = {};
+                        bool anythingPulled = false;
+                        for (auto& [end, held] : s.document.held) {
+                            const Vec3& now = is->input.skeleton.points[static_cast<std::size_t>(is->pointIndex(end))];
+                            const int old = was ? was->pointIndex(end) : -1;
+                            if (held.pinned && old >= 0 && held.target == was->input.skeleton.points[static_cast<std::size_t>(old)])
+                                held.target = now;
+                            anythingPulled = anythingPulled || held.target != now || held.roll;
+                        }
+                        if (anythingPulled) {
+                            if (auto settled = s.settle(); !settled) answer = tl::unexpected(settled.error());
+                        }
+                    }
+                }
+            } else if (touchesCharacter(change, s.document)) {
+                s.invalidateCharacter();
+            }
+        }
+    } catch (const std::bad_alloc&) {
+        answer = fail("no-memory", "There is not enough memory for \"" + what->name + "\": close other programs or use a smaller mesh.");
+    } catch (const std::exception& error) {
+        answer = fail("internal", "\"" + what->name + "\" failed: " + error.what());
+    }
+    if (!answer) {
+        takeBack();
+        return answer;
+    }
+
+    if (what->changesDocument) {
+        DocumentChange change = difference(before, s.document, false);
+        if (!change.pose && (!change.held.empty() || touchesSkeleton(change, s.document))) change.pose = before.pose;
+        s.pending.structure = s.pending.structure || change.structure();
+        s.pending.pose = s.pending.pose || change.pose || !change.held.empty() || s.pending.structure;
+        if (s.gesture) {
+            s.gesture->step = {what->name, subjectOf(command)};
+            s.gesture->lines.push_back(command);
+        } else {
+            s.push({what->name, subjectOf(command)}, std::move(change), {command});
+        }
+    }
+    const Change told = s.pending;
+    s.pending = {};
+    if (s.listener && (told.structure || told.pose || told.responses || told.file || what->changesDocument || s.position != positionBefore))
+        s.listener(told);
+    return answer;
+}
+
+const Document& Session::document() const { return state_->document; }
+const CommandRegistry& Session::registry() const { return state_->registry; }
+ResponseCache& Session::responses() { return state_->responses; }
+const std::vector<Session::Step>& Session::steps() const { return state_->steps; }
+int Session::position() const { return state_->position; }
+
+void Session::beginGesture() {
+    State& s = *state_;
+    if (s.gesture) endGesture();
+    s.gesture = State::Gesture{s.document, {}, {}, {}};
+}
+
+void Session::endGesture() {
+    State& s = *state_;
+    if (!s.gesture) return;
+    State::Gesture gesture = std::move(*s.gesture);
+    s.gesture.reset();
+    if (gesture.lines.empty()) return;
+    DocumentChange change = difference(gesture.before, s.document, false);
+    if (!change.pose && (!change.held.empty() || touchesSkeleton(change, s.document))) change.pose = gesture.before.pose;
+    s.push(gesture.step, std::move(change), std::move(gesture.lines));
+    if (s.listener) s.listener({});
+}
+
+void Session::cancelGesture() {
+    State& s = *state_;
+    if (!s.gesture) return;
+    DocumentChange change = difference(s.gesture->before, s.document, true);
+    s.gesture.reset();
+    exchange(s.document, change);
+    s.pending = {};
+    s.afterExchange(change);
+    if (s.live()) s.showPose();
+    const Change told = s.pending;
+    s.pending = {};
+    if (s.listener) s.listener(told);
+}
+
+bool Session::modified() const {
+    const State& s = *state_;
+    return s.position != s.savedPosition || (s.gesture && !s.gesture->lines.empty());
+}
+
+const std::filesystem::path& Session::path() const { return state_->path; }
+
+Character* Session::character() {
+    const auto alive = state_->live();
+    return alive ? *alive : nullptr;
+}
+
+int Session::elementIndex(PartId element) const { return state_->live() ? state_->plan.elementIndex(element) : -1; }
+int Session::pointIndex(const EndpointRef& end) const { return state_->live() ? state_->plan.pointIndex(end) : -1; }
+
+void Session::stepFrame(double dt) {
+    State& s = *state_;
+    const auto alive = s.live();
+    if (!alive || !*alive) return;
+    for (auto& [end, held] : s.document.held)
+        if (held.elapsed < held.seconds) held.elapsed = std::min(held.seconds, held.elapsed + dt);
+    s.collectHolds();
+    if (!s.holds.empty()) {
+        if (s.document.pose.points.empty()) s.document.pose = restPose(s.plan.input.skeleton);
+        s.character->solvePose(s.holds, s.document.pose);
+    }
+    if (!s.results.empty()) s.results.clear();
+    if (!s.document.pose.points.empty()) s.character->update(s.document.pose);
+}
+
+Session::ResponseState Session::responseState(PartId element) const {
+    const State& s = *state_;
+    if (!s.document.elements.contains(element)) return ResponseState::None;
+    if (s.responseOf(element, false)) return ResponseState::Fresh;
+    return s.lastResponses.contains(element) ? ResponseState::Stale : ResponseState::None;
+}
+
+ResponseInput Session::responseInput(PartId element) const { return state_->inputOf(element); }
+
+void Session::setListener(std::function<void(const Change&)> listener) { state_->listener = std::move(listener); }
+
+void Session::setImporter(std::function<Result<ImportResult>(const ImportRequest&, const Progress&)> importer) {
+    state_->importer = importer ? std::move(importer) : importFile;
+}
+
+const std::vector<Json>& Session::script() const { return state_->allLines(); }
+Document& Session::edit() { return state_->document; }
+Session::State& Session::state() { return *state_; }
+
+}  // namespace imomushi

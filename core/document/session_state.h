@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "core/document/character_input.h"
+#include "core/document/history.h"
+#include "core/document/session.h"
+
+namespace imomushi {
+
+/// One step of the history: how to exchange it, and the commands that made it.
+struct HistoryEntry {
+    Session::Step step;
+    DocumentChange change;
+    std::vector<Json> lines;
+};
+
+/// What a session keeps. Commands see it; nobody else does.
+struct Session::State {
+    explicit State(const CommandRegistry& registry_) : registry(registry_) {}
+
+    const CommandRegistry& registry;
+    Document document;
+    ResponseCache responses;
+    std::filesystem::path path;
+    std::function<void(const Change&)> listener;
+    std::function<Result<ImportResult>(const ImportRequest&, const Progress&)> importer;
+
+    // ---- history
+    std::vector<HistoryEntry> entries;
+    std::vector<Step> steps;        ///< of entries
+    std::vector<Json> firstLines;   ///< commands before the first entry: "new" or "open"
+    int position = 0;
+    int savedPosition = 0;          ///< -1: the saved state cannot be reached any more
+    struct Gesture {
+        Document before;
+        std::vector<Json> lines;
+        Step step;
+        Change change;
+    };
+    std::optional<Gesture> gesture;
+    mutable std::vector<Json> script;
+    mutable bool scriptValid = false;
+
+    // ---- live
+    CharacterPlan plan;
+    std::optional<Character> character;
+    std::optional<Error> characterError;
+    bool characterValid = false;
+    std::uint64_t responsesSeen = 0;
+    std::vector<Hold> holds;
+    struct LastResponse {
+        ContentKey key;
+        ContentKey shape;           ///< of mesh, faces and basis: with another nu it still fits
+    };
+    std::map<PartId, LastResponse> lastResponses;
+    std::map<PartId, Points> results;  ///< deform-element: what write-mesh writes instead, until the character moves
+    struct KnownKey {
+        std::shared_ptr<const Element> element;
+        BasisKind basis;
+        ContentKey key, shape;
+    };
+    mutable std::map<PartId, KnownKey> keys;
+    Change pending;                 ///< of the command that runs
+
+    /// The key of an element's response as it is now, and of its shape: what decides whether the response of another nu still fits.
+    const KnownKey& keysOf(PartId element) const;
+    ResponseInput inputOf(PartId element) const;
+    /// The response of an element as it is now, null: none. `lastToo`: also the last one of another nu, where it still fits.
+    std::shared_ptr<const ElementResponse> responseOf(PartId element, bool lastToo) const;
+
+    /// The live character, built when needed. Null with an empty document. Errors: those of planCharacter and Character::build.
+    Result<Character*> live();
+    void invalidateCharacter() { characterValid = false; }
+    /// Fills `holds` with the targets as they are now.
+    void collectHolds();
+    /// Solves the static pose towards what is held; null without a character.
+    struct Settled {
+        int iterations = 0;
+        bool settled = true;
+        double milliseconds = 0.0;
+        unsigned warnings = 0;
+    };
+    Result<Settled> settle();
+    /// Deforms the character to the document's pose.
+    void showPose();
+    /// Where an endpoint is now, m.
+    Result<Vec3> positionOf(const EndpointRef& end);
+    /// One sentence for each bit of FrameWarning, and what the plan says.
+    std::vector<std::string> warningTexts(unsigned warnings) const;
+    /// Body vertices of an element as they are now (results of deform-element included), double precision, m.
+    Points currentPositions(PartId element);
+
+    // ---- what commands do to the session itself
+    /// Replaces everything by another document. `line`: the command that did it, for the script.
+    void replaceDocument(Document fresh, std::filesystem::path file, Json line);
+    Result<std::vector<Step>> undo(int count);
+    Result<std::vector<Step>> redo(int count);
+    /// A line that belongs into the script without being a step (precompute).
+    void note(const Json& line);
+    const std::vector<Json>& allLines() const;
+
+    void push(Step step, DocumentChange change, std::vector<Json> lines);
+    void afterExchange(const DocumentChange& change);
+    void trimPose();
+};
+
+}  // namespace imomushi

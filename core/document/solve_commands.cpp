@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <Eigen/QR>
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <set>
+
+#include "core/document/command_support.h"
+#include "core/document/session_state.h"
+
+namespace imomushi {
+
+namespace {
+
+/// Joint parameters beyond this (stretch, radians, metres) mean nothing in linear elasticity; squares stay far from overflow.
+constexpr double kLargestParameter = 1e6;
+
+/// The elements that "elements" names, or all.
+Result<std::vector<PartId>> chosen(const Document& document, const Json& arguments) {
+    std::vector<PartId> ids;
+    if (const Json* names = find(arguments, "elements")) {
+        for (const Json& name : *names) {
+            if (!name.is_string()) return fail("bad-type", "\"elements\" must hold names of elements.");
+            const auto element = elementOf(document, name.get_ref<const std::string&>());
+            if (!element) return tl::unexpected(element.error());
+            if (std::find(ids.begin(), ids.end(), (*element)->id) == ids.end()) ids.push_back((*element)->id);
+        }
+    } else {
+        for (const auto& [id, element] : document.elements) ids.push_back(id);
+    }
+    return ids;
+}
+
+Result<Json> estimate(Session& session, const Json& arguments, const Progress&) {
+    const auto ids = chosen(session.document(), arguments);
+    if (!ids) return tl::unexpected(ids.error());
+    Json list = Json::array();
+    double seconds = 0.0, milliseconds = 0.0;
+    std::size_t bytes = 0;
+    for (const PartId id : *ids) {
+        const Element& element = *session.document().elements.at(id);
+        ResponseEstimate estimated;
+        if (!element.faces.empty()) estimated = estimateResponse(session.responseInput(id));
+        list.push_back({{"name", element.name},
+                        {"vertices", element.mesh->body.vertices.rows()},
+                        {"columns", estimated.columns},
+                        {"seconds", estimated.seconds},
+                        {"bytes", estimated.bytes},
+                        {"ms_per_frame", estimated.frameMilliseconds}});
+        seconds += estimated.seconds;
+        milliseconds += estimated.frameMilliseconds;
+        bytes = std::max(bytes, estimated.bytes);
+    }
+    return Json{{"elements", std::move(list)}, {"seconds", seconds}, {"peak_bytes", bytes}, {"ms_per_frame", milliseconds}};
+}
+
+Result<Json> precompute(Session& session, const Json& arguments, const Progress& progress) {
+    Session::State& s = session.state();
+    const auto ids = chosen(s.document, arguments);
+    if (!ids) return tl::unexpected(ids.error());
+    Json list = Json::array();
+    double done = 0.0;
+    for (const PartId id : *ids) {
+        const Element& element = *s.document.elements.at(id);
+        Json line;
+        line["name"] = element.name;
+        line["vertices"] = element.mesh->body.vertices.rows();
+        const double next = done + 1.0 / static_cast<double>(ids->size());
+        if (element.faces.empty()) {
+            if (arguments.contains("elements"))
+                return fail("no-face", "The element \"" + element.name + "\" has no joint face: add one, or leave it rigid.");
+            line["columns"] = 0;
+            line["note"] = "no joint face: the element follows its bone rigidly";
+        } else {
+            const ContentKey key = s.keysOf(id).key;
+            auto response = s.responseOf(id, false);
+            const bool cached = response != nullptr;
+            double seconds = 0.0;
+            if (!cached) {
+                const auto start = std::chrono::steady_clock::now();
+                auto built = buildResponse(s.inputOf(id), progress.part(done, next));
+                if (!built) return fail(built.error().code, "\"" + element.name + "\": " + built.error().message);
+                seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+                response = std::make_shared<const ElementResponse>(std::move(*built));
+                s.responses.insert(key, response);
+                s.pending.responses = true;
+            }
+            line["columns"] = response->columns();
+            line["seconds"] = seconds;
+            line["bytes"] = response->bytes();
+            line["residual"] = response->quality.solve.residual;
+            line["rcond"] = response->quality.solve.rcond;
+            line["asymmetry"] = response->quality.asymmetry;
+            line["negative_energy"] = response->quality.negativeEnergy;
+            line["cached"] = cached;
+        }
+        list.push_back(std::move(line));
+        done = next;
+    }
+    if (auto alive = s.live(); !alive) return tl::unexpected(alive.error());
+    s.pending.responses = s.pending.pose = true;
+    s.note(arguments);
+    return Json{{"elements", std::move(list)}};
+}
+
+/// What deform-element asks of one face.
+struct FaceRequest {
+    bool given = false;
+    bool byVertices = false;
+    JointMap map;
+    Points displacement;  ///< #vertices of the face x 3, world axes of the element at rest
+};
+
+Result<FaceRequest> parameters(const Json& value) {
+    PaperParameters p;
+    for (const auto& item : value.items()) {
+        double* to = item.key() == "a" ? &p.a : item.key() == "b" ? &p.b : item.key() == "theta1" ? &p.theta1 : item.key() == "theta2" ? &p.theta2
+                     : item.key() == "dz" ? &p.dz : nullptr;
+        if (!to) return fail("unknown-key", "A face has no parameter \"" + item.key() + "\"; it has a, b, theta1, theta2, dz, or vertices alone.");
+        const auto number = numberWithin(item.value(), item.key(), -kLargestParameter, kLargestParameter);
+        if (!number) return tl::unexpected(number.error());
+        *to = *number;
+    }
+    FaceRequest request;
+    request.given = true;
+    request.map = jointMap(p);
+    return request;
+}
+
+Result<FaceRequest> displacements(const JointFace& face, const Json& value) {
+    if (value.size() != 1 || !value.at("vertices").is_object())
+        return fail("bad-type", "\"vertices\" of a face must be {index: [dx,dy,dz]} and stand alone.");
+    FaceRequest request;
+    request.given = request.byVertices = true;
+    request.displacement = Points::Zero(static_cast<Eigen::Index>(face.vertices.size()), 3);
+    std::set<std::int32_t> named;
+    for (const auto& item : value.at("vertices").items()) {
+        std::int32_t index = -1;
+        const char* end = item.key().data() + item.key().size();
+        const auto read = std::from_chars(item.key().data(), end, index);
+        const auto at = std::lower_bound(face.vertices.begin(), face.vertices.end(), index);
+        if (read.ec != std::errc() || read.ptr != end || at == face.vertices.end() || *at != index || !named.insert(index).second)
+            return fail("bad-index", "\"" + item.key() + "\" is no vertex of the joint face \"" + face.name + "\" (counted from 0), or is named twice.");
+        const auto d = vector3(item.value());
+        if (!d || d->cwiseAbs().maxCoeff() > kLargestParameter)
+            return fail("bad-type", "The displacement of vertex " + item.key() + " must be [dx,dy,dz] in metres, each within 1e6.");
+        request.displacement.row(at - face.vertices.begin()) = d->transpose();
+    }
+    return request;
+}
+
+/// Displacement of the vertices of a face, #vertices x 3, rest axes of the element.
+Points faceDisplacement(const TriangleMesh& body, const JointFace& face, const FaceRequest& request) {
+    Points u = Points::Zero(static_cast<Eigen::Index>(face.vertices.size()), 3);
+    if (!request.given) return u;
+    if (request.byVertices) return request.displacement;
+    for (std::size_t i = 0; i < face.vertices.size(); ++i) {
+        const Vec3 p = face.frame.toLocal(body.vertices.row(face.vertices[i]).transpose());
+        u.row(static_cast<Eigen::Index>(i)) = (face.frame.axes * (request.map.linear * p + request.map.shift - p)).transpose();
+    }
+    return u;
+}
+
+/// The joint parameters whose displacement of the face's vertices is nearest in the mean square.
+Eigen::VectorXd project(const TriangleMesh& body, const JointFace& face, const FaceBasis& basis, const Points& displacement) {
+    const auto rows = static_cast<Eigen::Index>(face.vertices.size());
+    Eigen::MatrixXd C(3 * rows, basis.columns());
+    Eigen::VectorXd u(3 * rows);
+    for (Eigen::Index i = 0; i < rows; ++i) {
+        const Vec3 p = face.frame.toLocal(body.vertices.row(face.vertices[static_cast<std::size_t>(i)]).transpose());
+        C.middleRows(3 * i, 3) = basis.at(p);
+        u.segment(3 * i, 3) = face.frame.axes.transpose() * displacement.row(i).transpose();
+    }
+    return C.completeOrthogonalDecomposition().solve(u);
+}
+
+Result<Json> deform(Session& session, const Json& arguments, const Progress& progress) {
+    Session::State& s = session.state();
+    const auto found = elementOf(s.document, text(arguments, "element"));
+    if (!found) return tl::unexpected(found.error());
+    const Element& element = **found;
+    const TriangleMesh& body = element.mesh->body;
+    const std::string model = arguments.contains("model") ? text(arguments, "model") : "reduced";
+    if (model != "reduced" && model != "full" && model != "previous")
+        return fail("bad-value", "\"model\" must be \"reduced\", \"full\" or \"previous\".");
+    if (element.faces.empty()) return fail("no-face", "The element \"" + element.name + "\" has no joint face to move: add one.");
+
+    std::vector<FaceRequest> requests(element.faces.size());
+    for (const auto& item : arguments.at("faces").items()) {
+        const int index = element.faceIndex(item.key());
+        if (index < 0) {
+            const auto error = s.document.face(element.name + "/" + item.key());
+            return tl::unexpected(error.error());
+        }
+        if (!item.value().is_object()) return fail("bad-type", "A face needs an object: {a, b, theta1, theta2, dz} or {vertices}.");
+        const JointFace& face = element.faces[static_cast<std::size_t>(index)];
+        auto request = item.value().contains("vertices") ? displacements(face, item.value()) : parameters(item.value());
+        if (!request) return tl::unexpected(request.error());
+        requests[static_cast<std::size_t>(index)] = std::move(*request);
+    }
+
+    Json answer;
+    answer["model"] = model;
+    Points positions;
+    if (model == "reduced") {
+        const auto response = s.responseOf(element.id, false);
+        if (!response)
+            return fail("not-precomputed", "The element \"" + element.name + "\" has no fresh response: run precompute first.");
+        Eigen::VectorXd v = Eigen::VectorXd::Zero(response->columns());
+        double lost = 0.0, worst = 0.0;
+        for (std::size_t f = 0; f < element.faces.size(); ++f) {
+            const JointFace& face = element.faces[f];
+            const FaceBasis& basis = response->bases[f];
+            auto part = v.segment(response->firstColumn[f], basis.columns());
+            if (!requests[f].given) continue;
+            if (requests[f].byVertices) {
+                part = project(body, face, basis, requests[f].displacement);
+            } else {
+                double faceLost = 0.0;
+                Eigen::VectorXd coefficients = Eigen::VectorXd::Zero(basis.columns());
+                basis.coefficients(requests[f].map, face.size, coefficients.data(), faceLost);
+                part = coefficients;
+                lost = std::max(lost, faceLost);
+            }
+            const Points wanted = faceDisplacement(body, face, requests[f]);
+            for (std::size_t i = 0; i < face.vertices.size(); ++i) {
+                const Vec3 p = face.frame.toLocal(body.vertices.row(face.vertices[i]).transpose());
+                worst = std::max(worst, (face.frame.axes * (basis.at(p) * part) - wanted.row(static_cast<Eigen::Index>(i)).transpose()).norm());
+            }
+        }
+        positions = deformElement(*element.mesh, element.faces, *response, v);
+        answer["columns"] = response->columns();
+        answer["basis_error"] = worst;
+    } else {
+        std::vector<Points> displacement;
+        for (std::size_t f = 0; f < element.faces.size(); ++f) displacement.push_back(faceDisplacement(body, element.faces[f], requests[f]));
+        auto solved = solveFull(s.inputOf(element.id), displacement, progress);
+        if (!solved) return tl::unexpected(solved.error());
+        positions = body.vertices + *solved;
+    }
+    if (!positions.allFinite()) return fail("not-finite", "The deformation is not finite: use smaller displacements.");
+    answer["vertices"] = positions.rows();
+    answer["max_displacement"] = (positions - body.vertices).rowwise().norm().maxCoeff();
+    s.results.insert_or_assign(element.id, std::move(positions));
+    return answer;
+}
+
+}  // namespace
+
+void addSolveCommands(CommandRegistry& registry) {
+    using Type = CommandKey::Type;
+    const CommandKey elements{"elements", Type::Array, false, "Names of elements (all unless given)."};
+    registry.add({"estimate", "What a precompute will cost on this machine: seconds, bytes, milliseconds per frame.", {elements}, false, estimate});
+    registry.add({"precompute", "Solves the elements for their joint faces; what is known already is not solved again.", {elements}, false, precompute});
+    registry.add({"deform-element",
+                  "Statics of one element alone in its own rest frame. write-mesh \"current\" writes the result until the next drag, step or rest.",
+                  {{"element", Type::Text, true, "The element."},
+                   {"faces", Type::Object, true,
+                    "{face: {a, b, theta1, theta2, dz}} as in eq. (5), or {face: {\"vertices\": {index: [dx,dy,dz]}}}; what is not named is at rest."},
+                   {"model", Type::Text, false, "\"reduced\" (unless given; needs a fresh precompute), \"full\" or \"previous\" (the statics of full)."}},
+                  false, deform});
+}
+
+}  // namespace imomushi

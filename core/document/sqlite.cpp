@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/document/sqlite.h"
+
+#include <sqlite3.h>
+
+#include <cmath>
+
+namespace imomushi {
+
+namespace {
+
+/// SQLite's own limit of databases in memory is 1 GB; a project may be larger.
+constexpr sqlite3_int64 kLargestDatabase = sqlite3_int64{1} << 40;
+
+void check(sqlite3* handle, int code) {
+    if (code != SQLITE_OK && code != SQLITE_DONE && code != SQLITE_ROW) throw DatabaseError(handle ? sqlite3_errmsg(handle) : sqlite3_errstr(code));
+}
+
+sqlite3* openMemory() {
+    sqlite3* handle = nullptr;
+    const int code = sqlite3_open_v2(":memory:", &handle, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_MEMORY, nullptr);
+    if (code != SQLITE_OK) {
+        sqlite3_close(handle);
+        throw DatabaseError(sqlite3_errstr(code));
+    }
+    sqlite3_extended_result_codes(handle, 1);
+    return handle;
+}
+
+sqlite3_stmt* prepare(Database& database, const char* sql) {
+    sqlite3_stmt* statement = nullptr;
+    check(database.handle(), sqlite3_prepare_v2(database.handle(), sql, -1, &statement, nullptr));
+    return statement;
+}
+
+}  // namespace
+
+Database::Database() : handle_(openMemory()) {
+    sqlite3_int64 limit = kLargestDatabase;
+    sqlite3_file_control(handle_, "main", SQLITE_FCNTL_SIZE_LIMIT, &limit);
+}
+
+Database::Database(std::vector<char> file) : handle_(openMemory()) {
+    try {
+        auto* copy = static_cast<unsigned char*>(sqlite3_malloc64(file.size() + 1));
+        if (!copy) throw std::bad_alloc();
+        std::memcpy(copy, file.data(), file.size());
+        const auto size = static_cast<sqlite3_int64>(file.size());
+        check(handle_, sqlite3_deserialize(handle_, "main", copy, size, size, SQLITE_DESERIALIZE_FREEONCLOSE | SQLITE_DESERIALIZE_READONLY));
+        sqlite3_db_config(handle_, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+        sqlite3_db_config(handle_, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
+        run("PRAGMA cell_size_check=ON");
+    } catch (...) {
+        sqlite3_close(handle_);
+        throw;
+    }
+}
+
+Database::~Database() { sqlite3_close(handle_); }
+
+void Database::run(const char* sql) { check(handle_, sqlite3_exec(handle_, sql, nullptr, nullptr, nullptr)); }
+
+std::int64_t Database::number(const char* sql) {
+    sqlite3_stmt* statement = prepare(*this, sql);
+    const int code = sqlite3_step(statement);
+    const std::int64_t value = code == SQLITE_ROW ? sqlite3_column_int64(statement, 0) : 0;
+    sqlite3_finalize(statement);
+    check(handle_, code);
+    return value;
+}
+
+std::string Database::file() {
+    sqlite3_int64 size = 0;
+    unsigned char* bytes = sqlite3_serialize(handle_, "main", &size, 0);
+    if (!bytes) throw std::bad_alloc();
+    std::string file;
+    try {
+        file.assign(reinterpret_cast<const char*>(bytes), static_cast<std::size_t>(size));
+    } catch (...) {
+        sqlite3_free(bytes);
+        throw;
+    }
+    sqlite3_free(bytes);
+    return file;
+}
+
+RowWriter::RowWriter(Database& database, const char* sql) : database_(database), statement_(prepare(database, sql)) {}
+RowWriter::~RowWriter() { sqlite3_finalize(statement_); }
+
+void RowWriter::bind(std::int64_t value) {
+    check(database_.handle(), sqlite3_bind_int64(statement_, ++column_, value));
+    database_.hasher().number(value);
+}
+
+void RowWriter::bind(double value) {
+    if (!std::isfinite(value)) throw DatabaseError("a number is not finite");  // SQLite would store NaN as NULL
+    check(database_.handle(), sqlite3_bind_double(statement_, ++column_, value));
+    database_.hasher().number(value + 0.0);
+}
+
+void RowWriter::bind(const std::optional<double>& value) {
+    if (value) return bind(*value);
+    check(database_.handle(), sqlite3_bind_null(statement_, ++column_));
+    database_.hasher().text("null");
+}
+
+void RowWriter::bind(const std::string& value) {
+    check(database_.handle(), sqlite3_bind_text64(statement_, ++column_, value.data(), value.size(), SQLITE_TRANSIENT, SQLITE_UTF8));
+    database_.hasher().text(value);
+}
+
+void RowWriter::blob(const void* data, std::size_t size) {
+    static const char kEmpty = 0;  // a null pointer would become NULL
+    check(database_.handle(), sqlite3_bind_blob64(statement_, ++column_, size ? data : &kEmpty, size, SQLITE_STATIC));
+    database_.hasher().bytes(data, size);
+}
+
+void RowWriter::finish() {
+    check(database_.handle(), sqlite3_step(statement_));
+    check(database_.handle(), sqlite3_reset(statement_));
+}
+
+RowReader::RowReader(Database& database, const char* sql) : database_(database), statement_(prepare(database, sql)) {}
+RowReader::~RowReader() { sqlite3_finalize(statement_); }
+
+bool RowReader::next() {
+    column_ = 0;
+    const int code = sqlite3_step(statement_);
+    check(database_.handle(), code);
+    return code == SQLITE_ROW;
+}
+
+sqlite3_stmt* RowReader::take(int type) {
+    if (sqlite3_column_type(statement_, column_) != type) throw DatabaseError("a value has the wrong type");
+    return statement_;
+}
+
+std::int64_t RowReader::integer() {
+    const std::int64_t value = sqlite3_column_int64(take(SQLITE_INTEGER), column_++);
+    database_.hasher().number(value);
+    return value;
+}
+
+std::int64_t RowReader::integer(std::int64_t low, std::int64_t high) {
+    const std::int64_t value = integer();
+    if (value < low || value > high) throw DatabaseError("a whole number is out of range");
+    return value;
+}
+
+double RowReader::real() {
+    const double value = sqlite3_column_double(take(SQLITE_FLOAT), column_++);
+    if (!std::isfinite(value)) throw DatabaseError("a number is not finite");
+    database_.hasher().number(value + 0.0);
+    return value;
+}
+
+double RowReader::real(double low, double high) {
+    const double value = real();
+    if (value < low || value > high) throw DatabaseError("a number is out of range");
+    return value;
+}
+
+std::optional<double> RowReader::optionalReal() {
+    if (sqlite3_column_type(statement_, column_) != SQLITE_NULL) return real();
+    ++column_;
+    database_.hasher().text("null");
+    return std::nullopt;
+}
+
+std::string RowReader::text() {
+    const auto* bytes = reinterpret_cast<const char*>(sqlite3_column_text(take(SQLITE_TEXT), column_));
+    std::string value(bytes ? bytes : "", static_cast<std::size_t>(sqlite3_column_bytes(statement_, column_)));
+    ++column_;
+    database_.hasher().text(value);
+    return value;
+}
+
+std::string_view RowReader::blob() {
+    const void* bytes = sqlite3_column_blob(take(SQLITE_BLOB), column_);
+    const auto size = static_cast<std::size_t>(sqlite3_column_bytes(statement_, column_));
+    ++column_;
+    database_.hasher().bytes(bytes, size);
+    return {static_cast<const char*>(bytes), size};
+}
+
+}  // namespace imomushi

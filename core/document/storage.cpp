@@ -1,0 +1,573 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/document/storage.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <numeric>
+#include <set>
+
+#include "core/document/character_input.h"
+#include "core/document/names.h"
+#include "core/document/sqlite.h"
+#include "core/document/version.h"
+#include "core/io/atomic_file.h"
+
+namespace imomushi {
+
+namespace {
+
+constexpr const char* kTables = R"(
+CREATE TABLE info (name TEXT PRIMARY KEY, value TEXT NOT NULL);
+CREATE TABLE settings (basis TEXT, format TEXT, threads INTEGER, next_id INTEGER);
+CREATE TABLE meshes (id INTEGER PRIMARY KEY, vertices BLOB, triangles BLOB, render_body_vertices BLOB, render_triangles BLOB,
+    normals BLOB, tex_coords BLOB, colors BLOB, triangle_materials BLOB);
+CREATE TABLE materials (mesh INTEGER, position INTEGER, name TEXT, base_color BLOB, metallic REAL, roughness REAL, texture INTEGER,
+    PRIMARY KEY (mesh, position));
+CREATE TABLE textures (mesh INTEGER, position INTEGER, name TEXT, mime_type TEXT, bytes BLOB, PRIMARY KEY (mesh, position));
+CREATE TABLE elements (id INTEGER PRIMARY KEY, name TEXT, mesh INTEGER, nu REAL, stiffness REAL, density REAL, color BLOB, visible INTEGER,
+    locked INTEGER, solver_mesh TEXT, joint_planes INTEGER);
+CREATE TABLE issues (element INTEGER, position INTEGER, severity INTEGER, code TEXT, text TEXT, count INTEGER, fixed INTEGER,
+    triangles BLOB, vertices BLOB, PRIMARY KEY (element, position));
+CREATE TABLE faces (element INTEGER, position INTEGER, name TEXT, vertices BLOB, triangles BLOB, frame BLOB, area REAL, size REAL,
+    planarity_error REAL, PRIMARY KEY (element, position));
+CREATE TABLE joints (id INTEGER PRIMARY KEY);
+CREATE TABLE joint_faces (joint INTEGER, position INTEGER, element INTEGER, face TEXT, PRIMARY KEY (joint, position));
+CREATE TABLE bones (id INTEGER PRIMARY KEY, name TEXT, element INTEGER, parent INTEGER, roll REAL, min_stretch REAL, max_stretch REAL,
+    start_kind TEXT, start_part INTEGER, start_name TEXT, start_point BLOB, end_kind TEXT, end_part INTEGER, end_name TEXT, end_point BLOB);
+CREATE TABLE held (bone INTEGER, at_end INTEGER, pinned INTEGER, target BLOB, roll REAL, from_roll REAL, from_point BLOB, seconds REAL,
+    elapsed REAL, PRIMARY KEY (bone, at_end));
+CREATE TABLE pose (points BLOB, frames BLOB, rolls BLOB);
+CREATE TABLE responses (id INTEGER PRIMARY KEY, key BLOB, shape BLOB, free_vertices BLOB, bases BLOB, response BLOB, stiffness BLOB,
+    residual REAL, rcond REAL, peak_bytes INTEGER, asymmetry REAL, negative_energy REAL);
+CREATE TABLE element_responses (element INTEGER PRIMARY KEY, response INTEGER);
+)";
+
+constexpr double kLargestCoordinate = 1e9;  // as in commands
+constexpr std::int64_t kMaxId = std::int64_t{1} << 53;
+
+void require(bool ok, const char* what) {
+    if (!ok) throw DatabaseError(what);
+}
+
+std::string utf8(std::string text) {
+    require(isUtf8(text), "a text is not UTF-8");
+    return text;
+}
+
+bool ascendingWithin(const std::vector<std::int32_t>& values, Eigen::Index count) {
+    for (std::size_t i = 0; i < values.size(); ++i)
+        if (values[i] < (i ? values[i - 1] + std::int64_t{1} : 0) || values[i] >= count) return false;
+    return true;
+}
+
+template <class Values>
+bool within(const Values& values, Eigen::Index count) {
+    return std::all_of(values.data(), values.data() + values.size(), [&](auto v) { return v >= 0 && v < count; });
+}
+
+template <class Matrix>
+bool coordinates(const Matrix& m) {
+    return std::all_of(m.data(), m.data() + m.size(), [](auto x) { return std::abs(x) <= kLargestCoordinate; });
+}
+
+// ---- writing -------------------------------------------------------------------------------------------------------
+
+void writeMeshes(Database& db, const Document& document, std::map<const ElementMesh*, int>& ids) {
+    RowWriter meshes(db, "INSERT INTO meshes VALUES (?,?,?,?,?,?,?,?,?)");
+    for (const auto& [id, element] : document.elements) {
+        const ElementMesh& mesh = *element->mesh;
+        const int meshId = static_cast<int>(ids.size()) + 1;
+        if (!ids.emplace(&mesh, meshId).second) continue;
+        const Look& look = mesh.look;
+        meshes.row(meshId, mesh.body.vertices, mesh.body.triangles, look.bodyVertex, look.triangles, look.normals, look.texCoords, look.colors,
+                   look.material);
+    }
+    std::map<int, const ElementMesh*> ordered;
+    for (const auto& [mesh, id] : ids) ordered.emplace(id, mesh);
+    RowWriter materials(db, "INSERT INTO materials VALUES (?,?,?,?,?,?,?)");
+    for (const auto& [id, mesh] : ordered)
+        for (std::size_t i = 0; i < mesh->look.materials.size(); ++i) {
+            const Material& m = mesh->look.materials[i];
+            materials.row(id, i, m.name, m.baseColor, m.metallic, m.roughness, m.baseColorTexture);
+        }
+    RowWriter textures(db, "INSERT INTO textures VALUES (?,?,?,?,?)");
+    for (const auto& [id, mesh] : ordered)
+        for (std::size_t i = 0; i < mesh->look.textures.size(); ++i) {
+            const Texture& t = mesh->look.textures[i];
+            textures.row(id, i, t.name, t.mimeType, t.bytes);
+        }
+}
+
+void writeElements(Database& db, const Document& document, const std::map<const ElementMesh*, int>& meshIds) {
+    RowWriter elements(db, "INSERT INTO elements VALUES (?,?,?,?,?,?,?,?,?,?,?)");
+    for (const auto& [id, e] : document.elements)
+        elements.row(id, e->name, meshIds.at(e->mesh.get()), e->nu, e->stiffness, e->density, e->color, e->visible, e->locked, e->solverMesh,
+                     static_cast<int>(e->jointPlanes));
+    RowWriter issues(db, "INSERT INTO issues VALUES (?,?,?,?,?,?,?,?,?)");
+    for (const auto& [id, e] : document.elements)
+        for (std::size_t i = 0; i < e->issues.size(); ++i) {
+            const MeshIssue& issue = e->issues[i];
+            issues.row(id, i, static_cast<int>(issue.severity), issue.code, issue.text, issue.count, issue.fixed, issue.triangles, issue.vertices);
+        }
+    RowWriter faces(db, "INSERT INTO faces VALUES (?,?,?,?,?,?,?,?,?)");
+    for (const auto& [id, e] : document.elements)
+        for (std::size_t i = 0; i < e->faces.size(); ++i) {
+            const JointFace& f = e->faces[i];
+            Eigen::Matrix<double, 3, 4> frame;
+            frame << f.frame.origin, f.frame.axes;
+            faces.row(id, i, f.name, f.vertices, f.triangles, frame, f.area, f.size, f.planarityError);
+        }
+}
+
+struct PlaceRow {
+    std::string kind, name;
+    PartId part = 0;
+    Vec3 point = Vec3::Zero();
+};
+
+PlaceRow placeRow(const Bone::Place& place) {
+    if (const auto* face = std::get_if<FaceRef>(&place)) return {"face", face->face, face->element, Vec3::Zero()};
+    if (const auto* end = std::get_if<EndpointRef>(&place)) return {"bone", end->atEnd ? "end" : "start", end->bone, Vec3::Zero()};
+    return {"point", "", 0, std::get<Vec3>(place)};
+}
+
+void writeSkeleton(Database& db, const Document& document) {
+    RowWriter joints(db, "INSERT INTO joints VALUES (?)");
+    for (const auto& [id, joint] : document.joints) joints.row(id);
+    RowWriter jointFaces(db, "INSERT INTO joint_faces VALUES (?,?,?,?)");
+    for (const auto& [id, joint] : document.joints)
+        for (std::size_t i = 0; i < joint->faces.size(); ++i) jointFaces.row(id, i, joint->faces[i].element, joint->faces[i].face);
+    RowWriter bones(db, "INSERT INTO bones VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
+    for (const auto& [id, bone] : document.bones) {
+        const PlaceRow s = placeRow(bone->start), e = placeRow(bone->end);
+        bones.row(id, bone->name, bone->element, bone->parent, bone->roll, bone->minStretch, bone->maxStretch, s.kind, s.part, s.name, s.point,
+                  e.kind, e.part, e.name, e.point);
+    }
+    RowWriter held(db, "INSERT INTO held VALUES (?,?,?,?,?,?,?,?,?)");
+    for (const auto& [end, h] : document.held)
+        held.row(end.bone, end.atEnd, h.pinned, h.target, h.roll, h.fromRoll, h.from, h.seconds, h.elapsed);
+    std::vector<double> points, frames;
+    for (const Vec3& p : document.pose.points) points.insert(points.end(), p.data(), p.data() + 3);
+    for (const auto& q : document.pose.frames) frames.insert(frames.end(), q.coeffs().data(), q.coeffs().data() + 4);
+    RowWriter pose(db, "INSERT INTO pose VALUES (?,?,?)");
+    pose.row(points, frames, document.pose.roll);
+}
+
+void writeResponses(Database& db, const Project& project) {
+    // Times are left out: the same work gives the same file.
+    std::map<ContentKey, int> ids;
+    RowWriter responses(db, "INSERT INTO responses VALUES (?,?,?,?,?,?,?,?,?,?,?,?)");
+    for (const auto& [element, r] : project.responses) {
+        const int id = static_cast<int>(ids.size()) + 1;
+        if (!ids.emplace(r.key, id).second) continue;
+        const ElementResponse& a = *r.response;
+        std::vector<std::int32_t> bases;
+        for (const FaceBasis& basis : a.bases) bases.insert(bases.end(), {static_cast<std::int32_t>(basis.kind), basis.flat ? 1 : 0});
+        responses.row(id, std::vector{r.key.high, r.key.low}, std::vector{r.shape.high, r.shape.low}, a.freeVertices, bases, a.response, a.stiffness,
+                      a.quality.solve.residual, a.quality.solve.rcond, a.quality.solve.peakBytes, a.quality.asymmetry, a.quality.negativeEnergy);
+    }
+    RowWriter uses(db, "INSERT INTO element_responses VALUES (?,?)");
+    for (const auto& [element, r] : project.responses) uses.row(element, ids.at(r.key));
+}
+
+// ---- reading -------------------------------------------------------------------------------------------------------
+
+PartId id(RowReader& row) { return static_cast<PartId>(row.integer(1, kMaxId)); }
+PartId idOrNone(RowReader& row) { return static_cast<PartId>(row.integer(0, kMaxId)); }
+
+Vec3 point(RowReader& row) {
+    const auto v = row.array<double>(3);
+    require(v.size() == 3 && coordinates(v), "a point is out of range");
+    return {v[0], v[1], v[2]};
+}
+
+std::map<std::int64_t, std::shared_ptr<ElementMesh>> readMeshes(Database& db) {
+    std::map<std::int64_t, std::shared_ptr<ElementMesh>> meshes;
+    RowReader rows(db, "SELECT * FROM meshes ORDER BY id");
+    while (rows.next()) {
+        const std::int64_t meshId = rows.integer();
+        auto mesh = std::make_shared<ElementMesh>();
+        mesh->body.vertices = rows.matrix<Points>();
+        mesh->body.triangles = rows.matrix<Triangles>();
+        Look& look = mesh->look;
+        look.bodyVertex = rows.array<std::int32_t>();
+        look.triangles = rows.matrix<Triangles>();
+        look.normals = rows.matrix<decltype(look.normals)>();
+        look.texCoords = rows.matrix<decltype(look.texCoords)>();
+        look.colors = rows.matrix<decltype(look.colors)>();
+        look.material = rows.array<std::int32_t>();
+        const Eigen::Index bodyCount = mesh->body.vertices.rows(), renderCount = static_cast<Eigen::Index>(look.bodyVertex.size());
+        require(bodyCount >= 4 && mesh->body.triangles.rows() >= 4, "a mesh is empty");
+        require(coordinates(mesh->body.vertices), "a vertex is out of range");
+        require(within(mesh->body.triangles, bodyCount), "a triangle names a vertex that is not there");
+        require(within(look.bodyVertex, bodyCount) && within(look.triangles, renderCount), "a render vertex is out of range");
+        require(look.triangles.rows() == 0 || look.triangles.rows() == mesh->body.triangles.rows(), "the look of a mesh has other triangles than its body");
+        for (const Eigen::Index attribute : {look.normals.rows(), look.texCoords.rows(), look.colors.rows()})
+            require(attribute == 0 || attribute == renderCount, "an attribute has a broken size");
+        require(look.normals.allFinite() && look.texCoords.allFinite() && look.colors.allFinite(), "an attribute is not finite");
+        require(look.material.empty() || static_cast<Eigen::Index>(look.material.size()) == look.triangles.rows(), "the materials of a mesh have a broken size");
+        meshes.emplace(meshId, std::move(mesh));
+    }
+    const auto meshAt = [&](std::int64_t meshId) -> Look& {
+        const auto found = meshes.find(meshId);
+        require(found != meshes.end(), "a mesh is missing");
+        return found->second->look;
+    };
+    RowReader materials(db, "SELECT * FROM materials ORDER BY mesh, position");
+    while (materials.next()) {
+        Look& look = meshAt(materials.integer());
+        materials.integer(static_cast<std::int64_t>(look.materials.size()), static_cast<std::int64_t>(look.materials.size()));
+        Material m;
+        m.name = utf8(materials.text());
+        const auto color = materials.array<float>(4);
+        require(color.size() == 4 && std::all_of(color.begin(), color.end(), [](float c) { return std::isfinite(c); }), "a colour is broken");
+        m.baseColor = Eigen::Vector4f(color[0], color[1], color[2], color[3]);
+        m.metallic = static_cast<float>(materials.real(-1e6, 1e6));
+        m.roughness = static_cast<float>(materials.real(-1e6, 1e6));
+        m.baseColorTexture = static_cast<int>(materials.integer(-1, 1 << 20));
+        look.materials.push_back(std::move(m));
+    }
+    RowReader textures(db, "SELECT * FROM textures ORDER BY mesh, position");
+    while (textures.next()) {
+        Look& look = meshAt(textures.integer());
+        textures.integer(static_cast<std::int64_t>(look.textures.size()), static_cast<std::int64_t>(look.textures.size()));
+        Texture t;
+        t.name = utf8(textures.text());
+        t.mimeType = utf8(textures.text());
+        t.bytes = textures.array<std::uint8_t>();
+        look.textures.push_back(std::move(t));
+    }
+    for (const auto& [meshId, mesh] : meshes) {
+        const Look& look = mesh->look;
+        for (const std::int32_t m : look.material)
+            require(m >= -1 && m < static_cast<std::int64_t>(look.materials.size()), "a triangle names a material that is not there");
+        for (const Material& m : look.materials)
+            require(m.baseColorTexture < static_cast<std::int64_t>(look.textures.size()), "a material names a texture that is not there");
+    }
+    return meshes;
+}
+
+void checkFace(const JointFace& face, const Element& element) {
+    const TriangleMesh& body = element.mesh->body;
+    require(face.vertices.size() >= 3 && ascendingWithin(face.vertices, body.vertices.rows()), "the vertices of a joint face are broken");
+    require(!face.triangles.empty() && ascendingWithin(face.triangles, body.triangles.rows()), "the triangles of a joint face are broken");
+    for (const std::int32_t t : face.triangles)
+        for (int k = 0; k < 3; ++k)
+            require(std::binary_search(face.vertices.begin(), face.vertices.end(), body.triangles(t, k)), "a joint face lacks a corner");
+    require(coordinates(face.frame.origin) && face.frame.axes.allFinite() && coordinates(face.frame.axes), "the frame of a joint face is broken");
+    require((face.frame.axes.transpose() * face.frame.axes - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-6 &&
+                face.frame.axes.determinant() > 0,
+            "the frame of a joint face is no frame");
+    require(face.area > 0 && face.size > 0 && face.planarityError >= 0, "the size of a joint face is broken");
+    for (const JointFace& other : element.faces) {
+        require(other.name != face.name, "two joint faces have one name");
+        std::vector<std::int32_t> shared;
+        std::set_intersection(other.vertices.begin(), other.vertices.end(), face.vertices.begin(), face.vertices.end(), std::back_inserter(shared));
+        require(shared.empty(), "two joint faces share a vertex");
+    }
+}
+
+void readElements(Database& db, Document& document) {
+    const auto meshes = readMeshes(db);
+    std::map<PartId, Element> read;
+    RowReader elements(db, "SELECT * FROM elements ORDER BY id");
+    while (elements.next()) {
+        Element e;
+        e.id = id(elements);
+        e.name = elements.text();
+        const auto mesh = meshes.find(elements.integer());
+        require(mesh != meshes.end(), "a mesh is missing");
+        e.mesh = mesh->second;
+        e.nu = elements.real(0.0, 0.5);
+        e.stiffness = elements.real(1e-6, 1e6);
+        e.density = elements.real(1e-3, 1e6);
+        const auto color = elements.array<float>(3);
+        require(color.size() == 3 && std::all_of(color.begin(), color.end(), [](float c) { return c >= 0.0f && c <= 1.0f; }), "a colour is broken");
+        e.color = Eigen::Vector3f(color[0], color[1], color[2]);
+        e.visible = elements.boolean();
+        e.locked = elements.boolean();
+        e.solverMesh = elements.text();
+        require(e.solverMesh == "default" || e.solverMesh == "as-is", "a solver mesh is unknown");
+        e.jointPlanes = static_cast<Element::JointPlanes>(elements.integer(0, 2));
+        read.emplace(e.id, std::move(e));
+    }
+    const auto elementAt = [&](PartId part) -> Element& {
+        const auto found = read.find(part);
+        require(found != read.end(), "an element is missing");
+        return found->second;
+    };
+    RowReader issues(db, "SELECT * FROM issues ORDER BY element, position");
+    while (issues.next()) {
+        Element& e = elementAt(id(issues));
+        issues.integer(static_cast<std::int64_t>(e.issues.size()), static_cast<std::int64_t>(e.issues.size()));
+        MeshIssue issue;
+        issue.severity = static_cast<Severity>(issues.integer(0, 2));
+        issue.code = utf8(issues.text());
+        issue.text = utf8(issues.text());
+        issue.count = static_cast<int>(issues.integer(0, std::numeric_limits<int>::max()));
+        issue.fixed = issues.boolean();
+        issue.triangles = issues.array<std::int32_t>();
+        issue.vertices = issues.array<std::int32_t>();
+        require(within(issue.triangles, e.mesh->body.triangles.rows()) && within(issue.vertices, e.mesh->body.vertices.rows()), "the place of an issue is out of range");
+        e.issues.push_back(std::move(issue));
+    }
+    RowReader faces(db, "SELECT * FROM faces ORDER BY element, position");
+    while (faces.next()) {
+        Element& e = elementAt(id(faces));
+        faces.integer(static_cast<std::int64_t>(e.faces.size()), static_cast<std::int64_t>(e.faces.size()));
+        JointFace f;
+        f.name = faces.text();
+        require(checkNameText(f.name).has_value(), "a name is broken");
+        f.vertices = faces.array<std::int32_t>();
+        f.triangles = faces.array<std::int32_t>();
+        const auto frame = faces.array<double>(12);
+        require(frame.size() == 12, "the frame of a joint face is broken");
+        f.frame.origin = Vec3(frame[0], frame[1], frame[2]);
+        for (int k = 0; k < 9; ++k) f.frame.axes(k % 3, k / 3) = frame[static_cast<std::size_t>(3 + k)];
+        f.area = faces.real();
+        f.size = faces.real(0.0, kLargestCoordinate);
+        f.planarityError = faces.real(0.0, kLargestCoordinate);
+        checkFace(f, e);
+        e.faces.push_back(std::move(f));
+    }
+    for (auto& [part, element] : read) {
+        require(checkNewName(document, element.name).has_value(), "a name is broken or used twice");
+        document.elements.emplace(part, std::make_shared<const Element>(std::move(element)));
+    }
+}
+
+Bone::Place readPlace(RowReader& rows) {
+    const std::string kind = rows.text();
+    const PartId part = idOrNone(rows);
+    const std::string name = rows.text();
+    const Vec3 at = point(rows);
+    if (kind == "face") return FaceRef{part, name};
+    if (kind == "point") return at;
+    require(kind == "bone" && (name == "start" || name == "end"), "the end of a bone is broken");
+    return EndpointRef{part, name == "end"};
+}
+
+void readSkeleton(Database& db, Document& document) {
+    std::map<PartId, Joint> joints;
+    RowReader jointRows(db, "SELECT * FROM joints ORDER BY id");
+    while (jointRows.next()) {
+        const PartId part = id(jointRows);
+        joints[part].id = part;
+    }
+    std::set<FaceRef> joined;
+    RowReader faceRows(db, "SELECT * FROM joint_faces ORDER BY joint, position");
+    while (faceRows.next()) {
+        const auto joint = joints.find(id(faceRows));
+        require(joint != joints.end(), "a joint is missing");
+        auto& faces = joint->second.faces;
+        faceRows.integer(static_cast<std::int64_t>(faces.size()), static_cast<std::int64_t>(faces.size()));
+        FaceRef face;
+        face.element = id(faceRows);
+        face.face = faceRows.text();
+        const auto element = document.elements.find(face.element);
+        require(element != document.elements.end() && element->second->faceIndex(face.face) >= 0, "a joint names a face that is not there");
+        require(joined.insert(face).second, "a face is in two joints");
+        faces.push_back(std::move(face));
+    }
+    for (auto& [part, joint] : joints) {
+        require(joint.faces.size() >= 2, "a joint has fewer than two faces");
+        document.joints.emplace(part, std::make_shared<const Joint>(std::move(joint)));
+    }
+
+    RowReader bones(db, "SELECT * FROM bones ORDER BY id");
+    while (bones.next()) {
+        Bone bone;
+        bone.id = id(bones);
+        bone.name = bones.text();
+        bone.element = idOrNone(bones);
+        bone.parent = idOrNone(bones);
+        bone.roll = bones.real(-1e6, 1e6);
+        bone.minStretch = bones.real(0.01, 1.0);
+        bone.maxStretch = bones.real(1.0, 100.0);
+        bone.start = readPlace(bones);
+        bone.end = readPlace(bones);
+        require(checkNewName(document, bone.name).has_value(), "a name is broken or used twice");
+        require(bone.element == 0 || document.elements.contains(bone.element), "a bone runs through an element that is not there");
+        document.bones.emplace(bone.id, std::make_shared<const Bone>(std::move(bone)));
+    }
+    for (const auto& [part, bone] : document.bones) require(bone->parent == 0 || document.bones.contains(bone->parent), "the parent of a bone is missing");
+    const auto plan = planCharacter(document);
+    if (!plan) throw DatabaseError(plan.error().message);
+
+    RowReader held(db, "SELECT * FROM held ORDER BY bone, at_end");
+    while (held.next()) {
+        EndpointRef end;
+        end.bone = id(held);
+        end.atEnd = held.boolean();
+        Held h;
+        h.pinned = held.boolean();
+        h.target = point(held);
+        h.roll = held.optionalReal();
+        require(!h.roll || std::abs(*h.roll) <= 1e6, "a roll is out of range");
+        h.fromRoll = held.real(-1e9, 1e9);
+        h.from = point(held);
+        h.seconds = held.real(0.0, 1e6);
+        h.elapsed = held.real(0.0, 1e6);
+        require(document.bones.contains(end.bone), "a held endpoint is missing");
+        document.held.emplace(end, h);
+    }
+    RowReader pose(db, "SELECT * FROM pose");
+    require(pose.next(), "the pose is missing");
+    const auto points = pose.array<double>(3), frames = pose.array<double>(4);
+    document.pose.roll = pose.array<double>();
+    const Skeleton& skeleton = plan->input.skeleton;
+    if (!points.empty() || !frames.empty() || !document.pose.roll.empty()) {
+        require(points.size() == 3 * skeleton.points.size() && frames.size() == 4 * skeleton.bones.size() &&
+                    document.pose.roll.size() == skeleton.points.size(),
+                "the pose belongs to another skeleton");
+        require(coordinates(points) && coordinates(frames) && coordinates(document.pose.roll), "the pose is out of range");
+    }
+    for (std::size_t i = 0; i < points.size(); i += 3) document.pose.points.emplace_back(points[i], points[i + 1], points[i + 2]);
+    for (std::size_t i = 0; i < frames.size(); i += 4) {
+        const Eigen::Quaterniond q(frames[i + 3], frames[i], frames[i + 1], frames[i + 2]);
+        require(std::abs(q.norm() - 1.0) < 1e-6, "the pose holds no rotation");
+        document.pose.frames.push_back(q);
+    }
+}
+
+ContentKey key(RowReader& rows) {
+    const auto halves = rows.array<std::uint64_t>(2);
+    require(halves.size() == 2, "a key is broken");
+    return {halves[0], halves[1]};
+}
+
+void readResponses(Database& db, Project& project) {
+    std::map<std::int64_t, Project::Response> read;
+    RowReader rows(db, "SELECT * FROM responses ORDER BY id");
+    while (rows.next()) {
+        const std::int64_t responseId = rows.integer();
+        Project::Response r;
+        r.key = key(rows);
+        r.shape = key(rows);
+        auto a = std::make_shared<ElementResponse>();
+        a->freeVertices = rows.array<std::int32_t>();
+        require(ascendingWithin(a->freeVertices, std::numeric_limits<std::int32_t>::max()), "a response is broken");
+        const auto bases = rows.array<std::int32_t>(2);
+        a->firstColumn.push_back(0);
+        for (std::size_t i = 0; i < bases.size(); i += 2) {
+            require((bases[i] == 0 || bases[i] == 1) && (bases[i + 1] == 0 || bases[i + 1] == 1), "a basis is unknown");
+            a->bases.push_back({static_cast<BasisKind>(bases[i]), bases[i + 1] == 1});
+            a->firstColumn.push_back(a->firstColumn.back() + a->bases.back().columns());
+        }
+        const auto g = static_cast<std::size_t>(a->columns());
+        const auto values = rows.array<double>(), stiffness = rows.array<double>();
+        require(values.size() == 3 * a->freeVertices.size() * g && stiffness.size() == g * g, "a response has a broken size");
+        a->response = Eigen::Map<const Eigen::MatrixXd>(values.data(), 3 * static_cast<Eigen::Index>(a->freeVertices.size()), static_cast<Eigen::Index>(g));
+        a->stiffness = Eigen::Map<const Eigen::MatrixXd>(stiffness.data(), static_cast<Eigen::Index>(g), static_cast<Eigen::Index>(g));
+        require(a->response.allFinite() && a->stiffness.allFinite(), "a response is not finite");
+        a->quality.solve.residual = rows.real();
+        a->quality.solve.rcond = rows.real();
+        a->quality.solve.peakBytes = static_cast<std::size_t>(rows.integer(0, std::numeric_limits<std::int64_t>::max()));
+        a->quality.asymmetry = rows.real();
+        a->quality.negativeEnergy = rows.real();
+        r.response = std::move(a);
+        read.emplace(responseId, std::move(r));
+    }
+    RowReader uses(db, "SELECT * FROM element_responses ORDER BY element");
+    while (uses.next()) {
+        const PartId element = id(uses);
+        const auto response = read.find(uses.integer());
+        require(project.document.elements.contains(element) && response != read.end(), "a response belongs to nothing");
+        project.responses.emplace(element, response->second);
+    }
+}
+
+Project readProject(Database& db) {
+    Project project;
+    Document& document = project.document;
+    RowReader settings(db, "SELECT * FROM settings");
+    require(settings.next(), "the settings are missing");
+    const auto basis = basisKind(settings.text());
+    require(basis.has_value(), "the basis is unknown");
+    document.settings.basis = *basis;
+    document.settings.format = settings.text();
+    require(document.settings.format == "float", "the format is unknown");
+    document.settings.threads = static_cast<int>(settings.integer(0, 1024));
+    document.nextId = id(settings);
+    readElements(db, document);
+    readSkeleton(db, document);
+    readResponses(db, project);
+    std::set<PartId> ids;
+    const auto unique = [&](PartId part) { require(part < document.nextId && ids.insert(part).second, "an id is used twice"); };
+    for (const auto& [part, element] : document.elements) unique(part);
+    for (const auto& [part, joint] : document.joints) unique(part);
+    for (const auto& [part, bone] : document.bones) unique(part);
+    return project;
+}
+
+}  // namespace
+
+Result<void> saveProject(const std::filesystem::path& path, const Project& project) {
+    try {
+        Database db;
+        db.run("PRAGMA page_size=4096");
+        db.run(("PRAGMA application_id=" + std::to_string(kProjectApplicationId)).c_str());
+        db.run(("PRAGMA user_version=" + std::to_string(kProjectVersion)).c_str());
+        db.run("BEGIN");
+        db.run(kTables);
+        const Document& document = project.document;
+        {
+            RowWriter settings(db, "INSERT INTO settings VALUES (?,?,?,?)");
+            settings.row(basisName(document.settings.basis), document.settings.format, document.settings.threads, document.nextId);
+        }
+        std::map<const ElementMesh*, int> meshIds;
+        writeMeshes(db, document, meshIds);
+        writeElements(db, document, meshIds);
+        writeSkeleton(db, document);
+        writeResponses(db, project);
+        {
+            const std::string digest = db.digest();
+            RowWriter info(db, "INSERT INTO info VALUES (?,?)");
+            info.row("program", std::string("imomushi ") + kVersion);
+            info.row("digest", digest);
+        }
+        db.run("COMMIT");
+        return writeFileAtomically(path, db.file());
+    } catch (const DatabaseError& error) {
+        return fail("not-writable", std::string("The project could not be written (") + error.what() + "): nothing was changed on the disk.");
+    }
+}
+
+Result<Project> openProject(const std::filesystem::path& path) {
+    const std::string name = "\"" + path.string() + "\"";
+    std::error_code error;
+    if (!std::filesystem::exists(path, error)) return fail("file-not-found", "There is no file " + name + ": check its path.");
+    if (!std::filesystem::is_regular_file(path, error)) return fail("not-readable", name + " is not a file: choose a .imomushi file.");
+    std::vector<char> bytes;
+    {
+        std::ifstream file(path, std::ios::binary | std::ios::ate);
+        const auto size = file ? static_cast<std::streamoff>(file.tellg()) : -1;
+        if (size < 0) return fail("not-readable", name + " cannot be read: check its permissions.");
+        bytes.resize(static_cast<std::size_t>(size));
+        file.seekg(0);
+        if (!file.read(bytes.data(), size)) return fail("not-readable", name + " cannot be read: check its disk.");
+    }
+    const auto notAProject = [&] { return fail("not-a-project", name + " is not an Imomushi project: choose a .imomushi file."); };
+    constexpr std::string_view kMagic("SQLite format 3\0", 16);
+    if (bytes.size() < 100 || std::string_view(bytes.data(), 16) != kMagic) return notAProject();
+    try {
+        Database db(std::move(bytes));
+        if (db.number("PRAGMA application_id") != kProjectApplicationId) return notAProject();
+        const std::int64_t version = db.number("PRAGMA user_version");
+        if (version > kProjectVersion)
+            return fail("newer-version", name + " was written by a newer version of Imomushi (format " + std::to_string(version) + ", this program knows " +
+                                             std::to_string(kProjectVersion) + "): update the program.");
+        require(version == kProjectVersion, "its version is unknown");
+        Project project = readProject(db);
+        const std::string digest = db.digest();
+        RowReader info(db, "SELECT value FROM info WHERE name='digest'");
+        require(info.next() && info.text() == digest, "its content does not match its digest");
+        return project;
+    } catch (const DatabaseError& reason) {
+        return fail("damaged", name + " is damaged (" + reason.what() + "): open an earlier version of it.");
+    }
+}
+
+}  // namespace imomushi

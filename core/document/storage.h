@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "core/base/hash.h"
+#include "core/base/result.h"
+#include "core/document/document.h"
+#include "core/reduction/element_response.h"
+
+namespace imomushi {
+
+/// What a project file holds: the document and the responses that its elements have.
+struct Project {
+    Document document;
+    struct Response {
+        ContentKey key, shape;  ///< as in the session: what it answers, and for which mesh, faces and basis it fits
+        std::shared_ptr<const ElementResponse> response;
+    };
+    std::map<PartId, Response> responses;  ///< by element; elements without one are left out
+};
+
+/// "IMOM": SQLite's application id of a .imomushi file.
+inline constexpr int kProjectApplicationId = 0x494d4f4d;
+/// Version of the tables. A file of a newer one is refused.
+inline constexpr int kProjectVersion = 1;
+
+/// Writes one self-contained SQLite file: beside its place first, on disk, then renamed, so that there is always a whole file. Nothing of an old
+/// file is lost when this fails. Errors: "not-writable", "disk-full".
+Result<void> saveProject(const std::filesystem::path& path, const Project& project);
+
+/// Reads a project without changing its file; trusts nothing in it.
+/// Errors: "file-not-found", "not-readable", "not-a-project", "newer-version", "damaged" with what is wrong.
+Result<Project> openProject(const std::filesystem::path& path);
+
+}  // namespace imomushi
