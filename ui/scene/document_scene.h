@@ -47,14 +47,22 @@ private:
     struct ElementParts {
         std::shared_ptr<const Element> element;
         std::vector<std::vector<std::vector<std::int32_t>>> rims;  ///< per face: closed loops of body vertices
-        std::vector<int> joinedFaces;
+        std::vector<int> coveredFaces;
         std::shared_ptr<const std::vector<std::int32_t>> covered;
         double lowest = 0.0;  ///< m, at rest
-        std::vector<float> restPositions, restNormals;  ///< shown while the character cannot be built
+        std::vector<float> restPositions;  ///< #body vertices x 3, shown while the character cannot be built
     };
-    ElementParts& parts(const std::shared_ptr<const Element>& element, const std::vector<int>& joinedFaces);
+    /// Vertices of two joined faces that are one point, until one of the elements is replaced.
+    struct Weld {
+        std::shared_ptr<const Element> a, b;
+        std::shared_ptr<const std::vector<std::pair<std::int32_t, std::int32_t>>> vertices;
+    };
+    ElementParts& parts(const std::shared_ptr<const Element>& element, const std::vector<int>& coveredFaces);
+    void addSeams(const Document& document, render::Scene& scene);
+    void addBones(Session& session, const SceneOptions& options, render::Scene& scene) const;
+    void addFaces(const Document& document, const SceneOptions& options, render::Scene& scene);
     std::map<PartId, ElementParts> parts_;
-    std::map<std::pair<PartId, PartId>, std::shared_ptr<const std::vector<std::pair<std::int32_t, std::int32_t>>>> welds_;
+    std::map<std::pair<FaceRef, FaceRef>, Weld> welds_;
 };
 
 /// A camera that looks along `direction` (from eye to target, any length) and frames all bodies of `scene` tightly, with a margin.

@@ -1,0 +1,306 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/scene/document_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include "core/base/hash.h"
+#include "core/document/character_input.h"
+#include "core/document/seam.h"
+
+namespace imomushi {
+
+namespace {
+
+// An id is a kind (3 bits), a part (44 bits) and a face or end (16 bits). Parts are counted from 1, so none of them comes near its limit.
+constexpr int kKindShift = 60, kPartShift = 16;
+constexpr std::uint64_t kDetailMask = 0xffff, kPartMask = (std::uint64_t(1) << (kKindShift - kPartShift)) - 1;
+
+// A face this much smaller than what it is joined to hides less than all of it (relative area): the larger one stays drawn.
+constexpr double kSameArea = 0.98;
+
+bool contains(const std::vector<std::uint64_t>& ids, std::uint64_t id) { return std::find(ids.begin(), ids.end(), id) != ids.end(); }
+
+/// Closed loops of body vertices around the patch of a face.
+std::vector<std::vector<std::int32_t>> rimLoops(const TriangleMesh& body, const JointFace& face) {
+    std::map<std::pair<std::int32_t, std::int32_t>, int> edges;
+    for (const std::int32_t f : face.triangles)
+        for (int c = 0; c < 3; ++c) edges[{body.triangles(f, c), body.triangles(f, (c + 1) % 3)}] = 1;
+    std::multimap<std::int32_t, std::int32_t> next;
+    for (const auto& [edge, one] : edges)
+        if (!edges.contains({edge.second, edge.first})) next.emplace(edge.first, edge.second);
+    std::vector<std::vector<std::int32_t>> loops;
+    while (!next.empty()) {
+        std::vector<std::int32_t> loop;
+        auto at = next.begin();
+        while (at != next.end()) {
+            loop.push_back(at->first);
+            const std::int32_t to = at->second;
+            next.erase(at);
+            at = next.find(to);
+        }
+        loops.push_back(std::move(loop));
+    }
+    return loops;
+}
+
+}  // namespace
+
+std::uint64_t sceneId(const ScenePart& part) {
+    std::uint64_t detail = 0;
+    if (part.kind == ScenePart::Kind::Face) detail = static_cast<std::uint64_t>(part.face);
+    if (part.kind == ScenePart::Kind::Endpoint) detail = part.atEnd ? 1 : 0;
+    return (static_cast<std::uint64_t>(part.kind) + 1) << kKindShift | (part.part & kPartMask) << kPartShift | (detail & kDetailMask);
+}
+
+std::optional<ScenePart> scenePart(std::uint64_t id) {
+    const std::uint64_t kind = id >> kKindShift, part = id >> kPartShift & kPartMask, detail = id & kDetailMask;
+    if (kind < 1 || kind > 4 || part == 0) return std::nullopt;
+    ScenePart answer{static_cast<ScenePart::Kind>(kind - 1), part, -1, false};
+    if (answer.kind == ScenePart::Kind::Face) answer.face = static_cast<int>(detail);
+    if (answer.kind == ScenePart::Kind::Endpoint) answer.atEnd = detail != 0;
+    return answer;
+}
+
+DocumentScene::ElementParts& DocumentScene::parts(const std::shared_ptr<const Element>& element, const std::vector<int>& coveredFaces) {
+    ElementParts& p = parts_[element->id];
+    if (p.element == element && p.coveredFaces == coveredFaces) return p;
+    p.coveredFaces = coveredFaces;
+    auto covered = std::make_shared<std::vector<std::int32_t>>();
+    for (const int f : coveredFaces) covered->insert(covered->end(), element->faces[f].triangles.begin(), element->faces[f].triangles.end());
+    std::sort(covered->begin(), covered->end());
+    // The renderer makes a body anew when this pointer changes, so an equal list keeps the old one.
+    if (covered->empty()) p.covered = nullptr;
+    else if (!p.covered || *p.covered != *covered) p.covered = std::move(covered);
+    if (p.element == element) return p;
+
+    p.element = element;
+    p.rims.clear();
+    for (const JointFace& face : element->faces) p.rims.push_back(rimLoops(element->mesh->body, face));
+    const Points& v = element->mesh->body.vertices;
+    p.lowest = v.rows() ? v.col(1).minCoeff() : 0.0;
+    p.restPositions.resize(v.size());
+    Eigen::Map<Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(p.restPositions.data(), v.rows(), 3) = v.cast<float>();
+    return p;
+}
+
+void DocumentScene::update(Session& session, const SceneOptions& options, render::Scene& scene) {
+    const Document& document = session.document();
+    scene.bodies.clear();
+    scene.seams.clear();
+    scene.markers.clear();
+    std::erase_if(parts_, [&](const auto& entry) { return !document.elements.contains(entry.first); });
+
+    // Joined faces that lie inside: both elements are shown, and the neighbour's face is as large.
+    std::map<PartId, std::vector<int>> coveredFaces;
+    const auto shown = [&](const FaceRef& ref) -> const Element* {
+        const auto at = document.elements.find(ref.element);
+        return at != document.elements.end() && at->second->visible ? at->second.get() : nullptr;
+    };
+    for (const auto& [id, joint] : document.joints)
+        for (const FaceRef& ref : joint->faces) {
+            const Element* element = shown(ref);
+            const int face = element ? element->faceIndex(ref.face) : -1;
+            if (face < 0) continue;
+            for (const FaceRef& other : joint->faces) {
+                const Element* neighbour = shown(other);
+                const int opposite = neighbour && neighbour != element ? neighbour->faceIndex(other.face) : -1;
+                if (opposite < 0 || neighbour->faces[opposite].area < kSameArea * element->faces[face].area) continue;
+                coveredFaces[ref.element].push_back(face);
+                break;
+            }
+        }
+
+    Character* character = session.character();
+    scene.ground = 0.0;
+    for (const auto& [id, element] : document.elements) {
+        if (!element->visible || !element->mesh) continue;
+        ElementParts& p = parts(element, coveredFaces[id]);
+        scene.ground = std::min(scene.ground, p.lowest);
+        render::Body body;
+        body.id = sceneId({ScenePart::Kind::Element, id, -1, false});
+        body.mesh = element->mesh;
+        body.coveredTriangles = p.covered;
+        body.color = element->color;
+        body.opacity = options.bodyOpacity;
+        body.pickable = !element->locked;
+        body.selected = contains(options.selected, body.id);
+        body.hovered = options.hovered == body.id;
+        body.dimmed = session.responseState(id) == Session::ResponseState::Stale;
+        body.positions = p.restPositions.data();
+        const int index = character ? session.elementIndex(id) : -1;
+        if (index >= 0) {
+            const Character::Surface surface = character->surface(index);
+            if (surface.positions && surface.vertices == element->mesh->body.vertices.rows()) {
+                body.positions = surface.positions;
+                body.normals = surface.normals;
+            }
+        }
+        // A character that was built anew counts its revisions from the start, so the content itself is the revision.
+        ContentHasher content;
+        content.array(std::span(body.positions, p.restPositions.size()));
+        body.revision = content.key().low;
+        scene.bodies.push_back(std::move(body));
+    }
+    addSeams(document, scene);
+    if (options.faces) addFaces(document, options, scene);
+    if (options.bones) addBones(session, options, scene);
+}
+
+void DocumentScene::addSeams(const Document& document, render::Scene& scene) {
+    const auto bodyOf = [&](PartId element) {
+        const std::uint64_t id = sceneId({ScenePart::Kind::Element, element, -1, false});
+        for (std::size_t i = 0; i < scene.bodies.size(); ++i)
+            if (scene.bodies[i].id == id) return static_cast<int>(i);
+        return -1;
+    };
+    std::map<std::pair<FaceRef, FaceRef>, Weld> kept;
+    for (const auto& [id, joint] : document.joints)
+        for (std::size_t i = 0; i < joint->faces.size(); ++i)
+            for (std::size_t j = 0; j < i; ++j) {
+                const FaceRef &ra = joint->faces[j], &rb = joint->faces[i];
+                const int a = bodyOf(ra.element), b = bodyOf(rb.element);
+                if (a < 0 || b < 0 || a == b) continue;
+                const auto& ea = document.elements.at(ra.element);
+                const auto& eb = document.elements.at(rb.element);
+                const int fa = ea->faceIndex(ra.face), fb = eb->faceIndex(rb.face);
+                if (fa < 0 || fb < 0) continue;
+                Weld& weld = kept[{ra, rb}];
+                if (const auto old = welds_.find({ra, rb}); old != welds_.end()) weld = old->second;
+                if (weld.a != ea || weld.b != eb)
+                    weld = {ea, eb, std::make_shared<const std::vector<std::pair<std::int32_t, std::int32_t>>>(
+                                        weldedVertices({&ea->mesh->body, &ea->faces[fa]}, {&eb->mesh->body, &eb->faces[fb]}))};
+                scene.seams.push_back({a, b, weld.vertices});
+            }
+    welds_ = std::move(kept);
+}
+
+void DocumentScene::addFaces(const Document& document, const SceneOptions& options, render::Scene& scene) {
+    // Of joined faces, which lie on each other, the first is shown and the others when they are selected.
+    std::vector<FaceRef> hidden;
+    for (const auto& [id, joint] : document.joints) hidden.insert(hidden.end(), joint->faces.begin() + (joint->faces.empty() ? 0 : 1), joint->faces.end());
+    for (const render::Body& body : scene.bodies) {
+        const auto part = scenePart(body.id);
+        const ElementParts& p = parts_.at(part->part);
+        for (int f = 0; f < static_cast<int>(p.rims.size()); ++f) {
+            render::Marker marker;
+            marker.shape = render::Marker::Shape::FaceOutline;
+            marker.id = sceneId({ScenePart::Kind::Face, part->part, f, false});
+            marker.selected = contains(options.selected, marker.id);
+            marker.hovered = options.hovered == marker.id;
+            const FaceRef ref{part->part, p.element->faces[f].name};
+            if (!marker.selected && !marker.hovered && std::find(hidden.begin(), hidden.end(), ref) != hidden.end()) continue;
+            if (p.element->locked) marker.id = 0;
+            for (const auto& loop : p.rims[f]) {
+                marker.outline.clear();
+                for (const std::int32_t v : loop) marker.outline.push_back(Eigen::Map<const Eigen::Vector3f>(body.positions + 3 * v).cast<double>());
+                if (!marker.outline.empty()) marker.from = marker.to = marker.outline.front();
+                scene.markers.push_back(marker);
+            }
+        }
+    }
+}
+
+void DocumentScene::addBones(Session& session, const SceneOptions& options, render::Scene& scene) const {
+    const Document& document = session.document();
+    const Character* character = session.character();
+    const auto position = [&](const Bone& bone, bool atEnd) -> std::optional<Vec3> {
+        const int point = character ? session.pointIndex({bone.id, atEnd}) : -1;
+        if (point >= 0 && point < static_cast<int>(document.pose.points.size())) return document.pose.points[point];
+        if (point >= 0 && point < static_cast<int>(character->input().skeleton.points.size())) return character->input().skeleton.points[point];
+        const auto rest = restPosition(document, atEnd ? bone.end : bone.start);
+        return rest ? std::optional(*rest) : std::nullopt;
+    };
+    // Ends that are one joint point share one marker, which answers for an end before a start: ends are what one drags.
+    struct Point {
+        render::Marker marker;
+        EndpointRef speaker;
+    };
+    std::vector<Point> points;
+    std::map<int, std::size_t> byJoint;
+    for (const auto& [id, bone] : document.bones) {
+        const auto from = position(*bone, false), to = position(*bone, true);
+        if (!from || !to) continue;
+        render::Marker marker;
+        marker.shape = render::Marker::Shape::Bone;
+        marker.id = sceneId({ScenePart::Kind::Bone, id, -1, false});
+        marker.from = *from;
+        marker.to = *to;
+        marker.selected = contains(options.selected, marker.id);
+        marker.hovered = options.hovered == marker.id;
+        scene.markers.push_back(marker);
+        for (const bool atEnd : {false, true}) {
+            const EndpointRef end{id, atEnd};
+            const int joint = character ? session.pointIndex(end) : -1;
+            std::size_t place = points.size();
+            if (joint >= 0) place = byJoint.try_emplace(joint, place).first->second;
+            if (place == points.size()) points.push_back({{}, end});
+            Point& point = points[place];
+            if (atEnd && !point.speaker.atEnd) point.speaker = end;
+            point.marker.from = point.marker.to = atEnd ? *to : *from;
+            const std::uint64_t own = sceneId({ScenePart::Kind::Endpoint, id, -1, atEnd});
+            point.marker.selected = point.marker.selected || contains(options.selected, own);
+            point.marker.hovered = point.marker.hovered || options.hovered == own;
+            if (const auto held = document.held.find(end); held != document.held.end())
+                point.marker.shape = held->second.pinned ? render::Marker::Shape::PinnedPoint : render::Marker::Shape::HeldPoint;
+        }
+    }
+    for (Point& point : points) {
+        point.marker.id = sceneId({ScenePart::Kind::Endpoint, point.speaker.bone, -1, point.speaker.atEnd});
+        scene.markers.push_back(std::move(point.marker));
+    }
+}
+
+Vec3 threeQuarterDirection() { return Vec3(-0.62, -0.40, -1.0).normalized(); }
+
+render::Camera framed(const render::Scene& scene, const Vec3& direction, double aspect) {
+    // How much of the half picture the bodies may fill: the rest is room for the shadow and for the eye.
+    constexpr double kFill = 0.84;
+    render::Camera camera = scene.camera;
+    camera.up = Vec3::UnitY();
+    camera.target = Vec3::Zero();
+    camera.eye = -direction.normalized();
+    const Eigen::Matrix3d axes = camera.view().block<3, 3>(0, 0);  // rows: right, above, back
+    if (axes.row(1).dot(camera.up) < 1e-6) camera.up = axes.row(1).transpose();  // straight from above or below
+    const double ty = std::tan(0.5 * camera.fov) * kFill, tx = ty * aspect;
+
+    const double far = -std::numeric_limits<double>::infinity();
+    double right = far, left = far, above = far, below = far, front = far, back = far;
+    double wide = far, narrow = far, high = far, low = far;
+    const auto include = [&](const Vec3& p) {
+        const Vec3 q = axes * p;
+        right = std::max(right, q.x() + tx * q.z());
+        left = std::max(left, -q.x() + tx * q.z());
+        above = std::max(above, q.y() + ty * q.z());
+        below = std::max(below, -q.y() + ty * q.z());
+        front = std::max(front, q.z());
+        back = std::max(back, -q.z());
+        wide = std::max(wide, q.x()), narrow = std::max(narrow, -q.x());
+        high = std::max(high, q.y()), low = std::max(low, -q.y());
+    };
+    for (const render::Body& body : scene.bodies)
+        if (body.mesh && body.positions)
+            for (Eigen::Index v = 0; v < body.mesh->body.vertices.rows(); ++v) include(Eigen::Map<const Eigen::Vector3f>(body.positions + 3 * v).cast<double>());
+    if (scene.bodies.empty())
+        for (const render::Marker& m : scene.markers) include(m.from), include(m.to);
+    if (!std::isfinite(right))
+        for (int k = 0; k < 8; ++k) include(Vec3(k & 1 ? 0.5 : -0.5, scene.ground + (k & 2 ? 1.0 : 0.0), k & 4 ? 0.5 : -0.5));
+
+    const double middle = 0.5 * (front - back);
+    if (camera.orthographic) {
+        camera.orthoHeight = std::max({high + low, (wide + narrow) / aspect, 1e-6}) / kFill;
+        const Vec3 centre(0.5 * (wide - narrow), 0.5 * (high - low), middle);
+        camera.target = axes.transpose() * centre;
+        camera.eye = camera.target + axes.row(2).transpose() * std::max(camera.orthoHeight * 2.0, (front + back));
+        return camera;
+    }
+    const double ez = std::max({(right + left) / (2.0 * tx), (above + below) / (2.0 * ty), middle + 1e-6});
+    const Vec3 eye(0.5 * (right - left), 0.5 * (above - below), ez);
+    camera.eye = axes.transpose() * eye;
+    camera.target = axes.transpose() * Vec3(eye.x(), eye.y(), middle);
+    return camera;
+}
+
+}  // namespace imomushi
