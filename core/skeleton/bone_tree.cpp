@@ -46,6 +46,18 @@ Eigen::Quaterniond minimalRotation(const Vec3& from, const Vec3& to) {
     return Eigen::Quaterniond(w, axis.x(), axis.y(), axis.z()).normalized();
 }
 
+bool fits(const Skeleton& skeleton, const Pose& pose) {
+    const std::size_t points = skeleton.points.size();
+    if (pose.points.size() != points || pose.roll.size() != points || pose.frames.size() != skeleton.bones.size()) return false;
+    for (const auto& p : pose.points)
+        if (!allFinite(p)) return false;
+    for (const auto& q : pose.frames)
+        if (!allFinite(q.coeffs()) || !(q.coeffs().cwiseAbs().maxCoeff() < 2.0) || !(q.squaredNorm() > 0.5)) return false;
+    for (const double r : pose.roll)
+        if (!std::isfinite(r)) return false;
+    return true;
+}
+
 double boneRoll(const Skeleton& skeleton, const BoneTree& tree, const Pose& pose, int bone) {
     const auto& b = skeleton.bones[bone];
     return tree.rollSign[bone] * 0.5 * (pose.roll[b.start] + pose.roll[b.end]);

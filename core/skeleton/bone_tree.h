@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "core/skeleton/skeleton.h"
@@ -24,6 +25,18 @@ BoneTree boneTree(const Skeleton& skeleton);
 /// The rotation of least angle that takes the unit vector `from` to the unit vector `to`; real part >= 0. Opposite vectors: half a turn
 /// about some axis across them.
 Eigen::Quaterniond minimalRotation(const Vec3& from, const Vec3& to);
+
+/// No infinity and no NaN among the numbers; raises no floating-point exception (Eigen's allFinite() subtracts).
+template <class Dense>
+bool allFinite(const Eigen::DenseBase<Dense>& numbers) {
+    for (Eigen::Index c = 0; c < numbers.cols(); ++c)
+        for (Eigen::Index r = 0; r < numbers.rows(); ++r)
+            if (!std::isfinite(numbers.derived().coeff(r, c))) return false;
+    return true;
+}
+
+/// A pose of `skeleton` that can be used: right sizes, finite, unit frames to a factor of about two.
+bool fits(const Skeleton& skeleton, const Pose& pose);
 
 /// Roll of a bone in radians about its direction: the mean of its two ends.
 double boneRoll(const Skeleton& skeleton, const BoneTree& tree, const Pose& pose, int bone);

@@ -72,14 +72,6 @@ Matrix3d cross(const Vec3& a) {
     return m;
 }
 
-bool finite(const Pose& pose) {
-    for (const auto& p : pose.points)
-        if (!p.allFinite()) return false;
-    for (const auto& q : pose.frames)
-        if (!q.coeffs().allFinite() || q.squaredNorm() < 0.5 || q.squaredNorm() > 2.0) return false;
-    return std::all_of(pose.roll.begin(), pose.roll.end(), [](double r) { return std::isfinite(r); });
-}
-
 }  // namespace
 
 Pose restPose(const Skeleton& skeleton) {
@@ -342,9 +334,9 @@ struct InverseKinematics::State {
     Report solve(const std::vector<Hold>& holds, Pose& pose) {
         Report report;
         if (pose.points.size() != x.size() || pose.frames.size() != frames.size() || pose.roll.size() != x.size()) pose = restPose(skeleton);
-        bool usable = finite(pose);
+        bool usable = fits(skeleton, pose);
         for (const auto& hold : holds)
-            usable = usable && hold.target.allFinite() && std::isfinite(hold.roll) && hold.point >= 0 &&
+            usable = usable && allFinite(hold.target) && std::isfinite(hold.roll) && hold.point >= 0 &&
                      hold.point < static_cast<int>(x.size());
         if (!usable) {
             report.finite = false;

@@ -1,0 +1,657 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// One frame: pose -> rotation, place and in-plane stretch of every joint (JointState) -> v of every element in its own moving frame -> vertices.
+// Vertices of joint faces are placed by their joint alone, welded ones from the rest position of their first face: seams are closed by
+// construction, whatever the basis can say.
+#include "core/character/character.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+
+#include "core/character/shrink.h"
+#include "core/character/vertex_kernels.h"
+#include "core/skeleton/bone_tree.h"
+
+namespace imomushi {
+
+using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+
+namespace {
+
+// Twist in radians or shift in face sizes that the basis cannot say and an artist would see.
+constexpr double kVisibleLoss = 1e-3;
+// A change of v that moves no vertex by more than this part of the element is below single precision: the product is not computed again.
+constexpr double kSameShape = 1e-8;
+// In-plane stretches stay within these, approached smoothly.
+constexpr double kLeastStretch = 0.3, kMostStretch = 3.0;
+// A vertex at the rim of a joined face that has no partner takes the normal of the nearest place on the other rim within this many face sizes.
+constexpr double kNearRim = 0.1;
+
+/// Memory for floats at 64 bytes, for vectors of any width.
+class FloatBuffer {
+public:
+    explicit FloatBuffer(std::size_t count = 0) : size_(count) {
+        if (count == 0) return;
+        const std::size_t bytes = (count * sizeof(float) + 63) / 64 * 64;
+        data_.reset(static_cast<float*>(std::aligned_alloc(64, bytes)));
+        if (!data_) throw std::bad_alloc();
+        std::fill_n(data_.get(), bytes / sizeof(float), 0.0f);
+    }
+    float* data() { return data_.get(); }
+    [[nodiscard]] const float* data() const { return data_.get(); }
+
+private:
+    struct Free {
+        void operator()(float* p) const { std::free(p); }
+    };
+    std::unique_ptr<float, Free> data_;
+    std::size_t size_ = 0;
+};
+
+/// Weighted mean of rotations given as quaternions. Within one tree signs say which way a bend went round (Pose::frames); across trees they mean
+/// nothing and are aligned with the first.
+class MeanRotation {
+public:
+    void add(const Quaterniond& q, double weight, int tree) {
+        double sign = 1.0;
+        if (first_ == kNone)
+            first_ = tree;
+        else if (tree != first_ && sum_.dot(q.coeffs()) < 0.0)
+            sign = -1.0;
+        if (!last_) reference_ = q;
+        last_ = true;
+        sum_ += sign * weight * q.coeffs();
+    }
+    [[nodiscard]] bool empty() const { return !last_; }
+    [[nodiscard]] Quaterniond get() const {
+        const double n = sum_.norm();
+        return n > 1e-6 ? Quaterniond(Eigen::Vector4d(sum_ / n)) : reference_;
+    }
+
+private:
+    static constexpr int kNone = std::numeric_limits<int>::min();
+    Eigen::Vector4d sum_ = Eigen::Vector4d::Zero();
+    Quaterniond reference_ = Quaterniond::Identity();
+    int first_ = kNone;
+    bool last_ = false;
+};
+
+double milliseconds(std::chrono::steady_clock::time_point from, std::chrono::steady_clock::time_point to) {
+    return std::chrono::duration<double, std::milli>(to - from).count();
+}
+
+// 1 + x near 0, between the limits everywhere, twice differentiable.
+double boundedStretch(double x) {
+    const double room = x < 0.0 ? 1.0 - kLeastStretch : kMostStretch - 1.0;
+    return 1.0 + room * std::tanh(x / room);
+}
+
+/// x -> linear * x + shift, rest to world.
+struct AffineMap {
+    Matrix3d linear = Matrix3d::Identity();
+    Vec3 shift = Vec3::Zero();
+    [[nodiscard]] Vec3 operator()(const Vec3& p) const { return linear * p + shift; }
+    bool operator==(const AffineMap& o) const { return linear == o.linear && shift == o.shift; }
+};
+
+Result<void> check(const CharacterInput& input) {
+    const int points = static_cast<int>(input.skeleton.points.size());
+    const int bones = static_cast<int>(input.skeleton.bones.size());
+    const auto bad = [](const std::string& what) { return fail("bad-value", "The character contradicts itself: " + what + "."); };
+    const auto in = [](int i, int n) { return i >= 0 && i < n; };
+    for (int b = 0; b < bones; ++b) {
+        const auto& bone = input.skeleton.bones[b];
+        if (!in(bone.start, points) || !in(bone.end, points) || bone.start == bone.end) return bad("a bone has an end that is not there");
+        if (bone.parent >= b) return bad("a bone comes before its parent");
+        if (!(bone.length > 0.0) || !std::isfinite(bone.length)) return bad("a bone has no length");
+        if (!(bone.minStretch >= 0.0) || !(bone.maxStretch >= bone.minStretch)) return bad("a bone's stretch limits are in the wrong order");
+    }
+    for (const auto& p : input.skeleton.points)
+        if (!allFinite(p)) return bad("a joint point is not a number");
+    for (const auto& element : input.elements) {
+        if (!element.mesh) return bad("an element has no mesh");
+        const auto vertices = element.mesh->body.vertices.rows();
+        if (!allFinite(element.mesh->body.vertices)) return bad("a vertex is not a number");
+        const auto& triangles = element.mesh->body.triangles;
+        if (triangles.size() > 0 && (triangles.minCoeff() < 0 || triangles.maxCoeff() >= vertices)) return bad("a triangle has a corner that is not there");
+        std::vector<char> onFace(vertices, 0);
+        for (const auto& face : element.faces) {
+            for (const auto v : face.vertices) {
+                if (v < 0 || v >= vertices) return bad("a joint face names a vertex that is not there");
+                if (onFace[v]++) return bad("two joint faces share a vertex");
+            }
+            for (const auto t : face.triangles)
+                if (t < 0 || t >= triangles.rows()) return bad("a joint face names a triangle that is not there");
+        }
+        for (const int b : element.bones)
+            if (!in(b, bones)) return bad("an element names a bone that is not there");
+        if (!element.response) continue;
+        const auto& r = *element.response;
+        bool fits = r.bases.size() == element.faces.size() && r.firstColumn.size() == element.faces.size() + 1;
+        for (std::size_t f = 0; fits && f < r.bases.size(); ++f) fits = r.firstColumn[f + 1] - r.firstColumn[f] == r.bases[f].columns();
+        fits = fits && r.response.rows() == 3 * static_cast<Eigen::Index>(r.freeVertices.size()) && r.response.cols() == r.columns() &&
+               r.stiffness.rows() == r.columns() && r.stiffness.cols() == r.columns() && allFinite(r.response) && allFinite(r.stiffness);
+        std::size_t held = 0;
+        for (const auto& face : element.faces) held += face.vertices.size();
+        fits = fits && r.freeVertices.size() + held == static_cast<std::size_t>(vertices);
+        for (const auto v : r.freeVertices) fits = fits && v >= 0 && v < vertices && !onFace[v];
+        if (!fits) return bad("a response belongs to another mesh or other joint faces; precompute again");
+    }
+    std::vector<std::vector<int>> used(input.elements.size());
+    for (std::size_t e = 0; e < used.size(); ++e) used[e].assign(input.elements[e].faces.size(), 0);
+    for (const auto& joint : input.joints) {
+        if (joint.point < -1 || joint.point >= points || joint.faces.empty()) return bad("a joint has no face or no joint point");
+        for (const auto& f : joint.faces) {
+            if (!in(f.element, static_cast<int>(input.elements.size())) || !in(f.face, static_cast<int>(used[f.element].size())))
+                return bad("a joint names a face that is not there");
+            if (f.bone < -1 || f.bone >= bones) return bad("a joint names a bone that is not there");
+            ++used[f.element][f.face];
+        }
+        if (!joint.welded.empty() && joint.faces.size() < 2) return bad("a joint welds a face to nothing");
+        for (const auto& [a, b] : joint.welded)
+            if (!in(a, static_cast<int>(input.elements[joint.faces[0].element].mesh->body.vertices.rows())) ||
+                !in(b, static_cast<int>(input.elements[joint.faces[1].element].mesh->body.vertices.rows())))
+                return bad("a joint welds a vertex that is not there");
+    }
+    for (const auto& faces : used)
+        for (const int n : faces)
+            if (n != 1) return bad("a joint face belongs to no joint or to several");
+    return {};
+}
+
+}  // namespace
+
+struct Character::State {
+    struct JointState {
+        Vec3 restPlace = Vec3::Zero();
+        Vec3 restNormal = Vec3::UnitZ();
+        Vec3 restTangent = Vec3::Zero();  // that roll turns about; zero: no bones meet here
+        double shrink = 0.0;
+        bool led = false;
+        AffineMap map;
+    };
+    // A vertex that its joint places, and the rest position that it is placed from.
+    struct HeldVertex {
+        std::int32_t vertex = 0;
+        int joint = 0;
+        Vec3 rest = Vec3::Zero();
+    };
+    // Vertices whose triangles are all inside the joint have no normal of their own.
+    struct HiddenVertex {
+        std::int32_t vertex = 0;
+        int joint = 0;
+        Vec3 normal = Vec3::UnitZ();
+    };
+    struct ElementState {
+        std::size_t vertices = 0;
+        Vec3 middle = Vec3::Zero();
+        double size = 0.0;
+        double boneLength = 0.0;
+        int anchorJoint = -1;  // hangs on this joint; else the middle of its bones
+        Vec3 restAnchor = Vec3::Zero();
+        std::vector<int> jointOf;  // per face
+
+        Quaterniond rotation = Quaterniond::Identity();
+        AffineMap frame, shownFrame;
+        Eigen::VectorXd v, shownV, columnSize;
+        std::vector<AffineMap> shownJoints;  // per face
+        bool shown = false, moved = false;
+
+        std::vector<HeldVertex> held;
+        std::vector<HiddenVertex> hidden;
+        std::vector<std::int32_t> free;       // body vertices
+        std::vector<std::int32_t> blockVertex, triangles;
+        std::vector<float> vFloat;
+        FloatBuffer response, rest, local, positions, normals, sums;
+        FreeBlocks blocks;
+        std::uint64_t revision = 0;
+    };
+    // The normal of a vertex on a seam is shared with a place on an edge of the other rim.
+    struct SeamNormal {
+        int element = 0, other = 0;
+        std::int32_t vertex = 0, from = 0, to = 0;
+        float part = 0.0f;  // of the way from `from` to `to`
+    };
+
+    explicit State(CharacterInput given)
+        : input(std::move(given)), tree(boneTree(input.skeleton)), kinematics(input.skeleton), pose(restPose(input.skeleton)) {
+        const auto shrinks = leastEnergyShrink(input);
+        boneLength = 0.0;
+        for (const auto& bone : input.skeleton.bones) boneLength = std::max(boneLength, bone.length);
+        for (std::size_t j = 0; j < input.joints.size(); ++j) joints.push_back(buildJoint(input.joints[j], shrinks[j]));
+        elements.resize(input.elements.size());
+        for (std::size_t e = 0; e < elements.size(); ++e) buildElement(static_cast<int>(e));
+        for (std::size_t j = 0; j < input.joints.size(); ++j) buildSeam(input.joints[j]);
+        update(pose);
+    }
+
+    JointState buildJoint(const CharacterInput::Joint& joint, double shrink) const {
+        JointState out;
+        const auto& first = input.elements[joint.faces[0].element].faces[joint.faces[0].face].frame;
+        out.restPlace = joint.point >= 0 ? input.skeleton.points[joint.point] : first.origin;
+        out.restNormal = first.axes.col(2);
+        out.shrink = shrink;
+        for (const auto& f : joint.faces) {
+            out.led = out.led || input.elements[f.element].leadsJointPlanes;
+            if (f.bone >= 0) out.restTangent += tree.rollSign[f.bone] * tree.restDirection[f.bone];
+        }
+        const double n = out.restTangent.norm();
+        out.restTangent = n > 1e-6 ? Vec3(out.restTangent / n) : Vec3(Vec3::Zero());
+        return out;
+    }
+
+    void buildElement(int e) {
+        const auto& given = input.elements[e];
+        const auto& body = given.mesh->body;
+        auto& out = elements[e];
+        out.vertices = static_cast<std::size_t>(body.vertices.rows());
+        if (out.vertices > 0) {
+            const Vec3 low = body.vertices.colwise().minCoeff().transpose(), high = body.vertices.colwise().maxCoeff().transpose();
+            out.middle = 0.5 * (low + high);
+            out.size = (high - low).norm();
+        }
+        for (const int b : given.bones) {
+            const auto& bone = input.skeleton.bones[b];
+            out.boneLength += bone.length;
+            out.restAnchor += 0.5 * bone.length * (input.skeleton.points[bone.start] + input.skeleton.points[bone.end]);
+        }
+        if (out.boneLength > 0.0) out.restAnchor /= out.boneLength;
+
+        std::vector<char> onFace(out.vertices, 0), covered(body.triangles.rows(), 0);
+        out.jointOf.assign(given.faces.size(), -1);
+        out.shownJoints.resize(given.faces.size());
+        for (std::size_t j = 0; j < input.joints.size(); ++j) {
+            const auto& joint = input.joints[j];
+            for (const auto& f : joint.faces) {
+                if (f.element != e) continue;
+                out.jointOf[f.face] = static_cast<int>(j);
+                if (hangsOnItsJoint(given, joint)) {
+                    out.anchorJoint = static_cast<int>(j);
+                    out.restAnchor = joints[j].restPlace;
+                }
+                for (const auto v : given.faces[f.face].vertices) {
+                    onFace[v] = 1;
+                    Vec3 rest = body.vertices.row(v).transpose();
+                    if (&f == joint.faces.data() + 1)
+                        for (const auto& [a, b] : joint.welded)
+                            if (b == v) rest = input.elements[joint.faces[0].element].mesh->body.vertices.row(a).transpose();
+                    out.held.push_back({v, static_cast<int>(j), rest});
+                }
+                if (joint.faces.size() >= 2)
+                    for (const auto t : given.faces[f.face].triangles) covered[t] = 1;
+            }
+        }
+
+        const int columns = given.response ? given.response->columns() : 0;
+        out.v = out.shownV = Eigen::VectorXd::Zero(columns);
+        out.columnSize = Eigen::VectorXd::Constant(columns, out.size);
+        for (std::size_t f = 0; columns > 0 && f < given.faces.size(); ++f) {
+            const int first = given.response->firstColumn[f];
+            out.columnSize[first + 5] = 1.0;
+            if (given.response->bases[f].kind == BasisKind::Affine) out.columnSize[first + 6] = out.columnSize[first + 7] = 1.0;
+        }
+        out.vFloat.assign(columns, 0.0f);
+
+        std::vector<char> visible(out.vertices, 0);
+        for (Eigen::Index t = 0; t < body.triangles.rows(); ++t) {
+            if (covered[t]) continue;
+            for (int c = 0; c < 3; ++c) {
+                out.triangles.push_back(body.triangles(t, c));
+                visible[body.triangles(t, c)] = 1;
+            }
+        }
+        for (std::size_t f = 0; f < given.faces.size(); ++f)
+            for (const auto v : given.faces[f].vertices)
+                if (!visible[v]) out.hidden.push_back({v, out.jointOf[f], given.faces[f].frame.axes.col(2)});
+
+        if (given.response)
+            out.free = given.response->freeVertices;
+        else
+            for (std::size_t v = 0; v < out.vertices; ++v)
+                if (!onFace[v]) out.free.push_back(static_cast<std::int32_t>(v));
+        const std::size_t blocks = (out.free.size() + kVertexBlock - 1) / kVertexBlock;
+        constexpr std::size_t kStride = 3 * kVertexBlock;
+        out.response = FloatBuffer(blocks * kStride * columns);
+        out.rest = FloatBuffer(blocks * kStride);
+        out.local = FloatBuffer(blocks * kStride);
+        out.blockVertex.assign(blocks * kVertexBlock, -1);
+        for (std::size_t i = 0; i < out.free.size(); ++i) {
+            const std::size_t block = i / kVertexBlock, lane = i % kVertexBlock;
+            out.blockVertex[i] = out.free[i];
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const std::size_t at = axis * kVertexBlock + lane;
+                const auto row = static_cast<Eigen::Index>(axis);
+                out.rest.data()[block * kStride + at] = static_cast<float>(body.vertices(out.free[i], row) - out.middle[row]);
+                for (int c = 0; c < columns; ++c)
+                    out.response.data()[(block * columns + c) * kStride + at] =
+                        static_cast<float>(given.response->response(3 * static_cast<Eigen::Index>(i) + row, c));
+            }
+        }
+        out.blocks = {out.response.data(), out.rest.data(), out.local.data(), out.blockVertex.data(), blocks, columns};
+        const std::size_t padded = (out.vertices + 15) / 16 * 16;
+        out.positions = FloatBuffer(3 * padded + 4);
+        out.normals = FloatBuffer(3 * padded);
+        out.sums = FloatBuffer(4 * padded);
+    }
+
+    // Which vertices of two joined rims share normals.
+    void buildSeam(const CharacterInput::Joint& joint) {
+        if (joint.faces.size() < 2) return;
+        const auto rim = [&](std::size_t i) {
+            std::vector<std::int32_t> out;
+            const auto& f = joint.faces[i];
+            std::vector<char> hidden(elements[f.element].vertices, 0);
+            for (const auto& h : elements[f.element].hidden) hidden[h.vertex] = 1;
+            for (const auto v : input.elements[f.element].faces[f.face].vertices)
+                if (!hidden[v]) out.push_back(v);
+            return out;
+        };
+        const auto point = [&](std::size_t i, std::int32_t v) -> Vec3 {
+            return input.elements[joint.faces[i].element].mesh->body.vertices.row(v).transpose();
+        };
+        const auto rims = {rim(0), rim(1)};
+        for (std::size_t side = 0; side < 2; ++side) {
+            const std::size_t across = 1 - side;
+            const auto& other = joint.faces[across];
+            const auto& otherTriangles = input.elements[other.element].mesh->body.triangles;
+            const auto& otherFace = input.elements[other.element].faces[other.face];
+            const auto& otherRim = *(rims.begin() + across);
+            for (const auto v : *(rims.begin() + side)) {
+                SeamNormal seam{joint.faces[side].element, other.element, v, -1, -1, 0.0f};
+                for (const auto& [a, b] : joint.welded)
+                    if ((side == 0 ? a : b) == v) seam.from = seam.to = side == 0 ? b : a;
+                double best = seam.from >= 0 ? -1.0 : kNearRim * otherFace.size;
+                const Vec3 p = point(side, v);
+                for (const auto t : otherFace.triangles)
+                    for (int c = 0; c < 3 && best >= 0.0; ++c) {
+                        const std::int32_t from = otherTriangles(t, c), to = otherTriangles(t, (c + 1) % 3);
+                        if (!std::binary_search(otherRim.begin(), otherRim.end(), from) || !std::binary_search(otherRim.begin(), otherRim.end(), to))
+                            continue;
+                        const Vec3 a = point(across, from), along = point(across, to) - a;
+                        const double part = std::clamp((p - a).dot(along) / std::max(along.squaredNorm(), 1e-300), 0.0, 1.0);
+                        const double distance = (a + part * along - p).norm();
+                        if (distance >= best) continue;
+                        best = distance;
+                        seam.from = from, seam.to = to, seam.part = static_cast<float>(part);
+                    }
+                if (seam.from >= 0) seams.push_back(seam);
+            }
+        }
+    }
+
+    [[nodiscard]] Quaterniond rolled(int bone) const {
+        const double roll = boneRoll(input.skeleton, tree, pose, bone);
+        const Quaterniond& q = pose.frames[bone];
+        if (roll == 0.0) return q;
+        return Quaterniond(Eigen::AngleAxisd(roll, q * tree.restDirection[bone])) * q;
+    }
+
+    void placeElement(std::size_t e) {
+        const auto& given = input.elements[e];
+        auto& out = elements[e];
+        if (given.bones.empty()) return;
+        MeanRotation mean;
+        Vec3 anchor = Vec3::Zero();
+        for (const int b : given.bones) {
+            const auto& bone = input.skeleton.bones[b];
+            mean.add(rolled(b), bone.length, tree.tree[b]);
+            anchor += 0.5 * bone.length * (pose.points[bone.start] + pose.points[bone.end]);
+        }
+        anchor /= out.boneLength;
+        if (out.anchorJoint >= 0) anchor = pose.points[input.joints[out.anchorJoint].point];
+        out.rotation = mean.get().normalized();
+        out.frame.linear = out.rotation.toRotationMatrix();
+        out.frame.shift = anchor - out.frame.linear * out.restAnchor;
+    }
+
+    void placeJoint(std::size_t j) {
+        const auto& given = input.joints[j];
+        auto& out = joints[j];
+        MeanRotation mean;
+        Vec3 carried = Vec3::Zero();
+        double outward = 0.0;
+        int shifted = 0;
+        for (const auto& f : given.faces) {
+            const auto& element = elements[f.element];
+            carried += element.frame(out.restPlace) / static_cast<double>(given.faces.size());
+            // A tree of its own for elements that no bone of the joint moves.
+            const int alone = -1 - f.element;
+            if (out.led) {
+                if (input.elements[f.element].leadsJointPlanes) mean.add(element.rotation, 1.0, f.bone >= 0 ? tree.tree[f.bone] : alone);
+            } else if (f.bone >= 0 && given.point >= 0) {
+                mean.add(pose.frames[f.bone], 1.0, tree.tree[f.bone]);
+            } else {
+                mean.add(element.rotation, 1.0, alone);
+            }
+        }
+        const Vec3 at = given.point >= 0 ? pose.points[given.point] : carried;
+        for (const auto& f : given.faces) {
+            if (f.bone < 0) continue;
+            const auto& element = elements[f.element];
+            const Vec3 normal = input.elements[f.element].faces[f.face].frame.axes.col(2);
+            outward += (element.frame.linear * normal).dot(at - element.frame(out.restPlace));
+            ++shifted;
+        }
+        Quaterniond rotation = mean.get();
+        if (!out.led && given.point >= 0 && pose.roll[given.point] != 0.0 && out.restTangent != Vec3::Zero())
+            rotation = Quaterniond(Eigen::AngleAxisd(pose.roll[given.point], rotation * out.restTangent)) * rotation;
+        const double stretch = shifted ? boundedStretch(out.shrink * outward / shifted) : 1.0;
+        const Vec3& n = out.restNormal;
+        const Matrix3d across = n * n.transpose();
+        out.map.linear = rotation.normalized().toRotationMatrix() * (across + stretch * (Matrix3d::Identity() - across));
+        out.map.shift = at - out.map.linear * out.restPlace;
+    }
+
+    // The joints of an element in its own frame, as coefficients of its bases.
+    void measure(std::size_t e) {
+        const auto& given = input.elements[e];
+        auto& out = elements[e];
+        if (!given.response) return;
+        for (std::size_t f = 0; f < given.faces.size(); ++f) {
+            const auto& face = given.faces[f];
+            const AffineMap& joint = joints[out.jointOf[f]].map;
+            JointMap local;
+            local.linear = face.frame.axes.transpose() * (out.frame.linear.transpose() * joint.linear) * face.frame.axes;
+            local.shift = face.frame.axes.transpose() *
+                          (out.frame.linear.transpose() * (joint(face.frame.origin) - out.frame(face.frame.origin)));
+            double lost = 0.0;
+            given.response->bases[f].coefficients(local, face.size, out.v.data() + given.response->firstColumn[f], lost);
+            if (lost > kVisibleLoss) updateWarnings |= static_cast<unsigned>(FrameWarning::BasisLosesTwist);
+        }
+    }
+
+    void update(const Pose& wanted) {
+        const auto start = std::chrono::steady_clock::now();
+        updateWarnings = 0;
+        stats.evaluatedElements = stats.evaluatedVertices = 0;
+        if (wanted.points.empty() && !pose.points.empty())
+            assign(poseOfRest);
+        else if (fits(input.skeleton, wanted))
+            assign(wanted);
+        else
+            updateWarnings |= static_cast<unsigned>(FrameWarning::PoseRefused);
+        for (std::size_t e = 0; e < elements.size(); ++e) placeElement(e);
+        for (std::size_t j = 0; j < joints.size(); ++j) placeJoint(j);
+        for (std::size_t e = 0; e < elements.size(); ++e) measure(e);
+        const auto measured = std::chrono::steady_clock::now();
+        for (std::size_t e = 0; e < elements.size(); ++e) showPositions(e);
+        const auto placed = std::chrono::steady_clock::now();
+        for (auto& e : elements) showNormals(e);
+        closeSeams();
+        const auto done = std::chrono::steady_clock::now();
+        stats.jointsMs = milliseconds(start, measured);
+        stats.productMs = milliseconds(measured, placed);
+        stats.normalsMs = milliseconds(placed, done);
+        stats.warnings = solveWarnings | updateWarnings;
+    }
+
+    void assign(const Pose& p) {
+        std::copy(p.points.begin(), p.points.end(), pose.points.begin());
+        std::copy(p.frames.begin(), p.frames.end(), pose.frames.begin());
+        std::copy(p.roll.begin(), p.roll.end(), pose.roll.begin());
+    }
+
+    void showPositions(std::size_t e) {
+        auto& out = elements[e];
+        const bool sameShape = out.shown && ((out.v - out.shownV).cwiseAbs().cwiseProduct(out.columnSize).array() <= kSameShape * out.size).all();
+        out.moved = !sameShape || !(out.frame == out.shownFrame);
+        for (std::size_t f = 0; f < out.jointOf.size(); ++f) {
+            out.moved = out.moved || !(joints[out.jointOf[f]].map == out.shownJoints[f]);
+            out.shownJoints[f] = joints[out.jointOf[f]].map;
+        }
+        if (!out.moved) return;
+        out.shownFrame = out.frame;
+        ++out.revision;
+
+        Placement placement;
+        const Vec3 shift = out.frame(out.middle);
+        for (int i = 0; i < 3; ++i) {
+            placement.shift[i] = static_cast<float>(shift[i]);
+            for (int k = 0; k < 3; ++k) placement.rotation[3 * i + k] = static_cast<float>(out.frame.linear(i, k));
+        }
+        if (sameShape) {
+            place(out.blocks, placement, out.positions.data());
+        } else {
+            for (Eigen::Index i = 0; i < out.v.size(); ++i) out.vFloat[i] = static_cast<float>(out.v[i]);
+            evaluateAndPlace(out.blocks, out.vFloat.data(), placement, out.positions.data());
+            out.shownV = out.v;
+            out.shown = true;
+            ++stats.evaluatedElements;
+            stats.evaluatedVertices += static_cast<int>(out.free.size());
+        }
+        for (const auto& h : out.held) {
+            const Vec3 p = joints[h.joint].map(h.rest);
+            for (int i = 0; i < 3; ++i) out.positions.data()[3 * h.vertex + i] = static_cast<float>(p[i]);
+        }
+    }
+
+    void showNormals(ElementState& out) {
+        if (!out.moved || out.vertices == 0) return;
+        sumNormals(out.positions.data(), out.triangles.data(), out.triangles.size() / 3, static_cast<float>(out.size > 0.0 ? 1.0 / out.size : 1.0),
+                   out.sums.data(), out.vertices);
+        for (const auto& h : out.hidden) {
+            const Vec3 n = joints[h.joint].map.linear * h.normal;
+            for (int i = 0; i < 3; ++i) out.sums.data()[4 * h.vertex + i] = static_cast<float>(n[i]);
+        }
+        normalise(out.sums.data(), out.normals.data(), (out.vertices + 15) / 16 * 16);
+    }
+
+    [[nodiscard]] Eigen::Vector3f ownNormal(int element, std::int32_t v) const {
+        const float* s = elements[element].sums.data() + 4 * static_cast<std::ptrdiff_t>(v);
+        const Eigen::Vector3f n(s[0], s[1], s[2]);
+        const float length = n.norm();
+        return length > 1e-15f ? Eigen::Vector3f(n / length) : Eigen::Vector3f(Eigen::Vector3f::UnitZ());
+    }
+
+    void closeSeams() {
+        for (const auto& s : seams) {
+            auto& out = elements[s.element];
+            if (!out.moved && !elements[s.other].moved) continue;
+            const Eigen::Vector3f own = ownNormal(s.element, s.vertex);
+            Eigen::Vector3f across = ownNormal(s.other, s.from);
+            if (s.to != s.from) across = (1.0f - s.part) * across + s.part * ownNormal(s.other, s.to);
+            const Eigen::Vector3f sum = own + across;
+            const float length = sum.norm();
+            const Eigen::Vector3f n = length > 1e-3f ? Eigen::Vector3f(sum / length) : own;
+            float* to = out.normals.data() + 3 * static_cast<std::ptrdiff_t>(s.vertex);
+            if (std::equal(n.data(), n.data() + 3, to)) continue;
+            std::copy_n(n.data(), 3, to);
+            if (!out.moved) seamOnly[s.element] = 1;
+        }
+        for (std::size_t e = 0; e < elements.size(); ++e) {
+            if (seamOnly[e]) ++elements[e].revision;
+            seamOnly[e] = 0;
+        }
+    }
+
+    const CharacterInput input;
+    const BoneTree tree;
+    const Pose poseOfRest = restPose(input.skeleton);
+    InverseKinematics kinematics;
+    Pose pose;  // the last good one
+    double boneLength = 0.0;
+    std::vector<JointState> joints;
+    std::vector<ElementState> elements;
+    std::vector<SeamNormal> seams;
+    std::vector<char> seamOnly = std::vector<char>(input.elements.size(), 0);
+    unsigned solveWarnings = 0, updateWarnings = 0;
+    Stats stats;
+};
+
+Character::Character(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Character::Character(Character&&) noexcept = default;
+Character& Character::operator=(Character&&) noexcept = default;
+Character::~Character() = default;
+
+Result<Character> Character::build(CharacterInput input) {
+    if (auto ok = check(input); !ok) return tl::unexpected(ok.error());
+    return Character(std::make_unique<State>(std::move(input)));
+}
+
+const CharacterInput& Character::input() const { return state_->input; }
+
+InverseKinematics::Report Character::solvePose(const std::vector<Hold>& holds, Pose& pose) {
+    const auto start = std::chrono::steady_clock::now();
+    const auto report = state_->kinematics.solve(holds, pose);
+    state_->solveWarnings = (report.outOfReach ? static_cast<unsigned>(FrameWarning::TargetOutOfReach) : 0u) |
+                            (report.finite ? 0u : static_cast<unsigned>(FrameWarning::PoseRefused));
+    state_->stats.poseMs = milliseconds(start, std::chrono::steady_clock::now());
+    state_->stats.warnings = state_->solveWarnings | state_->updateWarnings;
+    return report;
+}
+
+void Character::update(const Pose& pose) { state_->update(pose); }
+
+Character::Surface Character::surface(int element) const {
+    const auto& e = state_->elements[element];
+    return {e.positions.data(), e.normals.data(), static_cast<int>(e.vertices), e.revision};
+}
+
+Points Character::positions(int element) const {
+    const auto& given = state_->input.elements[element];
+    const auto& e = state_->elements[element];
+    Points out(given.mesh->body.vertices.rows(), 3);
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(e.free.size()));
+    if (given.response && given.response->columns() > 0) x.noalias() = given.response->response * e.v;
+    for (std::size_t i = 0; i < e.free.size(); ++i) {
+        const Vec3 rest = given.mesh->body.vertices.row(e.free[i]).transpose();
+        out.row(e.free[i]) = e.frame(rest + x.segment<3>(3 * static_cast<Eigen::Index>(i))).transpose();
+    }
+    for (const auto& h : e.held) out.row(h.vertex) = state_->joints[h.joint].map(h.rest).transpose();
+    return out;
+}
+
+const Eigen::VectorXd& Character::jointParameters(int element) const { return state_->elements[element].v; }
+
+Eigen::Isometry3d Character::frame(int element) const {
+    const auto& f = state_->elements[element].frame;
+    Eigen::Isometry3d out = Eigen::Isometry3d::Identity();
+    out.linear() = f.linear;
+    out.translation() = f.shift;
+    return out;
+}
+
+const Character::Stats& Character::stats() const { return state_->stats; }
+
+double Character::shrink(int joint) const { return state_->joints[joint].shrink; }
+
+Points deformElement(const ElementMesh& mesh, const std::vector<JointFace>& faces, const ElementResponse& response, const Eigen::VectorXd& v) {
+    Points out = mesh.body.vertices;
+    const Eigen::VectorXd x = response.response * v;
+    for (std::size_t i = 0; i < response.freeVertices.size(); ++i)
+        out.row(response.freeVertices[i]) += x.segment<3>(3 * static_cast<Eigen::Index>(i)).transpose();
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+        const auto& frame = faces[f].frame;
+        const auto part = v.segment(response.firstColumn[f], response.bases[f].columns());
+        for (const auto p : faces[f].vertices) {
+            const Vec3 rest = mesh.body.vertices.row(p).transpose();
+            out.row(p) += (frame.axes * (response.bases[f].at(frame.toLocal(rest)) * part)).transpose();
+        }
+    }
+    return out;
+}
+
+}  // namespace imomushi

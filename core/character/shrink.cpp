@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/character/shrink.h"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+namespace imomushi {
+
+bool hangsOnItsJoint(const CharacterInput::Element& element, const CharacterInput::Joint& joint) {
+    if (element.faces.size() != 1 || joint.point < 0) return false;
+    for (const auto& face : joint.faces)
+        if (face.bone >= 0)
+            for (const int bone : element.bones)
+                if (bone == face.bone) return true;
+    return false;
+}
+
+std::vector<double> leastEnergyShrink(const CharacterInput& input) {
+    const int joints = static_cast<int>(input.joints.size());
+    if (joints == 0) return {};
+    std::vector<double> shift(joints, 0.0);  // mean outward, per unit of strain
+    // Per element: v at unit strain of the bones, and which joint stretches each face in its plane.
+    std::vector<Eigen::VectorXd> strained(input.elements.size());
+    std::vector<std::vector<int>> jointOf(input.elements.size());
+    for (std::size_t e = 0; e < input.elements.size(); ++e) {
+        const auto& response = input.elements[e].response;
+        strained[e] = Eigen::VectorXd::Zero(response ? response->columns() : 0);
+        jointOf[e].assign(input.elements[e].faces.size(), -1);
+    }
+    for (int j = 0; j < joints; ++j) {
+        const auto& joint = input.joints[j];
+        int count = 0;
+        for (const auto& f : joint.faces) {
+            const auto& element = input.elements[f.element];
+            jointOf[f.element][f.face] = j;
+            if (f.bone < 0) continue;
+            ++count;
+            if (hangsOnItsJoint(element, joint)) continue;
+            const auto& bone = input.skeleton.bones[f.bone];
+            const int far = bone.start == joint.point ? bone.end : bone.start;
+            const Vec3 local = element.faces[f.face].frame.axes.transpose() *
+                               (0.5 * (input.skeleton.points[joint.point] - input.skeleton.points[far]));
+            shift[j] += local.z();
+            if (!element.response) continue;
+            const int column = element.response->firstColumn[f.face];
+            strained[f.element][column + 5] = local.z();
+            if (element.response->bases[f.face].kind == BasisKind::Affine) {
+                strained[f.element][column + 6] = local.x();
+                strained[f.element][column + 7] = local.y();
+            }
+        }
+        if (count > 0) shift[j] /= count;
+    }
+
+    // Stationary in all in-plane stretches at once.
+    Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(joints, joints);
+    Eigen::VectorXd right = Eigen::VectorXd::Zero(joints);
+    for (std::size_t e = 0; e < input.elements.size(); ++e) {
+        const auto& element = input.elements[e];
+        if (!element.response || element.response->columns() == 0) continue;
+        const auto& response = *element.response;
+        const auto wide = [&](std::size_t face) {
+            Eigen::VectorXd v = Eigen::VectorXd::Zero(response.columns());
+            v[response.firstColumn[face]] = v[response.firstColumn[face] + 2] = 1.0;
+            return v;
+        };
+        for (std::size_t f = 0; f < jointOf[e].size(); ++f) {
+            const Eigen::VectorXd force = element.stiffness * (response.stiffness * wide(f));
+            right[jointOf[e][f]] -= force.dot(strained[e]);
+            for (std::size_t g = 0; g < jointOf[e].size(); ++g) matrix(jointOf[e][f], jointOf[e][g]) += force.dot(wide(g));
+        }
+    }
+    // Joints without a response, and combinations that cost nothing, stay as they are.
+    const double ridge = 1e-12 * std::max(matrix.diagonal().cwiseAbs().maxCoeff(), 1e-300);
+    matrix.diagonal().array() += ridge;
+    const Eigen::VectorXd wide = matrix.ldlt().solve(right);
+    std::vector<double> c(joints, 0.0);
+    for (int j = 0; j < joints; ++j)
+        if (std::abs(shift[j]) > 0.0 && std::isfinite(wide[j])) c[j] = wide[j] / shift[j];
+    return c;
+}
+
+}  // namespace imomushi
