@@ -98,6 +98,29 @@ Result<void> checkMesh(const TriangleMesh& mesh) {
     return {};
 }
 
+constexpr const char* kNoUniqueAnswer =
+    "The equations of this body have no unique answer; check that every separate part of it has a joint face and that no two vertices lie at "
+    "the same point.";
+
+/// True when a separate part of the body has no held vertex (patchOf >= 0). Shells that point inwards are cavities of another part.
+bool floats(const TriangleMesh& mesh, const std::vector<int>& patchOf) {
+    int count = 0;
+    const EdgeTable edges(mesh.triangles);
+    const std::vector<std::int32_t> component = edgeComponents(mesh.triangles, edges, count);
+    if (count == 1) return false;
+    const Vec3 origin = mesh.vertices.row(0).transpose();
+    std::vector<double> volume(static_cast<std::size_t>(count));
+    std::vector<char> held(static_cast<std::size_t>(count));
+    for (std::int32_t f = 0; f < mesh.triangles.rows(); ++f) {
+        const auto part = static_cast<std::size_t>(component[static_cast<std::size_t>(f)]);
+        volume[part] += areaVector(mesh, f).dot(Vec3(mesh.vertices.row(mesh.triangles(f, 0)).transpose()) - origin) / 6.0;
+        for (int c = 0; c < 3; ++c) held[part] |= patchOf[static_cast<std::size_t>(mesh.triangles(f, c))] >= 0;
+    }
+    for (std::size_t part = 0; part < held.size(); ++part)
+        if (volume[part] > 0.0 && !held[part]) return true;
+    return false;
+}
+
 /// What this machine does, one thread: measured once per process, in about 20 ms.
 struct MachineRates {
     double secondsPerPair;   ///< a collocation point and a triangle
@@ -349,6 +372,7 @@ Result<BoundaryProblem> BoundaryProblem::build(const Input& input, const Progres
         auto assembled = state->assemble(mesh, input, progress.part(0.0, split));
         if (!assembled) return tl::make_unexpected(assembled.error());
         norm = *assembled;
+        if (floats(mesh, patchOf)) return fail("singular", kNoUniqueAnswer);
         state->quality.assembleSeconds = secondsSince(start);
         start = Clock::now();
         const Progress factorising = progress.part(split, 1.0);
@@ -360,8 +384,7 @@ Result<BoundaryProblem> BoundaryProblem::build(const Input& input, const Progres
         return fail("no-memory", noMemory);
     }
     if (!(state->quality.rcond > kSingularRcond))
-        return fail("singular", "The equations of this body have no unique answer; check that every separate part of it has a joint face and "
-                                "that no two vertices lie at the same point.");
+        return fail("singular", kNoUniqueAnswer);
     return BoundaryProblem(std::move(state));
 }
 

@@ -23,7 +23,7 @@ namespace {
 
 // Columns of a panel, and of the tiles right of it: narrow enough that two threads stay busy and that a tile of the largest matrices takes
 // well under 0.1 s (cancelling), wide enough that packing costs little beside multiplying.
-constexpr std::int32_t kPanel = 192;
+constexpr std::int32_t kPanel = 256;
 constexpr std::int32_t kTile = 384;
 // Rows of a product with few columns: bound by memory, so small tiles cost nothing.
 constexpr std::int32_t kRows = 512;
