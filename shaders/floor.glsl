@@ -3,11 +3,11 @@
 uniform vec2 middle;      // x, z where the ground is not yet faded
 uniform sampler2D shade;  // of ground_shadow.frag
 
-// Coverage of lines every 1 / `density` metres, about a pixel wide; what is too dense becomes its own average.
-vec2 gridLines(vec2 p, vec2 perPixel, float density, float width) {
+// Coverage of lines every `spacing` = 1 / `density` metres, `width` pixels wide; `pixels`: in a metre, the inverse of `perPixel`; what is too dense becomes its own average.
+vec2 gridLines(vec2 p, vec2 perPixel, vec2 pixels, float density, float spacing, float width) {
     vec2 d = perPixel * density;
     vec2 off = 0.5 - abs(fract(p * density) - 0.5);
-    vec2 lines = clamp(0.5 + 0.5 * width - off / d, 0.0, 1.0);
+    vec2 lines = clamp(0.5 + 0.5 * width - off * (pixels * spacing), 0.0, 1.0);
     return mix(lines, min(width * d, 1.0), clamp(3.0 * d - 0.75, 0.0, 1.0));
 }
 
@@ -31,14 +31,15 @@ vec4 floorColor(vec2 p, vec2 perPixel, float grazing) {
     color = vec4(dark ? vec3(0.115, 0.125, 0.150) : vec3(0.97, 0.975, 0.985), 1.0) * pool * (dark ? 0.55 : 0.6);
 
     if (frame.ground.y > 0.5) {
-        float width = frame.forward.w, next = frame.lines.z, density = 1.0 / frame.lines.y;
-        vec2 minor = gridLines(p, perPixel, density * 10.0, width) * 0.42 * (1.0 - next);
-        vec2 middling = gridLines(p, perPixel, density, width) * (1.0 - 0.58 * next);
-        vec2 major = gridLines(p, perPixel, density * 0.1, width);
+        float width = frame.forward.w, next = frame.lines.z, spacing = frame.lines.y, density = 1.0 / spacing;
+        vec2 pixels = 1.0 / perPixel;
+        vec2 minor = gridLines(p, perPixel, pixels, density * 10.0, spacing * 0.1, width) * 0.42 * (1.0 - next);
+        vec2 middling = gridLines(p, perPixel, pixels, density, spacing, width) * (1.0 - 0.58 * next);
+        vec2 major = gridLines(p, perPixel, pixels, density * 0.1, spacing * 10.0, width);
         vec2 lines = max(max(minor, middling), major);
         float line = max(lines.x, lines.y) * (dark ? 0.26 : 0.22) * fade;
         color = over(vec4((dark ? vec3(0.34, 0.37, 0.43) : vec3(0.25, 0.28, 0.34)) * line, line), color);
-        vec2 axes = clamp(0.5 + 0.8 * width - abs(p.yx) / perPixel.yx, 0.0, 1.0) * 0.75 * fade;
+        vec2 axes = clamp(0.5 + 0.8 * width - abs(p.yx) * pixels.yx, 0.0, 1.0) * 0.75 * fade;
         color = over(vec4(0.86, 0.13, 0.16, 1.0) * axes.x, color);
         color = over(vec4(0.10, 0.33, 0.92, 1.0) * axes.y, color);
     }

@@ -6,6 +6,7 @@ in vec2 uv;
 uniform sampler2D surface;
 uniform sampler2D occlusion;
 uniform vec2 texel;
+uniform float spread;  // texels between the samples
 out vec4 outOcclusion;
 
 void main() {
@@ -15,9 +16,9 @@ void main() {
     float range = 0.06 * frame.sphere.w;
     vec2 sum = vec2(0.0);
     float weights = 1e-4;
-    for (int y = -2; y < 2; ++y)
-        for (int x = -2; x < 2; ++x) {
-            vec2 at = uv + (vec2(x, y) + 0.5) * texel;
+    for (int y = -1; y <= 1; ++y)
+        for (int x = -1; x <= 1; ++x) {
+            vec2 at = uv + vec2(x, y) * texel * spread;
             float d = texture(surface, at).w;
             float w = d > 1e20 ? 0.0 : (depth > 1e20 ? 1.0 : max(1.0 - abs(d - depth) / range, 0.0));
             sum += w * texture(occlusion, at).rg;

@@ -8,20 +8,17 @@ uniform vec3 selectedColor;  // linear
 uniform vec3 hoveredColor;
 out vec4 outColor;
 
-const int kRing = 16;
+const int kRing = 12;
 void main() {
-    vec2 here = texture(mask, gl_FragCoord.xy * frame.viewport.zw).rg;
-    vec2 wide = vec2(0.0), thin = vec2(0.0);
+    vec2 at = gl_FragCoord.xy * frame.viewport.zw, wide = 2.0 * frame.forward.w * frame.viewport.zw;
+    vec2 here = texture(mask, at).rg, around = here;
     for (int i = 0; i < kRing; ++i) {
-        float angle = 6.2831853 * float(i) / float(kRing);
-        vec2 d = vec2(cos(angle), sin(angle)) * frame.forward.w * frame.viewport.zw;
-        wide = max(wide, texture(mask, gl_FragCoord.xy * frame.viewport.zw + d * 2.2).rg);
-        thin = max(thin, texture(mask, gl_FragCoord.xy * frame.viewport.zw + d * 1.0).rg);
+        float angle = 6.2831853 * (float(i) + 0.5) / float(kRing);
+        around = max(around, texture(mask, at + vec2(cos(angle), sin(angle)) * wide).rg);
     }
-    float selected = max(wide.r, thin.r) * (1.0 - here.r);
-    float hovered = max(thin.g, 0.0) * (1.0 - here.g) * (1.0 - selected);
-    vec3 color = selectedColor * selected + hoveredColor * hovered * 0.9;
-    float alpha = selected + hovered * 0.9;
-    if (alpha < 0.002) discard;
-    outColor = vec4(encodeSrgb(color / alpha) * alpha, alpha);
+    float selected = around.r * (1.0 - here.r);
+    float hovered = around.g * (1.0 - here.g) * (1.0 - selected) * 0.75;
+    float alpha = selected + hovered;
+    vec3 color = (selectedColor * selected + hoveredColor * hovered) / max(alpha, 1e-4);
+    outColor = vec4(encodeSrgb(color) * alpha, alpha);
 }

@@ -120,7 +120,8 @@ void MarkerGeometry::build(const Scene& scene, int height) {
     lines.clear();
     points.clear();
     const float unit = scene.pixelRatio;
-    const Vector3f ivory = linear(226, 222, 210), sky = linear(86, 190, 240), green = linear(64, 200, 160), purple = linear(226, 150, 206);
+    // Handles stand out against the background: light on dark, dark on light.
+    const Vector3f ivory = scene.darkTheme ? linear(232, 228, 216) : linear(72, 80, 98), sky = linear(86, 190, 240), green = linear(64, 200, 160), purple = linear(226, 150, 206);
     for (const Marker& m : scene.markers) {
         const auto colored = [&](const Vector3f& own) { return m.selected ? selectionColor() : m.hovered ? Vector3f(0.5f * own + 0.5f * hoverColor()) : own; };
         const float grow = m.selected || m.hovered ? 1.3f : 1.0f;

@@ -37,7 +37,6 @@ const Vec3 kKeyDirection = Vec3(-0.42, 0.86, 0.52).normalized();
 constexpr float kPenumbra = 0.007f;
 // How far the shadow map reaches along the light, in scene radii behind the centre: the ground below a raised character.
 constexpr double kShadowDepth = 3.0;
-constexpr int kGroundShade = 256;  // texels a side: shadows on the ground are soft
 constexpr int kSamples = 4;
 
 struct GpuBody {
@@ -104,6 +103,8 @@ private:
         glBindTexture(GL_TEXTURE_2D, texture);
     }
 
+    // Texels a side; shadows on the ground are soft.
+    [[nodiscard]] int groundShade() const { return software_ ? 160 : 256; }
     [[nodiscard]] int shadowSize() const { return software_ ? 768 : 2048; }
     bool software_ = false;  ///< no graphics card: cheaper shadows and occlusion
     Program body_, shadow_, surface_, mask_, identity_, marked_, height_, groundShadow_, blur_, occlusion_, occlusionBlur_, solid_,
@@ -393,7 +394,7 @@ void Renderer::setFrame(const Scene& scene, int width, int height) {
     const double cast = std::min(top / kKeyDirection.y(), 3.0 * radius_);
     const Vec3 middle = centre_ - 0.5 * cast * kKeyDirection;
     b.patchArea << static_cast<float>(middle.x()), static_cast<float>(middle.z()), static_cast<float>(1.25 * radius_ + 0.5 * cast), static_cast<float>(0.35 * radius_);
-    heightTransform_ = orthographic(Vec3(middle.x(), scene.ground, middle.z()), -Vec3::UnitY(), -Vec3::UnitZ(), 1.25 * radius_ + 0.5 * cast,
+    heightTransform_ = orthographic(Vec3(middle.x(), scene.ground, middle.z()), -Vec3::UnitY(), Vec3::UnitZ(), 1.25 * radius_ + 0.5 * cast,
                                     radius_ * 2.0, b.patchArea.w());
     const double decade = std::log10(std::max(reach * 0.5, 1e-6));
     const double whole = std::floor(decade), fine = std::pow(10.0, whole - 1.0);
@@ -545,6 +546,7 @@ void Renderer::drawSurface(const Scene& scene) {
     occlusionBlur_.use();
     occlusionBlur_.set("surface", 0);
     occlusionBlur_.set("occlusion", 1);
+    occlusionBlur_.set("spread", software_ ? 1.0f : 1.5f);
     occlusionBlur_.set("texel", Vector2f(1.0f / static_cast<float>(occlusionMap_.width()), 1.0f / static_cast<float>(occlusionMap_.height())));
     bindTexture(1, occlusionSwap_.color());
     fullscreen();
@@ -711,8 +713,8 @@ void Renderer::draw(const Scene& scene, unsigned target, int width, int height) 
     const int part = software_ ? 2 : 1;
     const int w = (width + part - 1) / part, h = (height + part - 1) / part;
     const bool memory = picture_.resize(width, height, GL_SRGB8_ALPHA8, GL_DEPTH_COMPONENT24, kSamples) && resolved_.resize(width, height, GL_SRGB8_ALPHA8, 0) &&
-                        shadowMap_.resize(shadowSize(), shadowSize(), 0, GL_DEPTH_COMPONENT24) && shade_.resize(kGroundShade, kGroundShade, GL_RGBA8, 0) &&
-                        shadeSwap_.resize(kGroundShade, kGroundShade, GL_RGBA8, GL_DEPTH_COMPONENT24) && surfaceMap_.resize(w, h, GL_RGBA32F, GL_DEPTH_COMPONENT24) &&
+                        shadowMap_.resize(shadowSize(), shadowSize(), 0, GL_DEPTH_COMPONENT24) && shade_.resize(groundShade(), groundShade(), GL_RGBA8, 0) &&
+                        shadeSwap_.resize(groundShade(), groundShade(), GL_RGBA8, GL_DEPTH_COMPONENT24) && surfaceMap_.resize(w, h, GL_RGBA32F, GL_DEPTH_COMPONENT24) &&
                         occlusionMap_.resize(w, h, GL_RG8, 0) && occlusionSwap_.resize(w, h, GL_RG8, 0);
     if (!memory) {
         // Nothing sensible can be shown without memory; the last picture stays.
@@ -731,6 +733,7 @@ void Renderer::draw(const Scene& scene, unsigned target, int width, int height) 
     picture_.bind();
     glEnable(GL_FRAMEBUFFER_SRGB);
     glEnable(GL_DEPTH_TEST);
+    scissor(picture_);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     bindTexture(1, occlusionMap_.color());
     body_.use();
@@ -768,6 +771,7 @@ void Renderer::draw(const Scene& scene, unsigned target, int width, int height) 
     if (!scene.markers.empty()) drawMarkers(scene, height);
     glDisable(GL_BLEND);
     glDisable(GL_DEPTH_TEST);
+    glDisable(GL_SCISSOR_TEST);
 
     glBindFramebuffer(GL_READ_FRAMEBUFFER, picture_.framebuffer());
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved_.framebuffer());
@@ -782,12 +786,10 @@ void Renderer::draw(const Scene& scene, unsigned target, int width, int height) 
     compose_.use();
     compose_.set("picture", 0);
     compose_.set("transparent", scene.transparentBackground ? 1 : 0);
-    compose_.set("surface", 1);
-    compose_.set("shade", 2);
+    compose_.set("shade", 1);
     compose_.set("middle", Vector2f(static_cast<float>(scene.camera.target.x()), static_cast<float>(scene.camera.target.z())));
     bindTexture(0, resolved_.color());
-    bindTexture(1, surfaceMap_.color());
-    bindTexture(2, shade_.color());
+    bindTexture(1, shade_.color());
     fullscreen();
     drawOutlines(scene, target, width, height);
     resetState();
