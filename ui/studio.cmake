@@ -4,8 +4,33 @@ find_package(Qt6 6.4 REQUIRED COMPONENTS Widgets OpenGLWidgets Svg LinguistTools
 set(CMAKE_AUTOMOC ON)
 
 imomushi_library(imomushi_models ui/models imomushi_document Qt6::Gui)
+target_compile_definitions(imomushi_models PRIVATE IMOMUSHI_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 imomushi_library(imomushi_jobs ui/jobs imomushi_models)
 imomushi_library(imomushi_tools ui/tools imomushi_models imomushi_scene)
 imomushi_library(imomushi_viewport ui/viewport imomushi_tools Qt6::OpenGLWidgets)
 imomushi_library(imomushi_panels ui/panels imomushi_viewport imomushi_jobs Qt6::Svg)
 imomushi_library(imomushi_studio ui imomushi_panels)
+
+# Icons and translations are part of the program: nothing has to be found at run time.
+file(GLOB icons CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/assets/icons/*.svg)
+file(GLOB translations CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/assets/translations/*.ts)
+set(resources "<RCC><qresource prefix=\"/\">\n")
+foreach(icon ${icons})
+    get_filename_component(name ${icon} NAME)
+    string(APPEND resources "<file alias=\"icons/${name}\">${icon}</file>\n")
+endforeach()
+set(qms)
+foreach(ts ${translations})
+    get_filename_component(name ${ts} NAME_WE)
+    set(qm ${CMAKE_CURRENT_BINARY_DIR}/${name}.qm)
+    add_custom_command(OUTPUT ${qm} COMMAND Qt6::lrelease -silent ${ts} -qm ${qm} DEPENDS ${ts} VERBATIM)
+    string(APPEND resources "<file alias=\"translations/${name}.qm\">${qm}</file>\n")
+    list(APPEND qms ${qm})
+endforeach()
+string(APPEND resources "</qresource></RCC>\n")
+file(CONFIGURE OUTPUT studio.qrc CONTENT "${resources}" @ONLY)
+add_custom_command(OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/qrc_studio.cpp
+    COMMAND Qt6::rcc --name studio --output ${CMAKE_CURRENT_BINARY_DIR}/qrc_studio.cpp ${CMAKE_CURRENT_BINARY_DIR}/studio.qrc
+    DEPENDS ${CMAKE_CURRENT_BINARY_DIR}/studio.qrc ${icons} ${qms} VERBATIM)
+target_sources(imomushi_studio PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/qrc_studio.cpp)
+set_source_files_properties(${CMAKE_CURRENT_BINARY_DIR}/qrc_studio.cpp PROPERTIES SKIP_AUTOGEN ON)

@@ -73,6 +73,7 @@ const std::map<std::string, const char*> kSteps = {
     {"join", QT_TRANSLATE_NOOP("Steps", "Join faces")},
     {"unjoin", QT_TRANSLATE_NOOP("Steps", "Separate faces")},
     {"add-bone", QT_TRANSLATE_NOOP("Steps", "Add bone")},
+    {"edit-bone", QT_TRANSLATE_NOOP("Steps", "Change bone")},
     {"remove-element", QT_TRANSLATE_NOOP("Steps", "Remove element")},
     {"remove-joint-face", QT_TRANSLATE_NOOP("Steps", "Remove joint face")},
     {"remove-joint", QT_TRANSLATE_NOOP("Steps", "Separate faces")},

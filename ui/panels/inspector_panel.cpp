@@ -10,6 +10,7 @@
 #include <QPushButton>
 #include <QToolButton>
 #include <QVBoxLayout>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <set>
@@ -24,9 +25,8 @@ namespace {
 using Kind = SelectionItem::Kind;
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
-// Linear light to what colour dialogs and style sheets speak, and back (IEC 61966-2-1).
-double toDisplay(double c) { return c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1.0 / 2.4) - 0.055; }
-double toLinear(double c) { return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4); }
+// Linear light to what colour dialogs and style sheets speak (IEC 61966-2-1).
+double toDisplay(double c) { return std::clamp(c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1.0 / 2.4) - 0.055, 0.0, 1.0); }
 
 QString scientific(double value) { return value == 0.0 ? QStringLiteral("0") : QLocale().toString(value, 'e', 1); }
 
@@ -353,7 +353,7 @@ void InspectorPanel::buildElements(const Items& items) {
         };
     };
     const Element standard;
-    addProperty(tr("Poisson ratio"), {{}, 0.0, 0.499, 0.005, 3, 1.0, standard.nu}, items, number(&Element::nu), "nu");
+    addProperty(tr("Poisson ratio"), {{}, 0.0, 0.5, 0.005, 3, 1.0, standard.nu}, items, number(&Element::nu), "nu");
     addProperty(tr("Stiffness"), {QStringLiteral("×"), 1e-3, 1e3, 0.02, 3, 1.0, standard.stiffness}, items, number(&Element::stiffness), "stiffness");
     addProperty(tr("Density"), {QStringLiteral("kg/m³"), 1.0, 1e5, 10.0, 1, 1.0, standard.density}, items, number(&Element::density), "density");
 
@@ -371,8 +371,7 @@ void InspectorPanel::buildElements(const Items& items) {
         if (!chosen.isValid()) return;
         Gesture gesture(document_);
         for (const SelectionItem& item : items) {
-            const Json value = Json::array({toLinear(chosen.redF()), toLinear(chosen.greenF()), toLinear(chosen.blueF())});
-            if (!document_.execute({{"do", "set"}, {"target", target(item)}, {"property", "color"}, {"value", value}})) return;
+            if (!document_.execute({{"do", "set"}, {"target", target(item)}, {"property", "color"}, {"value", chosen.name().toStdString()}})) return;
         }
         gesture.commit();
     });
@@ -532,7 +531,7 @@ void InspectorPanel::buildBones(const Items& items) {
             for (const auto& [id, b] : d.bones)
                 if (below.contains(b->parent) && below.insert(id).second) grew = true;
         }
-        std::vector<std::pair<QString, Json>> parents = {{tr("none"), ""}};
+        std::vector<std::pair<QString, Json>> parents = {{tr("automatic"), ""}};
         for (const auto& [id, b] : d.bones)
             if (!below.contains(id)) parents.emplace_back(QString::fromStdString(b->name), b->name);
         addChoice(tr("Parent"), parents,
@@ -541,7 +540,7 @@ void InspectorPanel::buildBones(const Items& items) {
                       const Bone* p = b ? bone({Kind::Bone, b->parent, {}, false}) : nullptr;
                       return Json(p ? p->name : "");
                   },
-                  [this, one](const Json& value) { document_.execute({{"do", "set"}, {"target", target(one)}, {"property", "parent"}, {"value", value}}); });
+                  [this, one](const Json& value) { document_.execute({{"do", "edit-bone"}, {"name", target(one)}, {"parent", value}}); });
         std::vector<std::pair<QString, Json>> elements = {{tr("none"), ""}};
         for (const auto& [id, e] : d.elements) elements.emplace_back(QString::fromStdString(e->name), e->name);
         addChoice(tr("Runs through"), elements,
@@ -550,7 +549,7 @@ void InspectorPanel::buildBones(const Items& items) {
                       const Element* e = b ? element({Kind::Element, b->element, {}, false}) : nullptr;
                       return Json(e ? e->name : "");
                   },
-                  [this, one](const Json& value) { document_.execute({{"do", "set"}, {"target", target(one)}, {"property", "element"}, {"value", value}}); });
+                  [this, one](const Json& value) { document_.execute({{"do", "edit-bone"}, {"name", target(one)}, {"element", value}}); });
     }
     section(tr("Rest"));
     if (!several) {

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <QWidget>
+#include <functional>
 
+#include "ui/jobs/precompute_job.h"
 #include "ui/models/studio_document.h"
 
 class QLabel;
@@ -14,7 +16,8 @@ namespace imomushi {
 class StatusStrip : public QWidget {
     Q_OBJECT
 public:
-    explicit StatusStrip(StudioDocument& document, QWidget* parent = nullptr);
+    /// `estimate`: what a precompute would cost now.
+    StatusStrip(StudioDocument& document, std::function<PrecomputeEstimate()> estimate, QWidget* parent = nullptr);
     void setHint(const QString& hint);
     void setFrame(double cpuMs, double fps, int vertices);
     void setBusy(const QString& text);  ///< empty: not busy
@@ -30,6 +33,7 @@ private:
     void update();
     void showFrame();
     StudioDocument& document_;
+    std::function<PrecomputeEstimate()> estimate_;
     QLabel* mouse_;
     QLabel* hint_;
     QToolButton* state_;

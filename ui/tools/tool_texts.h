@@ -7,7 +7,7 @@ namespace imomushi {
 
 /// What tools say, in the language of the studio: ToolTexts::tr("...").
 struct ToolTexts {
-    Q_DECLARE_TR_FUNCTIONS(Tools)
+    Q_DECLARE_TR_FUNCTIONS(ToolTexts)
 };
 
 }  // namespace imomushi

@@ -1,0 +1,1729 @@
+<?xml version="1.0" encoding="utf-8"?>
+<!DOCTYPE TS>
+<TS version="2.1" language="ja" sourcelanguage="en">
+    <context>
+        <name>Actions</name>
+        <message>
+            <source>Start &amp;page</source>
+            <translation>スタートページ(&amp;P)</translation>
+        </message>
+        <message>
+            <source>&amp;New</source>
+            <translation>新規(&amp;N)</translation>
+        </message>
+        <message>
+            <source>&amp;Open…</source>
+            <translation>開く(&amp;O)…</translation>
+        </message>
+        <message>
+            <source>&amp;Import mesh…</source>
+            <translation>メッシュを読み込む(&amp;I)…</translation>
+        </message>
+        <message>
+            <source>&amp;Save</source>
+            <translation>保存(&amp;S)</translation>
+        </message>
+        <message>
+            <source>Save &amp;as…</source>
+            <translation>名前を付けて保存(&amp;A)…</translation>
+        </message>
+        <message>
+            <source>Save a &amp;copy…</source>
+            <translation>コピーを保存(&amp;C)…</translation>
+        </message>
+        <message>
+            <source>Save as s&amp;cript…</source>
+            <translation>スクリプトとして保存(&amp;C)…</translation>
+        </message>
+        <message>
+            <source>&amp;Write posed mesh…</source>
+            <translation>ポーズのメッシュを書き出す(&amp;W)…</translation>
+        </message>
+        <message>
+            <source>&amp;Quit</source>
+            <translation>終了(&amp;Q)</translation>
+        </message>
+        <message>
+            <source>&amp;Undo</source>
+            <translation>元に戻す(&amp;U)</translation>
+        </message>
+        <message>
+            <source>&amp;Redo</source>
+            <translation>やり直す(&amp;R)</translation>
+        </message>
+        <message>
+            <source>&amp;Delete</source>
+            <translation>削除(&amp;D)</translation>
+        </message>
+        <message>
+            <source>Re&amp;name</source>
+            <translation>名前を変更(&amp;N)</translation>
+        </message>
+        <message>
+            <source>Select &amp;all elements</source>
+            <translation>すべての要素を選択(&amp;A)</translation>
+        </message>
+        <message>
+            <source>Select &amp;nothing</source>
+            <translation>選択を解除(&amp;N)</translation>
+        </message>
+        <message>
+            <source>&amp;Preferences…</source>
+            <translation>設定(&amp;P)…</translation>
+        </message>
+        <message>
+            <source>&amp;Select</source>
+            <translation>選択(&amp;S)</translation>
+        </message>
+        <message>
+            <source>Joint &amp;face</source>
+            <translation>関節面(&amp;F)</translation>
+        </message>
+        <message>
+            <source>&amp;Bone</source>
+            <translation>ボーン(&amp;B)</translation>
+        </message>
+        <message>
+            <source>&amp;Drag</source>
+            <translation>ドラッグ(&amp;D)</translation>
+        </message>
+        <message>
+            <source>&amp;Precompute</source>
+            <translation>前計算(&amp;P)</translation>
+        </message>
+        <message>
+            <source>&amp;Join the selected faces</source>
+            <translation>選択した面をつなぐ(&amp;J)</translation>
+        </message>
+        <message>
+            <source>P&amp;in or unpin</source>
+            <translation>ピン留め／解除(&amp;I)</translation>
+        </message>
+        <message>
+            <source>&amp;Release everything held</source>
+            <translation>すべて放す(&amp;R)</translation>
+        </message>
+        <message>
+            <source>Back to &amp;rest</source>
+            <translation>静止姿勢に戻す(&amp;R)</translation>
+        </message>
+        <message>
+            <source>&amp;Hide the selected elements</source>
+            <translation>選択した要素を隠す(&amp;H)</translation>
+        </message>
+        <message>
+            <source>&amp;Show all elements</source>
+            <translation>すべての要素を表示(&amp;S)</translation>
+        </message>
+        <message>
+            <source>Frame &amp;all</source>
+            <translation>全体を表示(&amp;A)</translation>
+        </message>
+        <message>
+            <source>&amp;Frame the selection</source>
+            <translation>選択範囲を表示(&amp;F)</translation>
+        </message>
+        <message>
+            <source>Front</source>
+            <translation>正面</translation>
+        </message>
+        <message>
+            <source>Right</source>
+            <translation>右</translation>
+        </message>
+        <message>
+            <source>Top</source>
+            <translation>上</translation>
+        </message>
+        <message>
+            <source>&amp;Orthographic</source>
+            <translation>平行投影(&amp;O)</translation>
+        </message>
+        <message>
+            <source>Show &amp;bones</source>
+            <translation>ボーンを表示(&amp;B)</translation>
+        </message>
+        <message>
+            <source>Show &amp;ground</source>
+            <translation>床を表示(&amp;G)</translation>
+        </message>
+        <message>
+            <source>&amp;See through bodies</source>
+            <translation>体を透かして見る(&amp;S)</translation>
+        </message>
+        <message>
+            <source>F&amp;ull screen</source>
+            <translation>全画面表示(&amp;U)</translation>
+        </message>
+        <message>
+            <source>&amp;Dark</source>
+            <translation>ダーク(&amp;D)</translation>
+        </message>
+        <message>
+            <source>&amp;Light</source>
+            <translation>ライト(&amp;L)</translation>
+        </message>
+        <message>
+            <source>High &amp;contrast</source>
+            <translation>ハイコントラスト(&amp;C)</translation>
+        </message>
+        <message>
+            <source>Search &amp;commands…</source>
+            <translation>コマンドを検索(&amp;C)…</translation>
+        </message>
+        <message>
+            <source>&amp;Mouse and keys</source>
+            <translation>マウスとキー(&amp;M)</translation>
+        </message>
+        <message>
+            <source>&amp;About Imomushi</source>
+            <translation>Imomushi について(&amp;A)</translation>
+        </message>
+    </context>
+    <context>
+        <name>CommandSearch</name>
+        <message>
+            <source>Search commands</source>
+            <translation>コマンドを検索</translation>
+        </message>
+        <message>
+            <source>Commands</source>
+            <translation>コマンド</translation>
+        </message>
+    </context>
+    <context>
+        <name>Errors</name>
+        <message>
+            <source>There is no such command.</source>
+            <translation>そのコマンドはありません。</translation>
+        </message>
+        <message>
+            <source>The command does not know one of its keys.</source>
+            <translation>コマンドに不明なキーがあります。</translation>
+        </message>
+        <message>
+            <source>A key of the command is missing.</source>
+            <translation>コマンドに必要なキーがありません。</translation>
+        </message>
+        <message>
+            <source>A value has the wrong type.</source>
+            <translation>値の型が正しくありません。</translation>
+        </message>
+        <message>
+            <source>This value is not allowed here.</source>
+            <translation>この値はここでは使えません。</translation>
+        </message>
+        <message>
+            <source>Only finite numbers are accepted.</source>
+            <translation>有限の数だけを指定できます。</translation>
+        </message>
+        <message>
+            <source>There is no element of that name.</source>
+            <translation>その名前の要素はありません。</translation>
+        </message>
+        <message>
+            <source>There is no joint face of that name.</source>
+            <translation>その名前の関節面はありません。</translation>
+        </message>
+        <message>
+            <source>There is no bone of that name.</source>
+            <translation>その名前のボーンはありません。</translation>
+        </message>
+        <message>
+            <source>This name is already taken. Choose another one.</source>
+            <translation>この名前はすでに使われています。別の名前にしてください。</translation>
+        </message>
+        <message>
+            <source>This name cannot be used. Choose another one.</source>
+            <translation>この名前は使えません。別の名前にしてください。</translation>
+        </message>
+        <message>
+            <source>No flat patch of the surface lies there.</source>
+            <translation>そこには平らな部分がありません。</translation>
+        </message>
+        <message>
+            <source>A vertex does not exist.</source>
+            <translation>存在しない頂点が指定されています。</translation>
+        </message>
+        <message>
+            <source>The patch falls into several pieces. Choose one connected patch.</source>
+            <translation>範囲がいくつかに分かれています。つながった範囲を選んでください。</translation>
+        </message>
+        <message>
+            <source>The patch is too far from flat for a joint face.</source>
+            <translation>関節面にするには平らではありません。</translation>
+        </message>
+        <message>
+            <source>The file was not found.</source>
+            <translation>ファイルが見つかりません。</translation>
+        </message>
+        <message>
+            <source>The file cannot be read. Check its permissions.</source>
+            <translation>ファイルを読み込めません。アクセス権を確認してください。</translation>
+        </message>
+        <message>
+            <source>The file cannot be written. Check the folder and its permissions.</source>
+            <translation>ファイルを書き込めません。フォルダーとアクセス権を確認してください。</translation>
+        </message>
+        <message>
+            <source>This file format is not known. Use OBJ, PLY, STL, glTF, FBX or DAE.</source>
+            <translation>このファイル形式には対応していません。OBJ、PLY、STL、glTF、FBX、DAE を使ってください。</translation>
+        </message>
+        <message>
+            <source>The file is damaged and cannot be used.</source>
+            <translation>ファイルが壊れているため使えません。</translation>
+        </message>
+        <message>
+            <source>The mesh has vertices that are not finite numbers.</source>
+            <translation>メッシュに有限でない座標の頂点があります。</translation>
+        </message>
+        <message>
+            <source>There is no mesh in the file.</source>
+            <translation>ファイルにメッシュがありません。</translation>
+        </message>
+        <message>
+            <source>The file is too large.</source>
+            <translation>ファイルが大きすぎます。</translation>
+        </message>
+        <message>
+            <source>Reading the file took too long.</source>
+            <translation>ファイルの読み込みに時間がかかりすぎました。</translation>
+        </message>
+        <message>
+            <source>The importer could not read the file.</source>
+            <translation>ファイルを読み込めませんでした。</translation>
+        </message>
+        <message>
+            <source>Cancelled.</source>
+            <translation>中止しました。</translation>
+        </message>
+        <message>
+            <source>There is not enough memory. Use a smaller solver mesh.</source>
+            <translation>メモリが足りません。計算用メッシュを小さくしてください。</translation>
+        </message>
+        <message>
+            <source>The element needs a joint face first.</source>
+            <translation>要素には先に関節面が必要です。</translation>
+        </message>
+        <message>
+            <source>Two joint faces of one element touch each other. Leave a row of vertices between them.</source>
+            <translation>1 つの要素の 2 つの関節面が接しています。間に頂点の列を空けてください。</translation>
+        </message>
+        <message>
+            <source>Joint faces cover the whole element. Leave some of it free.</source>
+            <translation>関節面が要素全体を覆っています。自由な部分を残してください。</translation>
+        </message>
+        <message>
+            <source>The element cannot be solved. Check its mesh.</source>
+            <translation>要素を解けません。メッシュを確認してください。</translation>
+        </message>
+        <message>
+            <source>The mesh is not a closed surface facing outward. Repair it first.</source>
+            <translation>メッシュが外向きの閉じた面になっていません。先に修復してください。</translation>
+        </message>
+        <message>
+            <source>The solution is not accurate enough. Check the mesh for slivers.</source>
+            <translation>解の精度が足りません。細長い三角形がないか確認してください。</translation>
+        </message>
+        <message>
+            <source>The project was made by a newer version of Imomushi. Update to open it.</source>
+            <translation>新しい版の Imomushi で作られたプロジェクトです。更新してから開いてください。</translation>
+        </message>
+        <message>
+            <source>This file is not an Imomushi project.</source>
+            <translation>このファイルは Imomushi のプロジェクトではありません。</translation>
+        </message>
+        <message>
+            <source>There is nothing to undo.</source>
+            <translation>元に戻す操作はありません。</translation>
+        </message>
+        <message>
+            <source>There is nothing to redo.</source>
+            <translation>やり直す操作はありません。</translation>
+        </message>
+        <message>
+            <source>The faces are too far apart to be joined.</source>
+            <translation>面が離れすぎていてつなげません。</translation>
+        </message>
+        <message>
+            <source>The project has no file yet. Choose one.</source>
+            <translation>プロジェクトの保存先がまだありません。保存先を選んでください。</translation>
+        </message>
+        <message>
+            <source>OpenGL 3.3 is not available on this machine.</source>
+            <translation>この環境では OpenGL 3.3 を使えません。</translation>
+        </message>
+    </context>
+    <context>
+        <name>FileFlow</name>
+        <message>
+            <source>Unsaved changes</source>
+            <translation>未保存の変更</translation>
+        </message>
+        <message>
+            <source>Save the changes of this new project?</source>
+            <translation>この新しいプロジェクトの変更を保存しますか？</translation>
+        </message>
+        <message>
+            <source>Save the changes of “%1”?</source>
+            <translation>「%1」の変更を保存しますか？</translation>
+        </message>
+        <message>
+            <source>They are lost otherwise.</source>
+            <translation>保存しないと変更は失われます。</translation>
+        </message>
+        <message>
+            <source>Save</source>
+            <translation>保存</translation>
+        </message>
+        <message>
+            <source>Don’t save</source>
+            <translation>保存しない</translation>
+        </message>
+        <message>
+            <source>Cancel</source>
+            <translation>キャンセル</translation>
+        </message>
+        <message>
+            <source>Open a project</source>
+            <translation>プロジェクトを開く</translation>
+        </message>
+        <message>
+            <source>Imomushi projects (*.imomushi)</source>
+            <translation>Imomushi プロジェクト (*.imomushi)</translation>
+        </message>
+        <message>
+            <source>Saved “%1”</source>
+            <translation>「%1」を保存しました</translation>
+        </message>
+        <message>
+            <source>Character</source>
+            <translation>キャラクター</translation>
+        </message>
+        <message>
+            <source>Save the project as</source>
+            <translation>プロジェクトに名前を付けて保存</translation>
+        </message>
+        <message>
+            <source>Save a copy</source>
+            <translation>コピーを保存</translation>
+        </message>
+        <message>
+            <source>%1 copy</source>
+            <translation>%1 のコピー</translation>
+        </message>
+        <message>
+            <source>Saved a copy as “%1”</source>
+            <translation>コピー「%1」を保存しました</translation>
+        </message>
+        <message>
+            <source>Save this session as a script</source>
+            <translation>この作業をスクリプトとして保存</translation>
+        </message>
+        <message>
+            <source>Scripts (*.jsonl)</source>
+            <translation>スクリプト (*.jsonl)</translation>
+        </message>
+        <message>
+            <source>Write the posed mesh</source>
+            <translation>ポーズのメッシュを書き出す</translation>
+        </message>
+        <message>
+            <source>Meshes (*.obj *.ply)</source>
+            <translation>メッシュ (*.obj *.ply)</translation>
+        </message>
+        <message>
+            <source>Wrote “%1”</source>
+            <translation>「%1」を書き出しました</translation>
+        </message>
+        <message>
+            <source>Import meshes</source>
+            <translation>メッシュを読み込む</translation>
+        </message>
+        <message>
+            <source>Meshes (%1)</source>
+            <translation>メッシュ (%1)</translation>
+        </message>
+        <message>
+            <source>“%1” is neither a mesh nor a project.</source>
+            <translation>「%1」はメッシュでもプロジェクトでもありません。</translation>
+        </message>
+    </context>
+    <context>
+        <name>HistoryModel</name>
+        <message>
+            <source>Beginning</source>
+            <translation>はじめ</translation>
+        </message>
+    </context>
+    <context>
+        <name>HistoryPanel</name>
+        <message>
+            <source>History</source>
+            <translation>履歴</translation>
+        </message>
+    </context>
+    <context>
+        <name>ImportDialog</name>
+        <message>
+            <source>Import %1</source>
+            <translation>%1 の読み込み</translation>
+        </message>
+        <message>
+            <source>As in the file</source>
+            <translation>ファイルのまま</translation>
+        </message>
+        <message>
+            <source>Millimetres</source>
+            <translation>ミリメートル</translation>
+        </message>
+        <message>
+            <source>Centimetres</source>
+            <translation>センチメートル</translation>
+        </message>
+        <message>
+            <source>Metres</source>
+            <translation>メートル</translation>
+        </message>
+        <message>
+            <source>Y is up</source>
+            <translation>Y が上</translation>
+        </message>
+        <message>
+            <source>Z is up</source>
+            <translation>Z が上</translation>
+        </message>
+        <message>
+            <source>One element per separate part</source>
+            <translation>離れた部分ごとに 1 つの要素にする</translation>
+        </message>
+        <message>
+            <source>Unit</source>
+            <translation>単位</translation>
+        </message>
+        <message>
+            <source>Up axis</source>
+            <translation>上の軸</translation>
+        </message>
+        <message>
+            <source>Import</source>
+            <translation>読み込む</translation>
+        </message>
+        <message>
+            <source>Reading</source>
+            <translation>読み込み中</translation>
+        </message>
+        <message>
+            <source>This mesh cannot be used as it is: it is not a closed surface.</source>
+            <translation>このメッシュは閉じた面ではないため、そのままでは使えません。</translation>
+        </message>
+        <message>
+            <source>%1 of %2 bodies can be used; the others are left out.</source>
+            <translation>%2 個のうち %1 個を使えます。残りは除かれます。</translation>
+        </message>
+        <message>
+            <source>Ready to import.</source>
+            <translation>読み込めます。</translation>
+        </message>
+        <message numerus="yes">
+            <source>Ready to import as %n element(s).</source>
+            <translation>
+                <numerusform>%n 個の要素として読み込めます。</numerusform>
+            </translation>
+        </message>
+        <message>
+            <source>Size  %1 × %2 × %3</source>
+            <translation>大きさ  %1 × %2 × %3</translation>
+        </message>
+        <message>
+            <source>%1 vertices, %2 triangles</source>
+            <translation>頂点 %1、三角形 %2</translation>
+        </message>
+        <message numerus="yes">
+            <source>%n separate part(s)</source>
+            <translation>
+                <numerusform>離れた部分 %n 個</numerusform>
+            </translation>
+        </message>
+    </context>
+    <context>
+        <name>InspectorPanel</name>
+        <message>
+            <source>Properties</source>
+            <translation>プロパティ</translation>
+        </message>
+        <message>
+            <source>Name</source>
+            <translation>名前</translation>
+        </message>
+        <message>
+            <source>Character</source>
+            <translation>キャラクター</translation>
+        </message>
+        <message>
+            <source>Joint modes</source>
+            <translation>関節モード</translation>
+        </message>
+        <message>
+            <source>Affine (9 per face)</source>
+            <translation>アフィン（面ごとに 9）</translation>
+        </message>
+        <message>
+            <source>Paper (6 per face)</source>
+            <translation>論文（面ごとに 6）</translation>
+        </message>
+        <message>
+            <source>All (%1)</source>
+            <translation>すべて (%1)</translation>
+        </message>
+        <message>
+            <source>Threads</source>
+            <translation>スレッド</translation>
+        </message>
+        <message>
+            <source>Contents</source>
+            <translation>内容</translation>
+        </message>
+        <message>
+            <source>Elements</source>
+            <translation>要素</translation>
+        </message>
+        <message>
+            <source>Joints</source>
+            <translation>関節</translation>
+        </message>
+        <message>
+            <source>Bones</source>
+            <translation>ボーン</translation>
+        </message>
+        <message>
+            <source>Vertices</source>
+            <translation>頂点</translation>
+        </message>
+        <message>
+            <source>Precomputed</source>
+            <translation>前計算済み</translation>
+        </message>
+        <message>
+            <source>nothing to do</source>
+            <translation>不要</translation>
+        </message>
+        <message>
+            <source>%1 of %2, %3</source>
+            <translation>%1 / %2、%3</translation>
+        </message>
+        <message numerus="yes">
+            <source>%n element(s)</source>
+            <translation>
+                <numerusform>%n 個の要素</numerusform>
+            </translation>
+        </message>
+        <message>
+            <source>Element</source>
+            <translation>要素</translation>
+        </message>
+        <message>
+            <source>Material</source>
+            <translation>材質</translation>
+        </message>
+        <message>
+            <source>Poisson ratio</source>
+            <translation>ポアソン比</translation>
+        </message>
+        <message>
+            <source>Stiffness</source>
+            <translation>硬さ</translation>
+        </message>
+        <message>
+            <source>Density</source>
+            <translation>密度</translation>
+        </message>
+        <message>
+            <source>Colour</source>
+            <translation>色</translation>
+        </message>
+        <message>
+            <source>Colour of the element</source>
+            <translation>要素の色</translation>
+        </message>
+        <message>
+            <source>Joint planes</source>
+            <translation>関節面の向き</translation>
+        </message>
+        <message>
+            <source>Automatic</source>
+            <translation>自動</translation>
+        </message>
+        <message>
+            <source>Halfway between bones</source>
+            <translation>ボーンの中間</translation>
+        </message>
+        <message>
+            <source>Turn with the element</source>
+            <translation>要素とともに回る</translation>
+        </message>
+        <message>
+            <source>Mesh</source>
+            <translation>メッシュ</translation>
+        </message>
+        <message>
+            <source>Triangles</source>
+            <translation>三角形</translation>
+        </message>
+        <message>
+            <source>Joint faces</source>
+            <translation>関節面</translation>
+        </message>
+        <message>
+            <source>Size</source>
+            <translation>大きさ</translation>
+        </message>
+        <message>
+            <source>Volume</source>
+            <translation>体積</translation>
+        </message>
+        <message>
+            <source>%1 litres</source>
+            <translation>%1 リットル</translation>
+        </message>
+        <message>
+            <source>Precompute</source>
+            <translation>前計算</translation>
+        </message>
+        <message>
+            <source>State</source>
+            <translation>状態</translation>
+        </message>
+        <message>
+            <source>needs a joint face</source>
+            <translation>関節面が必要</translation>
+        </message>
+        <message>
+            <source>Up to date</source>
+            <translation>最新</translation>
+        </message>
+        <message>
+            <source>Out of date</source>
+            <translation>古くなっています</translation>
+        </message>
+        <message>
+            <source>Not yet</source>
+            <translation>まだ</translation>
+        </message>
+        <message>
+            <source>Columns</source>
+            <translation>列数</translation>
+        </message>
+        <message>
+            <source>Memory</source>
+            <translation>メモリ</translation>
+        </message>
+        <message>
+            <source>Time taken</source>
+            <translation>かかった時間</translation>
+        </message>
+        <message>
+            <source>Residual</source>
+            <translation>残差</translation>
+        </message>
+        <message>
+            <source>Condition</source>
+            <translation>条件数の逆数</translation>
+        </message>
+        <message>
+            <source>Asymmetry</source>
+            <translation>非対称性</translation>
+        </message>
+        <message>
+            <source>%1 %</source>
+            <translation>%1 %</translation>
+        </message>
+        <message>
+            <source>Will take</source>
+            <translation>見込み</translation>
+        </message>
+        <message>
+            <source>about %1, %2</source>
+            <translation>約 %1、%2</translation>
+        </message>
+        <message>
+            <source>Joint face</source>
+            <translation>関節面</translation>
+        </message>
+        <message>
+            <source>Joined with</source>
+            <translation>つながり先</translation>
+        </message>
+        <message>
+            <source>nothing</source>
+            <translation>なし</translation>
+        </message>
+        <message>
+            <source>Patch</source>
+            <translation>範囲</translation>
+        </message>
+        <message>
+            <source>Area</source>
+            <translation>面積</translation>
+        </message>
+        <message>
+            <source>%1 cm²</source>
+            <translation>%1 cm²</translation>
+        </message>
+        <message>
+            <source>Planarity error</source>
+            <translation>平面からのずれ</translation>
+        </message>
+        <message>
+            <source>%1 (flat)</source>
+            <translation>%1（平ら）</translation>
+        </message>
+        <message>
+            <source>%1 (not flat: three more columns)</source>
+            <translation>%1（平らでない：3 列追加）</translation>
+        </message>
+        <message>
+            <source>Frame</source>
+            <translation>座標系</translation>
+        </message>
+        <message>
+            <source>Origin (m)</source>
+            <translation>原点 (m)</translation>
+        </message>
+        <message>
+            <source>Normal</source>
+            <translation>法線</translation>
+        </message>
+        <message numerus="yes">
+            <source>%n bone(s)</source>
+            <translation>
+                <numerusform>%n 本のボーン</numerusform>
+            </translation>
+        </message>
+        <message>
+            <source>Bone</source>
+            <translation>ボーン</translation>
+        </message>
+        <message>
+            <source>automatic</source>
+            <translation>自動</translation>
+        </message>
+        <message>
+            <source>Parent</source>
+            <translation>親</translation>
+        </message>
+        <message>
+            <source>none</source>
+            <translation>なし</translation>
+        </message>
+        <message>
+            <source>Runs through</source>
+            <translation>通る要素</translation>
+        </message>
+        <message>
+            <source>Rest</source>
+            <translation>静止時</translation>
+        </message>
+        <message>
+            <source>Length</source>
+            <translation>長さ</translation>
+        </message>
+        <message>
+            <source>Start</source>
+            <translation>始点</translation>
+        </message>
+        <message>
+            <source>End</source>
+            <translation>終点</translation>
+        </message>
+        <message>
+            <source>Roll</source>
+            <translation>ロール</translation>
+        </message>
+        <message>
+            <source>Stretch limits</source>
+            <translation>伸縮の限度</translation>
+        </message>
+        <message>
+            <source>Shortest</source>
+            <translation>最短</translation>
+        </message>
+        <message>
+            <source>Longest</source>
+            <translation>最長</translation>
+        </message>
+        <message>
+            <source>Endpoint</source>
+            <translation>端点</translation>
+        </message>
+        <message>
+            <source>free</source>
+            <translation>自由</translation>
+        </message>
+        <message>
+            <source>pinned</source>
+            <translation>ピン留め</translation>
+        </message>
+        <message>
+            <source>held</source>
+            <translation>保持</translation>
+        </message>
+        <message>
+            <source>At rest (m)</source>
+            <translation>静止位置 (m)</translation>
+        </message>
+        <message>
+            <source>Target</source>
+            <translation>目標</translation>
+        </message>
+        <message>
+            <source>Release</source>
+            <translation>放す</translation>
+        </message>
+        <message>
+            <source>Unpin</source>
+            <translation>ピンを外す</translation>
+        </message>
+        <message>
+            <source>Pin</source>
+            <translation>ピン留め</translation>
+        </message>
+    </context>
+    <context>
+        <name>IssueModel</name>
+        <message>
+            <source>%1 · mended</source>
+            <translation>%1 · 修復済み</translation>
+        </message>
+        <message>
+            <source>Has no joint face yet: it cannot deform.</source>
+            <translation>関節面がまだないため変形できません。</translation>
+        </message>
+    </context>
+    <context>
+        <name>Issues</name>
+        <message>
+            <source>Vertices at the same place were welded.</source>
+            <translation>同じ位置の頂点を結合しました。</translation>
+        </message>
+        <message>
+            <source>The surface has open edges. Close its holes.</source>
+            <translation>面に開いた辺があります。穴を閉じてください。</translation>
+        </message>
+        <message>
+            <source>More than two triangles meet at an edge.</source>
+            <translation>1 つの辺に 3 枚以上の三角形が接しています。</translation>
+        </message>
+        <message>
+            <source>Parts of the surface touch at a single vertex.</source>
+            <translation>面の一部が 1 つの頂点だけで接しています。</translation>
+        </message>
+        <message>
+            <source>The surface faced inward.</source>
+            <translation>面が内側を向いていました。</translation>
+        </message>
+        <message>
+            <source>Neighbouring triangles face different ways.</source>
+            <translation>隣り合う三角形の向きがそろっていません。</translation>
+        </message>
+        <message>
+            <source>Some triangles have no area.</source>
+            <translation>面積のない三角形があります。</translation>
+        </message>
+        <message>
+            <source>Some triangles exist twice.</source>
+            <translation>重複した三角形があります。</translation>
+        </message>
+        <message>
+            <source>The surface passes through itself.</source>
+            <translation>面が自分自身と交差しています。</translation>
+        </message>
+        <message>
+            <source>The mesh has several separate parts. Import them as one element each.</source>
+            <translation>メッシュが複数の部分に分かれています。部分ごとに 1 つの要素として読み込んでください。</translation>
+        </message>
+        <message>
+            <source>Some coordinates are not finite numbers.</source>
+            <translation>有限でない座標があります。</translation>
+        </message>
+        <message>
+            <source>Some vertices belong to no triangle.</source>
+            <translation>どの三角形にも属さない頂点があります。</translation>
+        </message>
+        <message>
+            <source>The mesh is very large. Check its unit.</source>
+            <translation>メッシュが非常に大きいです。単位を確認してください。</translation>
+        </message>
+        <message>
+            <source>The mesh is very small. Check its unit.</source>
+            <translation>メッシュが非常に小さいです。単位を確認してください。</translation>
+        </message>
+        <message>
+            <source>The mesh lies far from the origin.</source>
+            <translation>メッシュが原点から遠く離れています。</translation>
+        </message>
+        <message>
+            <source>Faces with more than three corners were split.</source>
+            <translation>角が 4 つ以上の面を三角形に分けました。</translation>
+        </message>
+    </context>
+    <context>
+        <name>IssuesPanel</name>
+        <message>
+            <source>Nothing asks for attention.</source>
+            <translation>気になる点はありません。</translation>
+        </message>
+        <message>
+            <source>Issues</source>
+            <translation>問題</translation>
+        </message>
+    </context>
+    <context>
+        <name>JobCard</name>
+        <message>
+            <source>Cancel</source>
+            <translation>キャンセル</translation>
+        </message>
+        <message>
+            <source>%1 · %2 left</source>
+            <comment>stage, time</comment>
+            <translation>%1 · 残り %2</translation>
+        </message>
+    </context>
+    <context>
+        <name>MainWindow</name>
+        <message>
+            <source>Precomputing %1</source>
+            <translation>%1 を前計算中</translation>
+        </message>
+        <message>
+            <source>Precomputing %1 %</source>
+            <translation>前計算中 %1 %</translation>
+        </message>
+        <message>
+            <source>%1: %2</source>
+            <comment>element, what went wrong</comment>
+            <translation>%1：%2</translation>
+        </message>
+        <message>
+            <source>Precompute cancelled</source>
+            <translation>前計算を中止しました</translation>
+        </message>
+        <message>
+            <source>Precomputed. Drag a joint point with the drag tool (D).</source>
+            <translation>前計算が終わりました。ドラッグツール (D) で関節点を動かせます。</translation>
+        </message>
+        <message>
+            <source>Issues (%1)</source>
+            <translation>問題 (%1)</translation>
+        </message>
+        <message>
+            <source>Issues</source>
+            <translation>問題</translation>
+        </message>
+        <message>
+            <source>&amp;File</source>
+            <translation>ファイル(&amp;F)</translation>
+        </message>
+        <message>
+            <source>Open &amp;recent</source>
+            <translation>最近使ったファイル(&amp;R)</translation>
+        </message>
+        <message>
+            <source>Sa&amp;mples</source>
+            <translation>サンプル(&amp;M)</translation>
+        </message>
+        <message>
+            <source>&amp;Edit</source>
+            <translation>編集(&amp;E)</translation>
+        </message>
+        <message>
+            <source>&amp;Character</source>
+            <translation>キャラクター(&amp;C)</translation>
+        </message>
+        <message>
+            <source>&amp;View</source>
+            <translation>表示(&amp;V)</translation>
+        </message>
+        <message>
+            <source>&amp;Panels</source>
+            <translation>パネル(&amp;P)</translation>
+        </message>
+        <message>
+            <source>&amp;Theme</source>
+            <translation>テーマ(&amp;T)</translation>
+        </message>
+        <message>
+            <source>&amp;Language</source>
+            <translation>言語(&amp;L)</translation>
+        </message>
+        <message>
+            <source>&amp;Help</source>
+            <translation>ヘルプ(&amp;H)</translation>
+        </message>
+        <message>
+            <source>Outliner</source>
+            <translation>アウトライナー</translation>
+        </message>
+        <message>
+            <source>History</source>
+            <translation>履歴</translation>
+        </message>
+        <message>
+            <source>Properties</source>
+            <translation>プロパティ</translation>
+        </message>
+        <message>
+            <source>Tools</source>
+            <translation>ツール</translation>
+        </message>
+        <message>
+            <source>Menus</source>
+            <translation>メニュー</translation>
+        </message>
+        <message>
+            <source>View of the character</source>
+            <translation>キャラクターのビュー</translation>
+        </message>
+        <message>
+            <source>Status</source>
+            <translation>ステータス</translation>
+        </message>
+        <message>
+            <source>%1 (missing)</source>
+            <translation>%1（見つかりません）</translation>
+        </message>
+        <message>
+            <source>New project</source>
+            <translation>新しいプロジェクト</translation>
+        </message>
+        <message>
+            <source>Undo: %1</source>
+            <translation>元に戻す：%1</translation>
+        </message>
+        <message>
+            <source>Redo: %1</source>
+            <translation>やり直す：%1</translation>
+        </message>
+        <message>
+            <source>Everything is precomputed already.</source>
+            <translation>すべて前計算済みです。</translation>
+        </message>
+        <message>
+            <source>Joined %1 and %2</source>
+            <translation>%1 と %2 をつなぎました</translation>
+        </message>
+        <message>
+            <source>Turn the view</source>
+            <translation>視点を回す</translation>
+        </message>
+        <message>
+            <source>Middle mouse button</source>
+            <translation>中ボタン</translation>
+        </message>
+        <message>
+            <source>Move the view</source>
+            <translation>視点を動かす</translation>
+        </message>
+        <message>
+            <source>Shift + middle mouse button</source>
+            <translation>Shift + 中ボタン</translation>
+        </message>
+        <message>
+            <source>Nearer, farther</source>
+            <translation>近づく、遠ざかる</translation>
+        </message>
+        <message>
+            <source>Wheel</source>
+            <translation>ホイール</translation>
+        </message>
+        <message>
+            <source>Select</source>
+            <translation>選択</translation>
+        </message>
+        <message>
+            <source>Click; Shift + click adds</source>
+            <translation>クリック（Shift + クリックで追加）</translation>
+        </message>
+        <message>
+            <source>Take back what is unfinished</source>
+            <translation>途中の操作を取り消す</translation>
+        </message>
+        <message>
+            <source>Esc or right mouse button</source>
+            <translation>Esc または右ボタン</translation>
+        </message>
+        <message>
+            <source>Frame all, frame the selection</source>
+            <translation>全体を表示、選択範囲を表示</translation>
+        </message>
+        <message>
+            <source>Views along the axes</source>
+            <translation>軸方向の視点</translation>
+        </message>
+        <message>
+            <source>Precompute</source>
+            <translation>前計算</translation>
+        </message>
+        <message>
+            <source>Search commands</source>
+            <translation>コマンドを検索</translation>
+        </message>
+        <message>
+            <source>Mouse and keys</source>
+            <translation>マウスとキー</translation>
+        </message>
+        <message>
+            <source>Close</source>
+            <translation>閉じる</translation>
+        </message>
+        <message>
+            <source>About Imomushi</source>
+            <translation>Imomushi について</translation>
+        </message>
+        <message>
+            <source>Articulated elastic characters in real time.</source>
+            <translation>関節のある弾性キャラクターを実時間で動かします。</translation>
+        </message>
+        <message>
+            <source>Free software under the GNU General Public License, version 3 or later.</source>
+            <translation>GNU 一般公衆ライセンス第 3 版またはそれ以降に基づく自由ソフトウェアです。</translation>
+        </message>
+    </context>
+    <context>
+        <name>MeshPreview</name>
+        <message>
+            <source>Preview of the mesh</source>
+            <translation>メッシュのプレビュー</translation>
+        </message>
+    </context>
+    <context>
+        <name>MessageBar</name>
+        <message>
+            <source>Close</source>
+            <translation>閉じる</translation>
+        </message>
+    </context>
+    <context>
+        <name>NumberField</name>
+        <message>
+            <source>Back to the default</source>
+            <translation>既定値に戻す</translation>
+        </message>
+        <message>
+            <source>Drag sideways, or click and type</source>
+            <translation>横にドラッグするか、クリックして入力</translation>
+        </message>
+        <message>
+            <source>different</source>
+            <translation>複数の値</translation>
+        </message>
+    </context>
+    <context>
+        <name>OutlinerModel</name>
+        <message>
+            <source>Character</source>
+            <translation>キャラクター</translation>
+        </message>
+        <message>
+            <source>Bones</source>
+            <translation>ボーン</translation>
+        </message>
+        <message>
+            <source>joined with %1</source>
+            <translation>%1 とつながっています</translation>
+        </message>
+        <message>
+            <source>Precomputed</source>
+            <translation>前計算済み</translation>
+        </message>
+        <message>
+            <source>Out of date: precompute again</source>
+            <translation>古くなっています：もう一度前計算してください</translation>
+        </message>
+        <message>
+            <source>Not precomputed yet</source>
+            <translation>まだ前計算していません</translation>
+        </message>
+        <message>
+            <source>Visible: click to hide</source>
+            <translation>表示中：クリックで隠す</translation>
+        </message>
+        <message>
+            <source>Hidden: click to show</source>
+            <translation>非表示：クリックで表示</translation>
+        </message>
+        <message>
+            <source>Locked: click to unlock</source>
+            <translation>ロック中：クリックで解除</translation>
+        </message>
+        <message>
+            <source>Not locked: click to lock</source>
+            <translation>ロックなし：クリックでロック</translation>
+        </message>
+    </context>
+    <context>
+        <name>OutlinerPanel</name>
+        <message>
+            <source>Filter</source>
+            <translation>絞り込み</translation>
+        </message>
+        <message>
+            <source>Filter the outliner</source>
+            <translation>アウトライナーを絞り込む</translation>
+        </message>
+        <message>
+            <source>Outliner</source>
+            <translation>アウトライナー</translation>
+        </message>
+    </context>
+    <context>
+        <name>PreferencesDialog</name>
+        <message>
+            <source>Preferences</source>
+            <translation>設定</translation>
+        </message>
+        <message>
+            <source>Theme</source>
+            <translation>テーマ</translation>
+        </message>
+        <message>
+            <source>Dark</source>
+            <translation>ダーク</translation>
+        </message>
+        <message>
+            <source>Light</source>
+            <translation>ライト</translation>
+        </message>
+        <message>
+            <source>High contrast</source>
+            <translation>ハイコントラスト</translation>
+        </message>
+        <message>
+            <source>Language</source>
+            <translation>言語</translation>
+        </message>
+        <message>
+            <source>As the desktop</source>
+            <translation>デスクトップに合わせる</translation>
+        </message>
+        <message>
+            <source>Size of the interface</source>
+            <translation>画面の大きさ</translation>
+        </message>
+        <message>
+            <source>Mouse in the view</source>
+            <translation>ビューのマウス操作</translation>
+        </message>
+        <message>
+            <source>Like Blender (middle button)</source>
+            <translation>Blender 風（中ボタン）</translation>
+        </message>
+        <message>
+            <source>Like Maya (Alt and buttons)</source>
+            <translation>Maya 風（Alt とボタン）</translation>
+        </message>
+        <message>
+            <source>General</source>
+            <translation>一般</translation>
+        </message>
+        <message>
+            <source>Command</source>
+            <translation>コマンド</translation>
+        </message>
+        <message>
+            <source>Shortcut</source>
+            <translation>ショートカット</translation>
+        </message>
+        <message>
+            <source>Shortcuts</source>
+            <translation>ショートカット</translation>
+        </message>
+        <message>
+            <source>Reset all shortcuts</source>
+            <translation>すべて既定に戻す</translation>
+        </message>
+        <message>
+            <source>Close</source>
+            <translation>閉じる</translation>
+        </message>
+        <message>
+            <source>%1 is used by: %2</source>
+            <comment>shortcut, commands</comment>
+            <translation>%1 の割り当て先：%2</translation>
+        </message>
+    </context>
+    <context>
+        <name>Stages</name>
+        <message>
+            <source>Reading</source>
+            <translation>読み込み中</translation>
+        </message>
+        <message>
+            <source>Welding</source>
+            <translation>結合中</translation>
+        </message>
+        <message>
+            <source>Mending</source>
+            <translation>修復中</translation>
+        </message>
+        <message>
+            <source>Checking</source>
+            <translation>検査中</translation>
+        </message>
+        <message>
+            <source>Estimating</source>
+            <translation>見積もり中</translation>
+        </message>
+        <message>
+            <source>Assembling</source>
+            <translation>行列を組み立て中</translation>
+        </message>
+        <message>
+            <source>Factorising</source>
+            <translation>分解中</translation>
+        </message>
+        <message>
+            <source>Solving</source>
+            <translation>求解中</translation>
+        </message>
+        <message>
+            <source>Reducing</source>
+            <translation>縮約中</translation>
+        </message>
+    </context>
+    <context>
+        <name>StartPage</name>
+        <message>
+            <source>Five elements in a row</source>
+            <translation>一列に並んだ 5 つの要素</translation>
+        </message>
+        <message>
+            <source>A body with eight arms</source>
+            <translation>胴体と 8 本の腕</translation>
+        </message>
+        <message>
+            <source>Head, trunk, arms and legs</source>
+            <translation>頭、胴、腕、脚</translation>
+        </message>
+        <message>
+            <source>Caterpillar</source>
+            <translation>イモムシ</translation>
+        </message>
+        <message>
+            <source>Octopus</source>
+            <translation>タコ</translation>
+        </message>
+        <message>
+            <source>Cartoon figure</source>
+            <translation>カートゥーンの人物</translation>
+        </message>
+        <message>
+            <source>Soft characters that bend, stretch and squash as you drag them</source>
+            <translation>引っぱると曲がり、伸び、つぶれるやわらかいキャラクター</translation>
+        </message>
+        <message>
+            <source>Import a mesh…</source>
+            <translation>メッシュを読み込む…</translation>
+        </message>
+        <message>
+            <source>Open a project…</source>
+            <translation>プロジェクトを開く…</translation>
+        </message>
+        <message>
+            <source>Empty project</source>
+            <translation>空のプロジェクト</translation>
+        </message>
+        <message>
+            <source>Samples</source>
+            <translation>サンプル</translation>
+        </message>
+        <message>
+            <source>Recent projects</source>
+            <translation>最近のプロジェクト</translation>
+        </message>
+        <message>
+            <source>File is missing</source>
+            <translation>ファイルが見つかりません</translation>
+        </message>
+        <message>
+            <source>Remove from this list</source>
+            <translation>この一覧から外す</translation>
+        </message>
+        <message>
+            <source>You can also drop meshes (OBJ, PLY, STL, glTF, FBX, DAE) and projects anywhere on this window.</source>
+            <translation>メッシュ（OBJ、PLY、STL、glTF、FBX、DAE）やプロジェクトをこのウィンドウにドロップすることもできます。</translation>
+        </message>
+    </context>
+    <context>
+        <name>StatusStrip</name>
+        <message>
+            <source>%1 vertices</source>
+            <translation>頂点 %1</translation>
+        </message>
+        <message>
+            <source>%1 of %2 out of date · about %3, %4</source>
+            <translation>%2 個中 %1 個が古い · 約 %3、%4</translation>
+        </message>
+        <message>
+            <source>Precompute what is out of date (P): about %1, %2</source>
+            <translation>古くなったものを前計算する (P)：約 %1、%2</translation>
+        </message>
+        <message>
+            <source>Precomputed</source>
+            <translation>前計算済み</translation>
+        </message>
+        <message>
+            <source>All elements are up to date</source>
+            <translation>すべての要素が最新です</translation>
+        </message>
+        <message>
+            <source>State of the precompute: %1</source>
+            <translation>前計算の状態：%1</translation>
+        </message>
+        <message>
+            <source>Time of the processor for one frame: bones, surfaces, normals</source>
+            <translation>1 フレームにかかる処理時間：ボーン、表面、法線</translation>
+        </message>
+        <message>
+            <source>Frames per second of the viewport</source>
+            <translation>ビューの毎秒フレーム数</translation>
+        </message>
+    </context>
+    <context>
+        <name>Steps</name>
+        <message>
+            <source>New project</source>
+            <translation>新しいプロジェクト</translation>
+        </message>
+        <message>
+            <source>Open project</source>
+            <translation>プロジェクトを開く</translation>
+        </message>
+        <message>
+            <source>Import element</source>
+            <translation>要素の読み込み</translation>
+        </message>
+        <message>
+            <source>Repair mesh</source>
+            <translation>メッシュの修復</translation>
+        </message>
+        <message>
+            <source>Cut element</source>
+            <translation>要素の切断</translation>
+        </message>
+        <message>
+            <source>Add joint face</source>
+            <translation>関節面の追加</translation>
+        </message>
+        <message>
+            <source>Join faces</source>
+            <translation>面をつなぐ</translation>
+        </message>
+        <message>
+            <source>Separate faces</source>
+            <translation>面を離す</translation>
+        </message>
+        <message>
+            <source>Add bone</source>
+            <translation>ボーンの追加</translation>
+        </message>
+        <message>
+            <source>Remove element</source>
+            <translation>要素の削除</translation>
+        </message>
+        <message>
+            <source>Remove joint face</source>
+            <translation>関節面の削除</translation>
+        </message>
+        <message>
+            <source>Remove bone</source>
+            <translation>ボーンの削除</translation>
+        </message>
+        <message>
+            <source>Rename</source>
+            <translation>名前の変更</translation>
+        </message>
+        <message>
+            <source>Pin</source>
+            <translation>ピン留め</translation>
+        </message>
+        <message>
+            <source>Unpin</source>
+            <translation>ピンを外す</translation>
+        </message>
+        <message>
+            <source>Change setting</source>
+            <translation>設定の変更</translation>
+        </message>
+        <message>
+            <source>Drag</source>
+            <translation>ドラッグ</translation>
+        </message>
+        <message>
+            <source>Release</source>
+            <translation>放す</translation>
+        </message>
+        <message>
+            <source>Rest pose</source>
+            <translation>静止姿勢</translation>
+        </message>
+        <message>
+            <source>Precompute</source>
+            <translation>前計算</translation>
+        </message>
+        <message>
+            <source>Change bone</source>
+            <translation>ボーンの変更</translation>
+        </message>
+    </context>
+    <context>
+        <name>Texts</name>
+        <message>
+            <source>%1: %2</source>
+            <comment>undo step: what was done, to what</comment>
+            <translation>%1：%2</translation>
+        </message>
+        <message>
+            <source>%1 (%L2 places)</source>
+            <comment>mesh issue, number of places</comment>
+            <translation>%1（%L2 か所）</translation>
+        </message>
+        <message>
+            <source>%1 ms</source>
+            <translation>%1 ミリ秒</translation>
+        </message>
+        <message>
+            <source>%1 s</source>
+            <translation>%1 秒</translation>
+        </message>
+        <message>
+            <source>%1 min %2 s</source>
+            <translation>%1 分 %2 秒</translation>
+        </message>
+    </context>
+    <context>
+        <name>ToolTexts</name>
+        <message>
+            <source>A bone needs two different ends. Click somewhere else.</source>
+            <translation>ボーンには異なる 2 つの端が必要です。別の場所をクリックしてください。</translation>
+        </message>
+        <message>
+            <source>Import a mesh first</source>
+            <translation>先にメッシュを読み込んでください</translation>
+        </message>
+        <message>
+            <source>Click: end of the bone · Esc: end the chain</source>
+            <translation>クリック：ボーンの終点 · Esc：連鎖を終える</translation>
+        </message>
+        <message>
+            <source>Click: start of a bone (joint face, end of a bone, or inside a body)</source>
+            <translation>クリック：ボーンの始点（関節面、ボーンの端、体の内部）</translation>
+        </message>
+        <message>
+            <source>The faces were not joined. %1</source>
+            <translation>面をつなげませんでした。%1</translation>
+        </message>
+        <message>
+            <source>Touches the joint face "%1"</source>
+            <translation>関節面「%1」に接しています</translation>
+        </message>
+        <message>
+            <source>↑ ↓: tolerance (%1) · Esc: cancel</source>
+            <translation>↑ ↓：許容差 (%1) · Esc：取り消し</translation>
+        </message>
+        <message>
+            <source>Enter or click: make the face · ← →: move · X, Y, Z: turn · ↑ ↓: tolerance (%1) · Esc: cancel</source>
+            <translation>Enter またはクリック：面を作る · ← →：移動 · X、Y、Z：向き · ↑ ↓：許容差 (%1) · Esc：取り消し</translation>
+        </message>
+        <message>
+            <source>Click: select the joint face "%1"</source>
+            <translation>クリック：関節面「%1」を選択</translation>
+        </message>
+        <message numerus="yes">
+            <source>Click: joint face of %n vertices</source>
+            <translation>
+                <numerusform>クリック：%n 頂点の関節面</numerusform>
+            </translation>
+        </message>
+        <message>
+            <source>↑ ↓: tolerance (%1) · Shift+click: plane</source>
+            <translation>↑ ↓：許容差 (%1) · Shift+クリック：平面</translation>
+        </message>
+        <message>
+            <source>Click a flat region: joint face · Shift+click: plane · Ctrl: look behind the surface</source>
+            <translation>平らな部分をクリック：関節面 · Shift+クリック：平面 · Ctrl：奥の面を見る</translation>
+        </message>
+        <message>
+            <source>X, Y, Z: lock axis · Shift: fine · Ctrl: grid · R or wheel: turn · Esc: cancel</source>
+            <translation>X、Y、Z：軸を固定 · Shift：細かく · Ctrl：格子 · R かホイール：ねじる · Esc：取り消し</translation>
+        </message>
+        <message>
+            <source>There are no bones yet. Place them with the bone tool.</source>
+            <translation>ボーンがまだありません。ボーンツールで置いてください。</translation>
+        </message>
+        <message>
+            <source>Drag: pose · P: pin · Double click: let go</source>
+            <translation>ドラッグ：ポーズ · P：ピン留め · ダブルクリック：放す</translation>
+        </message>
+        <message>
+            <source>Drag the end of a bone</source>
+            <translation>ボーンの端をドラッグ</translation>
+        </message>
+        <message>
+            <source>Click: select · Shift+click: add</source>
+            <translation>クリック：選択 · Shift+クリック：追加</translation>
+        </message>
+        <message>
+            <source>Click: select · Shift+click: add · Delete: remove</source>
+            <translation>クリック：選択 · Shift+クリック：追加 · Delete：削除</translation>
+        </message>
+    </context>
+    <context>
+        <name>ViewportWidget</name>
+        <message>
+            <source>3D view</source>
+            <translation>3D ビュー</translation>
+        </message>
+        <message>
+            <source>Middle: orbit · Shift+middle: pan · Wheel: zoom</source>
+            <translation>中ボタン：回転 · Shift+中ボタン：移動 · ホイール：拡大縮小</translation>
+        </message>
+        <message>
+            <source>Alt+left: orbit · Alt+middle: pan · Wheel: zoom</source>
+            <translation>Alt+左：回転 · Alt+中：移動 · ホイール：拡大縮小</translation>
+        </message>
+        <message>
+            <source>The 3D view needs OpenGL 3.3. Update the graphics driver, or start with LIBGL_ALWAYS_SOFTWARE=1.</source>
+            <translation>3D ビューには OpenGL 3.3 が必要です。グラフィックドライバーを更新するか、LIBGL_ALWAYS_SOFTWARE=1 を付けて起動してください。</translation>
+        </message>
+        <message>
+            <source>Drop a mesh or a project here</source>
+            <translation>ここにメッシュかプロジェクトをドロップ</translation>
+        </message>
+        <message>
+            <source>Unpin</source>
+            <translation>ピンを外す</translation>
+        </message>
+        <message>
+            <source>Pin</source>
+            <translation>ピン留め</translation>
+        </message>
+        <message>
+            <source>Let go</source>
+            <translation>放す</translation>
+        </message>
+        <message>
+            <source>Frame selection</source>
+            <translation>選択範囲を表示</translation>
+        </message>
+        <message>
+            <source>Frame all</source>
+            <translation>全体を表示</translation>
+        </message>
+        <message>
+            <source>Remove</source>
+            <translation>削除</translation>
+        </message>
+    </context>
+</TS>

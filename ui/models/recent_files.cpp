@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/models/recent_files.h"
+
+#include <QCoreApplication>
+#include <QCryptographicHash>
+#include <QDir>
+#include <QFileInfo>
+#include <QSettings>
+#include <QStandardPaths>
+
+namespace imomushi {
+namespace {
+
+constexpr int kMost = 12;
+const QString kKey = QStringLiteral("files/recent");
+
+QString thumbnailPath(const QString& path) {
+    const QString folder = QStandardPaths::writableLocation(QStandardPaths::CacheLocation) + QStringLiteral("/thumbnails");
+    QDir().mkpath(folder);
+    const auto hash = QCryptographicHash::hash(QFileInfo(path).absoluteFilePath().toUtf8(), QCryptographicHash::Md5).toHex();
+    return folder + u'/' + QString::fromLatin1(hash) + QStringLiteral(".png");
+}
+
+QStringList sampleFolders() {
+    return {QCoreApplication::applicationDirPath() + QStringLiteral("/../share/imomushi/samples"), QStringLiteral(IMOMUSHI_SOURCE_DIR "/assets/samples")};
+}
+
+}  // namespace
+
+QStringList RecentFiles::paths() const { return QSettings().value(kKey).toStringList(); }
+
+void RecentFiles::add(const QString& path) {
+    const QString absolute = QFileInfo(path).absoluteFilePath();
+    if (isSample(absolute)) return;  // they are on the start page anyway
+    QStringList all = paths();
+    all.removeAll(absolute);
+    all.prepend(absolute);
+    while (all.size() > kMost) QFile::remove(thumbnailPath(all.takeLast()));
+    QSettings().setValue(kKey, all);
+    Q_EMIT changed();
+}
+
+void RecentFiles::remove(const QString& path) {
+    QStringList all = paths();
+    all.removeAll(path);
+    QSettings().setValue(kKey, all);
+    QFile::remove(thumbnailPath(path));
+    Q_EMIT changed();
+}
+
+QImage RecentFiles::thumbnail(const QString& path) const { return QImage(thumbnailPath(path)); }
+
+void RecentFiles::setThumbnail(const QString& path, const QImage& picture) {
+    if (picture.isNull()) return;
+    // The middle of the view in the shape of the tiles of the start page.
+    const QSize tile(480, 300);
+    const QImage scaled = picture.scaled(tile, Qt::KeepAspectRatioByExpanding, Qt::SmoothTransformation);
+    scaled.copy((scaled.width() - tile.width()) / 2, (scaled.height() - tile.height()) / 2, tile.width(), tile.height()).save(thumbnailPath(path));
+    Q_EMIT changed();
+}
+
+QList<Sample> samples() {
+    QList<Sample> found;
+    for (const QString& folder : sampleFolders()) {
+        for (const QFileInfo& file : QDir(folder).entryInfoList({QStringLiteral("*.imomushi")}, QDir::Files, QDir::Name))
+            found << Sample{file.completeBaseName(), file.absoluteFilePath()};
+        if (!found.isEmpty()) break;
+    }
+    return found;
+}
+
+bool isSample(const QString& path) {
+    const QString folder = QFileInfo(path).canonicalPath();
+    for (const QString& samplesIn : sampleFolders())
+        if (!folder.isEmpty() && folder == QFileInfo(samplesIn).canonicalFilePath()) return true;
+    return false;
+}
+
+}  // namespace imomushi

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <QImage>
+#include <QObject>
+#include <QStringList>
+
+namespace imomushi {
+
+/// The projects that were opened or saved last, with small pictures of them; kept in QSettings and in the cache folder of the user.
+class RecentFiles : public QObject {
+    Q_OBJECT
+public:
+    using QObject::QObject;
+    [[nodiscard]] QStringList paths() const;  ///< newest first
+    void add(const QString& path);
+    void remove(const QString& path);
+
+    [[nodiscard]] QImage thumbnail(const QString& path) const;  ///< null: none
+    void setThumbnail(const QString& path, const QImage& picture);
+
+signals:
+    void changed();
+};
+
+/// The projects that come with the program: installed, or in the source tree it was built from.
+struct Sample {
+    QString name;  ///< of the file, without suffix
+    QString path;
+};
+QList<Sample> samples();
+[[nodiscard]] bool isSample(const QString& path);
+
+}  // namespace imomushi

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <QObject>
+#include <QStringList>
+#include <memory>
+#include <optional>
+
+#include "ui/models/recent_files.h"
+#include "ui/models/studio_document.h"
+
+class QWidget;
+
+namespace imomushi {
+
+/// New, open, save, import: what asks, where files go, and what is remembered. All changes are commands of the document.
+class FileFlow : public QObject {
+    Q_OBJECT
+public:
+    FileFlow(StudioDocument& document, QWidget* window);
+    ~FileFlow() override;
+
+    [[nodiscard]] RecentFiles& recent() { return recent_; }
+
+    void newProject();
+    void askOpen();
+    void open(const QString& path);  ///< asks about unsaved changes first
+    bool save();                     ///< false: given up or failed
+    bool saveAs();
+    void saveCopy();
+    void saveScript();
+    void writeMesh();
+    void askImport();
+    void import(const QStringList& paths);  ///< one dialog after another
+    /// Projects are opened, meshes imported.
+    void drop(const QStringList& paths);
+    /// True: go on (saved, or changes are given up).
+    bool mayDiscard();
+
+signals:
+    void opened();                     ///< another document is there
+    void imported(int elements);
+    void saved(const QString& path);   ///< a picture may be taken now
+    void said(const QString& message);
+
+private:
+    bool saveTo(const QString& path);
+    void nextImport();
+    [[nodiscard]] QString folder() const;
+
+    struct Prepared;
+    StudioDocument& document_;
+    QWidget* window_;
+    RecentFiles recent_;
+    QStringList waiting_;
+    bool importing_ = false;
+    std::shared_ptr<Prepared> prepared_;
+};
+
+}  // namespace imomushi

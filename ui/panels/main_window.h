@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <QMainWindow>
+#include <vector>
+
+#include "ui/jobs/precompute_job.h"
+#include "ui/models/studio_document.h"
+#include "ui/panels/message_bar.h"
+
+class QDockWidget;
+class QStackedLayout;
+class QToolBar;
+
+namespace imomushi {
+
+class CommandSearch;
+class FileFlow;
+class HistoryPanel;
+class InspectorPanel;
+class IssuesPanel;
+class OutlinerPanel;
+class StartPage;
+class StatusStrip;
+class StudioActions;
+class ViewportWidget;
+
+/// The window of the studio: puts the panels together and connects menus to commands.
+class MainWindow : public QMainWindow {
+    Q_OBJECT
+public:
+    explicit MainWindow(const CommandRegistry& registry);
+    ~MainWindow() override;
+
+    [[nodiscard]] StudioDocument& document() { return document_; }
+    [[nodiscard]] ViewportWidget& viewport() { return *viewport_; }
+    [[nodiscard]] FileFlow& files() { return *files_; }
+    [[nodiscard]] StudioActions& actions() { return *actions_; }
+    [[nodiscard]] OutlinerPanel& outliner() { return *outliner_; }
+    [[nodiscard]] InspectorPanel& inspector() { return *inspector_; }
+    [[nodiscard]] HistoryPanel& history() { return *history_; }
+    [[nodiscard]] PrecomputeJob& precomputeJob() { return *precompute_; }
+    [[nodiscard]] StatusStrip& status() { return *status_; }
+    [[nodiscard]] MessageBar& messages() { return *message_; }
+    /// The start page is in front of the view.
+    void showStart(bool show);
+    [[nodiscard]] bool startShown() const;
+
+protected:
+    void closeEvent(QCloseEvent* event) override;
+    void changeEvent(QEvent* event) override;
+    void dragEnterEvent(QDragEnterEvent* event) override;
+    void dropEvent(QDropEvent* event) override;
+    void resizeEvent(QResizeEvent* event) override;
+    bool eventFilter(QObject* watched, QEvent* event) override;
+
+private:
+    void buildActions();
+    void buildMenus();
+    void buildToolBar();
+    void buildDocks();
+    void connectView();
+    void retranslate();
+    void fillRecent();
+    void updateTitle();
+    void updateActions();
+    void takeSizes();
+    void placeOverlays();
+    void contextMenu(const QPoint& global);
+    void showControls();
+    void showAbout();
+
+    void startPrecompute();
+    void undo(int count);
+    void hideSelected();
+    void showAll();
+    void pinSelected();
+    void joinSelected();
+    /// Ends what is unfinished in the view before a command comes from elsewhere.
+    void settle();
+
+    StudioDocument document_;
+    StudioActions* actions_;
+    FileFlow* files_;
+    PrecomputeJob* precompute_;
+    QWidget* stage_ = nullptr;
+    QStackedLayout* stack_ = nullptr;
+    QWidget* viewHost_ = nullptr;
+    ViewportWidget* viewport_ = nullptr;
+    StartPage* start_ = nullptr;
+    MessageBar* message_ = nullptr;
+    JobCard* job_ = nullptr;
+    OutlinerPanel* outliner_ = nullptr;
+    InspectorPanel* inspector_ = nullptr;
+    HistoryPanel* history_ = nullptr;
+    IssuesPanel* issues_ = nullptr;
+    StatusStrip* status_ = nullptr;
+    QToolBar* tools_ = nullptr;
+    QMenu* recentMenu_ = nullptr;
+    QMenu* samplesMenu_ = nullptr;
+    QMenu* panelsMenu_ = nullptr;
+    QDockWidget* outlinerDock_ = nullptr;
+    QDockWidget* historyDock_ = nullptr;
+    QDockWidget* issuesDock_ = nullptr;
+    QDockWidget* inspectorDock_ = nullptr;
+    std::vector<std::pair<QMenu*, const char*>> menus_;  ///< with their titles in this class's context
+    bool updateScheduled_ = false;
+    bool precomputeFailed_ = false;
+};
+
+}  // namespace imomushi

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <QDialog>
+
+class QComboBox;
+class QLabel;
+class QTableWidget;
+class QTabWidget;
+
+namespace imomushi {
+
+class StudioActions;
+
+/// Look, language, navigation and shortcuts. Everything takes effect at once.
+class PreferencesDialog : public QDialog {
+    Q_OBJECT
+public:
+    explicit PreferencesDialog(StudioActions& actions, QWidget* parent = nullptr);
+
+signals:
+    void navigationChanged(int preset);
+
+protected:
+    void changeEvent(QEvent* event) override;
+
+private:
+    void rebuild();
+    void fillShortcuts();
+    void markConflicts();
+    StudioActions& actions_;
+    QWidget* content_ = nullptr;
+    QTabWidget* tabs_ = nullptr;
+    QTableWidget* table_ = nullptr;
+    QLabel* conflict_ = nullptr;
+};
+
+}  // namespace imomushi

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <QWidget>
+
+class QGridLayout;
+class QLabel;
+
+namespace imomushi {
+
+class RecentFiles;
+
+/// The first thing seen: begin, samples in one click, recent projects with pictures.
+class StartPage : public QWidget {
+    Q_OBJECT
+public:
+    explicit StartPage(RecentFiles& recent, QWidget* parent = nullptr);
+
+signals:
+    void newWanted();
+    void openWanted();
+    void importWanted();
+    void fileWanted(const QString& path);
+
+protected:
+    void changeEvent(QEvent* event) override;
+    void resizeEvent(QResizeEvent* event) override;
+    void showEvent(QShowEvent* event) override;
+
+private:
+    void rebuild();
+    RecentFiles& recent_;
+    QWidget* content_ = nullptr;
+    int columns_ = 0;
+};
+
+/// The name of a sample as artists read it.
+QString sampleTitle(const QString& name);
+
+}  // namespace imomushi

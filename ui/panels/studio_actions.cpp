@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/panels/studio_actions.h"
+
+#include <QCoreApplication>
+#include <QSettings>
+
+#include "ui/panels/appearance.h"
+
+namespace imomushi {
+namespace {
+
+struct Row {
+    const char* id;
+    const char* icon;
+    const char* text;
+    const char* keys;  // portable text, several separated by "; "
+    bool checkable = false;
+};
+
+constexpr Row kRows[] = {
+    {"start", "home", QT_TRANSLATE_NOOP("Actions", "Start &page"), "Ctrl+Home"},
+    {"new", "new", QT_TRANSLATE_NOOP("Actions", "&New"), "Ctrl+N"},
+    {"open", "open", QT_TRANSLATE_NOOP("Actions", "&Open…"), "Ctrl+O"},
+    {"import", "import", QT_TRANSLATE_NOOP("Actions", "&Import mesh…"), "Ctrl+I"},
+    {"save", "save", QT_TRANSLATE_NOOP("Actions", "&Save"), "Ctrl+S"},
+    {"save-as", "", QT_TRANSLATE_NOOP("Actions", "Save &as…"), "Ctrl+Shift+S"},
+    {"save-copy", "", QT_TRANSLATE_NOOP("Actions", "Save a &copy…"), "Ctrl+Alt+S"},
+    {"save-script", "", QT_TRANSLATE_NOOP("Actions", "Save as s&cript…"), ""},
+    {"write-mesh", "", QT_TRANSLATE_NOOP("Actions", "&Write posed mesh…"), ""},
+    {"quit", "", QT_TRANSLATE_NOOP("Actions", "&Quit"), "Ctrl+Q"},
+    {"undo", "undo", QT_TRANSLATE_NOOP("Actions", "&Undo"), "Ctrl+Z"},
+    {"redo", "redo", QT_TRANSLATE_NOOP("Actions", "&Redo"), "Ctrl+Shift+Z; Ctrl+Y"},
+    {"delete", "trash", QT_TRANSLATE_NOOP("Actions", "&Delete"), "Del"},
+    {"rename", "rename", QT_TRANSLATE_NOOP("Actions", "Re&name"), "F2"},
+    {"select-all", "", QT_TRANSLATE_NOOP("Actions", "Select &all elements"), "Ctrl+A"},
+    {"select-none", "", QT_TRANSLATE_NOOP("Actions", "Select &nothing"), "Ctrl+Shift+A"},
+    {"preferences", "settings", QT_TRANSLATE_NOOP("Actions", "&Preferences…"), "Ctrl+,"},
+    {"tool-select", "select", QT_TRANSLATE_NOOP("Actions", "&Select"), "Q", true},
+    {"tool-face", "face", QT_TRANSLATE_NOOP("Actions", "Joint &face"), "J", true},
+    {"tool-bone", "bone", QT_TRANSLATE_NOOP("Actions", "&Bone"), "B", true},
+    {"tool-pose", "pose", QT_TRANSLATE_NOOP("Actions", "&Drag"), "D", true},
+    {"precompute", "precompute", QT_TRANSLATE_NOOP("Actions", "&Precompute"), "P"},
+    {"join", "joint", QT_TRANSLATE_NOOP("Actions", "&Join the selected faces"), "Ctrl+J"},
+    {"pin", "pin", QT_TRANSLATE_NOOP("Actions", "P&in or unpin"), "Shift+P"},
+    {"release", "release", QT_TRANSLATE_NOOP("Actions", "&Release everything held"), "Shift+R"},
+    {"rest", "rest", QT_TRANSLATE_NOOP("Actions", "Back to &rest"), "Alt+R"},
+    {"hide", "eye-off", QT_TRANSLATE_NOOP("Actions", "&Hide the selected elements"), "H"},
+    {"show-all", "eye", QT_TRANSLATE_NOOP("Actions", "&Show all elements"), "Alt+H"},
+    {"frame-all", "frame", QT_TRANSLATE_NOOP("Actions", "Frame &all"), "Home"},
+    {"frame-selection", "", QT_TRANSLATE_NOOP("Actions", "&Frame the selection"), "F"},
+    {"view-front", "", QT_TRANSLATE_NOOP("Actions", "Front"), ""},
+    {"view-right", "", QT_TRANSLATE_NOOP("Actions", "Right"), ""},
+    {"view-top", "", QT_TRANSLATE_NOOP("Actions", "Top"), ""},
+    {"orthographic", "", QT_TRANSLATE_NOOP("Actions", "&Orthographic"), "", true},
+    {"bones", "bones", QT_TRANSLATE_NOOP("Actions", "Show &bones"), "Alt+B", true},
+    {"grid", "grid", QT_TRANSLATE_NOOP("Actions", "Show &ground"), "Alt+G", true},
+    {"xray", "", QT_TRANSLATE_NOOP("Actions", "&See through bodies"), "Alt+X", true},
+    {"full-screen", "", QT_TRANSLATE_NOOP("Actions", "F&ull screen"), "F11", true},
+    {"theme-dark", "", QT_TRANSLATE_NOOP("Actions", "&Dark"), "", true},
+    {"theme-light", "", QT_TRANSLATE_NOOP("Actions", "&Light"), "", true},
+    {"theme-contrast", "", QT_TRANSLATE_NOOP("Actions", "High &contrast"), "", true},
+    {"language-en", "", "English", "", true},
+    {"language-ja", "", "日本語", "", true},
+    {"search", "search", QT_TRANSLATE_NOOP("Actions", "Search &commands…"), "F3; Ctrl+Shift+P"},
+    {"controls", "mouse", QT_TRANSLATE_NOOP("Actions", "&Mouse and keys"), "F1"},
+    {"about", "info", QT_TRANSLATE_NOOP("Actions", "&About Imomushi"), ""},
+};
+
+}  // namespace
+
+StudioActions::StudioActions(QWidget* window) : QObject(window), window_(window) {
+    for (const Row& row : kRows) add(row.id, row.icon, row.text, QKeySequence::listFromString(QString::fromLatin1(row.keys), QKeySequence::PortableText), row.checkable);
+    retranslate();
+}
+
+QString StudioActions::settingsKey(const QByteArray& id) { return QStringLiteral("shortcuts/") + QString::fromLatin1(id); }
+
+void StudioActions::add(const char* id, const char* icon, const char* text, const QList<QKeySequence>& keys, bool checkable) {
+    auto* action = new QAction(window_);
+    action->setObjectName(QString::fromLatin1(id));
+    if (*icon) action->setIcon(themedIcon(QString::fromLatin1(icon)));
+    action->setIconVisibleInMenu(!checkable);
+    action->setCheckable(checkable);
+    const QVariant own = QSettings().value(settingsKey(id));
+    action->setShortcuts(own.isValid() ? QList<QKeySequence>{QKeySequence(own.toString(), QKeySequence::PortableText)} : keys);
+    window_->addAction(action);
+    entries_.push_back({id, text, keys, action});
+}
+
+QAction* StudioActions::operator[](const char* id) const {
+    for (const Entry& entry : entries_)
+        if (entry.id == id) return entry.action;
+    Q_ASSERT_X(false, "StudioActions", id);
+    return nullptr;
+}
+
+QList<QAction*> StudioActions::all() const {
+    QList<QAction*> actions;
+    for (const Entry& entry : entries_) actions << entry.action;
+    return actions;
+}
+
+void StudioActions::retranslate() {
+    for (const Entry& entry : entries_) {
+        const QString text = QCoreApplication::translate("Actions", entry.text);
+        entry.action->setText(text);
+        QString plain = text;
+        if (const auto at = plain.indexOf(QStringLiteral("(&")); at >= 0) plain.remove(at, 4);
+        plain.remove(u'&');
+        const QString keys = entry.action->shortcut().toString(QKeySequence::NativeText);
+        entry.action->setToolTip(keys.isEmpty() ? plain : QStringLiteral("%1  (%2)").arg(plain, keys));
+    }
+}
+
+void StudioActions::setShortcut(const QByteArray& id, const QKeySequence& keys) {
+    operator[](id.constData())->setShortcut(keys);
+    QSettings().setValue(settingsKey(id), keys.toString(QKeySequence::PortableText));
+    retranslate();
+}
+
+void StudioActions::resetShortcuts() {
+    for (const Entry& entry : entries_) {
+        entry.action->setShortcuts(entry.standard);
+        QSettings().remove(settingsKey(entry.id));
+    }
+    retranslate();
+}
+
+}  // namespace imomushi

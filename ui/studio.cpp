@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/studio.h"
+
+#include <QApplication>
+#include <QFileInfo>
+#include <QIcon>
+#include <QTimer>
+
+#include "core/document/command.h"
+#include "core/document/version.h"
+#include "ui/panels/appearance.h"
+#include "ui/panels/file_flow.h"
+#include "ui/panels/main_window.h"
+
+// A static library's resources must be asked for from outside any namespace.
+static void loadResources() { Q_INIT_RESOURCE(studio); }
+
+namespace imomushi {
+
+void prepareStudio() {
+    loadResources();
+    QCoreApplication::setOrganizationName(QStringLiteral("Imomushi"));
+    QCoreApplication::setApplicationName(QStringLiteral("Imomushi"));
+    QCoreApplication::setApplicationVersion(QString::fromLatin1(kVersion));
+    QGuiApplication::setApplicationDisplayName({});
+    QGuiApplication::setDesktopFileName(QStringLiteral("imomushi"));
+    QGuiApplication::setWindowIcon(QIcon(QStringLiteral(":/icons/imomushi.svg")));
+    Appearance::start();
+}
+
+int runStudio(int argc, char** argv) {
+    QApplication application(argc, argv);
+    prepareStudio();
+    CommandRegistry registry;
+    addCoreCommands(registry);
+    MainWindow window(registry);
+    window.show();
+    QStringList files;
+    for (const QString& argument : QCoreApplication::arguments().mid(1))
+        if (!argument.startsWith(u'-')) files << QFileInfo(argument).absoluteFilePath();
+    if (!files.isEmpty()) QTimer::singleShot(0, &window, [&window, files] { window.files().drop(files); });
+    return QApplication::exec();
+}
+
+}  // namespace imomushi
