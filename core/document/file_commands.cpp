@@ -131,9 +131,11 @@ Result<Json> save(Session& session, const Json& arguments, const Progress&) {
             if (auto response = s.responses.find(last.key)) project.responses.emplace(element, Project::Response{last.key, last.shape, std::move(response)});
         }
     if (auto saved = saveProject(path, project); !saved) return tl::unexpected(saved.error());
-    s.path = path;
-    s.savedPosition = s.position;
-    s.pending.file = true;
+    if (!arguments.value("copy", false)) {
+        s.path = path;
+        s.savedPosition = s.position;
+        s.pending.file = true;
+    }
     std::error_code error;
     return Json{{"bytes", std::filesystem::file_size(path, error)}};
 }
@@ -246,7 +248,8 @@ void addFileCommands(CommandRegistry& registry) {
     registry.add({"open", "Opens a project; the history begins anew.", {{"path", Type::Text, true, "A .imomushi file."}}, false, open});
     registry.add({"save",
                   "Saves the project in one file, responses included. An old file is replaced whole or not at all.",
-                  {{"path", Type::Text, false, "A file that ends in .imomushi (where it was opened or saved last unless given)."}},
+                  {{"path", Type::Text, false, "A file that ends in .imomushi (where it was opened or saved last unless given)."},
+                   {"copy", Type::Boolean, false, "Leaves the session with its old path and its unsaved changes (false)."}},
                   false, save});
     registry.add({"save-script", "Saves the commands of this session, without those that were undone, as a script.", {{"path", Type::Text, true, "The file."}}, false, saveScript});
     registry.add({"list", "What is in the document: the answer of open.", {}, false, list});
