@@ -70,7 +70,7 @@ Result<RawScene> readScene(const SourceFile& file) {
 }
 
 Result<ImportResult> buildResult(RawScene scene, const ImportRequest& request, const Progress& progress) {
-    const std::string quoted = "'" + request.path.filename().string() + "'";
+    const std::string quoted = quotedName(request.path);
     ElementMesh& mesh = scene.surface.mesh;
     if (mesh.body.triangles.rows() == 0) return fail("empty-mesh", quoted + " has no triangles: choose a file with a mesh.");
     if (auto finite = checkFinite(scene, quoted); !finite) return tl::unexpected(finite.error());

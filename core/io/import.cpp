@@ -151,7 +151,7 @@ tl::unexpected<Error> died(int status, const std::string& quoted, const ImportLi
 }
 
 Result<ImportResult> converse(const std::string& program, const ImportRequest& request, const Progress& progress, const ImportLimits& limits) {
-    const std::string quoted = "'" + request.path.filename().string() + "'";
+    const std::string quoted = quotedName(request.path);
     int pair[2];
     if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair) != 0)
         return fail("worker-failed", std::string("No connection to an import worker (") + std::strerror(errno) + "): close other programs.");
@@ -217,11 +217,11 @@ void setImportWorker(std::filesystem::path program) {
 
 Result<ImportResult> importFile(const ImportRequest& request, const Progress& progress, const ImportLimits& limits) {
     namespace fs = std::filesystem;
-    const std::string quoted = "'" + request.path.filename().string() + "'";
+    const std::string quoted = quotedName(request.path);
     std::error_code error;
     const fs::file_status status = fs::status(request.path, error);
-    if (!fs::exists(status)) return fail("file-not-found", "There is no file '" + request.path.string() + "': check the path.");
-    if (!fs::is_regular_file(status)) return fail("not-readable", "'" + request.path.string() + "' is not a file: choose a mesh file.");
+    if (!fs::exists(status)) return fail("file-not-found", "There is no file '" + cleanName(request.path.string(), "?") + "': check the path.");
+    if (!fs::is_regular_file(status)) return fail("not-readable", quoted + " is not a file: choose a mesh file.");
     if (formatOf(request.path).empty())
         return fail("unknown-format", quoted + " is of no kind that can be read: OBJ, PLY, STL, glTF, GLB, FBX and DAE can.");
     if (::access(request.path.c_str(), R_OK) != 0) return fail("not-readable", quoted + " cannot be read: check its permissions.");

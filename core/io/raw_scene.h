@@ -19,8 +19,11 @@ struct SourceFile {
     std::filesystem::path path;
     std::string_view bytes;
     /// For messages: "'horse.obj'".
-    [[nodiscard]] std::string quoted() const { return "'" + path.filename().string() + "'"; }
+    [[nodiscard]] std::string quoted() const;
 };
+
+/// "'horse.obj'": the last part of a path for a message, in valid UTF-8.
+std::string quotedName(const std::filesystem::path& path);
 
 /// What a reader makes of a file, before units, axes and mending. Indices are in range, whatever the file says.
 struct RawScene {

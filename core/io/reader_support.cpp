@@ -48,6 +48,10 @@ std::string mimeOf(std::string_view bytes) {
 
 }  // namespace
 
+std::string quotedName(const std::filesystem::path& path) { return "'" + cleanName(path.filename().string(), "?") + "'"; }
+
+std::string SourceFile::quoted() const { return quotedName(path); }
+
 std::string formatOf(const std::filesystem::path& path) {
     std::string suffix = path.extension().string();
     std::transform(suffix.begin(), suffix.end(), suffix.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });

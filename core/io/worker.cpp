@@ -59,7 +59,7 @@ Result<ImportResult> read(const ImportRequest& request, const Progress& progress
 }
 
 Result<ImportResult> readSafely(const ImportRequest& request, const Progress& progress) {
-    const std::string quoted = "'" + request.path.filename().string() + "'";
+    const std::string quoted = quotedName(request.path);
     try {
         return read(request, progress);
     } catch (const std::bad_alloc&) {

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <set>
 
 #include "core/mesh/cgal/intersections.h"
 #include "core/mesh/shells.h"
@@ -144,13 +143,7 @@ std::vector<MeshIssue> checkMesh(const TriangleMesh& mesh) {
                                 places.size())),
                       places);
 
-    places.clear();
-    std::set<std::array<std::int32_t, 3>> seen;
-    for (std::int32_t f = 0; f < mesh.triangles.rows(); ++f) {
-        std::array<std::int32_t, 3> corners{mesh.triangles(f, 0), mesh.triangles(f, 1), mesh.triangles(f, 2)};
-        std::sort(corners.begin(), corners.end());
-        if (!seen.insert(corners).second) places.push_back(f);
-    }
+    places = duplicateTriangles(mesh.triangles);
     if (!places.empty())
         showTriangles(add(issue(Severity::Error, "duplicate-triangle",
                                 counted(places.size(), "triangle lies", "triangles lie") + " on another with the same corners: delete the copies.",

@@ -192,12 +192,9 @@ private:
     }
 
     void dropDuplicates() {
-        std::set<std::array<std::int32_t, 3>> seen;
-        const std::size_t dropped = std::erase_if(faces_, [&](const Face& f) {
-            std::array<std::int32_t, 3> sorted = f.v;
-            std::sort(sorted.begin(), sorted.end());
-            return !seen.insert(sorted).second;
-        });
+        const std::vector<std::int32_t> copies = duplicateTriangles(corners(faces_));
+        std::int32_t f = 0;
+        const std::size_t dropped = std::erase_if(faces_, [&](const Face&) { return std::binary_search(copies.begin(), copies.end(), f++); });
         if (dropped > 0)
             say("duplicate-triangle", counted(dropped, "triangle that lay on another was", "triangles that lay on others were") + " removed.",
                 dropped);
@@ -542,6 +539,26 @@ private:
         }
     };
 
+    /// The materials and textures that these faces wear, in the order of the file.
+    void takeMaterials(const std::vector<std::int32_t>& faces, Look& look) const {
+        if (look_.material.empty()) return;
+        std::vector<std::int32_t> material(look_.materials.size(), -1), texture(look_.textures.size(), -1);
+        for (const std::int32_t f : faces) material[at(faces_[at(f)].material)] = 0;
+        for (std::size_t m = 0; m < material.size(); ++m) {
+            if (material[m] < 0) continue;
+            material[m] = static_cast<std::int32_t>(look.materials.size());
+            Material& worn = look.materials.emplace_back(look_.materials[m]);
+            if (worn.baseColorTexture < 0) continue;
+            std::int32_t& t = texture[at(worn.baseColorTexture)];
+            if (t < 0) {
+                t = static_cast<std::int32_t>(look.textures.size());
+                look.textures.push_back(look_.textures[at(worn.baseColorTexture)]);
+            }
+            worn.baseColorTexture = t;
+        }
+        for (const std::int32_t f : faces) look.material.push_back(material[at(faces_[at(f)].material)]);
+    }
+
     ElementMesh extract(const std::vector<std::int32_t>& faces) const {
         ElementMesh mesh;
         std::vector<std::int32_t> number(static_cast<std::size_t>(points_.rows()), -1);
@@ -558,10 +575,7 @@ private:
             for (int k = 0; k < 3; ++k)
                 mesh.body.triangles(static_cast<Eigen::Index>(i), k) = number[at(faces_[at(faces[i])].v[static_cast<std::size_t>(k)])];
         Look& look = mesh.look;
-        look.materials = look_.materials;
-        look.textures = look_.textures;
-        if (!look_.material.empty())
-            for (const std::int32_t f : faces) look.material.push_back(faces_[at(f)].material);
+        takeMaterials(faces, look);
         if (!attributes_) {
             look.bodyVertex.resize(at(vertices));
             std::iota(look.bodyVertex.begin(), look.bodyVertex.end(), 0);

@@ -33,15 +33,25 @@ private:
 }  // namespace
 
 EdgeTable::EdgeTable(const Triangles& triangles) : edgeOf_(static_cast<std::size_t>(triangles.rows()) * 3, -1) {
-    uses_.reserve(edgeOf_.size());
-    for (std::int32_t f = 0; f < triangles.rows(); ++f)
-        for (int k = 0; k < 3; ++k) {
-            const std::int32_t a = triangles(f, k), b = triangles(f, (k + 1) % 3);
-            if (a != b) uses_.push_back({std::min(a, b), std::max(a, b), f, static_cast<std::int8_t>(k), a < b});
-        }
-    std::sort(uses_.begin(), uses_.end(), [](const EdgeUse& x, const EdgeUse& y) {
-        return std::tie(x.low, x.high, x.triangle, x.corner) < std::tie(y.low, y.high, y.triangle, y.corner);
-    });
+    // Counted into the edges' lower vertices, then each of these few is sorted: as good as linear in the number of triangles.
+    const std::size_t vertices = triangles.rows() == 0 ? 0 : index(triangles.maxCoeff()) + 1;
+    std::vector<std::int32_t> begin(vertices + 1, 0);
+    const auto eachSide = [&](const auto& visit) {
+        for (std::int32_t f = 0; f < triangles.rows(); ++f)
+            for (int k = 0; k < 3; ++k) {
+                const std::int32_t a = triangles(f, k), b = triangles(f, (k + 1) % 3);
+                if (a != b) visit(EdgeUse{std::min(a, b), std::max(a, b), f, static_cast<std::int8_t>(k), a < b});
+            }
+    };
+    eachSide([&](const EdgeUse& use) { ++begin[index(use.low) + 1]; });
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    uses_.resize(vertices == 0 ? 0 : index(begin.back()));
+    std::vector<std::int32_t> next(begin.begin(), begin.end() - (vertices == 0 ? 0 : 1));
+    eachSide([&](const EdgeUse& use) { uses_[index(next[index(use.low)]++)] = use; });
+    for (std::size_t v = 0; v < vertices; ++v)
+        std::sort(uses_.begin() + begin[v], uses_.begin() + begin[v + 1],
+                  [](const EdgeUse& x, const EdgeUse& y) { return std::tie(x.high, x.triangle, x.corner) < std::tie(y.high, y.triangle, y.corner); });
+    first_.reserve(uses_.size() / 2 + 1);
     for (std::size_t i = 0; i < uses_.size(); ++i) {
         if (i == 0 || uses_[i].low != uses_[i - 1].low || uses_[i].high != uses_[i - 1].high) first_.push_back(static_cast<std::int32_t>(i));
         edgeOf_[index(uses_[i].triangle) * 3 + static_cast<std::size_t>(uses_[i].corner)] = static_cast<std::int32_t>(first_.size()) - 1;
@@ -113,17 +123,36 @@ std::vector<std::int32_t> nonManifoldVertices(const Triangles& triangles, const 
         if (uses.size() != 2) continue;
         for (const std::int32_t v : {uses[0].low, uses[0].high}) fans.join(cornerAt(uses[0].triangle, v), cornerAt(uses[1].triangle, v));
     }
-    std::unordered_map<std::int32_t, std::int32_t> fanOf;
-    fanOf.reserve(static_cast<std::size_t>(triangles.rows()));
+    std::vector<char> hasFan(triangles.rows() == 0 ? 0 : index(triangles.maxCoeff()) + 1, 0);
     std::vector<std::int32_t> bad;
     for (std::int32_t c = 0; c < triangles.rows() * 3; ++c) {
         if (fans.find(c) != c) continue;
-        const std::int32_t v = triangles(c / 3, c % 3);
-        if (!fanOf.emplace(v, c).second) bad.push_back(v);
+        char& has = hasFan[index(triangles(c / 3, c % 3))];
+        if (has) bad.push_back(triangles(c / 3, c % 3));
+        has = 1;
     }
     std::sort(bad.begin(), bad.end());
     bad.erase(std::unique(bad.begin(), bad.end()), bad.end());
     return bad;
+}
+
+std::vector<std::int32_t> duplicateTriangles(const Triangles& triangles) {
+    struct Corners {
+        std::array<std::int32_t, 3> v;
+        std::int32_t triangle;
+        bool operator<(const Corners& o) const { return std::tie(v, triangle) < std::tie(o.v, o.triangle); }
+    };
+    std::vector<Corners> all(static_cast<std::size_t>(triangles.rows()));
+    for (std::int32_t f = 0; f < triangles.rows(); ++f) {
+        all[index(f)] = {{triangles(f, 0), triangles(f, 1), triangles(f, 2)}, f};
+        std::sort(all[index(f)].v.begin(), all[index(f)].v.end());
+    }
+    std::sort(all.begin(), all.end());
+    std::vector<std::int32_t> copies;
+    for (std::size_t i = 1; i < all.size(); ++i)
+        if (all[i].v == all[i - 1].v) copies.push_back(all[i].triangle);
+    std::sort(copies.begin(), copies.end());
+    return copies;
 }
 
 Vec3 areaVector(const TriangleMesh& mesh, std::int32_t f) {

@@ -49,6 +49,9 @@ std::vector<std::vector<std::int32_t>> boundaryLoops(const EdgeTable& edges);
 /// Vertices where the triangles around fall into more than one fan. Ascending. Edges of three or more triangles separate fans.
 std::vector<std::int32_t> nonManifoldVertices(const Triangles& triangles, const EdgeTable& edges);
 
+/// Triangles with the same three vertices, in any order, as an earlier one. Ascending.
+std::vector<std::int32_t> duplicateTriangles(const Triangles& triangles);
+
 /// Twice the area vector of triangle f: (b - a) x (c - a).
 Vec3 areaVector(const TriangleMesh& mesh, std::int32_t f);
 
