@@ -8,7 +8,7 @@ set -euo pipefail
 root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd -P)
 "$root/packaging/install.sh" build
 "$root/packaging/build.sh" program
-program="$root/build/imomushi"
+program="$root/build/app/imomushi"
 samples="$root/assets/samples"
 
 if [ $# -gt 0 ]; then
