@@ -32,6 +32,7 @@ constexpr double kFarPull = 0.1;
 constexpr double kFarHold = 0.1;
 // A bone pulled with kLimitForce leaves its stretch limits by this part of its rest length.
 constexpr double kLimitForce = 10.0;
+constexpr double kTorn = 0.1;           // this far beyond its limits, in rest lengths, a bone is torn
 constexpr double kLimitSlack = 0.01;
 // Resistance of a joint point to a move of one mean bone length in one step, while targets move. Once they rest it is halved per solve() down to
 // kLeastViscosity, so that the pose arrives at its equilibrium. When held points no longer come nearer to their targets for kPatience solves, the
@@ -39,7 +40,7 @@ constexpr double kLimitSlack = 0.01;
 constexpr double kViscosity = 0.1;
 constexpr double kLeastViscosity = 1e-5;
 constexpr int kPatience = 40;
-constexpr double kNearer = 1e-4;        // mean bone lengths per solve()
+constexpr double kNearer = 1e-3;        // mean bone lengths per solve()
 // Sideways force on a compressed bone: gives a straight body a side to bend to. None where the discrete curvature beside the bone
 // is above kStraight, so that a bent body rests.
 constexpr double kSideForce = 1e-3;
@@ -51,6 +52,8 @@ constexpr int kSteps = 4;         // per solve(), when targets move little
 constexpr int kQuietSteps = 12;   // per solve(), when targets rest and the pose does not yet
 constexpr int kMostSteps = 120;   // per solve(), after a large move
 constexpr int kHalvings = 12;
+constexpr int kRaises = 6;
+constexpr double kRaise = 6.0;
 constexpr double kSettledMove = 1e-6;   // mean bone lengths per solve()
 constexpr double kSettledTurn = 1e-6;   // radians per solve()
 constexpr double kMiss = 1e-4;          // mean bone lengths: farther away is out of reach
@@ -133,9 +136,9 @@ struct InverseKinematics::State {
         rollSystem = BlockCholesky(points, alongBones);
         held.assign(points, 0), lastHeld = held;
         target.assign(points, Vec3::Zero()), lastTarget = target, lastPoints = target;
-        start = x = trial = step = gradient = side = target;
+        anchor = x = trial = step = gradient = side = target;
         startFrames.assign(bones, Quaterniond::Identity());
-        frames = trialFrames = startFrames;
+        frames = trialFrames = anchorFrames = startFrames;
         direction.assign(bones, Vec3::UnitX());
         bent.assign(bends.size(), Vec3::UnitX());
         rolls.assign(points, Vec3::Zero());
@@ -188,6 +191,16 @@ struct InverseKinematics::State {
         const double r = std::sqrt(miss.squaredNorm() + reach * reach);
         const double near = (1.0 - kFarPull) * far;
         return {kHoldForce * (kFarPull + near / (far + r)) / r, kHoldForce * (kFarPull * r + near * std::log1p(r / far))};
+    }
+
+    // A pose that no solve() leaves: someone else made it, and it may be mended as long as that takes.
+    [[nodiscard]] bool beyondStretch() const {
+        for (std::size_t b = 0; b < skeleton.bones.size(); ++b) {
+            const auto& bone = skeleton.bones[b];
+            const double stretched = along(static_cast<int>(b), x).norm() / bone.length;
+            if (stretched < bone.minStretch - kTorn || stretched > bone.maxStretch + kTorn) return true;
+        }
+        return false;
     }
 
     [[nodiscard]] double energy(const std::vector<Vec3>& points) const {
@@ -270,25 +283,32 @@ struct InverseKinematics::State {
         for (std::size_t i = 0; i < x.size(); ++i) step[i] = side[i] - gradient[i];
     }
 
-    // The part of `step` (at most 1) that keeps every point within `limit` of where the solve() began.
-    [[nodiscard]] double withinLimit(double limit) const {
+    // The part of `step` (at most 1) that keeps every point within `limit` of its anchor.
+    [[nodiscard]] double withinLimit() const {
         double part = 1.0;
         for (std::size_t i = 0; i < x.size(); ++i) {
             const double a = step[i].squaredNorm();
             if (a == 0.0) continue;
-            const Vec3 gone = x[i] - start[i];
+            const Vec3 gone = x[i] - anchor[i];
             const double b = gone.dot(step[i]), c = std::min(gone.squaredNorm() - limit * limit, 0.0);
             part = std::min(part, (std::sqrt(b * b - a * c) - b) / a);
         }
         return std::max(part, 0.0);
     }
 
-    [[nodiscard]] bool turnsTooFar(double limit) const {
+    [[nodiscard]] bool stepTurnsTooFar() const {
         for (std::size_t b = 0; b < skeleton.bones.size(); ++b) {
             // The direction of a collapsed bone means nothing.
             if (along(static_cast<int>(b), x).norm() < 1e-3 * skeleton.bones[b].length) continue;
             if (direction[b].dot(directionOf(static_cast<int>(b), trial, frames[b])) < std::cos(kStepTurn)) return true;
-            const double turn = 2.0 * std::acos(std::min(1.0, std::abs(startFrames[b].dot(trialFrames[b]))));
+        }
+        return false;
+    }
+
+    // Turns of bones count as moves of one end about the other.
+    [[nodiscard]] bool turnedTooFar() const {
+        for (std::size_t b = 0; b < skeleton.bones.size(); ++b) {
+            const double turn = 2.0 * std::acos(std::min(1.0, std::abs(anchorFrames[b].dot(trialFrames[b]))));
             if (turn * skeleton.bones[b].length > limit) return true;
         }
         return false;
@@ -368,22 +388,30 @@ struct InverseKinematics::State {
             return report;
         }
 
+        x = pose.points;
+        transport(x, pose.frames, startFrames);
+        frames = startFrames;
         if (quiet == 0) {
+            anchor = x;
+            anchorFrames = frames;
+            limit = kMotionGain * moved + kRelaxation * unit;
+            rootLimit = 0.5 * limit;
             resting = 0;
+            gain = 0.0;
             leastMiss = std::numeric_limits<double>::max();
+        } else if (const bool torn = beyondStretch(); torn || (leastMiss > kMiss * unit && gain > kNearer * unit)) {
+            limit += kRelaxation * unit;
+            if (torn) resting = 0;
         }
         const double setting = std::ldexp(1.0, std::clamp(2 * (resting - kPatience), 0, 100));
         const double viscosity = std::max(std::ldexp(kViscosity, -std::min(quiet, 60)), kLeastViscosity) * setting;
-        recent = std::max(moved, continued ? kFading * recent : 0.0);
-        const double limit = kMotionGain * recent + kRelaxation * unit;
-        const int steps = static_cast<int>(std::min((quiet ? kQuietSteps : kSteps) + limit / (0.5 * kStepMove * unit), double(kMostSteps)));
-        start = x = pose.points;
-        transport(x, pose.frames, startFrames);
-        frames = startFrames;
+        const int steps = quiet ? kQuietSteps : static_cast<int>(std::min(kSteps + limit / (0.5 * kStepMove * unit), double(kMostSteps)));
 
         bool limited = false;
-        for (int s = 0; s < steps && !limited; ++s) {
-            assemble(viscosity);
+        double resistance = viscosity;
+        int raised = 0;
+        for (int s = 0; s < steps && !limited;) {
+            assemble(resistance);
             if (!system.factorise()) break;
             system.solve(step);
             double longest = 0.0;
@@ -396,15 +424,24 @@ struct InverseKinematics::State {
             if (longest > kStepMove * unit)
                 for (auto& d : step) d *= kStepMove * unit / longest;
 
+            // More resistance holds back what is loose (a body about to buckle) and lets the held points go on; only then all are cut short.
+            double part = withinLimit();
+            limited = part < 1.0;
+            for (std::size_t i = 0; i < x.size(); ++i) trial[i] = x[i] + part * step[i];
+            transport(trial, startFrames, trialFrames);
+            if ((part < 0.5 || turnedTooFar()) && raised < kRaises) {
+                ++raised;
+                resistance *= kRaise;
+                limited = false;
+                continue;
+            }
+            ++s;
             const double before = energy(x);
-            const double allowed = withinLimit(limit);
-            limited = allowed < 1.0;
-            double part = allowed;
             bool taken = false;
             for (int h = 0; h < kHalvings && !taken; ++h, part *= 0.5) {
                 for (std::size_t i = 0; i < x.size(); ++i) trial[i] = x[i] + part * step[i];
                 transport(trial, startFrames, trialFrames);
-                if (turnsTooFar(limit)) continue;
+                if (stepTurnsTooFar() || turnedTooFar()) continue;
                 taken = energy(trial) <= before + 1e-13 * std::abs(before);
             }
             if (!taken) break;
@@ -412,7 +449,7 @@ struct InverseKinematics::State {
             frames.swap(trialFrames);
         }
 
-        returnRoots(limit, (quiet ? kRootReturnAtRest : kRootReturn) / setting);
+        returnRoots((quiet ? kRootReturnAtRest : kRootReturn) / setting);
         double change = 0.0, turn = 0.0, miss = 0.0, misses = 0.0;
         for (std::size_t i = 0; i < x.size(); ++i) change = std::max(change, safeNorm(x[i] - pose.points[i]));
         for (std::size_t b = 0; b < frames.size(); ++b) turn = std::max(turn, (frames[b].coeffs() - pose.frames[b].coeffs()).norm());
@@ -429,15 +466,17 @@ struct InverseKinematics::State {
         }
         report.largestMiss = miss;
         resting = misses < leastMiss - kNearer * unit ? 0 : resting + 1;
+        gain = quiet == 0 ? misses : leastMiss - misses;
         leastMiss = std::min(leastMiss, misses);
         report.settled = report.finite && change <= kSettledMove * unit && turn <= kSettledTurn;
-        report.outOfReach = miss > kMiss * unit && !limited && change <= 0.5 * kRelaxation * unit;
+        report.outOfReach = miss > kMiss * unit && !limited && change <= 0.5 * limit;
         return report;
     }
 
     // Without this the roll of a body that wanders in space would drift. Nothing at the opposite of rest, where the minimal rotation jumps.
-    void returnRoots(double limit, double part) {
+    void returnRoots(double part) {
         bool any = false;
+        double used = 0.0;
         for (std::size_t b = 0; b < frames.size(); ++b) {
             if (tree.parent[b] >= 0) continue;
             const Vec3 d = frames[b] * tree.restDirection[b];
@@ -445,14 +484,16 @@ struct InverseKinematics::State {
             double angle = 2.0 * std::atan2(spin.vec().dot(d), spin.w());
             angle -= 2.0 * M_PI * std::round(angle / (2.0 * M_PI));
             const double open = 0.5 * (1.0 + tree.restDirection[b].dot(d));
-            const double most = 0.5 * limit / skeleton.bones[b].length;
+            const double most = rootLimit / skeleton.bones[b].length;
             angle = std::clamp(angle * part * open * open, -most, most);
             if (angle == 0.0) continue;
             any = true;
+            used = std::max(used, std::abs(angle) * skeleton.bones[b].length);
             startFrames[b] = (Quaterniond(Eigen::AngleAxisd(angle, d)) * frames[b]).normalized();
             frames[b] = startFrames[b];
         }
         if (!any) return;
+        rootLimit = std::max(rootLimit - used, 0.0);
         for (std::size_t b = 0; b < frames.size(); ++b)
             if (tree.parent[b] >= 0) startFrames[b] = frames[b];
         transport(x, startFrames, frames);
@@ -471,9 +512,13 @@ struct InverseKinematics::State {
     int quiet = 0;        // solves since a target moved
     int resting = 0;      // solves since a held point came nearer to its target
     double leastMiss = 0.0;  // m, sum over the held points
-    double recent = 0.0;  // m, largest move of a target, fading
+    double gain = 0.0;    // m, by which the last solve() brought held points nearer
+    double limit = 0.0;      // m, how far points may be from their anchors
+    double rootLimit = 0.0;  // m, how much of it is left for roots that turn back
+    std::vector<Vec3> anchor;  // the pose when a target moved last
+    std::vector<Quaterniond> anchorFrames;
 
-    std::vector<Vec3> start, x, trial, step, gradient, side, direction, bent, rolls;
+    std::vector<Vec3> x, trial, step, gradient, side, direction, bent, rolls;
     std::vector<double> bend2;  // per bone: largest squared discrete curvature beside it
     std::vector<Quaterniond> startFrames, frames, trialFrames;
 };

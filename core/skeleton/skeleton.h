@@ -49,8 +49,8 @@ Pose restPose(const Skeleton& skeleton);
 
 /// Inverse kinematics on any forest with any number of held points and stretchable bones: the pose near the last one of least
 /// stretch and bend whose held points are at their targets, or as near as the stretch limits allow.
-/// Motion is smooth: no joint point moves farther in one solve() than kMotionGain times the largest move of a target since the last one
-/// plus what one relaxation step moves. Without holds nothing moves. Allocates in its constructor only.
+/// Motion is smooth: kMotionGain and kRelaxation bound it, also over many solve() with the same holds, so that a small drag never makes a body
+/// snap into a distant pose of less bend. Without holds nothing moves. Allocates in its constructor only.
 class InverseKinematics {
 public:
     explicit InverseKinematics(const Skeleton& skeleton);
@@ -58,11 +58,10 @@ public:
     InverseKinematics& operator=(InverseKinematics&&) noexcept;
     ~InverseKinematics();
 
-    /// No joint point moves farther in one solve() than this times the largest move of a target since the last one
-    /// (or kFading of that of the solve() before: a body follows a large drag over several), ...
+    /// After a target moved, no joint point moves farther than this times the largest move of a target ...
     static constexpr double kMotionGain = 3.0;
-    static constexpr double kFading = 0.8;
-    /// ... plus this times the mean rest length of the bones: what a bent or compressed body gives back per frame, even when nobody moves it.
+    /// ... plus this times the mean rest length of the bones, until a target moves again: what a bent or compressed body gives back at each small
+    /// drag. Only held points that have not arrived and still come nearer are given as much again in every solve().
     static constexpr double kRelaxation = 0.03;
 
     struct Report {

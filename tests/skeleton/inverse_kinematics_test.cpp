@@ -201,7 +201,7 @@ TEST_CASE("inverse kinematics: degenerate input stays finite") {
             Pose pose = restPose(s);
             if (collapsed)
                 for (auto& p : pose.points) p.setZero();
-            for (int i = 0; i < 100; ++i) CHECK(ik.solve(holds, pose).finite);
+            for (int i = 0; i < 150; ++i) CHECK(ik.solve(holds, pose).finite);
             CHECK(finite(pose));
             for (const auto& b : s.bones) CHECK((pose.points[b.end] - pose.points[b.start]).norm() > 0.4);
         }
@@ -265,6 +265,36 @@ TEST_CASE("inverse kinematics: no joint point and no frame jumps in a random wal
         // Turns count as moves of a bone's tip about its start; roots may return towards rest by half as much on top.
         CHECK(turn <= 1.5 * limit + 1e-6);
         checkFramesFollowBones(s, pose);
+    }
+}
+
+TEST_CASE("inverse kinematics: small drags that are each solved until they settle do not jump either, and arrive") {
+    for (const int pin : {0, 2}) {
+        CAPTURE(pin);
+        const Skeleton s = chain(5);
+        InverseKinematics ik(s);
+        Pose pose = restPose(s);
+        std::mt19937 random(5);
+        Vec3 target(5, 0, 0), velocity = Vec3::Zero();
+        const double step = 0.05;
+        double move = 0.0, turn = 0.0, miss = 0.0;
+        int most = 0;
+        for (int i = 0; i < 800; ++i) {
+            velocity = (velocity + randomVector(random, 0.5)).normalized();
+            if (i % 200 > 120) velocity = (pose.points[i % 3] - target + 1e-3 * velocity).normalized();
+            target += step * velocity;
+            const Pose last = pose;
+            InverseKinematics::Report report;
+            most = std::max(most, settle(ik, {{pin, s.points[pin]}, {5, target}}, pose, report));
+            move = std::max(move, largestMove(last, pose));
+            turn = std::max(turn, largestTurn(last, pose));
+            if (!report.outOfReach) miss = std::max(miss, report.largestMiss);
+        }
+        CHECK(most <= 200);
+        // Ten steps are what an artist would call a jump.
+        CHECK(move < 10 * step);
+        CHECK(turn < 10 * step);
+        CHECK(miss < 0.1);
     }
 }
 
