@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cfenv>
+#include <condition_variable>
 #include <cstdio>
 #include <cstring>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
@@ -131,46 +133,89 @@ Result<std::unique_ptr<OffscreenContext>> OffscreenContext::create() {
     return std::unique_ptr<OffscreenContext>(std::move(*context));
 }
 
+namespace {
+
+Result<std::vector<std::uint8_t>> drawWith(SceneRenderer& renderer, const Scene& scene, int width, int height) {
+    const auto noMemory = [] { return fail("out-of-memory", "The graphics driver has no memory for a picture of this size: make it smaller."); };
+    Target target;
+    if (!target.resize(width, height, GL_RGBA8, 0)) return noMemory();
+    renderer.draw(scene, target.framebuffer(), width, height);
+    std::vector<std::uint8_t> rows(std::size_t(width) * height * 4);
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, target.framebuffer());
+    glPixelStorei(GL_PACK_ALIGNMENT, 4);
+    glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, rows.data());
+    if (glGetError() == GL_OUT_OF_MEMORY) return noMemory();
+    // OpenGL's rows start at the bottom.
+    const std::size_t row = std::size_t(width) * 4;
+    for (int y = 0; y < height / 2; ++y) std::swap_ranges(&rows[row * y], &rows[row * y] + row, &rows[row * (height - 1 - y)]);
+    if (scene.transparentBackground)
+        for (std::size_t i = 0; i < rows.size(); i += 4) {
+            const int a = rows[i + 3];
+            for (int c = 0; c < 3 && a > 0; ++c) rows[i + c] = static_cast<std::uint8_t>(std::min(255, (rows[i + c] * 255 + a / 2) / a));
+        }
+    return rows;
+}
+
+/// A thread with an OpenGL context of its own. Whatever its callers draw with stays current with them.
+class Painter {
+public:
+    Painter() : thread_([this] { work(); }) { thread_.detach(); }
+
+    Result<std::vector<std::uint8_t>> draw(const Scene& scene, int width, int height) {
+        const std::lock_guard oneAtATime(callers_);
+        std::unique_lock lock(mutex_);
+        scene_ = &scene, width_ = width, height_ = height;
+        changed_.notify_all();
+        changed_.wait(lock, [&] { return !scene_; });
+        return std::move(result_);
+    }
+
+private:
+    void work() {
+        std::unique_ptr<OffscreenContext> context;
+        std::unique_ptr<SceneRenderer> renderer;
+        for (;;) {
+            std::unique_lock lock(mutex_);
+            changed_.wait(lock, [&] { return scene_ != nullptr; });
+            result_ = paint(context, renderer);
+            scene_ = nullptr;
+            changed_.notify_all();
+        }
+    }
+
+    Result<std::vector<std::uint8_t>> paint(std::unique_ptr<OffscreenContext>& context, std::unique_ptr<SceneRenderer>& renderer) const {
+        if (!context) {
+            auto made = OffscreenContext::create();
+            if (!made) return tl::unexpected(made.error());
+            context = std::move(*made);
+        }
+        if (!renderer) {
+            auto made = SceneRenderer::create();
+            if (!made) return tl::unexpected(made.error());
+            renderer = std::move(*made);
+        }
+        auto rows = drawWith(*renderer, *scene_, width_, height_);
+        // The next picture is made from nothing again, so that it cannot depend on this one.
+        renderer->forget();
+        return rows;
+    }
+
+    std::mutex callers_, mutex_;
+    std::condition_variable changed_;
+    const Scene* scene_ = nullptr;
+    int width_ = 0, height_ = 0;
+    Result<std::vector<std::uint8_t>> result_;
+    std::thread thread_;
+};
+
+}  // namespace
+
 Result<std::vector<std::uint8_t>> drawOffscreen(const Scene& scene, int width, int height) {
     if (width < 1 || height < 1 || width > kLargestSide || height > kLargestSide || static_cast<long>(width) * height > kMostPixels)
         return fail("bad-size", "A picture has 1 to " + std::to_string(kLargestSide) + " pixels a side and at most " + std::to_string(kMostPixels / 1'000'000) + " million in all.");
-    Result<std::vector<std::uint8_t>> result = fail("no-opengl", "");
-    // A thread has no current context of its own yet: whatever the caller draws with stays current there.
-    std::thread([&] {
-        auto context = OffscreenContext::create();
-        if (!context) {
-            result = tl::unexpected(context.error());
-            return;
-        }
-        auto renderer = SceneRenderer::create();
-        if (!renderer) {
-            result = tl::unexpected(renderer.error());
-            return;
-        }
-        Target target;
-        if (!target.resize(width, height, GL_RGBA8, 0)) {
-            result = fail("out-of-memory", "The graphics driver has no memory for a picture of this size: make it smaller.");
-            return;
-        }
-        (*renderer)->draw(scene, target.framebuffer(), width, height);
-        std::vector<std::uint8_t> bottomUp(std::size_t(width) * height * 4), rows(bottomUp.size());
-        glBindFramebuffer(GL_READ_FRAMEBUFFER, target.framebuffer());
-        glPixelStorei(GL_PACK_ALIGNMENT, 4);
-        glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, bottomUp.data());
-        if (glGetError() == GL_OUT_OF_MEMORY) {
-            result = fail("out-of-memory", "The graphics driver has no memory for a picture of this size: make it smaller.");
-            return;
-        }
-        const std::size_t row = std::size_t(width) * 4;
-        for (int y = 0; y < height; ++y) std::memcpy(&rows[row * y], &bottomUp[row * (height - 1 - y)], row);
-        if (scene.transparentBackground)
-            for (std::size_t i = 0; i < rows.size(); i += 4) {
-                const int a = rows[i + 3];
-                for (int c = 0; c < 3 && a > 0; ++c) rows[i + c] = static_cast<std::uint8_t>(std::min(255, (rows[i + c] * 255 + a / 2) / a));
-            }
-        result = std::move(rows);
-    }).join();
-    return result;
+    // Never destroyed: drivers take themselves apart when the program ends, and must not be called after that.
+    static Painter* painter = new Painter;
+    return painter->draw(scene, width, height);
 }
 
 }  // namespace imomushi::render

@@ -78,6 +78,7 @@ public:
     Result<void> prepare();
     void draw(const Scene& scene, unsigned target, int width, int height) override;
     Pick pick(const Scene& scene, int width, int height, int x, int y) override;
+    void forget() override;
 
 private:
     void takeBodies(const Scene& scene);
@@ -793,6 +794,14 @@ void Renderer::draw(const Scene& scene, unsigned target, int width, int height) 
     fullscreen();
     drawOutlines(scene, target, width, height);
     resetState();
+}
+
+void Renderer::forget() {
+    bodies_.clear();
+    drawn_.clear();
+    for (Target* target : {&picture_, &resolved_, &shadowMap_, &shade_, &shadeSwap_, &surfaceMap_, &occlusionMap_, &occlusionSwap_, &maskSamples_, &maskMap_})
+        *target = {};
+    shadowStamp_ = 0;
 }
 
 SceneRenderer::Pick Renderer::pick(const Scene& scene, int width, int height, int x, int y) {

@@ -96,6 +96,9 @@ public:
         bool marker = false;
     };
     virtual Pick pick(const Scene& scene, int width, int height, int x, int y) = 0;
+
+    /// Gives back all memory of bodies and pictures; the next draw() makes it anew.
+    virtual void forget() = 0;
 };
 
 /// An OpenGL context without window or display (EGL surfaceless), current from creation to destruction on its thread. While it lives
@@ -112,7 +115,7 @@ inline constexpr int kLargestSide = 8192;
 inline constexpr long kMostPixels = 36'000'000;
 
 /// Draws a scene without a display and returns RGBA rows from the top, 4 bytes a pixel, sRGB with straight alpha. Works beside any
-/// other context of the caller: it draws on a thread of its own. Errors: "no-opengl", "bad-shader", "bad-size", "out-of-memory".
+/// other context of the caller: it draws on a thread of its own, which keeps its context for the next picture. Errors: "no-opengl", "bad-shader", "bad-size", "out-of-memory".
 Result<std::vector<std::uint8_t>> drawOffscreen(const Scene& scene, int width, int height);
 
 /// Writes RGBA rows as a PNG file. `path` is UTF-8. Errors: "not-writable".
