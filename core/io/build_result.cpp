@@ -10,9 +10,6 @@
 namespace imomushi {
 namespace {
 
-/// Beyond these coordinates (m) a volume times an area would leave double's range.
-constexpr double kLargestCoordinate = 1e50;
-
 double metres(Unit unit) {
     switch (unit) {
         case Unit::Millimetre: return 1e-3;
@@ -80,7 +77,7 @@ Result<ImportResult> buildResult(RawScene scene, const ImportRequest& request, c
     result.format = scene.format;
     result.issues = std::move(scene.issues);
     result.metresPerUnit = request.unit == Unit::AsInFile ? scene.metresPerUnit : metres(request.unit);
-    if (mesh.body.vertices.cwiseAbs().maxCoeff() > kLargestCoordinate / std::max(1.0, result.metresPerUnit))
+    if (mesh.body.vertices.cwiseAbs().maxCoeff() > ImportedBody::kLargestCoordinate / std::max(1.0, result.metresPerUnit))
         return fail("non-finite", quoted + " has coordinates that are too large to compute with: scale the mesh down in the program that made it.");
     if (result.metresPerUnit != 1.0) mesh.body.vertices *= result.metresPerUnit;
     result.zUpConverted = request.up == UpAxis::AsInFile ? scene.zUp : request.up == UpAxis::Z;

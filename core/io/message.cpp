@@ -117,6 +117,12 @@ bool inRange(const std::vector<std::int32_t>& indices, Eigen::Index end) {
 
 bool inRange(const Triangles& t, Eigen::Index end) { return t.rows() == 0 || (t.minCoeff() >= 0 && t.maxCoeff() < end); }
 
+/// Without arithmetic on what may be no number (Eigen's allFinite() subtracts).
+template <class M>
+bool finite(const M& m) {
+    return std::all_of(m.data(), m.data() + m.size(), [](auto x) { return std::isfinite(x); });
+}
+
 /// `triangles`, `vertices`: how many there are to refer to.
 std::vector<MeshIssue> readIssues(Reader& r, Eigen::Index triangles, Eigen::Index vertices) {
     std::vector<MeshIssue> issues;
@@ -176,7 +182,7 @@ void readLook(Reader& r, const TriangleMesh& body, Look& look) {
         m.metallic = r.value<float>();
         m.roughness = r.value<float>();
         m.baseColorTexture = r.value<std::int32_t>();
-        if (color.rows() != 1 || !color.allFinite() || !std::isfinite(m.metallic) || !std::isfinite(m.roughness)) {
+        if (color.rows() != 1 || !finite(color) || !std::isfinite(m.metallic) || !std::isfinite(m.roughness)) {
             r.refuse();
             return;
         }
@@ -195,7 +201,7 @@ void readLook(Reader& r, const TriangleMesh& body, Look& look) {
     const auto fits = [&](Eigen::Index rows) { return rows == 0 || rows == renderVertices; };
     bool good = inRange(look.bodyVertex, body.vertices.rows()) && look.triangles.rows() == body.triangles.rows() &&
                 inRange(look.triangles, renderVertices) && fits(look.normals.rows()) && fits(look.texCoords.rows()) && fits(look.colors.rows()) &&
-                look.normals.allFinite() && look.texCoords.allFinite() && look.colors.allFinite() &&
+                finite(look.normals) && finite(look.texCoords) && finite(look.colors) &&
                 (look.material.empty() || static_cast<Eigen::Index>(look.material.size()) == body.triangles.rows()) &&
                 inRange(look.material, static_cast<Eigen::Index>(look.materials.size()));
     for (const Material& m : look.materials)
@@ -264,7 +270,7 @@ bool decodeProgress(std::string_view content, std::string& stage, double& fracti
     Reader r(content);
     stage = cleanName(r.text(), "import");
     fraction = r.value<double>();
-    return r.finished() && fraction >= 0.0 && fraction <= 1.0;
+    return r.finished() && std::isfinite(fraction) && fraction >= 0.0 && fraction <= 1.0;
 }
 
 std::string encodeAnswer(const Result<ImportResult>& answer) {
@@ -303,7 +309,7 @@ Result<ImportResult> decodeAnswer(std::string_view content) {
     result.format = cleanName(r.text(), "");
     result.metresPerUnit = r.value<double>();
     result.zUpConverted = r.value<std::uint8_t>() != 0;
-    if (!(result.metresPerUnit > 0.0) || !std::isfinite(result.metresPerUnit)) return contradicts();
+    if (!std::isfinite(result.metresPerUnit) || result.metresPerUnit <= 0.0) return contradicts();
     const std::size_t bodies = r.count(1);
     for (std::size_t i = 0; i < bodies && r.good(); ++i) {
         ImportedBody& body = result.bodies.emplace_back();
@@ -311,7 +317,9 @@ Result<ImportResult> decodeAnswer(std::string_view content) {
         r.matrix(body.mesh.body.vertices);
         r.matrix(body.mesh.body.triangles);
         const TriangleMesh& mesh = body.mesh.body;
-        if (!r.good() || mesh.triangles.rows() == 0 || !mesh.vertices.allFinite() || !inRange(mesh.triangles, mesh.vertices.rows())) return contradicts();
+        if (!r.good() || mesh.triangles.rows() == 0 || !finite(mesh.vertices) || !inRange(mesh.triangles, mesh.vertices.rows()) ||
+            mesh.vertices.cwiseAbs().maxCoeff() > ImportedBody::kLargestCoordinate)
+            return contradicts();
         readLook(r, mesh, body.mesh.look);
         body.issues = readIssues(r, mesh.triangles.rows(), mesh.vertices.rows());
         body.components = r.value<std::int32_t>();

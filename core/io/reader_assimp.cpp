@@ -67,6 +67,7 @@ public:
         importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_CAMERAS, false);
         importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_LIGHTS, false);
         importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
+        importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, true);  // not the ids
         // From memory, with the suffix as a hint: no other file is opened, and no other importer guesses at the content.
         const bool rightKind = format == "dae" ? file_.bytes.substr(0, 4096).find("COLLADA") != std::string_view::npos
                                                : file_.bytes.substr(0, 18) == "Kaydara FBX Binary" || file_.bytes.substr(0, 65536).find("FBX") != std::string_view::npos;

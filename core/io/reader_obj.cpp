@@ -55,9 +55,9 @@ public:
 
 private:
     Result<void> statement(std::string_view line) {
-        if (const std::size_t comment = line.find('#'); comment != std::string_view::npos && !isName(line)) line = line.substr(0, comment);
+        line = withoutComment(line);
         const std::string_view key = takeWord(line);
-        if (key.empty() || key[0] == '#') return {};
+        if (key.empty()) return {};
         if (key == "v") return vertex(line);
         if (key == "vt") return texCoord(line);
         if (key == "vn") return normal(line);
@@ -89,10 +89,11 @@ private:
         return {};
     }
 
-    /// Names may contain '#'.
-    static bool isName(std::string_view line) {
-        const std::string_view key = takeWord(line);
-        return key == "o" || key == "g" || key == "usemtl" || key == "mtllib";
+    /// Names may contain '#': a comment begins a word.
+    static std::string_view withoutComment(std::string_view line) {
+        for (std::size_t at = line.find('#'); at != std::string_view::npos; at = line.find('#', at + 1))
+            if (at == 0 || line[at - 1] == ' ' || line[at - 1] == '\t') return line.substr(0, at);
+        return line;
     }
 
     tl::unexpected<Error> notANumber(std::string_view word) const {
@@ -241,11 +242,12 @@ private:
         std::string_view line;
         Material* material = nullptr;
         while (lines.next(line)) {
+            line = withoutComment(line);
             const std::string_view key = takeWord(line);
             double x[7] = {};
             if (key == "newmtl") {
                 material = &scene_.surface.mesh.look.materials[static_cast<std::size_t>(materialNamed(std::string(trimmed(line))))];
-            } else if (!material || key.empty() || key[0] == '#') {
+            } else if (!material || key.empty()) {
                 continue;
             } else if (key == "Kd") {
                 const auto n = numbers(line, x);

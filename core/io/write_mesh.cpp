@@ -6,6 +6,7 @@
 #include <bit>
 #include <cctype>
 #include <charconv>
+#include <cmath>
 #include <string>
 
 #include "core/io/atomic_file.h"
@@ -61,7 +62,8 @@ std::string ply(const Points& vertices, const Triangles& triangles) {
 }  // namespace
 
 Result<void> writeMesh(const std::filesystem::path& path, const Points& vertices, const Triangles& triangles) {
-    if (!vertices.allFinite()) return fail("bad-value", "A vertex has a coordinate that is not finite, so '" + path.string() + "' was not written.");
+    if (!std::all_of(vertices.data(), vertices.data() + vertices.size(), [](double x) { return std::isfinite(x); }))
+        return fail("bad-value", "A vertex has a coordinate that is not finite, so '" + path.string() + "' was not written.");
     if (triangles.rows() > 0 && (triangles.minCoeff() < 0 || triangles.maxCoeff() >= vertices.rows()))
         return fail("bad-index", "A triangle refers to a vertex that does not exist, so '" + path.string() + "' was not written.");
     std::string suffix = path.extension().string();

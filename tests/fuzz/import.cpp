@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// libFuzzer over everything of an import that reads bytes which it did not write: first byte 0 = OBJ, 1 = PLY, 2 = STL, 3 = GLB, 4 = the answer of a
+// worker; what is read is mended and checked too. Configure with clang and -DIMOMUSHI_FUZZ=ON, then: fuzz_import CORPUS -max_len=4096
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+
+#include "core/io/build_result.h"
+#include "core/io/message.h"
+
+using namespace imomushi;
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    if (size == 0) return 0;
+    const std::string_view bytes(reinterpret_cast<const char*>(data) + 1, size - 1);
+    if (data[0] % 5 == 4) {
+        const auto answer = decodeAnswer(bytes);
+        if (answer && decodeAnswer(encodeAnswer(answer)).has_value() != answer.has_value()) std::abort();
+        return 0;
+    }
+    static const char* const kNames[] = {"fuzz.obj", "fuzz.ply", "fuzz.stl", "fuzz.glb"};
+    ImportRequest request;
+    request.path = std::filesystem::path("/nonexistent") / kNames[data[0] % 5];
+    request.split = size % 2 == 0;
+    try {
+        auto scene = readScene({request.path, bytes});
+        if (!scene) return 0;
+        const auto result = buildResult(std::move(*scene), request, {});
+        if (!result) return 0;
+        const auto again = decodeAnswer(encodeAnswer(result));  // what the worker sends, the parent accepts
+        if (!again) std::abort();
+        for (std::size_t b = 0; b < result->bodies.size(); ++b)
+            if (again->bodies[b].closed != result->bodies[b].closed) std::abort();
+    } catch (const std::bad_alloc&) {  // the worker answers "too-large"
+    }
+    return 0;
+}
