@@ -3,7 +3,7 @@
 
 #include <sqlite3.h>
 
-#include <cmath>
+#include "core/base/hash.h"
 
 namespace imomushi {
 
@@ -84,35 +84,52 @@ std::string Database::file() {
     return file;
 }
 
+std::string Database::digest(std::span<const char* const> tables) {
+    ContentHasher hasher;
+    for (const char* table : tables) {
+        sqlite3_stmt* statement = prepare(*this, ("SELECT * FROM " + std::string(table) + " ORDER BY rowid").c_str());
+        int code = SQLITE_ROW;
+        while ((code = sqlite3_step(statement)) == SQLITE_ROW)
+            for (int column = 0; column < sqlite3_column_count(statement); ++column) {
+                const int type = sqlite3_column_type(statement, column);
+                hasher.number(type);
+                if (type == SQLITE_FLOAT) {
+                    hasher.number(sqlite3_column_double(statement, column));
+                } else {
+                    const void* bytes = sqlite3_column_blob(statement, column);  // whole numbers as their text
+                    hasher.bytes(bytes, static_cast<std::size_t>(sqlite3_column_bytes(statement, column)));
+                }
+            }
+        sqlite3_finalize(statement);
+        check(handle_, code);
+    }
+    return hasher.key().hex();
+}
+
 RowWriter::RowWriter(Database& database, const char* sql) : database_(database), statement_(prepare(database, sql)) {}
 RowWriter::~RowWriter() { sqlite3_finalize(statement_); }
 
 void RowWriter::bind(std::int64_t value) {
     check(database_.handle(), sqlite3_bind_int64(statement_, ++column_, value));
-    database_.hasher().number(value);
 }
 
 void RowWriter::bind(double value) {
-    if (!std::isfinite(value)) throw DatabaseError("a number is not finite");  // SQLite would store NaN as NULL
+    if (!isFinite(value)) throw DatabaseError("a number is not finite");  // SQLite would store NaN as NULL
     check(database_.handle(), sqlite3_bind_double(statement_, ++column_, value));
-    database_.hasher().number(value + 0.0);
 }
 
 void RowWriter::bind(const std::optional<double>& value) {
     if (value) return bind(*value);
     check(database_.handle(), sqlite3_bind_null(statement_, ++column_));
-    database_.hasher().text("null");
 }
 
 void RowWriter::bind(const std::string& value) {
     check(database_.handle(), sqlite3_bind_text64(statement_, ++column_, value.data(), value.size(), SQLITE_TRANSIENT, SQLITE_UTF8));
-    database_.hasher().text(value);
 }
 
 void RowWriter::blob(const void* data, std::size_t size) {
     static const char kEmpty = 0;  // a null pointer would become NULL
     check(database_.handle(), sqlite3_bind_blob64(statement_, ++column_, size ? data : &kEmpty, size, SQLITE_STATIC));
-    database_.hasher().bytes(data, size);
 }
 
 void RowWriter::finish() {
@@ -130,15 +147,13 @@ bool RowReader::next() {
     return code == SQLITE_ROW;
 }
 
-sqlite3_stmt* RowReader::take(int type) {
+void RowReader::expect(int type) {
     if (sqlite3_column_type(statement_, column_) != type) throw DatabaseError("a value has the wrong type");
-    return statement_;
 }
 
 std::int64_t RowReader::integer() {
-    const std::int64_t value = sqlite3_column_int64(take(SQLITE_INTEGER), column_++);
-    database_.hasher().number(value);
-    return value;
+    expect(SQLITE_INTEGER);
+    return sqlite3_column_int64(statement_, column_++);
 }
 
 std::int64_t RowReader::integer(std::int64_t low, std::int64_t high) {
@@ -148,9 +163,9 @@ std::int64_t RowReader::integer(std::int64_t low, std::int64_t high) {
 }
 
 double RowReader::real() {
-    const double value = sqlite3_column_double(take(SQLITE_FLOAT), column_++);
-    if (!std::isfinite(value)) throw DatabaseError("a number is not finite");
-    database_.hasher().number(value + 0.0);
+    expect(SQLITE_FLOAT);
+    const double value = sqlite3_column_double(statement_, column_++);
+    if (!isFinite(value)) throw DatabaseError("a number is not finite");
     return value;
 }
 
@@ -163,23 +178,22 @@ double RowReader::real(double low, double high) {
 std::optional<double> RowReader::optionalReal() {
     if (sqlite3_column_type(statement_, column_) != SQLITE_NULL) return real();
     ++column_;
-    database_.hasher().text("null");
     return std::nullopt;
 }
 
 std::string RowReader::text() {
-    const auto* bytes = reinterpret_cast<const char*>(sqlite3_column_text(take(SQLITE_TEXT), column_));
+    expect(SQLITE_TEXT);
+    const auto* bytes = reinterpret_cast<const char*>(sqlite3_column_text(statement_, column_));
     std::string value(bytes ? bytes : "", static_cast<std::size_t>(sqlite3_column_bytes(statement_, column_)));
     ++column_;
-    database_.hasher().text(value);
     return value;
 }
 
 std::string_view RowReader::blob() {
-    const void* bytes = sqlite3_column_blob(take(SQLITE_BLOB), column_);
+    expect(SQLITE_BLOB);
+    const void* bytes = sqlite3_column_blob(statement_, column_);
     const auto size = static_cast<std::size_t>(sqlite3_column_bytes(statement_, column_));
     ++column_;
-    database_.hasher().bytes(bytes, size);
     return {static_cast<const char*>(bytes), size};
 }
 

@@ -2,16 +2,16 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <bit>
 #include <cstdint>
 #include <cstring>
 #include <limits>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include "core/base/hash.h"
 
 struct sqlite3;
 struct sqlite3_stmt;
@@ -23,8 +23,7 @@ struct DatabaseError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// A database in memory: built row by row and turned into the bytes of a file, or the other way round. Every value that is written or read
-/// goes through one digest, so that reading what was written gives the same digest, and anything else another.
+/// A database in memory: built row by row and turned into the bytes of a file, or the other way round.
 class Database {
 public:
     Database();                                   ///< empty
@@ -37,13 +36,18 @@ public:
     [[nodiscard]] std::int64_t number(const char* sql);
     [[nodiscard]] std::string file();             ///< its bytes
     [[nodiscard]] sqlite3* handle() { return handle_; }
-    [[nodiscard]] std::string digest() const { return hasher_.key().hex(); }
-    ContentHasher& hasher() { return hasher_; }
+    /// Of the types and bytes of all values in `tables`, row by row: 32 hexadecimal digits.
+    [[nodiscard]] std::string digest(std::span<const char* const> tables);
 
 private:
     sqlite3* handle_ = nullptr;
-    ContentHasher hasher_;
 };
+
+/// Neither infinite nor NaN, by its bits: comparing a signalling NaN would trap.
+inline bool isFinite(double value) {
+    return (std::bit_cast<std::uint64_t>(value) & 0x7ff0000000000000u) != 0x7ff0000000000000u;
+}
+inline bool isFinite(float value) { return (std::bit_cast<std::uint32_t>(value) & 0x7f800000u) != 0x7f800000u; }
 
 /// Writes rows of one table: row(1, "name", blob, ...).
 class RowWriter {
@@ -86,7 +90,7 @@ private:
     int column_ = 0;
 };
 
-/// Reads rows in the order in which they were written; each value must have the type that is asked for.
+/// Reads rows, column by column; each value must have the type that is asked for.
 class RowReader {
 public:
     RowReader(Database& database, const char* sql);
@@ -125,7 +129,7 @@ public:
 
 private:
     std::string_view blob();
-    sqlite3_stmt* take(int type);
+    void expect(int type);
 
     Database& database_;
     sqlite3_stmt* statement_ = nullptr;

@@ -67,9 +67,14 @@ bool within(const Values& values, Eigen::Index count) {
     return std::all_of(values.data(), values.data() + values.size(), [&](auto v) { return v >= 0 && v < count; });
 }
 
-template <class Matrix>
-bool coordinates(const Matrix& m) {
-    return std::all_of(m.data(), m.data() + m.size(), [](auto x) { return std::abs(x) <= kLargestCoordinate; });
+template <class Values>
+bool finite(const Values& values) {
+    return std::all_of(values.data(), values.data() + values.size(), [](auto x) { return isFinite(x); });
+}
+
+template <class Values>
+bool coordinates(const Values& values) {
+    return finite(values) && std::all_of(values.data(), values.data() + values.size(), [](auto x) { return std::abs(x) <= kLargestCoordinate; });
 }
 
 // ---- writing -------------------------------------------------------------------------------------------------------
@@ -206,7 +211,7 @@ std::map<std::int64_t, std::shared_ptr<ElementMesh>> readMeshes(Database& db) {
         require(look.triangles.rows() == 0 || look.triangles.rows() == mesh->body.triangles.rows(), "the look of a mesh has other triangles than its body");
         for (const Eigen::Index attribute : {look.normals.rows(), look.texCoords.rows(), look.colors.rows()})
             require(attribute == 0 || attribute == renderCount, "an attribute has a broken size");
-        require(look.normals.allFinite() && look.texCoords.allFinite() && look.colors.allFinite(), "an attribute is not finite");
+        require(finite(look.normals) && finite(look.texCoords) && finite(look.colors), "an attribute is not finite");
         require(look.material.empty() || static_cast<Eigen::Index>(look.material.size()) == look.triangles.rows(), "the materials of a mesh have a broken size");
         meshes.emplace(meshId, std::move(mesh));
     }
@@ -222,7 +227,7 @@ std::map<std::int64_t, std::shared_ptr<ElementMesh>> readMeshes(Database& db) {
         Material m;
         m.name = utf8(materials.text());
         const auto color = materials.array<float>(4);
-        require(color.size() == 4 && std::all_of(color.begin(), color.end(), [](float c) { return std::isfinite(c); }), "a colour is broken");
+        require(color.size() == 4 && finite(color), "a colour is broken");
         m.baseColor = Eigen::Vector4f(color[0], color[1], color[2], color[3]);
         m.metallic = static_cast<float>(materials.real(-1e6, 1e6));
         m.roughness = static_cast<float>(materials.real(-1e6, 1e6));
@@ -256,7 +261,7 @@ void checkFace(const JointFace& face, const Element& element) {
     for (const std::int32_t t : face.triangles)
         for (int k = 0; k < 3; ++k)
             require(std::binary_search(face.vertices.begin(), face.vertices.end(), body.triangles(t, k)), "a joint face lacks a corner");
-    require(coordinates(face.frame.origin) && face.frame.axes.allFinite() && coordinates(face.frame.axes), "the frame of a joint face is broken");
+    require(coordinates(face.frame.origin) && coordinates(face.frame.axes), "the frame of a joint face is broken");
     require((face.frame.axes.transpose() * face.frame.axes - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-6 &&
                 face.frame.axes.determinant() > 0,
             "the frame of a joint face is no frame");
@@ -284,7 +289,7 @@ void readElements(Database& db, Document& document) {
         e.stiffness = elements.real(1e-6, 1e6);
         e.density = elements.real(1e-3, 1e6);
         const auto color = elements.array<float>(3);
-        require(color.size() == 3 && std::all_of(color.begin(), color.end(), [](float c) { return c >= 0.0f && c <= 1.0f; }), "a colour is broken");
+        require(color.size() == 3 && finite(color) && std::all_of(color.begin(), color.end(), [](float c) { return c >= 0.0f && c <= 1.0f; }), "a colour is broken");
         e.color = Eigen::Vector3f(color[0], color[1], color[2]);
         e.visible = elements.boolean();
         e.locked = elements.boolean();
@@ -459,9 +464,10 @@ void readResponses(Database& db, Project& project) {
         const auto g = static_cast<std::size_t>(a->columns());
         const auto values = rows.array<double>(), stiffness = rows.array<double>();
         require(values.size() == 3 * a->freeVertices.size() * g && stiffness.size() == g * g, "a response has a broken size");
+        require(finite(values) && finite(stiffness), "a response is not finite");
         a->response = Eigen::Map<const Eigen::MatrixXd>(values.data(), 3 * static_cast<Eigen::Index>(a->freeVertices.size()), static_cast<Eigen::Index>(g));
         a->stiffness = Eigen::Map<const Eigen::MatrixXd>(stiffness.data(), static_cast<Eigen::Index>(g), static_cast<Eigen::Index>(g));
-        require(a->response.allFinite() && a->stiffness.allFinite(), "a response is not finite");
+        
         a->quality.solve.residual = rows.real();
         a->quality.solve.rcond = rows.real();
         a->quality.solve.peakBytes = static_cast<std::size_t>(rows.integer(0, std::numeric_limits<std::int64_t>::max()));
@@ -523,7 +529,7 @@ Result<void> saveProject(const std::filesystem::path& path, const Project& proje
         writeSkeleton(db, document);
         writeResponses(db, project);
         {
-            const std::string digest = db.digest();
+            const std::string digest = db.digest(kProjectTables);
             RowWriter info(db, "INSERT INTO info VALUES (?,?)");
             info.row("program", std::string("imomushi ") + kVersion);
             info.row("digest", digest);
@@ -560,11 +566,9 @@ Result<Project> openProject(const std::filesystem::path& path) {
             return fail("newer-version", name + " was written by a newer version of Imomushi (format " + std::to_string(version) + ", this program knows " +
                                              std::to_string(kProjectVersion) + "): update the program.");
         require(version == kProjectVersion, "its version is unknown");
-        Project project = readProject(db);
-        const std::string digest = db.digest();
         RowReader info(db, "SELECT value FROM info WHERE name='digest'");
-        require(info.next() && info.text() == digest, "its content does not match its digest");
-        return project;
+        require(info.next() && info.text() == db.digest(kProjectTables), "its content does not match its digest");
+        return readProject(db);
     } catch (const DatabaseError& reason) {
         return fail("damaged", name + " is damaged (" + reason.what() + "): open an earlier version of it.");
     }

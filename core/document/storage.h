@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -27,6 +28,10 @@ struct Project {
 inline constexpr int kProjectApplicationId = 0x494d4f4d;
 /// Version of the tables. A file of a newer one is refused.
 inline constexpr int kProjectVersion = 1;
+
+/// All tables that hold the project; "info" holds their digest.
+inline constexpr std::array<const char*, 14> kProjectTables = {"settings", "meshes", "materials", "textures",    "elements", "issues",    "faces",
+                                                               "joints",   "joint_faces", "bones",  "held", "pose",  "responses", "element_responses"};
 
 /// Writes one self-contained SQLite file: beside its place first, on disk, then renamed, so that there is always a whole file. Nothing of an old
 /// file is lost when this fails. Errors: "not-writable", "disk-full".

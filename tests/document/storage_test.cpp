@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <sqlite3.h>
+
+#include <cstring>
+#include <random>
+
+#include "core/document/sqlite.h"
+#include "tests/document/workbench.h"
+
+using namespace imomushi;
+
+namespace {
+
+void sql(const std::filesystem::path& path, const std::string& statement) {
+    sqlite3* handle = nullptr;
+    REQUIRE(sqlite3_open(path.c_str(), &handle) == SQLITE_OK);
+    char* message = nullptr;
+    const int code = sqlite3_exec(handle, statement.c_str(), nullptr, nullptr, &message);
+    INFO(statement << ": " << (message ? message : ""));
+    CHECK(code == SQLITE_OK);
+    sqlite3_free(message);
+    sqlite3_close(handle);
+}
+
+/// Makes a tampered file look whole: what a hostile writer would do.
+void sign(const std::filesystem::path& path) {
+    const std::string bytes = Workbench::readFile(path);
+    Database db(std::vector<char>(bytes.begin(), bytes.end()));
+    sql(path, "UPDATE info SET value='" + db.digest(kProjectTables) + "' WHERE name='digest'");
+}
+
+std::string openCode(const std::filesystem::path& path) {
+    const auto project = openProject(path);
+    return project ? "ok" : project.error().code;
+}
+
+/// A chain with a response, a held and pinned pose, a material and a texture.
+void richDocument(Workbench& w) {
+    w.buildChain();
+    w.good({{"do", "precompute"}});
+    w.good({{"do", "pin"}, {"endpoint", "a/start"}});
+    w.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {0.4, 0.2, 5.5}}, {"roll", 0.25}});
+    w.good({{"do", "set"}, {"target", "A"}, {"property", "color"}, {"value", "#123456"}});
+    w.good({{"do", "add-bone"}, {"name", "c"}, {"from", "b/end"}, {"to", {0, 1, 7}}});
+    Document& document = w.session.edit();
+    auto element = std::make_shared<Element>(*document.elements.begin()->second);
+    auto mesh = std::make_shared<ElementMesh>(*element->mesh);
+    mesh->look.normals.setRandom(mesh->body.vertices.rows(), 3);
+    mesh->look.texCoords.setRandom(mesh->body.vertices.rows(), 2);
+    mesh->look.material.assign(static_cast<std::size_t>(mesh->body.triangles.rows()), 0);
+    mesh->look.materials.push_back({"うろこ", {0.1f, 0.2f, 0.3f, 1.0f}, 0.5f, 0.25f, 0});
+    mesh->look.textures.push_back({"scales", "image/png", {1, 2, 3, 0, 255}});
+    element->mesh = mesh;
+    element->issues.push_back({Severity::Info, "unwelded", "Vertices were welded.", 3, true, {0, 1}, {2}});
+    document.elements[element->id] = element;
+}
+
+}  // namespace
+
+TEST_CASE("storage: what was saved opens as it was, responses included") {
+    Workbench w;
+    richDocument(w);
+    const auto path = Workbench::folder() / "虫 🐛.imomushi";
+    w.good({{"do", "save"}, {"path", path.string()}});
+    const std::string saved = w.content();
+    const Json before = w.good({{"do", "list"}});
+    const auto position = w.good({{"do", "measure"}, {"what", "position"}, {"endpoint", "b/end"}});
+    Workbench other;
+    const Json opened = other.good({{"do", "open"}, {"path", path.string()}});
+    CHECK(opened == before);
+    CHECK(opened["elements"][0]["state"] == "fresh");
+    CHECK(other.content() == saved);
+    CHECK(other.good({{"do", "measure"}, {"what", "position"}, {"endpoint", "b/end"}}) == position);
+    CHECK(other.good({{"do", "precompute"}})["elements"][0]["cached"] == true);
+    CHECK(other.session.document().elements.begin()->second->mesh->look.textures[0].bytes == std::vector<std::uint8_t>{1, 2, 3, 0, 255});
+    CHECK(!other.session.modified());
+    const auto second = Workbench::folder() / "again.imomushi";
+    other.good({{"do", "save"}, {"path", second.string()}});
+    CHECK(Workbench::readFile(second) == Workbench::readFile(path));
+}
+
+TEST_CASE("storage: a stale response comes back as the last one that fits") {
+    Workbench w;
+    w.buildChain();
+    w.good({{"do", "precompute"}});
+    w.good({{"do", "set"}, {"target", "A"}, {"property", "nu"}, {"value", 0.3}});
+    const auto path = (Workbench::folder() / "stale.imomushi").string();
+    w.good({{"do", "save"}, {"path", path}});
+    Workbench other;
+    const Json opened = other.good({{"do", "open"}, {"path", path}});
+    CHECK(opened["elements"][0]["state"] == "stale");
+    CHECK(opened["elements"][1]["state"] == "fresh");
+    CHECK(other.session.character()->input().elements[0].response != nullptr);
+}
+
+TEST_CASE("storage: a file is SQLite with our application id, and a newer version is refused without touching it") {
+    Workbench w;
+    w.buildChain();
+    const auto path = Workbench::folder() / "newer.imomushi";
+    w.good({{"do", "save"}, {"path", path.string()}});
+    CHECK(Workbench::readFile(path).substr(0, 15) == "SQLite format 3");
+    CHECK(Workbench::readFile(path).substr(68, 4) == "IMOM");
+    sql(path, "PRAGMA user_version=99");
+    const std::string bytes = Workbench::readFile(path);
+    const auto time = std::filesystem::last_write_time(path);
+    CHECK(openCode(path) == "newer-version");
+    CHECK(Workbench::readFile(path) == bytes);
+    CHECK(std::filesystem::last_write_time(path) == time);
+    CHECK(w.code({{"do", "open"}, {"path", path.string()}}) == "newer-version");
+    CHECK(w.session.document().elements.size() == 2);  // the document stays
+    for (const auto& file : std::filesystem::directory_iterator(Workbench::folder()))
+        CHECK(file.path().string().find("newer.imomushi-") == std::string::npos);  // no journal beside it
+}
+
+TEST_CASE("storage: what is no project is refused with a reason") {
+    const auto path = Workbench::folder() / "other.imomushi";
+    CHECK(openCode(Workbench::folder() / "nothing.imomushi") == "file-not-found");
+    CHECK(openCode(Workbench::folder()) == "not-readable");
+    Workbench::writeFile(path, "");
+    CHECK(openCode(path) == "not-a-project");
+    Workbench::writeFile(path, std::string(5000, 'x'));
+    CHECK(openCode(path) == "not-a-project");
+    std::filesystem::remove(path);
+    sql(path, "CREATE TABLE t(x); INSERT INTO t VALUES (1)");
+    CHECK(openCode(path) == "not-a-project");
+    sql(path, "PRAGMA application_id=" + std::to_string(kProjectApplicationId) + "; PRAGMA user_version=1");
+    CHECK(openCode(path) == "damaged");
+}
+
+TEST_CASE("storage: saving fails cleanly where nothing can be written, and the old file stays") {
+    Workbench w;
+    w.buildChain();
+    CHECK(w.code({{"do", "save"}}) == "missing-key");
+    CHECK(w.code({{"do", "save"}, {"path", "somewhere.txt"}}) == "bad-value");
+    CHECK(w.code({{"do", "save"}, {"path", (Workbench::folder() / "no folder" / "a.imomushi").string()}}) == "not-writable");
+    const auto folder = Workbench::folder() / "folder.imomushi";
+    std::filesystem::create_directories(folder);
+    CHECK(w.code({{"do", "save"}, {"path", folder.string()}}) == "not-writable");
+    CHECK(w.session.path().empty());
+    CHECK(w.session.modified());
+}
+
+TEST_CASE("storage: a truncated or flipped file is refused or opens as it was, and never crashes") {
+    Workbench w;
+    richDocument(w);
+    const auto path = Workbench::folder() / "whole.imomushi", broken = Workbench::folder() / "broken.imomushi";
+    w.good({{"do", "save"}, {"path", path.string()}});
+    const std::string whole = Workbench::readFile(path);
+    const std::string content = w.content();
+    const auto check = [&](const std::string& bytes) {
+        Workbench::writeFile(broken, bytes);
+        const auto project = openProject(broken);
+        if (!project) return;
+        Workbench other;
+        other.good({{"do", "open"}, {"path", broken.string()}});
+        CHECK(other.content() == content);
+    };
+    for (std::size_t i = 0; i < 64; ++i) check(whole.substr(0, whole.size() * i / 64));
+    std::mt19937 random(7);
+    for (int i = 0; i < 400; ++i) {
+        std::string bytes = whole;
+        // Half of the flips hit the first pages, where the structure is.
+        const std::size_t at = random() % (i % 2 ? bytes.size() : std::min<std::size_t>(bytes.size(), 8192));
+        bytes[at] = static_cast<char>(bytes[at] ^ (1u << (random() % 8)));
+        check(bytes);
+    }
+    for (int i = 0; i < 100; ++i) {
+        std::string bytes = whole;
+        for (int k = 0; k < 64; ++k) bytes[random() % bytes.size()] = static_cast<char>(random());
+        check(bytes);
+    }
+}
+
+TEST_CASE("storage: hostile values under a valid digest are refused one by one") {
+    Workbench w;
+    richDocument(w);
+    const auto path = Workbench::folder() / "whole.imomushi", bad = Workbench::folder() / "bad.imomushi";
+    w.good({{"do", "save"}, {"path", path.string()}});
+    const std::string whole = Workbench::readFile(path);
+    const char* nan = "x'010000000000f07f010000000000f07f010000000000f07f'";  // three signalling NaN
+    const std::string statements[] = {
+        "UPDATE elements SET nu=0.7",
+        "UPDATE elements SET nu='soft'",
+        "UPDATE elements SET nu=9e999",
+        "UPDATE elements SET stiffness=0.0",
+        "UPDATE elements SET mesh=77",
+        "UPDATE elements SET name=''",
+        "UPDATE elements SET name='same'",
+        "UPDATE elements SET name=x'ff'",
+        "UPDATE elements SET name='gravity' WHERE id=1",
+        "UPDATE elements SET color=x'0000c07f0000c07f0000c07f'",
+        "UPDATE elements SET joint_planes=9",
+        "UPDATE elements SET id=id+1000000",
+        "DELETE FROM elements",
+        "UPDATE meshes SET triangles=x'ffffffff0000000001000000'",
+        "UPDATE meshes SET triangles=x''",
+        "UPDATE meshes SET vertices=x'00'",
+        "UPDATE meshes SET vertices=zeroblob(24)",
+        std::string("UPDATE meshes SET vertices=") + nan,
+        "UPDATE meshes SET render_body_vertices=x'ffffff7f'",
+        "UPDATE meshes SET normals=x'0000c07f0000c07f0000c07f'",
+        "UPDATE meshes SET triangle_materials=x'05000000'",
+        "UPDATE materials SET texture=5",
+        "UPDATE materials SET position=5",
+        "UPDATE faces SET vertices=x'0500000004000000'",
+        "UPDATE faces SET vertices=x''",
+        "UPDATE faces SET triangles=x'ffffffff'",
+        "UPDATE faces SET frame=zeroblob(96)",
+        "UPDATE faces SET frame=x'00'",
+        "UPDATE faces SET size=-1.0",
+        "UPDATE faces SET area=0.0",
+        "UPDATE faces SET name='one'",
+        "UPDATE issues SET triangles=x'ffffff7f'",
+        "UPDATE joint_faces SET face='nothing'",
+        "UPDATE joint_faces SET element=99",
+        "DELETE FROM joint_faces WHERE position=1",
+        "UPDATE bones SET start_kind='odd'",
+        "UPDATE bones SET start_kind='bone', start_part=id, start_name='end', end_kind='bone', end_part=id, end_name='start'",
+        "UPDATE bones SET start_part=99",
+        "UPDATE bones SET parent=99",
+        "UPDATE bones SET element=99",
+        "UPDATE bones SET max_stretch=0.5",
+        "UPDATE bones SET end_kind='point', end_point=zeroblob(24), start_kind='point'",
+        "UPDATE held SET bone=99",
+        std::string("UPDATE held SET target=") + nan,
+        "UPDATE held SET seconds=-1.0",
+        "UPDATE pose SET points=x''",
+        "UPDATE pose SET frames=zeroblob(length(frames))",
+        "DELETE FROM pose",
+        "UPDATE responses SET response=x''",
+        "UPDATE responses SET bases=x'0900000001000000'",
+        "UPDATE responses SET stiffness=zeroblob(8)",
+        "UPDATE responses SET free_vertices=x'0500000004000000'",
+        "UPDATE element_responses SET response=99",
+        "UPDATE settings SET basis='odd'",
+        "UPDATE settings SET format='odd'",
+        "UPDATE settings SET next_id=1",
+        "DELETE FROM settings",
+    };
+    for (const std::string& statement : statements) {
+        CAPTURE(statement);
+        Workbench::writeFile(bad, whole);
+        sql(bad, statement);
+        CHECK(openCode(bad) == "damaged");  // by the digest
+        sign(bad);
+        CHECK(openCode(bad) == "damaged");  // by its own rule
+    }
+    Workbench::writeFile(bad, whole);
+    sign(bad);
+    CHECK(openCode(bad) == "ok");
+}
+
+TEST_CASE("storage: a response that does not belong to its element is not used") {
+    Workbench w;
+    w.buildChain();
+    w.good({{"do", "precompute"}});
+    const auto path = Workbench::folder() / "swapped.imomushi";
+    w.good({{"do", "save"}, {"path", path.string()}});
+    // Under the key of this element another body's response: smaller by one vertex.
+    sql(path, "UPDATE responses SET free_vertices=substr(free_vertices,1,length(free_vertices)-4), "
+              "response=substr(response,1,length(response)-8*3*18)");
+    sign(path);
+    Workbench other;
+    other.good({{"do", "open"}, {"path", path.string()}});
+    CHECK(other.session.character()->input().elements[0].response == nullptr);
+    CHECK(other.good({{"do", "step"}, {"frames", 2}})["finite"] == true);
+}

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <doctest/doctest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "core/document/session.h"
+#include "core/document/storage.h"
+#include "tests/support/shapes.h"
+
+namespace imomushi {
+
+inline const CommandRegistry& coreRegistry() {
+    static const CommandRegistry registry = [] {
+        CommandRegistry made;
+        addCoreCommands(made);
+        return made;
+    }();
+    return registry;
+}
+
+inline ImportedBody importedBody(std::string name, TriangleMesh mesh, bool closed = true) {
+    ImportedBody body;
+    body.name = std::move(name);
+    body.closed = closed;
+    for (std::int32_t v = 0; v < mesh.vertices.rows(); ++v) body.mesh.look.bodyVertex.push_back(v);
+    body.mesh.look.triangles = mesh.triangles;
+    body.mesh.body = std::move(mesh);
+    return body;
+}
+
+/// A session whose files are shapes: "barN" is a bar of 1 x 1 x 3 m from z = 3 N, "coarseN" one with other triangles, "pair" holds two bodies, "half"
+/// a good and an open one, "open" an open one.
+class Workbench {
+public:
+    Workbench() : session(coreRegistry()) {
+        session.setImporter([](const ImportRequest& request, const Progress&) -> Result<ImportResult> {
+            const std::string name = request.path.string();
+            ImportResult result;
+            result.format = "shape";
+            const auto bar = [&](int cells, int place) {
+                TriangleMesh mesh = shapes::bar(cells).mesh;
+                mesh.vertices.col(2).array() += 3.0 * place;
+                return mesh;
+            };
+            if (name.starts_with("bar"))
+                result.bodies.push_back(importedBody(name, bar(2, std::stoi(name.substr(3)))));
+            else if (name.starts_with("coarse"))
+                result.bodies.push_back(importedBody(name, bar(3, std::stoi(name.substr(6)))));
+            else if (name == "pair" || name == "half")
+                result.bodies = {importedBody("one", bar(2, 0)), importedBody("one", bar(2, 3), name == "pair")};
+            else if (name == "open")
+                result.bodies = {importedBody("open", bar(2, 0), false)};
+            else
+                return fail("file-not-found", "There is no such shape.");
+            return result;
+        });
+    }
+
+    Result<Json> run(const Json& command) { return session.execute(command); }
+    Json good(const Json& command) {
+        const auto answer = session.execute(command);
+        if (!answer) FAIL(command.dump() << " -> " << answer.error().code << ": " << answer.error().message);
+        return *answer;
+    }
+    std::string code(const Json& command) {
+        const auto answer = session.execute(command);
+        return answer ? std::string("ok") : answer.error().code;
+    }
+
+    /// Two bars along z, joined, a bone through each, and a tip face at the far end.
+    void buildChain() {
+        good({{"do", "import-element"}, {"path", "bar0"}, {"name", "A"}});
+        good({{"do", "import-element"}, {"path", "bar1"}, {"name", "B"}});
+        addFace("A", "in", 0, -1);
+        addFace("A", "out", 3, 1);
+        addFace("B", "in", 3, -1);
+        addFace("B", "out", 6, 1);
+        good({{"do", "join"}, {"a", "A/out"}, {"b", "B/in"}});
+        good({{"do", "add-bone"}, {"name", "a"}, {"from", "A/in"}, {"to", "A/out"}});
+        good({{"do", "add-bone"}, {"name", "b"}, {"from", "a/end"}, {"to", "B/out"}});
+    }
+    Json addFace(const std::string& element, const std::string& name, double z, double normal) {
+        return good({{"do", "add-joint-face"}, {"element", element}, {"name", name},
+                     {"plane", {{"origin", {0, 0, z}}, {"normal", {0, 0, normal}}}}});
+    }
+
+    /// Everything that a project file says of the document, as bytes. Ids that were given out do not count.
+    std::string content() {
+        Project project;
+        project.document = session.document();
+        project.document.nextId = 1'000'000;
+        const auto path = folder() / "content.imomushi";
+        const auto saved = saveProject(path, project);
+        if (!saved) FAIL(saved.error().message);
+        return readFile(path);
+    }
+
+    static std::string readFile(const std::filesystem::path& path) {
+        std::ifstream file(path, std::ios::binary);
+        return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    }
+    static void writeFile(const std::filesystem::path& path, const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }
+    static std::filesystem::path folder() {
+        static const struct Folder {
+            std::filesystem::path path = std::filesystem::temp_directory_path() / ("imomushi-document-" + std::to_string(::getpid()));
+            Folder() { std::filesystem::create_directories(path); }
+            ~Folder() { std::filesystem::remove_all(path); }
+        } folder;
+        return folder.path;
+    }
+
+    Session session;
+};
+
+}  // namespace imomushi
