@@ -54,12 +54,14 @@ double shape(const Vec3& p) {
     return blend(d, eyes(p), 0.05);
 }
 
+double rootLight(const Vec3& p) { return 0.55 * cover(p.y() - 0.42, 0.5); }
+
 Vec3 paint(int element, const Vec3& p, const Vec3& n, double texel) {
     const Vec3 coral = rgb(0xf0705a), light = rgb(0xffb49a), deep = rgb(0xd2475a), cream = rgb(0xffe9d6);
     const double soft = 1.5 * texel;
     if (element == 0) {
         Vec3 c = mix(coral, deep, std::clamp((p.y() - 0.75) / 0.7, 0.0, 1.0) * 0.65);
-        c = mix(c, light, 0.55 * cover(p.y() - 0.42, 0.5));
+        c = mix(c, light, rootLight(p));
         // Freckles on the mantle: fixed places, all around but the face.
         const double spots[][3] = {{-1.9, 1.20, .070}, {-2.6, 1.02, .055}, {2.4, 1.17, .075}, {1.75, 1.00, .050}, {3.0, 0.83, .060}, {-1.35, 0.93, .045},
                                    {0.95, 1.27, .055}, {-0.70, 1.31, .045}, {-2.9, 1.32, .050}, {1.3, 0.80, .035}, {-2.1, 0.78, .045}, {2.2, 0.80, .040}, {0.35, 1.38, .035}};
@@ -79,7 +81,7 @@ Vec3 paint(int element, const Vec3& p, const Vec3& n, double texel) {
                     if ((p - centre).dot(look) > 0) c = paintEye(c, q, {0.075, 0.088}, texel);
                 }
                 const auto k = onPicture(p, {side * 0.285, 0.485, 0.28}, Vec3(side * 0.6, 0, 0.8), up);
-                c = mix(c, rgb(0xff5f6e), 0.6 * cover(ovalDistance(k, {0, 0}, {0.062, 0.042}), 0.04));
+                c = mix(c, rgb(0xff9aa2), 0.65 * cover(ovalDistance(k, {0, 0}, {0.062, 0.042}), 0.04));
             }
             c = mix(c, rgb(0x6e1f2e), smile(onPicture(p, {0, 0.555, 0}, out, up), {0, 0}, 0.058, 1.0, 0.019, texel));
         }
@@ -93,15 +95,17 @@ Vec3 paint(int element, const Vec3& p, const Vec3& n, double texel) {
     const Vec3 r = p - tube.at(along);
     const double under = n.dot(down);
     Vec3 c = mix(coral, deep, 0.65 * std::max(along - 0.45, 0.0) / 0.55);
-    c = mix(c, light, 0.55 * std::clamp((0.42 - along) / 0.25, 0.0, 1.0));
-    c = mix(c, cream, 0.92 * cover(0.30 - under, 0.25));
+    const double root = std::clamp((0.46 - along) / 0.16, 0.0, 1.0);  // 1 at the body, whose colour goes on here
+    c = mix(c, light, rootLight(p) * root);
+    const double pale = cover(0.30 - under, 0.25) * (1 - cover(along - 0.33, 0.11));
+    c = mix(c, cream, 0.92 * pale);
     const double length = tube.length(), step = 0.075, s = along * length;
     const double centre = (std::floor(s / step) + 0.5) * step, radius = tube.radius(centre / length);
     const double x = s - centre, y = std::abs(r.dot(side)) - 0.42 * radius;
     if (under > 0.2) {
-        const double ring = std::hypot(x, y) - 0.26 * radius;
-        c = mix(c, rgb(0xf59a9a), cover(ring, soft));
-        c = mix(c, rgb(0xffd9cd), cover(ring + 0.13 * radius, soft));
+        const double disc = std::hypot(x, y) - 0.27 * radius;
+        c = mix(c, rgb(0xf7a3a0), pale * cover(disc, soft));
+        c = mix(c, rgb(0xffcfc4), pale * cover(disc + 0.15 * radius, 2 * soft));
     }
     return c;
 }
@@ -118,9 +122,9 @@ CharacterSpec octopus() {
     for (int i = 0; i < kArms; ++i)
         for (double s : cuts) rims.push_back({arm(i).at(s), arm(i).radius(s)});
     c.size = [rims](const Vec3& p) {
-        double h = 0.085;
-        for (const auto& [centre, r] : rims) h = std::min(h, 0.40 * r + 0.30 * std::max((p - centre).norm() - 1.2 * r, 0.0));
-        h = std::min(h, 0.042 + 0.3 * std::max(eyes(p), 0.0));
+        double h = 0.098;
+        for (const auto& [centre, r] : rims) h = std::min(h, 0.41 * r + 0.42 * std::max((p - centre).norm() - 1.1 * r, 0.0));
+        h = std::min(h, 0.050 + 0.4 * std::max(eyes(p), 0.0));
         for (int i = 0; i < kArms; ++i) h = std::min(h, 0.026 + 0.25 * std::max((p - arm(i).at(1.0)).norm() - 0.05, 0.0));
         return std::max(h, 0.024);
     };
@@ -133,8 +137,8 @@ CharacterSpec octopus() {
         const double ends[] = {cuts[0], cuts[1], cuts[2], 0.97};
         for (int k = 0; k < 3; ++k) {
             const Vec3 from = t.at(ends[k]), to = t.at(ends[k + 1]);
-            // The texture's pole lies in a joint face, its seam on top where the colour is even.
-            c.elements.push_back({name + "-" + parts[k], t.at((ends[k] + ends[k + 1]) / 2), 0, 256, (from - to).normalized(), Vec3::UnitY()});
+            // The seam of the texture is on top, where the colour is even.
+            c.elements.push_back({name + "-" + parts[k], t.at((ends[k] + ends[k + 1]) / 2), 0, 320, (from - to).normalized(), Vec3::UnitY(), k < 2});
             const int element = int(c.elements.size()) - 1;
             c.joints.push_back({k == 0 ? 0 : element - 1, element, from, t.tangent(ends[k]), 16 - 2 * (k > 0), {k == 0 ? 9 : 8, 3}});
         }
