@@ -614,7 +614,8 @@ Points Character::positions(int element) const {
     const auto& given = state_->input.elements[element];
     const auto& e = state_->elements[element];
     Points out(given.mesh->body.vertices.rows(), 3);
-    Eigen::VectorXd x = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(e.free.size()));
+    std::vector<double> displacement(3 * e.free.size(), 0.0);
+    Eigen::Map<Eigen::VectorXd> x(displacement.data(), static_cast<Eigen::Index>(displacement.size()));
     if (given.response && given.response->columns() > 0) x.noalias() = given.response->response * e.v;
     for (std::size_t i = 0; i < e.free.size(); ++i) {
         const Vec3 rest = given.mesh->body.vertices.row(e.free[i]).transpose();
