@@ -104,6 +104,6 @@ void main() {
         float along = abs(fract((gl_FragCoord.x + gl_FragCoord.y) / period) - 0.5) * period;
         color *= mix(1.0, 0.72, 1.0 - smoothstep(1.1 * frame.forward.w, 1.1 * frame.forward.w + 1.0, along));
     }
-    if (hovered > 0.5) color = mix(color, vec3(0.55, 0.80, 1.0), 0.05 + 0.28 * edge);
+    if (hovered > 0.5) color = mix(color, vec3(0.55, 0.80, 1.0), 0.03 + 0.22 * edge);
     outColor = vec4(color, 1.0) * opacity;
 }
