@@ -72,7 +72,7 @@ void main() {
     vec3 wrap = 0.16 + 0.22 * diffuse;
     vec3 lit = max((nl + wrap) / (1.0 + wrap), 0.0);
     lit *= lit * 0.35 + 0.65;
-    float unshaded = mix(1.0, visible, smoothstep(-0.2, 0.25, nl));
+    float unshaded = mix(1.0, visible, smoothstep(-0.1, 0.35, nl));
     vec3 light = diffuse * kKey * lit * unshaded;
     float fh = fifth(1.0 - clamp(dot(l, h), 0.0, 1.0));
     float nlc = max(nl, 0.0);

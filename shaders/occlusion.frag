@@ -19,7 +19,7 @@ vec3 viewPosition(vec2 at, float depth) {
 
 float keyVisible(vec3 p, vec3 n, float turn) {
     // Moving the point out along the normal keeps a surface from shadowing itself.
-    vec3 q = (frame.shadow * vec4(p + n * frame.projection.z * 2.0, 1.0)).xyz * 0.5 + 0.5;
+    vec3 q = (frame.shadow * vec4(p + n * frame.projection.z, 1.0)).xyz * 0.5 + 0.5;
     vec2 x = vec2(cos(turn), sin(turn)) * frame.keyDirection.w, y = vec2(-x.y, x.x);
     float sum = 0.0;
     for (int i = 0; i < kTaps; ++i) sum += texture(shadowMap, vec3(q.xy + kDisc[i].x * x + kDisc[i].y * y, q.z - 0.0007));

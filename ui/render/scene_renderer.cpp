@@ -35,6 +35,9 @@ struct FrameBlock {
 const Vec3 kKeyDirection = Vec3(-0.42, 0.86, 0.52).normalized();
 // Radius of the shadow's penumbra relative to the width of the shadow map.
 constexpr float kPenumbra = 0.007f;
+// How far along its normal a point is moved before it is looked up in the shadow map, in scene radii: more than the facets of a coarse mesh lie
+// beside the smooth surface they stand for, less than anything that casts a shadow of its own.
+constexpr double kShadowOffset = 0.009;
 // How far the shadow map reaches along the light, in scene radii behind the centre: the ground below a raised character.
 constexpr double kShadowDepth = 3.0;
 constexpr int kSamples = 4;
@@ -401,7 +404,7 @@ void Renderer::setFrame(const Scene& scene, int width, int height) {
     const double whole = std::floor(decade), fine = std::pow(10.0, whole - 1.0);
     b.lines << static_cast<float>(fine), static_cast<float>(10.0 * fine), static_cast<float>(decade - whole), static_cast<float>(fadeRadius);
     const double h = camera.orthographic ? 0.5 * camera.orthoHeight : std::tan(0.5 * camera.fov);
-    b.projection << static_cast<float>(h * aspect), static_cast<float>(h), static_cast<float>(2.04 * radius_ / (shadowSize())), 0.0f;
+    b.projection << static_cast<float>(h * aspect), static_cast<float>(h), static_cast<float>(kShadowOffset * radius_), 0.0f;
 
     b.right << view.block<1, 3>(0, 0).transpose().cast<float>(), 0.0f;
     b.above << view.block<1, 3>(1, 0).transpose().cast<float>(), 0.0f;
