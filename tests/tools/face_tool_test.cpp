@@ -132,9 +132,11 @@ TEST_CASE("face tool: Shift places a plane, Enter makes the face, Esc makes noth
     CHECK(stage.steps() == before);
     render::Scene scene;
     tool.decorate(scene);
-    REQUIRE(scene.markers.size() == 1);
-    CHECK(scene.markers[0].shape == render::Marker::Shape::PlaneGizmo);
-    CHECK((scene.markers[0].to - scene.markers[0].from).normalized().dot(Vec3::UnitX()) > 0.999);
+    REQUIRE(scene.markers.size() == 2);
+    CHECK(scene.markers[0].shape == render::Marker::Shape::FaceOutline);
+    CHECK(scene.markers[0].outline.size() == 8);  // two cells to a side
+    CHECK(scene.markers[1].shape == render::Marker::Shape::PlaneGizmo);
+    CHECK((scene.markers[1].to - scene.markers[1].from).normalized().dot(Vec3::UnitX()) > 0.999);
     tool.cancel();
     CHECK(!tool.pending());
     CHECK(stage.steps() == before);

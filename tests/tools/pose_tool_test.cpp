@@ -149,11 +149,14 @@ TEST_CASE("pose tool: without a drag the wheel is left to the view") {
 TEST_CASE("pose tool: P pins and unpins the end under the pointer, a double click lets go") {
     PoseStage stage;
     stage.hover(stage.tool, Vec3(3, 0, 0));
+    CHECK(stage.tool.wants(Qt::Key_P));
     CHECK(stage.tool.key(Qt::Key_P, {}));
     REQUIRE(stage.held());
     CHECK(stage.held()->pinned);
     CHECK(stage.tool.key(Qt::Key_P, {}));
     CHECK(!stage.held());
+    stage.tool.leave();
+    CHECK(!stage.tool.wants(Qt::Key_P));  // away from the ends the key is the window's
     stage.press(stage.tool, Vec3(3, 0, 0));
     stage.pull(stage.tool, Vec3(2.9, 0.4, 0));
     stage.letGo(stage.tool, Vec3(2.9, 0.4, 0));

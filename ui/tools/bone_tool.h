@@ -16,7 +16,9 @@ public:
     using Tool::Tool;
     void press(const PointerEvent& e) override;
     void move(const PointerEvent& e) override;
+    void leave() override { hovered_.reset(); }
     bool key(int key, Qt::KeyboardModifiers modifiers) override;
+    [[nodiscard]] bool wants(int key) const override { return start_ && (key == Qt::Key_Return || key == Qt::Key_Enter); }
     void cancel() override;
     [[nodiscard]] bool pending() const override { return start_.has_value(); }
     [[nodiscard]] QString hint() const override;

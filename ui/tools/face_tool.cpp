@@ -302,6 +302,25 @@ bool FaceTool::key(int key, Qt::KeyboardModifiers modifiers) {
     }
 }
 
+bool FaceTool::wants(int key) const {
+    switch (key) {
+        case Qt::Key_Up:
+        case Qt::Key_Down:
+        case Qt::Key_Plus:
+        case Qt::Key_Minus: return plane_ || seed_ >= 0;
+        case Qt::Key_Return:
+        case Qt::Key_Enter:
+        case Qt::Key_Left:
+        case Qt::Key_Right:
+        case Qt::Key_PageUp:
+        case Qt::Key_PageDown:
+        case Qt::Key_X:
+        case Qt::Key_Y:
+        case Qt::Key_Z: return plane_.has_value();
+        default: return false;
+    }
+}
+
 void FaceTool::create() {
     if (plane_) previewPlane();
     const Element* of = element();
@@ -351,8 +370,17 @@ QString FaceTool::hint() const {
 
 void FaceTool::decorate(render::Scene& scene) const {
     const Element* of = element();
-    if (face_ && of)
+    if (face_ && of) {
         if (render::Body* body = bodyOf(scene, element_)) body->markedTriangles = &face_->triangles;
+        // The rim shows through bodies: regions are also chosen where elements touch.
+        for (std::vector<Vec3>& loop : rimOf(document_.session(), element_, face_->triangles)) {
+            render::Marker rim;
+            rim.shape = render::Marker::Shape::FaceOutline;
+            rim.outline = std::move(loop);
+            rim.hovered = true;
+            scene.markers.push_back(std::move(rim));
+        }
+    }
     if (!plane_) return;
     render::Marker gizmo;
     gizmo.shape = render::Marker::Shape::PlaneGizmo;

@@ -17,8 +17,12 @@ public:
     void press(const PointerEvent& e) override;
     void move(const PointerEvent& e) override;
     void release(const PointerEvent& e) override;
+    void leave() override {
+        if (!plane_) clearPreview();
+    }
     bool wheel(double notches, const PointerEvent& e) override;
     bool key(int key, Qt::KeyboardModifiers modifiers) override;
+    [[nodiscard]] bool wants(int key) const override;
     void cancel() override;
     [[nodiscard]] bool pending() const override { return plane_.has_value(); }
     [[nodiscard]] QString hint() const override;

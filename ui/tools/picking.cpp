@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "ui/scene/document_scene.h"
 
@@ -148,6 +149,32 @@ std::optional<Vec3> facePosition(Session& session, const FaceRef& ref) {
         area += weight;
     }
     return area > 0.0 ? Vec3(sum / area) : face.frame.origin;
+}
+
+std::vector<std::vector<Vec3>> rimOf(Session& session, PartId id, const std::vector<std::int32_t>& triangles) {
+    std::vector<std::vector<Vec3>> loops;
+    const auto found = session.document().elements.find(id);
+    if (found == session.document().elements.end()) return loops;
+    const Triangles& all = found->second->mesh->body.triangles;
+    // An edge of the rim has the patch on one side only: its opposite direction does not occur.
+    std::set<std::pair<std::int32_t, std::int32_t>> edges;
+    for (const std::int32_t t : triangles)
+        for (int c = 0; c < 3; ++c) edges.emplace(all(t, c), all(t, (c + 1) % 3));
+    std::multimap<std::int32_t, std::int32_t> next;
+    for (const auto& [from, to] : edges)
+        if (!edges.contains({to, from})) next.emplace(from, to);
+    const PosedBody body(session, id, *found->second);
+    while (!next.empty()) {
+        std::vector<Vec3> loop;
+        for (auto edge = next.begin(); edge != next.end();) {
+            const std::int32_t to = edge->second;
+            loop.push_back(body.at(edge->first));
+            next.erase(edge);
+            edge = next.find(to);
+        }
+        loops.push_back(std::move(loop));
+    }
+    return loops;
 }
 
 EndpointRef holdingEndpoint(Session& session, const EndpointRef& end) {

@@ -36,6 +36,9 @@ std::optional<Vec3> endpointRestPosition(const Document& document, const Endpoin
 /// Where the centre of a joint face is now (posed).
 std::optional<Vec3> facePosition(Session& session, const FaceRef& face);
 
+/// The rim of a patch of an element as closed polylines, posed.
+std::vector<std::vector<Vec3>> rimOf(Session& session, PartId element, const std::vector<std::int32_t>& triangles);
+
 /// The end of a bone nearest to the pointer, within `pixels` of it. Of several ends at one joint point the one that is held already is
 /// taken, then the end (not the start) of the oldest bone.
 std::optional<EndpointRef> pickEndpoint(Session& session, const PointerEvent& e, double pixels = kEndpointPixels);

@@ -192,6 +192,11 @@ bool PoseTool::key(int key, Qt::KeyboardModifiers) {
     return false;
 }
 
+bool PoseTool::wants(int key) const {
+    if (key == Qt::Key_P) return drag_ || hovered_;
+    return drag_ && (key == Qt::Key_R || key == Qt::Key_X || key == Qt::Key_Y || key == Qt::Key_Z);
+}
+
 void PoseTool::keyReleased(int key) {
     if (key == Qt::Key_R) turning_ = false;
 }

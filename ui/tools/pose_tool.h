@@ -16,9 +16,11 @@ public:
     void press(const PointerEvent& e) override;
     void move(const PointerEvent& e) override;
     void release(const PointerEvent& e) override;
+    void leave() override { hovered_.reset(); }
     void doubleClick(const PointerEvent& e) override;
     bool wheel(double notches, const PointerEvent& e) override;
     bool key(int key, Qt::KeyboardModifiers modifiers) override;
+    [[nodiscard]] bool wants(int key) const override;
     void keyReleased(int key) override;
     void cancel() override;
     [[nodiscard]] bool busy() const override { return drag_.has_value(); }

@@ -46,9 +46,12 @@ public:
     virtual void press(const PointerEvent&) {}
     virtual void move(const PointerEvent&) {}     ///< also without a button: hover
     virtual void release(const PointerEvent&) {}
+    virtual void leave() {}                       ///< the pointer left the viewport: nothing is hovered
     virtual void doubleClick(const PointerEvent& e) { press(e); }
     virtual bool wheel(double /*notches*/, const PointerEvent&) { return false; }  ///< true: used, the view does not zoom
     virtual bool key(int /*key*/, Qt::KeyboardModifiers) { return false; }  ///< true: used
+    /// The tool takes this key now, before any shortcut of the window that has the same.
+    [[nodiscard]] virtual bool wants(int /*key*/) const { return false; }
     virtual void keyReleased(int /*key*/) {}
     virtual void cancel() {}                      ///< takes back an unfinished gesture (Esc, right button, focus lost)
     /// A gesture is open: it must be released or cancelled before anything else happens to the document.

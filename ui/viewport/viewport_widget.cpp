@@ -32,6 +32,10 @@ constexpr double kLongestStep = 0.05;
 /// A pose whose points move less than this part of the scene in a frame has come to rest.
 constexpr double kAtRest = 1e-6;
 constexpr int kTellMs = 100;
+/// A tool that says more than this leaves no room for how the view is moved.
+constexpr int kLongHint = 72;
+/// Pictures farther apart (in seconds) are not counted as frames of one movement.
+constexpr double kLongestFrame = 1.0;
 constexpr float kXrayOpacity = 0.45f;
 /// Zooming by dragging: this many pixels are a notch of the wheel.
 constexpr double kPixelsPerNotch = 12.0;
@@ -116,7 +120,7 @@ void ViewportWidget::cancel() {
 
 QString ViewportWidget::hint() const {
     const QString tool = tool_->hint();
-    if (tool_->busy()) return tool;
+    if (tool_->pending() || tool.size() > kLongHint) return tool;
     const QString view = preset_ == NavigationPreset::Blender
                              ? tr("Middle: orbit · Shift+middle: pan · Wheel: zoom")
                              : tr("Alt+left: orbit · Alt+middle: pan · Wheel: zoom");
@@ -358,17 +362,15 @@ void ViewportWidget::paintGL() {
 
     const double cpuMs = workMs_ + double(drawing.nsecsElapsed()) * 1e-6;
     workMs_ = 0.0;
-    if (timer_.isActive() && painted_.isValid()) {
-        const double seconds = double(painted_.nsecsElapsed()) * 1e-9;
-        frameSeconds_ = frameSeconds_ > 0.0 && seconds < 0.5 ? 0.9 * frameSeconds_ + 0.1 * seconds : seconds;
-    } else {
+    // Frames follow each other while something moves, by itself or by hand.
+    const bool running = timer_.isActive() || tool_->busy() || navigation_ != Navigation::None || ballPressed_;
+    const double seconds = painted_.isValid() ? double(painted_.nsecsElapsed()) * 1e-9 : kLongestFrame;
+    if (!running || seconds >= kLongestFrame)
         frameSeconds_ = 0.0;
-    }
-    if (timer_.isActive())
-        painted_.start();
     else
-        painted_.invalidate();
-    if (!told_.isValid() || told_.elapsed() >= kTellMs || !timer_.isActive()) {
+        frameSeconds_ = frameSeconds_ > 0.0 ? 0.9 * frameSeconds_ + 0.1 * seconds : seconds;
+    painted_.start();
+    if (!told_.isValid() || told_.elapsed() >= kTellMs || !running) {
         told_.start();
         int vertices = 0;
         for (const render::Body& body : scene_.bodies) vertices += int(body.mesh ? body.mesh->body.vertices.rows() : 0);
@@ -427,8 +429,8 @@ bool ViewportWidget::event(QEvent* e) {
             // While something is unfinished, its keys belong to the tool and not to the menu.
             auto* key = static_cast<QKeyEvent*>(e);
             const bool plain = !(key->modifiers() & (Qt::ControlModifier | Qt::AltModifier | Qt::MetaModifier));
-            if ((tool_->busy() && (plain || key->matches(QKeySequence::Undo))) || (tool_->pending() && key->key() == Qt::Key_Escape) ||
-                (tool_->pending() && plain && key->key() != Qt::Key_Delete && key->text().size() <= 1 && !(key->key() >= Qt::Key_F1))) {
+            if ((tool_->busy() && (plain || key->matches(QKeySequence::Undo))) || (plain && tool_->wants(key->key())) ||
+                (key->key() == Qt::Key_Escape && tool_->pending())) {
                 e->accept();
                 return true;
             }
@@ -671,12 +673,14 @@ void ViewportWidget::focusOutEvent(QFocusEvent* e) {
 }
 
 void ViewportWidget::leaveEvent(QEvent* e) {
-    if (!tool_->busy()) document_.setHovered(std::nullopt);
-    if (overBall_) {
-        overBall_ = false;
-        ballHovered_.reset();
+    if (!tool_->busy()) {
+        tool_->leave();
+        document_.setHovered(std::nullopt);
+        updateHint();
         update();
     }
+    overBall_ = false;
+    ballHovered_.reset();
     QOpenGLWidget::leaveEvent(e);
 }
 
