@@ -9,7 +9,9 @@
 #include <QMenu>
 #include <QMouseEvent>
 #include <QNativeGestureEvent>
+#include <QOffscreenSurface>
 #include <QOpenGLContext>
+#include <QOpenGLWidget>
 #include <QPainter>
 #include <QPointingDevice>
 #include <QSurfaceFormat>
@@ -61,16 +63,49 @@ std::uint64_t idOf(const Document& document, const SelectionItem& item) {
     return sceneId(part);
 }
 
-}  // namespace
-
-ViewportWidget::ViewportWidget(StudioDocument& document, QWidget* parent)
-    : QOpenGLWidget(parent), document_(document), tool_(makeTool(ToolKind::Select, document)) {
+QSurfaceFormat wantedFormat() {
     QSurfaceFormat format;
     format.setVersion(3, 3);
     format.setProfile(QSurfaceFormat::CoreProfile);
     format.setDepthBufferSize(24);
     format.setSamples(0);  // the renderer smooths edges itself
-    setFormat(format);
+    return format;
+}
+
+/// Asked before a QOpenGLWidget is made: in a window that cannot have one, Qt 6.4 crashes at the first repaint.
+bool hasOpenGl() {
+    QOpenGLContext context;
+    context.setFormat(wantedFormat());
+    if (!context.create()) return false;
+    QOffscreenSurface surface;
+    surface.setFormat(context.format());
+    surface.create();
+    if (!context.makeCurrent(&surface)) return false;
+    context.doneCurrent();
+    return context.format().version() >= qMakePair(3, 3);
+}
+
+}  // namespace
+
+/// What is drawn with OpenGL. Pointer and keys go through to the viewport around it.
+class ViewportWidget::Canvas : public QOpenGLWidget {
+public:
+    explicit Canvas(ViewportWidget& owner) : QOpenGLWidget(&owner), owner_(owner) {
+        setFormat(wantedFormat());
+        setAttribute(Qt::WA_TransparentForMouseEvents);
+        setFocusPolicy(Qt::NoFocus);
+    }
+
+protected:
+    void initializeGL() override { owner_.initializeGraphics(); }
+    void paintGL() override { owner_.paint(); }
+
+private:
+    ViewportWidget& owner_;
+};
+
+ViewportWidget::ViewportWidget(StudioDocument& document, QWidget* parent)
+    : QWidget(parent), document_(document), tool_(makeTool(ToolKind::Select, document)) {
     setMouseTracking(true);
     setFocusPolicy(Qt::StrongFocus);
     setAccessibleName(tr("3D view"));
@@ -81,20 +116,26 @@ ViewportWidget::ViewportWidget(StudioDocument& document, QWidget* parent)
     connect(&timer_, &QTimer::timeout, this, &ViewportWidget::tick);
     connect(&document_, &StudioDocument::structureChanged, this, &ViewportWidget::structureChanged);
     connect(&document_, &StudioDocument::poseChanged, this, &ViewportWidget::poseChanged);
-    const auto redraw = [this] {
-        update();
+    const auto changed = [this] {
+        redraw();
         updateHint();
     };
-    connect(&document_, &StudioDocument::responsesChanged, this, redraw);
-    connect(&document_, &StudioDocument::selectionChanged, this, redraw);
-    connect(&document_, &StudioDocument::hoverChanged, this, qOverload<>(&QWidget::update));
+    connect(&document_, &StudioDocument::responsesChanged, this, changed);
+    connect(&document_, &StudioDocument::selectionChanged, this, changed);
+    connect(&document_, &StudioDocument::hoverChanged, this, &ViewportWidget::redraw);
     empty_ = document_.document().elements.empty();
     hint_ = hint();
+    if (hasOpenGl()) {
+        canvas_ = new Canvas(*this);
+    } else {
+        showMessage(tr("The 3D view needs OpenGL 3.3. Update the graphics driver, or start with LIBGL_ALWAYS_SOFTWARE=1."));
+    }
 }
 
 ViewportWidget::~ViewportWidget() {
     tool_.reset();
     releaseGraphics();
+    delete canvas_;  // while this is still whole: its context calls back as it goes
 }
 
 // ---- tools -----------------------------------------------------------------------------------------------------------
@@ -105,7 +146,7 @@ void ViewportWidget::setTool(ToolKind kind) {
     tool_ = makeTool(kind, document_);
     kind_ = kind;
     document_.setHovered(std::nullopt);
-    update();
+    redraw();
     updateHint();
     Q_EMIT toolChanged(kind);
 }
@@ -114,7 +155,7 @@ bool ViewportWidget::busy() const { return tool_->busy(); }
 
 void ViewportWidget::cancel() {
     tool_->cancel();
-    update();
+    redraw();
     updateHint();
 }
 
@@ -136,7 +177,7 @@ void ViewportWidget::updateHint() {
 
 void ViewportWidget::toolActed(const QElapsedTimer& since) {
     workMs_ += double(since.nsecsElapsed()) * 1e-6;
-    update();
+    redraw();
     updateHint();
 }
 
@@ -209,35 +250,35 @@ void ViewportWidget::setViewAxis(ViewAxis axis) {
 void ViewportWidget::setOrthographic(bool on) {
     if (on == camera_.orthographic()) return;
     camera_.setOrthographic(on);
-    update();
+    redraw();
     Q_EMIT viewChanged();
 }
 
 void ViewportWidget::setBonesVisible(bool on) {
     if (on == bones_) return;
     bones_ = on;
-    update();
+    redraw();
     Q_EMIT viewChanged();
 }
 
 void ViewportWidget::setGridVisible(bool on) {
     if (on == grid_) return;
     grid_ = on;
-    update();
+    redraw();
     Q_EMIT viewChanged();
 }
 
 void ViewportWidget::setXray(bool on) {
     if (on == xray_) return;
     xray_ = on;
-    update();
+    redraw();
     Q_EMIT viewChanged();
 }
 
 void ViewportWidget::setMarkedTriangles(PartId element, std::vector<std::int32_t> triangles) {
     markedElement_ = element;
     marked_ = std::move(triangles);
-    update();
+    redraw();
 }
 
 std::optional<QPointF> ViewportWidget::onScreen(const Vec3& p) const {
@@ -265,14 +306,14 @@ void ViewportWidget::structureChanged() {
 }
 
 void ViewportWidget::poseChanged() {
-    update();
+    redraw();
     if (stepping_ || document_.document().held.empty()) return;
     relaxing_ = true;
     animate();
 }
 
 void ViewportWidget::animate() {
-    update();
+    redraw();
     if (timer_.isActive() || (!relaxing_ && !camera_.moving())) return;
     clock_.start();
     timer_.start();
@@ -301,15 +342,15 @@ void ViewportWidget::tick() {
         relaxing_ = gliding || !(moved <= kAtRest * size);
         workMs_ += double(work.nsecsElapsed()) * 1e-6;
     }
-    update();
+    redraw();
     if (!relaxing_ && !camera_.moving()) timer_.stop();
 }
 
 // ---- drawing -----------------------------------------------------------------------------------------------------------
 
-void ViewportWidget::initializeGL() {
+void ViewportWidget::initializeGraphics() {
     // A widget that moves to another window gets another context, and everything in the old one goes with it.
-    connect(context(), &QOpenGLContext::aboutToBeDestroyed, this, &ViewportWidget::releaseGraphics, Qt::UniqueConnection);
+    connect(canvas_->context(), &QOpenGLContext::aboutToBeDestroyed, this, &ViewportWidget::releaseGraphics, Qt::UniqueConnection);
     auto renderer = render::SceneRenderer::create();
     if (!renderer) {
         showMessage(tr("The 3D view needs OpenGL 3.3. Update the graphics driver, or start with LIBGL_ALWAYS_SOFTWARE=1.") +
@@ -322,12 +363,23 @@ void ViewportWidget::initializeGL() {
 
 void ViewportWidget::releaseGraphics() {
     if (!renderer_) return;
-    makeCurrent();
+    canvas_->makeCurrent();
     renderer_.reset();
-    doneCurrent();
+    canvas_->doneCurrent();
 }
 
-void ViewportWidget::resizeGL(int, int) { camera_.setViewport(width(), height()); }
+void ViewportWidget::redraw() {
+    if (canvas_) canvas_->update();
+}
+
+QImage ViewportWidget::grabFramebuffer() { return canvas_ ? canvas_->grabFramebuffer() : QImage(); }
+
+void ViewportWidget::resizeEvent(QResizeEvent* e) {
+    QWidget::resizeEvent(e);
+    camera_.setViewport(width(), height());
+    if (canvas_) canvas_->setGeometry(rect());
+    if (message_) message_->setGeometry(rect());
+}
 
 bool ViewportWidget::dark() const { return palette().color(QPalette::Window).lightnessF() < 0.5f; }
 
@@ -343,7 +395,7 @@ SceneOptions ViewportWidget::sceneOptions() const {
     return options;
 }
 
-void ViewportWidget::paintGL() {
+void ViewportWidget::paint() {
     if (!renderer_) return;
     QElapsedTimer drawing;
     drawing.start();
@@ -356,7 +408,7 @@ void ViewportWidget::paintGL() {
     if (!marked_.empty())
         if (render::Body* body = bodyOf(scene_, markedElement_)) body->markedTriangles = &marked_;
     tool_->decorate(scene_);
-    renderer_->draw(scene_, defaultFramebufferObject(), int(std::lround(width() * devicePixelRatioF())),
+    renderer_->draw(scene_, canvas_->defaultFramebufferObject(), int(std::lround(width() * devicePixelRatioF())),
                     int(std::lround(height() * devicePixelRatioF())));
     paintOver();
 
@@ -379,7 +431,7 @@ void ViewportWidget::paintGL() {
 }
 
 void ViewportWidget::paintOver() {
-    QPainter painter(this);
+    QPainter painter(canvas_);
     const QRectF area = AxisBall::area(width());
     if (width() > 2.0 * area.width()) AxisBall::paint(painter, camera_.axes(), area, ballHovered_, overBall_ || ballPressed_, dark());
     if (document_.document().elements.empty()) {
@@ -440,7 +492,7 @@ bool ViewportWidget::event(QEvent* e) {
             const auto* gesture = static_cast<QNativeGestureEvent*>(e);
             if (gesture->gestureType() == Qt::ZoomNativeGesture) {
                 camera_.zoom(std::log1p(std::max(-0.9, gesture->value())) / 0.128, gesture->position().x(), gesture->position().y());
-                update();
+                redraw();
                 return true;
             }
             break;
@@ -448,18 +500,15 @@ bool ViewportWidget::event(QEvent* e) {
         case QEvent::WindowDeactivate:
             if (tool_->busy()) cancel();
             break;
-        case QEvent::Resize:
-            if (message_) message_->setGeometry(rect());
-            break;
         case QEvent::LanguageChange:
             setAccessibleName(tr("3D view"));
             updateHint();
-            update();
+            redraw();
             break;
-        case QEvent::PaletteChange: update(); break;
+        case QEvent::PaletteChange: redraw(); break;
         default: break;
     }
-    return QOpenGLWidget::event(e);
+    return QWidget::event(e);
 }
 
 void ViewportWidget::mousePressEvent(QMouseEvent* e) {
@@ -501,12 +550,12 @@ void ViewportWidget::mouseMoveEvent(QMouseEvent* e) {
     if (ballPressed_) {
         ballMoved_ = ballMoved_ || d.manhattanLength() > 2.0;
         if (ballMoved_) camera_.orbit(d.x(), d.y());
-        return update();
+        return redraw();
     }
     switch (navigation_) {
-        case Navigation::Orbit: camera_.orbit(d.x(), d.y()); return update();
-        case Navigation::Pan: camera_.pan(d.x(), d.y()); return update();
-        case Navigation::Zoom: camera_.zoom((d.x() - d.y()) / kPixelsPerNotch, width() / 2.0, height() / 2.0); return update();
+        case Navigation::Orbit: camera_.orbit(d.x(), d.y()); return redraw();
+        case Navigation::Pan: camera_.pan(d.x(), d.y()); return redraw();
+        case Navigation::Zoom: camera_.zoom((d.x() - d.y()) / kPixelsPerNotch, width() / 2.0, height() / 2.0); return redraw();
         case Navigation::None: break;
     }
     if (tool_->busy() && !(e->buttons() & Qt::LeftButton)) {
@@ -519,7 +568,7 @@ void ViewportWidget::mouseMoveEvent(QMouseEvent* e) {
     if (over != overBall_ || hovered != ballHovered_) {
         overBall_ = over;
         ballHovered_ = hovered;
-        update();
+        redraw();
     }
     if (over) {
         document_.setHovered(std::nullopt);
@@ -537,7 +586,7 @@ void ViewportWidget::mouseReleaseEvent(QMouseEvent* e) {
         ballPressed_ = false;
         if (!ballMoved_)
             if (const auto axis = AxisBall::hit(camera_.axes(), AxisBall::area(width()), p)) setViewAxis(*axis);
-        return update();
+        return redraw();
     }
     if (navigation_ != Navigation::None) {
         if (e->button() == navigationButton_) navigation_ = Navigation::None;
@@ -567,7 +616,7 @@ void ViewportWidget::wheelEvent(QWheelEvent* e) {
     const bool trackpad = e->device() && e->device()->type() == QInputDevice::DeviceType::TouchPad;
     e->accept();
     if (notches != 0.0 && tool_->wheel(notches, pointer(p, Qt::NoButton, e->buttons(), e->modifiers()))) {
-        update();
+        redraw();
         updateHint();
         return;
     }
@@ -581,7 +630,7 @@ void ViewportWidget::wheelEvent(QWheelEvent* e) {
     } else {
         camera_.zoom(notches, p.x(), p.y());
     }
-    update();
+    redraw();
 }
 
 bool ViewportWidget::navigationKey(QKeyEvent* e) {
@@ -605,7 +654,7 @@ bool ViewportWidget::navigationKey(QKeyEvent* e) {
         case Qt::Key_2: camera_.turn(0.0, -kKeyTurn); break;
         default: return false;
     }
-    update();
+    redraw();
     return true;
 }
 
@@ -627,12 +676,12 @@ void ViewportWidget::keyPressEvent(QKeyEvent* e) {
         }
     }
     if (!tool_->busy() && navigationKey(e)) return;
-    QOpenGLWidget::keyPressEvent(e);
+    QWidget::keyPressEvent(e);
 }
 
 void ViewportWidget::keyReleaseEvent(QKeyEvent* e) {
     if (!e->isAutoRepeat()) tool_->keyReleased(e->key());
-    QOpenGLWidget::keyReleaseEvent(e);
+    QWidget::keyReleaseEvent(e);
 }
 
 void ViewportWidget::contextMenuEvent(QContextMenuEvent* e) {
@@ -669,7 +718,7 @@ void ViewportWidget::contextMenuEvent(QContextMenuEvent* e) {
 
 void ViewportWidget::focusOutEvent(QFocusEvent* e) {
     if (tool_->busy()) cancel();
-    QOpenGLWidget::focusOutEvent(e);
+    QWidget::focusOutEvent(e);
 }
 
 void ViewportWidget::leaveEvent(QEvent* e) {
@@ -677,27 +726,18 @@ void ViewportWidget::leaveEvent(QEvent* e) {
         tool_->leave();
         document_.setHovered(std::nullopt);
         updateHint();
-        update();
+        redraw();
     }
     overBall_ = false;
     ballHovered_.reset();
-    QOpenGLWidget::leaveEvent(e);
-}
-
-void ViewportWidget::showEvent(QShowEvent* e) {
-    QOpenGLWidget::showEvent(e);
-    // Where no context can be made at all, initializeGL() is never called.
-    QTimer::singleShot(0, this, [this] {
-        if (isVisible() && !isValid())
-            showMessage(tr("The 3D view needs OpenGL 3.3. Update the graphics driver, or start with LIBGL_ALWAYS_SOFTWARE=1."));
-    });
+    QWidget::leaveEvent(e);
 }
 
 void ViewportWidget::hideEvent(QHideEvent* e) {
     if (tool_->busy()) cancel();
     navigation_ = Navigation::None;
     ballPressed_ = false;
-    QOpenGLWidget::hideEvent(e);
+    QWidget::hideEvent(e);
 }
 
 }  // namespace imomushi

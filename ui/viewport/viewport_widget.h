@@ -2,9 +2,10 @@
 #pragma once
 
 #include <QElapsedTimer>
-#include <QOpenGLWidget>
+#include <QImage>
 #include <QPointF>
 #include <QTimer>
+#include <QWidget>
 #include <memory>
 #include <optional>
 
@@ -19,7 +20,7 @@ namespace imomushi {
 
 /// The view of the character: draws it, hands the pointer to the tool, and moves the camera. It draws when something changed, and
 /// at 60 Hz only while something moves. Where there is no OpenGL 3.3 it says so and the rest of the studio goes on.
-class ViewportWidget : public QOpenGLWidget {
+class ViewportWidget : public QWidget {
     Q_OBJECT
 public:
     explicit ViewportWidget(StudioDocument& document, QWidget* parent = nullptr);
@@ -56,6 +57,8 @@ public:
     /// Where an end of a bone is in this widget.
     [[nodiscard]] std::optional<QPointF> onScreen(const EndpointRef& end) const;
     [[nodiscard]] CameraController& cameraController() { return camera_; }
+    /// What is shown now; null where there is no OpenGL.
+    [[nodiscard]] QImage grabFramebuffer();
 
     [[nodiscard]] QSize sizeHint() const override { return {960, 640}; }
     [[nodiscard]] QSize minimumSizeHint() const override { return {160, 120}; }
@@ -69,9 +72,6 @@ Q_SIGNALS:
     void viewChanged();
 
 protected:
-    void initializeGL() override;
-    void resizeGL(int width, int height) override;
-    void paintGL() override;
     bool event(QEvent* e) override;
     void mousePressEvent(QMouseEvent* e) override;
     void mouseMoveEvent(QMouseEvent* e) override;
@@ -83,10 +83,15 @@ protected:
     void contextMenuEvent(QContextMenuEvent* e) override;
     void focusOutEvent(QFocusEvent* e) override;
     void leaveEvent(QEvent* e) override;
-    void showEvent(QShowEvent* e) override;
+    void resizeEvent(QResizeEvent* e) override;
     void hideEvent(QHideEvent* e) override;
 
 private:
+    class Canvas;
+    void initializeGraphics();
+    void releaseGraphics();
+    void paint();
+    void redraw();
     [[nodiscard]] PointerEvent pointer(QPointF position, Qt::MouseButton button, Qt::MouseButtons buttons,
                                        Qt::KeyboardModifiers modifiers) const;
     [[nodiscard]] SceneOptions sceneOptions() const;
@@ -98,7 +103,6 @@ private:
     void structureChanged();
     void poseChanged();
     void updateHint();
-    void releaseGraphics();
     void showMessage(const QString& text);
     [[nodiscard]] std::vector<Vec3> pointsOf(const std::vector<SelectionItem>& items) const;
     [[nodiscard]] bool navigationKey(QKeyEvent* e);
@@ -120,6 +124,7 @@ private:
     PartId markedElement_ = 0;
     std::vector<std::int32_t> marked_;
 
+    Canvas* canvas_ = nullptr;    ///< null: there is no OpenGL 3.3
     std::unique_ptr<render::SceneRenderer> renderer_;
     DocumentScene documentScene_;
     render::Scene scene_;
