@@ -99,9 +99,6 @@ Result<Json> open(Session& session, const Json& arguments, const Progress&) {
         s.responses.insert(stored.key, stored.response);
         s.lastResponses.insert_or_assign(element, Session::State::LastResponse{stored.key, stored.shape});
     }
-    if (const auto alive = s.live(); !alive) {
-        // Shown all the same: the artist can mend what the character cannot be made of.
-    }
     Json answer = contents(session);
     addFoundParents(s, answer);
     return answer;

@@ -113,12 +113,12 @@ ResponseInput Session::State::inputOf(PartId element) const {
     return input;
 }
 
-const Session::State::KnownKey& Session::State::keysOf(PartId element) const {
+Session::State::KnownKey& Session::State::keysOf(PartId element) const {
     const auto& part = document.elements.at(element);
     KnownKey& known = keys[element];
     if (known.element != part || known.basis != document.settings.basis) {
         ResponseInput input = inputOf(element);
-        known = {part, document.settings.basis, responseKey(input), {}};
+        known = {part, document.settings.basis, responseKey(input), {}, nullptr};
         input.nu = 0.0;
         known.shape = responseKey(input);
     }
@@ -126,13 +126,15 @@ const Session::State::KnownKey& Session::State::keysOf(PartId element) const {
 }
 
 std::shared_ptr<const ElementResponse> Session::State::responseOf(PartId element, bool lastToo) const {
-    const KnownKey& known = keysOf(element);
+    KnownKey& known = keysOf(element);
     auto response = responses.find(known.key);
     if (!response && lastToo)
         if (const auto last = lastResponses.find(element); last != lastResponses.end() && last->second.shape == known.shape)
             response = responses.find(last->second.key);
     // Responses come from files too, and a key alone proves nothing about what a file holds under it.
-    return response && fits(*response, *document.elements.at(element), document.settings.basis) ? response : nullptr;
+    if (!response || response == known.fitting) return response;
+    if (!fits(*response, *known.element, known.basis)) return nullptr;
+    return known.fitting = response;
 }
 
 // ---- live ------------------------------------------------------------------------------------------------------------
@@ -436,7 +438,7 @@ int Session::position() const { return state_->position; }
 void Session::beginGesture() {
     State& s = *state_;
     if (s.gesture) endGesture();
-    s.gesture = State::Gesture{s.document, {}, {}, {}};
+    s.gesture = State::Gesture{s.document, {}, {}};
 }
 
 void Session::endGesture() {

@@ -43,7 +43,6 @@ struct Session::State {
         Document before;
         std::vector<Json> lines;
         Step step;
-        Change change;
     };
     std::optional<Gesture> gesture;
     mutable std::vector<Json> script;
@@ -66,12 +65,13 @@ struct Session::State {
         std::shared_ptr<const Element> element;
         BasisKind basis;
         ContentKey key, shape;
+        std::shared_ptr<const ElementResponse> fitting;  ///< the last response that was found to fit
     };
     mutable std::map<PartId, KnownKey> keys;
     Change pending;                 ///< of the command that runs
 
     /// The key of an element's response as it is now, and of its shape: what decides whether the response of another nu still fits.
-    const KnownKey& keysOf(PartId element) const;
+    KnownKey& keysOf(PartId element) const;
     ResponseInput inputOf(PartId element) const;
     /// The response of an element as it is now, null: none. `lastToo`: also the last one of another nu, where it still fits.
     std::shared_ptr<const ElementResponse> responseOf(PartId element, bool lastToo) const;

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "tests/document/workbench.h"
+
+using namespace imomushi;
+
+namespace {
+
+struct Walk {
+    double largestMove = 0.0;  ///< of any vertex in one frame, m
+    double largestGap = 0.0;   ///< m
+    bool finite = true;
+    std::vector<float> last;   ///< positions after the last frame
+};
+
+/// Drags endpoints by `stepLength` per frame at 60 Hz: around, and in every fourth stretch straight away, far out of reach.
+Walk walk(Session& session, int frames, double stepLength) {
+    Walk result;
+    const auto run = [&](const Json& command) {
+        const auto answer = session.execute(command);
+        if (!answer) FAIL(command.dump() << ": " << answer.error().message);
+        return *answer;
+    };
+    const Document& document = session.document();
+    std::vector<std::string> ends;
+    for (const auto& [id, bone] : document.bones) ends.push_back(bone->name + "/end");
+    std::mt19937 random(11);
+    const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0 - 0.5; };
+    const int elements = static_cast<int>(document.elements.size());
+    std::vector<std::vector<float>> before(static_cast<std::size_t>(elements));
+    std::string end;
+    Vec3 target = Vec3::Zero(), away = Vec3::UnitX();
+    for (int frame = 0; frame < frames; ++frame) {
+        if (frame % 250 == 0) {
+            run({{"do", "release"}});
+            end = ends[random() % ends.size()];
+            const Json at = run({{"do", "measure"}, {"what", "position"}, {"endpoint", end}})["value"];
+            target = Vec3(at[0].get<double>(), at[1].get<double>(), at[2].get<double>());
+            away = Vec3(uniform(), uniform(), uniform()).normalized();
+        }
+        const Vec3 direction = frame / 250 % 4 == 3 ? away : Vec3(uniform(), uniform(), uniform()).normalized();
+        target += stepLength * direction;
+        run({{"do", "drag"}, {"endpoint", end}, {"to", {target.x(), target.y(), target.z()}}, {"seconds", 1.0 / 60.0}});
+        session.stepFrame(1.0 / 60.0);
+        const Character& character = *session.character();
+        for (int e = 0; e < elements; ++e) {
+            const auto surface = character.surface(e);
+            auto& was = before[static_cast<std::size_t>(e)];
+            for (int i = 0; i < 3 * surface.vertices; ++i) result.finite = result.finite && std::isfinite(surface.positions[i]) && std::isfinite(surface.normals[i]);
+            for (std::size_t i = 0; i < was.size(); i += 3) {
+                const Eigen::Vector3f move(surface.positions[i] - was[i], surface.positions[i + 1] - was[i + 1], surface.positions[i + 2] - was[i + 2]);
+                result.largestMove = std::max(result.largestMove, static_cast<double>(move.norm()));
+            }
+            was.assign(surface.positions, surface.positions + 3 * surface.vertices);
+        }
+        if (frame % 50 == 0) result.largestGap = std::max(result.largestGap, run({{"do", "measure"}, {"what", "gap"}})["value"].get<double>());
+    }
+    for (const auto& positions : before) result.last.insert(result.last.end(), positions.begin(), positions.end());
+    return result;
+}
+
+}  // namespace
+
+TEST_CASE("caterpillar: a random walk of 10,000 drags stays finite and closed, moves no vertex in a jump, and repeats to the byte") {
+    const auto sample = std::filesystem::path(IMOMUSHI_SAMPLES) / "caterpillar.imomushi";
+    if (!std::filesystem::exists(sample)) {
+        MESSAGE("skipped: there is no " << sample.string());
+        return;
+    }
+    std::vector<float> first;
+    for (const int threads : {1, 2}) {
+        Workbench w;
+        w.good({{"do", "open"}, {"path", sample.string()}});
+        w.good({{"do", "set"}, {"target", "character"}, {"property", "threads"}, {"value", threads}});
+        const Json bounds = w.good({{"do", "measure"}, {"what", "bounds"}})["value"];
+        const double length = bounds["high"][0].get<double>() - bounds["low"][0].get<double>();
+        const Walk result = walk(w.session, 10'000, 0.01 * length);
+        MESSAGE("largest move " << result.largestMove / (0.01 * length) << " drag steps, largest gap " << result.largestGap << " m");
+        CHECK(result.finite);
+        CHECK(result.largestGap <= 1e-12 * length);
+        CHECK(result.largestMove <= 10.0 * 0.01 * length);
+        if (threads == 1) first = result.last;
+        CHECK(result.last == first);
+    }
+}
