@@ -30,6 +30,18 @@ constexpr int kPollMilliseconds = 20;  // cancelling answers within this time
 constexpr std::size_t kChunk = std::size_t{1} << 20;
 constexpr std::uint64_t kLargestAnswer = std::uint64_t{4} << 30;
 
+#if defined(__SANITIZE_ADDRESS__)
+constexpr bool kAddressSanitizer = true;
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+constexpr bool kAddressSanitizer = true;
+#else
+constexpr bool kAddressSanitizer = false;
+#endif
+#else
+constexpr bool kAddressSanitizer = false;
+#endif
+
 std::mutex workerMutex;
 std::filesystem::path workerProgram;  // empty: this executable
 
@@ -97,9 +109,7 @@ void limit(pid_t pid, __rlimit_resource resource, rlim_t value) {
 }
 
 void setLimits(pid_t pid, const ImportLimits& limits) {
-#if !defined(__SANITIZE_ADDRESS__)  // it reserves terabytes of addresses
-    limit(pid, RLIMIT_AS, limits.memoryBytes);
-#endif
+    if (!kAddressSanitizer) limit(pid, RLIMIT_AS, limits.memoryBytes);  // it reserves terabytes of addresses
     limit(pid, RLIMIT_CPU, static_cast<rlim_t>(limits.cpuSeconds));
     limit(pid, RLIMIT_FSIZE, 0);
     limit(pid, RLIMIT_CORE, 0);

@@ -88,11 +88,11 @@ const MeshIssue* find(const RawScene& s, const std::string& issue) {
 
 TEST_CASE("numbers: decimal in any shape, in every locale") {
     double x = 0.0;
-    for (const auto& [text, value] : std::initializer_list<std::pair<const char*, double>>{
+    for (const auto& known : std::initializer_list<std::pair<const char*, double>>{
              {"1", 1.0}, {"+1.5", 1.5}, {"-0.25", -0.25}, {".5", 0.5}, {"5.", 5.0}, {"1e3", 1000.0}, {"1E-3", 0.001}, {"1e-400", 0.0}, {"0.1", 0.1}, {"123456789.123456789", 123456789.123456789}}) {
-        CAPTURE(text);
-        CHECK(parseNumber(text, x));
-        CHECK(x == value);
+        CAPTURE(known.first);
+        CHECK(parseNumber(known.first, x));
+        CHECK(x == known.second);
     }
     for (const char* text : {"nan", "inf", "-inf", "1e400"}) {
         CAPTURE(text);

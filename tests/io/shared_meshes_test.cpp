@@ -30,7 +30,9 @@ TEST_CASE("third-party meshes: each is imported, or refused with the right reaso
         {"Easy_Animated_Enemy_Pack_-_Jan_2019__Frog.fbx", {"non-manifold-edge", 2442, 4920}},
         {"empty.obj", {"empty-mesh"}}, {"rig-snake.glb", {"empty-mesh"}}, {"rig-spider.glb", {"empty-mesh"}},
         {"malformed.obj", {"bad-file"}}, {"truncated_chunk_data.glb", {"bad-file"}}, {"OutOfMemory.off", {"unknown-format"}}};
-    for (const auto& [name, what] : expected) {
+    for (const auto& entry : expected) {
+        const std::string& name = entry.first;
+        const Expected& what = entry.second;
         CAPTURE(name);
         const fs::path path = fs::path(IMOMUSHI_SHARED_MESHES) / name;
         if (!fs::exists(path)) {
