@@ -31,6 +31,8 @@ namespace {
 constexpr int kFrameMs = 16;
 /// A frame that took longer than this (a stall, a sleep) moves the scene by no more than this.
 constexpr double kLongestStep = 0.05;
+/// The camera keeps to the clock also where drawing is slow, but a view never changes in less than two pictures.
+constexpr double kLongestTurn = 0.12;
 /// A pose whose points move less than this part of the scene in a frame has come to rest.
 constexpr double kAtRest = 1e-6;
 constexpr int kTellMs = 100;
@@ -320,9 +322,9 @@ void ViewportWidget::animate() {
 }
 
 void ViewportWidget::tick() {
-    const double seconds = std::min(kLongestStep, double(clock_.nsecsElapsed()) * 1e-9);
+    const double passed = double(clock_.nsecsElapsed()) * 1e-9, seconds = std::min(kLongestStep, passed);
     clock_.start();
-    camera_.advance(seconds);
+    camera_.advance(std::min(kLongestTurn, passed));
     if (relaxing_) {
         QElapsedTimer work;
         work.start();

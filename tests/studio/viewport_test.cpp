@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/viewport/viewport_widget.h"
+
+#include <QFocusEvent>
+#include <QSignalSpy>
+#include <QWheelEvent>
+
+#include "tests/studio/window.h"
+
+using namespace imomushi;
+
+namespace {
+
+/// A cylinder with two faces and a bone, in the pose tool, seen from the side.
+struct Posing : Window {
+    EndpointRef end;
+    Posing() {
+        import(QStringLiteral(IMOMUSHI_TEST_DATA "/reference/a_cylinder_coarse.obj"));
+        const std::string name = now().elements.begin()->second->name;
+        run({{"do", "add-joint-face"}, {"element", name}, {"name", "a"}, {"plane", {{"origin", {0, 0, -2}}, {"normal", {0, 0, -1}}}}});
+        run({{"do", "add-joint-face"}, {"element", name}, {"name", "b"}, {"plane", {{"origin", {0, 0, 2}}, {"normal", {0, 0, 1}}}}});
+        run({{"do", "add-bone"}, {"name", "bone"}, {"element", name}, {"from", name + "/a"}, {"to", name + "/b"}});
+        trigger("tool-pose");
+        look(Vec3(1, 0.2, 0.1));
+        end = {now().boneNamed("bone")->id, true};
+        view().setFocus();
+    }
+    ~Posing() { run({{"do", "new"}}); }
+    QPoint at() { return view().onScreen(end)->toPoint(); }
+    void beginDrag() {
+        const QPoint from = at();
+        QTest::mouseMove(&view(), from);
+        QTest::mousePress(&view(), Qt::LeftButton, {}, from);
+        for (int i = 1; i <= 4; ++i) QTest::mouseMove(&view(), from + QPoint(0, -12 * i));
+        settle();
+        REQUIRE(view().busy());
+        REQUIRE(now().held.contains(end));
+    }
+};
+
+}  // namespace
+
+TEST_CASE("viewport: a drag that loses the focus is taken back and leaves no gesture open") {
+    Posing w;
+    const int before = w.document().session().position();
+    w.beginDrag();
+    // Sent as it is, for a display without a window manager has no focus to lose.
+    QFocusEvent lost(QEvent::FocusOut, Qt::ActiveWindowFocusReason);
+    QApplication::sendEvent(&w.view(), &lost);
+    CHECK(!w.view().busy());
+    CHECK(!w.now().held.contains(w.end));
+    CHECK(w.document().session().position() == before);
+    QTest::mouseRelease(&w.view(), Qt::LeftButton, {}, w.at());
+    w.run({{"do", "pin"}, {"endpoint", "bone/start"}});
+    CHECK(w.document().session().position() == before + 1);
+}
+
+TEST_CASE("viewport: Esc, the right button and undo in mid-drag take the drag back, and nothing else") {
+    Posing w;
+    const int before = w.document().session().position();
+    const QPoint rest = w.at();
+    for (const int way : {0, 1, 2}) {
+        w.beginDrag();
+        if (way == 0) QTest::keyClick(&w.view(), Qt::Key_Escape);
+        if (way == 1) QTest::mousePress(&w.view(), Qt::RightButton, {}, w.at());
+        if (way == 2) QTest::keyClick(&w.view(), Qt::Key_Z, Qt::ControlModifier);
+        w.settle();
+        CHECK(!w.view().busy());
+        CHECK(w.document().session().position() == before);
+        CHECK((w.at() - rest).manhattanLength() <= 1);
+        if (way == 1) QTest::mouseRelease(&w.view(), Qt::RightButton, {}, w.at());
+        QTest::mouseRelease(&w.view(), Qt::LeftButton, {}, w.at());
+    }
+}
+
+TEST_CASE("viewport: the middle button orbits, the wheel zooms to the pointer, and neither makes a step") {
+    Posing w;
+    const int before = w.document().session().position();
+    const Eigen::Matrix3d axes = w.view().cameraController().axes();
+    const QPoint centre = w.view().rect().center();
+    QTest::mousePress(&w.view(), Qt::MiddleButton, {}, centre);
+    QTest::mouseMove(&w.view(), centre + QPoint(40, 10));
+    QTest::mouseRelease(&w.view(), Qt::MiddleButton, {}, centre + QPoint(40, 10));
+    CHECK((w.view().cameraController().axes() - axes).norm() > 0.1);
+
+    // What is at the target's depth under the pointer stays there.
+    const Vec3 target = w.view().cameraController().camera().target + 0.5 * w.view().cameraController().axes().col(0);
+    const QPointF pointer = *w.view().onScreen(target);
+    const Vec3 eye = w.view().cameraController().camera().eye;
+    QWheelEvent wheel(pointer, w.view().mapToGlobal(pointer), {}, QPoint(0, 240), Qt::NoButton, Qt::NoModifier, Qt::NoScrollPhase, false);
+    QApplication::sendEvent(&w.view(), &wheel);
+    CHECK((w.view().cameraController().camera().eye - eye).norm() > 0.1);
+    CHECK((*w.view().onScreen(target) - pointer).manhattanLength() < 0.01);
+    CHECK(w.document().session().position() == before);
+}
+
+TEST_CASE("viewport: the axis ball and the number keys show the axis views") {
+    Posing w;
+    QTest::keyClick(&w.view(), Qt::Key_3);
+    REQUIRE(QTest::qWaitFor([&] { return !w.view().cameraController().moving(); }, 10000));
+    CHECK((w.view().cameraController().axes().col(2) - Vec3::UnitX()).norm() < 1e-9);
+    // Seen along x, the ball has y at its top.
+    QTest::mouseClick(&w.view(), Qt::LeftButton, {}, QPoint(w.view().width() - 56, 22));
+    REQUIRE(QTest::qWaitFor([&] { return !w.view().cameraController().moving(); }, 10000));
+    CHECK((w.view().cameraController().axes().col(2) - Vec3::UnitY()).norm() < 1e-9);
+    QTest::keyClick(&w.view(), Qt::Key_5);
+    CHECK(w.view().orthographic());
+}
+
+TEST_CASE("viewport: draws while something moves and is still when nothing does") {
+    Posing w;
+    w.beginDrag();
+    QTest::mouseRelease(&w.view(), Qt::LeftButton, {}, w.at());
+    w.settle(1500);
+    QSignalSpy frames(&w.view(), &ViewportWidget::frameMeasured);
+    w.settle(500);
+    CHECK(frames.isEmpty());
+    w.view().setViewAxis(ViewAxis::Front);
+    w.settle(1500);
+    CHECK(!frames.isEmpty());
+    CHECK(frames.last().at(0).toDouble() > 0.0);
+    CHECK(frames.last().at(2).toInt() == int(w.now().elements.begin()->second->mesh->body.vertices.rows()));
+}
