@@ -111,6 +111,7 @@ CharacterSpec caterpillar() {
                {"front-bone", "front", "middle-bone/end", "front/head", "middle-bone"},
                {"head-bone", "head", "front-bone/end", Vec3(1.30, 0.45, 0), "front-bone"}};
     c.pins = {"tail-bone/start"};
+    c.stretch(0.65, 1.6, "");
     return c;
 }
 

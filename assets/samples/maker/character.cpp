@@ -29,6 +29,9 @@ public:
             low_ = std::min(low_, (p - e.centre).dot(e.pole));
             high_ = std::max(high_, (p - e.centre).dot(e.pole));
         }
+        const double margin = 0.03 * (high_ - low_);  // so that filtering at the ends finds the same colour
+        low_ -= margin;
+        high_ += margin;
     }
     [[nodiscard]] Eigen::Vector2d at(const Vec3& p) const {
         const Vec3 d = p - e_.centre;
@@ -56,7 +59,10 @@ std::vector<unsigned char> bakeTexture(const CharacterSpec& c, int element, cons
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
             const auto [origin, d] = projection.ray(kPad * (x + 0.5) / width, (y + 0.5) / height);
-            const double far = hit(c.shape, origin, d, 3.0);
+            double start = 0;  // between two legs an axis may begin outside
+            while (start < 1.0 && c.shape(origin + start * d) >= 0) start += 0.01;
+            if (start >= 1.0) start = 0;
+            const double far = start + hit(c.shape, origin + start * d, d, 3.0);
             const Vec3 p = origin + far * d, n = normal(c.shape, p);
             double open = 0, weight = 0;  // how far the surroundings stay outside along the normal
             for (double step : {0.03, 0.07, 0.14}) {
@@ -157,6 +163,15 @@ void writeScript(const CharacterSpec& c, const std::filesystem::path& file) {
 }
 
 }  // namespace
+
+void CharacterSpec::stretch(double least, double most, const std::string& part) {
+    for (const auto& b : bones) {
+        if (b.name.find(part) == std::string::npos) continue;
+        std::erase_if(settings, [&](const auto& line) { return line["target"] == b.name; });
+        settings.push_back({{"do", "set"}, {"target", b.name}, {"property", "min-stretch"}, {"value", least}});
+        settings.push_back({{"do", "set"}, {"target", b.name}, {"property", "max-stretch"}, {"value", most}});
+    }
+}
 
 void make(const CharacterSpec& c, const std::filesystem::path& folder) {
     const auto home = folder / c.name;

@@ -51,6 +51,8 @@ struct CharacterSpec {
     std::vector<BoneSpec> bones;
     std::vector<std::string> pins;
     std::vector<nlohmann::ordered_json> settings;  ///< script lines before the precompute
+    /// Limits the lengths (of the rest length) of all bones whose name holds `part`; later limits win.
+    void stretch(double least, double most, const std::string& part);
 };
 
 /// Writes FOLDER/NAME/ELEMENT.glb for every element and FOLDER/NAME/make.jsonl, and prints how good the meshes are.

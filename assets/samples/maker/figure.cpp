@@ -55,7 +55,7 @@ Vec3 paint(int element, const Vec3& p, const Vec3& n, double texel) {
             Vec3 c = mix(fur, rgb(0xe8ad70), std::clamp(n.y(), 0.0, 1.0) * 0.5);
             c = mix(c, cream, cover(muzzle(p) - 0.016, 0.02));
             const auto ear = onPicture(q, {0.325, 2.05, 0.05}, Vec3::UnitZ(), Vec3::UnitY());
-            if (n.z() > 0 && p.z() > 0 && p.z() < 0.2) c = mix(c, rgb(0xf7b9a0), cover(ovalDistance(ear, {0, 0}, {0.085, 0.085}), 0.02));
+            if (n.z() > 0 && p.z() > 0 && p.z() < 0.2 && ears(q) < 0.012) c = mix(c, rgb(0xf7b9a0), cover(ovalDistance(ear, {0, 0}, {0.085, 0.085}), 0.02));
             if (p.z() > 0) {
                 for (double side : {-1.0, 1.0}) {
                     const Vec3 look = Vec3(side * 0.40, 0.06, 0.91).normalized();
@@ -97,6 +97,7 @@ CharacterSpec figure() {
     c.name = "figure";
     c.shape = shape;
     c.paint = paint;
+    c.shade = 0.28;
     const Vec3 up = Vec3::UnitY();
     const double shoulder = 0.285, elbow = 0.505, wrist = 0.735, hip = 0.605, knee = 0.40, ankle = 0.215;
     std::vector<std::pair<Vec3, double>> rims = {{{0, 1.365, 0}, 0.19}};
@@ -105,14 +106,14 @@ CharacterSpec figure() {
     c.size = [rims](const Vec3& p) {
         const Vec3 q = fold(p);
         double h = 0.080;
-        for (const auto& [centre, r] : rims) h = std::min(h, 0.38 * r + 0.30 * std::max((q - centre).norm() - 1.2 * r, 0.0));
+        for (const auto& [centre, r] : rims) h = std::min(h, 0.325 * r + 0.30 * std::max((q - centre).norm() - 1.2 * r, 0.0));
         h = std::min(h, 0.036 + 0.3 * std::max((q - kThumb).norm() - 0.06, 0.0));
         h = std::min(h, 0.048 + 0.3 * std::max(ears(q), 0.0));
         return std::min(h, 0.052 + 0.3 * std::max(muzzle(p), 0.0));
     };
     c.elements.push_back({"head", {0, 1.72, 0.0}, 0, 1280, up, -Vec3::UnitZ()});
     c.elements.push_back({"trunk", {0, 1.02, 0}, 0, 768, up, -Vec3::UnitZ(), true});
-    c.joints.push_back({1, 0, {0, 1.365, 0}, up, 24, {16, 9, 3}});
+    c.joints.push_back({1, 0, {0, 1.365, 0}, up, 26, {18, 11, 4}});
     c.bones = {{"spine-bone", "trunk", Vec3(0, 0.78, 0), Vec3(0, 1.16, 0), ""},
                {"neck-bone", "trunk", "spine-bone/end", "trunk/head", "spine-bone"},
                {"head-bone", "head", "neck-bone/end", Vec3(0, 2.06, 0.0), "neck-bone"}};
@@ -126,9 +127,9 @@ CharacterSpec figure() {
         const int upper = add("upper-arm", armAt((shoulder + elbow) / 2), -kArm, 384, -Vec3::UnitZ());
         const int lower = add("lower-arm", armAt((elbow + wrist) / 2), -kArm, 384, -Vec3::UnitZ());
         const int hand = add("hand", armAt(0.875) + Vec3(0, 0, 0.02), -kArm, 256, -Vec3::UnitZ());
-        c.joints.push_back({1, upper, mirror(armAt(shoulder)), mirror(kArm), 16, {9, 3}});
-        c.joints.push_back({upper, lower, mirror(armAt(elbow)), mirror(kArm), 16, {9, 3}});
-        c.joints.push_back({lower, hand, mirror(armAt(wrist)), mirror(kArm), 16, {9, 3}});
+        c.joints.push_back({1, upper, mirror(armAt(shoulder)), mirror(kArm), 20, {13, 6, 1}});
+        c.joints.push_back({upper, lower, mirror(armAt(elbow)), mirror(kArm), 20, {13, 6, 1}});
+        c.joints.push_back({lower, hand, mirror(armAt(wrist)), mirror(kArm), 20, {13, 6, 1}});
         const std::string u = "upper-arm" + mark, l = "lower-arm" + mark, h = "hand" + mark;
         c.bones.push_back({"shoulder-bone" + mark, "trunk", "spine-bone/end", "trunk/" + u, "spine-bone"});
         c.bones.push_back({"upper-arm-bone" + mark, u, "shoulder-bone" + mark + "/end", u + "/" + l, "shoulder-bone" + mark});
@@ -146,15 +147,18 @@ CharacterSpec figure() {
         const int lower = add("lower-leg", {kHipX, (knee + ankle) / 2, 0}, 128);
         const int foot = add("foot", {kHipX, 0.125, 0.03}, 256);
         // Tilted: two discs in one plane could not be told apart by their plane.
-        c.joints.push_back({1, upper, {x, hip, 0}, Vec3(0.15 * side, -1, 0), 18, {11, 4}});
-        c.joints.push_back({upper, lower, {x, knee, 0}, -up, 18, {11, 4}});
-        c.joints.push_back({lower, foot, {x, ankle, 0}, -up, 18, {11, 4}});
+        c.joints.push_back({1, upper, {x, hip, 0}, Vec3(0.15 * side, -1, 0), 22, {14, 7, 1}});
+        c.joints.push_back({upper, lower, {x, knee, 0}, -up, 22, {14, 7, 1}});
+        c.joints.push_back({lower, foot, {x, ankle, 0}, -up, 22, {14, 7, 1}});
         const std::string u = "upper-leg" + mark, l = "lower-leg" + mark, f = "foot" + mark;
         c.bones.push_back({"hip-bone" + mark, "trunk", "spine-bone/start", "trunk/" + u, "spine-bone"});
         c.bones.push_back({"upper-leg-bone" + mark, u, "hip-bone" + mark + "/end", u + "/" + l, "hip-bone" + mark});
         c.bones.push_back({"lower-leg-bone" + mark, l, "upper-leg-bone" + mark + "/end", l + "/" + f, "upper-leg-bone" + mark});
         c.bones.push_back({"foot-bone" + mark, f, "lower-leg-bone" + mark + "/end", Vec3(side * (kHipX + 0.015), 0.07, 0.24), "lower-leg-bone" + mark});
     }
+    c.stretch(0.8, 1.3, "");
+    c.stretch(0.92, 1.12, "shoulder-bone");
+    c.stretch(0.92, 1.12, "hip-bone");
     c.pins = {"spine-bone/start", "foot-bone.L/end", "foot-bone.R/end"};
     return c;
 }

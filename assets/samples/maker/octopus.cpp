@@ -81,7 +81,7 @@ Vec3 paint(int element, const Vec3& p, const Vec3& n, double texel) {
                     if ((p - centre).dot(look) > 0) c = paintEye(c, q, {0.075, 0.088}, texel);
                 }
                 const auto k = onPicture(p, {side * 0.285, 0.485, 0.28}, Vec3(side * 0.6, 0, 0.8), up);
-                c = mix(c, rgb(0xff9aa2), 0.65 * cover(ovalDistance(k, {0, 0}, {0.062, 0.042}), 0.04));
+                c = mix(c, rgb(0xff8a80), 0.7 * cover(ovalDistance(k, {0, 0}, {0.062, 0.042}), 0.04));
             }
             c = mix(c, rgb(0x6e1f2e), smile(onPicture(p, {0, 0.555, 0}, out, up), {0, 0}, 0.058, 1.0, 0.019, texel));
         }
@@ -123,7 +123,7 @@ CharacterSpec octopus() {
         for (double s : cuts) rims.push_back({arm(i).at(s), arm(i).radius(s)});
     c.size = [rims](const Vec3& p) {
         double h = 0.098;
-        for (const auto& [centre, r] : rims) h = std::min(h, 0.41 * r + 0.42 * std::max((p - centre).norm() - 1.1 * r, 0.0));
+        for (const auto& [centre, r] : rims) h = std::min(h, 0.35 * r + 0.42 * std::max((p - centre).norm() - 1.1 * r, 0.0));
         h = std::min(h, 0.050 + 0.4 * std::max(eyes(p), 0.0));
         for (int i = 0; i < kArms; ++i) h = std::min(h, 0.026 + 0.25 * std::max((p - arm(i).at(1.0)).norm() - 0.05, 0.0));
         return std::max(h, 0.024);
@@ -140,7 +140,7 @@ CharacterSpec octopus() {
             // The seam of the texture is on top, where the colour is even.
             c.elements.push_back({name + "-" + parts[k], t.at((ends[k] + ends[k + 1]) / 2), 0, 320, (from - to).normalized(), Vec3::UnitY(), k < 2});
             const int element = int(c.elements.size()) - 1;
-            c.joints.push_back({k == 0 ? 0 : element - 1, element, from, t.tangent(ends[k]), 16 - 2 * (k > 0), {k == 0 ? 9 : 8, 3}});
+            c.joints.push_back({k == 0 ? 0 : element - 1, element, from, t.tangent(ends[k]), 18, {11, 5, 1}});
         }
         const std::string upper = name + "-upper", middle = name + "-middle", tip = name + "-tip";
         c.bones.push_back({name + "-root-bone", "body", "mantle-bone/start", "body/" + upper, "mantle-bone"});
@@ -148,7 +148,10 @@ CharacterSpec octopus() {
         c.bones.push_back({middle + "-bone", middle, upper + "-bone/end", middle + "/" + tip, upper + "-bone"});
         c.bones.push_back({tip + "-bone", tip, middle + "-bone/end", t.at(0.985), middle + "-bone"});
     }
-    c.pins = {"mantle-bone/start"};
+    c.pins = {"mantle-bone/start", "mantle-bone/end"};  // pulling an arm does not turn the body over
+    c.stretch(0.7, 1.5, "arm");
+    c.stretch(0.75, 1.3, "mantle");
+    c.stretch(0.9, 1.15, "-root-bone");
     return c;
 }
 

@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <doctest/doctest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "core/document/session.h"
+
+using namespace imomushi;
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+namespace {
+
+const fs::path kSamples = IMOMUSHI_SAMPLES;
+
+struct Sample {
+    const char* name;
+    int elements, bones, joints;
+};
+constexpr Sample kAll[] = {{"caterpillar", 5, 5, 4}, {"octopus", 25, 33, 24}, {"figure", 14, 19, 13}};
+
+/// A folder that is gone when the test ends.
+class Folder {
+public:
+    Folder() {
+        static int count = 0;
+        path_ = fs::temp_directory_path() / ("imomushi-samples-" + std::to_string(::getpid()) + "-" + std::to_string(count++));
+        fs::create_directories(path_);
+    }
+    ~Folder() { fs::remove_all(path_); }
+    Folder(const Folder&) = delete;
+    Folder& operator=(const Folder&) = delete;
+    [[nodiscard]] fs::path operator/(const std::string& name) const { return path_ / name; }
+    [[nodiscard]] const fs::path& path() const { return path_; }
+
+private:
+    fs::path path_;
+};
+
+std::string readFile(const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+/// Runs a script inside a folder, without a display; every line must succeed. The answers.
+std::vector<Json> run(const fs::path& folder, const fs::path& script) {
+    const fs::path out = script.string() + ".out";
+    const std::string command = "cd '" + folder.string() + "' && env -u DISPLAY -u WAYLAND_DISPLAY '" IMOMUSHI_PROGRAM "' run '" + script.string() + "' >'" + out.string() + "'";
+    const int status = std::system(command.c_str());
+    std::vector<Json> answers;
+    std::ifstream lines(out);
+    for (std::string line; std::getline(lines, line);) {
+        answers.push_back(Json::parse(line));
+        if (!answers.back()["ok"].get<bool>()) FAIL(line);
+    }
+    REQUIRE(WIFEXITED(status));
+    REQUIRE(WEXITSTATUS(status) == 0);
+    return answers;
+}
+
+std::vector<Json> run(const Folder& folder, const std::vector<Json>& lines) {
+    const fs::path script = folder / "script.jsonl";
+    std::ofstream file(script, std::ios::binary);
+    for (const Json& line : lines) file << line.dump() << "\n";
+    file.close();
+    return run(folder.path(), script);
+}
+
+Points readVertices(const fs::path& obj) {
+    std::vector<double> values;
+    std::ifstream file(obj);
+    for (std::string line; std::getline(file, line);) {
+        if (line.rfind("v ", 0) != 0) continue;
+        std::istringstream text(line.substr(2));
+        for (double x; text >> x;) values.push_back(x);
+    }
+    REQUIRE(values.size() % 3 == 0);
+    Points points(static_cast<Eigen::Index>(values.size() / 3), 3);
+    std::copy(values.begin(), values.end(), points.data());
+    return points;
+}
+
+/// An answer without what two computers may see differently.
+Json withoutTimes(Json answer) {
+    for (const char* key : {"ms", "ms_per_frame", "stages", "effects", "seconds"}) answer.erase(key);
+    return answer;
+}
+
+}  // namespace
+
+TEST_CASE("samples: each opens with all its parts, precomputed, and 1978 vertices make the caterpillar") {
+    for (const Sample& sample : kAll) {
+        CAPTURE(sample.name);
+        const Folder folder;
+        const Json opened = run(folder, {{{"do", "open"}, {"path", (kSamples / (std::string(sample.name) + ".imomushi")).string()}}})[0];
+        CHECK(int(opened["elements"].size()) == sample.elements);
+        CHECK(int(opened["bones"].size()) == sample.bones);
+        CHECK(int(opened["joints"].size()) == sample.joints);
+        int vertices = 0;
+        for (const Json& element : opened["elements"]) {
+            CHECK(element["state"] == "fresh");
+            vertices += element["vertices"].get<int>();
+        }
+        if (sample.name == std::string("caterpillar")) CHECK(vertices == 1978);
+        CHECK(fs::file_size(kSamples / (std::string(sample.name) + ".imomushi")) < 10'000'000);
+    }
+}
+
+TEST_CASE("samples: the script beside the meshes makes what the project file holds, from sound meshes and flat faces that match") {
+    for (const Sample& sample : kAll) {
+        CAPTURE(sample.name);
+        const std::string name = sample.name;
+        const Folder folder;
+        fs::copy(kSamples / name, folder / name);
+        int faceVertices = 0, faces = 0;
+        for (const Json& answer : run(folder / name, folder / (name + "/make.jsonl"))) {
+            const std::string command = answer["do"];
+            if (command == "import-element") {
+                REQUIRE(answer["elements"].size() == 1);
+                CHECK(answer["elements"][0]["closed"] == true);
+                CHECK(answer["elements"][0]["components"] == 1);
+                for (const Json& issue : answer["issues"]) CHECK(issue["code"] == "unwelded");  // the seam of the texture; anything else is a flaw
+            } else if (command == "add-joint-face") {
+                CHECK(answer["planarity_error"].get<double>() <= 1e-6);  // coordinates of a metre in float
+                faceVertices += answer["vertices"].get<int>();
+                ++faces;
+            } else if (command == "join") {
+                CHECK(answer["welded"].get<int>() > 0);
+                CHECK(answer["unmatched"] == 0);
+                CHECK(answer["largest_gap"] == 0.0);
+            }
+        }
+        CHECK(faces == 2 * sample.joints);
+        if (name == "caterpillar") CHECK(std::abs(faceVertices / 5.0 - 65) < 5);  // as in the paper's experiment
+
+        // The same document, and the same motion up to the rounding of another computer's linear algebra.
+        std::vector<Json> opened[2];
+        const fs::path files[] = {folder / (name + ".imomushi"), kSamples / (name + ".imomushi")};
+        for (int i = 0; i < 2; ++i) {
+            const Folder work;
+            opened[i] = run(work, {{{"do", "open"}, {"path", files[i].string()}}, {{"do", "write-mesh"}, {"path", (folder / ("rest" + std::to_string(i) + ".obj")).string()}, {"state", "rest"}}});
+            const std::string tip = opened[i][0]["bones"].back()["name"].get<std::string>() + "/end";
+            run(work, {{{"do", "open"}, {"path", files[i].string()}},
+                       {{"do", "drag"}, {"endpoint", tip}, {"to", {0.3, 0.9, 0.4}}},
+                       {{"do", "write-mesh"}, {"path", (folder / ("posed" + std::to_string(i) + ".obj")).string()}, {"state", "current"}}});
+        }
+        CHECK(opened[0][0] == opened[1][0]);
+        CHECK(readFile(folder / "rest0.obj") == readFile(folder / "rest1.obj"));
+        const Points a = readVertices(folder / "posed0.obj"), b = readVertices(folder / "posed1.obj"), rest = readVertices(folder / "rest0.obj");
+        REQUIRE(a.rows() == b.rows());
+        CHECK((a - b).cwiseAbs().maxCoeff() < 1e-6);
+        CHECK((a - rest).cwiseAbs().maxCoeff() > 0.1);
+    }
+}
+
+TEST_CASE("samples: each performs headless, keeps its joints closed and leaves a picture and a mesh") {
+    for (const Sample& sample : kAll) {
+        CAPTURE(sample.name);
+        const std::string name = sample.name;
+        const Folder folder;
+        fs::copy(kSamples / (name + ".imomushi"), folder.path());
+        fs::copy(kSamples / (name + "_perform.jsonl"), folder.path());
+        double gap = -1;
+        for (const Json& answer : run(folder.path(), folder / (name + "_perform.jsonl"))) {
+            if (answer["do"] == "step") {
+                CHECK(answer["finite"] == true);
+                CHECK(answer["warnings"].empty());
+            }
+            if (answer["do"] == "measure" && gap < 0) gap = answer["value"];
+        }
+        CHECK(gap >= 0);
+        CHECK(gap < 1e-12);
+        CHECK(fs::file_size(folder / (name + ".png")) > 10'000);
+        CHECK(readVertices(folder / (name + ".obj")).allFinite());
+    }
+}
+
+namespace {
+
+constexpr double kLength = 2.55;                   // of the caterpillar, m, rounded down
+constexpr double kDragStep = 0.01 * kLength;       // m per frame
+constexpr int kFrames = 10'000;
+
+/// Targets that wander by one drag step a frame, far beyond reach and back.
+std::vector<Vec3> randomWalk() {
+    std::vector<Vec3> walk;
+    Vec3 target(1.3, 0.45, 0), heading(0, 1, 0);
+    unsigned state = 1;
+    const auto random = [&] {  // a linear congruence, the same everywhere; -1...1
+        state = state * 1664525u + 1013904223u;
+        return double(state >> 8) / double(1u << 23) - 1.0;
+    };
+    constexpr double kBox = 3 * kLength;
+    for (int i = 0; i < kFrames; ++i) {
+        for (int k = 0; k < 3; ++k) heading[k] += 0.35 * random();
+        heading.normalize();
+        for (int k = 0; k < 3; ++k)
+            if (std::abs(target[k]) > kBox && target[k] * heading[k] > 0) heading[k] = -heading[k];
+        target += kDragStep * heading;
+        walk.push_back(target);
+    }
+    return walk;
+}
+
+Json dragTo(const Vec3& target) {
+    return {{"do", "drag"}, {"endpoint", "head-bone/end"}, {"to", {target.x(), target.y(), target.z()}}};
+}
+
+}  // namespace
+
+TEST_CASE("caterpillar: in a random walk of 10,000 frames no vertex moves more than ten drag steps in any frame") {
+    CommandRegistry registry;
+    addCoreCommands(registry);
+    Session session(registry);
+    REQUIRE(session.execute({{"do", "open"}, {"path", (kSamples / "caterpillar.imomushi").string()}}).has_value());
+    using Surface = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
+    std::vector<Surface> before;
+    double worst = 0, reach = 0;
+    bool finite = true;
+    for (const Vec3& target : randomWalk()) {
+        REQUIRE(session.execute(dragTo(target)).has_value());
+        session.stepFrame(1.0 / 60);
+        Character& character = *session.character();
+        const int elements = int(character.input().elements.size());
+        before.resize(std::size_t(elements));
+        for (int e = 0; e < elements; ++e) {
+            const auto surface = character.surface(e);
+            const Eigen::Map<const Surface> now(surface.positions, surface.vertices, 3);
+            finite = finite && now.allFinite();
+            if (before[e].rows() > 0) worst = std::max(worst, double((now - before[e]).rowwise().norm().maxCoeff()));
+            before[e] = now;
+        }
+        const Pose& pose = session.document().pose;
+        reach = std::max(reach, (target - pose.points.at(session.pointIndex({session.document().boneNamed("head-bone")->id, true}))).norm());
+    }
+    MESSAGE("largest move of a vertex in one frame: " << worst / kDragStep << " drag steps; target at most " << reach << " m out of reach");
+    CHECK(finite);
+    CHECK(worst <= 10 * kDragStep);
+    CHECK(reach > kLength);
+}
+
+TEST_CASE("caterpillar: a random walk of 10,000 steps headless is finite and closed, and the same bytes for 1 and 2 threads") {
+    constexpr int kSampled = 250;
+    const Folder folder;
+    const auto script = [&](int threads) {
+        std::vector<Json> lines = {{{"do", "open"}, {"path", (kSamples / "caterpillar.imomushi").string()}},
+                                   {{"do", "set"}, {"target", "character"}, {"property", "threads"}, {"value", threads}}};
+        int frame = 0;
+        for (const Vec3& target : randomWalk()) {
+            lines.push_back(dragTo(target));
+            lines.push_back({{"do", "step"}, {"frames", 1}});
+            if (++frame % kSampled == 0) {
+                lines.push_back({{"do", "write-mesh"}, {"path", std::to_string(frame / kSampled) + ".obj"}, {"state", "current"}});
+                lines.push_back({{"do", "measure"}, {"what", "gap"}});
+            }
+        }
+        return lines;
+    };
+    std::vector<std::string> meshes[2], answers[2];
+    for (int r = 0; r < 2; ++r) {
+        for (const Json& answer : run(folder, script(r + 1))) {
+            if (answer["do"] == "step") CHECK(answer["finite"] == true);
+            if (answer["do"] == "measure") CHECK(answer["value"].get<double>() < 1e-12);
+            answers[r].push_back(withoutTimes(answer).dump());
+        }
+        for (int i = 1; i <= kFrames / kSampled; ++i) meshes[r].push_back(readFile(folder / (std::to_string(i) + ".obj")));
+    }
+    CHECK(meshes[0] == meshes[1]);
+    CHECK(answers[0] == answers[1]);
+}
