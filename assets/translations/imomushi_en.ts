@@ -2,7 +2,17 @@
 <!DOCTYPE TS>
 <TS version="2.1" language="en" sourcelanguage="en">
     <context>
-        <name>ImportDialog</name>
+        <name>ToolTexts</name>
+        <message numerus="yes">
+            <source>Click: joint face of %n vertices</source>
+            <translation>
+                <numerusform>Click: joint face of %n vertex</numerusform>
+                <numerusform>Click: joint face of %n vertices</numerusform>
+            </translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::ImportDialog</name>
         <message numerus="yes">
             <source>Ready to import as %n element(s).</source>
             <translation>
@@ -19,7 +29,7 @@
         </message>
     </context>
     <context>
-        <name>InspectorPanel</name>
+        <name>imomushi::InspectorPanel</name>
         <message numerus="yes">
             <source>%n element(s)</source>
             <translation>
@@ -32,16 +42,6 @@
             <translation>
                 <numerusform>%n bone</numerusform>
                 <numerusform>%n bones</numerusform>
-            </translation>
-        </message>
-    </context>
-    <context>
-        <name>ToolTexts</name>
-        <message numerus="yes">
-            <source>Click: joint face of %n vertices</source>
-            <translation>
-                <numerusform>Click: joint face of %n vertex</numerusform>
-                <numerusform>Click: joint face of %n vertices</numerusform>
             </translation>
         </message>
     </context>

@@ -181,17 +181,6 @@
         </message>
     </context>
     <context>
-        <name>CommandSearch</name>
-        <message>
-            <source>Search commands</source>
-            <translation>コマンドを検索</translation>
-        </message>
-        <message>
-            <source>Commands</source>
-            <translation>コマンド</translation>
-        </message>
-    </context>
-    <context>
         <name>Errors</name>
         <message>
             <source>There is no such command.</source>
@@ -355,7 +344,317 @@
         </message>
     </context>
     <context>
-        <name>FileFlow</name>
+        <name>Issues</name>
+        <message>
+            <source>Vertices at the same place were welded.</source>
+            <translation>同じ位置の頂点を結合しました。</translation>
+        </message>
+        <message>
+            <source>The surface has open edges. Close its holes.</source>
+            <translation>面に開いた辺があります。穴を閉じてください。</translation>
+        </message>
+        <message>
+            <source>More than two triangles meet at an edge.</source>
+            <translation>1 つの辺に 3 枚以上の三角形が接しています。</translation>
+        </message>
+        <message>
+            <source>Parts of the surface touch at a single vertex.</source>
+            <translation>面の一部が 1 つの頂点だけで接しています。</translation>
+        </message>
+        <message>
+            <source>The surface faced inward.</source>
+            <translation>面が内側を向いていました。</translation>
+        </message>
+        <message>
+            <source>Neighbouring triangles face different ways.</source>
+            <translation>隣り合う三角形の向きがそろっていません。</translation>
+        </message>
+        <message>
+            <source>Some triangles have no area.</source>
+            <translation>面積のない三角形があります。</translation>
+        </message>
+        <message>
+            <source>Some triangles exist twice.</source>
+            <translation>重複した三角形があります。</translation>
+        </message>
+        <message>
+            <source>The surface passes through itself.</source>
+            <translation>面が自分自身と交差しています。</translation>
+        </message>
+        <message>
+            <source>The mesh has several separate parts. Import them as one element each.</source>
+            <translation>メッシュが複数の部分に分かれています。部分ごとに 1 つの要素として読み込んでください。</translation>
+        </message>
+        <message>
+            <source>Some coordinates are not finite numbers.</source>
+            <translation>有限でない座標があります。</translation>
+        </message>
+        <message>
+            <source>Some vertices belong to no triangle.</source>
+            <translation>どの三角形にも属さない頂点があります。</translation>
+        </message>
+        <message>
+            <source>The mesh is very large. Check its unit.</source>
+            <translation>メッシュが非常に大きいです。単位を確認してください。</translation>
+        </message>
+        <message>
+            <source>The mesh is very small. Check its unit.</source>
+            <translation>メッシュが非常に小さいです。単位を確認してください。</translation>
+        </message>
+        <message>
+            <source>The mesh lies far from the origin.</source>
+            <translation>メッシュが原点から遠く離れています。</translation>
+        </message>
+        <message>
+            <source>Faces with more than three corners were split.</source>
+            <translation>角が 4 つ以上の面を三角形に分けました。</translation>
+        </message>
+    </context>
+    <context>
+        <name>Stages</name>
+        <message>
+            <source>Reading</source>
+            <translation>読み込み中</translation>
+        </message>
+        <message>
+            <source>Welding</source>
+            <translation>結合中</translation>
+        </message>
+        <message>
+            <source>Mending</source>
+            <translation>修復中</translation>
+        </message>
+        <message>
+            <source>Checking</source>
+            <translation>検査中</translation>
+        </message>
+        <message>
+            <source>Estimating</source>
+            <translation>見積もり中</translation>
+        </message>
+        <message>
+            <source>Assembling</source>
+            <translation>行列を組み立て中</translation>
+        </message>
+        <message>
+            <source>Factorising</source>
+            <translation>分解中</translation>
+        </message>
+        <message>
+            <source>Solving</source>
+            <translation>求解中</translation>
+        </message>
+        <message>
+            <source>Reducing</source>
+            <translation>縮約中</translation>
+        </message>
+    </context>
+    <context>
+        <name>Steps</name>
+        <message>
+            <source>New project</source>
+            <translation>新しいプロジェクト</translation>
+        </message>
+        <message>
+            <source>Open project</source>
+            <translation>プロジェクトを開く</translation>
+        </message>
+        <message>
+            <source>Import element</source>
+            <translation>要素の読み込み</translation>
+        </message>
+        <message>
+            <source>Repair mesh</source>
+            <translation>メッシュの修復</translation>
+        </message>
+        <message>
+            <source>Cut element</source>
+            <translation>要素の切断</translation>
+        </message>
+        <message>
+            <source>Add joint face</source>
+            <translation>関節面の追加</translation>
+        </message>
+        <message>
+            <source>Join faces</source>
+            <translation>面をつなぐ</translation>
+        </message>
+        <message>
+            <source>Separate faces</source>
+            <translation>面を離す</translation>
+        </message>
+        <message>
+            <source>Add bone</source>
+            <translation>ボーンの追加</translation>
+        </message>
+        <message>
+            <source>Change bone</source>
+            <translation>ボーンの変更</translation>
+        </message>
+        <message>
+            <source>Remove element</source>
+            <translation>要素の削除</translation>
+        </message>
+        <message>
+            <source>Remove joint face</source>
+            <translation>関節面の削除</translation>
+        </message>
+        <message>
+            <source>Remove bone</source>
+            <translation>ボーンの削除</translation>
+        </message>
+        <message>
+            <source>Rename</source>
+            <translation>名前の変更</translation>
+        </message>
+        <message>
+            <source>Pin</source>
+            <translation>ピン留め</translation>
+        </message>
+        <message>
+            <source>Unpin</source>
+            <translation>ピンを外す</translation>
+        </message>
+        <message>
+            <source>Change setting</source>
+            <translation>設定の変更</translation>
+        </message>
+        <message>
+            <source>Drag</source>
+            <translation>ドラッグ</translation>
+        </message>
+        <message>
+            <source>Release</source>
+            <translation>放す</translation>
+        </message>
+        <message>
+            <source>Rest pose</source>
+            <translation>静止姿勢</translation>
+        </message>
+        <message>
+            <source>Precompute</source>
+            <translation>前計算</translation>
+        </message>
+    </context>
+    <context>
+        <name>Texts</name>
+        <message>
+            <source>%1: %2</source>
+            <comment>undo step: what was done, to what</comment>
+            <translation>%1：%2</translation>
+        </message>
+        <message>
+            <source>%1 (%L2 places)</source>
+            <comment>mesh issue, number of places</comment>
+            <translation>%1（%L2 か所）</translation>
+        </message>
+        <message>
+            <source>%1 ms</source>
+            <translation>%1 ミリ秒</translation>
+        </message>
+        <message>
+            <source>%1 s</source>
+            <translation>%1 秒</translation>
+        </message>
+        <message>
+            <source>%1 min %2 s</source>
+            <translation>%1 分 %2 秒</translation>
+        </message>
+    </context>
+    <context>
+        <name>ToolTexts</name>
+        <message>
+            <source>A bone needs two different ends. Click somewhere else.</source>
+            <translation>ボーンには異なる 2 つの端が必要です。別の場所をクリックしてください。</translation>
+        </message>
+        <message>
+            <source>Import a mesh first</source>
+            <translation>先にメッシュを読み込んでください</translation>
+        </message>
+        <message>
+            <source>Click: end of the bone · Esc: end the chain</source>
+            <translation>クリック：ボーンの終点 · Esc：連鎖を終える</translation>
+        </message>
+        <message>
+            <source>Click: start of a bone (joint face, end of a bone, or inside a body)</source>
+            <translation>クリック：ボーンの始点（関節面、ボーンの端、体の内部）</translation>
+        </message>
+        <message>
+            <source>The faces were not joined. %1</source>
+            <translation>面をつなげませんでした。%1</translation>
+        </message>
+        <message>
+            <source>Touches the joint face "%1"</source>
+            <translation>関節面「%1」に接しています</translation>
+        </message>
+        <message>
+            <source>↑ ↓: tolerance (%1) · Esc: cancel</source>
+            <translation>↑ ↓：許容差 (%1) · Esc：取り消し</translation>
+        </message>
+        <message>
+            <source>Enter or click: make the face · ← →: move · X, Y, Z: turn · ↑ ↓: tolerance (%1) · Esc: cancel</source>
+            <translation>Enter またはクリック：面を作る · ← →：移動 · X、Y、Z：向き · ↑ ↓：許容差 (%1) · Esc：取り消し</translation>
+        </message>
+        <message>
+            <source>Click: select the joint face "%1"</source>
+            <translation>クリック：関節面「%1」を選択</translation>
+        </message>
+        <message numerus="yes">
+            <source>Click: joint face of %n vertices</source>
+            <translation>
+                <numerusform>クリック：%n 頂点の関節面</numerusform>
+            </translation>
+        </message>
+        <message>
+            <source>↑ ↓: tolerance (%1) · Shift+click: plane</source>
+            <translation>↑ ↓：許容差 (%1) · Shift+クリック：平面</translation>
+        </message>
+        <message>
+            <source>Click a flat region: joint face · Shift+click: plane · Ctrl: look behind the surface</source>
+            <translation>平らな部分をクリック：関節面 · Shift+クリック：平面 · Ctrl：奥の面を見る</translation>
+        </message>
+        <message>
+            <source>X, Y, Z: lock axis · Shift: fine · Ctrl: grid · R or wheel: turn · Esc: cancel</source>
+            <translation>X、Y、Z：軸を固定 · Shift：細かく · Ctrl：格子 · R かホイール：ねじる · Esc：取り消し</translation>
+        </message>
+        <message>
+            <source>There are no bones yet. Place them with the bone tool.</source>
+            <translation>ボーンがまだありません。ボーンツールで置いてください。</translation>
+        </message>
+        <message>
+            <source>Drag: pose · P: pin · Double click: let go</source>
+            <translation>ドラッグ：ポーズ · P：ピン留め · ダブルクリック：放す</translation>
+        </message>
+        <message>
+            <source>Drag the end of a bone</source>
+            <translation>ボーンの端をドラッグ</translation>
+        </message>
+        <message>
+            <source>Click: select · Shift+click: add</source>
+            <translation>クリック：選択 · Shift+クリック：追加</translation>
+        </message>
+        <message>
+            <source>Click: select · Shift+click: add · Delete: remove</source>
+            <translation>クリック：選択 · Shift+クリック：追加 · Delete：削除</translation>
+        </message>
+        <message>
+            <source>Click: select · Drag: pose</source>
+            <translation type="unfinished" />
+        </message>
+    </context>
+    <context>
+        <name>imomushi::CommandSearch</name>
+        <message>
+            <source>Search commands</source>
+            <translation>コマンドを検索</translation>
+        </message>
+        <message>
+            <source>Commands</source>
+            <translation>コマンド</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::FileFlow</name>
         <message>
             <source>Unsaved changes</source>
             <translation>未保存の変更</translation>
@@ -450,21 +749,21 @@
         </message>
     </context>
     <context>
-        <name>HistoryModel</name>
+        <name>imomushi::HistoryModel</name>
         <message>
             <source>Beginning</source>
             <translation>はじめ</translation>
         </message>
     </context>
     <context>
-        <name>HistoryPanel</name>
+        <name>imomushi::HistoryPanel</name>
         <message>
             <source>History</source>
             <translation>履歴</translation>
         </message>
     </context>
     <context>
-        <name>ImportDialog</name>
+        <name>imomushi::ImportDialog</name>
         <message>
             <source>Import %1</source>
             <translation>%1 の読み込み</translation>
@@ -547,7 +846,7 @@
         </message>
     </context>
     <context>
-        <name>InspectorPanel</name>
+        <name>imomushi::InspectorPanel</name>
         <message>
             <source>Properties</source>
             <translation>プロパティ</translation>
@@ -890,7 +1189,7 @@
         </message>
     </context>
     <context>
-        <name>IssueModel</name>
+        <name>imomushi::IssueModel</name>
         <message>
             <source>%1 · mended</source>
             <translation>%1 · 修復済み</translation>
@@ -901,74 +1200,7 @@
         </message>
     </context>
     <context>
-        <name>Issues</name>
-        <message>
-            <source>Vertices at the same place were welded.</source>
-            <translation>同じ位置の頂点を結合しました。</translation>
-        </message>
-        <message>
-            <source>The surface has open edges. Close its holes.</source>
-            <translation>面に開いた辺があります。穴を閉じてください。</translation>
-        </message>
-        <message>
-            <source>More than two triangles meet at an edge.</source>
-            <translation>1 つの辺に 3 枚以上の三角形が接しています。</translation>
-        </message>
-        <message>
-            <source>Parts of the surface touch at a single vertex.</source>
-            <translation>面の一部が 1 つの頂点だけで接しています。</translation>
-        </message>
-        <message>
-            <source>The surface faced inward.</source>
-            <translation>面が内側を向いていました。</translation>
-        </message>
-        <message>
-            <source>Neighbouring triangles face different ways.</source>
-            <translation>隣り合う三角形の向きがそろっていません。</translation>
-        </message>
-        <message>
-            <source>Some triangles have no area.</source>
-            <translation>面積のない三角形があります。</translation>
-        </message>
-        <message>
-            <source>Some triangles exist twice.</source>
-            <translation>重複した三角形があります。</translation>
-        </message>
-        <message>
-            <source>The surface passes through itself.</source>
-            <translation>面が自分自身と交差しています。</translation>
-        </message>
-        <message>
-            <source>The mesh has several separate parts. Import them as one element each.</source>
-            <translation>メッシュが複数の部分に分かれています。部分ごとに 1 つの要素として読み込んでください。</translation>
-        </message>
-        <message>
-            <source>Some coordinates are not finite numbers.</source>
-            <translation>有限でない座標があります。</translation>
-        </message>
-        <message>
-            <source>Some vertices belong to no triangle.</source>
-            <translation>どの三角形にも属さない頂点があります。</translation>
-        </message>
-        <message>
-            <source>The mesh is very large. Check its unit.</source>
-            <translation>メッシュが非常に大きいです。単位を確認してください。</translation>
-        </message>
-        <message>
-            <source>The mesh is very small. Check its unit.</source>
-            <translation>メッシュが非常に小さいです。単位を確認してください。</translation>
-        </message>
-        <message>
-            <source>The mesh lies far from the origin.</source>
-            <translation>メッシュが原点から遠く離れています。</translation>
-        </message>
-        <message>
-            <source>Faces with more than three corners were split.</source>
-            <translation>角が 4 つ以上の面を三角形に分けました。</translation>
-        </message>
-    </context>
-    <context>
-        <name>IssuesPanel</name>
+        <name>imomushi::IssuesPanel</name>
         <message>
             <source>Nothing asks for attention.</source>
             <translation>気になる点はありません。</translation>
@@ -979,7 +1211,7 @@
         </message>
     </context>
     <context>
-        <name>JobCard</name>
+        <name>imomushi::JobCard</name>
         <message>
             <source>Cancel</source>
             <translation>キャンセル</translation>
@@ -991,7 +1223,7 @@
         </message>
     </context>
     <context>
-        <name>MainWindow</name>
+        <name>imomushi::MainWindow</name>
         <message>
             <source>Precomputing %1</source>
             <translation>%1 を前計算中</translation>
@@ -1189,23 +1421,27 @@
             <source>Free software under the GNU General Public License, version 3 or later.</source>
             <translation>GNU 一般公衆ライセンス第 3 版またはそれ以降に基づく自由ソフトウェアです。</translation>
         </message>
+        <message>
+            <source>Panels</source>
+            <translation>パネル</translation>
+        </message>
     </context>
     <context>
-        <name>MeshPreview</name>
+        <name>imomushi::MeshPreview</name>
         <message>
             <source>Preview of the mesh</source>
             <translation>メッシュのプレビュー</translation>
         </message>
     </context>
     <context>
-        <name>MessageBar</name>
+        <name>imomushi::MessageBar</name>
         <message>
             <source>Close</source>
             <translation>閉じる</translation>
         </message>
     </context>
     <context>
-        <name>NumberField</name>
+        <name>imomushi::NumberField</name>
         <message>
             <source>Back to the default</source>
             <translation>既定値に戻す</translation>
@@ -1220,7 +1456,7 @@
         </message>
     </context>
     <context>
-        <name>OutlinerModel</name>
+        <name>imomushi::OutlinerModel</name>
         <message>
             <source>Character</source>
             <translation>キャラクター</translation>
@@ -1263,7 +1499,7 @@
         </message>
     </context>
     <context>
-        <name>OutlinerPanel</name>
+        <name>imomushi::OutlinerPanel</name>
         <message>
             <source>Filter</source>
             <translation>絞り込み</translation>
@@ -1278,7 +1514,7 @@
         </message>
     </context>
     <context>
-        <name>PreferencesDialog</name>
+        <name>imomushi::PreferencesDialog</name>
         <message>
             <source>Preferences</source>
             <translation>設定</translation>
@@ -1354,46 +1590,7 @@
         </message>
     </context>
     <context>
-        <name>Stages</name>
-        <message>
-            <source>Reading</source>
-            <translation>読み込み中</translation>
-        </message>
-        <message>
-            <source>Welding</source>
-            <translation>結合中</translation>
-        </message>
-        <message>
-            <source>Mending</source>
-            <translation>修復中</translation>
-        </message>
-        <message>
-            <source>Checking</source>
-            <translation>検査中</translation>
-        </message>
-        <message>
-            <source>Estimating</source>
-            <translation>見積もり中</translation>
-        </message>
-        <message>
-            <source>Assembling</source>
-            <translation>行列を組み立て中</translation>
-        </message>
-        <message>
-            <source>Factorising</source>
-            <translation>分解中</translation>
-        </message>
-        <message>
-            <source>Solving</source>
-            <translation>求解中</translation>
-        </message>
-        <message>
-            <source>Reducing</source>
-            <translation>縮約中</translation>
-        </message>
-    </context>
-    <context>
-        <name>StartPage</name>
+        <name>imomushi::StartPage</name>
         <message>
             <source>Five elements in a row</source>
             <translation>一列に並んだ 5 つの要素</translation>
@@ -1456,7 +1653,7 @@
         </message>
     </context>
     <context>
-        <name>StatusStrip</name>
+        <name>imomushi::StatusStrip</name>
         <message>
             <source>%1 vertices</source>
             <translation>頂点 %1</translation>
@@ -1491,199 +1688,14 @@
         </message>
     </context>
     <context>
-        <name>Steps</name>
-        <message>
-            <source>New project</source>
-            <translation>新しいプロジェクト</translation>
-        </message>
-        <message>
-            <source>Open project</source>
-            <translation>プロジェクトを開く</translation>
-        </message>
-        <message>
-            <source>Import element</source>
-            <translation>要素の読み込み</translation>
-        </message>
-        <message>
-            <source>Repair mesh</source>
-            <translation>メッシュの修復</translation>
-        </message>
-        <message>
-            <source>Cut element</source>
-            <translation>要素の切断</translation>
-        </message>
-        <message>
-            <source>Add joint face</source>
-            <translation>関節面の追加</translation>
-        </message>
-        <message>
-            <source>Join faces</source>
-            <translation>面をつなぐ</translation>
-        </message>
-        <message>
-            <source>Separate faces</source>
-            <translation>面を離す</translation>
-        </message>
-        <message>
-            <source>Add bone</source>
-            <translation>ボーンの追加</translation>
-        </message>
-        <message>
-            <source>Remove element</source>
-            <translation>要素の削除</translation>
-        </message>
-        <message>
-            <source>Remove joint face</source>
-            <translation>関節面の削除</translation>
-        </message>
-        <message>
-            <source>Remove bone</source>
-            <translation>ボーンの削除</translation>
-        </message>
-        <message>
-            <source>Rename</source>
-            <translation>名前の変更</translation>
-        </message>
-        <message>
-            <source>Pin</source>
-            <translation>ピン留め</translation>
-        </message>
-        <message>
-            <source>Unpin</source>
-            <translation>ピンを外す</translation>
-        </message>
-        <message>
-            <source>Change setting</source>
-            <translation>設定の変更</translation>
-        </message>
-        <message>
-            <source>Drag</source>
-            <translation>ドラッグ</translation>
-        </message>
-        <message>
-            <source>Release</source>
-            <translation>放す</translation>
-        </message>
-        <message>
-            <source>Rest pose</source>
-            <translation>静止姿勢</translation>
-        </message>
-        <message>
-            <source>Precompute</source>
-            <translation>前計算</translation>
-        </message>
-        <message>
-            <source>Change bone</source>
-            <translation>ボーンの変更</translation>
-        </message>
-    </context>
-    <context>
-        <name>Texts</name>
-        <message>
-            <source>%1: %2</source>
-            <comment>undo step: what was done, to what</comment>
-            <translation>%1：%2</translation>
-        </message>
-        <message>
-            <source>%1 (%L2 places)</source>
-            <comment>mesh issue, number of places</comment>
-            <translation>%1（%L2 か所）</translation>
-        </message>
-        <message>
-            <source>%1 ms</source>
-            <translation>%1 ミリ秒</translation>
-        </message>
-        <message>
-            <source>%1 s</source>
-            <translation>%1 秒</translation>
-        </message>
-        <message>
-            <source>%1 min %2 s</source>
-            <translation>%1 分 %2 秒</translation>
-        </message>
-    </context>
-    <context>
-        <name>ToolTexts</name>
-        <message>
-            <source>A bone needs two different ends. Click somewhere else.</source>
-            <translation>ボーンには異なる 2 つの端が必要です。別の場所をクリックしてください。</translation>
-        </message>
-        <message>
-            <source>Import a mesh first</source>
-            <translation>先にメッシュを読み込んでください</translation>
-        </message>
-        <message>
-            <source>Click: end of the bone · Esc: end the chain</source>
-            <translation>クリック：ボーンの終点 · Esc：連鎖を終える</translation>
-        </message>
-        <message>
-            <source>Click: start of a bone (joint face, end of a bone, or inside a body)</source>
-            <translation>クリック：ボーンの始点（関節面、ボーンの端、体の内部）</translation>
-        </message>
-        <message>
-            <source>The faces were not joined. %1</source>
-            <translation>面をつなげませんでした。%1</translation>
-        </message>
-        <message>
-            <source>Touches the joint face "%1"</source>
-            <translation>関節面「%1」に接しています</translation>
-        </message>
-        <message>
-            <source>↑ ↓: tolerance (%1) · Esc: cancel</source>
-            <translation>↑ ↓：許容差 (%1) · Esc：取り消し</translation>
-        </message>
-        <message>
-            <source>Enter or click: make the face · ← →: move · X, Y, Z: turn · ↑ ↓: tolerance (%1) · Esc: cancel</source>
-            <translation>Enter またはクリック：面を作る · ← →：移動 · X、Y、Z：向き · ↑ ↓：許容差 (%1) · Esc：取り消し</translation>
-        </message>
-        <message>
-            <source>Click: select the joint face "%1"</source>
-            <translation>クリック：関節面「%1」を選択</translation>
-        </message>
-        <message numerus="yes">
-            <source>Click: joint face of %n vertices</source>
-            <translation>
-                <numerusform>クリック：%n 頂点の関節面</numerusform>
-            </translation>
-        </message>
-        <message>
-            <source>↑ ↓: tolerance (%1) · Shift+click: plane</source>
-            <translation>↑ ↓：許容差 (%1) · Shift+クリック：平面</translation>
-        </message>
-        <message>
-            <source>Click a flat region: joint face · Shift+click: plane · Ctrl: look behind the surface</source>
-            <translation>平らな部分をクリック：関節面 · Shift+クリック：平面 · Ctrl：奥の面を見る</translation>
-        </message>
-        <message>
-            <source>X, Y, Z: lock axis · Shift: fine · Ctrl: grid · R or wheel: turn · Esc: cancel</source>
-            <translation>X、Y、Z：軸を固定 · Shift：細かく · Ctrl：格子 · R かホイール：ねじる · Esc：取り消し</translation>
-        </message>
-        <message>
-            <source>There are no bones yet. Place them with the bone tool.</source>
-            <translation>ボーンがまだありません。ボーンツールで置いてください。</translation>
-        </message>
-        <message>
-            <source>Drag: pose · P: pin · Double click: let go</source>
-            <translation>ドラッグ：ポーズ · P：ピン留め · ダブルクリック：放す</translation>
-        </message>
-        <message>
-            <source>Drag the end of a bone</source>
-            <translation>ボーンの端をドラッグ</translation>
-        </message>
-        <message>
-            <source>Click: select · Shift+click: add</source>
-            <translation>クリック：選択 · Shift+クリック：追加</translation>
-        </message>
-        <message>
-            <source>Click: select · Shift+click: add · Delete: remove</source>
-            <translation>クリック：選択 · Shift+クリック：追加 · Delete：削除</translation>
-        </message>
-    </context>
-    <context>
-        <name>ViewportWidget</name>
+        <name>imomushi::ViewportWidget</name>
         <message>
             <source>3D view</source>
             <translation>3D ビュー</translation>
+        </message>
+        <message>
+            <source>The 3D view needs OpenGL 3.3. Update the graphics driver, or start with LIBGL_ALWAYS_SOFTWARE=1.</source>
+            <translation>3D ビューには OpenGL 3.3 が必要です。グラフィックドライバーを更新するか、LIBGL_ALWAYS_SOFTWARE=1 を付けて起動してください。</translation>
         </message>
         <message>
             <source>Middle: orbit · Shift+middle: pan · Wheel: zoom</source>
@@ -1692,10 +1704,6 @@
         <message>
             <source>Alt+left: orbit · Alt+middle: pan · Wheel: zoom</source>
             <translation>Alt+左：回転 · Alt+中：移動 · ホイール：拡大縮小</translation>
-        </message>
-        <message>
-            <source>The 3D view needs OpenGL 3.3. Update the graphics driver, or start with LIBGL_ALWAYS_SOFTWARE=1.</source>
-            <translation>3D ビューには OpenGL 3.3 が必要です。グラフィックドライバーを更新するか、LIBGL_ALWAYS_SOFTWARE=1 を付けて起動してください。</translation>
         </message>
         <message>
             <source>Drop a mesh or a project here</source>

@@ -19,9 +19,9 @@ void IssueModel::rebuild() {
         const QString name = QString::fromStdString(element->name);
         for (const MeshIssue& issue : element->issues) {
             const Severity severity = issue.fixed ? Severity::Info : issue.severity;
-            lines.push_back({id, severity, issue.fixed, issueText(issue.code, issue.count, issue.text), issue.fixed ? tr("%1 · mended").arg(name) : name});
+            lines.push_back({id, severity, issue.fixed, issueText(issue.code, issue.count, issue.text), issue.fixed ? tr("%1 · mended").arg(name) : name, issue.fixed ? std::vector<std::int32_t>() : issue.triangles});
         }
-        if (element->faces.empty()) lines.push_back({id, Severity::Info, false, tr("Has no joint face yet: it cannot deform."), name});
+        if (element->faces.empty()) lines.push_back({id, Severity::Info, false, tr("Has no joint face yet: it cannot deform."), name, {}});
     }
     std::stable_sort(lines.begin(), lines.end(), [](const Line& a, const Line& b) { return a.severity > b.severity; });
     const auto same = [](const Line& a, const Line& b) { return a.element == b.element && a.severity == b.severity && a.title == b.title && a.detail == b.detail; };
@@ -50,6 +50,10 @@ QVariant IssueModel::data(const QModelIndex& index, int role) const {
 }
 
 PartId IssueModel::element(const QModelIndex& index) const { return index.isValid() ? lines_[std::size_t(index.row())].element : 0; }
+
+std::vector<std::int32_t> IssueModel::triangles(const QModelIndex& index) const {
+    return index.isValid() ? lines_[std::size_t(index.row())].triangles : std::vector<std::int32_t>();
+}
 
 int IssueModel::worth() const {
     return int(std::count_if(lines_.begin(), lines_.end(), [](const Line& line) { return line.severity != Severity::Info; }));

@@ -18,6 +18,8 @@ public:
     [[nodiscard]] int rowCount(const QModelIndex& parent = {}) const override;
     [[nodiscard]] QVariant data(const QModelIndex& index, int role) const override;
     [[nodiscard]] PartId element(const QModelIndex& index) const;
+    /// Where it is on the mesh: body triangles, empty when it has no place.
+    [[nodiscard]] std::vector<std::int32_t> triangles(const QModelIndex& index) const;
     [[nodiscard]] int worth() const;  ///< how many are warnings or errors
     void rebuild();
 
@@ -27,6 +29,7 @@ private:
         Severity severity = Severity::Info;
         bool fixed = false;
         QString title, detail;
+        std::vector<std::int32_t> triangles;
     };
     StudioDocument& document_;
     std::vector<Line> lines_;

@@ -152,6 +152,8 @@ QComboBox QAbstractItemView { background: @panel; border: 1px solid @line; borde
 QComboBox QAbstractItemView::item { padding: 5px 8px; min-height: 20px; border-radius: 4px; }
 QTreeView QLineEdit, QTableView QLineEdit { padding: 0 4px; min-height: 0; border-radius: 4px; }
 
+QDialogButtonBox { dialogbuttonbox-buttons-have-icons: 0; }
+QMessageBox { messagebox-text-interaction-flags: 5; }
 QPushButton { background: @field; border: 1px solid @fieldline; border-radius: 7px; padding: 6px 16px; min-height: 18px; }
 QPushButton:hover { background: @hover; }
 QPushButton:pressed { background: @line; }
@@ -244,6 +246,8 @@ Appearance::Appearance() : QObject(qApp), images_(std::make_unique<QTemporaryDir
     font.setHintingPreference(QFont::PreferVerticalHinting);
     QApplication::setFont(font);
 }
+
+Appearance::~Appearance() { theInstance = nullptr; }
 
 QColor Appearance::color(Role role) const { return QColor(QLatin1String(colorsOf(theme_).values[std::size_t(role)])); }
 

@@ -22,6 +22,7 @@ public:
     static Appearance& instance();
     /// Loads fonts, style, translations and the saved choices into the running QApplication. Call once, before any widget is made.
     static void start();
+    ~Appearance() override;
 
     [[nodiscard]] Theme theme() const { return theme_; }
     void setTheme(Theme theme);

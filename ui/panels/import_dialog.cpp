@@ -95,6 +95,10 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
 
     auto* right = new QVBoxLayout;
     right->setSpacing(px(12));
+    auto* title = new QLabel(QFileInfo(path).fileName(), this);
+    title->setProperty("role", "title");
+    title->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
+    right->addWidget(title);
     right->addLayout(form);
     auto* rule = new QFrame(this);
     rule->setObjectName(QStringLiteral("rule"));

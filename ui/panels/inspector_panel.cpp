@@ -133,7 +133,7 @@ void InspectorPanel::rebuild() {
     body_ = new QWidget;
     body_->setObjectName(QStringLiteral("panel"));
     body_->setAttribute(Qt::WA_StyledBackground);
-    body_->setAccessibleName(tr("Properties"));
+    setAccessibleName(tr("Properties"));
     sections_ = new QVBoxLayout(body_);
     sections_->setContentsMargins(px(14), px(12), px(12), px(14));
     sections_->setSpacing(px(9));

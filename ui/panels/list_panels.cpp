@@ -85,7 +85,10 @@ IssuesPanel::IssuesPanel(StudioDocument& document, QWidget* parent) : QWidget(pa
     layout->addWidget(list_);
     layout->addWidget(empty_, 1);
     const auto choose = [this, &document](const QModelIndex& index) {
-        if (const PartId element = model_->element(index)) document.select({{SelectionItem::Kind::Element, element, {}, false}});
+        const PartId element = model_->element(index);
+        if (!element) return;
+        document.select({{SelectionItem::Kind::Element, element, {}, false}});
+        Q_EMIT markWanted(element, model_->triangles(index));
     };
     connect(list_, &QListView::clicked, this, choose);
     connect(list_, &QListView::activated, this, [this, choose](const QModelIndex& index) {
@@ -93,6 +96,7 @@ IssuesPanel::IssuesPanel(StudioDocument& document, QWidget* parent) : QWidget(pa
         Q_EMIT frameWanted();
     });
     connect(model_, &QAbstractItemModel::modelReset, this, &IssuesPanel::update);
+    connect(&document, &StudioDocument::selectionChanged, this, [this] { Q_EMIT markWanted(0, {}); });
     update();
 }
 

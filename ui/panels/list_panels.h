@@ -37,6 +37,8 @@ public:
 signals:
     void worthChanged();
     void frameWanted();  ///< a line was double-clicked
+    /// Triangles of an element are to be pointed out in the view; none: what was pointed out is over.
+    void markWanted(PartId element, const std::vector<std::int32_t>& triangles);
 
 protected:
     void changeEvent(QEvent* event) override;

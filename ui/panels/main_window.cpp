@@ -12,6 +12,8 @@
 #include <QSettings>
 #include <QStackedLayout>
 #include <QStatusBar>
+#include <QTimer>
+#include <QTabBar>
 #include <QToolBar>
 #include <QToolButton>
 #include <QUrl>
@@ -102,14 +104,13 @@ MainWindow::MainWindow(const CommandRegistry& registry) : document_(registry) {
         precompute_->cancel();
         showStart(false);
         viewport_->frameAll(false);
+        keepPicture();
     });
     connect(files_, &FileFlow::imported, this, [this](int elements) {
         showStart(false);
         viewport_->frameAll(document_.document().elements.size() > std::size_t(elements));
     });
-    connect(files_, &FileFlow::saved, this, [this](const QString& path) {
-        if (!startShown()) files_->recent().setThumbnail(path, viewport_->grabFramebuffer());
-    });
+    connect(files_, &FileFlow::saved, this, [this] { keepPicture(); });
     connect(&files_->recent(), &RecentFiles::changed, this, &MainWindow::fillRecent);
     connect(start_, &StartPage::newWanted, files_, &FileFlow::newProject);
     connect(start_, &StartPage::openWanted, files_, &FileFlow::askOpen);
@@ -175,14 +176,17 @@ void MainWindow::buildDocks() {
     inspectorDock_ = dock("inspectorDock", inspector_);
     // The tabs say the names; a title below them would say them twice.
     for (QDockWidget* d : {outlinerDock_, historyDock_, issuesDock_}) d->setTitleBarWidget(new QWidget(d));
+    // Split first: a dock that is split off a tab only becomes another tab.
+    splitDockWidget(outlinerDock_, inspectorDock_, Qt::Vertical);
     tabifyDockWidget(outlinerDock_, historyDock_);
     tabifyDockWidget(historyDock_, issuesDock_);
-    splitDockWidget(outlinerDock_, inspectorDock_, Qt::Vertical);
+    resizeDocks({outlinerDock_, inspectorDock_}, {2, 3}, Qt::Vertical);
     outlinerDock_->raise();
     connect(outliner_, &OutlinerPanel::contextMenuWanted, this, &MainWindow::contextMenu);
     connect(inspector_, &InspectorPanel::precomputeWanted, this, &MainWindow::startPrecompute);
     connect(status_, &StatusStrip::precomputeWanted, this, &MainWindow::startPrecompute);
     connect(issues_, &IssuesPanel::frameWanted, this, [this] { viewport_->frameSelection(); });
+    connect(issues_, &IssuesPanel::markWanted, viewport_, &ViewportWidget::setMarkedTriangles);
     connect(issues_, &IssuesPanel::worthChanged, this, [this] {
         const int worth = issues_->worth();
         issuesDock_->setWindowTitle(worth > 0 ? tr("Issues (%1)").arg(worth) : tr("Issues"));
@@ -350,6 +354,7 @@ void MainWindow::retranslate() {
     tools_->setWindowTitle(tr("Tools"));
     tools_->setAccessibleName(tr("Tools"));
     menuBar()->setAccessibleName(tr("Menus"));
+    for (QTabBar* tabs : findChildren<QTabBar*>(Qt::FindDirectChildrenOnly)) tabs->setAccessibleName(tr("Panels"));
     viewport_->setAccessibleName(tr("View of the character"));
     status_->setAccessibleName(tr("Status"));
     fillRecent();
@@ -448,6 +453,15 @@ void MainWindow::showStart(bool show) {
     stack_->setCurrentWidget(show ? static_cast<QWidget*>(start_) : viewHost_);
     for (QDockWidget* d : {outlinerDock_, historyDock_, issuesDock_, inspectorDock_}) d->setEnabled(true);
     if (!show) viewport_->setFocus();
+}
+
+void MainWindow::keepPicture() {
+    // Once the view has drawn what is there now.
+    QTimer::singleShot(400, this, [this] {
+        const auto& path = document_.session().path();
+        if (path.empty() || startShown() || !viewport_->isVisible() || document_.document().elements.empty()) return;
+        files_->recent().setThumbnail(QString::fromStdString(path.string()), viewport_->grabFramebuffer());
+    });
 }
 
 void MainWindow::settle() {

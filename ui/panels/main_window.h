@@ -78,6 +78,8 @@ private:
     void joinSelected();
     /// Ends what is unfinished in the view before a command comes from elsewhere.
     void settle();
+    /// Takes a picture of the view for the start page.
+    void keepPicture();
 
     StudioDocument document_;
     StudioActions* actions_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/panels/mesh_preview.h"
 
+#include <Eigen/Geometry>
 #include <QMouseEvent>
 #include <QPainter>
 #include <QPainterPath>

@@ -30,10 +30,10 @@ NumberField::NumberField(Spec spec, QWidget* parent) : QLineEdit(parent), spec_(
 void NumberField::setValue(std::optional<double> value) {
     value_ = value;
     reset_->setVisible(spec_.standard && (!value_ || std::abs(*value_ - *spec_.standard) > 1e-9 * (1.0 + std::abs(*spec_.standard))));
-    if (!typing_) show();
+    if (!typing_) showText();
 }
 
-void NumberField::show() {
+void NumberField::showText() {
     if (!value_) {
         setText({});
         setPlaceholderText(tr("different"));
@@ -79,7 +79,7 @@ void NumberField::commitText() {
     if (!typing_) return;
     typing_ = false;
     if (const auto number = parse(); number && isModified()) once(*number);
-    show();
+    showText();
     setModified(false);
 }
 
@@ -152,7 +152,7 @@ void NumberField::keyPressEvent(QKeyEvent* event) {
             return;
         case Qt::Key_Escape:
             typing_ = false;
-            show();
+            showText();
             clearFocus();
             return;
         case Qt::Key_Up:
@@ -188,7 +188,7 @@ void NumberField::changeEvent(QEvent* event) {
     if (event->type() == QEvent::LanguageChange) {
         reset_->setToolTip(tr("Back to the default"));
         setToolTip(tr("Drag sideways, or click and type"));
-        if (!typing_) show();
+        if (!typing_) showText();
     }
 }
 

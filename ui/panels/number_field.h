@@ -40,7 +40,7 @@ protected:
     void changeEvent(QEvent* event) override;
 
 private:
-    void show();
+    void showText();
     void commitText();
     void set(double value);
     void once(double value);

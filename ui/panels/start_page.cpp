@@ -22,6 +22,7 @@
 namespace imomushi {
 namespace {
 
+constexpr int kMostColumns = 4, kFewestColumns = 3;
 constexpr int kTileWidth = 232, kPicture = 145, kTileHeight = 201, kGap = 16;
 
 // A project as a card: its picture, its name, and one line below.
@@ -117,8 +118,7 @@ void StartPage::showEvent(QShowEvent* event) {
 
 void StartPage::resizeEvent(QResizeEvent* event) {
     QWidget::resizeEvent(event);
-    const int columns = std::clamp((width() - px(96) + px(kGap)) / px(kTileWidth + kGap), 1, 4);
-    if (columns != columns_) rebuild();
+    if (columnsThatFit() != columns_) rebuild();
 }
 
 void StartPage::changeEvent(QEvent* event) {
@@ -126,8 +126,13 @@ void StartPage::changeEvent(QEvent* event) {
     if (event->type() == QEvent::LanguageChange) rebuild();
 }
 
+int StartPage::columnsThatFit() const {
+    const int useful = std::clamp(int(std::max(samples().size(), recent_.paths().size())), kFewestColumns, kMostColumns);
+    return std::clamp((width() - px(96) + px(kGap)) / px(kTileWidth + kGap), 1, useful);
+}
+
 void StartPage::rebuild() {
-    columns_ = std::clamp((width() - px(96) + px(kGap)) / px(kTileWidth + kGap), 1, 4);
+    columns_ = columnsThatFit();
     auto* scroll = findChild<QScrollArea*>(QStringLiteral("startScroll"));
     content_ = new QWidget;
     content_->setObjectName(QStringLiteral("startPage"));

@@ -29,6 +29,7 @@ protected:
 
 private:
     void rebuild();
+    [[nodiscard]] int columnsThatFit() const;
     RecentFiles& recent_;
     QWidget* content_ = nullptr;
     int columns_ = 0;

@@ -69,7 +69,11 @@ constexpr Row kRows[] = {
 }  // namespace
 
 StudioActions::StudioActions(QWidget* window) : QObject(window), window_(window) {
-    for (const Row& row : kRows) add(row.id, row.icon, row.text, QKeySequence::listFromString(QString::fromLatin1(row.keys), QKeySequence::PortableText), row.checkable);
+    for (const Row& row : kRows) {
+        QList<QKeySequence> keys = QKeySequence::listFromString(QString::fromLatin1(row.keys), QKeySequence::PortableText);
+        keys.removeIf([](const QKeySequence& k) { return k.isEmpty(); });
+        add(row.id, row.icon, row.text, keys, row.checkable);
+    }
     retranslate();
 }
 

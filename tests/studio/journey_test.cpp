@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <QFileInfo>
+#include <QTreeView>
+
+#include "tests/studio/window.h"
+#include "ui/panels/list_panels.h"
+#include "ui/panels/outliner_panel.h"
+#include "ui/panels/status_strip.h"
+
+using namespace imomushi;
+
+TEST_CASE("studio: a mesh becomes a character by clicking, moves by dragging, and everything can be undone and saved") {
+    Window w;
+    w.shoot("start");
+    CHECK(w.window().startShown());
+    const QString file = w.folder.filePath(QStringLiteral("my caterpillar.imomushi"));
+    w.run({{"do", "new"}, {"path", file.toStdString()}});
+
+    w.import(QStringLiteral(IMOMUSHI_TEST_DATA "/reference/a_cylinder_coarse.obj"));
+    REQUIRE(w.now().elements.size() == 1);
+    CHECK(!w.window().startShown());
+    const PartId element = w.now().elements.begin()->first;
+    const auto faces = [&] { return w.now().elements.at(element)->faces.size(); };
+    w.shoot("imported");
+
+    // Two joint faces: a click on each cap of the cylinder, which lies along z from -2 to 2.
+    w.trigger("tool-face");
+    w.look(Vec3(1.2, 0.7, 1.5));
+    w.click(w.onScreen(Vec3(0, 0, 2)));
+    CHECK(faces() == 1);
+    w.shoot("face");
+    w.look(Vec3(1.2, 0.7, -1.5));
+    w.click(w.onScreen(Vec3(0, 0, -2)));
+    REQUIRE(faces() == 2);
+
+    // A bone from face to face.
+    w.trigger("tool-bone");
+    w.look(Vec3(1, 0.25, 0.2));
+    w.click(w.onScreen(Vec3(0, 0, -2)));
+    w.click(w.onScreen(Vec3(0, 0, 2)));
+    REQUIRE(w.now().bones.size() == 1);
+    const PartId bone = w.now().bones.begin()->first;
+    CHECK(w.now().bones.at(bone)->element == element);
+    w.shoot("bone");
+    QTest::keyClick(&w.view(), Qt::Key_Escape);
+
+    // The precompute runs in the background; the window stays alive meanwhile.
+    CHECK(w.document().session().responseState(element) == Session::ResponseState::None);
+    w.trigger("precompute");
+    CHECK(w.window().precomputeJob().running());
+    REQUIRE(QTest::qWaitFor([&] { return !w.window().precomputeJob().running(); }, 120000));
+    REQUIRE(w.document().session().responseState(element) == Session::ResponseState::Fresh);
+    w.shoot("precomputed");
+
+    // Dragging the end of the bone with the mouse bends the element in one undo step.
+    w.trigger("tool-pose");
+    w.look(Vec3(1, 0.25, 0.2));
+    const int before = w.document().session().position();
+    const bool atEnd = (*w.view().onScreen(EndpointRef{bone, true}) - QPointF(w.onScreen(Vec3(0, 0, 2)))).manhattanLength() < 3.0;
+    const EndpointRef end{bone, atEnd};
+    const QPoint from = w.view().onScreen(end)->toPoint();
+    QTest::mouseMove(&w.view(), from);
+    w.settle(30);
+    QTest::mousePress(&w.view(), Qt::LeftButton, {}, from);
+    for (int i = 1; i <= 12; ++i) {
+        QTest::mouseMove(&w.view(), from + QPoint(-4 * i, -10 * i));
+        w.settle(16);
+    }
+    w.shoot("dragging");
+    QTest::mouseRelease(&w.view(), Qt::LeftButton, {}, from + QPoint(-48, -120));
+    w.settle(200);
+    CHECK(w.document().session().position() == before + 1);
+    REQUIRE(w.now().held.contains(end));
+    // It follows the pointer: where the bone's end is drawn is where the mouse let go.
+    CHECK((*w.view().onScreen(end) - QPointF(from + QPoint(-48, -120))).manhattanLength() < 12.0);
+    w.shoot("dragged");
+
+    // Undo to the start, step by step, with the keyboard; then redo everything by a click in the history.
+    const int steps = w.document().session().position();
+    for (int i = 0; i < steps; ++i) w.trigger("undo");
+    CHECK(w.document().session().position() == 0);
+    CHECK(w.now().elements.empty());
+    CHECK(w.now().bones.empty());
+    CHECK(!w.window().actions()["undo"]->isEnabled());
+    w.window().history().model()->refresh();
+    w.window().history().model()->goTo(steps);
+    w.settle();
+    CHECK(w.now().elements.size() == 1);
+    CHECK(w.now().bones.size() == 1);
+    // Undo and redo only switch the key of the result: nothing is computed again.
+    CHECK(w.document().session().responseState(element) == Session::ResponseState::Fresh);
+
+    CHECK(w.window().isWindowModified());
+    w.trigger("save");
+    CHECK(QFileInfo::exists(file));
+    CHECK(!w.document().session().modified());
+    CHECK(!w.window().isWindowModified());
+
+    // What was saved opens again as it was.
+    w.run({{"do", "new"}});
+    w.window().files().open(file);
+    w.settle();
+    CHECK(w.now().elements.size() == 1);
+    CHECK(w.now().bones.size() == 1);
+    CHECK(w.document().session().responseState(w.now().elements.begin()->first) == Session::ResponseState::Fresh);
+    w.shoot("opened");
+    CHECK(w.window().files().recent().paths().contains(file));
+    w.window().files().recent().remove(file);
+}
+
+TEST_CASE("studio: a precompute that is cancelled answers at once and changes nothing") {
+    Window w;
+    w.import(QStringLiteral(IMOMUSHI_TEST_DATA "/reference/a_cylinder_fine.obj"));
+    const auto& element = *w.now().elements.begin()->second;
+    w.run({{"do", "add-joint-face"}, {"element", element.name}, {"name", "a"}, {"plane", {{"origin", {0, 0, 2}}, {"normal", {0, 0, 1}}}}});
+    w.run({{"do", "add-joint-face"}, {"element", element.name}, {"name", "b"}, {"plane", {{"origin", {0, 0, -2}}, {"normal", {0, 0, -1}}}}});
+    w.settle();
+    w.trigger("precompute");
+    REQUIRE(w.window().precomputeJob().running());
+    w.settle(300);
+    w.shoot("computing");
+    bool ended = false;
+    QObject::connect(&w.window().precomputeJob(), &BackgroundJob::finished, [&](bool completed) { ended = !completed; });
+    w.window().precomputeJob().cancel();
+    CHECK(ended);
+    CHECK(!w.window().precomputeJob().running());
+    CHECK(w.document().session().responseState(w.now().elements.begin()->first) == Session::ResponseState::None);
+    w.run({{"do", "new"}});
+}
+
+TEST_CASE("studio: selection in the outliner is the selection of the document, and names are edited there") {
+    Window w;
+    w.import(QStringLiteral(IMOMUSHI_TEST_DATA "/reference/a_cylinder_coarse.obj"));
+    const PartId id = w.now().elements.begin()->first;
+    REQUIRE(w.document().selection().size() == 1);
+    QTreeView* tree = w.window().outliner().tree();
+    CHECK(tree->selectionModel()->selectedRows().size() == 1);
+    w.document().select({});
+    CHECK(tree->selectionModel()->selectedRows().isEmpty());
+    const QModelIndex row = tree->model()->index(0, 0, tree->model()->index(0, 0));
+    QTest::mouseClick(tree->viewport(), Qt::LeftButton, {}, tree->visualRect(row).center());
+    CHECK(w.document().isSelected({SelectionItem::Kind::Element, id, {}, false}));
+    CHECK(tree->model()->setData(row, QStringLiteral("芋虫"), Qt::EditRole));
+    CHECK(w.now().elements.at(id)->name == "芋虫");
+    // The eye in its column hides the element, in one step that can be undone.
+    const QModelIndex eye = row.siblingAtColumn(OutlinerModel::Visible);
+    QTest::mouseClick(tree->viewport(), Qt::LeftButton, {}, tree->visualRect(eye).center());
+    CHECK(!w.now().elements.at(id)->visible);
+    w.trigger("undo");
+    CHECK(w.now().elements.at(id)->visible);
+    w.run({{"do", "new"}});
+}
+
+TEST_CASE("studio: a refused command is told in the window and changes nothing") {
+    Window w;
+    w.import(QStringLiteral(IMOMUSHI_TEST_DATA "/reference/a_cylinder_coarse.obj"));
+    const int before = w.document().session().position();
+    CHECK(!w.document().execute({{"do", "rename"}, {"target", w.now().elements.begin()->second->name}, {"name", "a/b"}}));
+    w.settle();
+    CHECK(w.window().messages().isVisible());
+    CHECK(!w.window().messages().text().isEmpty());
+    CHECK(w.document().session().position() == before);
+    w.shoot("refused");
+    w.run({{"do", "new"}});
+}

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <doctest/doctest.h>
+
+#include <QFile>
+#include <QProcess>
+#include <QTemporaryDir>
+#include <QXmlStreamReader>
+#include <set>
+#include <string>
+
+namespace {
+
+struct Messages {
+    std::set<std::string> all;         ///< context, source and comment in one
+    std::set<std::string> unfinished;  ///< those without a finished, full translation
+};
+
+Messages read(const QString& path) {
+    Messages found;
+    QFile file(path);
+    REQUIRE(file.open(QIODevice::ReadOnly));
+    QXmlStreamReader xml(&file);
+    QString context, source, comment;
+    while (!xml.atEnd()) {
+        if (xml.readNext() != QXmlStreamReader::StartElement) continue;
+        if (xml.name() == u"name") context = xml.readElementText();
+        else if (xml.name() == u"message") source = comment = QString();
+        else if (xml.name() == u"source") source = xml.readElementText();
+        else if (xml.name() == u"comment") comment = xml.readElementText();
+        else if (xml.name() == u"translation") {
+            const bool open = xml.attributes().hasAttribute(QStringLiteral("type"));
+            const QString text = xml.readElementText(QXmlStreamReader::IncludeChildElements);
+            const std::string key = (context + u'\x1f' + source + u'\x1f' + comment).toStdString();
+            found.all.insert(key);
+            if (open || text.trimmed().isEmpty()) found.unfinished.insert(key);
+            // What is filled in must be filled in by the translation, too.
+            for (const char* place : {"%1", "%2", "%3", "%4", "%n"})
+                if (source.contains(QLatin1String(place)) != text.contains(QLatin1String(place)) && !source.contains(QStringLiteral("%L2"))) found.unfinished.insert(key);
+        }
+    }
+    REQUIRE(!xml.hasError());
+    return found;
+}
+
+}  // namespace
+
+TEST_CASE("translations: Japanese has every text of the studio, finished, and no other") {
+    const QString kept = QStringLiteral(IMOMUSHI_SOURCE_DIR "/assets/translations/imomushi_ja.ts");
+    QTemporaryDir folder;
+    const QString fresh = folder.filePath(QStringLiteral("imomushi_ja.ts"));
+    REQUIRE(QFile::copy(kept, fresh));
+    QProcess lupdate;
+    lupdate.start(QStringLiteral(IMOMUSHI_LUPDATE), {QStringLiteral("-silent"), QStringLiteral("-no-obsolete"), QStringLiteral("-locations"), QStringLiteral("none"), QStringLiteral("-extensions"),
+                                                    QStringLiteral("cpp,h"), QStringLiteral("-I"), QStringLiteral(IMOMUSHI_SOURCE_DIR), QStringLiteral(IMOMUSHI_SOURCE_DIR "/ui"), QStringLiteral("-ts"), fresh});
+    REQUIRE(lupdate.waitForFinished(60000));
+    REQUIRE(lupdate.exitCode() == 0);
+    const Messages ours = read(kept), needed = read(fresh);
+    for (const std::string& message : needed.all)
+        if (!ours.all.contains(message)) FAIL_CHECK("not in the Japanese translation: ", message);
+    for (const std::string& message : ours.all)
+        if (!needed.all.contains(message)) FAIL_CHECK("translated, but nowhere in the studio: ", message);
+    for (const std::string& message : ours.unfinished) FAIL_CHECK("not finished in Japanese: ", message);
+    CHECK(needed.all.size() > 100);
+}

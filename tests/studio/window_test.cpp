@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <QAbstractButton>
+#include <QDockWidget>
+#include <QLabel>
+#include <QMenuBar>
+#include <QSettings>
+#include <QToolBar>
+#include <map>
+
+#include "tests/studio/window.h"
+#include "ui/models/texts.h"
+#include "ui/panels/appearance.h"
+#include "ui/panels/command_search.h"
+#include "ui/panels/number_field.h"
+#include "ui/panels/status_strip.h"
+
+using namespace imomushi;
+
+namespace {
+
+/// A small character: a cylinder with two faces and a bone.
+void build(Window& w) {
+    w.import(QStringLiteral(IMOMUSHI_TEST_DATA "/reference/a_cylinder_coarse.obj"));
+    const std::string name = w.now().elements.begin()->second->name;
+    w.run({{"do", "add-joint-face"}, {"element", name}, {"name", "tip"}, {"plane", {{"origin", {0, 0, 2}}, {"normal", {0, 0, 1}}}}});
+    w.run({{"do", "add-joint-face"}, {"element", name}, {"name", "root"}, {"plane", {{"origin", {0, 0, -2}}, {"normal", {0, 0, -1}}}}});
+    w.run({{"do", "add-bone"}, {"name", "spine"}, {"from", name + "/root"}, {"to", name + "/tip"}});
+    w.settle();
+}
+
+}  // namespace
+
+TEST_CASE("studio: every widget that takes the keyboard has a name for screen readers") {
+    Window w;
+    build(w);
+    for (const SelectionItem::Kind kind : {SelectionItem::Kind::Element, SelectionItem::Kind::Face, SelectionItem::Kind::Bone, SelectionItem::Kind::Endpoint}) {
+        const bool body = kind == SelectionItem::Kind::Element || kind == SelectionItem::Kind::Face;
+        const PartId part = body ? w.now().elements.begin()->first : w.now().bones.begin()->first;
+        w.document().select({{kind, part, kind == SelectionItem::Kind::Face ? "tip" : "", false}});
+        w.settle();
+        for (const QWidget* widget : w.window().findChildren<QWidget*>()) {
+            if (!widget->isVisible() || !(widget->focusPolicy() & Qt::TabFocus)) continue;
+            const auto* button = qobject_cast<const QAbstractButton*>(widget);
+            const bool named = !widget->accessibleName().isEmpty() || (button && !button->text().isEmpty());
+            CHECK_MESSAGE((named || widget->focusProxy()), std::string(widget->metaObject()->className()), " ", widget->objectName().toStdString());
+        }
+    }
+    w.run({{"do", "new"}});
+}
+
+TEST_CASE("studio: no two actions share a shortcut, and a changed one is kept") {
+    Window w;
+    std::map<QString, QByteArray> users;
+    for (const auto& entry : w.window().actions().entries())
+        for (const QKeySequence& keys : entry.action->shortcuts()) {
+            const QString text = keys.toString(QKeySequence::PortableText);
+            CHECK_MESSAGE(!users.contains(text), text.toStdString(), " ", entry.id.toStdString(), " ", users[text].toStdString());
+            users[text] = entry.id;
+        }
+    w.window().actions().setShortcut("precompute", QKeySequence(QStringLiteral("Ctrl+9")));
+    {
+        Window other;
+        CHECK(other.window().actions()["precompute"]->shortcut() == QKeySequence(QStringLiteral("Ctrl+9")));
+    }
+    w.window().actions().resetShortcuts();
+    CHECK(w.window().actions()["precompute"]->shortcut() == QKeySequence(QStringLiteral("P")));
+}
+
+TEST_CASE("studio: language and theme change at run time, everywhere and back") {
+    Window w;
+    build(w);
+    const QString hint = w.window().status().hint();
+    const QColor dark = w.window().palette().color(QPalette::Window);
+    Appearance::instance().setLanguage(QStringLiteral("ja"));
+    w.settle();
+    CHECK(w.window().menuBar()->actions().first()->text() == QStringLiteral("ファイル(&F)"));
+    CHECK(w.window().actions()["precompute"]->text() == QStringLiteral("前計算(&P)"));
+    CHECK(w.window().status().hint() != hint);
+    w.document().select({{SelectionItem::Kind::Element, w.now().elements.begin()->first, {}, false}});
+    w.settle();
+    w.shoot("japanese");
+    w.document().select({{SelectionItem::Kind::Bone, w.now().bones.begin()->first, {}, false}});
+    w.settle();
+    Appearance::instance().setTheme(Appearance::Theme::Light);
+    w.settle();
+    CHECK(w.window().palette().color(QPalette::Window) != dark);
+    w.shoot("light");
+    Appearance::instance().setTheme(Appearance::Theme::HighContrast);
+    w.shoot("contrast");
+    Appearance::instance().setTheme(Appearance::Theme::Dark);
+    Appearance::instance().setLanguage(QStringLiteral("en"));
+    w.settle();
+    CHECK(w.window().palette().color(QPalette::Window) == dark);
+    CHECK(w.window().status().hint() == hint);
+    CHECK(w.window().menuBar()->actions().first()->text() == QStringLiteral("&File"));
+    w.run({{"do", "new"}});
+}
+
+TEST_CASE("studio: at 125 % everything grows and nothing is cut off") {
+    Window w;
+    build(w);
+    w.document().select({{SelectionItem::Kind::Element, w.now().elements.begin()->first, {}, false}});
+    const int before = w.window().findChild<QToolBar*>(QStringLiteral("tools"))->iconSize().width();
+    Appearance::instance().setScale(1.25);
+    w.settle();
+    CHECK(w.window().findChild<QToolBar*>(QStringLiteral("tools"))->iconSize().width() > before);
+    w.shoot("125");
+    Appearance::instance().setScale(1.0);
+    w.settle();
+    w.run({{"do", "new"}});
+}
+
+TEST_CASE("number field: typing, dragging, taking back and resetting") {
+    NumberField field({QStringLiteral("m"), -10.0, 10.0, 0.1, 3, 1.0, 2.0});
+    std::vector<double> edits;
+    int ended = 0, kept = 0;
+    QObject::connect(&field, &NumberField::valueEdited, [&](double v) { edits.push_back(v); });
+    QObject::connect(&field, &NumberField::editEnded, [&](bool keep) {
+        ++ended;
+        kept += keep;
+    });
+    field.resize(200, 30);
+    field.show();
+    REQUIRE(QTest::qWaitForWindowExposed(&field));
+    field.setValue(1.5);
+    CHECK(field.text() == QStringLiteral("1.5\u2009m"));
+
+    QTest::mousePress(&field, Qt::LeftButton, {}, QPoint(50, 15));
+    QTest::mouseMove(&field, QPoint(60, 15));
+    QTest::mouseMove(&field, QPoint(70, 15));
+    QTest::mouseRelease(&field, Qt::LeftButton, {}, QPoint(70, 15));
+    REQUIRE(!edits.empty());
+    CHECK(edits.back() == doctest::Approx(3.5));
+    CHECK(ended == 1);
+    CHECK(kept == 1);
+
+    QTest::mousePress(&field, Qt::LeftButton, {}, QPoint(50, 15));
+    QTest::mouseMove(&field, QPoint(90, 15));
+    QTest::keyClick(&field, Qt::Key_Escape);
+    CHECK(ended == 2);
+    CHECK(kept == 1);  // the listener takes the drag back
+
+    field.setValue(1.0);
+    field.setFocus();
+    QTest::qWait(30);
+    field.selectAll();
+    QTest::keyClicks(&field, QStringLiteral("99"));
+    QTest::keyClick(&field, Qt::Key_Return);
+    CHECK(edits.back() == 10.0);  // within its range
+    const auto many = edits.size();
+    field.selectAll();
+    QTest::keyClicks(&field, QStringLiteral("abc"));
+    QTest::keyClick(&field, Qt::Key_Return);
+    CHECK(edits.size() == many);  // not a number: as it was
+    CHECK(field.value() == 10.0);
+    field.clearFocus();
+    field.setValue({});
+    CHECK(field.text().isEmpty());
+}
+
+TEST_CASE("command search: the start of a word counts most, letters in order count least") {
+    CHECK(searchScore(QStringLiteral("sav"), QStringLiteral("Save as")) > searchScore(QStringLiteral("sav"), QStringLiteral("Unsaved")));
+    CHECK(searchScore(QStringLiteral("as"), QStringLiteral("Save as")) > searchScore(QStringLiteral("as"), QStringLiteral("Mask")));
+    CHECK(searchScore(QStringLiteral("fs"), QStringLiteral("Frame the selection")) > 0);
+    CHECK(searchScore(QStringLiteral("xyz"), QStringLiteral("Save as")) == 0);
+    CHECK(searchScore({}, QStringLiteral("Save as")) > 0);
+}
+
+TEST_CASE("texts: numbers are said in units that read well") {
+    CHECK(lengthText(0.0123) == QStringLiteral("1.23 cm"));
+    CHECK(lengthText(0.0045) == QStringLiteral("4.5 mm"));
+    CHECK(lengthText(2.5) == QStringLiteral("2.5 m"));
+    CHECK(durationText(0.25) == QStringLiteral("250 ms"));
+    CHECK(durationText(75.0) == QStringLiteral("1 min 15 s"));
+    CHECK(errorText({"no-such-thing", "there is none"}) == QStringLiteral("There is none."));
+}
