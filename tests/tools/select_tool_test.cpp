@@ -61,6 +61,31 @@ TEST_CASE("select: bones and their ends lie over bodies, joint faces are parts o
     CHECK(stage.steps() == 2 + 4 + 1 + 2);  // looking changes nothing
 }
 
+TEST_CASE("select: the end of a bone can be dragged, and the drag be taken back") {
+    Stage stage;
+    addTwoBones(stage);
+    stage.look(ViewAxis::Front);
+    SelectTool tool(stage.document());
+    const int before = stage.steps();
+    const EndpointRef tip{stage.now().boneNamed("bone 2")->id, true};
+    stage.press(tool, Vec3(3, 0, 0));
+    stage.pull(tool, Vec3(2.8, 0.8, 0));
+    CHECK(tool.busy());
+    CHECK(stage.now().held.contains(tip));
+    tool.cancel();
+    CHECK(!tool.busy());
+    CHECK(stage.steps() == before);
+    stage.press(tool, Vec3(3, 0, 0));
+    stage.pull(tool, Vec3(2.8, 0.8, 0));
+    stage.letGo(tool, Vec3(2.8, 0.8, 0));
+    CHECK(stage.steps() == before + 1);
+    // A drag that begins on the body only selects.
+    stage.press(tool, Vec3(-1.6, 0.35, 0));
+    stage.pull(tool, Vec3(-1.6, 0.9, 0));
+    CHECK(!tool.busy());
+    CHECK(stage.steps() == before + 1);
+}
+
 TEST_CASE("select: Delete removes everything selected in one undo step") {
     Stage stage;
     addTwoBones(stage);

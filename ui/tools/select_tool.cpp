@@ -59,19 +59,31 @@ bool removeSelection(StudioDocument& document) {
 }
 
 void SelectTool::press(const PointerEvent& e) {
-    if (e.button == Qt::LeftButton) selectByClick(document_, pickItem(document_.session(), e), e.modifiers);
+    if (e.button != Qt::LeftButton || busy()) return;
+    const auto item = pickItem(document_.session(), e);
+    if (item && item->kind == SelectionItem::Kind::Endpoint && !(e.modifiers & Qt::ShiftModifier))
+        pose_.press(e);
+    else
+        selectByClick(document_, item, e.modifiers);
 }
 
 void SelectTool::move(const PointerEvent& e) {
-    if (e.buttons == Qt::NoButton) document_.setHovered(pickItem(document_.session(), e));
+    if (busy())
+        pose_.move(e);
+    else if (e.buttons == Qt::NoButton)
+        document_.setHovered(pickItem(document_.session(), e));
 }
 
-bool SelectTool::key(int key, Qt::KeyboardModifiers) {
+bool SelectTool::key(int key, Qt::KeyboardModifiers modifiers) {
+    if (busy()) return pose_.key(key, modifiers);
     if (key != Qt::Key_Delete && key != Qt::Key_Backspace) return false;
     return removeSelection(document_);
 }
 
 QString SelectTool::hint() const {
+    if (busy()) return pose_.hint();
+    if (document_.hovered() && document_.hovered()->kind == SelectionItem::Kind::Endpoint)
+        return ToolTexts::tr("Click: select · Drag: pose");
     if (document_.selection().empty()) return ToolTexts::tr("Click: select · Shift+click: add");
     return ToolTexts::tr("Click: select · Shift+click: add · Delete: remove");
 }

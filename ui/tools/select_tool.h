@@ -1,18 +1,29 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "ui/tools/tool.h"
+#include "ui/tools/pose_tool.h"
 
 namespace imomushi {
 
-/// Click selects, Shift+click adds or takes away, a click on nothing clears; Delete removes what is selected.
+/// Click selects, Shift+click adds or takes away, a click on nothing clears; Delete removes what is selected. Ends of bones can be
+/// dragged as with the pose tool.
 class SelectTool : public Tool {
 public:
-    using Tool::Tool;
+    explicit SelectTool(StudioDocument& document) : Tool(document), pose_(document) {}
     void press(const PointerEvent& e) override;
     void move(const PointerEvent& e) override;
+    void release(const PointerEvent& e) override { pose_.release(e); }
+    bool wheel(double notches, const PointerEvent& e) override { return pose_.wheel(notches, e); }
     bool key(int key, Qt::KeyboardModifiers modifiers) override;
+    [[nodiscard]] bool wants(int key) const override { return busy() && pose_.wants(key); }
+    void keyReleased(int key) override { pose_.keyReleased(key); }
+    void cancel() override { pose_.cancel(); }
+    [[nodiscard]] bool busy() const override { return pose_.busy(); }
     [[nodiscard]] QString hint() const override;
+    void decorate(render::Scene& scene) const override { pose_.decorate(scene); }
+
+private:
+    PoseTool pose_;
 };
 
 /// Selects `item` as a click with these modifiers does.

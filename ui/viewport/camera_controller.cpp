@@ -134,20 +134,34 @@ void CameraController::frame(std::span<const Vec3> points, bool animate) {
         high = any ? Vec3(high.cwiseMax(p)) : p;
         any = true;
     }
+    const Vec3 centre = 0.5 * (low + high);
+    // A single point is framed as if it were a tenth of what was framed before.
+    const double size = std::max((high - low).norm(), 0.1 * reach_);
     View view = goal_.value_or(view_);
-    view.target = 0.5 * (low + high);
-    // A single point is framed as if it were a hundredth of what was framed before.
-    const double size = std::max((high - low).norm(), 0.01 * reach_);
     const Eigen::Matrix3d a = axesOf(view);
-    const double tanY = std::tan(kFov / 2.0), tanX = tanY * width_ / height_;
-    double distance = 0.5 * size;
-    for (int i = 0; i < 8; ++i) {
-        const Vec3 corner = Vec3(i & 1 ? low.x() : high.x(), i & 2 ? low.y() : high.y(), i & 4 ? low.z() : high.z()) - view.target;
-        const Vec3 c = a.transpose() * corner;
-        const double needed = kMargin * std::max(std::abs(c.x()) / tanX, std::abs(c.y()) / tanY);
-        distance = std::max({distance, needed + c.z(), needed});
+    // The tightest eye: for each pair of sides of the view, the eye keeps all points between two planes through it. Without perspective the
+    // extents across the view count.
+    const double tanY = std::tan(kFov / 2.0) / kMargin, tanX = tanY * width_ / height_;
+    const Eigen::Array2d slope(tanX, tanY);
+    Eigen::Array2d least = Eigen::Array2d::Constant(1e300), most = -least, narrow = least, wide = most;
+    const auto take = [&](const Vec3& p) {
+        const Vec3 c = a.transpose() * (p - centre);
+        const Eigen::Array2d across = c.head<2>().array();
+        least = least.min(across - c.z() * slope);
+        most = most.max(across + c.z() * slope);
+        narrow = narrow.min(across);
+        wide = wide.max(across);
+    };
+    if (any) {
+        for (const Vec3& p : points)
+            if (p.allFinite()) take(p);
+    } else {
+        for (int i = 0; i < 8; ++i) take(Vec3(i & 1 ? low.x() : high.x(), i & 2 ? low.y() : high.y(), i & 4 ? low.z() : high.z()));
     }
-    view.distance = distance;
+    const Eigen::Array2d middle = orthographic_ ? Eigen::Array2d((narrow + wide) / 2.0) : Eigen::Array2d((least + most) / 2.0);
+    view.target = centre + middle.x() * a.col(0) + middle.y() * a.col(1);
+    // Both projections fit, so that switching between them loses nothing; and the eye stays outside.
+    view.distance = std::max({((most - least) / (2.0 * slope)).maxCoeff(), ((wide - narrow) / (2.0 * slope)).maxCoeff(), 0.5 * size});
     if ((high - low).norm() > 0.0) reach_ = size;
     go(view, animate);
 }
