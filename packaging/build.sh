@@ -9,7 +9,8 @@ root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd -P)
 build="$root/build"
 what="${1:-program}"
 
-cached() { sed -n "s/^$1:[A-Z]*=//p" "$build/CMakeCache.txt" 2>/dev/null | head -n 1; }
+# A value of the last configuration; nothing where there was none.
+cached() { if [ -e "$build/CMakeCache.txt" ]; then sed -n "s/^$1:[A-Z]*=//p" "$build/CMakeCache.txt"; fi; }
 
 # A build folder of another place, generator or compiler that is gone cannot be brought up to date: its configuration is forgotten.
 if [ -e "$build/CMakeCache.txt" ]; then
