@@ -32,6 +32,9 @@ if [ ! -e "$build/build.ninja" ] || [ ${#options[@]} -gt 0 ]; then
     cmake -S "$root" -B "$build" -G Ninja "${options[@]}"
 fi
 
+# With ccache, clones in different places share what they compiled.
+export CCACHE_BASEDIR="$root"
+
 # Some files take more than 2 GB to compile: as many at once as processors and memory allow.
 jobs=$(nproc)
 fit=$(awk '/^MemAvailable:/ {print int($2 / 2500000)}' /proc/meminfo)
