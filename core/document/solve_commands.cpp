@@ -54,6 +54,17 @@ Result<Json> estimate(Session& session, const Json& arguments, const Progress&) 
     return Json{{"elements", std::move(list)}, {"seconds", seconds}, {"peak_bytes", bytes}, {"ms_per_frame", milliseconds}};
 }
 
+/// The fresh response of an element with joint faces: from the cache, or solved now.
+Result<std::shared_ptr<const ElementResponse>> freshResponse(Session::State& s, PartId id, const Progress& progress) {
+    if (auto known = s.responseOf(id, false)) return known;
+    auto built = buildResponse(s.inputOf(id), progress);
+    if (!built) return fail(built.error().code, "\"" + s.document.elements.at(id)->name + "\": " + built.error().message);
+    auto response = std::make_shared<const ElementResponse>(std::move(*built));
+    s.responses.insert(s.keysOf(id).key, response);
+    s.pending.responses = true;
+    return response;
+}
+
 Result<Json> precompute(Session& session, const Json& arguments, const Progress& progress) {
     Session::State& s = session.state();
     const auto ids = chosen(s.document, arguments);
@@ -72,19 +83,12 @@ Result<Json> precompute(Session& session, const Json& arguments, const Progress&
             line["columns"] = 0;
             line["note"] = "no joint face: the element follows its bone rigidly";
         } else {
-            const ContentKey key = s.keysOf(id).key;
-            auto response = s.responseOf(id, false);
-            const bool cached = response != nullptr;
-            double seconds = 0.0;
-            if (!cached) {
-                const auto start = std::chrono::steady_clock::now();
-                auto built = buildResponse(s.inputOf(id), progress.part(done, next));
-                if (!built) return fail(built.error().code, "\"" + element.name + "\": " + built.error().message);
-                seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-                response = std::make_shared<const ElementResponse>(std::move(*built));
-                s.responses.insert(key, response);
-                s.pending.responses = true;
-            }
+            const bool cached = s.responseOf(id, false) != nullptr;
+            const auto start = std::chrono::steady_clock::now();
+            const auto fresh = freshResponse(s, id, progress.part(done, next));
+            if (!fresh) return tl::unexpected(fresh.error());
+            const double seconds = cached ? 0.0 : std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+            const auto& response = *fresh;
             line["columns"] = response->columns();
             line["seconds"] = seconds;
             line["bytes"] = response->bytes();
@@ -203,9 +207,9 @@ Result<Json> deform(Session& session, const Json& arguments, const Progress& pro
     answer["model"] = model;
     Points positions;
     if (model == "reduced") {
-        const auto response = s.responseOf(element.id, false);
-        if (!response)
-            return fail("not-precomputed", "The element \"" + element.name + "\" has no fresh response: run precompute first.");
+        const auto fresh = freshResponse(s, element.id, progress);
+        if (!fresh) return tl::unexpected(fresh.error());
+        const auto& response = *fresh;
         Eigen::VectorXd v = Eigen::VectorXd::Zero(response->columns());
         double lost = 0.0, worst = 0.0;
         for (std::size_t f = 0; f < element.faces.size(); ++f) {
@@ -257,7 +261,7 @@ void addSolveCommands(CommandRegistry& registry) {
                   {{"element", Type::Text, true, "The element."},
                    {"faces", Type::Object, true,
                     "{face: {a, b, theta1, theta2, dz}} as in eq. (5), or {face: {\"vertices\": {index: [dx,dy,dz]}}}; what is not named is at rest."},
-                   {"model", Type::Text, false, "\"reduced\" (unless given; needs a fresh precompute), \"full\" or \"previous\" (the statics of full)."}},
+                   {"model", Type::Text, false, "\"reduced\" (unless given; precomputes the element where that is missing), \"full\" or \"previous\" (the statics of full)."}},
                   false, deform});
 }
 

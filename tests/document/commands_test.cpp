@@ -302,9 +302,11 @@ TEST_CASE("deform-element: statics of one element, and write-mesh writes them un
     Workbench w;
     w.buildChain();
     const Json bend = {{"do", "deform-element"}, {"element", "A"}, {"faces", {{"out", {{"theta2", 0.2}}}}}};
-    CHECK(w.code(bend) == "not-precomputed");
-    w.good({{"do", "precompute"}});
+    // What it needs is precomputed by itself, and only that element.
     const Json reduced = w.good(bend);
+    const Json precomputed = w.good({{"do", "precompute"}});
+    CHECK(precomputed["elements"][0]["cached"] == true);
+    CHECK(precomputed["elements"][1]["cached"] == false);
     CHECK(reduced["columns"] == 18);
     CHECK(reduced["basis_error"].get<double>() <= 1e-12);
     const auto rest = (Workbench::folder() / "rest.obj").string(), deformed = (Workbench::folder() / "deformed.obj").string(),
