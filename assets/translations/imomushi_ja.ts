@@ -560,6 +560,10 @@
             <source>%1 min %2 s</source>
             <translation>%1 分 %2 秒</translation>
         </message>
+        <message>
+            <source>%1 litres</source>
+            <translation>%1 リットル</translation>
+        </message>
     </context>
     <context>
         <name>ToolTexts</name>
@@ -639,7 +643,7 @@
         </message>
         <message>
             <source>Click: select · Drag: pose</source>
-            <translation type="unfinished" />
+            <translation>クリック：選択 · ドラッグ：ポーズ</translation>
         </message>
     </context>
     <context>
@@ -980,10 +984,6 @@
         <message>
             <source>Volume</source>
             <translation>体積</translation>
-        </message>
-        <message>
-            <source>%1 litres</source>
-            <translation>%1 リットル</translation>
         </message>
         <message>
             <source>Precompute</source>
@@ -1588,6 +1588,10 @@
             <comment>shortcut, commands</comment>
             <translation>%1 の割り当て先：%2</translation>
         </message>
+        <message>
+            <source>Press keys</source>
+            <translation>キーを押す</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::StartPage</name>
@@ -1679,12 +1683,14 @@
             <translation>前計算の状態：%1</translation>
         </message>
         <message>
-            <source>Time of the processor for one frame: bones, surfaces, normals</source>
-            <translation>1 フレームにかかる処理時間：ボーン、表面、法線</translation>
-        </message>
-        <message>
             <source>Frames per second of the viewport</source>
             <translation>ビューの毎秒フレーム数</translation>
+        </message>
+        <message>
+            <source>Time of the processor for one frame, drawing included.
+Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
+            <translation>1 フレームの処理時間（描画を含む）。
+内訳：ボーン %1 ms、関節 %2 ms、表面 %3 ms、法線 %4 ms</translation>
         </message>
     </context>
     <context>

@@ -63,7 +63,7 @@ QList<Sample> samples() {
     QList<Sample> found;
     for (const QString& folder : sampleFolders()) {
         for (const QFileInfo& file : QDir(folder).entryInfoList({QStringLiteral("*.imomushi")}, QDir::Files, QDir::Name))
-            found << Sample{file.completeBaseName(), file.absoluteFilePath()};
+            found << Sample{file.completeBaseName(), file.absoluteFilePath(), file.absolutePath() + u'/' + file.completeBaseName() + QStringLiteral(".jpg")};
         if (!found.isEmpty()) break;
     }
     return found;

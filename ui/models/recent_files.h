@@ -27,6 +27,7 @@ signals:
 struct Sample {
     QString name;  ///< of the file, without suffix
     QString path;
+    QString picture;  ///< a JPEG file beside it
 };
 QList<Sample> samples();
 [[nodiscard]] bool isSample(const QString& path);

@@ -138,7 +138,9 @@ QString errorText(const Error& error) {
 QString stepText(const std::string& command, const std::string& subject) {
     QString name = named(kSteps, "Steps", command);
     if (name.isEmpty()) name = QString::fromStdString(command);
-    return subject.empty() ? name : Texts::tr("%1: %2", "undo step: what was done, to what").arg(name, QString::fromStdString(subject));
+    QString what = QString::fromStdString(subject);
+    if (command == "import-element") what = what.section(u'/', -1);  // the file, not its folders
+    return what.isEmpty() ? name : Texts::tr("%1: %2", "undo step: what was done, to what").arg(name, what);
 }
 
 QString issueText(const std::string& code, int count, const std::string& fallback) {
@@ -169,6 +171,14 @@ QString lengthText(double metres) {
     if (size < 0.01) return QStringLiteral("%1 mm").arg(locale.toString(metres * 1000.0, 'g', 3));
     if (size < 1.0) return QStringLiteral("%1 cm").arg(locale.toString(metres * 100.0, 'g', 3));
     return QStringLiteral("%1 m").arg(locale.toString(metres, size < 1000.0 ? 'g' : 'f', size < 1000.0 ? 4 : 0));
+}
+
+QString volumeText(double cubicMetres) {
+    const QLocale locale;
+    const double size = std::abs(cubicMetres);
+    if (size < 1e-3) return QStringLiteral("%1 cm³").arg(locale.toString(cubicMetres * 1e6, 'g', 4));
+    if (size < 1.0) return Texts::tr("%1 litres").arg(locale.toString(cubicMetres * 1e3, 'g', 4));
+    return QStringLiteral("%1 m³").arg(locale.toString(cubicMetres, 'f', size < 100.0 ? 2 : 0));
 }
 
 }  // namespace imomushi

@@ -26,5 +26,7 @@ QString bytesText(double bytes);
 QString durationText(double seconds);
 /// 0.0123 -> "12.3 mm": the unit that reads best.
 QString lengthText(double metres);
+/// 0.0123 -> "12.3 litres".
+QString volumeText(double cubicMetres);
 
 }  // namespace imomushi

@@ -120,7 +120,7 @@ QToolButton[link="true"] { color: @muted; padding: 3px 8px; border-radius: 5px; 
 QToolButton[link="true"]:hover { color: @text; }
 
 QDockWidget { titlebar-close-icon: none; color: @muted; }
-QDockWidget::title { background: @window; padding: 7px 12px; text-align: left; }
+#dockTitle { background: @window; color: @muted; }
 QDockWidget > QWidget { background: @panel; }
 QTabBar { background: transparent; qproperty-drawBase: 0; }
 QTabBar::tab { background: transparent; color: @muted; padding: 7px 13px; border: none; border-bottom: 2px solid transparent; }
@@ -185,7 +185,7 @@ QSlider::handle:horizontal { background: @accent; width: 14px; height: 14px; mar
 
 QLabel { background: transparent; }
 QLabel[role="muted"] { color: @muted; }
-QLabel[role="section"] { color: @text; font-weight: 600; padding-top: 2px; }
+QLabel[role="section"] { color: @text; font-weight: 600; }
 QLabel[role="title"] { font-size: @titlept; font-weight: 600; }
 QLabel[role="huge"] { font-size: @hugept; font-weight: 600; }
 QLabel[role="warning"] { color: @warning; }

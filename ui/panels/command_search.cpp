@@ -66,33 +66,29 @@ int searchScore(const QString& typed, const QString& text) {
     return std::max(1, int(300 - at));
 }
 
-CommandSearch::CommandSearch(const QList<QAction*>& actions, QWidget* window) : QFrame(window, Qt::Popup | Qt::FramelessWindowHint), actions_(actions) {
+// A child of the window and no window of its own: its round corners need no compositor.
+CommandSearch::CommandSearch(const QList<QAction*>& actions, QWidget* window) : QFrame(window), actions_(actions) {
     setAttribute(Qt::WA_DeleteOnClose);
-    setAttribute(Qt::WA_TranslucentBackground);
-    auto* frame = new QFrame(this);
-    frame->setObjectName(QStringLiteral("search"));
-    line_ = new QLineEdit(frame);
+    setObjectName(QStringLiteral("search"));
+    line_ = new QLineEdit(this);
     line_->setPlaceholderText(tr("Search commands"));
     line_->setAccessibleName(tr("Search commands"));
     line_->addAction(themedIcon(QStringLiteral("search"), Appearance::Role::Muted), QLineEdit::LeadingPosition);
     line_->installEventFilter(this);
-    auto* rule = new QFrame(frame);
+    auto* rule = new QFrame(this);
     rule->setObjectName(QStringLiteral("rule"));
-    list_ = new QListWidget(frame);
+    list_ = new QListWidget(this);
     list_->setItemDelegate(new ActionDelegate(list_));
     list_->setUniformItemSizes(true);
     list_->setFocusPolicy(Qt::NoFocus);
     list_->setMouseTracking(true);
     list_->setAccessibleName(tr("Commands"));
-    auto* inside = new QVBoxLayout(frame);
+    auto* inside = new QVBoxLayout(this);
     inside->setContentsMargins(px(8), px(6), px(8), px(8));
     inside->setSpacing(px(6));
     inside->addWidget(line_);
     inside->addWidget(rule);
     inside->addWidget(list_);
-    auto* layout = new QVBoxLayout(this);
-    layout->setContentsMargins(0, 0, 0, 0);
-    layout->addWidget(frame);
     connect(line_, &QLineEdit::textChanged, this, &CommandSearch::fill);
     connect(list_, &QListWidget::itemClicked, this, &CommandSearch::run);
     resize(px(560), px(420));
@@ -101,8 +97,9 @@ CommandSearch::CommandSearch(const QList<QAction*>& actions, QWidget* window) : 
 
 void CommandSearch::popUp() {
     const QWidget* window = parentWidget();
-    move(window->mapToGlobal(QPoint((window->width() - width()) / 2, window->height() / 6)));
+    move((window->width() - width()) / 2, window->height() / 6);
     show();
+    raise();
     line_->setFocus();
 }
 
@@ -131,6 +128,7 @@ void CommandSearch::run() {
 }
 
 bool CommandSearch::eventFilter(QObject* watched, QEvent* event) {
+    if (event->type() == QEvent::FocusOut && static_cast<QFocusEvent*>(event)->reason() != Qt::ActiveWindowFocusReason) close();
     if (event->type() != QEvent::KeyPress) return QFrame::eventFilter(watched, event);
     const int key = static_cast<QKeyEvent*>(event)->key();
     const int row = list_->currentRow(), last = list_->count() - 1;

@@ -201,6 +201,8 @@ void InspectorPanel::addRow(const QString& label, QWidget* field) {
     text->setProperty("role", "muted");
     text->setBuddy(field);
     field->setAccessibleName(label);
+    field->setMinimumWidth(px(90));
+    field->setSizePolicy(QSizePolicy::Ignored, field->sizePolicy().verticalPolicy());
     const int row = grid_->rowCount();
     grid_->addWidget(text, row, 0, Qt::AlignLeft | Qt::AlignVCenter);
     grid_->addWidget(field, row, 1);
@@ -278,6 +280,9 @@ void InspectorPanel::addProperty(const QString& label, NumberField::Spec spec, c
 void InspectorPanel::addChoice(const QString& label, const std::vector<std::pair<QString, Json>>& choices, std::function<Json()> current,
                                std::function<void(const Json&)> set) {
     auto* box = new QComboBox(body_);
+    // Long names are cut, not the form.
+    box->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
+    box->setMinimumContentsLength(6);
     std::vector<Json> values;
     for (const auto& [text, value] : choices) {
         box->addItem(text);
@@ -419,7 +424,7 @@ void InspectorPanel::buildElements(const Items& items) {
         const MeshFacts facts = meshFacts(e->mesh->body);
         const Vec3 size = facts.high - facts.low;
         addFact(tr("Size"), [size] { return QStringLiteral("%1 × %2 × %3").arg(lengthText(size.x()), lengthText(size.y()), lengthText(size.z())); });
-        addFact(tr("Volume"), [facts] { return tr("%1 litres").arg(QLocale().toString(facts.volume * 1000.0, 'g', 4)); });
+        addFact(tr("Volume"), [facts] { return volumeText(facts.volume); });
     }
 
     section(tr("Precompute"));

@@ -6,6 +6,7 @@
 #include <QDockWidget>
 #include <QDragEnterEvent>
 #include <QFileInfo>
+#include <QLabel>
 #include <QMenuBar>
 #include <QMessageBox>
 #include <QMimeData>
@@ -176,11 +177,15 @@ void MainWindow::buildDocks() {
     inspectorDock_ = dock("inspectorDock", inspector_);
     // The tabs say the names; a title below them would say them twice.
     for (QDockWidget* d : {outlinerDock_, historyDock_, issuesDock_}) d->setTitleBarWidget(new QWidget(d));
+    inspectorTitle_ = new QLabel(inspectorDock_);
+    inspectorTitle_->setObjectName(QStringLiteral("dockTitle"));
+    inspectorDock_->setTitleBarWidget(inspectorTitle_);
     // Split first: a dock that is split off a tab only becomes another tab.
     splitDockWidget(outlinerDock_, inspectorDock_, Qt::Vertical);
     tabifyDockWidget(outlinerDock_, historyDock_);
     tabifyDockWidget(historyDock_, issuesDock_);
     resizeDocks({outlinerDock_, inspectorDock_}, {2, 3}, Qt::Vertical);
+    resizeDocks({outlinerDock_, inspectorDock_}, {px(340), px(340)}, Qt::Horizontal);
     outlinerDock_->raise();
     connect(outliner_, &OutlinerPanel::contextMenuWanted, this, &MainWindow::contextMenu);
     connect(inspector_, &InspectorPanel::precomputeWanted, this, &MainWindow::startPrecompute);
@@ -350,6 +355,7 @@ void MainWindow::retranslate() {
     outlinerDock_->setWindowTitle(tr("Outliner"));
     historyDock_->setWindowTitle(tr("History"));
     inspectorDock_->setWindowTitle(tr("Properties"));
+    inspectorTitle_->setText(tr("Properties"));
     issuesDock_->setWindowTitle(issues_->worth() > 0 ? tr("Issues (%1)").arg(issues_->worth()) : tr("Issues"));
     tools_->setWindowTitle(tr("Tools"));
     tools_->setAccessibleName(tr("Tools"));
@@ -371,6 +377,7 @@ void MainWindow::changeEvent(QEvent* event) {
 
 void MainWindow::takeSizes() {
     tools_->setIconSize(QSize(px(22), px(22)));
+    inspectorTitle_->setContentsMargins(px(14), px(8), px(8), px(8));
     outlinerDock_->setMinimumWidth(px(300));
     inspectorDock_->setMinimumWidth(px(300));
     placeOverlays();
@@ -460,7 +467,8 @@ void MainWindow::keepPicture() {
     QTimer::singleShot(400, this, [this] {
         const auto& path = document_.session().path();
         if (path.empty() || startShown() || !viewport_->isVisible() || document_.document().elements.empty()) return;
-        files_->recent().setThumbnail(QString::fromStdString(path.string()), viewport_->grabFramebuffer());
+        const QString file = QString::fromStdString(path.string());
+        if (!isSample(file)) files_->recent().setThumbnail(file, viewport_->grabFramebuffer());
     });
 }
 

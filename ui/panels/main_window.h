@@ -9,6 +9,7 @@
 #include "ui/panels/message_bar.h"
 
 class QDockWidget;
+class QLabel;
 class QStackedLayout;
 class QToolBar;
 
@@ -105,6 +106,7 @@ private:
     QDockWidget* historyDock_ = nullptr;
     QDockWidget* issuesDock_ = nullptr;
     QDockWidget* inspectorDock_ = nullptr;
+    QLabel* inspectorTitle_ = nullptr;
     std::vector<std::pair<QMenu*, const char*>> menus_;  ///< with their titles in this class's context
     bool updateScheduled_ = false;
     bool precomputeFailed_ = false;

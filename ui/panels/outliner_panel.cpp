@@ -52,6 +52,7 @@ OutlinerPanel::OutlinerPanel(StudioDocument& document, QWidget* parent) : QWidge
     connect(search_, &QLineEdit::textChanged, this, [this](const QString& text) {
         filter_->setFilterFixedString(text);
         tree_->expandAll();
+        spanRows();
     });
     connect(tree_, &QTreeView::clicked, this, [this](const QModelIndex& index) { model_->toggle(filter_->mapToSource(index)); });
     connect(tree_, &QTreeView::customContextMenuRequested, this, [this](const QPoint& at) { Q_EMIT contextMenuWanted(tree_->viewport()->mapToGlobal(at)); });
@@ -117,6 +118,14 @@ void OutlinerPanel::restoreExpansion() {
     visit(*model_, {}, [this](const QModelIndex& index) {
         const QModelIndex shown = filter_->mapFromSource(index);
         if (shown.isValid()) tree_->setExpanded(shown, !collapsed_.contains(keyOf(*model_, index)));
+    });
+    spanRows();
+}
+
+void OutlinerPanel::spanRows() {
+    // Only elements have signs behind their names; the others use the whole width.
+    visit(*filter_, {}, [this](const QModelIndex& index) {
+        tree_->setFirstColumnSpanned(index.row(), index.parent(), index.data(OutlinerModel::KindRole).toInt() != int(OutlinerModel::Kind::Element));
     });
 }
 

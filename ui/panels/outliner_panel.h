@@ -33,6 +33,7 @@ private:
     void showSelection();
     void rememberExpansion();
     void restoreExpansion();
+    void spanRows();
     void sizeColumns();
 
     StudioDocument& document_;

@@ -8,6 +8,7 @@
 #include <QHeaderView>
 #include <QKeySequenceEdit>
 #include <QLabel>
+#include <QLineEdit>
 #include <QPushButton>
 #include <QSettings>
 #include <QTabWidget>
@@ -99,6 +100,7 @@ void PreferencesDialog::rebuild() {
     table_ = new QTableWidget(keys);
     table_->setColumnCount(2);
     table_->setHorizontalHeaderLabels({tr("Command"), tr("Shortcut")});
+    table_->horizontalHeader()->setDefaultAlignment(Qt::AlignLeft | Qt::AlignVCenter);
     table_->horizontalHeader()->setSectionResizeMode(0, QHeaderView::Stretch);
     table_->horizontalHeader()->setSectionResizeMode(1, QHeaderView::Fixed);
     table_->horizontalHeader()->resizeSection(1, px(190));
@@ -135,14 +137,21 @@ void PreferencesDialog::rebuild() {
 void PreferencesDialog::fillShortcuts() {
     const auto& entries = actions_.entries();
     table_->setRowCount(int(entries.size()));
+    QPixmap empty(px(16), px(16));
+    empty.fill(Qt::transparent);
+    const QIcon noIcon(empty);  // names stand in one line with and without
     for (int i = 0; i < int(entries.size()); ++i) {
         const auto& entry = entries[std::size_t(i)];
-        auto* name = new QTableWidgetItem(entry.action->icon(), plainText(entry.action->text()));
+        auto* name = new QTableWidgetItem(entry.action->icon().isNull() ? noIcon : entry.action->icon(), plainText(entry.action->text()));
         name->setFlags(Qt::ItemIsEnabled);
         table_->setItem(i, 0, name);
         auto* edit = new QKeySequenceEdit(entry.action->shortcut(), table_);
         edit->setClearButtonEnabled(true);
         edit->setAccessibleName(name->text());
+        if (auto* line = edit->findChild<QLineEdit*>()) {
+            line->setPlaceholderText(tr("Press keys"));
+            line->setAccessibleName(name->text());
+        }
         connect(edit, &QKeySequenceEdit::editingFinished, this, [this, edit, id = entry.id] {
             actions_.setShortcut(id, edit->keySequence());
             markConflicts();

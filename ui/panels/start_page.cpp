@@ -200,9 +200,7 @@ void StartPage::rebuild() {
     if (!all.isEmpty()) {
         QGridLayout* grid = group(tr("Samples"));
         for (const Sample& sample : all) {
-            QImage picture = recent_.thumbnail(sample.path);
-            if (picture.isNull()) picture.load(sample.path.chopped(int(qstrlen("imomushi"))) + QStringLiteral("png"));
-            auto* tile = new Tile(picture, sampleTitle(sample.name), sampleNote(sample.name), QStringLiteral("character"), column);
+            auto* tile = new Tile(QImage(sample.picture), sampleTitle(sample.name), sampleNote(sample.name), QStringLiteral("character"), column);
             tile->setObjectName(QStringLiteral("sample-") + sample.name);
             connect(tile, &QAbstractButton::clicked, this, [this, path = sample.path] { Q_EMIT fileWanted(path); });
             place(grid, tile);

@@ -57,6 +57,13 @@ void StatusStrip::setFrame(double cpuMs, double fps, int vertices) {
     lastFps_ = fps;
     lastVertices_ = vertices;
     showFrame();
+    if (const Character* character = document_.session().character()) {
+        const auto& s = character->stats();
+        const QLocale locale;
+        const auto ms = [&](double value) { return locale.toString(value, 'f', 3); };
+        ms_->setToolTip(tr("Time of the processor for one frame, drawing included.\nOf it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms")
+                            .arg(ms(s.poseMs), ms(s.jointsMs), ms(s.productMs), ms(s.normalsMs)));
+    }
 }
 
 void StatusStrip::showFrame() {
@@ -76,6 +83,7 @@ void StatusStrip::update() {
     scheduled_ = false;
     mouse_->setPixmap(themedIcon(QStringLiteral("mouse"), Appearance::Role::Muted).pixmap(QSize(px(16), px(16)), devicePixelRatioF()));
     state_->setIconSize(QSize(px(16), px(16)));
+    setMinimumHeight(px(32));  // with and without the sign of the precompute
     // Fixed widths, so that nothing jumps while numbers change.
     ms_->setMinimumWidth(fontMetrics().horizontalAdvance(QStringLiteral("000.00 ms")) + px(4));
     fps_->setMinimumWidth(fontMetrics().horizontalAdvance(QStringLiteral("000 fps")) + px(4));
@@ -100,7 +108,6 @@ void StatusStrip::update() {
         state_->setToolTip(tr("All elements are up to date"));
     }
     state_->setAccessibleName(tr("State of the precompute: %1").arg(state_->text()));
-    ms_->setToolTip(tr("Time of the processor for one frame: bones, surfaces, normals"));
     fps_->setToolTip(tr("Frames per second of the viewport"));
     showFrame();
 }
