@@ -165,7 +165,8 @@ bool DenseLu::reciprocalCondition(double norm1, int threads, const Progress& pro
     if (singular_ || !(norm1 > 0.0)) return true;
     // Higham's estimator of |A^-1|_1 by reverse communication, so that it can be cancelled between and in its solves.
     const auto n = static_cast<std::size_t>(size_);
-    std::vector<float> v(n), x(n);
+    // OpenBLAS's sasum adds in another order where the address is aligned otherwise: memory of fixed alignment repeats to the byte.
+    const LargeArray<float> v(n), x(n);
     std::vector<std::int32_t> sign(n);
     std::array<std::int32_t, 3> state{};
     std::int32_t kase = 0;
@@ -173,8 +174,7 @@ bool DenseLu::reciprocalCondition(double norm1, int threads, const Progress& pro
     do {
         LAPACKE_slacn2_work(size_, v.data(), x.data(), sign.data(), &inverseNorm, &kase, state.data());
         if (kase != 0 && !solve(x.data(), 1, kase == 2, threads, progress)) return false;
-        for (const float value : x)
-            if (!std::isfinite(value)) return true;  // singular to single precision
+        if (!std::all_of(x.data(), x.data() + n, [](float value) { return std::isfinite(value); })) return true;  // singular to single precision
     } while (kase != 0);
     if (inverseNorm > 0.0f) rcond = 1.0 / (norm1 * static_cast<double>(inverseNorm));
     return true;
