@@ -1466,10 +1466,6 @@
             <translation>ボーン</translation>
         </message>
         <message>
-            <source>joined with %1</source>
-            <translation>%1 とつながっています</translation>
-        </message>
-        <message>
             <source>Precomputed</source>
             <translation>前計算済み</translation>
         </message>

@@ -184,7 +184,7 @@ QVariant OutlinerModel::data(const QModelIndex& index, int role) const {
             }
             if (role == NoteRole && n.kind == Kind::Face) {
                 const QString others = joinedWith(d, n.part, n.face);
-                return others.isEmpty() ? QString() : tr("joined with %1").arg(others);
+                return others.isEmpty() ? QString() : QStringLiteral("↔ %1").arg(others);
             }
             break;
         case State: {

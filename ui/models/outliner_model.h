@@ -18,7 +18,7 @@ public:
     enum Roles {
         KindRole = Qt::UserRole,  ///< int of Kind
         IconRole,                 ///< QString: name of a line icon; empty: none
-        NoteRole,                 ///< QString: said behind the name, muted ("joined with ...")
+        NoteRole,                 ///< QString: said behind the name, muted (what a face is joined with)
     };
 
     explicit OutlinerModel(StudioDocument& document, QObject* parent = nullptr);

@@ -154,6 +154,8 @@ QTreeView QLineEdit, QTableView QLineEdit { padding: 0 4px; min-height: 0; borde
 
 QDialogButtonBox { dialogbuttonbox-buttons-have-icons: 0; }
 QMessageBox { messagebox-text-interaction-flags: 5; }
+#qt_msgbox_label { font-weight: 600; padding: 12px 16px 2px 4px; }
+#qt_msgbox_informativelabel { color: @muted; padding: 0px 16px 10px 4px; }
 QPushButton { background: @field; border: 1px solid @fieldline; border-radius: 7px; padding: 6px 16px; min-height: 18px; }
 QPushButton:hover { background: @hover; }
 QPushButton:pressed { background: @line; }
@@ -284,6 +286,8 @@ void Appearance::loadTranslations() {
     if (qts_.load(locale, QStringLiteral("qtbase"), QStringLiteral("_"), QLibraryInfo::path(QLibraryInfo::TranslationsPath)))
         QCoreApplication::installTranslator(&qts_);
     if (ours_.load(locale, QStringLiteral("imomushi"), QStringLiteral("_"), QStringLiteral(":/translations")))
+        QCoreApplication::installTranslator(&ours_);
+    else if (ours_.load(QStringLiteral(":/translations/imomushi_en.qm")))  // every other language: English with its plurals
         QCoreApplication::installTranslator(&ours_);
 }
 

@@ -380,6 +380,10 @@ void MainWindow::takeSizes() {
     inspectorTitle_->setContentsMargins(px(14), px(8), px(8), px(8));
     outlinerDock_->setMinimumWidth(px(300));
     inspectorDock_->setMinimumWidth(px(300));
+    // New metrics make the docks forget how they shared their height.
+    const int top = std::max({outlinerDock_->height() * outlinerDock_->isVisible(), historyDock_->height() * historyDock_->isVisible(), 1});
+    const int bottom = std::max(inspectorDock_->height(), 1);
+    if (isVisible()) QTimer::singleShot(0, this, [this, top, bottom] { resizeDocks({outlinerDock_, inspectorDock_}, {top, bottom}, Qt::Vertical); });
     placeOverlays();
     updateActions();
 }
@@ -617,7 +621,7 @@ void MainWindow::showControls() {
         {tr("Precompute"), QStringLiteral("P")},
         {tr("Search commands"), QStringLiteral("F3")},
     };
-    QString text = QStringLiteral("<table cellspacing='0' cellpadding='5'>");
+    QString text = QStringLiteral("<table cellspacing='0' cellpadding='5' style='font-weight:400'>");
     for (const auto& [what, how] : rows) text += QStringLiteral("<tr><td style='padding-right:28px'>%1</td><td><b>%2</b></td></tr>").arg(what.toHtmlEscaped(), how.toHtmlEscaped());
     QMessageBox box(this);
     box.setWindowTitle(tr("Mouse and keys"));
@@ -632,7 +636,7 @@ void MainWindow::showAbout() {
     box.setWindowTitle(tr("About Imomushi"));
     box.setIconPixmap(QIcon(QStringLiteral(":/icons/imomushi.svg")).pixmap(QSize(px(64), px(64)), devicePixelRatioF()));
     box.setTextFormat(Qt::RichText);
-    box.setText(QStringLiteral("<b>Imomushi %1</b><br>%2<br><br>%3")
+    box.setText(QStringLiteral("<b>Imomushi %1</b><p style='font-weight:400'>%2</p><p style='font-weight:400'>%3</p>")
                     .arg(QLatin1String(kVersion), tr("Articulated elastic characters in real time.").toHtmlEscaped(), tr("Free software under the GNU General Public License, version 3 or later.").toHtmlEscaped()));
     box.addButton(tr("Close"), QMessageBox::RejectRole);
     box.exec();

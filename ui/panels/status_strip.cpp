@@ -70,7 +70,7 @@ void StatusStrip::showFrame() {
     const QLocale locale;
     vertices_->setText(tr("%1 vertices").arg(locale.toString(lastVertices_)));
     ms_->setText(lastMs_ < 0.0 ? QStringLiteral("– ms") : QStringLiteral("%1 ms").arg(locale.toString(lastMs_, 'f', lastMs_ < 10.0 ? 2 : 1)));
-    fps_->setText(lastMs_ < 0.0 ? QStringLiteral("– fps") : QStringLiteral("%1 fps").arg(locale.toString(lastFps_, 'f', 0)));
+    fps_->setText(lastMs_ < 0.0 || lastFps_ <= 0.0 ? QStringLiteral("– fps") : QStringLiteral("%1 fps").arg(locale.toString(lastFps_, 'f', 0)));
 }
 
 void StatusStrip::setBusy(const QString& text) {
