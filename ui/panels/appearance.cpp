@@ -292,6 +292,7 @@ void Appearance::loadTranslations() {
 }
 
 void Appearance::apply() {
+    Q_EMIT aboutToChange();
     const QColor text = color(Role::Text), panel = color(Role::Panel), accent = color(Role::Accent);
     const QColor faint = mix(panel, text, theme_ == Theme::HighContrast ? 0.65 : 0.38);
     QPalette palette;

@@ -39,6 +39,7 @@ public:
     [[nodiscard]] int px(double designPixels) const;
 
 signals:
+    void aboutToChange();
     /// Theme or scale changed: sizes and hand-painted colours must be taken again. Icons and stylesheets follow by themselves.
     void changed();
 

@@ -32,7 +32,9 @@ QString scientific(double value) { return value == 0.0 ? QStringLiteral("0") : Q
 
 QString vector(const Vec3& p) {
     const QLocale locale;
-    return QStringLiteral("%1  %2  %3").arg(locale.toString(p.x(), 'f', 3), locale.toString(p.y(), 'f', 3), locale.toString(p.z(), 'f', 3));
+    // Rounded first: a zero has no sign.
+    const auto text = [&](double value) { return locale.toString(std::round(value * 1e3) / 1e3 + 0.0, 'f', 3); };
+    return QStringLiteral("%1  %2  %3").arg(text(p.x()), text(p.y()), text(p.z()));
 }
 
 }  // namespace

@@ -42,6 +42,7 @@ namespace imomushi {
 namespace {
 
 using Kind = SelectionItem::Kind;
+constexpr double kInspectorShare = 0.6;  // of the height, at first
 constexpr int kStateVersion = 1;  // of the arrangement of docks in QSettings
 
 constexpr std::pair<const char*, ToolKind> kTools[] = {
@@ -133,6 +134,10 @@ MainWindow::MainWindow(const CommandRegistry& registry) : document_(registry) {
         soon();
     });
     connect(&Appearance::instance(), &Appearance::changed, this, &MainWindow::takeSizes);
+    // New metrics make the docks forget how they shared their height.
+    connect(&Appearance::instance(), &Appearance::aboutToChange, this, [this] {
+        if (isVisible()) shareHeight(inspectorShare());
+    });
 
     takeSizes();
     retranslate();
@@ -184,7 +189,6 @@ void MainWindow::buildDocks() {
     splitDockWidget(outlinerDock_, inspectorDock_, Qt::Vertical);
     tabifyDockWidget(outlinerDock_, historyDock_);
     tabifyDockWidget(historyDock_, issuesDock_);
-    resizeDocks({outlinerDock_, inspectorDock_}, {2, 3}, Qt::Vertical);
     resizeDocks({outlinerDock_, inspectorDock_}, {px(340), px(340)}, Qt::Horizontal);
     outlinerDock_->raise();
     connect(outliner_, &OutlinerPanel::contextMenuWanted, this, &MainWindow::contextMenu);
@@ -380,10 +384,6 @@ void MainWindow::takeSizes() {
     inspectorTitle_->setContentsMargins(px(14), px(8), px(8), px(8));
     outlinerDock_->setMinimumWidth(px(300));
     inspectorDock_->setMinimumWidth(px(300));
-    // New metrics make the docks forget how they shared their height.
-    const int top = std::max({outlinerDock_->height() * outlinerDock_->isVisible(), historyDock_->height() * historyDock_->isVisible(), 1});
-    const int bottom = std::max(inspectorDock_->height(), 1);
-    if (isVisible()) QTimer::singleShot(0, this, [this, top, bottom] { resizeDocks({outlinerDock_, inspectorDock_}, {top, bottom}, Qt::Vertical); });
     placeOverlays();
     updateActions();
 }
@@ -476,6 +476,23 @@ void MainWindow::keepPicture() {
     });
 }
 
+double MainWindow::inspectorShare() const { return double(inspectorDock_->height()) / std::max(stage_->height(), 1); }
+
+void MainWindow::shareHeight(double inspector) {
+    inspector = std::clamp(inspector, 0.1, 0.9);
+    QTimer::singleShot(0, this, [this, inspector] {
+        resizeDocks({outlinerDock_, inspectorDock_}, {int(1000.0 * (1.0 - inspector)), int(1000.0 * inspector)}, Qt::Vertical);
+    });
+}
+
+void MainWindow::showEvent(QShowEvent* event) {
+    QMainWindow::showEvent(event);
+    if (shown_) return;
+    shown_ = true;
+    // restoreState() knows pixels of a window that has not its size yet.
+    shareHeight(QSettings().value(QStringLiteral("window/inspector"), kInspectorShare).toDouble());
+}
+
 void MainWindow::settle() {
     if (viewport_->busy()) viewport_->cancel();
 }
@@ -515,6 +532,7 @@ void MainWindow::closeEvent(QCloseEvent* event) {
     QSettings settings;
     settings.setValue(QStringLiteral("window/geometry"), saveGeometry());
     settings.setValue(QStringLiteral("window/docks"), saveState(kStateVersion));
+    settings.setValue(QStringLiteral("window/inspector"), inspectorShare());
     event->accept();
 }
 

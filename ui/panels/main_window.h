@@ -53,6 +53,7 @@ protected:
     void dragEnterEvent(QDragEnterEvent* event) override;
     void dropEvent(QDropEvent* event) override;
     void resizeEvent(QResizeEvent* event) override;
+    void showEvent(QShowEvent* event) override;
     bool eventFilter(QObject* watched, QEvent* event) override;
 
 private:
@@ -81,6 +82,8 @@ private:
     void settle();
     /// Takes a picture of the view for the start page.
     void keepPicture();
+    [[nodiscard]] double inspectorShare() const;  ///< of the height of the docks
+    void shareHeight(double inspector);
 
     StudioDocument document_;
     StudioActions* actions_;
@@ -110,6 +113,7 @@ private:
     std::vector<std::pair<QMenu*, const char*>> menus_;  ///< with their titles in this class's context
     bool updateScheduled_ = false;
     bool precomputeFailed_ = false;
+    bool shown_ = false;
 };
 
 }  // namespace imomushi

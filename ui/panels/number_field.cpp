@@ -39,7 +39,8 @@ void NumberField::showText() {
         setPlaceholderText(tr("different"));
         return;
     }
-    QString text = QLocale().toString(*value_ * spec_.factor, 'f', spec_.decimals);
+    const double grain = std::pow(10.0, -spec_.decimals);
+    QString text = QLocale().toString(std::round(*value_ * spec_.factor / grain) * grain + 0.0, 'f', spec_.decimals);  // a zero has no sign
     // 0.4500 reads worse than 0.45
     if (text.contains(QLocale().decimalPoint())) {
         while (text.endsWith(u'0')) text.chop(1);
