@@ -17,7 +17,7 @@ build_packages=(
     libeigen3-dev libassimp-dev libcgal-dev libopenblas-dev liblapacke-dev libhwy-dev libxxhash-dev libsqlite3-dev
     libexpected-dev nlohmann-json3-dev libtinygltf-dev
     # at run time: OpenGL without a graphics card or display, Qt's X11 and Wayland platforms, fonts for both languages
-    libegl1 libgl1-mesa-dri libxcb-cursor0 libxkbcommon-x11-0 qt6-wayland fonts-inter fonts-noto-cjk
+    libegl1 libgl1-mesa-dri libxcb-cursor0 libxkbcommon-x11-0 qt6-wayland qt6-translations-l10n fonts-inter fonts-noto-cjk
 )
 test_packages=(doctest-dev librapidcheck-dev libbenchmark-dev xvfb xauth xdotool imagemagick)
 fuzz_packages=(clang libclang-rt-14-dev)
