@@ -6,6 +6,7 @@
 #include <CGAL/convex_hull_3.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -52,9 +53,10 @@ std::vector<std::array<int, 3>> triangulateDirections(const std::vector<Vec3>& d
             const Point& p = hull.point(v);
             t[k++ % 3] = index.at({p.x(), p.y(), p.z()});
         }
+        std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
         triangles.push_back(t);
     }
-    std::sort(triangles.begin(), triangles.end());
+    std::sort(triangles.begin(), triangles.end());  // the hull is unique, the order in which CGAL finds it is not
     return triangles;
 }
 
