@@ -1,13 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/reduction/solver_mesh.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <optional>
+#include <queue>
+#include <string>
 #include <tuple>
 #include <unordered_map>
+
+#include "core/mesh/topology.h"
+#include "core/reduction/solver_mesh_setting.h"
+#include "core/reduction/triangle_tree.h"
 
 namespace imomushi {
 namespace {
@@ -53,19 +62,25 @@ public:
     /// Bisects triangle t (whose index then names one of its halves), and first those neighbours whose longest edge is longer.
     void bisect(std::int32_t t) {
         const Edge wanted = longest(t);
-        while (neighbours_.contains(key(wanted.low, wanted.high))) {
-            Edge e = wanted;
-            std::int32_t at = t;
-            for (;;) {
-                at = across(at, e);
-                if (at < 0) break;
-                const Edge longer = longest(at);
-                if (longer == e) break;
-                e = longer;
-            }
-            split(e);
-        }
+        while (neighbours_.contains(key(wanted.low, wanted.high))) splitTowards(t);
     }
+
+    /// The first of the splits that bisecting triangle t takes. Adds one vertex.
+    void splitTowards(std::int32_t t) {
+        Edge e = longest(t);
+        for (std::int32_t at = t;;) {
+            at = across(at, e);
+            if (at < 0) break;
+            const Edge longer = longest(at);
+            if (longer == e) break;
+            e = longer;
+        }
+        split(e);
+    }
+
+    [[nodiscard]] std::int32_t vertices() const { return static_cast<std::int32_t>(points_.size()); }
+    /// The triangles that the last split made or changed.
+    [[nodiscard]] const std::vector<std::int32_t>& changed() const { return changed_; }
 
     SolverMesh result(std::size_t faces) const {
         SolverMesh out;
@@ -73,6 +88,7 @@ public:
         for (std::size_t v = 0; v < points_.size(); ++v) out.mesh.vertices.row(static_cast<Eigen::Index>(v)) = points_[v].transpose();
         out.mesh.triangles.resize(static_cast<Eigen::Index>(corners_.size()), 3);
         out.faces.resize(faces);
+        out.midpointOf = midpointOf_;
         for (std::size_t t = 0; t < corners_.size(); ++t) {
             for (int c = 0; c < 3; ++c) out.mesh.triangles(static_cast<Eigen::Index>(t), c) = corners_[t][static_cast<std::size_t>(c)];
             if (labels_[t] < 0) continue;
@@ -111,6 +127,8 @@ private:
     void split(const Edge& e) {
         const auto middle = static_cast<std::int32_t>(points_.size());
         points_.push_back(0.5 * (point(e.low) + point(e.high)));
+        midpointOf_.push_back({e.low, e.high});
+        changed_.clear();
         const auto pair = neighbours_.at(key(e.low, e.high));
         neighbours_.erase(key(e.low, e.high));
         for (const std::int32_t t : pair) {
@@ -122,6 +140,8 @@ private:
             const auto half = static_cast<std::int32_t>(corners_.size());
             k = {a, middle, apex};
             corners_.push_back({middle, b, apex});
+            changed_.push_back(t);
+            changed_.push_back(half);
             labels_.push_back(labels_[static_cast<std::size_t>(t)]);
             replace(b, apex, t, half);
             for (const auto& [p, q, owner] : {std::tuple{a, middle, t}, {middle, b, half}, {middle, apex, t}, {middle, apex, half}}) {
@@ -134,6 +154,8 @@ private:
     std::vector<Vec3> points_;
     std::vector<Corner> corners_;
     std::vector<std::int32_t> labels_;  ///< joint face of each triangle, -1: free
+    std::vector<std::array<std::int32_t, 2>> midpointOf_;
+    std::vector<std::int32_t> changed_;
     std::unordered_map<std::uint64_t, std::array<std::int32_t, 2>> neighbours_;
 };
 
@@ -175,14 +197,48 @@ struct Rim {
     }
 };
 
+std::vector<std::int32_t> labelsOf(const TriangleMesh& body, std::span<const JointFace> faces) {
+    std::vector<std::int32_t> labels(static_cast<std::size_t>(body.triangles.rows()), -1);
+    for (std::size_t f = 0; f < faces.size(); ++f)
+        for (const std::int32_t t : faces[f].triangles) labels[static_cast<std::size_t>(t)] = static_cast<std::int32_t>(f);
+    return labels;
+}
+
+/// Surfaces that meet at less than this from flat are one smooth surface drawn with triangles: refining at their edges would refine everywhere.
+constexpr double kSharp = std::numbers::pi / 6.0;
+
+/// Away from a singular edge the wanted size may be this times the distance from it (that of RimRefinement).
+constexpr double kGrading = 0.6;
+
+/// The edges at which displacement is singular: rims of faces, and free edges that are sharp and re-entrant. As triangles without area.
+TriangleMesh singularEdges(const TriangleMesh& body, const std::vector<std::int32_t>& labels) {
+    const EdgeTable edges(body.triangles);
+    std::vector<std::array<std::int32_t, 2>> found;
+    for (int e = 0; e < edges.size(); ++e) {
+        const auto uses = edges.uses(e);
+        if (uses.size() != 2) continue;
+        const std::int32_t s = uses[0].triangle, t = uses[1].triangle;
+        const auto sFace = labels[static_cast<std::size_t>(s)], tFace = labels[static_cast<std::size_t>(t)];
+        bool singular = sFace != tFace;
+        if (!singular && sFace < 0) {
+            const Vec3 m = areaVector(body, s), n = areaVector(body, t);
+            const Vec3 apex = body.vertices.row(body.triangles(t, (uses[1].corner + 2) % 3)) - body.vertices.row(uses[1].low);
+            singular = m.dot(apex) > 0.0 && m.dot(n) < std::cos(kSharp) * m.norm() * n.norm();
+        }
+        if (singular) found.push_back({uses[0].low, uses[0].high});
+    }
+    TriangleMesh segments;
+    segments.vertices = body.vertices;
+    segments.triangles.resize(static_cast<Eigen::Index>(found.size()), 3);
+    for (std::size_t i = 0; i < found.size(); ++i) segments.triangles.row(static_cast<Eigen::Index>(i)) << found[i][0], found[i][1], found[i][1];
+    return segments;
+}
+
 }  // namespace
 
 SolverMesh solverMesh(const TriangleMesh& body, std::span<const JointFace> faces, const RimRefinement& refinement) {
     assert(refinement.levels >= 0 && refinement.levels <= 8 && refinement.grading > 0.0);
-    std::vector<std::int32_t> labels(static_cast<std::size_t>(body.triangles.rows()), -1);
-    for (std::size_t f = 0; f < faces.size(); ++f)
-        for (const std::int32_t t : faces[f].triangles) labels[static_cast<std::size_t>(t)] = static_cast<std::int32_t>(f);
-
+    std::vector<std::int32_t> labels = labelsOf(body, faces);
     const Rim rim(body, labels);
     Bisection mesh(body, std::move(labels));
     if (refinement.levels == 0 || rim.segments.empty()) return mesh.result(faces.size());
@@ -200,6 +256,61 @@ SolverMesh solverMesh(const TriangleMesh& body, std::span<const JointFace> faces
     // Triangles are only ever appended or halved in place, so one pass that stays at a triangle until it fits visits all.
     for (std::int32_t t = 0; t < mesh.triangles(); ++t)
         while (tooLong(t)) mesh.bisect(t);
+    return mesh.result(faces.size());
+}
+
+Result<SolverMesh> refinedSolverMesh(const TriangleMesh& body, std::span<const JointFace> faces, int vertices) {
+    if (vertices < body.vertices.rows())
+        return fail("too-few-vertices", "The body has " + std::to_string(body.vertices.rows()) + " vertices, and refining cannot make that " +
+                                            std::to_string(vertices) + "; use \"decimated:" + std::to_string(vertices) + "\" or a larger number.");
+    if (vertices > SolverMeshSetting::kMost)
+        return fail("bad-value", "A solver mesh has at most " + std::to_string(SolverMeshSetting::kMost) + " vertices; choose a smaller number.");
+    double area = 0.0;
+    for (std::int32_t t = 0; t < body.triangles.rows(); ++t) area += 0.5 * areaVector(body, t).norm();
+    if (!(area > 0.0)) return fail("bad-value", "The body has no surface to refine; repair it first.");
+
+    std::vector<std::int32_t> labels = labelsOf(body, faces);
+    const TriangleMesh singular = singularEdges(body, labels);
+    std::vector<std::int32_t> all(static_cast<std::size_t>(singular.triangles.rows()));
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<std::int32_t>(i);
+    std::optional<TriangleTree> nearestEdge;
+    if (!all.empty()) nearestEdge.emplace(singular, std::move(all));
+
+    // The edge of equal equilateral triangles, two per vertex, that cover the surface.
+    const double uniform = std::sqrt(2.0 * area / (std::sqrt(3.0) * vertices));
+    Bisection mesh(body, std::move(labels));
+    std::vector<double> wanted;  // per vertex, relative to the size elsewhere
+    const auto addWanted = [&](std::int32_t v) {
+        double relative = 1.0;
+        if (nearestEdge) relative = kGrading * std::sqrt(nearestEdge->nearest(mesh.point(v)).squaredDistance) / uniform;
+        wanted.push_back(std::clamp(relative, kFinestRefined, 1.0));
+    };
+    for (std::int32_t v = 0; v < mesh.vertices(); ++v) addWanted(v);
+
+    struct Entry {
+        double excess;        // longest edge over the wanted size, squared
+        std::int32_t triangle;
+        Edge longest;         // as it was when the entry was made; a triangle that has changed since has an entry of its own
+        bool operator<(const Entry& o) const { return excess < o.excess || (excess == o.excess && triangle > o.triangle); }
+    };
+    std::priority_queue<Entry> queue;
+    const auto push = [&](std::int32_t t) {
+        double size = 1.0;
+        for (const std::int32_t v : mesh.corner(t)) size = std::min(size, wanted[static_cast<std::size_t>(v)]);
+        const Edge longest = mesh.longest(t);
+        queue.push({longest.squaredLength / (size * size), t, longest});
+    };
+    for (std::int32_t t = 0; t < mesh.triangles(); ++t) push(t);
+    while (mesh.vertices() < vertices && !queue.empty()) {
+        const Entry top = queue.top();
+        if (mesh.longest(top.triangle) != top.longest) {
+            queue.pop();
+            continue;
+        }
+        mesh.splitTowards(top.triangle);  // where that is another edge, the entry stays for the next round
+        addWanted(mesh.vertices() - 1);
+        for (const std::int32_t t : mesh.changed()) push(t);
+    }
     return mesh.result(faces.size());
 }
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
+#include "core/base/result.h"
 #include "core/joints/joint_face.h"
 #include "core/mesh/mesh.h"
 
@@ -24,10 +26,18 @@ struct SolverMesh {
         std::vector<std::int32_t> triangles;  ///< ascending
     };
     std::vector<Patch> faces;  ///< one per joint face
+    std::vector<std::array<std::int32_t, 2>> midpointOf;  ///< of each vertex after the body's: the two vertices, both before it, that it is midway between
 };
 
 /// Bisects triangles near the rims of the faces (longest edge first, so angles stay bounded away from zero) until their edges fit the
 /// wanted size. Deterministic. No vertex is moved; body and faces keep their shape exactly.
 SolverMesh solverMesh(const TriangleMesh& body, std::span<const JointFace> faces, const RimRefinement& refinement);
+
+/// Bisects the body, always where edges are longest relative to the wanted size, until it has exactly `vertices` vertices. The wanted size
+/// is the same everywhere but near rims of faces and near re-entrant edges, where the solution is singular: there it shrinks with the distance,
+/// to kFinestRefined of the size elsewhere. Convex edges need no more than their surroundings. Deterministic, no vertex is moved.
+/// Errors: "too-few-vertices" (fewer than the body has), "bad-value" (more than SolverMeshSetting::kMost, or no area to bisect).
+Result<SolverMesh> refinedSolverMesh(const TriangleMesh& body, std::span<const JointFace> faces, int vertices);
+inline constexpr double kFinestRefined = 0.25;
 
 }  // namespace imomushi
