@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/base/result.h"
+#include "core/joints/joint_face.h"
+#include "core/mesh/mesh.h"
+
+namespace imomushi {
+
+/// A body of fewer vertices in the place of another: closed, outward, manifold, free of self-intersections, of the same topology.
+struct DecimatedBody {
+    TriangleMesh mesh;
+    /// The faces with the name, frame, area and size of the given ones and with vertices and triangles of `mesh`. Each covers exactly
+    /// the same part of space: all its vertices are vertices of the body, and its rim runs along the same lines.
+    std::vector<JointFace> faces;
+    std::vector<std::int32_t> bodyVertex;  ///< of each vertex of `mesh`: the body vertex at exactly the same place, -1: it was moved
+    double volumeError = 0.0;              ///< volume of `mesh` over that of the body, minus 1
+};
+
+/// Collapses edges, the least costly first, until `vertices` are left. The cost weighs length against distance from the body: for elasticity
+/// flat parts need vertices too, so a decimated body has edges of about equal length, finer where the surface bends strongly and
+/// towards rims that are finer. New vertices minimise the distance from the planes of all triangles that they stand for (Garland and
+/// Heckbert 1997) and keep the volume (Lindstrom and Turk 1998). Vertices of a rim vanish only where it is straight.
+/// Deterministic, one thread.
+/// Errors: "cancelled", "too-many-vertices" (the body has not so many), "too-few-vertices" (the message names the smallest number that can be
+/// reached with these rims), "not-closed", "self-intersecting" (the body meets itself, so no smaller one is free of it), "bad-value".
+Result<DecimatedBody> decimate(const TriangleMesh& body, std::span<const JointFace> faces, int vertices, const Progress& progress);
+
+}  // namespace imomushi
