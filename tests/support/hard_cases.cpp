@@ -1,0 +1,831 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/support/hard_cases.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <numbers>
+#include <set>
+
+#include "tests/support/shapes.h"
+
+namespace imomushi {
+namespace {
+
+// ---- bodies ----------------------------------------------------------------------------------------------------------------------------------
+
+/// A plane region, triangles counter-clockwise.
+struct Section {
+    std::vector<Eigen::Vector2d> points;
+    std::vector<std::array<int, 3>> triangles;
+};
+
+/// The cells of a grid for which `inside` holds, two triangles each; only points of such cells.
+template <class Inside>
+Section grid(const std::vector<double>& xs, const std::vector<double>& ys, Inside inside) {
+    Section section;
+    std::map<std::pair<int, int>, int> index;
+    const auto point = [&](int i, int j) {
+        const auto [it, fresh] = index.try_emplace({i, j}, static_cast<int>(section.points.size()));
+        if (fresh) section.points.emplace_back(xs[static_cast<std::size_t>(i)], ys[static_cast<std::size_t>(j)]);
+        return it->second;
+    };
+    for (int i = 0; i + 1 < static_cast<int>(xs.size()); ++i)
+        for (int j = 0; j + 1 < static_cast<int>(ys.size()); ++j) {
+            if (!inside(i, j)) continue;
+            const std::array<int, 4> q{point(i, j), point(i + 1, j), point(i + 1, j + 1), point(i, j + 1)};
+            if ((i + j) % 2) {
+                section.triangles.push_back({q[0], q[1], q[2]});
+                section.triangles.push_back({q[0], q[2], q[3]});
+            } else {
+                section.triangles.push_back({q[0], q[1], q[3]});
+                section.triangles.push_back({q[1], q[2], q[3]});
+            }
+        }
+    return section;
+}
+
+Section grid(const std::vector<double>& xs, const std::vector<double>& ys) {
+    return grid(xs, ys, [](int, int) { return true; });
+}
+
+std::vector<double> steps(double low, double high, int count) {
+    std::vector<double> out;
+    for (int i = 0; i <= count; ++i) out.push_back(i == count ? high : low + (high - low) * i / count);
+    return out;
+}
+
+std::vector<double> with(std::vector<double> values, std::initializer_list<double> more) {
+    values.insert(values.end(), more);
+    std::sort(values.begin(), values.end());
+    return values;
+}
+
+/// The prism of a section along z, with rings of vertices at `zs`. Uniaxial tension is an exact solution of it, whatever its section.
+TriangleMesh prism(const Section& section, const std::vector<double>& zs) {
+    std::set<std::pair<int, int>> directed;
+    for (const auto& t : section.triangles)
+        for (std::size_t k = 0; k < 3; ++k) directed.insert({t[k], t[(k + 1) % 3]});
+    std::vector<std::pair<int, int>> rim;
+    for (const auto& [a, b] : directed)
+        if (!directed.contains({b, a})) rim.emplace_back(a, b);
+    std::vector<char> onRim(section.points.size());
+    for (const auto& [a, b] : rim) onRim[static_cast<std::size_t>(a)] = 1;
+
+    std::vector<Vec3> points;
+    std::vector<std::array<int, 3>> corners;
+    const int layers = static_cast<int>(zs.size());
+    std::vector<std::vector<int>> at(zs.size(), std::vector<int>(section.points.size(), -1));
+    for (int k = 0; k < layers; ++k)
+        for (std::size_t i = 0; i < section.points.size(); ++i) {
+            if (k > 0 && k + 1 < layers && !onRim[i]) continue;
+            at[static_cast<std::size_t>(k)][i] = static_cast<int>(points.size());
+            points.emplace_back(section.points[i].x(), section.points[i].y(), zs[static_cast<std::size_t>(k)]);
+        }
+    for (const auto& t : section.triangles) {
+        const auto vertex = [&](int layer, std::size_t c) { return at[static_cast<std::size_t>(layer)][static_cast<std::size_t>(t[c])]; };
+        corners.push_back({vertex(0, 0), vertex(0, 2), vertex(0, 1)});
+        corners.push_back({vertex(layers - 1, 0), vertex(layers - 1, 1), vertex(layers - 1, 2)});
+    }
+    for (int k = 0; k + 1 < layers; ++k)
+        for (std::size_t e = 0; e < rim.size(); ++e) {
+            const auto a = static_cast<std::size_t>(rim[e].first), b = static_cast<std::size_t>(rim[e].second), low = static_cast<std::size_t>(k);
+            const std::array<int, 4> q{at[low][a], at[low][b], at[low + 1][b], at[low + 1][a]};
+            // Diagonals by place, so that neighbouring bodies with more rings share them where they share cells.
+            if ((k + rim[e].first) % 2) {
+                corners.push_back({q[0], q[1], q[2]});
+                corners.push_back({q[0], q[2], q[3]});
+            } else {
+                corners.push_back({q[0], q[1], q[3]});
+                corners.push_back({q[1], q[2], q[3]});
+            }
+        }
+    return shapes::detail::meshOf(points, corners);
+}
+
+/// Both in one mesh, vertices of the first first.
+TriangleMesh both(const TriangleMesh& a, const TriangleMesh& b) {
+    TriangleMesh mesh;
+    mesh.vertices.resize(a.vertices.rows() + b.vertices.rows(), 3);
+    mesh.vertices << a.vertices, b.vertices;
+    mesh.triangles.resize(a.triangles.rows() + b.triangles.rows(), 3);
+    mesh.triangles << a.triangles, (b.triangles.array() + static_cast<std::int32_t>(a.vertices.rows())).matrix();
+    return mesh;
+}
+
+/// Every `step`th triangle is cut in three at the point of these weights: the same polyhedron.
+TriangleMesh pierced(const TriangleMesh& mesh, int step, const Vec3& weights) {
+    TriangleMesh out = mesh;
+    const Eigen::Index count = (mesh.triangles.rows() + step - 1) / step;
+    out.vertices.conservativeResize(mesh.vertices.rows() + count, 3);
+    out.triangles.conservativeResize(mesh.triangles.rows() + 2 * count, 3);
+    for (Eigen::Index i = 0; i < count; ++i) {
+        const Eigen::Index f = i * step;
+        const auto v = static_cast<std::int32_t>(mesh.vertices.rows() + i);
+        const Eigen::RowVector3i t = mesh.triangles.row(f);
+        // From the first corner on, so that a point very near to it keeps its distance.
+        const Eigen::RowVector3d a = mesh.vertices.row(t[0]);
+        out.vertices.row(v) = a + weights[1] * (mesh.vertices.row(t[1]) - a) + weights[2] * (mesh.vertices.row(t[2]) - a);
+        out.triangles.row(f) << t[0], t[1], v;
+        out.triangles.row(mesh.triangles.rows() + 2 * i) << t[1], t[2], v;
+        out.triangles.row(mesh.triangles.rows() + 2 * i + 1) << t[2], t[0], v;
+    }
+    return out;
+}
+
+/// Each triangle in four: the same polyhedron.
+TriangleMesh refined(const TriangleMesh& mesh) {
+    std::vector<Vec3> points;
+    for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) points.emplace_back(mesh.vertices.row(v).transpose());
+    std::vector<std::array<int, 3>> corners;
+    std::map<std::pair<int, int>, int> middle;
+    const auto between = [&](int a, int b) {
+        const auto [it, fresh] = middle.try_emplace(std::minmax(a, b), static_cast<int>(points.size()));
+        if (fresh) points.push_back(0.5 * (points[static_cast<std::size_t>(a)] + points[static_cast<std::size_t>(b)]));
+        return it->second;
+    };
+    for (Eigen::Index f = 0; f < mesh.triangles.rows(); ++f) {
+        const int a = mesh.triangles(f, 0), b = mesh.triangles(f, 1), c = mesh.triangles(f, 2);
+        const int ab = between(a, b), bc = between(b, c), ca = between(c, a);
+        corners.insert(corners.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
+    }
+    return shapes::detail::meshOf(points, corners);
+}
+
+/// Triangles with vertices of their own, each moved by up to `jitter`, as a careless exporter writes seams.
+TriangleMesh apart(const TriangleMesh& mesh, double jitter) {
+    TriangleMesh out;
+    out.vertices.resize(3 * mesh.triangles.rows(), 3);
+    out.triangles.resize(mesh.triangles.rows(), 3);
+    unsigned state = 1;
+    for (Eigen::Index i = 0; i < mesh.triangles.size(); ++i) {
+        out.vertices.row(i) = mesh.vertices.row(mesh.triangles.data()[i]);
+        for (int k = 0; k < 3; ++k) {
+            state = state * 1664525u + 1013904223u;
+            out.vertices(i, k) += jitter * (static_cast<double>(state >> 8) / (1 << 23) - 1.0);
+        }
+        out.triangles.data()[i] = static_cast<std::int32_t>(i);
+    }
+    return out;
+}
+
+/// The bar that other bodies are compared with: 1 x 1 x 3 from z = 0, cells of 1/3.
+TriangleMesh plainBar() { return prism(grid(steps(-0.5, 0.5, 3), steps(-0.5, 0.5, 3)), steps(0.0, 3.0, 9)); }
+
+TriangleMesh moved(TriangleMesh mesh, double scale, const Vec3& shift) {
+    mesh.vertices = ((scale * mesh.vertices).rowwise() + shift.transpose()).eval();
+    return mesh;
+}
+
+/// A prism with an eight-fold axis along y; the middle of each side is a joint face.
+struct Hub {
+    TriangleMesh mesh;
+    std::vector<std::vector<std::int32_t>> faces;
+};
+
+Hub hub() {
+    constexpr int kSides = 8, kAcross = 3, kAround = kSides * kAcross, kUp = 3;
+    constexpr double kHeight = 0.8;
+    std::vector<Vec3> points;
+    std::vector<std::array<int, 3>> corners;
+    const double half = std::tan(std::numbers::pi / kSides);
+    const auto onSide = [&](int i) {  // of apothem 1, counter-clockwise seen from +y
+        const double along = -half + 2.0 * half * (i % kAcross) / kAcross, turn = 2.0 * std::numbers::pi * (i / kAcross) / kSides;
+        const Eigen::Vector2d p(1.0, along);
+        return Eigen::Vector2d(std::cos(turn) * p.x() - std::sin(turn) * p.y(), std::sin(turn) * p.x() + std::cos(turn) * p.y());
+    };
+    const auto ring = [&](double radius, double y) {
+        const int first = static_cast<int>(points.size());
+        for (int i = 0; i < kAround; ++i) {
+            const Eigen::Vector2d p = radius * onSide(i);
+            points.emplace_back(p.y(), y, p.x());
+        }
+        return first;
+    };
+    const auto strip = [&](int below, int above) {
+        for (int i = 0; i < kAround; ++i) {
+            const int j = (i + 1) % kAround;
+            if ((i % kAcross) % 2) {
+                corners.push_back({below + i, below + j, above + j});
+                corners.push_back({below + i, above + j, above + i});
+            } else {
+                corners.push_back({below + i, below + j, above + i});
+                corners.push_back({below + j, above + j, above + i});
+            }
+        }
+    };
+    points.emplace_back(0.0, 0.0, 0.0);
+    std::vector<int> rings{ring(0.6, 0.0)};
+    for (int k = 0; k <= kUp; ++k) rings.push_back(ring(1.0, kHeight * k / kUp));
+    rings.push_back(ring(0.6, kHeight));
+    points.emplace_back(0.0, kHeight, 0.0);
+    for (std::size_t k = 0; k + 1 < rings.size(); ++k) strip(rings[k], rings[k + 1]);
+    for (int i = 0; i < kAround; ++i) {
+        const int j = (i + 1) % kAround;
+        corners.push_back({0, rings.front() + j, rings.front() + i});
+        corners.push_back({static_cast<int>(points.size()) - 1, rings.back() + i, rings.back() + j});
+    }
+    Hub out{shapes::detail::meshOf(points, corners), {}};
+    for (int side = 0; side < kSides; ++side) {
+        std::vector<std::int32_t> face;
+        for (const std::size_t k : {2u, 3u})
+            for (const int i : {1, 2}) face.push_back(rings[k] + kAcross * side + i);
+        out.faces.push_back(face);
+    }
+    return out;
+}
+
+// ---- checks ----------------------------------------------------------------------------------------------------------------------------------
+
+/// Rounding of the assembled equations, relative: sums of some hundred terms in double precision.
+constexpr double kAssemblyRounding = 1e-14;
+
+std::string timesCondition(double condition) {
+    char text[80];
+    std::snprintf(text, sizeof text, "rounding of 1e-14 times a condition number of %.0e", condition);
+    return text;
+}
+
+Points freePoints(const SolvedElement& s) {
+    Points out(static_cast<Eigen::Index>(s.response.freeVertices.size()), 3);
+    for (Eigen::Index i = 0; i < out.rows(); ++i) out.row(i) = s.input.mesh->body.vertices.row(s.response.freeVertices[static_cast<std::size_t>(i)]);
+    return out;
+}
+
+Points freeDisplacement(const SolvedElement& s, const Eigen::VectorXd& v) {
+    const Eigen::VectorXd x = s.response.response * v;
+    return Eigen::Map<const Points>(x.data(), x.size() / 3, 3);
+}
+
+Vec3 middleOf(const TriangleMesh& mesh) {
+    return 0.5 * (mesh.vertices.colwise().minCoeff() + mesh.vertices.colwise().maxCoeff()).transpose();
+}
+
+double sizeOf(const TriangleMesh& mesh) { return (mesh.vertices.colwise().maxCoeff() - mesh.vertices.colwise().minCoeff()).norm(); }
+
+/// Largest miss of the linear field u = gradient (x - middle) + shift at the free vertices, over the largest |u| of the body.
+double linearError(const SolvedElement& s, const Eigen::Matrix3d& gradient, const Vec3& shift) {
+    const Vec3 middle = middleOf(s.input.mesh->body);
+    const auto field = [&](const Points& p) -> Points {
+        return ((p.rowwise() - middle.transpose()) * gradient.transpose()).rowwise() + shift.transpose();
+    };
+    const Points miss = freeDisplacement(s, parametersOf(s, gradient, middle, shift)) - field(freePoints(s));
+    return miss.rowwise().norm().maxCoeff() / field(s.input.mesh->body.vertices).rowwise().norm().maxCoeff();
+}
+
+HardCheck rigid(double condition) {
+    return {"rigid motions", kAssemblyRounding * condition, "they are linear, so exact but for " + timesCondition(condition),
+            [](const SolvedElement& s) -> Result<double> {
+                double worst = 0.0;
+                for (int axis = 0; axis < 3; ++axis) {
+                    worst = std::max(worst, linearError(s, Eigen::Matrix3d::Zero(), sizeOf(s.input.mesh->body) * Vec3::Unit(axis)));
+                    Eigen::Matrix3d turn = Eigen::Matrix3d::Zero();
+                    turn((axis + 2) % 3, (axis + 1) % 3) = 1.0;
+                    turn((axis + 1) % 3, (axis + 2) % 3) = -1.0;
+                    worst = std::max(worst, linearError(s, turn, Vec3::Zero()));
+                }
+                return worst;
+            }};
+}
+
+/// Of a prism along z whose two ends are its faces.
+HardCheck stretch(double condition) {
+    return {"uniaxial stretch", kAssemblyRounding * condition,
+            "linear displacement and constant traction are in the trial spaces, so exact but for " + timesCondition(condition),
+            [](const SolvedElement& s) -> Result<double> {
+                return linearError(s, Vec3(-s.input.nu, -s.input.nu, 1.0).asDiagonal(), Vec3::Zero());
+            }};
+}
+
+/// Four relative motions of the last face (stretch, shear, bend, twist), at the vertices that both bodies have: relative L2 difference, the largest of
+/// them. A point x of `other` is scale x + shift here.
+HardCheck sameAs(std::string what, HardElement other, double bound, std::string why, double scale = 1.0, const Vec3& shift = Vec3::Zero()) {
+    const auto error = [other = std::move(other), scale, shift](const SolvedElement& s) -> Result<double> {
+        ResponseInput input = s.input;
+        auto theirs = responseInput(other);
+        if (!theirs) return tl::unexpected(theirs.error());
+        input.mesh = theirs->mesh;
+        input.faces = theirs->faces;
+        input.nu = theirs->nu;
+        const auto solved = buildResponse(input, {});
+        if (!solved) return tl::unexpected(solved.error());
+        const SolvedElement o{input, *solved};
+        const Points mine = freePoints(s), others = freePoints(o);
+        std::vector<std::pair<Eigen::Index, Eigen::Index>> common;
+        const double near = 1e-6 * sizeOf(other.mesh);
+        for (Eigen::Index i = 0; i < mine.rows(); ++i) {
+            const Eigen::RowVector3d p = (mine.row(i) - shift.transpose()) / scale;
+            Eigen::Index k = 0;
+            if ((others.rowwise() - p).rowwise().squaredNorm().minCoeff(&k) < near * near) common.emplace_back(i, k);
+        }
+        if (2 * static_cast<Eigen::Index>(common.size()) < std::min(mine.rows(), others.rows()))
+            return fail("not-comparable", "The two bodies have too few vertices in common.");
+        const auto motion = [](const SolvedElement& of, int which, double unit) {
+            JointMap map;
+            const double size = of.input.faces.back().size;
+            if (which == 0) map.shift.z() = unit;
+            if (which == 1) map.shift.x() = unit;
+            if (which == 2) map.linear(2, 0) = unit / size, map.linear(0, 2) = -unit / size;
+            if (which == 3) map.linear(0, 1) = -unit / size, map.linear(1, 0) = unit / size;
+            Eigen::VectorXd v = Eigen::VectorXd::Zero(of.response.columns());
+            double lost = 0.0;
+            of.response.bases.back().coefficients(map, size, v.data() + of.response.firstColumn[of.response.bases.size() - 1], lost);
+            return freeDisplacement(of, v);
+        };
+        double worst = 0.0;
+        for (int which = 0; which < 4; ++which) {
+            const Points a = motion(s, which, scale), b = motion(o, which, 1.0);
+            double difference = 0.0, norm = 0.0;
+            for (const auto& [i, k] : common) {
+                difference += (a.row(i) / scale - b.row(k)).squaredNorm();
+                norm += b.row(k).squaredNorm();
+            }
+            worst = std::max(worst, std::sqrt(difference / norm));
+        }
+        return worst;
+    };
+    return {std::move(what), bound, std::move(why), error};
+}
+
+// ---- elements --------------------------------------------------------------------------------------------------------------------------------
+
+/// An element with joint faces at its ends along z.
+HardElement withEnds(TriangleMesh mesh, double nu = 0.3) {
+    HardElement element;
+    element.name = "body";
+    const Vec3 low = mesh.vertices.colwise().minCoeff().transpose(), high = mesh.vertices.colwise().maxCoeff().transpose();
+    const Vec3 middle = 0.5 * (low + high);
+    element.faces = {{"in", Vec3(middle.x(), middle.y(), low.z()), -Vec3::UnitZ(), {}}, {"out", Vec3(middle.x(), middle.y(), high.z()), Vec3::UnitZ(), {}}};
+    element.mesh = std::move(mesh);
+    element.nu = nu;
+    return element;
+}
+
+HardElement refinedElement(HardElement element) {
+    element.mesh = refined(element.mesh);
+    return element;
+}
+
+/// One element, a bone from its first face to its last, and a drag of the end by a tenth of the bone.
+HardCase solvedCase(std::string name, std::string hard, HardElement element, std::vector<HardCheck> checks) {
+    element.checks = std::move(checks);
+    HardCase c;
+    c.name = std::move(name);
+    c.hard = std::move(hard);
+    c.bones = {{"bone", element.name, element.name + "/" + element.faces.front().name, element.name + "/" + element.faces.back().name}};
+    c.endpoint = "bone/end";
+    const double length = (element.faces.back().origin - element.faces.front().origin).norm();
+    c.drag = 0.1 * length * Vec3(0.5, 0.3, 0.8);
+    c.elements = {std::move(element)};
+    return c;
+}
+
+HardCase refusedCase(std::string name, std::string hard, HardElement element, HardCase::Refusal refusal) {
+    HardCase c = solvedCase(std::move(name), std::move(hard), std::move(element), {});
+    c.refusal = std::move(refusal);
+    return c;
+}
+
+constexpr double kWellConditioned = 1e4;  // a compact body: about 100 in the 2-norm, up to sqrt(n) more in the maximum norm
+const char* const kTwoTriangulations = "the same polyhedron; each triangulation has 1-2 % of discretisation error";
+
+/// A bar whose section is slit from its top to its middle; the slit opens to `gap` within the first quarter.
+TriangleMesh slitBar(double gap) {
+    Section section = grid(steps(0.0, 1.0, 4), steps(0.0, 1.0, 4));
+    // The points of the slit above its floor, once more for the cells to their right.
+    std::map<int, int> right;
+    for (int i = 0; i < 25; ++i) {
+        const Eigen::Vector2d p = section.points[static_cast<std::size_t>(i)];
+        if (p.x() == 0.5 && p.y() > 0.5) right[i] = 0;
+    }
+    for (auto& [left, copy] : right) {
+        copy = static_cast<int>(section.points.size());
+        section.points.push_back(section.points[static_cast<std::size_t>(left)] + Eigen::Vector2d(0.5 * gap, 0.0));
+    }
+    for (auto& t : section.triangles) {
+        double x = 0.0;
+        for (const int v : t) x += section.points[static_cast<std::size_t>(v)].x() / 3.0;
+        if (x < 0.5) continue;
+        for (int& v : t)
+            if (const auto it = right.find(v); it != right.end()) v = it->second;
+    }
+    for (const auto& [left, copy] : right) section.points[static_cast<std::size_t>(left)].x() -= 0.5 * gap;
+    return prism(section, steps(0.0, 2.0, 6));
+}
+
+void addMaterials(std::vector<HardCase>& cases) {
+    const auto bar = [](double nu) { return withEnds(plainBar(), nu); };
+    const auto name = [](double nu) {
+        char text[24];
+        std::snprintf(text, sizeof text, "nu %g", nu);
+        return std::string(text);
+    };
+    for (const double nu : {0.0, 0.3, 0.45, 0.49, 0.4999, 0.5}) {
+        std::vector<HardCheck> checks{rigid(kWellConditioned), stretch(kWellConditioned)};
+        if (nu == 0.4999)
+            checks.push_back(sameAs("difference from nu 0.5", bar(0.5), 1e-3,
+                                    "the solution is smooth in nu up to 0.5, so it changes by about 0.5 - nu; 1/(1 - 2 nu) would show here"));
+        cases.push_back(solvedCase(name(nu), nu > 0.48 ? "nearly or wholly incompressible" : "a plain bar, for comparison", bar(nu), std::move(checks)));
+    }
+}
+
+void addTriangles(std::vector<HardCase>& cases) {
+    const HardElement plain = withEnds(plainBar());
+    const double thin = 1.0 / 300.0;
+    const Section square = grid(steps(-0.5, 0.5, 3), steps(-0.5, 0.5, 3));
+    cases.push_back(solvedCase("slivers", "rings of triangles 1:100, at a rim and along the bar",
+                               withEnds(prism(square, with(steps(0.0, 3.0, 9), {thin, 1.0 + thin, 2.0 + thin}))),
+                               {rigid(1e5), stretch(1e5), sameAs("difference from even triangles", plain, 0.03, kTwoTriangulations)}));
+    cases.push_back(solvedCase("needles", "every fifth triangle has a vertex 1e-4 of its side from a corner, also on the joint faces",
+                               withEnds(pierced(plainBar(), 5, Vec3(1.0 - 2e-4, 1e-4, 1e-4))),
+                               {rigid(1e7), stretch(1e7), sameAs("difference from even triangles", plain, 0.03, kTwoTriangulations)}));
+    cases.push_back(solvedCase("caps", "every fifth triangle has a vertex 1e-4 of its size beside a side, also on the joint faces",
+                               withEnds(pierced(plainBar(), 5, Vec3(0.5 - 5e-5, 0.5 - 5e-5, 1e-4))),
+                               {rigid(1e7), stretch(1e7), sameAs("difference from even triangles", plain, 0.03, kTwoTriangulations)}));
+    const double near = 1e-9 * sizeOf(plain.mesh);
+    cases.push_back(solvedCase("near duplicates", "every fifth triangle has a vertex 1e-9 of the body's size from a corner",
+                               withEnds(pierced(plainBar(), 5, Vec3(1.0 - 6.0 * near, 3.0 * near, 3.0 * near))),
+                               {rigid(kWellConditioned), stretch(kWellConditioned),
+                                sameAs("difference from the bar without them", plain, 1e-9, "the import merges them, so that the bar comes back to the bit or nearly")}));
+    HardCheck seamRigid = rigid(1e6), seamStretch = stretch(1e6);
+    seamRigid.why = "joint faces are out of their planes by 1e-9 of the size, which the modes of a flat face leave out";
+    seamStretch.why = "ends and sides are out of their planes by 1e-9 of the size, 1e-8 of a side";
+    seamStretch.bound = 1e-6;
+    cases.push_back(solvedCase("open seams", "every triangle has vertices of its own, 1e-9 of the body's size apart", withEnds(apart(plainBar(), near)),
+                               {seamRigid, seamStretch,
+                                sameAs("difference from the bar without seams", plain, 1e-6,
+                                       "the import welds them; places move by 1e-8 of a side, and the condition number in the 2-norm is about 100")}));
+}
+
+void addShapes(std::vector<HardCase>& cases) {
+    // The Kirchhoff plate with nu = 0, one end clamped, the other moved across: u_y = 3 s^2 - 2 s^3, exact but for (thickness / length)^2.
+    const HardCheck plateBend{"bending against Kirchhoff's plate", 0.05,
+                              "at nu = 0 the deflection is 3 s^2 - 2 s^3; 8 cells leave about (1/8)^2 of it, and a method that locks leaves a straight line (12 %)",
+                              [](const SolvedElement& s) -> Result<double> {
+                                  const JointFace& face = s.input.faces.back();
+                                  JointMap map;
+                                  map.shift = face.frame.axes.transpose() * Vec3::UnitY();
+                                  Eigen::VectorXd v = Eigen::VectorXd::Zero(s.response.columns());
+                                  double lost = 0.0;
+                                  s.response.bases.back().coefficients(map, face.size, v.data() + s.response.firstColumn[1], lost);
+                                  const Points u = freeDisplacement(s, v), x = freePoints(s);
+                                  double miss = 0.0, norm = 0.0;
+                                  for (Eigen::Index i = 0; i < u.rows(); ++i) {
+                                      const double at = x(i, 2), exact = at * at * (3.0 - 2.0 * at);
+                                      miss += (u(i, 1) - exact) * (u(i, 1) - exact);
+                                      norm += exact * exact;
+                                  }
+                                  return std::sqrt(miss / norm);
+                              }};
+    const auto plate = [](double thickness) {
+        return withEnds(prism(grid(steps(-0.5, 0.5, 4), {-0.5 * thickness, 0.5 * thickness}), steps(0.0, 1.0, 8)), 0.0);
+    };
+    cases.push_back(solvedCase("plate", "1 x 1 x 0.001: triangles 250 times as long as the plate is thick", plate(0.001),
+                               {rigid(1e8), stretch(1e8), plateBend}));
+    cases.push_back(solvedCase("thick plate", "1 x 1 x 0.05", plate(0.05), {rigid(1e5), stretch(1e5), plateBend}));
+
+    // Spikes on the side of a bar: one vertex between rows that are `half` away, drawn out by a metre.
+    const auto spiky = [](double half, double length) {
+        TriangleMesh mesh = prism(grid({-0.5, -0.25 - half / 2, -half, 0.0, half, 0.25 + half / 2, 0.5}, steps(-0.5, 0.5, 2)),
+                                  {0.0, 0.4, 0.8, 1.2, 1.5 - half, 1.5, 1.5 + half, 1.8, 2.2, 2.6, 3.0});
+        for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
+            if (mesh.vertices.row(v) == Eigen::RowVector3d(0.0, 0.5, 1.5)) mesh.vertices(v, 1) += length;
+        return mesh;
+    };
+    const auto tipOf = [](const Points& x) {
+        Eigen::Index at = 0;
+        x.col(1).maxCoeff(&at);
+        return at;
+    };
+    const HardCheck stretchedTip{"motion of the tip in a stretched bar", 0.03, "nothing loads the spike: its tip moves as the side of the bar there does, by -nu / 2",
+                                 [tipOf](const SolvedElement& s) -> Result<double> {
+                                     const Eigen::Matrix3d gradient = Vec3(-s.input.nu, -s.input.nu, 1.0).asDiagonal();
+                                     const Points u = freeDisplacement(s, parametersOf(s, gradient, Vec3(0.0, 0.0, 1.5), Vec3::Zero()));
+                                     const Vec3 miss = u.row(tipOf(freePoints(s))).transpose() - Vec3(0.0, -0.5 * s.input.nu, 0.0);
+                                     return miss.norm() / 1.5;  // the ends move by 1.5
+                                 }};
+    const HardCheck whip{"motion of the tip over that of the body", 2.0,
+                         "the tip is a metre from the bar, which turns by less than a radian per metre that its end moves, and faces that only change shape hardly turn its middle",
+                         [tipOf](const SolvedElement& s) -> Result<double> {
+                             const Eigen::Index tip = tipOf(freePoints(s));
+                             double worst = 0.0;
+                             for (int column = s.response.firstColumn[1]; column < s.response.columns(); ++column) {
+                                 const Points u = freeDisplacement(s, Eigen::VectorXd::Unit(s.response.columns(), column));
+                                 double body = column - s.response.firstColumn[1] < 5 || column + 1 == s.response.columns() ? 0.5 * std::sqrt(2.0) : 1.0;
+                                 for (Eigen::Index i = 0; i < u.rows(); ++i)
+                                     if (i != tip) body = std::max(body, u.row(i).norm());
+                                 worst = std::max(worst, u.row(tip).norm() / body);
+                             }
+                             return worst;
+                         }};
+    for (const double half : {0.1, 0.01}) {
+        const bool sharp = half < 0.05;
+        cases.push_back(solvedCase(sharp ? "spike" : "horn", sharp ? "a needle of a spike on the side of a bar, 50 times as long as wide" : "a spike on the side of a bar, 5 times as long as wide",
+                                   withEnds(spiky(half, 1.0)),
+                                   {rigid(1e6), stretchedTip, whip,
+                                    sameAs("difference from the bar without it", withEnds(spiky(half, 0.0)), 0.03,
+                                           "an unloaded spike disturbs its foot only, at one vertex in a hundred or two")}));
+    }
+
+    // Slits.
+    cases.push_back(solvedCase("slit 1e-3", "two surfaces 0.001 apart, sides of 0.25", withEnds(slitBar(1e-3)), {rigid(1e7), stretch(1e7)}));
+    cases.push_back(solvedCase("slit 1e-6", "two surfaces 1e-6 apart, sides of 0.25", withEnds(slitBar(1e-6)),
+                               {rigid(1e9), stretch(1e9),
+                                sameAs("difference from half the side", refinedElement(withEnds(slitBar(1e-6))), 0.1,
+                                       "the solution has a crack tip, whose error falls as the square root of the side, 0.25 and 0.125 of the slit's depth of 0.5")}));
+    cases.push_back(refusedCase("slit closed", "a body that touches itself: the two sides of a slit coincide", withEnds(slitBar(0.0)),
+                                {"precompute", "singular", "vertices at one place give the same equations, so nothing tells the two sides apart"}));
+
+    // A vertex of one side of an open slit that touches the other side inside a triangle.
+    const auto touching = [](double gap) {
+        TriangleMesh mesh = slitBar(0.1);
+        for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
+            const Eigen::RowVector3d p = mesh.vertices.row(v);
+            if (std::abs(p.x() - 0.45) < 1e-9 && p.y() == 0.75 && std::abs(p.z() - 1.0) < 1e-9) mesh.vertices.row(v) << 0.55 - gap, 0.85, 1.08;
+        }
+        return mesh;
+    };
+    cases.push_back(solvedCase("nearly touching", "a vertex 0.001 in front of the middle of a triangle", withEnds(touching(1e-3)),
+                               {rigid(1e5), sameAs("difference from half the side", refinedElement(withEnds(touching(1e-3))), 0.1,
+                                                   "as for the slit: the crack tip dominates")}));
+    cases.push_back(refusedCase("touching", "a body that touches itself in a point: a vertex lies in the middle of a triangle", withEnds(touching(0.0)),
+                                {"precompute", "not-closed", "inside and outside are not defined around that vertex, and its equation would take the body on the other side for its own"}));
+
+    // Eight cells around a hole and one more diagonal hole: two edges at one place.
+    const auto diagonal = [](bool shared) {
+        Section s = grid(steps(0.0, 1.0, 3), steps(0.0, 1.0, 3), [](int i, int j) { return i != j || i == 0; });
+        const double at = steps(0.0, 1.0, 3)[2];
+        if (!shared) {
+            const int old = static_cast<int>(std::find(s.points.begin(), s.points.end(), Eigen::Vector2d(at, at)) - s.points.begin());
+            const int copy = static_cast<int>(s.points.size());
+            s.points.push_back(s.points[static_cast<std::size_t>(old)]);
+            for (auto& t : s.triangles) {
+                Eigen::Vector2d c = Eigen::Vector2d::Zero();
+                for (const int v : t) c += s.points[static_cast<std::size_t>(v)] / 3.0;
+                for (int& v : t)
+                    if (v == old && c.x() > c.y()) v = copy;
+            }
+        }
+        return prism(s, steps(0.0, 2.0, 6));
+    };
+    cases.push_back(refusedCase("kissing edges", "a body that touches itself along a line", withEnds(diagonal(false)),
+                                {"precompute", "singular", "as with a closed slit: vertices at one place give the same equations"}));
+    cases.push_back(refusedCase("shared edges", "a body that touches itself along edges of four triangles", withEnds(diagonal(true)),
+                                {"import-element", "non-manifold-edge", "no inside and outside are defined around such an edge"}));
+    cases.push_back(refusedCase("overlap", "a surface that crosses itself: two boxes that overlap by half, in one mesh",
+                                withEnds(both(shapes::box(Vec3(0, 0, 0), Vec3(1, 1, 2), 2, 2, 4).mesh, shapes::box(Vec3(0.3, 0.3, 1), Vec3(1.3, 1.3, 3), 2, 2, 4).mesh)),
+                                {"precompute", "not-closed", "vertices inside the other box see one and a half spheres of body: the space there is counted twice"}));
+    cases.push_back(refusedCase("loose part", "two bars in one element, both faces on the first of them",
+                                [] {
+                                    HardElement e = withEnds(plainBar());
+                                    e.mesh = both(e.mesh, moved(plainBar(), 0.5, Vec3(2.0, 0.0, 0.7)));
+                                    return e;
+                                }(),
+                                {"precompute", "singular", "nothing holds the second bar"}));
+
+    // A wall that is thinner than double precision can resolve by a direct method: condition (side / thickness)^2 = 1e11 and more.
+    HardCase skin = solvedCase("skin", "a tube with one wall 1e-6 thick, sides of 0.5",
+                               withEnds(prism(grid({0.0, 1e-6, 0.5, 1.0}, steps(0.0, 1.0, 3), [](int i, int j) { return i != 1 || j != 1; }), steps(0.0, 1.5, 4))),
+                               {rigid(1e9), stretch(1e9)});
+    skin.refusal = {"precompute", "inaccurate", "the condition number grows as (side / thickness)^2 or worse, beyond 1e11"};
+    skin.orSolved = true;
+    cases.push_back(std::move(skin));
+
+    // Holes.
+    cases.push_back(solvedCase("genus 1", "a tube: each joint face is a ring",
+                               withEnds(prism(grid(steps(0.0, 1.0, 3), steps(0.0, 1.0, 3), [](int i, int j) { return i != 1 || j != 1; }), steps(0.0, 2.0, 6))),
+                               {rigid(kWellConditioned), stretch(kWellConditioned)}));
+    const Section sieve = grid(steps(0.0, 1.8, 9), steps(0.0, 1.4, 7), [](int i, int j) { return i % 2 == 0 || j % 2 == 0; });
+    cases.push_back(solvedCase("genus 12", "a block with twelve holes through both joint faces", withEnds(prism(sieve, steps(0.0, 0.8, 4))),
+                               {rigid(kWellConditioned), stretch(kWellConditioned)}));
+    {
+        // The same block on its side, holes across: its faces are flat outer sides.
+        TriangleMesh lying = prism(sieve, steps(0.0, 0.4, 2));
+        lying.vertices = (lying.vertices * (Eigen::Matrix3d() << 0, 0, 1, 0, 1, 0, -1, 0, 0).finished().transpose()).eval();
+        HardElement element = withEnds(std::move(lying));
+        cases.push_back(solvedCase("genus 12 across", "a lattice: twelve holes between its joint faces, bars one cell thick", element,
+                                   {rigid(kWellConditioned),
+                                    sameAs("difference from half the side", refinedElement(element), 0.15,
+                                           "struts of one cell bend with an error of about 10 %, of which halving removes most")}));
+    }
+}
+
+void addPlaces(std::vector<HardCase>& cases) {
+    const HardElement plain = withEnds(plainBar());
+    const auto add = [&](const char* name, const char* hard, double scale, const Vec3& shift, double bound, const char* why) {
+        cases.push_back(solvedCase(name, hard, withEnds(moved(plainBar(), scale, shift)),
+                                   {rigid(bound / kAssemblyRounding), stretch(bound / kAssemblyRounding),
+                                    sameAs("difference from the bar of size 1", plain, bound, why, scale, shift)}));
+    };
+    add("size 1e-6", "a bar of 3 micrometres", 1e-6, Vec3::Zero(), 1e-10, "no length enters but relative to the body: rounding 1e-14 times a condition number of 1e4");
+    add("size 1e6", "a bar of 3000 kilometres", 1e6, Vec3::Zero(), 1e-10, "no length enters but relative to the body: rounding 1e-14 times a condition number of 1e4");
+    add("far away", "a bar of size 1, a million metres from the origin", 1.0, Vec3(1e6, -1e6, 1e6 + 1.0 / 3.0), 1e-7,
+        "coordinates are rounded to 1e-10, which is 3e-10 of a side, and the condition number in the 2-norm is about 100");
+}
+
+void addFaces(std::vector<HardCase>& cases) {
+    // Faces of three vertices.
+    Section triangle;
+    for (int i = 0; i < 3; ++i) triangle.points.emplace_back(std::cos(2.0 * std::numbers::pi * i / 3), std::sin(2.0 * std::numbers::pi * i / 3));
+    triangle.triangles = {{0, 1, 2}};
+    cases.push_back(solvedCase("three vertices", "a three-sided prism whose joint faces are one triangle each", withEnds(prism(triangle, steps(0.0, 4.0, 8))),
+                               {rigid(kWellConditioned), stretch(kWellConditioned)}));
+    {
+        HardElement ball;
+        ball.name = "球 (ball)";
+        ball.mesh = shapes::sphere(1.0, 2).mesh;
+        const auto pole = [&](double side) {
+            Eigen::Index best = 0;
+            Points centre = Points::Zero(ball.mesh.triangles.rows(), 3);
+            for (Eigen::Index f = 0; f < centre.rows(); ++f)
+                for (int c = 0; c < 3; ++c) centre.row(f) += ball.mesh.vertices.row(ball.mesh.triangles(f, c)) / 3.0;
+            (side * centre.col(2)).maxCoeff(&best);
+            const Eigen::RowVector3i t = ball.mesh.triangles.row(best);
+            return HardFace{side < 0 ? "南 (south)" : "北 (north)", side * Vec3::UnitZ(), side * Vec3::UnitZ(), {t[0], t[1], t[2]}};
+        };
+        ball.faces = {pole(-1.0), pole(1.0)};
+        cases.push_back(solvedCase("two pins", "a ball held at two single triangles", ball, {rigid(1e5)}));
+    }
+    // Faces that cover most.
+    for (const double nu : {0.3, 0.5}) {
+        HardElement slab = withEnds(prism(grid(steps(-0.5, 0.5, 5), steps(-0.5, 0.5, 5)), {0.0, 0.05, 0.1}), nu);
+        cases.push_back(solvedCase(nu == 0.5 ? "mostly faces, nu 0.5" : "mostly faces", "a slab: two joint faces cover five sixths of it, one row of vertices is free", slab,
+                                   {rigid(1e6), stretch(1e6)}));
+    }
+    cases.push_back(refusedCase("all faces", "a slab without a free vertex", withEnds(prism(grid(steps(-0.5, 0.5, 4), steps(-0.5, 0.5, 4)), {0.0, 0.2})),
+                                {"precompute", "no-free-vertex", "nothing is left to be found"}));
+    // Rims.
+    {
+        HardElement cube;
+        cube.name = "body";
+        cube.mesh = shapes::box(Vec3(0, 0, 0), Vec3(1, 1, 1), 4, 4, 4).mesh;
+        cube.faces = {{"top", Vec3(0.5, 0.5, 1.0), Vec3::UnitZ(), {}}, {"side", Vec3(1.0, 0.5, 0.5), Vec3::UnitX(), {}}};
+        const HardCase::Refusal shared{"add-joint-face", "shared-rim", "traction jumps there between two faces, which one unknown per vertex cannot say (an error of half the traction)"};
+        cases.push_back(refusedCase("rims in one edge", "two joint faces that share an edge of the body", cube, shared));
+        const auto onSide = [&](auto inside) {
+            return shapes::patchWhere(cube.mesh, [&](const Vec3& p) { return p.x() == 1.0 && inside(p); }).vertices;
+        };
+        HardElement corner = cube;
+        corner.faces = {{"one", Vec3(1.0, 0.25, 0.25), Vec3::UnitX(), onSide([](const Vec3& p) { return p.y() <= 0.5 && p.z() <= 0.5; })},
+                        {"other", Vec3(1.0, 0.75, 0.75), Vec3::UnitX(), onSide([](const Vec3& p) { return p.y() >= 0.5 && p.z() >= 0.5; })}};
+        cases.push_back(refusedCase("rims in one vertex", "two joint faces that share a vertex", corner, shared));
+        HardElement close = cube;
+        close.faces[1] = {"side", Vec3(1.0, 0.5, 0.375), Vec3::UnitX(), onSide([](const Vec3& p) { return p.z() <= 0.75; })};
+        cases.push_back(solvedCase("rims one side apart", "between two joint faces lies one row of triangles and no free vertex", close,
+                                   {rigid(kWellConditioned),
+                                    sameAs("difference from half the side",
+                                           [&] {
+                                               HardElement fine = refinedElement(close);
+                                               fine.faces[1].vertices = shapes::patchWhere(fine.mesh, [](const Vec3& p) { return p.x() == 1.0 && p.z() <= 0.75; }).vertices;
+                                               return fine;
+                                           }(),
+                                           0.15, "only the surface away from the faces is free, and there the solution is smooth; singular rims leave some percent")}));
+    }
+    // Numbers of faces.
+    {
+        HardElement none = withEnds(plainBar());
+        none.faces.clear();
+        HardCase c, single;
+        c.name = "no face";
+        c.hard = "an element without a joint face: it must follow its bone rigidly";
+        c.elements = {none};
+        c.bones = {{"bone", "body", Vec3(0, 0, 0), Vec3(0, 0, 3)}};
+        c.endpoint = "bone/end";
+        c.drag = Vec3(0.2, 0.1, 0.3);
+        cases.push_back(std::move(c));
+        HardElement one = withEnds(plainBar());
+        one.faces.pop_back();
+        one.checks = {rigid(kWellConditioned)};
+        single.name = "one face";
+        single.hard = "an element with a single joint face and a free end";
+        single.elements = {one};
+        single.bones = {{"bone", "body", std::string("body/in"), Vec3(0, 0, 3)}};
+        single.endpoint = "bone/end";
+        single.drag = Vec3(0.2, 0.1, 0.3);
+        cases.push_back(std::move(single));
+    }
+    {
+        const Hub eight = hub();
+        HardElement element;
+        element.name = "hub";
+        element.mesh = eight.mesh;
+        HardCase c;
+        c.name = "eight faces";
+        c.hard = "eight joint faces around one body";
+        for (int k = 0; k < 8; ++k) {
+            const double turn = 2.0 * std::numbers::pi * k / 8;
+            const Vec3 out(std::sin(turn), 0.0, std::cos(turn));
+            const std::string face = "face " + std::to_string(k);
+            element.faces.push_back({face, out + Vec3(0.0, 0.4, 0.0), out, eight.faces[static_cast<std::size_t>(k)]});
+            HardBone bone{"bone " + std::to_string(k), "hub", Vec3(0.0, 0.4, 0.0), "hub/" + face};
+            if (k > 0) bone.from = std::string("bone 0/start");
+            c.bones.push_back(std::move(bone));
+        }
+        const HardCheck turned{"eight-fold symmetry", 1e-10, "the mesh turns into itself: rounding of 1e-14 times a condition number of 1e4",
+                               [](const SolvedElement& s) -> Result<double> {
+                                   const Points x = freePoints(s);
+                                   const auto push = [&](int k) {
+                                       Eigen::VectorXd v = Eigen::VectorXd::Zero(s.response.columns());
+                                       v[s.response.firstColumn[static_cast<std::size_t>(k)] + 5] = 1.0;
+                                       return freeDisplacement(s, v);
+                                   };
+                                   const Points first = push(0);
+                                   double worst = 0.0;
+                                   for (int k = 1; k < 8; ++k) {
+                                       const Eigen::Matrix3d turn = Eigen::AngleAxisd(2.0 * std::numbers::pi * k / 8, Vec3::UnitY()).toRotationMatrix();
+                                       const Points now = push(k);
+                                       for (Eigen::Index i = 0; i < x.rows(); ++i) {
+                                           Eigen::Index at = 0;
+                                           (x.rowwise() - x.row(i) * turn.transpose()).rowwise().squaredNorm().minCoeff(&at);
+                                           worst = std::max(worst, (now.row(at) - first.row(i) * turn.transpose()).norm());
+                                       }
+                                   }
+                                   return worst / first.rowwise().norm().maxCoeff();
+                               }};
+        element.checks = {rigid(kWellConditioned), turned};
+        c.elements = {std::move(element)};
+        c.endpoint = "bone 3/end";
+        c.drag = Vec3(0.05, 0.08, -0.05);
+        cases.push_back(std::move(c));
+    }
+}
+
+void addChains(std::vector<HardCase>& cases) {
+    HardElement soft = withEnds(plainBar(), 0.49), stiff = withEnds(moved(plainBar(), 1.0, Vec3(0.0, 0.0, 3.0)), 0.0);
+    soft.name = "soft";
+    stiff.name = "stiff";
+    stiff.stiffness = 1e6;
+    soft.checks = stiff.checks = {rigid(kWellConditioned), stretch(kWellConditioned)};
+    HardCase c;
+    c.name = "materials 1e6 apart";
+    c.hard = "two bars in a chain, one a million times as stiff as the other and of another nu";
+    c.elements = {soft, stiff};
+    c.joins = {{"soft/out", "stiff/in"}};
+    c.bones = {{"soft bone", "soft", std::string("soft/in"), std::string("soft/out")}, {"stiff bone", "stiff", std::string("soft bone/end"), std::string("stiff/out")}};
+    c.endpoint = "stiff bone/end";
+    c.drag = Vec3(0.6, 0.3, 0.5);
+    cases.push_back(std::move(c));
+}
+
+std::vector<HardCase> makeCases() {
+    std::vector<HardCase> cases;
+    addMaterials(cases);
+    addTriangles(cases);
+    addShapes(cases);
+    addPlaces(cases);
+    addFaces(cases);
+    addChains(cases);
+    return cases;
+}
+
+}  // namespace
+
+const std::vector<HardCase>& hardCases() {
+    static const std::vector<HardCase> cases = makeCases();
+    return cases;
+}
+
+const HardCase& hardCase(const std::string& name) {
+    const auto it = std::find_if(hardCases().begin(), hardCases().end(), [&](const HardCase& c) { return c.name == name; });
+    assert(it != hardCases().end());
+    return *it;
+}
+
+Result<JointFace> makeFace(const TriangleMesh& mesh, const HardFace& face) {
+    auto made = face.vertices.empty() ? jointFaceByPlane(mesh, face.origin, face.normal, 1e-4 * sizeOf(mesh)) : jointFaceByVertices(mesh, face.vertices);
+    if (made) made->name = face.name;
+    return made;
+}
+
+Result<ResponseInput> responseInput(const HardElement& element) {
+    ResponseInput input;
+    auto mesh = std::make_shared<ElementMesh>();
+    mesh->body = element.mesh;
+    input.mesh = std::move(mesh);
+    for (const HardFace& face : element.faces) {
+        auto made = makeFace(element.mesh, face);
+        if (!made) return tl::unexpected(made.error());
+        input.faces.push_back(std::move(*made));
+    }
+    input.nu = element.nu;
+    return input;
+}
+
+Eigen::VectorXd parametersOf(const SolvedElement& solved, const Eigen::Matrix3d& gradient, const Vec3& centre, const Vec3& shift) {
+    Eigen::VectorXd v = Eigen::VectorXd::Zero(solved.response.columns());
+    for (std::size_t f = 0; f < solved.input.faces.size(); ++f) {
+        const JointFace& face = solved.input.faces[f];
+        JointMap map;
+        map.linear += face.frame.axes.transpose() * gradient * face.frame.axes;
+        map.shift = face.frame.axes.transpose() * (gradient * (face.frame.origin - centre) + shift);
+        double lost = 0.0;
+        solved.response.bases[f].coefficients(map, face.size, v.data() + solved.response.firstColumn[f], lost);
+    }
+    return v;
+}
+
+}  // namespace imomushi
