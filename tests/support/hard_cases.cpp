@@ -529,6 +529,10 @@ void addShapes(std::vector<HardCase>& cases) {
                                    {rigid(1e6), stretchedTip, whip,
                                     sameAs("difference from the bar without it", withEnds(spiky(half, 0.0)), 0.03,
                                            "an unloaded spike disturbs its foot only, at one vertex in a hundred or two")}));
+        if (sharp) {
+            cases.back().refusal = {"precompute", "inaccurate", "a vertex that sees 1e-5 of a sphere of body has that weight in its own equation, so errors elsewhere count 1e5 times there"};
+            cases.back().orSolved = true;
+        }
     }
 
     // Slits.
