@@ -507,7 +507,7 @@ Result<DecimatedBody> decimate(const TriangleMesh& body, std::span<const JointFa
     if (vertices > body.vertices.rows())
         return fail("too-many-vertices", "The body has only " + count + " vertices, and decimating cannot make that " + std::to_string(vertices) +
                                              "; use \"refined:" + std::to_string(vertices) + "\" or a smaller number.");
-    if (!body.vertices.allFinite()) return fail("bad-value", "The body has vertices that are not numbers; repair it first.");
+    if (!std::all_of(body.vertices.data(), body.vertices.data() + body.vertices.size(), [](double x) { return std::isfinite(x); })) return fail("bad-value", "The body has vertices that are not numbers; repair it first.");
     const Vec3 low = body.vertices.colwise().minCoeff(), high = body.vertices.colwise().maxCoeff();
     const Vec3 middle = 0.5 * low + 0.5 * high;
     const double diagonal = (high - low).norm();
