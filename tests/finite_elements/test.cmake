@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Second-order finite elements (tests/support/finite_elements.h): an answer to compare with, and what a user would use instead.
+# CHOLMOD solves, gmsh fills bodies with tetrahedra. Without CHOLMOD nothing here is built; without gmsh its tests and the benchmark say so.
+find_path(CHOLMOD_INCLUDE cholmod.h PATH_SUFFIXES suitesparse)
+find_library(CHOLMOD_LIBRARY cholmod)
+find_path(GMSH_INCLUDE gmsh.h)
+find_library(GMSH_LIBRARY gmsh)
+if(NOT CHOLMOD_INCLUDE OR NOT CHOLMOD_LIBRARY)
+    message(STATUS "CHOLMOD (libsuitesparse-dev) is missing: no finite elements to compare with")
+    return()
+endif()
+
+add_library(imomushi_finite_elements STATIC ${CMAKE_CURRENT_SOURCE_DIR}/support/finite_elements.cpp ${CMAKE_CURRENT_SOURCE_DIR}/support/reference_case.cpp)
+target_include_directories(imomushi_finite_elements PRIVATE ${CHOLMOD_INCLUDE})
+target_link_libraries(imomushi_finite_elements PUBLIC imomushi_joints PRIVATE nlohmann_json::nlohmann_json ${CHOLMOD_LIBRARY})
+if(GMSH_INCLUDE AND GMSH_LIBRARY)
+    target_compile_definitions(imomushi_finite_elements PRIVATE IMOMUSHI_HAS_GMSH)
+    target_include_directories(imomushi_finite_elements PRIVATE ${GMSH_INCLUDE})
+    target_link_libraries(imomushi_finite_elements PRIVATE ${GMSH_LIBRARY})
+endif()
+
+imomushi_test(finite_elements imomushi_finite_elements)
+
+# Makes the answers of tests/data/reference: imomushi_reference FOLDER NAME [rim crease bulk growth]
+add_executable(imomushi_reference EXCLUDE_FROM_ALL ${CMAKE_CURRENT_SOURCE_DIR}/finite_elements/maker/main.cpp)
+target_link_libraries(imomushi_reference PRIVATE imomushi_finite_elements nlohmann_json::nlohmann_json)
+target_include_directories(imomushi_reference PRIVATE ${PROJECT_SOURCE_DIR})
+
+if(EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/bench/finite_elements.cpp)
+    imomushi_benchmark(finite_elements imomushi_finite_elements imomushi_reduction)
+    target_sources(bench_finite_elements PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/bench/quadrature_assembly.cpp)
+    target_compile_definitions(bench_finite_elements PRIVATE IMOMUSHI_TEST_DATA="${CMAKE_CURRENT_SOURCE_DIR}/data")
+endif()
