@@ -182,118 +182,63 @@ MachineRates machineRates() {
     return rates;
 }
 
-/// The unit of length and the origin in which the body is about one unit large and lies about 0.
-struct Scale {
-    Vec3 origin;
-    double length;
-};
-
-Scale scaleOf(const Points& vertices) {
-    const Vec3 low = vertices.colwise().minCoeff().transpose(), high = vertices.colwise().maxCoeff().transpose();
-    return {0.5 * (low + high), (high - low).norm()};
-}
-
 }  // namespace
 
 struct BoundaryProblem::State {
-    std::int32_t freeCount = 0, heldCount = 0;
-    std::vector<std::int32_t> freeVertices;
-    std::vector<double> tractionScale;  ///< per held vertex: traction (of the body in metres) per unknown
+    std::unique_ptr<const BoundaryEquation> equation;
     std::size_t ld = 0;
-    LargeArray<double> matrix;   ///< A by rows, n x n, n = 3 (free + held): unknowns u of free vertices, then scaled t of held ones
+    LargeArray<double> matrix;   ///< A by rows, n x n, n = 3 nodes
     LargeArray<double> heldH;    ///< H_J by rows, n x 3 held
     DenseLu lu;                  ///< of A^T: A by rows is A^T by columns
-    double nu = 0.0;
     int threads = 1;
     SolveQuality quality;
 
-    [[nodiscard]] std::int32_t unknowns() const { return 3 * (freeCount + heldCount); }
-    Result<double> assemble(const TriangleMesh& body, const Input& input, const Progress& progress);
+    [[nodiscard]] std::int32_t unknowns() const { return 3 * equation->nodes(); }
+    Result<double> assemble(const Progress& progress);
 };
 
 /// Fills matrix, heldH and lu; returns the 1-norm of A^T (largest sum of magnitudes in a row of A).
-Result<double> BoundaryProblem::State::assemble(const TriangleMesh& body, const Input& input, const Progress& progress) {
-    const std::int32_t count = freeCount + heldCount;
-    const std::int32_t n = unknowns();
-    // Block columns: free vertices in order, then held ones patch by patch. Rows follow the same order.
-    std::vector<std::int32_t> order = freeVertices;
-    for (const HeldPatch& patch : input.held) order.insert(order.end(), patch.vertices.begin(), patch.vertices.end());
-    std::vector<std::int32_t> blockColumn(static_cast<std::size_t>(count)), heldColumn(static_cast<std::size_t>(count), 0);
-    for (std::int32_t i = 0; i < count; ++i) {
-        blockColumn[static_cast<std::size_t>(order[static_cast<std::size_t>(i)])] = i;
-        if (i >= freeCount) heldColumn[static_cast<std::size_t>(order[static_cast<std::size_t>(i)])] = i - freeCount;
-    }
-
-    // In units of the body's size; u is the same number there, tractions are multiplied by the size.
-    const Scale scale = scaleOf(body.vertices);
-    TriangleMesh unit = body;
-    unit.vertices = (body.vertices.rowwise() - scale.origin.transpose()) / scale.length;
-
-    std::vector<char> inPatch(static_cast<std::size_t>(unit.triangles.rows()));
-    std::vector<double> patchArea(static_cast<std::size_t>(heldCount));
-    for (const HeldPatch& patch : input.held)
-        for (const std::int32_t f : patch.triangles) {
-            inPatch[static_cast<std::size_t>(f)] = 1;
-            const double area = 0.5 * areaVector(unit, f).norm();
-            for (int c = 0; c < 3; ++c)
-                patchArea[static_cast<std::size_t>(heldColumn[static_cast<std::size_t>(unit.triangles(f, c))])] += area / 3.0;
-        }
-    std::vector<std::int32_t> plainTriangles, patchTriangles;
-    for (std::int32_t f = 0; f < unit.triangles.rows(); ++f) (inPatch[static_cast<std::size_t>(f)] ? patchTriangles : plainTriangles).push_back(f);
-    const TriangleBatch plain(unit, plainTriangles, blockColumn);
-    const TriangleBatch patched(unit, patchTriangles, blockColumn, heldColumn);
-
-    // Traction columns times 2 mu / h, h the size of a vertex's share of the patch: entries of order one like those of H.
-    std::vector<double> columnScale(static_cast<std::size_t>(heldCount));
-    tractionScale.resize(static_cast<std::size_t>(heldCount));
-    for (std::size_t j = 0; j < columnScale.size(); ++j) {
-        columnScale[j] = 2.0 / std::sqrt(patchArea[j]);
-        tractionScale[j] = columnScale[j] / scale.length;
-    }
-
-    std::vector<double> solidAngle(static_cast<std::size_t>(count)), rowNorm(static_cast<std::size_t>(count));
-    std::atomic<std::int32_t> done{0};
+Result<double> BoundaryProblem::State::assemble(const Progress& progress) {
+    const auto count = static_cast<std::size_t>(equation->nodes()), held = static_cast<std::size_t>(equation->heldCount());
+    const std::size_t displacements = count - held;
+    std::vector<double> solidAngle(count), rowNorm(count);
+    std::atomic<std::size_t> done{0};
     const std::thread::id builder = std::this_thread::get_id();
-    parallelFor(threads, static_cast<std::size_t>(count), kRowGrain, [&](std::size_t begin, std::size_t end) {
+    parallelFor(threads, count, kRowGrain, [&](std::size_t begin, std::size_t end) {
         if (progress.cancelled()) return;
         thread_local std::vector<double> h, g;
+        h.resize(9 * (count + 1));
+        g.resize(9 * held);
         for (std::size_t p = begin; p < end; ++p) {
-            h.assign(9 * static_cast<std::size_t>(count), 0.0);
-            g.assign(9 * static_cast<std::size_t>(heldCount), 0.0);
-            const Vec3 x = unit.vertices.row(order[p]).transpose();
-            double sumD = addBlocks(plain, x, nu, h.data(), nullptr);
-            sumD += addBlocks(patched, x, nu, h.data(), g.data());
-            const double freeTerm = -sumD / (4.0 * std::numbers::pi);
-            solidAngle[p] = freeTerm;
-            for (std::size_t k = 0; k < 3; ++k) h[9 * p + 4 * k] += freeTerm;
+            solidAngle[p] = equation->row(static_cast<std::int32_t>(p), h.data(), g.data());
             for (std::size_t k = 0; k < 3; ++k) {
                 double* row = matrix.data() + (3 * p + k) * ld;
-                double* heldRow = heldH.data() + (3 * p + k) * 3 * static_cast<std::size_t>(heldCount);
+                double* heldRow = heldH.data() + (3 * p + k) * 3 * held;
                 float* single = lu.column(static_cast<std::int32_t>(3 * p + k));
-                for (std::size_t v = 0; v < static_cast<std::size_t>(freeCount); ++v)
+                for (std::size_t v = 0; v < displacements; ++v)
                     for (std::size_t l = 0; l < 3; ++l) row[3 * v + l] = h[9 * v + 3 * k + l];
-                double* tractions = row + 3 * static_cast<std::size_t>(freeCount);
-                for (std::size_t v = 0; v < static_cast<std::size_t>(heldCount); ++v)
+                double* tractions = row + 3 * displacements;
+                for (std::size_t v = 0; v < held; ++v)
                     for (std::size_t l = 0; l < 3; ++l) {
-                        heldRow[3 * v + l] = h[9 * (static_cast<std::size_t>(freeCount) + v) + 3 * k + l];
-                        tractions[3 * v + l] = -columnScale[v] * g[9 * v + 3 * k + l];
+                        heldRow[3 * v + l] = h[9 * (displacements + v) + 3 * k + l];
+                        tractions[3 * v + l] = g[9 * v + 3 * k + l];
                     }
                 double norm = 0.0;
-                for (std::int32_t l = 0; l < n; ++l) {
+                for (std::size_t l = 0; l < 3 * count; ++l) {
                     single[l] = static_cast<float>(row[l]);
                     norm += std::abs(row[l]);
                 }
                 rowNorm[p] = std::max(rowNorm[p], norm);
             }
         }
-        const std::int32_t finished = done += static_cast<std::int32_t>(end - begin);
-        if (std::this_thread::get_id() == builder) progress.report("assemble", static_cast<double>(finished) / count);
+        const std::size_t finished = done += end - begin;
+        if (std::this_thread::get_id() == builder) progress.report("assemble", static_cast<double>(finished) / static_cast<double>(count));
     });
     if (progress.cancelled()) return fail(kCancelled, "The precompute was cancelled.");
 
     for (std::size_t p = 0; p < solidAngle.size(); ++p)
         if (!(solidAngle[p] > -kSolidAngleTolerance && solidAngle[p] < 1.0 + kSolidAngleTolerance))
-            return fail("not-closed", "The surface is turned inside out or overlaps itself at vertex " + std::to_string(order[p]) +
+            return fail("not-closed", "The surface is turned inside out or overlaps itself at vertex " + std::to_string(equation->vertexOf(static_cast<std::int32_t>(p))) +
                                           " (solid angle " + std::to_string(solidAngle[p]) + " of a full sphere); repair the mesh.");
     const double norm = *std::max_element(rowNorm.begin(), rowNorm.end());
     if (!std::isfinite(norm)) return fail("bad-value", "The mesh gives integrals that are not finite; repair its degenerate triangles.");
@@ -310,7 +255,6 @@ Result<BoundaryProblem> BoundaryProblem::build(const Input& input, const Progres
             return fail("bad-value", "Triangle " + std::to_string(f) + " has no area; repair the mesh.");
 
     auto state = std::make_unique<State>();
-    state->nu = input.nu;
     state->threads = std::max(1, input.threads);
     const auto vertexCount = static_cast<std::size_t>(mesh.vertices.rows());
     std::vector<int> patchOf(vertexCount, -1);
@@ -342,14 +286,12 @@ Result<BoundaryProblem> BoundaryProblem::build(const Input& input, const Progres
         for (const std::int32_t v : patch.vertices)
             if (!covered[static_cast<std::size_t>(v)])
                 return fail("bad-value", "A joint face has a vertex without a triangle (" + std::to_string(v) + "); choose it again.");
-        state->heldCount += static_cast<std::int32_t>(patch.vertices.size());
     }
-    for (std::size_t v = 0; v < vertexCount; ++v)
-        if (patchOf[v] < 0) state->freeVertices.push_back(static_cast<std::int32_t>(v));
-    state->freeCount = static_cast<std::int32_t>(state->freeVertices.size());
-    if (state->freeCount == 0) return fail("no-free-vertex", "Joint faces cover the whole surface; leave some of it free.");
-
-    const std::size_t bytes = matrixBytes(static_cast<std::size_t>(state->freeCount), static_cast<std::size_t>(state->heldCount));
+    if (std::find(patchOf.begin(), patchOf.end(), -1) == patchOf.end())
+        return fail("no-free-vertex", "Joint faces cover the whole surface; leave some of it free.");
+    state->equation = std::make_unique<const BoundaryEquation>(mesh, input.held, input.bubbles, input.nu);
+    const auto held = static_cast<std::size_t>(state->equation->heldCount());
+    const std::size_t bytes = matrixBytes(static_cast<std::size_t>(state->equation->nodes()) - held, held);
     const std::string noMemory = "Solving " + std::to_string(vertexCount) + " vertices needs " + gigabytes(bytes) +
                                  " of memory, more than there is; use a coarser mesh or close other programs.";
     if (bytes > availableMemory()) return fail("no-memory", noMemory);
@@ -358,18 +300,18 @@ Result<BoundaryProblem> BoundaryProblem::build(const Input& input, const Progres
     try {
         state->ld = static_cast<std::size_t>(n);
         state->matrix = LargeArray<double>(static_cast<std::size_t>(n) * state->ld);
-        state->heldH = LargeArray<double>(static_cast<std::size_t>(n) * 3 * static_cast<std::size_t>(state->heldCount));
+        state->heldH = LargeArray<double>(static_cast<std::size_t>(n) * 3 * held);
         state->lu = DenseLu(n);
         state->quality.peakBytes = bytes;
 
         // Shares of the time as estimated beforehand.
-        const double pairs = static_cast<double>(vertexCount) * static_cast<double>(mesh.triangles.rows());
+        const double pairs = static_cast<double>(state->equation->nodes()) * static_cast<double>(mesh.triangles.rows());
         const MachineRates rates = machineRates();
         const double assembly = rates.secondsPerPair * kAssemblyOverhead * pairs;
         const double factorisation = 2.0 / 3.0 * std::pow(n, 3) / rates.flops * kFactorOverhead;
         const double split = assembly / (assembly + factorisation);
         auto start = Clock::now();
-        auto assembled = state->assemble(mesh, input, progress.part(0.0, split));
+        auto assembled = state->assemble(progress.part(0.0, split));
         if (!assembled) return tl::make_unexpected(assembled.error());
         norm = *assembled;
         if (floats(mesh, patchOf)) return fail("singular", kNoUniqueAnswer);
@@ -390,7 +332,7 @@ Result<BoundaryProblem> BoundaryProblem::build(const Input& input, const Progres
 
 Result<BoundaryProblem::Solution> BoundaryProblem::solve(const Eigen::MatrixXd& held, const Progress& progress) {
     State& s = *state_;
-    const std::int32_t n = s.unknowns(), known = 3 * s.heldCount;
+    const std::int32_t n = s.unknowns(), known = 3 * s.equation->heldCount();
     if (held.rows() != known) return fail("bad-value", "The displacements do not match the held vertices.");
     if (!finite(held)) return fail("bad-value", "A prescribed displacement is not finite.");
     const auto k = static_cast<std::int32_t>(held.cols());
@@ -433,24 +375,24 @@ Result<BoundaryProblem::Solution> BoundaryProblem::solve(const Eigen::MatrixXd& 
         return fail("inaccurate", "The equations of this body are too ill-conditioned to be solved accurately; repair thin spikes and nearly "
                                   "coinciding surfaces, or remesh it more evenly.");
     Solution solution;
-    solution.displacement = x.topRows(3 * s.freeCount);
+    solution.displacement = x.topRows(3 * s.equation->freeCount());
     solution.traction = x.bottomRows(known);
-    for (std::int32_t v = 0; v < s.heldCount; ++v) solution.traction.middleRows(3 * v, 3) *= s.tractionScale[static_cast<std::size_t>(v)];
+    for (std::int32_t v = 0; v < s.equation->heldCount(); ++v) solution.traction.middleRows(3 * v, 3) *= s.equation->tractionScale(v);
     return solution;
 }
 
-BoundaryProblem::Estimate BoundaryProblem::estimate(int vertices, int columns, int threads) {
+BoundaryProblem::Estimate BoundaryProblem::estimate(int nodes, int triangles, int columns, int threads) {
     Estimate out;
-    if (vertices <= 0) return out;
+    if (nodes <= 0) return out;
     const MachineRates rates = machineRates();
-    const double v = vertices, n = 3.0 * v, crew = std::clamp(threads, 1, hardwareThreads());
-    const double pairs = 2.0 * v * v;  // two triangles per vertex
+    const double n = 3.0 * nodes, crew = std::clamp(threads, 1, hardwareThreads());
+    const double pairs = static_cast<double>(nodes) * triangles;
     out.seconds = (rates.secondsPerPair * kAssemblyOverhead * pairs + 2.0 / 3.0 * n * n * n / rates.flops * kFactorOverhead) / crew;
     // Estimating the condition (about ten triangles with one column), then solving and refining (three rounds), all bound by memory.
     const double passes = 10.0 * 2.0 * n * n + 3.0 * (4.0 + 8.0) * n * n;
     out.seconds += passes / rates.bytesPerSecond + 3.0 * 4.0 * n * n * columns / (rates.flops * crew);
-    const auto held = static_cast<std::size_t>(kUsualHeldShare * v);
-    out.bytes = matrixBytes(static_cast<std::size_t>(vertices) - held, held) + 40 * static_cast<std::size_t>(n) * static_cast<std::size_t>(columns);
+    const auto held = static_cast<std::size_t>(kUsualHeldShare * nodes);
+    out.bytes = matrixBytes(static_cast<std::size_t>(nodes) - held, held) + 40 * static_cast<std::size_t>(n) * static_cast<std::size_t>(columns);
     return out;
 }
 
@@ -458,7 +400,7 @@ BoundaryProblem::BoundaryProblem(std::unique_ptr<State> state) : state_(std::mov
 BoundaryProblem::BoundaryProblem(BoundaryProblem&&) noexcept = default;
 BoundaryProblem& BoundaryProblem::operator=(BoundaryProblem&&) noexcept = default;
 BoundaryProblem::~BoundaryProblem() = default;
-const std::vector<std::int32_t>& BoundaryProblem::freeVertices() const { return state_->freeVertices; }
+const std::vector<std::int32_t>& BoundaryProblem::freeVertices() const { return state_->equation->freeVertices(); }
 const SolveQuality& BoundaryProblem::quality() const { return state_->quality; }
 
 }  // namespace imomushi

@@ -9,15 +9,10 @@
 
 #include "core/base/progress.h"
 #include "core/base/result.h"
+#include "core/elasticity/boundary_equation.h"
 #include "core/mesh/mesh.h"
 
 namespace imomushi {
-
-/// A patch of the surface whose displacement is prescribed. Patches must not share vertices.
-struct HeldPatch {
-    std::vector<std::int32_t> vertices;   ///< ascending, the rim included
-    std::vector<std::int32_t> triangles;  ///< all triangles whose corners lie in `vertices`
-};
 
 /// How good a factorised boundary problem is, and what it cost.
 struct SolveQuality {
@@ -27,9 +22,7 @@ struct SolveQuality {
     std::size_t peakBytes = 0;
 };
 
-/// Linear elastostatics of one closed body with unit shear modulus: direct collocation at the vertices, displacement continuous and piecewise
-/// linear, tractions linear on each held patch (one-sided at its rim) and zero elsewhere; all integrals in closed form (see
-/// kernels.h). Unknowns per vertex: its displacement where it is free, its traction where it is held.
+/// Linear elastostatics of one closed body with unit shear modulus, see BoundaryEquation.
 /// Built once (assembly and factorisation), then solve() answers any number of right-hand sides.
 /// The same input gives the same bytes for any number of threads.
 class BoundaryProblem {
@@ -37,6 +30,7 @@ public:
     struct Input {
         const TriangleMesh* mesh = nullptr;  ///< closed, outward; read during build() only
         std::vector<HeldPatch> held;         ///< at least one
+        std::vector<std::array<std::int32_t, 2>> bubbles;  ///< edges along which the displacement is quadratic; see BoundaryEquation
         double nu = 0.45;                    ///< Poisson ratio, 0...0.5
         int threads = 1;
     };
@@ -44,12 +38,13 @@ public:
     /// "singular", "not-closed" (the solid-angle sums say that the surface is open, inverted or self-overlapping).
     static Result<BoundaryProblem> build(const Input& input, const Progress& progress);
 
-    /// Bytes and seconds that build() will need, before it runs. `flops` is this machine's measured LU rate.
+    /// Bytes and seconds that build() will need, before it runs.
     struct Estimate {
         double seconds = 0.0;
         std::size_t bytes = 0;
     };
-    static Estimate estimate(int vertices, int columns, int threads);
+    /// `nodes`: vertices and bubbles together.
+    static Estimate estimate(int nodes, int triangles, int columns, int threads);
 
     BoundaryProblem(BoundaryProblem&&) noexcept;
     BoundaryProblem& operator=(BoundaryProblem&&) noexcept;

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/elasticity/column_gather.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 
 namespace imomushi {
 
@@ -42,28 +39,6 @@ TriangleBatch ColumnGather::gather(std::span<const std::int32_t> vertices, std::
         for (int c = 0; c < 3; ++c) column[static_cast<std::size_t>(mesh_->triangles(f, c))] = ignored;
     for (std::int32_t i = 0; i < ignored; ++i) column[static_cast<std::size_t>(vertices[static_cast<std::size_t>(i)])] = i;
     return both ? TriangleBatch(*mesh_, which, column, column) : TriangleBatch(*mesh_, which, column);
-}
-
-double innerSolidAngle(const TriangleMesh& mesh, std::int32_t vertex, std::span<const std::int32_t> triangles) {
-    // The cone of inner directions is bounded by the edges opposite to the vertex; spherical triangles between them and any one direction add up to it.
-    const Vec3 x = mesh.vertices.row(vertex).transpose();
-    Vec3 inwards = Vec3::Zero();
-    std::vector<std::pair<Vec3, Vec3>> edges;
-    for (const std::int32_t f : triangles)
-        for (int c = 0; c < 3; ++c)
-            if (mesh.triangles(f, c) == vertex) {
-                const Vec3 a = (Vec3(mesh.vertices.row(mesh.triangles(f, (c + 1) % 3)).transpose()) - x).normalized();
-                const Vec3 b = (Vec3(mesh.vertices.row(mesh.triangles(f, (c + 2) % 3)).transpose()) - x).normalized();
-                inwards -= a.cross(b).normalized();
-                edges.emplace_back(a, b);
-            }
-    // Off every symmetry, so that no edge lies opposite to it.
-    inwards = (inwards.normalized() + Vec3(0.0123, 0.0231, -0.0312)).normalized();
-    double sum = 0.0;
-    for (const auto& [a, b] : edges)
-        sum += 2.0 * std::atan2(inwards.dot(b.cross(a)), 1.0 + inwards.dot(a) + inwards.dot(b) + a.dot(b));
-    const double share = sum / (4.0 * std::numbers::pi);
-    return share - std::floor(share);
 }
 
 }  // namespace imomushi

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "core/elasticity/inner_angle.h"
 #include "core/elasticity/kernels.h"
 #include "core/mesh/mesh.h"
 
@@ -37,9 +38,5 @@ private:
     std::vector<std::size_t> begin_;
     std::vector<std::int32_t> triangles_;
 };
-
-/// The part of the full solid angle that the body fills as seen from a vertex: the free term of the boundary equation at that vertex, equal to
-/// minus the sum of D_a over the whole surface / (4 pi), but found from the triangles around the vertex alone. `triangles`: all that touch it.
-double innerSolidAngle(const TriangleMesh& mesh, std::int32_t vertex, std::span<const std::int32_t> triangles);
 
 }  // namespace imomushi

@@ -8,6 +8,9 @@
 
 namespace imomushi {
 
+/// Where x is nearer to the inside of an edge than this share of its distance from the far corner, it lies on it: coordinates are rounded.
+constexpr double kOnEdge = 1e-14;
+
 TriangleIntegrals triangleIntegrals(const Vec3& x, const std::array<Vec3, 3>& corners) {
     const std::array<Vec3, 3> r{corners[0] - x, corners[1] - x, corners[2] - x};
     const std::array<double, 3> R{r[0].norm(), r[1].norm(), r[2].norm()};
@@ -16,7 +19,8 @@ TriangleIntegrals triangleIntegrals(const Vec3& x, const std::array<Vec3, 3>& co
     const Vec3 n = areaNormal / twiceArea;
     const Eigen::Matrix3d P = Eigen::Matrix3d::Identity() - n * n.transpose();
     const auto nearest = static_cast<std::size_t>(std::min_element(R.begin(), R.end()) - R.begin());
-    const double w = -r[nearest].dot(n);  // signed height of x above the plane; exactly 0 on a corner
+    double w = -r[nearest].dot(n);  // signed height of x above the plane; exactly 0 on a corner
+    const double farthest = *std::max_element(R.begin(), R.end());
 
     // Per edge, along its unit tangent e: integrals of 1/R, s/R and s^2/R, and where the edge lies in the plane.
     std::array<Vec3, 3> e, m;
@@ -28,6 +32,11 @@ TriangleIntegrals triangleIntegrals(const Vec3& x, const std::array<Vec3, 3>& co
         e[a] /= length[a];
         m[a] = e[a].cross(n);
         t0[a] = (R[a] < R[b] ? r[a] : r[b]).dot(m[a]);
+        const double s0 = r[a].dot(e[a]), s1 = r[b].dot(e[a]);
+        if (s0 < 0.0 && s1 > 0.0 && std::hypot(t0[a], w) <= kOnEdge * farthest) t0[a] = w = 0.0;
+    }
+    for (std::size_t a = 0; a < 3; ++a) {
+        const std::size_t b = (a + 1) % 3;
         const double s0 = r[a].dot(e[a]), s1 = r[b].dot(e[a]);
         const double R02 = t0[a] * t0[a] + w * w;
         // f = asinh(s1/R0) - asinh(s0/R0); every product with f vanishes with R0.
@@ -59,11 +68,15 @@ TriangleIntegrals triangleIntegrals(const Vec3& x, const std::array<Vec3, 3>& co
     out.singleLayer = I0;
     out.kelvin = Q - w * (n * q.transpose() + q * n.transpose()) + w * Om * n * n.transpose();
 
+    out.singleLayerGradient = L - w * I0 * n;
+
+    std::array<Vec3, 3> gradient;
+    std::array<double, 3> value{};  // of N_a at the projection of x
     for (std::size_t a = 0; a < 3; ++a) {
         const std::size_t opposite = (a + 1) % 3;
         const double h = length[opposite] / twiceArea;
-        const Vec3 g = -h * m[opposite];
-        const double atX = h * t0[opposite];  // N_a at the projection of x
+        const Vec3 g = gradient[a] = -h * m[opposite];
+        const double atX = value[a] = h * t0[opposite];
         out.doubleLayer[static_cast<Eigen::Index>(a)] = atX * Om + w * g.dot(q);
         out.singleLayerLinear[static_cast<Eigen::Index>(a)] = atX * I0 + g.dot(L);
         // T = int (g.rho) rho rho^T / R^3, by parts over the edges.
@@ -78,6 +91,11 @@ TriangleIntegrals triangleIntegrals(const Vec3& x, const std::array<Vec3, 3>& co
         out.kelvinLinear[a] =
             atX * out.kelvin + T - w * (n * Qg.transpose() + Qg * n.transpose()) + w * w * g.dot(q) * n * n.transpose();
     }
+    for (std::size_t a = 0; a < 3; ++a) {
+        const std::size_t b = (a + 1) % 3;
+        out.doubleLayerBubble[static_cast<Eigen::Index>(a)] =
+            4.0 * (value[a] * value[b] * Om + w * ((value[a] * gradient[b] + value[b] * gradient[a]).dot(q) + gradient[a].dot(Q * gradient[b])));
+    }
     return out;
 }
 
@@ -89,33 +107,58 @@ PairBlocks pairBlocks(const Vec3& x, const std::array<Vec3, 3>& corners, double 
     const double pi = std::numbers::pi;
     const Eigen::Matrix3d M = ((1.0 - 2.0 * nu) * in.singleLayer * I + in.kelvin) / (8.0 * pi * (1.0 - nu));
     PairBlocks out;
+    std::array<Eigen::Matrix3d, 3> linearM, curl;
     for (std::size_t a = 0; a < 3; ++a) {
         const Vec3 g = n.cross(corners[(a + 2) % 3] - corners[(a + 1) % 3]) / areaNormal.norm();
         const auto i = static_cast<Eigen::Index>(a);
-        out.h[a] = in.doubleLayer[i] / (4.0 * pi) * I + M * (g * n.transpose() - n * g.transpose());
+        curl[a] = g * n.transpose() - n * g.transpose();
+        linearM[a] = ((1.0 - 2.0 * nu) * in.singleLayerLinear[i] * I + in.kelvinLinear[a]) / (8.0 * pi * (1.0 - nu));
+        out.h[a] = in.doubleLayer[i] / (4.0 * pi) * I + M * curl[a];
         out.g[a] = ((3.0 - 4.0 * nu) * in.singleLayerLinear[i] * I + in.kelvinLinear[a]) / (16.0 * pi * (1.0 - nu));
+    }
+    for (std::size_t a = 0; a < 3; ++a) {
+        const std::size_t b = (a + 1) % 3;
+        out.bubble[a] = in.doubleLayerBubble[static_cast<Eigen::Index>(a)] / (4.0 * pi) * I + 4.0 * (linearM[a] * curl[b] + linearM[b] * curl[a]);
     }
     return out;
 }
 
-TriangleBatch::TriangleBatch(const TriangleMesh& mesh, std::span<const std::int32_t> which, std::span<const std::int32_t> blockColumn,
-                             std::span<const std::int32_t> displacementColumn)
-    : size_((which.size() + kPad - 1) / kPad * kPad) {
+TriangleBatch::TriangleBatch(const TriangleMesh& mesh, std::span<const std::int32_t> which, const Columns& columns) {
+    layOut(mesh, which);
+    const auto gather = [&](const std::vector<std::array<std::int32_t, 3>>& from, std::vector<std::int32_t>& to) {
+        if (from.empty()) return;
+        to.resize(3 * size_);
+        for (std::size_t i = 0; i < size_; ++i)
+            for (std::size_t c = 0; c < 3; ++c) to[c * size_ + i] = from[i < from.size() ? i : 0][c];
+    };
+    gather(columns.corner, corner_);
+    gather(columns.bubble, bubble_);
+    gather(columns.traction, traction_);
+}
+
+TriangleBatch::TriangleBatch(const TriangleMesh& mesh, std::span<const std::int32_t> which, std::span<const std::int32_t> corner,
+                             std::span<const std::int32_t> traction) {
+    layOut(mesh, which);
+    const auto gather = [&](std::span<const std::int32_t> from, std::vector<std::int32_t>& to) {
+        if (from.empty()) return;
+        to.resize(3 * size_);
+        for (std::size_t i = 0; i < size_; ++i)
+            for (std::size_t c = 0; c < 3; ++c)
+                to[c * size_ + i] = from[static_cast<std::size_t>(mesh.triangles(which[i < which.size() ? i : 0], static_cast<Eigen::Index>(c)))];
+    };
+    gather(corner, corner_);
+    gather(traction, traction_);
+}
+
+void TriangleBatch::layOut(const TriangleMesh& mesh, std::span<const std::int32_t> which) {
+    size_ = (which.size() + kPad - 1) / kPad * kPad;
     data_.resize(size_ * kFields);
-    column_.resize(3 * size_);
-    if (!displacementColumn.empty()) displacementColumn_.resize(3 * size_);
     const auto set = [this](int f, std::size_t i, double value) { data_[static_cast<std::size_t>(f) * size_ + i] = value; };
     for (std::size_t i = 0; i < size_; ++i) {
         const bool padding = i >= which.size();
         const std::int32_t triangle = which[padding ? 0 : i];
         std::array<Vec3, 3> p;
-        for (int c = 0; c < 3; ++c) {
-            const std::int32_t v = mesh.triangles(triangle, c);
-            p[static_cast<std::size_t>(c)] = mesh.vertices.row(v).transpose();
-            column_[static_cast<std::size_t>(c) * size_ + i] = blockColumn[static_cast<std::size_t>(v)];
-            if (!displacementColumn.empty())
-                displacementColumn_[static_cast<std::size_t>(c) * size_ + i] = displacementColumn[static_cast<std::size_t>(v)];
-        }
+        for (int c = 0; c < 3; ++c) p[static_cast<std::size_t>(c)] = mesh.vertices.row(mesh.triangles(triangle, c)).transpose();
         const Vec3 areaNormal = (p[1] - p[0]).cross(p[2] - p[0]);
         const double twiceArea = areaNormal.norm();
         set(kTwiceArea, i, twiceArea);

@@ -24,6 +24,8 @@ using V = hn::Vec<D>;
 // Lengths are of order one (boundary_problem.cpp scales the body). Below these a logarithm's factor has vanished to rounding.
 constexpr double kTinyLength = 1e-30;
 constexpr double kTinySquare = 1e-60;
+/// Square of the distance from the inside of an edge at which x lies on it: coordinates are rounded.
+constexpr double kOnEdgeSquare = 1e-28;
 
 HWY_INLINE V constant(double value) { return hn::Set(D(), value); }
 
@@ -43,7 +45,9 @@ HWY_INLINE V atan2(V y, V x) {
 /// Index of entry (i, j) of a symmetric 3 x 3 matrix.
 constexpr int kSymmetric[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
 
-template <bool kWithG>
+enum class Adds { Corners, Bubbles, Tractions };
+
+template <Adds kAdds>
 double addBlocksOf(const TriangleBatch& batch, const Vec3& x, double nu, double* HWY_RESTRICT h, double* HWY_RESTRICT g) {
     const D d;
     constexpr int kLanes = TriangleBatch::kPad;
@@ -54,7 +58,9 @@ double addBlocksOf(const TriangleBatch& batch, const Vec3& x, double nu, double*
     const V isotropicM = constant(1.0 - 2.0 * nu), isotropicG = constant(3.0 - 4.0 * nu);
     const V xv[3] = {constant(x[0]), constant(x[1]), constant(x[2])};
     V sumD = zero;
+    constexpr bool kWithG = kAdds == Adds::Tractions, kWithBubbles = kAdds == Adds::Bubbles;
     HWY_ALIGN double hBlocks[3][9][kLanes];
+    HWY_ALIGN double bubbleBlocks[3][9][kLanes];
     HWY_ALIGN double gBlocks[3][6][kLanes];
 
     for (std::size_t i = 0; i < batch.paddedSize(); i += hn::Lanes(d)) {
@@ -72,7 +78,25 @@ double addBlocksOf(const TriangleBatch& batch, const Vec3& x, double nu, double*
         const auto nearer1 = hn::Lt(R2[1], R2[0]);
         const auto nearer2 = hn::Lt(R2[2], hn::Min(R2[0], R2[1]));
         for (int k = 0; k < 3; ++k) nearest[k] = hn::IfThenElse(nearer2, r[2][k], hn::IfThenElse(nearer1, r[1][k], r[0][k]));
-        const V w = hn::Neg(dot(nearest, n));
+        V w = hn::Neg(dot(nearest, n));
+        V e[3][3], m[3][3], t0[3], s0[3], s1[3];
+        for (int a = 0; a < 3; ++a) {
+            const int b = (a + 1) % 3;
+            for (int k = 0; k < 3; ++k) e[a][k] = load(TriangleBatch::kTangent + 3 * a + k);
+            for (int k = 0; k < 3; ++k) {
+                const int k1 = (k + 1) % 3, k2 = (k + 2) % 3;
+                m[a][k] = hn::NegMulAdd(e[a][k2], n[k1], hn::Mul(e[a][k1], n[k2]));
+            }
+            const auto firstNearer = hn::Lt(R2[a], R2[b]);
+            const V near[3] = {hn::IfThenElse(firstNearer, r[a][0], r[b][0]), hn::IfThenElse(firstNearer, r[a][1], r[b][1]),
+                               hn::IfThenElse(firstNearer, r[a][2], r[b][2])};
+            t0[a] = dot(near, m[a]);
+            s0[a] = dot(r[a], e[a]);
+            s1[a] = dot(r[b], e[a]);
+            const auto onEdge = hn::And(hn::Lt(hn::Mul(s0[a], s1[a]), zero), hn::Lt(hn::MulAdd(t0[a], t0[a], hn::Mul(w, w)), constant(kOnEdgeSquare)));
+            t0[a] = hn::IfThenZeroElse(onEdge, t0[a]);
+            w = hn::IfThenZeroElse(onEdge, w);
+        }
         const V w2 = hn::Mul(w, w);
 
         const V denominator = hn::MulAdd(
@@ -84,27 +108,17 @@ double addBlocksOf(const TriangleBatch& batch, const Vec3& x, double nu, double*
         V I0 = hn::Neg(hn::Mul(w, Om));
         V q[3] = {zero, zero, zero};
         V edges[6] = {zero, zero, zero, zero, zero, zero};  // sum of t0 f m m^T + (R1 - R0) (e m^T + m e^T) / 2
-        V e[3][3], m[3][3], t0[3], E0[3], E1[3], E2[3], J[3];
+        V E0[3], E1[3], E2[3], J[3];
         for (int a = 0; a < 3; ++a) {
             const int b = (a + 1) % 3;
-            for (int k = 0; k < 3; ++k) e[a][k] = load(TriangleBatch::kTangent + 3 * a + k);
-            for (int k = 0; k < 3; ++k) {
-                const int k1 = (k + 1) % 3, k2 = (k + 2) % 3;
-                m[a][k] = hn::NegMulAdd(e[a][k2], n[k1], hn::Mul(e[a][k1], n[k2]));
-            }
             const V length = load(TriangleBatch::kLength + a);
-            const auto firstNearer = hn::Lt(R2[a], R2[b]);
-            const V near[3] = {hn::IfThenElse(firstNearer, r[a][0], r[b][0]), hn::IfThenElse(firstNearer, r[a][1], r[b][1]),
-                               hn::IfThenElse(firstNearer, r[a][2], r[b][2])};
-            t0[a] = dot(near, m[a]);
-            const V s0 = dot(r[a], e[a]), s1 = dot(r[b], e[a]);
             const V R02 = hn::MulAdd(t0[a], t0[a], w2);
             const V sumR = hn::Add(R[a], R[b]);
             // f = ln(big / small) = log1p(excess / small), in three ways that do not cancel: far away by the sum of the distances, near by the ends on
             // one side of the foot of x or on both.
-            const V P0 = hn::Max(hn::Add(R[a], hn::Abs(s0)), constant(kTinyLength));
-            const V P1 = hn::Max(hn::Add(R[b], hn::Abs(s1)), constant(kTinyLength));
-            const auto astride = hn::And(hn::Lt(s0, zero), hn::Gt(s1, zero));
+            const V P0 = hn::Max(hn::Add(R[a], hn::Abs(s0[a])), constant(kTinyLength));
+            const V P1 = hn::Max(hn::Add(R[b], hn::Abs(s1[a])), constant(kTinyLength));
+            const auto astride = hn::And(hn::Lt(s0[a], zero), hn::Gt(s1[a], zero));
             const V flat2 = hn::Max(R02, constant(kTinySquare));
             V small = hn::IfThenElse(astride, flat2, hn::Min(P0, P1));
             V excess = hn::IfThenElse(astride, hn::Max(hn::MulSub(P0, P1, flat2), zero), hn::Sub(hn::Max(P0, P1), hn::Min(P0, P1)));
@@ -113,9 +127,9 @@ double addBlocksOf(const TriangleBatch& batch, const Vec3& x, double nu, double*
             excess = hn::IfThenElse(far, hn::Mul(two, length), excess);
             const V f = hn::Log1p(d, hn::Div(excess, small));
             E0[a] = f;
-            E1[a] = hn::Div(hn::Mul(length, hn::Add(s0, s1)), sumR);  // R1 - R0
-            if constexpr (kWithG) {
-                const V ends = hn::MulSub(s1, R[b], hn::Mul(s0, R[a])), side = hn::Mul(R02, f);
+            E1[a] = hn::Div(hn::Mul(length, hn::Add(s0[a], s1[a])), sumR);  // R1 - R0
+            if constexpr (kWithG || kWithBubbles) {
+                const V ends = hn::MulSub(s1[a], R[b], hn::Mul(s0[a], R[a])), side = hn::Mul(R02, f);
                 J[a] = hn::Mul(half, hn::Add(ends, side));
                 E2[a] = hn::Mul(half, hn::Sub(ends, side));
             }
@@ -164,26 +178,29 @@ double addBlocksOf(const TriangleBatch& batch, const Vec3& x, double nu, double*
             }
         }
 
-        if constexpr (kWithG) {
+        if constexpr (kWithG || kWithBubbles) {
             V L[3] = {zero, zero, zero};
             for (int a = 0; a < 3; ++a)
                 for (int k = 0; k < 3; ++k) L[k] = hn::MulAdd(m[a][k], J[a], L[k]);
+            // Per corner: N_a at the projection of x and its gradient, Q g, g.q, and the factor times (isotropic int N_a / R I + int N_a r r^T / R^3).
+            V atX[3], gradient[3][3], Qg[3][3], gq[3], linear[3][6];
+            const V factor = kWithG ? gFactor : mFactor, isotropic = kWithG ? isotropicG : isotropicM;
             for (int a = 0; a < 3; ++a) {
                 const int o = (a + 1) % 3;
-                const V gradient[3] = {hn::Neg(hn::Mul(height[a], m[o][0])), hn::Neg(hn::Mul(height[a], m[o][1])),
-                                       hn::Neg(hn::Mul(height[a], m[o][2]))};
-                const V atX = hn::Mul(height[a], t0[o]);
-                const V gL = dot(gradient, L);
-                const V linear = hn::MulAdd(atX, I0, gL);
+                for (int k = 0; k < 3; ++k) gradient[a][k] = hn::Neg(hn::Mul(height[a], m[o][k]));
+                const V* ga = gradient[a];
+                atX[a] = hn::Mul(height[a], t0[o]);
+                const V gL = dot(ga, L);
+                gq[a] = dot(ga, q);
                 V T[6];  // int (gradient . rho) rho rho^T / R^3
                 for (int k = 0; k < 3; ++k)
                     for (int l = k; l < 3; ++l) {
                         const V nn = hn::Mul(n[k], n[l]);
-                        const V gl = hn::MulAdd(L[k], gradient[l], hn::Mul(gradient[k], L[l]));
+                        const V gl = hn::MulAdd(L[k], ga[l], hn::Mul(ga[k], L[l]));
                         T[kSymmetric[k][l]] = hn::MulAdd(half, gl, hn::Mul(gL, k == l ? hn::Sub(one, nn) : hn::Neg(nn)));
                     }
                 for (int b = 0; b < 3; ++b) {
-                    const V gm = dot(gradient, m[b]), ge = dot(gradient, e[b]);
+                    const V gm = dot(ga, m[b]), ge = dot(ga, e[b]);
                     const V cross = hn::Mul(t0[b], E1[b]);
                     const V alongM = hn::Mul(half, hn::MulAdd(gm, hn::Mul(hn::Mul(t0[b], t0[b]), E0[b]), hn::Mul(cross, ge)));
                     const V alongE = hn::Mul(half, hn::MulAdd(cross, gm, hn::Mul(ge, E2[b])));
@@ -193,34 +210,62 @@ double addBlocksOf(const TriangleBatch& batch, const Vec3& x, double nu, double*
                         for (int l = k; l < 3; ++l)
                             T[kSymmetric[k][l]] = hn::Sub(T[kSymmetric[k][l]], hn::MulAdd(along[k], m[b][l], hn::Mul(m[b][k], along[l])));
                 }
-                V Qg[3];
                 for (int k = 0; k < 3; ++k) {
                     const V row[3] = {Q[kSymmetric[k][0]], Q[kSymmetric[k][1]], Q[kSymmetric[k][2]]};
-                    Qg[k] = dot(row, gradient);
+                    Qg[a][k] = dot(row, ga);
                 }
-                const V w2gq = hn::Mul(w2, dot(gradient, q));
+                const V ofOne = hn::MulAdd(atX[a], I0, gL);  // int N_a / R
+                const V w2gq = hn::Mul(w2, gq[a]);
                 for (int k = 0; k < 3; ++k)
                     for (int l = k; l < 3; ++l) {
                         const int s = kSymmetric[k][l];
-                        const V nQg = hn::MulAdd(n[k], Qg[l], hn::Mul(Qg[k], n[l]));
-                        V entry = hn::NegMulAdd(w, nQg, hn::MulAdd(atX, S[s], T[s]));
+                        const V nQg = hn::MulAdd(n[k], Qg[a][l], hn::Mul(Qg[a][k], n[l]));
+                        V entry = hn::NegMulAdd(w, nQg, hn::MulAdd(atX[a], S[s], T[s]));
                         entry = hn::MulAdd(w2gq, hn::Mul(n[k], n[l]), entry);
-                        if (k == l) entry = hn::MulAdd(isotropicG, linear, entry);
-                        hn::Store(hn::Mul(gFactor, entry), d, gBlocks[a][s]);
+                        if (k == l) entry = hn::MulAdd(isotropic, ofOne, entry);
+                        linear[a][s] = hn::Mul(factor, entry);
                     }
+            }
+            if constexpr (kWithG)
+                for (int a = 0; a < 3; ++a)
+                    for (int s = 0; s < 6; ++s) hn::Store(linear[a][s], d, gBlocks[a][s]);
+            if constexpr (kWithBubbles) {
+                const V four = constant(4.0);
+                for (int a = 0; a < 3; ++a) {
+                    const int b = (a + 1) % 3, ea = (a + 1) % 3, eb = (b + 1) % 3;  // edges opposite to a and b
+                    const V inPlane = hn::MulAdd(atX[a], gq[b], hn::MulAdd(atX[b], gq[a], dot(gradient[a], Qg[b])));
+                    const V layer = hn::Mul(four, hn::MulAdd(hn::Mul(atX[a], atX[b]), Om, hn::Mul(w, inPlane)));
+                    const V diagonal = hn::Mul(dFactor, layer);
+                    const V ha = hn::Mul(four, height[a]), hb = hn::Mul(four, height[b]);
+                    const V ka[3] = {hn::Mul(ha, e[ea][0]), hn::Mul(ha, e[ea][1]), hn::Mul(ha, e[ea][2])};
+                    const V kb[3] = {hn::Mul(hb, e[eb][0]), hn::Mul(hb, e[eb][1]), hn::Mul(hb, e[eb][2])};
+                    for (int row = 0; row < 3; ++row)
+                        for (int column = 0; column < 3; ++column) {
+                            const int c1 = (column + 1) % 3, c2 = (column + 2) % 3;
+                            const int r1 = kSymmetric[row][c1], r2 = kSymmetric[row][c2];
+                            // - (N_a M) [kb]x - (N_b M) [ka]x
+                            V block = hn::MulSub(linear[a][r2], kb[c1], hn::Mul(linear[a][r1], kb[c2]));
+                            block = hn::MulAdd(linear[b][r2], ka[c1], hn::NegMulAdd(linear[b][r1], ka[c2], block));
+                            if (row == column) block = hn::Add(block, diagonal);
+                            hn::Store(block, d, bubbleBlocks[a][3 * row + column]);
+                        }
+                }
             }
         }
 
-        for (int a = 0; a < 3; ++a) {
-            const std::int32_t* column = batch.column(a) + i;
+        const auto scatter = [&](const std::int32_t* column, const double (*blocks)[kLanes]) HWY_ATTR {
             for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane) {
                 double* block = h + 9 * static_cast<std::ptrdiff_t>(column[lane]);
-                for (int k = 0; k < 9; ++k) block[k] += hBlocks[a][k][lane];
+                for (int k = 0; k < 9; ++k) block[k] += blocks[k][lane];
             }
+        };
+        for (int a = 0; a < 3; ++a) {
+            scatter(batch.corner(a) + i, hBlocks[a]);
+            if constexpr (kWithBubbles) scatter(batch.bubble(a) + i, bubbleBlocks[a]);
             if constexpr (kWithG) {
-                const std::int32_t* displacementColumn = batch.displacementColumn(a) + i;
+                const std::int32_t* column = batch.traction(a) + i;
                 for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane) {
-                    double* block = g + 9 * static_cast<std::ptrdiff_t>(displacementColumn[lane]);
+                    double* block = g + 9 * static_cast<std::ptrdiff_t>(column[lane]);
                     for (int k = 0; k < 3; ++k)
                         for (int l = 0; l < 3; ++l) block[3 * k + l] += gBlocks[a][kSymmetric[k][l]][lane];
                 }
@@ -235,7 +280,8 @@ double addBlocksOf(const TriangleBatch& batch, const Vec3& x, double nu, double*
 }
 
 double addBlocks(const TriangleBatch& batch, const Vec3& x, double nu, double* h, double* g) {
-    return g ? addBlocksOf<true>(batch, x, nu, h, g) : addBlocksOf<false>(batch, x, nu, h, g);
+    if (g) return addBlocksOf<Adds::Tractions>(batch, x, nu, h, g);
+    return batch.hasBubbles() ? addBlocksOf<Adds::Bubbles>(batch, x, nu, h, g) : addBlocksOf<Adds::Corners>(batch, x, nu, h, g);
 }
 
 }  // namespace HWY_NAMESPACE

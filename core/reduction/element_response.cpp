@@ -229,7 +229,7 @@ ResponseEstimate estimateResponse(const ResponseInput& input) {
     out.columns = firstColumn.back();
     if (input.faces.empty()) return out;
     const auto vertices = static_cast<int>(input.mesh->body.vertices.rows());
-    const BoundaryProblem::Estimate solve = BoundaryProblem::estimate(vertices, out.columns, input.threads);
+    const BoundaryProblem::Estimate solve = BoundaryProblem::estimate(vertices, static_cast<int>(input.mesh->body.triangles.rows()), out.columns, input.threads);
     out.seconds = solve.seconds;
     out.bytes = solve.bytes;
 

@@ -61,6 +61,11 @@ void integrate(const Vec3& x, const Corners& whole, const Corners& part, int dep
             const double dipole = w / (R * R * R);
             sums.in.solidAngle += weight * dipole;
             sums.in.doubleLayer += weight * dipole * hat;
+            for (std::size_t e = 0; e < 3; ++e) {
+                const auto a = static_cast<Eigen::Index>(e), b = static_cast<Eigen::Index>((e + 1) % 3);
+                sums.in.doubleLayerBubble[a] += weight * dipole * 4.0 * hat[a] * hat[b];
+            }
+            sums.in.singleLayerGradient += weight / R * r;
             sums.in.singleLayer += weight / R;
             sums.in.kelvin += weight / (R * R * R) * r * r.transpose();
             sums.in.singleLayerLinear += weight / R * hat;
@@ -69,9 +74,12 @@ void integrate(const Vec3& x, const Corners& whole, const Corners& part, int dep
         }
 }
 
-void checkClose(const TriangleIntegrals& a, const TriangleIntegrals& b, double length, double bound) {
+/// `steep`: how large the hat functions grow where x is projected to; products of two of them cancel for the bubbles.
+void checkClose(const TriangleIntegrals& a, const TriangleIntegrals& b, double length, double bound, double steep) {
     CHECK(std::abs(a.solidAngle - b.solidAngle) <= bound);
     CHECK((a.doubleLayer - b.doubleLayer).cwiseAbs().maxCoeff() <= bound);
+    CHECK((a.doubleLayerBubble - b.doubleLayerBubble).cwiseAbs().maxCoeff() <= bound + 1e-15 * steep * steep);
+    CHECK((a.singleLayerGradient - b.singleLayerGradient).cwiseAbs().maxCoeff() <= bound * length * length);
     CHECK(std::abs(a.singleLayer - b.singleLayer) <= bound * length);
     CHECK((a.kelvin - b.kelvin).cwiseAbs().maxCoeff() <= bound * length);
     CHECK((a.singleLayerLinear - b.singleLayerLinear).cwiseAbs().maxCoeff() <= bound * length);
@@ -83,7 +91,7 @@ const Corners kSliver{Vec3(0.0, 0.0, 0.0), Vec3(1.0, 0.0, 0.0), Vec3(0.3, 0.03, 
 
 }  // namespace
 
-TEST_CASE("kernels: closed forms agree with quadrature, also where x is near, on a corner or in line with an edge") {
+TEST_CASE("kernels: closed forms agree with quadrature, also where x is near, on a corner, inside an edge or in line with it") {
     for (const Corners& corners : {kTriangle, kSliver}) {
         const Vec3 n = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalized();
         const Vec3 middle = (corners[0] + corners[1] + corners[2]) / 3.0;
@@ -102,12 +110,17 @@ TEST_CASE("kernels: closed forms agree with quadrature, also where x is near, on
                      {"above a corner", corners[1] + 0.01 * n},
                      {"on corner 0", corners[0]},
                      {"on corner 1", corners[1]},
-                     {"on corner 2", corners[2]}};
+                     {"on corner 2", corners[2]},
+                     {"in the middle of an edge", 0.5 * (corners[0] + corners[1])},
+                     {"inside an edge", 0.7 * corners[1] + 0.3 * corners[2]}};
         for (const auto& [what, x] : cases) {
             CAPTURE(what);
             Sums sums;
             integrate(x, corners, corners, 42, sums);
-            checkClose(triangleIntegrals(x, corners), sums.in, 1.0, 1e-11);
+            double longest = 0.0;
+            for (std::size_t c = 0; c < 3; ++c) longest = std::max(longest, (corners[c] - corners[(c + 1) % 3]).norm());
+            const double height = (corners[1] - corners[0]).cross(corners[2] - corners[0]).norm() / longest;
+            checkClose(triangleIntegrals(x, corners), sums.in, 1.0, 1e-11, (x - middle).norm() / height);
         }
     }
 }
@@ -139,12 +152,24 @@ TEST_CASE("kernels: vector instructions give what the reference gives") {
         for (std::size_t i = 0; i < triangles.size(); ++i) triangles[i] = static_cast<std::int32_t>(i);
         for (std::size_t i = 0; i < count; ++i) identity[i] = static_cast<std::int32_t>(i);
         const TriangleBatch batch(mesh, triangles, identity, identity);
+        TriangleBatch::Columns columns;  // bubbles: a column for every second side, one for all others
+        for (const std::int32_t f : triangles) {
+            columns.corner.push_back({mesh.triangles(f, 0), mesh.triangles(f, 1), mesh.triangles(f, 2)});
+            columns.bubble.push_back({3 * f % static_cast<std::int32_t>(count), static_cast<std::int32_t>(count), (3 * f + 2) % static_cast<std::int32_t>(count)});
+        }
+        const TriangleBatch curved(mesh, triangles, columns);
         for (const double nu : {0.0, 0.3, 0.5})
-            for (std::size_t v = 0; v < count; v += 5) {
-                const Vec3 x = mesh.vertices.row(static_cast<Eigen::Index>(v)).transpose();
+            for (std::size_t v = 0; v < 2 * count; v += 5) {
+                // Vertices, then middles of edges.
+                Vec3 x = mesh.vertices.row(static_cast<Eigen::Index>(v % count)).transpose();
+                if (v >= count)
+                    x = 0.5 * (Vec3(mesh.vertices.row(mesh.triangles(triangles[v - count], 0)).transpose()) +
+                               Vec3(mesh.vertices.row(mesh.triangles(triangles[v - count], 1)).transpose()));
+                Eigen::VectorXd hCurved = Eigen::VectorXd::Zero(9 * static_cast<Eigen::Index>(count) + 9), hCurvedExpected = hCurved;
                 Eigen::VectorXd h = Eigen::VectorXd::Zero(9 * static_cast<Eigen::Index>(count)), g = h, hAlone = h, hExpected = h, gExpected = h;
                 const double sum = addBlocks(batch, x, nu, h.data(), g.data());
                 CHECK(addBlocks(batch, x, nu, hAlone.data(), nullptr) == doctest::Approx(sum).epsilon(1e-13));
+                CHECK(addBlocks(curved, x, nu, hCurved.data(), nullptr) == doctest::Approx(sum).epsilon(1e-13));
                 double sumExpected = 0.0;
                 for (const std::int32_t f : triangles) {
                     Corners p;
@@ -156,10 +181,14 @@ TEST_CASE("kernels: vector instructions give what the reference gives") {
                             for (int j = 0; j < 3; ++j) {
                                 hExpected[9 * mesh.triangles(f, c) + 3 * i + j] += blocks.h[static_cast<std::size_t>(c)](i, j);
                                 gExpected[9 * mesh.triangles(f, c) + 3 * i + j] += blocks.g[static_cast<std::size_t>(c)](i, j);
+                                hCurvedExpected[9 * columns.bubble[static_cast<std::size_t>(f)][static_cast<std::size_t>(c)] + 3 * i + j] +=
+                                    blocks.bubble[static_cast<std::size_t>(c)](i, j);
                             }
                 }
                 // The plate's thin sides have hat functions as steep as 1/0.01; elsewhere entries are of order one.
                 CHECK((h - hExpected).cwiseAbs().maxCoeff() <= 1e-12);
+                hCurvedExpected.head(hExpected.size()) += hExpected;
+                CHECK((hCurved - hCurvedExpected).cwiseAbs().maxCoeff() <= 1e-11);
                 CHECK((hAlone - hExpected).cwiseAbs().maxCoeff() <= 1e-12);
                 CHECK((g - gExpected).cwiseAbs().maxCoeff() <= 1e-13);
                 CHECK(std::abs(sum - sumExpected) <= 1e-12);

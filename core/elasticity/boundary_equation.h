@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/elasticity/hierarchical_matrix.h"
+#include "core/elasticity/kernels.h"
+#include "core/mesh/mesh.h"
+
+namespace imomushi {
+
+/// A patch of the surface whose displacement is prescribed. Patches must not share vertices.
+struct HeldPatch {
+    std::vector<std::int32_t> vertices;   ///< ascending, the rim included
+    std::vector<std::int32_t> triangles;  ///< all triangles whose corners lie in `vertices`
+};
+
+/// The equations A X = -H_J u_J of one closed body with unit shear modulus, entry by entry: direct collocation of H u = G t (see kernels.h).
+/// The displacement is continuous, linear on every triangle, and quadratic along the edges that have a bubble; tractions are linear on each
+/// held patch (one-sided at its rim) and zero elsewhere. Collocation points are the vertices and the middles of the edges with bubbles.
+/// Nodes, three unknowns each: the displacement of every free vertex; how far the middle of an edge leaves the straight line between
+/// its ends, for every bubble; the scaled traction of every held vertex.
+/// Lengths are in units of the body's size, so that entries are of order one whatever the body's unit and place.
+class BoundaryEquation final : public BlockSource {
+public:
+    /// `mesh`: closed, outward, without degenerate triangles. `bubbles`: vertices of edges, each edge once, of which no triangle is held.
+    BoundaryEquation(const TriangleMesh& mesh, std::span<const HeldPatch> held, std::span<const std::array<std::int32_t, 2>> bubbles, double nu);
+
+    [[nodiscard]] std::int32_t nodes() const override { return static_cast<std::int32_t>(points_.rows()); }
+    [[nodiscard]] std::int32_t freeCount() const { return freeCount_; }      ///< nodes 0...
+    [[nodiscard]] std::int32_t bubbleCount() const { return bubbleCount_; }  ///< nodes freeCount()...
+    [[nodiscard]] std::int32_t heldCount() const { return heldCount_; }      ///< the last nodes, patch by patch
+    [[nodiscard]] const std::vector<std::int32_t>& freeVertices() const { return freeVertices_; }  ///< ascending
+    /// The vertex nearest to a node, to name it to a user.
+    [[nodiscard]] std::int32_t vertexOf(std::int32_t node) const;
+    /// Traction, for the body in its own unit of length, per unknown of the j-th held vertex.
+    [[nodiscard]] double tractionScale(std::int32_t j) const { return columnScale_[static_cast<std::size_t>(j)] / size_; }
+
+    /// The row of a node in whole: h (9 (nodes() + 1)) gets the blocks of H, 3 x 3 by rows, with the free term, in the order of the nodes, those of
+    /// held vertices for their displacement, and one more without meaning; g (9 heldCount()) those of A for the tractions. Returns the free term.
+    double row(std::int32_t node, double* h, double* g) const;
+
+    /// -H_J u_J: 3 nodes() x k for the displacements of the held vertices, 3 heldCount() x k. The same bytes for any number of threads.
+    [[nodiscard]] Eigen::MatrixXd rightHandSides(const Eigen::MatrixXd& held, int threads) const;
+
+    [[nodiscard]] Vec3 position(std::int32_t node) const override { return points_.row(node).transpose(); }
+    [[nodiscard]] Box support(std::int32_t node) const override;
+    [[nodiscard]] std::unique_ptr<Columns> columns(std::span<const std::int32_t> columnNodes) const override;
+
+private:
+    class SomeColumns;
+    enum class Wanted { Displacements, Unknowns };
+    /// The blocks of some columns: of H for all of them, or of A.
+    struct Gathered {
+        TriangleBatch plain, curved, held;
+    };
+    [[nodiscard]] Gathered gather(std::span<const std::int32_t> columnNodes, Wanted wanted) const;
+    [[nodiscard]] std::span<const std::int32_t> trianglesOf(std::int32_t node) const;
+    [[nodiscard]] bool bubble(std::int32_t node) const { return node >= freeCount_ && node < freeCount_ + bubbleCount_; }
+    void addFreeTerm(std::int32_t node, double freeTerm, double* h) const;
+
+    TriangleMesh mesh_;
+    double nu_ = 0.0, size_ = 1.0;
+    std::int32_t freeCount_ = 0, bubbleCount_ = 0, heldCount_ = 0;
+    std::vector<std::int32_t> freeVertices_, heldVertices_;
+    std::vector<std::array<std::int32_t, 2>> ends_;  ///< nodes at the ends of each bubble's edge
+    Points points_;                                  ///< nodes() x 3
+    std::vector<double> freeTerm_;                   ///< per node, from the triangles around it
+    std::vector<double> columnScale_;                ///< per held vertex: times this is of order one
+    std::vector<std::array<std::int32_t, 3>> cornerNode_, bubbleNode_;  ///< per triangle; -1: no bubble
+    std::vector<char> inPatch_;                                         ///< per triangle
+    std::vector<std::size_t> around_;                                   ///< where each node's triangles begin in triangles_
+    std::vector<std::int32_t> triangles_;
+    Gathered all_;
+};
+
+}  // namespace imomushi
