@@ -13,7 +13,6 @@
 #include <utility>
 
 #include "core/mesh/cgal/intersections.h"
-#include "core/mesh/health.h"
 
 namespace imomushi {
 namespace {
@@ -90,8 +89,8 @@ public:
     /// `limit`: the longest edge that each vertex may get.
     Collapse(const Surface& surface, std::vector<double> limit, double uniform) : s_(surface), limit_(std::move(limit)), uniform_(uniform) {}
 
-    /// False: an edge has not exactly two triangles of opposite winding, or a vertex more than one fan of triangles.
-    bool connect() {
+    /// False: cancelled, or an edge has not exactly two triangles of opposite winding, or a vertex more than one fan of triangles.
+    bool connect(const Progress& progress) {
         const std::size_t n = s_.points.size(), sides = 3 * s_.corners.size();
         // Half-edges by their lower vertex; each vertex has few, so that searching them is linear in all.
         std::vector<Index> first(n + 1, 0), at_(sides), fan(n, 0);
@@ -102,10 +101,12 @@ public:
             for (std::size_t c = 0; c < 3; ++c) origin_[3 * t + c] = s_.corners[t][c];
         const auto count = static_cast<Index>(sides);
         for (Index h = 0; h < count; ++h) ++first[at(std::min(from(h), to(h))) + 1], leaving_[at(from(h))] = h, ++fan[at(from(h))];
+        if (progress.cancelled()) return false;
         for (std::size_t v = 0; v < n; ++v) first[v + 1] += first[v];
         std::vector<Index> next(first.begin(), first.end() - 1);
         for (Index h = 0; h < count; ++h) at_[at(next[at(std::min(from(h), to(h)))]++)] = h;
-        for (std::size_t v = 0; v < n; ++v)
+        for (std::size_t v = 0; v < n; ++v) {
+            if (v % (64 * kLook) == 0 && progress.cancelled()) return false;
             for (Index i = first[v]; i < first[v + 1]; ++i) {
                 const Index h = at_[at(i)];
                 for (Index j = first[v]; j < first[v + 1] && twin_[at(h)] < 0; ++j) {
@@ -116,8 +117,9 @@ public:
                 }
                 if (twin_[at(h)] < 0 || from(h) == to(h)) return false;
             }
+        }
         for (Index v = 0; v < static_cast<Index>(n); ++v) {
-            if (leaving_[at(v)] < 0) return false;
+            if (leaving_[at(v)] < 0 || (v % (64 * kLook) == 0 && progress.cancelled())) return false;
             int around = 0;
             for (Index h = leaving_[at(v)]; around <= fan[at(v)]; ++around, h = around_(h))
                 if (around > 0 && h == leaving_[at(v)]) break;
@@ -133,13 +135,14 @@ public:
         for (Index v = 0; v < n; ++v) became_[at(v)] = v;
         mark_.assign(at(n), -1);
         left_ = n;
-        hold();
-        if (!measure(progress) || !grade(progress)) return false;
+        if (!hold(progress) || !measure(progress) || !grade(progress)) return false;
         stamp_.assign(twin_.size(), 0);
         const int wanted = std::max(vertices, 4), all = left_;
         for (int before = -1; left_ > wanted && left_ != before;) {
             before = left_;  // what could not be collapsed earlier may be possible now that its surroundings have changed
-            queue_ = {};
+            std::vector<Entry> room;
+            room.reserve(twin_.size());  // about what is ever in it: growing would copy all entries at once
+            queue_ = std::priority_queue<Entry>({}, std::move(room));
             for (Index h = 0; h < static_cast<Index>(twin_.size()); ++h) {
                 if (h % (64 * kLook) == 0 && progress.cancelled()) return false;
                 if (alive(h) && h < twin_[at(h)]) push(h);
@@ -228,9 +231,10 @@ private:
         return share > 0.0 && share < squared && (arm - along * (share / squared)).norm() <= kStraight;
     }
 
-    void hold() {
+    bool hold(const Progress& progress) {
         hold_.resize(s_.points.size());
         for (Index v = 0; v < static_cast<Index>(s_.points.size()); ++v) {
+            if (v % (64 * kLook) == 0 && progress.cancelled()) return false;
             bool mixed = false;
             const Index own = label(leaving_[at(v)]);
             eachLeaving(v, [&](Index h) { mixed = mixed || label(h) != own; });
@@ -241,6 +245,7 @@ private:
             const auto ends = rimNeighbours(v);
             hold_[at(v)] = ends && straight(v, *ends) ? Hold::Slides : Hold::Stays;
         }
+        return true;
     }
 
     bool measure(const Progress& progress) {
@@ -490,13 +495,20 @@ double uniformEdge(const Surface& surface, int vertices) {
     return std::sqrt(2.0 * area / (std::sqrt(3.0) * vertices));
 }
 
+double volumeOf(const Surface& surface) {
+    double volume = 0.0;
+    for (const auto& [a, b, c] : surface.corners) volume += surface.points[at(a)].dot(surface.points[at(b)].cross(surface.points[at(c)])) / 6.0;
+    return volume;
+}
+
 /// Whether those triangles of `surface` that were collapsed into the marked vertices intersect themselves.
-bool intersectsAt(const Surface& surface, const std::vector<Index>& number, const std::vector<char>& marked) {
+bool intersectsAt(const Surface& surface, const std::vector<Index>& number, const std::vector<char>& marked,
+                  const Progress& progress) {
     Surface part;
     part.points = surface.points;
     for (const auto& k : surface.corners)
         if (marked[at(number[at(k[0])])] || marked[at(number[at(k[1])])] || marked[at(number[at(k[2])])]) part.corners.push_back(k);
-    return !selfIntersections(meshOf(part), 1).empty();
+    return !selfIntersections(meshOf(part), 1, progress).empty();
 }
 
 }  // namespace
@@ -519,6 +531,8 @@ Result<DecimatedBody> decimate(const TriangleMesh& body, std::span<const JointFa
         start.points.emplace_back((body.vertices.row(v).transpose() - middle) / diagonal);
         start.place.push_back(v);
     }
+    if (progress.cancelled()) return fail(kCancelled, "Decimating was cancelled.");
+    start.corners.reserve(at(static_cast<Index>(body.triangles.rows())));
     for (Index t = 0; t < body.triangles.rows(); ++t) {
         for (int c = 0; c < 3; ++c)
             if (body.triangles(t, c) < 0 || body.triangles(t, c) >= body.vertices.rows())
@@ -537,13 +551,15 @@ Result<DecimatedBody> decimate(const TriangleMesh& body, std::span<const JointFa
         std::vector<Index> number;
         {
             Collapse collapse(start, limit, uniform);
-            if (!collapse.connect()) return fail("not-closed", "The body is not closed, or touches itself at an edge or a vertex; repair it first.");
+            const bool connected = collapse.connect(progress);
+            if (progress.cancelled()) return fail(kCancelled, "Decimating was cancelled.");
+            if (!connected) return fail("not-closed", "The body is not closed, or touches itself at an edge or a vertex; repair it first.");
             if (!collapse.run(vertices, progress)) return fail(kCancelled, "Decimating was cancelled.");
             surface = collapse.result(number);
         }
-        const auto pairs = selfIntersections(meshOf(surface), kPairs);
-        if (pairs.empty()) break;
+        const auto pairs = selfIntersections(meshOf(surface), kPairs, progress);
         if (progress.cancelled()) return fail(kCancelled, "Decimating was cancelled.");
+        if (pairs.empty()) break;
         std::vector<char> marked(surface.points.size(), 0);
         std::vector<double> shorter(surface.points.size(), kUnlimited);
         for (const auto& [s, t] : pairs) {
@@ -557,14 +573,16 @@ Result<DecimatedBody> decimate(const TriangleMesh& body, std::span<const JointFa
                     shorter[at(v)] = std::min(shorter[at(v)], 0.5 * longest);
                 }
         }
-        if (round == kRounds || intersectsAt(start, number, marked))
+        const bool before = intersectsAt(start, number, marked, progress);
+        if (progress.cancelled()) return fail(kCancelled, "Decimating was cancelled.");
+        if (round == kRounds || before)
             return fail("self-intersecting", "The body intersects itself or nearly does, so that no body of fewer vertices near it is free of that; "
                                              "repair it, or use \"as-is\".");
         for (std::size_t v = 0; v < limit.size(); ++v) limit[v] = std::min(limit[v], shorter[at(number[v])]);
     }
     if (static_cast<double>(surface.points.size()) > kAbout * vertices)
-        return fail("too-few-vertices", "Between its joint faces and their rims, which are kept exactly, the body cannot be decimated to " +
-                                            std::to_string(vertices) + " vertices; the smallest is about \"decimated:" +
+        return fail("too-few-vertices", "The body cannot be decimated to " + std::to_string(vertices) +
+                                            " vertices without moving the rims of its joint faces or letting thin walls touch; the smallest is about \"decimated:" +
                                             std::to_string(surface.points.size()) + "\".");
 
     DecimatedBody out;
@@ -587,8 +605,8 @@ Result<DecimatedBody> decimate(const TriangleMesh& body, std::span<const JointFa
         std::sort(face.vertices.begin(), face.vertices.end());
         face.vertices.erase(std::unique(face.vertices.begin(), face.vertices.end()), face.vertices.end());
     }
-    const double volume = meshFacts(body).volume;
-    out.volumeError = volume != 0.0 ? meshFacts(out.mesh).volume / volume - 1.0 : 0.0;
+    const double before = volumeOf(start);
+    out.volumeError = before != 0.0 ? volumeOf(surface) / before - 1.0 : 0.0;
     return out;
 }
 

@@ -15,11 +15,11 @@ namespace imomushi {
 /// A body of fewer vertices in the place of another: closed, outward, manifold, free of self-intersections, of the same topology.
 struct DecimatedBody {
     TriangleMesh mesh;
-    /// The faces with the name, frame, area and size of the given ones and with vertices and triangles of `mesh`. Each covers exactly
-    /// the same part of space: all its vertices are vertices of the body, and its rim runs along the same lines.
+    /// The faces with the name, frame, area and size of the given ones and with vertices and triangles of `mesh`. All vertices of a face are
+    /// vertices of the body's, and its rim runs along the same lines, so that a flat face covers exactly the same part of its plane.
     std::vector<JointFace> faces;
     std::vector<std::int32_t> bodyVertex;  ///< of each vertex of `mesh`: the body vertex at exactly the same place, -1: it was moved
-    double volumeError = 0.0;              ///< volume of `mesh` over that of the body, minus 1
+    double volumeError = 0.0;              ///< volume of `mesh` over that of the body, minus 1; 0 for a body without volume
 };
 
 /// Collapses edges, the least costly first, until `vertices` are left. The cost weighs length against distance from the body: for elasticity

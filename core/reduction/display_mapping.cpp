@@ -131,7 +131,16 @@ Result<DisplayMapping> DisplayMapping::build(const Input& input, const Progress&
     }
     if (diagonal > 0.0 && !mapping.places_.empty()) {
         mapping.distance_.largest = std::sqrt(largest) / diagonal;
-        mapping.distance_.rms = std::sqrt(squares / static_cast<double>(mapping.places_.size())) / diagonal;
+        const double rms = std::sqrt(squares / static_cast<double>(mapping.places_.size()));
+        mapping.distance_.rms = rms / diagonal;
+        double volume = 0.0, area = 0.0;
+        const Vec3 origin = solver.vertices.row(0);
+        for (std::int32_t t = 0; t < solver.triangles.rows(); ++t) {
+            const Vec3 twice = areaVector(solver, t);
+            area += 0.5 * twice.norm();
+            volume += (solver.vertices.row(solver.triangles(t, 0)).transpose() - origin).dot(twice) / 6.0;
+        }
+        if (volume > 0.0) mapping.distance_.shape = rms * area / (2.0 * volume);
     }
     progress.report("map", 1.0);
     return mapping;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <doctest/doctest.h>
+#include <rapidcheck.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -114,6 +115,38 @@ TEST_CASE("decimated body: closed, outward, of the same topology and volume, fre
     }
 }
 
+TEST_CASE("decimated body: any bent, stretched and roughened body, decimated to any number, is what it must be or says why not") {
+    CHECK(rc::check([] {
+        const int kind = *rc::gen::inRange(0, 5), n = *rc::gen::inRange(6, 14);
+        shapes::Body body = kind == 0   ? shapes::bar(n / 2)
+                            : kind == 1 ? shapes::cylinder(0.5, 2.0, 2 * n, n)
+                            : kind == 2 ? shapes::torus(1.0, 0.3, 3 * n, n)
+                            : kind == 3 ? hollowBall(1.0, 0.7, 3)
+                                        : shapes::sphere(1.0, 3);
+        const double bend = 0.01 * *rc::gen::inRange(0, 100), wave = 0.001 * *rc::gen::inRange(0, 30);
+        const double flat = std::pow(10.0, -0.1 * *rc::gen::inRange(0, 20));
+        const double top = body.mesh.vertices.col(2).maxCoeff();
+        for (Eigen::Index v = 0; v < body.mesh.vertices.rows(); ++v) {
+            Vec3 p = body.mesh.vertices.row(v);
+            p.y() *= flat;
+            p.z() += wave * std::sin(20.0 * p.x()) * std::min({1.0, 10.0 * std::abs(p.z()), 10.0 * std::abs(top - p.z())});
+            if (body.ends.empty()) p.x() += bend * p.z() * p.z();  // ends stay flat
+            body.mesh.vertices.row(v) = p.transpose();
+        }
+        const auto faces = facesOf(body);
+        const int own = static_cast<int>(body.mesh.vertices.rows()), wanted = *rc::gen::inRange(4, own + 1);
+        const auto small = decimate(body.mesh, faces, wanted, {});
+        if (!small) {
+            RC_ASSERT(small.error().code == "too-few-vertices");
+            RC_ASSERT(wanted < own / 2);
+            return;
+        }
+        RC_ASSERT(small->mesh.vertices.rows() >= wanted);
+        RC_ASSERT(static_cast<double>(small->mesh.vertices.rows()) <= 1.1 * wanted);
+        checkDecimated(body, faces, *small);
+    }));
+}
+
 TEST_CASE("decimated body: the same wherever it is and however large") {
     const shapes::Body body = shapes::cylinder(0.5, 2.0, 24, 24);
     const auto small = decimate(body.mesh, facesOf(body), 200, {}).value();
@@ -137,12 +170,15 @@ TEST_CASE("decimated body: the same bytes every time") {
 }
 
 TEST_CASE("decimated body: thin walls keep their sides apart") {
-    // At 100 vertices a ball of radius 1 has edges of about 0.4, whose middles lie 0.02 below the ball: as thick as this wall.
+    // With 100 vertices each, balls of radius 1 have edges of about 0.4, whose middles lie 0.02 below the vertices: as far as this wall is thick.
+    // With 1000 each it is 0.002.
     const shapes::Body ball = hollowBall(1.0, 0.98, 4);
-    const auto small = decimate(ball.mesh, {}, 200, {});
-    MESSAGE((small ? std::to_string(small->mesh.vertices.rows()) : small.error().message));
-    if (small) checkDecimated(ball, {}, *small);
-    else CHECK(small.error().code == "too-few-vertices");
+    const auto coarse = decimate(ball.mesh, {}, 200, {});
+    REQUIRE(!coarse);
+    CHECK(coarse.error().code == "too-few-vertices");
+    const auto fine = decimate(ball.mesh, {}, 2000, {});
+    REQUIRE(fine);
+    checkDecimated(ball, {}, *fine);
     const shapes::Body plate = shapes::box(Vec3(0, 0, 0), Vec3(1, 0.001, 1), 30, 1, 30);
     const auto faces = facesOf(plate);
     const auto thin = decimate(plate.mesh, faces, 300, {});

@@ -138,7 +138,7 @@ Points solved(const TriangleMesh& mesh, const std::vector<JointFace>& faces, dou
 }
 
 struct Comparison {
-    double error, estimate;
+    double error, estimate, shape;
 };
 
 /// A body solved as it is, and solved on `count` vertices and mapped.
@@ -152,7 +152,7 @@ Comparison bothWays(const shapes::Body& body, const TriangleMesh& decimateFrom, 
     const auto mapped = map.apply(Eigen::Map<const Eigen::VectorXd>(coarse.data(), coarse.size()), nu, 2, {}).value();
     Eigen::MatrixXd expected(mapped.displacement.rows(), 1);
     for (std::size_t i = 0; i < map.vertices().size(); ++i) expected.block<3, 1>(3 * static_cast<Eigen::Index>(i), 0) = fine.row(map.vertices()[i]).transpose();
-    return {relative(mapped.displacement, expected), mapped.error[0]};
+    return {relative(mapped.displacement, expected), mapped.error[0], map.distance().shape};
 }
 
 const Field kPull = [](const Vec3&) { return Vec3(0, 0, 0.2); };
@@ -174,17 +174,19 @@ TEST_CASE("display mapping: against solving on the display itself, the estimate 
         }
 }
 
-TEST_CASE("display mapping: wrinkles that the solver mesh lacks cost about their share of the thickness") {
+TEST_CASE("display mapping: wrinkles that the solver mesh lacks cost no more than their share of the thickness") {
     // Wrinkles take part in the stiffness: a body with them, solved as it is, differs from the smooth one by the order of their height over
-    // the radius, whatever the mapping does. 3 % high.
+    // the radius, whatever the mapping does. 3 % high, eight rows of vertices to a wave.
     shapes::Body body = shapes::cylinder(0.5, 2.0, 28, 24);
     const TriangleMesh smooth = body.mesh;
-    const double height = 0.015;
-    body.mesh.vertices = wrinkled(smooth, held(body), height, 0.5);
-    for (const Field& pose : {kPull, kBend, kTwist}) {
-        const Comparison plain = bothWays(shapes::Body{smooth, body.ends}, smooth, 300, 0.45, pose), c = bothWays(body, smooth, 300, 0.45, pose);
-        MESSAGE("error ", c.error, ", without wrinkles ", plain.error, ", estimate ", c.estimate);
-        CHECK(c.error <= plain.error + height / 0.5);
+    const double height = 0.015, radius = 0.5;
+    body.mesh.vertices = wrinkled(smooth, held(body), height, 0.66);
+    for (const Field& pose : {kPull, kBend}) {
+        const Comparison plain = bothWays(shapes::Body{smooth, body.ends}, smooth, 300, 0.45, pose), wrinkles = bothWays(body, smooth, 300, 0.45, pose);
+        MESSAGE("error ", wrinkles.error, ", without wrinkles ", plain.error, ", estimate ", wrinkles.estimate, ", shape ", wrinkles.shape);
+        CHECK(wrinkles.error <= plain.error + wrinkles.shape);
+        // rms of a wave; a cylinder of length 4 radii has 2 V / A = 0.8 radii.
+        CHECK(wrinkles.shape == doctest::Approx(height / std::sqrt(2.0) / (0.8 * radius)).epsilon(0.2));
     }
 }
 

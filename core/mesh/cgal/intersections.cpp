@@ -83,11 +83,14 @@ bool meet(const TriangleMesh& mesh, std::int32_t f, std::int32_t g) {
     return CGAL::do_intersect(s, t);
 }
 
+/// Between looks whether it was cancelled: at most a few milliseconds.
+constexpr std::size_t kLook = 4096;
+
 struct Enough {};  // leaves CGAL's sweep early
 
 }  // namespace
 
-std::vector<std::pair<std::int32_t, std::int32_t>> selfIntersections(const TriangleMesh& mesh, std::size_t limit) {
+std::vector<std::pair<std::int32_t, std::int32_t>> selfIntersections(const TriangleMesh& mesh, std::size_t limit, const Progress& progress) {
     const FloatingPointGuard guard;
     std::vector<Box> boxes;
     boxes.reserve(static_cast<std::size_t>(mesh.triangles.rows()));
@@ -97,7 +100,9 @@ std::vector<std::pair<std::int32_t, std::int32_t>> selfIntersections(const Trian
         boxes.emplace_back(a.bbox() + b.bbox() + c.bbox(), f);
     }
     std::vector<std::pair<std::int32_t, std::int32_t>> pairs;
+    std::size_t tests = 0;
     const auto test = [&](const Box& x, const Box& y) {
+        if (++tests % kLook == 0 && progress.cancelled()) throw Enough{};
         if (!meet(mesh, x.info(), y.info())) return;
         pairs.push_back(std::minmax(x.info(), y.info()));
         if (pairs.size() >= limit) throw Enough{};
