@@ -20,8 +20,13 @@ struct Point {
 std::vector<Point> sevenPoints(int parts) {
     const double root = std::sqrt(15.0);
     const double a = (6.0 - root) / 21.0, b = (6.0 + root) / 21.0, wa = (155.0 - root) / 1200.0, wb = (155.0 + root) / 1200.0;
-    const std::array<Point, 7> rule{{{1.0 / 3.0, 1.0 / 3.0, 9.0 / 40.0}, {a, a, wa}, {1 - 2 * a, a, wa}, {a, 1 - 2 * a, wa},
-                                     {b, b, wb}, {1 - 2 * b, b, wb}, {b, 1 - 2 * b, wb}}};
+    const std::array<Point, 7> rule{{{1.0 / 3.0, 1.0 / 3.0, 9.0 / 40.0},
+                                     {a, a, wa},
+                                     {1 - 2 * a, a, wa},
+                                     {a, 1 - 2 * a, wa},
+                                     {b, b, wb},
+                                     {1 - 2 * b, b, wb},
+                                     {b, 1 - 2 * b, wb}}};
     std::vector<Point> points;
     const double step = 1.0 / parts;
     for (int i = 0; i < parts; ++i)
@@ -57,7 +62,9 @@ struct Triangle {
 class Kernels {
 public:
     explicit Kernels(double nu)
-        : nu_(nu), tractionScale_(-1.0 / (8.0 * std::numbers::pi * (1.0 - nu))), displacementScale_(1.0 / (16.0 * std::numbers::pi * (1.0 - nu))) {}
+        : nu_(nu),
+          tractionScale_(-1.0 / (8.0 * std::numbers::pi * (1.0 - nu))),
+          displacementScale_(1.0 / (16.0 * std::numbers::pi * (1.0 - nu))) {}
 
     void traction(const Vec3& r, const Vec3& n, double weight, double* t) const {
         const double inverse = 1.0 / std::sqrt(r.squaredNorm());
@@ -65,7 +72,8 @@ public:
         const Vec3 e = inverse * r;
         const double slope = e.dot(n), c = 1.0 - 2.0 * nu_;
         for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) t[3 * i + j] = scale * (slope * ((i == j ? c : 0.0) + 3.0 * e[i] * e[j]) + c * (n[i] * e[j] - n[j] * e[i]));
+            for (int j = 0; j < 3; ++j)
+                t[3 * i + j] = scale * (slope * ((i == j ? c : 0.0) + 3.0 * e[i] * e[j]) + c * (n[i] * e[j] - n[j] * e[i]));
     }
 
     void displacement(const Vec3& r, double weight, double* u) const {
@@ -100,8 +108,8 @@ AssembledRows emptyRows(const TriangleMesh& mesh, std::size_t rows) {
 
 }  // namespace
 
-AssembledRows assembleByQuadrature(const TriangleMesh& mesh, const std::vector<std::int32_t>& held, const std::vector<std::int32_t>& rows, double nu,
-                                   const Quadrature& quadrature, int threads) {
+AssembledRows assembleByQuadrature(const TriangleMesh& mesh, const std::vector<std::int32_t>& held, const std::vector<std::int32_t>& rows,
+                                   double nu, const Quadrature& quadrature, int threads) {
     const auto vertices = static_cast<std::size_t>(mesh.vertices.rows());
     std::vector<Triangle> triangles(static_cast<std::size_t>(mesh.triangles.rows()));
     for (std::size_t t = 0; t < triangles.size(); ++t) {
@@ -112,7 +120,8 @@ AssembledRows assembleByQuadrature(const TriangleMesh& mesh, const std::vector<s
         triangle.area = 0.5 * areaNormal.norm();
         triangle.normal = areaNormal.normalized();
         triangle.centre = (triangle.corner[0] + triangle.corner[1] + triangle.corner[2]) / 3.0;
-        for (std::size_t c = 0; c < 3; ++c) triangle.longest = std::max(triangle.longest, (triangle.corner[c] - triangle.corner[(c + 1) % 3]).norm());
+        for (std::size_t c = 0; c < 3; ++c)
+            triangle.longest = std::max(triangle.longest, (triangle.corner[c] - triangle.corner[(c + 1) % 3]).norm());
     }
     for (const std::int32_t t : held) triangles[static_cast<std::size_t>(t)].held = true;
     const std::vector<Point> far = sevenPoints(quadrature.far), near = sevenPoints(quadrature.near);
@@ -135,7 +144,8 @@ AssembledRows assembleByQuadrature(const TriangleMesh& mesh, const std::vector<s
                     if (v == rows[i]) own = static_cast<int>(c);
                 }
                 if (own < 0) {
-                    const Vec3 from = triangle.corner[0] - x, side1 = triangle.corner[1] - triangle.corner[0], side2 = triangle.corner[2] - triangle.corner[0];
+                    const Vec3 from = triangle.corner[0] - x, side1 = triangle.corner[1] - triangle.corner[0],
+                               side2 = triangle.corner[2] - triangle.corner[0];
                     const double reach = quadrature.reach * triangle.longest;
                     for (const Point& p : (triangle.centre - x).squaredNorm() < reach * reach ? near : far) {
                         const Vec3 r = from + p.hat1 * side1 + p.hat2 * side2;
@@ -151,8 +161,8 @@ AssembledRows assembleByQuadrature(const TriangleMesh& mesh, const std::vector<s
                         add(block.data(), p.hat2, g + corner[2]);
                     }
                 } else {
-                    // y = x + s (side1 + t (side2 - side1)): the area s ds dt cancels 1/R, and the hats of the other corners, which vanish like s, the
-                    // other 1/R of the traction kernel. The block of x itself comes from the sum of the row.
+                    // y = x + s (side1 + t (side2 - side1)): the area s ds dt cancels 1/R, and the hats of the other corners, which vanish
+                    // like s, the other 1/R of the traction kernel. The block of x itself comes from the sum of the row.
                     const auto a = static_cast<std::size_t>(own), b = (a + 1) % 3, c = (a + 2) % 3;
                     const Vec3 side1 = triangle.corner[b] - x, side2 = triangle.corner[c] - x;
                     for (const auto& s : line)
@@ -176,8 +186,8 @@ AssembledRows assembleByQuadrature(const TriangleMesh& mesh, const std::vector<s
     return out;
 }
 
-AssembledRows assembleInClosedForm(const TriangleMesh& mesh, const std::vector<std::int32_t>& held, const std::vector<std::int32_t>& rows, double nu,
-                                   int threads) {
+AssembledRows assembleInClosedForm(const TriangleMesh& mesh, const std::vector<std::int32_t>& held, const std::vector<std::int32_t>& rows,
+                                   double nu, int threads) {
     const auto vertices = static_cast<std::size_t>(mesh.vertices.rows());
     std::vector<std::int32_t> columns(vertices), free;
     for (std::size_t v = 0; v < vertices; ++v) columns[v] = static_cast<std::int32_t>(v);

@@ -116,7 +116,8 @@ fe::Grading grading(const ReferenceBody& body) {
 TEST_CASE("finite elements: any constant strain of the whole surface is the strain inside") {
     Eigen::Matrix3d gradient;
     gradient << 0.1, -0.3, 0.2, 0.05, 0.4, -0.1, 0.7, 0.02, -0.2;
-    for (const double nu : {0.0, 0.3, 0.45}) CHECK(worst(bar(true), nu, [&](const Vec3& p) -> Vec3 { return gradient * p + Vec3(1, 2, 3); }) < kExact);
+    for (const double nu : {0.0, 0.3, 0.45})
+        CHECK(worst(bar(true), nu, [&](const Vec3& p) -> Vec3 { return gradient * p + Vec3(1, 2, 3); }) < kExact);
 }
 
 TEST_CASE("finite elements: a rigid motion of the ends moves the bar rigidly") {
@@ -124,7 +125,8 @@ TEST_CASE("finite elements: a rigid motion of the ends moves the bar rigidly") {
 }
 
 TEST_CASE("finite elements: ends that draw the bar out evenly leave its sides free of traction") {
-    for (const double nu : {0.3, 0.45}) CHECK(worst(bar(false), nu, [&](const Vec3& p) -> Vec3 { return Vec3(-nu * p.x(), -nu * p.y(), p.z()); }) < kExact);
+    for (const double nu : {0.3, 0.45})
+        CHECK(worst(bar(false), nu, [&](const Vec3& p) -> Vec3 { return Vec3(-nu * p.x(), -nu * p.y(), p.z()); }) < kExact);
 }
 
 TEST_CASE("finite elements: pure bending, quadratic, is reproduced exactly") {
@@ -147,7 +149,8 @@ TEST_CASE("finite elements: tetrahedra fill exactly the body, keep its vertices 
             CHECK((mesh->nodes.row(mesh->nodeOfVertex[v]) - body.mesh->body.vertices.row(static_cast<Eigen::Index>(v))).norm() < 1e-12);
         for (std::size_t f = 0; f < body.faces.size(); ++f) {
             for (const std::int32_t v : body.faces[f].vertices)
-                CHECK(std::binary_search(mesh->nodesOfFace[f].begin(), mesh->nodesOfFace[f].end(), mesh->nodeOfVertex[static_cast<std::size_t>(v)]));
+                CHECK(std::binary_search(mesh->nodesOfFace[f].begin(), mesh->nodesOfFace[f].end(),
+                                         mesh->nodeOfVertex[static_cast<std::size_t>(v)]));
             for (const std::int32_t node : mesh->nodesOfFace[f])
                 CHECK(std::abs(body.faces[f].frame.toLocal(mesh->nodes.row(node).transpose()).z()) < 1e-8);
         }

@@ -89,7 +89,8 @@ QuadraticTets quadraticTets(const Points& corners, const Eigen::Matrix<std::int3
         for (int e = 0; e < 6; ++e) {
             const std::int32_t a = c[static_cast<std::size_t>(kEdges[static_cast<std::size_t>(e)][0])];
             const std::int32_t b = c[static_cast<std::size_t>(kEdges[static_cast<std::size_t>(e)][1])];
-            const auto [place, fresh] = middle.try_emplace(edgeKey(a, b), static_cast<std::int32_t>(corners.rows()) + static_cast<std::int32_t>(middles.size()));
+            const auto [place, fresh] =
+                middle.try_emplace(edgeKey(a, b), static_cast<std::int32_t>(corners.rows()) + static_cast<std::int32_t>(middles.size()));
             if (fresh) middles.push_back(0.5 * (corners.row(a) + corners.row(b)).transpose());
             mesh.tets(t, 4 + e) = place->second;
         }
@@ -166,7 +167,8 @@ Surface study(const TriangleMesh& body, std::span<const JointFace> faces) {
     s.triangleEdges.resize(count);
     for (std::size_t t = 0; t < count; ++t)
         for (int c = 0; c < 3; ++c) {
-            const std::int32_t a = body.triangles(static_cast<Eigen::Index>(t), c), b = body.triangles(static_cast<Eigen::Index>(t), (c + 1) % 3);
+            const std::int32_t a = body.triangles(static_cast<Eigen::Index>(t), c),
+                               b = body.triangles(static_cast<Eigen::Index>(t), (c + 1) % 3);
             const auto [place, fresh] = numberOf.try_emplace(edgeKey(a, b), static_cast<int>(s.edges.size()));
             if (fresh) {
                 s.edges.push_back({a, b});
@@ -191,7 +193,8 @@ Surface study(const TriangleMesh& body, std::span<const JointFace> faces) {
         const int f = face[static_cast<std::size_t>(left)], g = face[static_cast<std::size_t>(right)];
         if (f != g) s.rims.add(a, b);
         // Left of a -> b lies `left`: the normals turn against the edge where the body is re-entrant.
-        else if (f < 0 && normal(left).cross(normal(right)).dot((b - a).normalized()) < -kReentrantSine) s.creases.add(a, b);
+        else if (f < 0 && normal(left).cross(normal(right)).dot((b - a).normalized()) < -kReentrantSine)
+            s.creases.add(a, b);
     }
     s.shell.assign(count, -1);
     for (std::size_t t = 0; t < count; ++t) {
@@ -220,14 +223,15 @@ Result<QuadraticTets> meshBody(const TriangleMesh& body, std::span<const JointFa
         gmsh::option::setNumber("Geometry.AutoCoherence", 0);
         gmsh::option::setNumber("Mesh.MeshSizeExtendFromBoundary", 0);
         gmsh::option::setNumber("Mesh.MeshSizeFromPoints", 0);
-        gmsh::option::setNumber("Mesh.Algorithm", 5);     // Delaunay: keeps to sizes that change fast
-        gmsh::option::setNumber("Mesh.Algorithm3D", 1);   // Delaunay
+        gmsh::option::setNumber("Mesh.Algorithm", 5);    // Delaunay: keeps to sizes that change fast
+        gmsh::option::setNumber("Mesh.Algorithm3D", 1);  // Delaunay
         gmsh::option::setNumber("Mesh.Optimize", 1);
         gmsh::model::add("body");
         namespace geo = gmsh::model::geo;
         for (Eigen::Index v = 0; v < body.vertices.rows(); ++v)
             geo::addPoint(body.vertices(v, 0), body.vertices(v, 1), body.vertices(v, 2), 0.0, static_cast<int>(v) + 1);
-        for (std::size_t e = 0; e < surface.edges.size(); ++e) geo::addLine(surface.edges[e][0] + 1, surface.edges[e][1] + 1, static_cast<int>(e) + 1);
+        for (std::size_t e = 0; e < surface.edges.size(); ++e)
+            geo::addLine(surface.edges[e][0] + 1, surface.edges[e][1] + 1, static_cast<int>(e) + 1);
         std::vector<std::vector<int>> shells(static_cast<std::size_t>(surface.shells));
         for (std::size_t t = 0; t < surface.triangleEdges.size(); ++t) {
             const auto& e = surface.triangleEdges[t];

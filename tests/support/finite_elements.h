@@ -15,8 +15,8 @@
 /// definition of the problem (faces held, the rest of the surface free of traction, no body force, shear modulus 1).
 namespace imomushi::finite_elements {
 
-/// Sizes of tetrahedra, metres. At the distance d (metres) from the nearest rim of a joint face: min(bulk, rim + growth * d); near re-entrant edges of
-/// the free surface likewise, starting from `crease`.
+/// Sizes of tetrahedra, metres. At the distance d (metres) from the nearest rim of a joint face: min(bulk, rim + growth * d); near
+/// re-entrant edges of the free surface likewise, starting from `crease`.
 struct Grading {
     double rim = 0.0;
     double crease = 0.0;

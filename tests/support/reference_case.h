@@ -34,8 +34,8 @@ struct ReferenceCase {
 ReferenceBody readReferenceBody(const std::string& folder, const std::string& name);
 std::vector<ReferenceCase> readReferenceCases(const std::string& folder, const std::string& name);
 
-/// Eq. (5) at `points` (#P x 3, global axes), of which `onFace` names per joint face of the body those that lie on it: #P x 3, global axes, zero
-/// everywhere else and on faces that `wanted` does not name.
+/// Eq. (5) at `points` (#P x 3, global axes), of which `onFace` names per joint face of the body those that lie on it: #P x 3, global axes,
+/// zero everywhere else and on faces that `wanted` does not name.
 Points faceDisplacement(const ReferenceBody& body, const ReferenceCase& wanted, const Points& points,
                         const std::vector<std::vector<std::int32_t>>& onFace);
 

@@ -189,6 +189,30 @@ def tentacle(fine):
     return body
 
 
+def bulges(count, thin, thick, half, rings, around, spacing):
+    """A straight row of bulges that leave the joint planes, and meet each other, tangentially to the plane between them."""
+    body = Body()
+    per = (rings - 1) // count
+
+    def place(s, t):
+        w = 2 * ((s * count) % 1) - 1
+        radius = thin + (thick - thin) * max(1 - w * w, 0) ** 0.75
+        return np.array([radius * np.cos(2 * np.pi * t), radius * np.sin(2 * np.pi * t), half * count * (2 * s - 1)])
+
+    first, last = body.loft(place, rings, around, loose_s=lambda i: i % per != 0, shake=0.15)
+    body.cap(first, np.array([0, 0, -1.0]), spacing, "bottom")
+    body.cap(last, np.array([0, 0, 1.0]), spacing, "top")
+    return body
+
+
+def barrel(fine):
+    return bulges(1, 0.8, 1.35, 1.0, 33 if fine else 17, 56 if fine else 27, 0.13 if fine else 0.26)
+
+
+def caterpillar(fine):
+    return bulges(3, 0.5, 0.75, 0.45, 49 if fine else 25, 38 if fine else 18, 0.095 if fine else 0.19)
+
+
 def fin(fine, two_faces):
     """A swept blade: its section is a lens that ends in sharp edges, its tip is cut off."""
     body = Body()
@@ -265,6 +289,7 @@ def bored_elbow(fine):
 
 if __name__ == "__main__":
     for name, make in [("b_prism", prism), ("g_hexagon", hexagon), ("d_tentacle", tentacle), ("f_fin", lambda fine: fin(fine, True)),
-                       ("f_fin_one_face", lambda fine: fin(fine, False)), ("h_elbow", elbow), ("i_hollow_elbow", hollow_elbow), ("j_bored_elbow", bored_elbow)]:
+                       ("f_fin_one_face", lambda fine: fin(fine, False)), ("h_elbow", elbow), ("i_hollow_elbow", hollow_elbow), ("j_bored_elbow", bored_elbow),
+                       ("k_caterpillar", caterpillar), ("l_barrel", barrel)]:
         for fine in (False, True):
             make(fine).write(sys.argv[1], name + ("_fine" if fine else "_coarse"))

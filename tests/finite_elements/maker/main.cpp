@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Makes NAME.json, the finite-element answers for NAME.obj and NAME.faces.json of a folder (tests/data/reference):
 //   imomushi_reference FOLDER NAME [rim crease bulk growth]
-// rim and crease: size of the tetrahedra at the rims of the joint faces and at re-entrant edges, relative to the radius of a disc as large as the
-// smallest face; bulk: relative to the mean edge; growth per distance. Where NAME.json exists already it is not written: its cases are solved and
-// the differences printed (how the errors of the references were found).
+// rim and crease: size of the tetrahedra at the rims of the joint faces and at re-entrant edges, relative to the radius of a disc as large
+// as the smallest face; bulk: relative to the mean edge; growth per distance. Where NAME.json exists already it is not written: its cases
+// are solved and the differences printed (how the errors of the references were found).
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -36,7 +36,8 @@ std::vector<ReferenceCase> casesOf(const ReferenceBody& body) {
     constexpr double kDegree = std::numbers::pi / 180.0;
     const double far = rounded(0.06 * body.diagonal(), 1e-4), near = rounded(0.05 * body.diagonal(), 1e-4);
     const auto angle = [&](double degrees) { return rounded(degrees * kDegree, 1e-12); };
-    const PaperParameters stretch{0.9, 0.9, 0.0, 0.0, far}, bendFirst{1.0, 1.0, angle(90), angle(30), 0.0}, bendSecond{1.0, 1.0, 0.0, angle(30), 0.0};
+    const PaperParameters stretch{0.9, 0.9, 0.0, 0.0, far}, bendFirst{1.0, 1.0, angle(90), angle(30), 0.0},
+        bendSecond{1.0, 1.0, 0.0, angle(30), 0.0};
     const PaperParameters tilt{1.0, 1.0, angle(40), angle(15), near};
     const PaperParameters asymFirst{0.9, 1.1, angle(-60), 0.0, 0.0}, asymSecond{1.25, 0.8, angle(25), 0.0, 0.0};
     std::vector<ReferenceCase> cases;
@@ -66,12 +67,15 @@ int run(int argc, char** argv) {
     double size = 1e300, edge = 0.0;
     for (const JointFace& face : body.faces) size = std::min(size, std::sqrt(face.area / std::numbers::pi));
     for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t)
-        for (int c = 0; c < 3; ++c) edge += (surface.vertices.row(surface.triangles(t, c)) - surface.vertices.row(surface.triangles(t, (c + 1) % 3))).norm();
+        for (int c = 0; c < 3; ++c)
+            edge += (surface.vertices.row(surface.triangles(t, c)) - surface.vertices.row(surface.triangles(t, (c + 1) % 3))).norm();
     edge /= 3.0 * static_cast<double>(surface.triangles.rows());
     const auto mesh = finite_elements::meshBody(
-        surface, body.faces, {.rim = number(3, 0.006) * size, .crease = number(4, 0.02) * size, .bulk = number(5, 0.8) * edge, .growth = number(6, 0.4)});
+        surface, body.faces,
+        {.rim = number(3, 0.006) * size, .crease = number(4, 0.02) * size, .bulk = number(5, 0.8) * edge, .growth = number(6, 0.4)});
     if (!mesh) throw std::runtime_error(mesh.error().message);
-    std::printf("%s: %ld tetrahedra, %ld nodes\n", name.c_str(), static_cast<long>(mesh->tets.rows()), static_cast<long>(mesh->nodes.rows()));
+    std::printf("%s: %ld tetrahedra, %ld nodes\n", name.c_str(), static_cast<long>(mesh->tets.rows()),
+                static_cast<long>(mesh->nodes.rows()));
 
     const bool given = std::filesystem::exists(folder + "/" + name + ".json");
     std::vector<ReferenceCase> cases = given ? readReferenceCases(folder, name) : casesOf(body);
@@ -90,11 +94,13 @@ int run(int argc, char** argv) {
             const Points displacement = mesh->atVertices(solution->displacement[0]);
             if (given) {
                 const ReferenceError error = referenceError(body, displacement, one.displacement);
-                std::printf("  nu %.2f %-10s rel_l2 %.4f %%, scaled %.4f %%\n", nu, one.name.c_str(), 100.0 * error.relative, 100.0 * error.scaled);
+                std::printf("  nu %.2f %-10s rel_l2 %.4f %%, scaled %.4f %%\n", nu, one.name.c_str(), 100.0 * error.relative,
+                            100.0 * error.scaled);
                 continue;
             }
             ordered_json faces = ordered_json::object(), rows = ordered_json::array();
-            for (const auto& [face, p] : one.faces) faces[face] = {{"a", p.a}, {"b", p.b}, {"theta1", p.theta1}, {"theta2", p.theta2}, {"dz", p.dz}};
+            for (const auto& [face, p] : one.faces)
+                faces[face] = {{"a", p.a}, {"b", p.b}, {"theta1", p.theta1}, {"theta2", p.theta2}, {"dz", p.dz}};
             for (Eigen::Index v = 0; v < displacement.rows(); ++v)
                 rows.push_back({digits(displacement(v, 0)), digits(displacement(v, 1)), digits(displacement(v, 2))});
             out["results"].push_back({{"case", one.name}, {"nu", nu}, {"faces", faces}, {"displacement", rows}});
