@@ -22,10 +22,11 @@ using Cluster = ClusterTree::Cluster;
 
 double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-/// The factorisation keeps of each block off the diagonal the singular values above this share of a usual row (those below hardly disturb
-/// GMRES), and at most this many; as many more vectors are tried as the randomised range finder wants (Halko, Martinsson, Tropp 2011).
-constexpr double kFactorTolerance = 0.02;
-constexpr std::int32_t kFactorRank = 112;
+/// The factorisation keeps of each block off the diagonal the singular values above this share of a usual row: those below hardly disturb GMRES...
+constexpr double kFactorTolerance = 0.002;
+/// ...and at most this many times the square root of the cluster's nodes (as many lie along the cut through a surface), within these bounds.
+constexpr double kFactorRankGrowth = 3.0, kFactorRankLow = 96.0, kFactorRankHigh = 448.0;
+/// As many more vectors are tried as the randomised range finder wants (Halko, Martinsson, Tropp 2011).
 constexpr std::int32_t kOversampling = 16;
 /// Gram matrices in single precision tell no directions below this share of the largest eigenvalue from rounding.
 constexpr double kGramRounding = 1e-6;
@@ -39,8 +40,11 @@ constexpr double kStepGain = 1e-4;
 constexpr int kRestarts = 20;
 /// A restart that gains less has met the limit of single precision, or of the preconditioner.
 constexpr double kWorthwhile = 0.7;
-/// Nodes whose true rows are compared with the answer.
-constexpr std::int32_t kCheckedNodes = 64;
+/// The true residual is computed from the entries themselves, in pieces of this many nodes.
+constexpr std::int32_t kPieceRows = 64, kPieceColumns = 1024;
+/// Each correction solves for what is left by about the error of the hierarchical matrix, which is what it gains.
+constexpr double kInnerShare = 0.5;
+constexpr int kCorrections = 8;
 
 bool finite(const double* x, std::size_t count) {
     return std::all_of(x, x + count, [](double value) { return std::isfinite(value); });
@@ -55,6 +59,11 @@ Error noMemory(std::int32_t nodes, std::size_t bytes) {
                                               " GB of memory, more than there is";
     return {"no-memory", "Solving " + std::to_string(nodes) + " vertices in compressed form needs " + size +
                              "; use a coarser mesh or close other programs."};
+}
+
+/// The largest rank of the blocks between the halves of a cluster.
+std::int32_t rankLimit(double nodes) {
+    return static_cast<std::int32_t>(std::clamp(kFactorRankGrowth * std::sqrt(nodes), kFactorRankLow, kFactorRankHigh));
 }
 
 /// Rows [begin, end) of unknowns that belong to one cluster.
@@ -169,7 +178,8 @@ bool HalvedFactor::compress(const HierarchicalMatrix& matrix, int depth, FloatAr
     level.pieces = piecesOf(*clusters_, depth + 1);
     const std::int32_t first = (2 << depth) - 1, count = 2 << depth;
     const std::int32_t smallest = 3 * (*clusters_)[static_cast<std::size_t>(first + count - 1)].size();
-    const std::int32_t k = std::min(kFactorRank + kOversampling, smallest);
+    const std::int32_t limit = rankLimit((*clusters_)[static_cast<std::size_t>((1 << depth) - 1)].size());
+    const std::int32_t k = std::min(limit + kOversampling, smallest);
     const std::size_t nk = static_cast<std::size_t>(n_) * static_cast<std::size_t>(k), square = static_cast<std::size_t>(k) * static_cast<std::size_t>(k);
     FloatArray q(nk), w(nk);
     std::uint64_t random = 0x9e3779b97f4a7c15u + static_cast<std::uint64_t>(depth);
@@ -177,16 +187,13 @@ bool HalvedFactor::compress(const HierarchicalMatrix& matrix, int depth, FloatAr
         random = random * 6364136223846793005u + 1442695040888963407u;
         entry = random >> 63 ? 1.0f : -1.0f;
     }
-    {
-        std::vector<double> product(nk);
-        if (!matrix.multiply(matrix.level(depth), w.data(), product.data(), k, false, threads, progress)) return false;
-        for (std::size_t i = 0; i < nk; ++i) w[i] = static_cast<float>(product[i]);
-    }
+    if (!matrix.multiply(matrix.level(depth), w.data(), q.data(), k, false, threads, progress)) return false;
+    w.swap(q);
     // Orthogonal bases by way of Gram matrices: every large step is a product. `turn` holds eigenvectors, scaled, per cluster.
     FloatArray gram, turn(square * static_cast<std::size_t>(count));
     std::vector<std::int32_t> kept(static_cast<std::size_t>(count));
     std::vector<char> failed(static_cast<std::size_t>(count));
-    const double limit = kFactorTolerance * matrix.rowScale();
+    const double negligible = kFactorTolerance * matrix.rowScale();
     const auto eigen = [&](bool orthogonalise) {
         parallelFor(threads, static_cast<std::size_t>(count), 1, [&](std::size_t c, std::size_t) {
             if (progress.cancelled()) return;
@@ -202,7 +209,7 @@ bool HalvedFactor::compress(const HierarchicalMatrix& matrix, int depth, FloatAr
             for (std::int32_t j = k; j-- > 0; ++rank) {  // eigenvalues ascend
                 const double value = lambda[static_cast<std::size_t>(j)];
                 if (!(value > kGramRounding * largest)) break;
-                if (!orthogonalise && (std::sqrt(value) < limit || rank >= kFactorRank)) break;
+                if (!orthogonalise && (std::sqrt(value) < negligible || rank >= limit)) break;
                 const double factor = orthogonalise ? 1.0 / std::sqrt(value) : 1.0;
                 for (std::int32_t i = 0; i < k; ++i)
                     turn[c * square + static_cast<std::size_t>(rank) * k + i] = static_cast<float>(a[static_cast<std::size_t>(j) * k + i] * factor);
@@ -223,11 +230,7 @@ bool HalvedFactor::compress(const HierarchicalMatrix& matrix, int depth, FloatAr
     };
     if (!innerProducts(level.pieces, first, count, n_, w.data(), k, w.data(), k, gram, threads, progress)) return false;
     if (!eigen(true) || !rotate(w, q, k, false)) return false;
-    {
-        std::vector<double> product(nk);
-        if (!matrix.multiply(matrix.level(depth), q.data(), product.data(), k, true, threads, progress)) return false;
-        for (std::size_t i = 0; i < nk; ++i) w[i] = static_cast<float>(product[i]);
-    }
+    if (!matrix.multiply(matrix.level(depth), q.data(), w.data(), k, true, threads, progress)) return false;
     if (!innerProducts(level.pieces, first, count, n_, w.data(), k, w.data(), k, gram, threads, progress)) return false;
     if (!eigen(false)) return false;
     level.rank = *std::max_element(kept.begin(), kept.end());
@@ -321,21 +324,32 @@ std::size_t HalvedFactor::bytes() const {
     return entries * sizeof(float);
 }
 
+int depthOf(std::int32_t nodes) {
+    return static_cast<int>(std::ceil(std::log2(std::max(1.0, nodes / static_cast<double>(HierarchicalMatrix::kDiagonalSize)))));
+}
+
 /// The same before it is built, at full rank.
 std::size_t factorBytes(std::int32_t nodes) {
     const double n = 3.0 * nodes;
-    const double depth = std::ceil(std::log2(std::max(1.0, nodes / static_cast<double>(HierarchicalMatrix::kDiagonalSize))));
-    const double leaves = n * n / std::exp2(depth);
-    return static_cast<std::size_t>(sizeof(float) * (leaves + 2.0 * n * kFactorRank * depth + 4.0 * kFactorRank * kFactorRank * std::exp2(depth)));
+    const int depth = depthOf(nodes);
+    double entries = n * n / std::exp2(depth);
+    for (int d = 0; d < depth; ++d) {
+        const double rank = rankLimit(nodes / std::exp2(d));
+        entries += 2.0 * n * rank + 4.0 * rank * rank * std::exp2(d);
+    }
+    return static_cast<std::size_t>(sizeof(float) * entries);
 }
 
-/// Beside the matrix and the factors: what factorising and solving hold for a while, the larger of both.
-std::size_t workBytes(std::int32_t nodes, std::size_t ranks, std::int32_t columns) {
-    const double n = 3.0 * nodes, k = kFactorRank + kOversampling, batch = std::min(columns, kBatch);
-    const double factorising = n * k * (2 * sizeof(float) + sizeof(double)) + static_cast<double>(ranks) * k * sizeof(float);
-    const double solving = n * batch * ((kSteps + 3) * sizeof(float) + 2 * sizeof(double)) + static_cast<double>(ranks) * batch * sizeof(float) +
-                           n * columns * 2.0 * sizeof(double);
-    return static_cast<std::size_t>(std::max(factorising, solving));
+/// Beside the matrix and the factors: what factorising (of one level, which has about a third of the ranks at most), and what solving of one batch
+/// holds for a while.
+std::size_t factorisingBytes(std::int32_t nodes, std::size_t ranks) {
+    const double n = 3.0 * nodes, k = rankLimit(nodes) + kOversampling;
+    return static_cast<std::size_t>(n * k * 3 * sizeof(float) + 0.3 * static_cast<double>(ranks) * k * sizeof(float));
+}
+
+std::size_t batchBytes(std::int32_t nodes, std::size_t ranks) {
+    const double n = 3.0 * nodes, batch = kBatch;
+    return static_cast<std::size_t>(n * batch * ((kSteps + 2) * sizeof(float) + 6 * sizeof(double)) + static_cast<double>(ranks) * batch * sizeof(float));
 }
 
 }  // namespace
@@ -347,12 +361,16 @@ struct HierarchicalLu::State {
     HalvedFactor factor;
     Quality quality;
 
-    /// Some columns, in the order of the tree. right: right-hand sides in, residuals out. False: cancelled.
-    bool solveBatch(Eigen::MatrixXd& right, Eigen::MatrixXd& x, double goal, const Progress& progress);
-    bool rowResidual(const Eigen::MatrixXd& right, const Eigen::MatrixXd& x, const Progress& progress, double& out) const;
+    std::vector<std::unique_ptr<BlockSource::Columns>> pieces;  ///< all columns, in the order of the tree
+    std::size_t workBytes = 0;
+
+    /// Solves for some columns with the hierarchical matrix, in the order of the tree. right: right-hand sides in, residuals out. False: cancelled.
+    bool solveBatch(Eigen::MatrixXd& right, Eigen::MatrixXd& x, double goal, int& iterations, const Progress& progress) const;
+    /// residual := right - A x for the true matrix, in the order of the tree. False: cancelled.
+    bool trueResidual(const Eigen::MatrixXd& right, const Eigen::MatrixXd& x, Eigen::MatrixXd& residual, const Progress& progress);
 };
 
-bool HierarchicalLu::State::solveBatch(Eigen::MatrixXd& right, Eigen::MatrixXd& x, double goal, const Progress& progress) {
+bool HierarchicalLu::State::solveBatch(Eigen::MatrixXd& right, Eigen::MatrixXd& x, double goal, int& iterations, const Progress& progress) const {
     const std::int32_t n = matrix.size(), k = static_cast<std::int32_t>(right.cols());
     const auto size = static_cast<std::size_t>(n) * static_cast<std::size_t>(k);
     const int threads = options.threads;
@@ -371,7 +389,6 @@ bool HierarchicalLu::State::solveBatch(Eigen::MatrixXd& right, Eigen::MatrixXd& 
         double beta = 0.0, aim = 0.0;
     };
     std::vector<Small> small(static_cast<std::size_t>(k));
-    int iterations = 0;
     double worst = 1.0;
     for (int restart = 0; restart < kRestarts; ++restart) {
         if (basis.empty()) basis.emplace_back(size);
@@ -449,14 +466,13 @@ bool HierarchicalLu::State::solveBatch(Eigen::MatrixXd& right, Eigen::MatrixXd& 
                 cblas_sscal(n, static_cast<float>(1.0 / norm), w, 1);
             });
             if (progress.cancelled()) return false;
-            double slowest = 0.0;
-            bool all = true;
-            for (const Small& s : small) {
-                all = all && s.done;
-                if (!s.done) slowest = std::max(slowest, std::abs(s.g[static_cast<std::size_t>(j) + 1]) * s.beta);
+            double slowest = goal;
+            for (std::int32_t c = 0; c < k; ++c) {
+                const Small& s = small[static_cast<std::size_t>(c)];
+                if (!s.done) slowest = std::max(slowest, std::abs(s.g[static_cast<std::size_t>(j) + 1]) * s.beta / rightNorm[c]);
             }
-            if (all) break;
-            (void)slowest;
+            if (std::all_of(small.begin(), small.end(), [](const Small& s) { return s.done; })) break;
+            progress.report("solve", std::clamp(std::log(slowest) / std::log(goal), 0.0, 1.0));
         }
         parallelFor(threads, static_cast<std::size_t>(k), 1, [&](std::size_t c_, std::size_t) {
             if (progress.cancelled()) return;
@@ -486,49 +502,45 @@ bool HierarchicalLu::State::solveBatch(Eigen::MatrixXd& right, Eigen::MatrixXd& 
         x.swap(next);
         residual.swap(nextResidual);
         worst = reached;
-        progress.report("solve", std::clamp(std::log(worst) / std::log(goal), 0.0, 1.0));
         if (worst <= goal || !gains) break;
     }
-    if (rightNorm.isZero(0.0)) worst = 0.0;
-    quality.residual = std::max(quality.residual, worst);
-    quality.iterations = std::max(quality.iterations, iterations);
     return true;
 }
 
-bool HierarchicalLu::State::rowResidual(const Eigen::MatrixXd& right, const Eigen::MatrixXd& x, const Progress& progress, double& out) const {
+bool HierarchicalLu::State::trueResidual(const Eigen::MatrixXd& right, const Eigen::MatrixXd& x, Eigen::MatrixXd& residual,
+                                         const Progress& progress) {
     const std::vector<std::int32_t>& order = matrix.tree().order();
-    const auto nodes = static_cast<std::int32_t>(order.size()), checked = std::min(nodes, kCheckedNodes);
-    const Eigen::Index k = x.cols();
-    // Columns in pieces, so that one task answers quickly: every piece is gathered once, by one thread.
-    constexpr std::int32_t kPiece = 2048;
-    const std::int32_t pieces = (nodes + kPiece - 1) / kPiece;
-    std::vector<std::int32_t> rows(static_cast<std::size_t>(checked));
-    for (std::int32_t i = 0; i < checked; ++i)
-        rows[static_cast<std::size_t>(i)] = order[static_cast<std::size_t>((2 * static_cast<std::int64_t>(i) + 1) * nodes / (2 * checked))];
-    std::vector<Eigen::MatrixXd> part(static_cast<std::size_t>(pieces));
-    parallelFor(options.threads, part.size(), 1, [&](std::size_t p, std::size_t) {
-        if (progress.cancelled()) return;
-        const std::int32_t begin = static_cast<std::int32_t>(p) * kPiece, count = std::min(nodes - begin, kPiece);
-        const auto prepared = source->columns(std::span(order).subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(count)));
-        Eigen::MatrixXd entries(3, 3 * count);
-        Eigen::MatrixXd xs(3 * count, k);
-        for (std::int32_t i = 0; i < count; ++i) xs.middleRows(3 * i, 3) = x.middleRows(3 * order[static_cast<std::size_t>(begin + i)], 3);
-        part[p].resize(3 * checked, k);
-        for (std::int32_t i = 0; i < checked; ++i) {
+    const auto nodes = static_cast<std::int32_t>(order.size());
+    const auto columns = static_cast<std::int32_t>(x.cols());
+    const auto nodesOf = [&](std::int32_t begin, std::int32_t count) {
+        return std::span(order).subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(std::min(count, nodes - begin)));
+    };
+    if (pieces.empty()) {
+        pieces.resize(static_cast<std::size_t>((nodes + kPieceColumns - 1) / kPieceColumns));
+        parallelFor(options.threads, pieces.size(), 1, [&](std::size_t p, std::size_t) {
+            if (!progress.cancelled()) pieces[p] = source->columns(nodesOf(static_cast<std::int32_t>(p) * kPieceColumns, kPieceColumns));
+        });
+        if (progress.cancelled()) {
+            pieces.clear();
+            return false;
+        }
+    }
+    residual = right;
+    const auto tasks = static_cast<std::size_t>((nodes + kPieceRows - 1) / kPieceRows);
+    parallelFor(options.threads, tasks, 1, [&](std::size_t task, std::size_t) {
+        const std::int32_t row = static_cast<std::int32_t>(task) * kPieceRows;
+        const auto rows = nodesOf(row, kPieceRows);
+        thread_local std::vector<double> entries;
+        entries.resize(static_cast<std::size_t>(9) * kPieceRows * kPieceColumns);
+        for (std::size_t p = 0; p < pieces.size(); ++p) {
             if (progress.cancelled()) return;
-            prepared->rows(std::span(rows).subspan(static_cast<std::size_t>(i), 1), entries.data());
-            part[p].middleRows(3 * i, 3).noalias() = entries * xs;
+            pieces[p]->rows(rows, entries.data());
+            const std::int32_t column = static_cast<std::int32_t>(p) * kPieceColumns, height = 3 * static_cast<std::int32_t>(rows.size());
+            cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, height, columns, 3 * std::min(kPieceColumns, nodes - column), -1.0, entries.data(),
+                        height, x.data() + 3 * column, static_cast<int>(x.rows()), 1.0, residual.data() + 3 * row, static_cast<int>(residual.rows()));
         }
     });
-    if (progress.cancelled()) return false;
-    out = 0.0;
-    const Eigen::VectorXd rightNorm = right.colwise().norm();
-    Eigen::MatrixXd left(3 * checked, k);
-    for (std::int32_t i = 0; i < checked; ++i) left.middleRows(3 * i, 3) = right.middleRows(3 * rows[static_cast<std::size_t>(i)], 3);
-    for (const Eigen::MatrixXd& p : part) left -= p;
-    for (Eigen::Index c = 0; c < k; ++c)
-        if (rightNorm[c] > 0.0) out = std::max(out, left.col(c).norm() * std::sqrt(static_cast<double>(nodes) / checked) / rightNorm[c]);
-    return true;
+    return !progress.cancelled();
 }
 
 Result<HierarchicalLu::Estimate> HierarchicalLu::estimate(const BlockSource& source, const Options& options, std::int32_t columns,
@@ -537,15 +549,24 @@ Result<HierarchicalLu::Estimate> HierarchicalLu::estimate(const BlockSource& sou
     auto matrix = HierarchicalMatrix::estimate(source, {.tolerance = options.tolerance, .threads = options.threads}, progress);
     if (!matrix) return tl::make_unexpected(matrix.error());
     Estimate out;
-    out.bytes = matrix->bytes + factorBytes(nodes) + workBytes(nodes, matrix->ranks, columns);
-    // Every entry is used twice per sampled vector of the factorisation and once per step of GMRES and column.
-    const double crew = std::clamp(options.threads, 1, hardwareThreads()), entries = static_cast<double>(matrix->bytes) / sizeof(float);
+    const double n = 3.0 * nodes, crew = std::clamp(options.threads, 1, hardwareThreads()), g = std::max(columns, 1);
+    out.bytes = matrix->bytes + factorBytes(nodes) +
+                std::max(factorisingBytes(nodes, matrix->ranks), batchBytes(nodes, matrix->ranks) + static_cast<std::size_t>(40.0 * n * g));
+    // Every entry is used twice per sampled vector of the factorisation and once per step of GMRES and column; every true entry is computed for
+    // each correction.
+    const double entries = static_cast<double>(matrix->bytes) / sizeof(float);
     const double rate = measureProductRate() * crew;
-    const double n = 3.0 * nodes, depth = std::ceil(std::log2(std::max(1.0, nodes / static_cast<double>(HierarchicalMatrix::kDiagonalSize))));
-    constexpr double kUsualSteps = 15.0, kSlower = 2.0;  // narrow products reach about half of the rate
-    const double factorising = 2.0 * entries * 2.0 * (kFactorRank + kOversampling) + 2.0 * n * kFactorRank * kFactorRank * depth * (depth + 4.0);
-    const double solving = kUsualSteps * columns * 2.0 * (entries + static_cast<double>(factorBytes(nodes)) / sizeof(float));
-    out.seconds = matrix->seconds + kSlower * (factorising + solving) / rate;
+    double factorising = 2.0 * n * n * n * std::exp2(-2.0 * depthOf(nodes)) / 3.0;
+    for (int d = 0; d < depthOf(nodes); ++d) {
+        const double k = rankLimit(nodes / std::exp2(d)) + kOversampling;
+        factorising += 2.0 * entries / depthOf(nodes) * 2.0 * k + 8.0 * n * k * k;
+        for (int below = d + 1; below < depthOf(nodes); ++below) factorising += 4.0 * n * k * rankLimit(nodes / std::exp2(below));
+    }
+    constexpr double kUsualSteps = 12.0, kUsualCorrections = 2.0, kSlower = 2.0;  // narrow products reach about half of the rate
+    const double solving = kUsualSteps * g * 2.0 * (entries + static_cast<double>(factorBytes(nodes)) / sizeof(float)) +
+                           kUsualCorrections * g * 2.0 * 2.0 * n * n;  // in double precision
+    out.seconds += kUsualCorrections * matrix->secondsPerEntry * n * n / crew;
+    out.seconds += matrix->seconds + kSlower * (factorising + solving) / rate;
     return out;
 }
 
@@ -557,7 +578,7 @@ Result<HierarchicalLu> HierarchicalLu::build(std::shared_ptr<const BlockSource> 
     state->source = source;
     state->options = options;
     state->options.threads = std::max(1, options.threads);
-    const std::size_t others = factorBytes(nodes) + workBytes(nodes, 0, kBatch);
+    const std::size_t others = factorBytes(nodes) + std::max(factorisingBytes(nodes, 0), batchBytes(nodes, 0));
     if (others > options.memoryLimit) return tl::make_unexpected(noMemory(nodes, others));
     try {
         auto start = Clock::now();
@@ -566,6 +587,7 @@ Result<HierarchicalLu> HierarchicalLu::build(std::shared_ptr<const BlockSource> 
             progress.part(0.0, 0.8));
         if (!matrix) return tl::make_unexpected(matrix.error());
         state->matrix = std::move(*matrix);
+        state->workBytes = batchBytes(nodes, state->matrix.ranks());
         Quality& q = state->quality;
         q.assembleSeconds = secondsSince(start);
         q.matrixBytes = state->matrix.bytes();
@@ -591,25 +613,54 @@ Result<void> HierarchicalLu::solve(Eigen::MatrixXd& x, double goal, const Progre
     const auto start = Clock::now();
     const std::vector<std::int32_t>& order = s.matrix.tree().order();
     const auto k = static_cast<std::int32_t>(x.cols());
+    const auto cancelled = [] { return tl::make_unexpected(wasCancelled()); };
+    double worst = 1.0;
     try {
-        Eigen::MatrixXd solution(n, k);
-        s.quality.solveBytes = workBytes(n / 3, s.matrix.ranks(), k);
-        for (std::int32_t begin = 0; begin < k; begin += kBatch) {
-            const std::int32_t count = std::min(kBatch, k - begin);
-            Eigen::MatrixXd right(n, count), part;
-            for (std::int32_t i = 0; i < n / 3; ++i) right.middleRows(3 * i, 3) = x.block(3 * order[static_cast<std::size_t>(i)], begin, 3, count);
-            if (!s.solveBatch(right, part, goal, progress.part(static_cast<double>(begin) / k, static_cast<double>(begin + count) / k)))
-                return tl::make_unexpected(wasCancelled());
-            for (std::int32_t i = 0; i < n / 3; ++i) solution.block(3 * order[static_cast<std::size_t>(i)], begin, 3, count) = part.middleRows(3 * i, 3);
+        Eigen::MatrixXd right(n, k), solution = Eigen::MatrixXd::Zero(n, k), residual;
+        for (std::int32_t i = 0; i < n / 3; ++i) right.middleRows(3 * i, 3) = x.middleRows(3 * order[static_cast<std::size_t>(i)], 3);
+        const Eigen::VectorXd rightNorm = right.colwise().norm();
+        if (rightNorm.isZero(0.0)) {
+            x.setZero();
+            return {};
         }
-        double rows = 0.0;
-        if (!s.rowResidual(x, solution, progress, rows)) return tl::make_unexpected(wasCancelled());
-        s.quality.rowResidual = std::max(s.quality.rowResidual, rows);
+        residual = right;
+        s.quality.solveBytes = std::max(s.quality.solveBytes, s.workBytes + 40 * static_cast<std::size_t>(n) * static_cast<std::size_t>(k));
+        const auto reached = [&](double left) { return std::clamp(std::log(std::min(left, 1.0)) / std::log(goal), 0.0, 1.0); };
+        for (int round = 0; round < kCorrections && worst > goal; ++round) {
+            const double inner = std::clamp(0.25 * goal / worst, kInnerShare * s.options.tolerance, 0.1);
+            const double from = reached(worst), to = reached(worst * inner);
+            Eigen::MatrixXd next = solution;
+            int iterations = 0;
+            for (std::int32_t begin = 0; begin < k; begin += kBatch) {
+                const std::int32_t count = std::min(kBatch, k - begin);
+                Eigen::MatrixXd part = residual.middleCols(begin, count), step;
+                int steps = 0;
+                const double share = (to - from) / k;
+                if (!s.solveBatch(part, step, inner, steps, progress.part(from + share * begin, from + share * (begin + count)))) return cancelled();
+                next.middleCols(begin, count) += step;
+                iterations = std::max(iterations, steps);
+            }
+            s.quality.iterations += iterations;
+            Eigen::MatrixXd nextResidual;
+            if (!s.trueResidual(right, next, nextResidual, progress)) return cancelled();
+            double left = 0.0;
+            for (std::int32_t c = 0; c < k; ++c)
+                if (rightNorm[c] > 0.0) left = std::max(left, nextResidual.col(c).norm() / rightNorm[c]);
+            if (!(left < worst)) break;
+            const bool gains = left < kWorthwhile * worst;
+            worst = left;
+            solution.swap(next);
+            residual.swap(nextResidual);
+            ++s.quality.corrections;
+            progress.report("solve", reached(worst));
+            if (!gains) break;
+        }
+        s.quality.residual = std::max(s.quality.residual, worst);
         s.quality.solveSeconds += secondsSince(start);
-        if (!(s.quality.residual <= goal))
+        if (!(worst <= goal))
             return fail("inaccurate", "The equations of this body are too ill-conditioned to be solved accurately; repair thin spikes and nearly "
                                       "coinciding surfaces, or remesh it more evenly.");
-        x.swap(solution);
+        for (std::int32_t i = 0; i < n / 3; ++i) x.middleRows(3 * order[static_cast<std::size_t>(i)], 3) = solution.middleRows(3 * i, 3);
     } catch (const std::bad_alloc&) {
         return tl::make_unexpected(noMemory(n / 3, 0));
     }

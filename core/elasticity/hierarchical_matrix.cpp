@@ -6,8 +6,8 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cmath>
+#include <ctime>
 #include <new>
 #include <string>
 #include <thread>
@@ -18,10 +18,6 @@
 namespace imomushi {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
 /// Nodes of the smallest clusters, at most: a dense block of this size takes about what its approximation would.
 constexpr std::int32_t kLeafSize = 48;
 /// Blocks have a low rank when the smaller cluster is at most this many times larger than the distance.
@@ -30,8 +26,10 @@ constexpr double kAdmissible = 1.5;
 constexpr std::int32_t kMaxSide = 4096;
 /// Crosses are taken until they are this share of the allowed error; recompression throws away the rest.
 constexpr double kCrossShare = 0.25;
+/// Blocks of at most this many nodes by nodes are evaluated as a whole first: that costs no more than the crosses, and nothing can be overlooked.
+constexpr std::size_t kWhole = 72 * 72;
 /// Rows of a block on which an approximation is checked before it is believed.
-constexpr std::int32_t kCheckedRows = 4;
+constexpr std::int32_t kCheckedRows = 8;
 /// A pivot below this share of the largest entry in its row would let rounding errors grow.
 constexpr double kPivotShare = 0.1;
 /// Nodes whose rows one task of a product adds up.
@@ -100,6 +98,30 @@ bool finite(const double* x, std::size_t count) {
     return std::all_of(x, x + count, [](double value) { return std::isfinite(value); });
 }
 
+/// The same for a block that is evaluated as a whole, m x n by columns: the largest entry left is the next pivot, so that nothing is overlooked.
+Approximation approximateWhole(std::vector<double>& a, std::int32_t m, std::int32_t n, double tolerance) {
+    Approximation out;
+    const std::int32_t worthwhile = m * n / (m + n);
+    if (!finite(a.data(), a.size())) {
+        out.outcome = Approximation::Outcome::notFinite;
+        return out;
+    }
+    for (;; ++out.rank) {
+        if (std::sqrt(cblas_ddot(m * n, a.data(), 1, a.data(), 1)) <= tolerance) return out;
+        if (out.rank >= worthwhile) {
+            out.outcome = Approximation::Outcome::full;
+            return out;
+        }
+        const auto at = static_cast<std::int32_t>(cblas_idamax(m * n, a.data(), 1));
+        const std::int32_t i = at % m, j = at / m;
+        const double pivot = a[static_cast<std::size_t>(at)];
+        out.u.insert(out.u.end(), a.begin() + static_cast<std::ptrdiff_t>(m) * j, a.begin() + static_cast<std::ptrdiff_t>(m) * (j + 1));
+        for (std::int32_t l = 0; l < n; ++l) out.v.push_back(a[static_cast<std::size_t>(m) * l + i] / pivot);
+        cblas_dger(CblasColMajor, m, n, -1.0, out.u.data() + static_cast<std::size_t>(m) * out.rank, 1,
+                   out.v.data() + static_cast<std::size_t>(n) * out.rank, 1, a.data(), m);
+    }
+}
+
 /// Adaptive cross approximation of rows x columns nodes to the absolute error `tolerance` (Frobenius norm).
 Approximation approximate(const BlockSource& source, std::span<const std::int32_t> rowNodes, std::span<const std::int32_t> columnNodes,
                           double tolerance, const Progress& progress) {
@@ -109,7 +131,7 @@ Approximation approximate(const BlockSource& source, std::span<const std::int32_
     const std::int32_t worthwhile = m3 * n3 / (m3 + n3);  // above, the dense block is smaller
     const std::unique_ptr<BlockSource::Columns> columns = source.columns(columnNodes);
     std::vector<double> row(static_cast<std::size_t>(3 * n3)), rowRight(row.size()), column(static_cast<std::size_t>(3 * m3));
-    std::vector<char> usedRow(static_cast<std::size_t>(m)), usedColumn(static_cast<std::size_t>(n));
+    std::vector<char> usedRow(static_cast<std::size_t>(m));
     auto& u = out.u;
     auto& v = out.v;
     auto& rank = out.rank;
@@ -123,21 +145,24 @@ Approximation approximate(const BlockSource& source, std::span<const std::int32_
         return true;
     };
     const auto squared = [](const std::vector<double>& x) { return cblas_ddot(static_cast<int>(x.size()), x.data(), 1, x.data(), 1); };
-    // Rows are checked in an order that has nothing to do with the geometry.
+    // Places are in the order of the tree, so that equal steps through them go everywhere in the block; every check looks at other rows.
     std::uint64_t random = 0x9e3779b97f4a7c15u;
-    const auto someRow = [&] {
+    const auto rowInShare = [&](std::int32_t share, std::int32_t shares) {
         random = random * 6364136223846793005u + 1442695040888963407u;
-        return static_cast<std::int32_t>((random >> 33) % static_cast<std::uint64_t>(m));
+        const std::int64_t begin = static_cast<std::int64_t>(m) * share / shares, end = static_cast<std::int64_t>(m) * (share + 1) / shares;
+        return static_cast<std::int32_t>(begin + static_cast<std::int64_t>((random >> 33) % static_cast<std::uint64_t>(end - begin)));
     };
+    const double negligible = kCrossShare * tolerance;
+    std::vector<double> seen(static_cast<std::size_t>(m));  // per row: squares of what the columns of the last cross left there
 
-    std::int32_t next = someRow();
+    std::int32_t next = rowInShare(0, 1);
     bool taken = false;  // `row` already holds what is left of row `next`
     while (true) {
         if (progress.cancelled()) {
             out.outcome = Approximation::Outcome::cancelled;
             return out;
         }
-        bool small = true;
+        double added = 0.0;
         if (next >= 0) {
             if (!taken && !takeRow(next)) {
                 out.outcome = Approximation::Outcome::notFinite;
@@ -145,19 +170,21 @@ Approximation approximate(const BlockSource& source, std::span<const std::int32_
             }
             taken = false;
             usedRow[static_cast<std::size_t>(next)] = 1;
-            std::int32_t best = -1;
-            double largest = 0.0;
-            for (std::int32_t j = 0; j < n; ++j) {
-                if (usedColumn[static_cast<std::size_t>(j)]) continue;
-                double sum = 0.0;
-                for (int k = 0; k < 9; ++k) sum += row[static_cast<std::size_t>(9 * j + k)] * row[static_cast<std::size_t>(9 * j + k)];
-                if (sum > largest) {
-                    largest = sum;
-                    best = j;
+            std::fill(seen.begin(), seen.end(), 0.0);
+            // One column node often cannot serve all three rows: on a plane, some axes do not see each other.
+            for (int round = 0; round < 3; ++round) {
+                std::int32_t best = -1;
+                double largest = 0.0;
+                for (std::int32_t j = 0; j < n; ++j) {
+                    double sum = 0.0;
+                    for (int k = 0; k < 9; ++k) sum += row[static_cast<std::size_t>(9 * j + k)] * row[static_cast<std::size_t>(9 * j + k)];
+                    if (sum > largest) {
+                        largest = sum;
+                        best = j;
+                    }
                 }
-            }
-            // A row this small says nothing about the others, and neither would its cross.
-            if (best >= 0 && std::sqrt(squared(row) * m) > kCrossShare * tolerance) {
+                // Rows this small say nothing about the others, and neither would their crosses.
+                if (best < 0 || std::sqrt(squared(row) * m) <= negligible) break;
                 source.columns(columnNodes.subspan(static_cast<std::size_t>(best), 1))->rows(rowNodes, column.data());
                 if (!finite(column.data(), column.size())) {
                     out.outcome = Approximation::Outcome::notFinite;
@@ -166,8 +193,12 @@ Approximation approximate(const BlockSource& source, std::span<const std::int32_
                 if (rank > 0)
                     cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, m3, 3, rank, -1.0, u.data(), m3, v.data() + 3 * best, n3, 1.0,
                                 column.data(), m3);
-                usedColumn[static_cast<std::size_t>(best)] = 1;
-                double added = 0.0;
+                for (std::int32_t i = 0; i < m; ++i)
+                    for (std::int32_t l = 0; l < 3; ++l)
+                        for (int k = 0; k < 3; ++k) {
+                            const double entry = column[static_cast<std::size_t>(m3 * l + 3 * i + k)];
+                            seen[static_cast<std::size_t>(i)] += entry * entry;
+                        }
                 for (int step = 0; step < 3; ++step) {
                     int a = 0, b = 0;
                     double pivot = 0.0;
@@ -190,36 +221,26 @@ Approximation approximate(const BlockSource& source, std::span<const std::int32_
                     cblas_dger(CblasColMajor, 3, n3, -1.0, newU + 3 * next, 1, newV, 1, row.data(), 3);
                     added = std::max(added, cblas_dnrm2(m3, newU, 1) * cblas_dnrm2(n3, newV, 1));
                 }
-                small = added <= kCrossShare * tolerance;
                 if (rank >= worthwhile) {
                     out.outcome = Approximation::Outcome::full;
                     return out;
                 }
-                // The next cross goes through the row that this one's columns leave largest.
-                std::int32_t candidate = -1;
-                largest = 0.0;
-                for (std::int32_t i = 0; i < m; ++i) {
-                    if (usedRow[static_cast<std::size_t>(i)]) continue;
-                    double sum = 0.0;
-                    const double* last = u.data() + static_cast<std::size_t>(std::max(rank - 1, 0)) * m3;
-                    if (rank > 0)
-                        for (int k = 0; k < 3; ++k) sum += last[3 * i + k] * last[3 * i + k];
-                    if (sum > largest) {
-                        largest = sum;
-                        candidate = i;
-                    }
-                }
-                next = candidate;
-            } else {
-                next = -1;
             }
+            // The next cross goes through the row where the columns of this one were largest.
+            next = -1;
+            double largest = 0.0;
+            for (std::int32_t i = 0; i < m; ++i)
+                if (!usedRow[static_cast<std::size_t>(i)] && seen[static_cast<std::size_t>(i)] > largest) {
+                    largest = seen[static_cast<std::size_t>(i)];
+                    next = i;
+                }
         }
-        if (!small && next >= 0) continue;
-        // Small crosses do not prove a small error (rows or columns of zeros, patches that do not see each other): look at rows anywhere.
+        if (added > negligible && next >= 0) continue;
+        // Small crosses do not prove a small error (rows or columns of zeros, patches that do not see each other): look at rows everywhere.
         double sum = 0.0, worst = -1.0;
         std::int32_t looked = 0, worstRow = -1;
-        for (std::int32_t tries = 0; looked < kCheckedRows && tries < 4 * kCheckedRows; ++tries) {
-            const std::int32_t i = someRow();
+        for (std::int32_t share = 0; share < kCheckedRows; ++share) {
+            const std::int32_t i = rowInShare(share, kCheckedRows);
             if (usedRow[static_cast<std::size_t>(i)]) continue;
             if (!takeRow(i)) {
                 out.outcome = Approximation::Outcome::notFinite;
@@ -234,7 +255,7 @@ Approximation approximate(const BlockSource& source, std::span<const std::int32_
                 row.swap(rowRight);
             }
         }
-        if (looked == 0 || std::sqrt(sum * m / looked) <= 2.0 * kCrossShare * tolerance) return out;
+        if (looked == 0 || std::sqrt(sum * m / looked) <= 2.0 * negligible) return out;
         next = worstRow;
         row.swap(rowRight);
         taken = true;
@@ -248,13 +269,16 @@ bool recompress(Approximation& a, std::int32_t m, std::int32_t n, double toleran
     const auto square = static_cast<std::size_t>(k) * k;
     std::vector<double> tauU(static_cast<std::size_t>(k)), tauV(tauU.size());
     if (k > m || k > n) return true;
-    if (LAPACKE_dgeqrf(LAPACK_COL_MAJOR, m, k, a.u.data(), m, tauU.data()) != 0) return false;
-    if (LAPACKE_dgeqrf(LAPACK_COL_MAJOR, n, k, a.v.data(), n, tauV.data()) != 0) return false;
-    std::vector<double> core(square), left(square), right(square), sigma(static_cast<std::size_t>(k)), super(static_cast<std::size_t>(k));
+    // The work_ functions of LAPACKE: the others search their arguments for NaN first.
+    const std::int32_t room = 64 * k;
+    std::vector<double> work(static_cast<std::size_t>(room));
+    if (LAPACKE_dgeqrf_work(LAPACK_COL_MAJOR, m, k, a.u.data(), m, tauU.data(), work.data(), room) != 0) return false;
+    if (LAPACKE_dgeqrf_work(LAPACK_COL_MAJOR, n, k, a.v.data(), n, tauV.data(), work.data(), room) != 0) return false;
+    std::vector<double> core(square), left(square), right(square), sigma(static_cast<std::size_t>(k));
     for (std::int32_t j = 0; j < k; ++j)
         for (std::int32_t i = 0; i <= j; ++i) core[static_cast<std::size_t>(j) * k + i] = a.u[static_cast<std::size_t>(j) * m + i];
     cblas_dtrmm(CblasColMajor, CblasRight, CblasUpper, CblasTrans, CblasNonUnit, k, k, 1.0, a.v.data(), n, core.data(), k);
-    if (LAPACKE_dgesvd(LAPACK_COL_MAJOR, 'S', 'S', k, k, core.data(), k, sigma.data(), left.data(), k, right.data(), k, super.data()) != 0)
+    if (LAPACKE_dgesvd_work(LAPACK_COL_MAJOR, 'S', 'S', k, k, core.data(), k, sigma.data(), left.data(), k, right.data(), k, work.data(), room) != 0)
         return false;
     std::int32_t rank = k;
     for (double tail = 0.0; rank > 0; --rank) {
@@ -268,8 +292,8 @@ bool recompress(Approximation& a, std::int32_t m, std::int32_t n, double toleran
             v[static_cast<std::size_t>(j) * n + i] = right[static_cast<std::size_t>(i) * k + j];
         }
     if (rank > 0) {
-        LAPACKE_dormqr(LAPACK_COL_MAJOR, 'L', 'N', m, rank, k, a.u.data(), m, tauU.data(), u.data(), m);
-        LAPACKE_dormqr(LAPACK_COL_MAJOR, 'L', 'N', n, rank, k, a.v.data(), n, tauV.data(), v.data(), n);
+        LAPACKE_dormqr_work(LAPACK_COL_MAJOR, 'L', 'N', m, rank, k, a.u.data(), m, tauU.data(), u.data(), m, work.data(), room);
+        LAPACKE_dormqr_work(LAPACK_COL_MAJOR, 'L', 'N', n, rank, k, a.v.data(), n, tauV.data(), v.data(), n, work.data(), room);
     }
     a.u.swap(u);
     a.v.swap(v);
@@ -298,7 +322,15 @@ Outcome buildBlock(const BlockSource& source, const ClusterTree& tree, const Sha
     if (shape.low) {
         // The squares of the errors of all blocks beside each other add up to that of a row.
         const double tolerance = rowError * std::sqrt(3.0 * r.size() * c.size() / static_cast<double>(tree.order().size()));
-        Approximation a = approximate(source, rows, columns, tolerance, progress);
+        Approximation a;
+        std::vector<double> whole;
+        if (rows.size() * columns.size() <= kWhole) {
+            whole.resize(9 * rows.size() * columns.size());
+            source.columns(columns)->rows(rows, whole.data());
+            a = approximateWhole(whole, 3 * r.size(), 3 * c.size(), kCrossShare * tolerance);
+        } else {
+            a = approximate(source, rows, columns, tolerance, progress);
+        }
         if (a.outcome == Approximation::Outcome::cancelled) return Outcome::cancelled;
         if (a.outcome == Approximation::Outcome::notFinite) return Outcome::notFinite;
         if (a.outcome == Approximation::Outcome::done && recompress(a, 3 * r.size(), 3 * c.size(), tolerance)) {
@@ -336,6 +368,13 @@ double usualRow(const BlockSource& source) {
         for (const double entry : block) sum += entry * entry;
     }
     return std::sqrt(sum / std::max(count, 1));
+}
+
+/// What this thread has computed: an estimate should not depend on what else the machine does just now.
+double threadSeconds() {
+    timespec now{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 Error notFinite() { return {"bad-value", "The mesh gives integrals that are not finite; repair its degenerate triangles."}; }
@@ -465,10 +504,20 @@ Result<HierarchicalMatrix::Estimate> HierarchicalMatrix::estimate(const BlockSou
     for (const auto& level : structure.levels)
         for (const Shape& s : level) kinds[static_cast<std::size_t>(2 * clusters[static_cast<std::size_t>(s.row)].depth + (s.low ? 1 : 0))].push_back(s);
     const double rowError = options.tolerance * usualRow(source);
+    {
+        const auto some = std::span(tree.order()).first(std::min<std::size_t>(tree.order().size(), 1024));
+        const auto rows = some.first(std::min<std::size_t>(some.size(), 8));
+        std::vector<double> entries(9 * rows.size() * some.size());
+        const auto prepared = source.columns(some);
+        prepared->rows(rows, entries.data());  // once to warm up
+        const double start = threadSeconds();
+        prepared->rows(rows, entries.data());
+        out.secondsPerEntry = (threadSeconds() - start) / static_cast<double>(entries.size());
+    }
     for (const auto& kind : kinds) {
         if (kind.empty()) continue;
         const std::size_t sampled = std::min(kind.size(), kSampled);
-        const auto start = Clock::now();
+        const double start = threadSeconds();
         double bytes = 0.0, ranks = 0.0;
         for (std::size_t i = 0; i < sampled; ++i) {
             Block block;
@@ -480,15 +529,16 @@ Result<HierarchicalMatrix::Estimate> HierarchicalMatrix::estimate(const BlockSou
             ranks += std::max(block.rank, 0);
         }
         const double share = static_cast<double>(kind.size()) / static_cast<double>(sampled);
-        out.seconds += secondsSince(start) * share / std::clamp(options.threads, 1, hardwareThreads());
+        out.seconds += (threadSeconds() - start) * share / std::clamp(options.threads, 1, hardwareThreads());
         out.bytes += static_cast<std::size_t>(bytes * share);
         out.ranks += static_cast<std::size_t>(ranks * share);
     }
     return out;
 }
 
-bool HierarchicalMatrix::multiply(std::span<const Block> blocks, const float* x, double* y, std::int32_t columns, bool transposed, int threads,
-                                  const Progress& progress) const {
+template <class Real>
+bool HierarchicalMatrix::product(std::span<const Block> blocks, const float* x, Real* y, std::int32_t columns, bool transposed, int threads,
+                                 const Progress& progress) const {
     const std::int32_t n = size(), nodes = n / 3;
     // First V^T x of every block of low rank, then each task adds up what belongs to its rows, in the order of the blocks.
     std::vector<std::size_t> at(blocks.size() + 1);
@@ -545,9 +595,20 @@ bool HierarchicalMatrix::multiply(std::span<const Block> blocks, const float* x,
             }
         }
         for (std::int32_t k = 0; k < columns; ++k)
-            std::copy_n(sum.data() + static_cast<std::size_t>(k) * rows, rows, y + static_cast<std::size_t>(k) * n + 3 * begin);
+            std::transform(sum.begin() + static_cast<std::ptrdiff_t>(k) * rows, sum.begin() + static_cast<std::ptrdiff_t>(k + 1) * rows,
+                           y + static_cast<std::size_t>(k) * n + 3 * begin, [](double value) { return static_cast<Real>(value); });
     });
     return !progress.cancelled();
+}
+
+bool HierarchicalMatrix::multiply(std::span<const Block> blocks, const float* x, double* y, std::int32_t columns, bool transposed, int threads,
+                                  const Progress& progress) const {
+    return product(blocks, x, y, columns, transposed, threads, progress);
+}
+
+bool HierarchicalMatrix::multiply(std::span<const Block> blocks, const float* x, float* y, std::int32_t columns, bool transposed, int threads,
+                                  const Progress& progress) const {
+    return product(blocks, x, y, columns, transposed, threads, progress);
 }
 
 }  // namespace imomushi

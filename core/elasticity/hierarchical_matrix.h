@@ -83,7 +83,8 @@ public:
     struct Estimate {
         double seconds = 0.0;
         std::size_t bytes = 0;
-        std::size_t ranks = 0;  ///< sum of the ranks of all blocks
+        std::size_t ranks = 0;         ///< sum of the ranks of all blocks
+        double secondsPerEntry = 0.0;  ///< of one thread that evaluates a dense block
     };
     static Result<Estimate> estimate(const BlockSource& source, const Options& options, const Progress& progress);
 
@@ -111,8 +112,15 @@ public:
     /// y := B x or B^T x for the sum B of some blocks; x and y are size() x columns by columns without gaps. False: cancelled.
     bool multiply(std::span<const Block> blocks, const float* x, double* y, std::int32_t columns, bool transposed, int threads,
                   const Progress& progress) const;
+    /// The same, rounded: blocks are summed in double precision.
+    bool multiply(std::span<const Block> blocks, const float* x, float* y, std::int32_t columns, bool transposed, int threads,
+                  const Progress& progress) const;
 
 private:
+    template <class Real>
+    bool product(std::span<const Block> blocks, const float* x, Real* y, std::int32_t columns, bool transposed, int threads,
+                 const Progress& progress) const;
+
     ClusterTree tree_;
     std::vector<Block> blocks_;
     std::vector<std::size_t> levelBegin_;
