@@ -615,6 +615,8 @@ Result<void> HierarchicalLu::solve(Eigen::MatrixXd& x, double goal, const Progre
     const auto k = static_cast<std::int32_t>(x.cols());
     const auto cancelled = [] { return tl::make_unexpected(wasCancelled()); };
     double worst = 1.0;
+    s.quality.residual = 0.0;
+    s.quality.iterations = s.quality.corrections = 0;
     try {
         Eigen::MatrixXd right(n, k), solution = Eigen::MatrixXd::Zero(n, k), residual;
         for (std::int32_t i = 0; i < n / 3; ++i) right.middleRows(3 * i, 3) = x.middleRows(3 * order[static_cast<std::size_t>(i)], 3);
@@ -655,8 +657,8 @@ Result<void> HierarchicalLu::solve(Eigen::MatrixXd& x, double goal, const Progre
             progress.report("solve", reached(worst));
             if (!gains) break;
         }
-        s.quality.residual = std::max(s.quality.residual, worst);
-        s.quality.solveSeconds += secondsSince(start);
+        s.quality.residual = worst;
+        s.quality.solveSeconds = secondsSince(start);
         if (!(worst <= goal))
             return fail("inaccurate", "The equations of this body are too ill-conditioned to be solved accurately; repair thin spikes and nearly "
                                       "coinciding surfaces, or remesh it more evenly.");

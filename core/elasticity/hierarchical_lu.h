@@ -23,6 +23,7 @@ public:
         int threads = 1;
         std::size_t memoryLimit = ~std::size_t{0};  ///< bytes, everything together
     };
+    /// Of build() and of the last solve().
     struct Quality {
         double residual = 0.0;      ///< largest |A x - b| / |b| over the columns (2-norms), A the true matrix, not its approximation
         int iterations = 0;         ///< of GMRES, all restarts together; the largest number over the columns

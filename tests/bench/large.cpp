@@ -9,8 +9,9 @@
 #include <fstream>
 #include <string>
 
+#include "core/elasticity/boundary_equation.h"
 #include "core/elasticity/hierarchical_lu.h"
-#include "tests/support/surface_source.h"
+#include "tests/support/shapes.h"
 
 using namespace imomushi;
 
@@ -49,6 +50,7 @@ shapes::Body bodyOf(const std::string& name, double vertices) {
 }  // namespace
 
 int main(int argc, char** argv) {
+    std::setvbuf(stdout, nullptr, _IOLBF, 0);
     const double wanted = argc > 1 ? std::atof(argv[1]) : 2000;
     const std::string shape = argc > 2 ? argv[2] : "cylinder";
     HierarchicalLu::Options options;
@@ -58,18 +60,25 @@ int main(int argc, char** argv) {
     options.threads = argc > 6 ? std::atoi(argv[6]) : 2;
 
     const auto body = bodyOf(shape, wanted);
-    const auto source = std::make_shared<SurfaceSource>(body.mesh, body.ends, nu);
+    std::vector<HeldPatch> held;
+    std::vector<Vec3> heldAt;
+    for (const auto& end : body.ends) {
+        held.push_back({end.vertices, end.triangles});
+        for (const std::int32_t v : end.vertices) heldAt.push_back(body.mesh.vertices.row(v).transpose());
+    }
+    const auto source = std::make_shared<BoundaryEquation>(body.mesh, held, std::span<const std::array<std::int32_t, 2>>{}, nu);
     // The rigid motions of either end.
-    Eigen::MatrixXd prescribed = Eigen::MatrixXd::Zero(3 * source->nodes(), 12);
-    for (int end = 0; end < 2; ++end)
-        for (const std::int32_t v : body.ends[static_cast<std::size_t>(end)].vertices) {
-            const Vec3 p = source->position(v);
-            for (int k = 0; k < 3; ++k) {
-                prescribed(3 * v + k, 6 * end + k) = 1.0;
-                prescribed(3 * v + (k + 1) % 3, 6 * end + 3 + k) = -p[(k + 2) % 3];
-                prescribed(3 * v + (k + 2) % 3, 6 * end + 3 + k) = p[(k + 1) % 3];
-            }
+    Eigen::MatrixXd prescribed = Eigen::MatrixXd::Zero(3 * source->heldCount(), 12);
+    for (std::size_t j = 0; j < heldAt.size(); ++j) {
+        const int first = j < held[0].vertices.size() ? 0 : 6;
+        const Vec3& p = heldAt[j];
+        const auto row = static_cast<Eigen::Index>(3 * j);
+        for (int k = 0; k < 3; ++k) {
+            prescribed(row + k, first + k) = 1.0;
+            prescribed(row + (k + 1) % 3, first + 3 + k) = -p[(k + 2) % 3];
+            prescribed(row + (k + 2) % 3, first + 3 + k) = p[(k + 1) % 3];
         }
+    }
     using Clock = std::chrono::steady_clock;
     const auto seconds = [](Clock::time_point from) { return std::chrono::duration<double>(Clock::now() - from).count(); };
     auto start = Clock::now();
