@@ -25,7 +25,7 @@ double secondsSince(Clock::time_point start) { return std::chrono::duration<doub
 /// The factorisation keeps of each block off the diagonal the singular values above this share of a usual row: those below hardly disturb GMRES...
 constexpr double kFactorTolerance = 0.002;
 /// ...and at most this many times the square root of the cluster's nodes (as many lie along the cut through a surface), within these bounds.
-constexpr double kFactorRankGrowth = 3.0, kFactorRankLow = 96.0, kFactorRankHigh = 448.0;
+constexpr double kFactorRankGrowth = 3.0, kFactorRankLow = 96.0, kFactorRankHigh = 320.0;
 /// As many more vectors are tried as the randomised range finder wants (Halko, Martinsson, Tropp 2011).
 constexpr std::int32_t kOversampling = 16;
 /// Gram matrices in single precision tell no directions below this share of the largest eigenvalue from rounding.
@@ -122,12 +122,15 @@ private:
     };
     struct Level {
         std::int32_t rank = 0;
-        FloatArray x, v;              ///< n x rank
+        LargeArray<float> x, v;       ///< n x rank
         std::vector<Lu> middle;       ///< per cluster, 2 rank x 2 rank
         std::vector<Piece> pieces;    ///< of the halves
     };
     bool factoriseDiagonal(const HierarchicalMatrix& matrix, int threads, const Progress& progress);
-    bool compress(const HierarchicalMatrix& matrix, int depth, FloatArray& u, int threads, const Progress& progress);
+    bool compress(const HierarchicalMatrix& matrix, int depth, int threads, const Progress& progress);
+    [[nodiscard]] LargeArray<float> columnsOf(std::int32_t count) const {
+        return LargeArray<float>(static_cast<std::size_t>(n_) * static_cast<std::size_t>(count));
+    }
     /// The inverse of the block diagonal of the clusters of depth `top`.
     bool solveFrom(int top, float* x, std::int32_t columns, int threads, const Progress& progress) const;
     bool factorise(Lu& lu, std::int32_t size);
@@ -172,23 +175,27 @@ bool HalvedFactor::factoriseDiagonal(const HierarchicalMatrix& matrix, int threa
     return !progress.cancelled();
 }
 
-/// Finds U (into `u`) and V of a level: the range of every block by its product with random signs.
-bool HalvedFactor::compress(const HierarchicalMatrix& matrix, int depth, FloatArray& u, int threads, const Progress& progress) {
+/// Finds U (into x) and V of a level: the range of every block by its product with random signs.
+bool HalvedFactor::compress(const HierarchicalMatrix& matrix, int depth, int threads, const Progress& progress) {
     Level& level = levels_[static_cast<std::size_t>(depth)];
     level.pieces = piecesOf(*clusters_, depth + 1);
     const std::int32_t first = (2 << depth) - 1, count = 2 << depth;
     const std::int32_t smallest = 3 * (*clusters_)[static_cast<std::size_t>(first + count - 1)].size();
     const std::int32_t limit = rankLimit((*clusters_)[static_cast<std::size_t>((1 << depth) - 1)].size());
     const std::int32_t k = std::min(limit + kOversampling, smallest);
-    const std::size_t nk = static_cast<std::size_t>(n_) * static_cast<std::size_t>(k), square = static_cast<std::size_t>(k) * static_cast<std::size_t>(k);
-    FloatArray q(nk), w(nk);
-    std::uint64_t random = 0x9e3779b97f4a7c15u + static_cast<std::uint64_t>(depth);
-    for (float& entry : w) {
-        random = random * 6364136223846793005u + 1442695040888963407u;
-        entry = random >> 63 ? 1.0f : -1.0f;
-    }
+    const std::size_t square = static_cast<std::size_t>(k) * static_cast<std::size_t>(k);
+    LargeArray<float> q = columnsOf(k), w = columnsOf(k);
+    parallelFor(threads, static_cast<std::size_t>(k), 1, [&](std::size_t column, std::size_t) {
+        if (progress.cancelled()) return;
+        std::uint64_t random = 0x9e3779b97f4a7c15u * (static_cast<std::uint64_t>(depth) * 4096 + column + 1);
+        float* to = w.data() + column * static_cast<std::size_t>(n_);
+        for (std::int32_t i = 0; i < n_; ++i) {
+            random = random * 6364136223846793005u + 1442695040888963407u;
+            to[i] = random >> 63 ? 1.0f : -1.0f;
+        }
+    });
     if (!matrix.multiply(matrix.level(depth), w.data(), q.data(), k, false, threads, progress)) return false;
-    w.swap(q);
+    std::swap(w, q);
     // Orthogonal bases by way of Gram matrices: every large step is a product. `turn` holds eigenvectors, scaled, per cluster.
     FloatArray gram, turn(square * static_cast<std::size_t>(count));
     std::vector<std::int32_t> kept(static_cast<std::size_t>(count));
@@ -199,7 +206,7 @@ bool HalvedFactor::compress(const HierarchicalMatrix& matrix, int depth, FloatAr
             if (progress.cancelled()) return;
             std::vector<double> a(gram.begin() + static_cast<std::ptrdiff_t>(c * square), gram.begin() + static_cast<std::ptrdiff_t>((c + 1) * square));
             std::vector<double> lambda(static_cast<std::size_t>(k));
-            if (LAPACKE_dsyevd(LAPACK_COL_MAJOR, 'V', 'U', k, a.data(), k, lambda.data()) != 0) {
+            if (!finite(a.data(), a.size()) || LAPACKE_dsyevd(LAPACK_COL_MAJOR, 'V', 'U', k, a.data(), k, lambda.data()) != 0) {
                 failed[c] = 1;
                 return;
             }
@@ -218,7 +225,7 @@ bool HalvedFactor::compress(const HierarchicalMatrix& matrix, int depth, FloatAr
         });
         return !progress.cancelled();
     };
-    const auto rotate = [&](const FloatArray& from, FloatArray& to, std::int32_t rank, bool sibling) {
+    const auto rotate = [&](const LargeArray<float>& from, const LargeArray<float>& to, std::int32_t rank, bool sibling) {
         parallelFor(threads, level.pieces.size(), 1, [&](std::size_t i, std::size_t) {
             if (progress.cancelled()) return;
             const Piece& p = level.pieces[i];
@@ -234,9 +241,11 @@ bool HalvedFactor::compress(const HierarchicalMatrix& matrix, int depth, FloatAr
     if (!innerProducts(level.pieces, first, count, n_, w.data(), k, w.data(), k, gram, threads, progress)) return false;
     if (!eigen(false)) return false;
     level.rank = *std::max_element(kept.begin(), kept.end());
-    u.resize(static_cast<std::size_t>(n_) * static_cast<std::size_t>(level.rank));
-    level.v.resize(u.size());
-    if (level.rank > 0 && (!rotate(q, u, level.rank, true) || !rotate(w, level.v, level.rank, false))) return false;
+    if (level.rank > 0) {
+        level.x = columnsOf(level.rank);
+        level.v = columnsOf(level.rank);
+        if (!rotate(q, level.x, level.rank, true) || !rotate(w, level.v, level.rank, false)) return false;
+    }
     if (std::find(failed.begin(), failed.end(), 1) != failed.end()) singular_ = true;
     return true;
 }
@@ -249,7 +258,7 @@ bool HalvedFactor::build(const HierarchicalMatrix& matrix, int threads, const Pr
     if (!factoriseDiagonal(matrix, threads, progress)) return false;
     for (int d = depth - 1; d >= 0 && !singular_; --d) {
         Level& level = levels_[static_cast<std::size_t>(d)];
-        if (!compress(matrix, d, level.x, threads, progress)) return false;
+        if (!compress(matrix, d, threads, progress)) return false;
         if (level.rank == 0) continue;
         if (!solveFrom(d + 1, level.x.data(), level.rank, threads, progress)) return false;
         const std::int32_t r = level.rank, first = (2 << d) - 1, count = 1 << d;
@@ -318,7 +327,7 @@ std::size_t HalvedFactor::bytes() const {
     std::size_t entries = 0;
     for (const Lu& lu : diagonal_) entries += lu.a.size();
     for (const Level& level : levels_) {
-        entries += level.x.size() + level.v.size();
+        entries += 2 * static_cast<std::size_t>(n_) * static_cast<std::size_t>(level.rank);
         for (const Lu& lu : level.middle) entries += lu.a.size();
     }
     return entries * sizeof(float);
@@ -543,7 +552,7 @@ bool HierarchicalLu::State::trueResidual(const Eigen::MatrixXd& right, const Eig
     return !progress.cancelled();
 }
 
-Result<HierarchicalLu::Estimate> HierarchicalLu::estimate(const BlockSource& source, const Options& options, std::int32_t columns,
+Result<HierarchicalLu::Estimate> HierarchicalLu::estimate(const BlockSource& source, const Options& options, std::int32_t columns, double goal,
                                                           const Progress& progress) {
     const std::int32_t nodes = source.nodes();
     auto matrix = HierarchicalMatrix::estimate(source, {.tolerance = options.tolerance, .threads = options.threads}, progress);
@@ -562,10 +571,12 @@ Result<HierarchicalLu::Estimate> HierarchicalLu::estimate(const BlockSource& sou
         factorising += 2.0 * entries / depthOf(nodes) * 2.0 * k + 8.0 * n * k * k;
         for (int below = d + 1; below < depthOf(nodes); ++below) factorising += 4.0 * n * k * rankLimit(nodes / std::exp2(below));
     }
-    constexpr double kUsualSteps = 12.0, kUsualCorrections = 2.0, kSlower = 2.0;  // narrow products reach about half of the rate
-    const double solving = kUsualSteps * g * 2.0 * (entries + static_cast<double>(factorBytes(nodes)) / sizeof(float)) +
-                           kUsualCorrections * g * 2.0 * 2.0 * n * n;  // in double precision
-    out.seconds += kUsualCorrections * matrix->secondsPerEntry * n * n / crew;
+    // Usual bodies: the first answer misses by several times the tolerance, a second one by nearly the square of that.
+    const double corrections = goal >= 8.0 * options.tolerance ? 1.0 : 2.0, steps = 6.0 + 4.0 * corrections;
+    constexpr double kSlower = 2.0;  // narrow products reach about half of the rate
+    const double solving = steps * g * 2.0 * (entries + static_cast<double>(factorBytes(nodes)) / sizeof(float)) +
+                           corrections * g * 2.0 * 2.0 * n * n;  // in double precision
+    out.seconds += corrections * matrix->secondsPerEntry * n * n / crew;
     out.seconds += matrix->seconds + kSlower * (factorising + solving) / rate;
     return out;
 }

@@ -32,12 +32,13 @@ public:
         std::size_t matrixBytes = 0, factorBytes = 0, solveBytes = 0;
         double compression = 0.0;   ///< matrixBytes / bytes of the dense matrix in the same precision
     };
-    /// What build() and a solve() with `columns` right-hand sides need together, from samples that are computed now (a few % of the whole).
+    /// What build() and a solve() with `columns` right-hand sides to a residual of `goal` need together, from samples that are computed now (a few %
+    /// of the whole). Seconds are those of a machine that has nothing else to do.
     struct Estimate {
         double seconds = 0.0;
         std::size_t bytes = 0;
     };
-    static Result<Estimate> estimate(const BlockSource& source, const Options& options, std::int32_t columns, const Progress& progress);
+    static Result<Estimate> estimate(const BlockSource& source, const Options& options, std::int32_t columns, double goal, const Progress& progress);
 
     /// Errors: "cancelled", "no-memory", "bad-value" (an entry is not finite), "singular".
     static Result<HierarchicalLu> build(std::shared_ptr<const BlockSource> source, const Options& options, const Progress& progress);

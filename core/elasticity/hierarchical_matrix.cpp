@@ -552,10 +552,10 @@ bool HierarchicalMatrix::product(std::span<const Block> blocks, const float* x, 
     }
     std::vector<float> inner(at.back());
     parallelFor(threads, blocks.size(), 16, [&](std::size_t begin, std::size_t end) {
-        if (progress.cancelled()) return;
         for (std::size_t i = begin; i < end; ++i) {
             const Block& b = blocks[i];
             if (b.rank <= 0) continue;
+            if (progress.cancelled()) return;
             const std::int32_t from = 3 * (transposed ? b.rowBegin : b.columnBegin), to = 3 * (transposed ? b.rowEnd : b.columnEnd);
             cblas_sgemm(CblasColMajor, CblasTrans, CblasNoTrans, b.rank, columns, to - from, 1.0f, transposed ? b.u.get() : b.v.get(), to - from,
                         x + from, n, 0.0f, inner.data() + at[i], b.rank);
@@ -563,7 +563,6 @@ bool HierarchicalMatrix::product(std::span<const Block> blocks, const float* x, 
     });
     if (progress.cancelled()) return false;
     parallelFor(threads, chunks, 1, [&](std::size_t c, std::size_t) {
-        if (progress.cancelled()) return;
         const std::int32_t begin = static_cast<std::int32_t>(c) * kRowChunk, end = std::min(nodes, begin + kRowChunk);
         const std::int32_t rows = 3 * (end - begin);
         thread_local std::vector<float> part;
@@ -573,6 +572,7 @@ bool HierarchicalMatrix::product(std::span<const Block> blocks, const float* x, 
         for (const std::uint32_t i : ofChunk[c]) {
             const Block& b = blocks[i];
             if (b.rank == 0) continue;
+            if (progress.cancelled()) return;
             const std::int32_t blockBegin = transposed ? b.columnBegin : b.rowBegin, blockEnd = transposed ? b.columnEnd : b.rowEnd;
             const std::int32_t from = std::max(begin, blockBegin), to = std::min(end, blockEnd);
             const std::int32_t count = 3 * (to - from), offset = 3 * (from - blockBegin), height = 3 * (blockEnd - blockBegin);

@@ -86,7 +86,7 @@ int main(int argc, char** argv) {
     std::printf("%s, %d vertices, nu %g, tolerance %g, %d threads\n", shape.c_str(), source->nodes(), nu, options.tolerance, options.threads);
     std::printf("right-hand sides         %.2f s\n", seconds(start));
     start = Clock::now();
-    const auto estimate = HierarchicalLu::estimate(*source, options, static_cast<std::int32_t>(x.cols()), {});
+    const auto estimate = HierarchicalLu::estimate(*source, options, static_cast<std::int32_t>(x.cols()), goal, {});
     if (!estimate) return std::puts(estimate.error().message.c_str()), 1;
     const double estimating = seconds(start), before = peakMegabytes();
     start = Clock::now();

@@ -297,7 +297,7 @@ TEST_CASE("hierarchical solution: what does not fit into the memory allowed is r
 
 TEST_CASE("hierarchical solution: the estimate of memory comes before and is right within a factor of 1.5") {
     for (const auto& source : {sourceOf(cube(13), 0.45), sourceOf(plate(22), 0.45)}) {
-        const auto estimate = HierarchicalLu::estimate(*source, {.threads = 2}, 2, {});
+        const auto estimate = HierarchicalLu::estimate(*source, {.threads = 2}, 2, 1e-4, {});
         REQUIRE(estimate);
         CHECK(estimate->seconds > 0.0);
         auto lu = HierarchicalLu::build(source, {.threads = 2}, {});
