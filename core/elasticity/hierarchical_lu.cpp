@@ -571,8 +571,9 @@ Result<HierarchicalLu::Estimate> HierarchicalLu::estimate(const BlockSource& sou
         factorising += 2.0 * entries / depthOf(nodes) * 2.0 * k + 8.0 * n * k * k;
         for (int below = d + 1; below < depthOf(nodes); ++below) factorising += 4.0 * n * k * rankLimit(nodes / std::exp2(below));
     }
-    // Usual bodies: the first answer misses by several times the tolerance, a second one by nearly the square of that.
-    const double corrections = goal >= 8.0 * options.tolerance ? 1.0 : 2.0, steps = 6.0 + 4.0 * corrections;
+    // Compact bodies: the first answer misses by several times the tolerance, a second one by nearly the square of that, in about ten steps. Thin
+    // ones take a correction and some fifty steps more. Between both:
+    const double corrections = goal >= 8.0 * options.tolerance ? 1.5 : 2.5, steps = 40.0;
     constexpr double kSlower = 2.0;  // narrow products reach about half of the rate
     const double solving = steps * g * 2.0 * (entries + static_cast<double>(factorBytes(nodes)) / sizeof(float)) +
                            corrections * g * 2.0 * 2.0 * n * n;  // in double precision
