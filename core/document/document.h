@@ -15,6 +15,7 @@
 #include "core/joints/joint_face.h"
 #include "core/mesh/health.h"
 #include "core/mesh/mesh.h"
+#include "core/reduction/solver_mesh_setting.h"
 #include "core/skeleton/skeleton.h"
 
 namespace imomushi {
@@ -35,7 +36,7 @@ struct Element {
     bool visible = true;
     bool locked = false;     ///< not picked or changed in the viewport
     /// Where the boundary problem is solved: "default" (the project chooses) or "as-is" (on the body itself).
-    std::string solverMesh = "default";
+    SolverMeshSetting solverMesh;
     /// Who turns the joint planes of this element: Auto = the element itself where it has a single face, the bisector otherwise.
     enum class JointPlanes { Auto, Bisector, Element } jointPlanes = JointPlanes::Auto;
     std::vector<MeshIssue> issues;  ///< as found on import

@@ -83,10 +83,9 @@ Result<void> setElement(Element& element, const std::string& property, const Jso
     if (property == "solver-mesh") {
         const auto given = word(value, property);
         if (!given) return tl::unexpected(given.error());
-        if (given->starts_with("refined:") || given->starts_with("decimated:"))
-            return fail("not-available", "The solver mesh \"" + *given + "\" is not available in this version: choose \"default\" or \"as-is\".");
-        if (*given != "default" && *given != "as-is") return fail("bad-value", "\"solver-mesh\" must be \"default\" or \"as-is\".");
-        element.solverMesh = *given;
+        const auto setting = parseSolverMesh(*given);
+        if (!setting) return tl::unexpected(setting.error());
+        element.solverMesh = *setting;
         return {};
     }
     return noSuchProperty("An element", property, "nu, stiffness, density, solver-mesh, joint-planes, color, visible and locked");
@@ -212,7 +211,7 @@ Result<Json> rename(Session& session, const Json& arguments, const Progress&) {
 void addPropertyCommands(CommandRegistry& registry) {
     using Type = CommandKey::Type;
     registry.add({"set",
-                  "Sets a property. Element: nu (0 to 0.5), stiffness (relative, 1e-6 to 1e6), density (kg/m^3), solver-mesh (\"default\", \"as-is\"), "
+                  "Sets a property. Element: nu (0 to 0.5), stiffness (relative, 1e-6 to 1e6), density (kg/m^3), solver-mesh (\"default\", \"best\", \"as-is\", \"refined:N\", \"decimated:N\"; N vertices), "
                   "joint-planes (\"auto\", \"bisector\", \"element\": who turns the planes of its joints), color (\"#rrggbb\"), visible, locked. "
                   "Bone: min-stretch (0.01 to 1), max-stretch (1 to 100, of the rest length), roll (radians at rest). "
                   "Character: basis (\"paper\", \"affine\"), format (\"float\"), threads (0: all).",

@@ -109,6 +109,7 @@ ResponseInput Session::State::inputOf(PartId element) const {
     input.faces = e.faces;
     input.nu = e.nu;
     input.basis = document.settings.basis;
+    input.solverMesh = e.solverMesh;
     input.threads = document.settings.threads > 0 ? document.settings.threads : hardwareThreads();
     return input;
 }

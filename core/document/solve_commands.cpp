@@ -96,6 +96,13 @@ Result<Json> precompute(Session& session, const Json& arguments, const Progress&
             line["rcond"] = response->quality.solve.rcond;
             line["asymmetry"] = response->quality.asymmetry;
             line["negative_energy"] = response->quality.negativeEnergy;
+            line["solver_vertices"] = response->quality.solverVertices;
+            line["solver_nodes"] = response->quality.solverNodes;
+            if (response->quality.error >= 0.0) line["error"] = response->quality.error;
+            if (response->quality.decimated) {
+                line["mapping_error"] = response->quality.mappingError;
+                line["shape_error"] = response->quality.shapeError;
+            }
             line["cached"] = cached;
         }
         list.push_back(std::move(line));

@@ -40,7 +40,8 @@ CREATE TABLE held (bone INTEGER, at_end INTEGER, pinned INTEGER, target BLOB, ro
     elapsed REAL, PRIMARY KEY (bone, at_end));
 CREATE TABLE pose (points BLOB, frames BLOB, rolls BLOB);
 CREATE TABLE responses (id INTEGER PRIMARY KEY, key BLOB, shape BLOB, free_vertices BLOB, bases BLOB, response BLOB, stiffness BLOB,
-    residual REAL, rcond REAL, peak_bytes INTEGER, asymmetry REAL, negative_energy REAL);
+    residual REAL, rcond REAL, peak_bytes INTEGER, asymmetry REAL, negative_energy REAL, solver_vertices INTEGER, solver_nodes INTEGER,
+    decimated INTEGER, error REAL, mapping_error REAL, shape_error REAL);
 CREATE TABLE element_responses (element INTEGER PRIMARY KEY, response INTEGER);
 )";
 
@@ -108,7 +109,7 @@ void writeMeshes(Database& db, const Document& document, std::map<const ElementM
 void writeElements(Database& db, const Document& document, const std::map<const ElementMesh*, int>& meshIds) {
     RowWriter elements(db, "INSERT INTO elements VALUES (?,?,?,?,?,?,?,?,?,?,?)");
     for (const auto& [id, e] : document.elements)
-        elements.row(id, e->name, meshIds.at(e->mesh.get()), e->nu, e->stiffness, e->density, e->color, e->visible, e->locked, e->solverMesh,
+        elements.row(id, e->name, meshIds.at(e->mesh.get()), e->nu, e->stiffness, e->density, e->color, e->visible, e->locked, solverMeshName(e->solverMesh),
                      static_cast<int>(e->jointPlanes));
     RowWriter issues(db, "INSERT INTO issues VALUES (?,?,?,?,?,?,?,?,?)");
     for (const auto& [id, e] : document.elements)
@@ -163,7 +164,7 @@ void writeSkeleton(Database& db, const Document& document) {
 void writeResponses(Database& db, const Project& project) {
     // Times are left out: the same work gives the same file.
     std::map<ContentKey, int> ids;
-    RowWriter responses(db, "INSERT INTO responses VALUES (?,?,?,?,?,?,?,?,?,?,?,?)");
+    RowWriter responses(db, "INSERT INTO responses VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
     for (const auto& [element, r] : project.responses) {
         const int id = static_cast<int>(ids.size()) + 1;
         if (!ids.emplace(r.key, id).second) continue;
@@ -171,7 +172,8 @@ void writeResponses(Database& db, const Project& project) {
         std::vector<std::int32_t> bases;
         for (const FaceBasis& basis : a.bases) bases.insert(bases.end(), {static_cast<std::int32_t>(basis.kind), basis.flat ? 1 : 0});
         responses.row(id, std::vector{r.key.high, r.key.low}, std::vector{r.shape.high, r.shape.low}, a.freeVertices, bases, a.response, a.stiffness,
-                      a.quality.solve.residual, a.quality.solve.rcond, a.quality.solve.peakBytes, a.quality.asymmetry, a.quality.negativeEnergy);
+                      a.quality.solve.residual, a.quality.solve.rcond, a.quality.solve.peakBytes, a.quality.asymmetry, a.quality.negativeEnergy,
+                      a.quality.solverVertices, a.quality.solverNodes, a.quality.decimated, a.quality.error, a.quality.mappingError, a.quality.shapeError);
     }
     RowWriter uses(db, "INSERT INTO element_responses VALUES (?,?)");
     for (const auto& [element, r] : project.responses) uses.row(element, ids.at(r.key));
@@ -293,8 +295,9 @@ void readElements(Database& db, Document& document) {
         e.color = Eigen::Vector3f(color[0], color[1], color[2]);
         e.visible = elements.boolean();
         e.locked = elements.boolean();
-        e.solverMesh = elements.text();
-        require(e.solverMesh == "default" || e.solverMesh == "as-is", "a solver mesh is unknown");
+        const auto solverMesh = parseSolverMesh(elements.text());
+        require(solverMesh.has_value(), "a solver mesh is unknown");
+        e.solverMesh = *solverMesh;
         e.jointPlanes = static_cast<Element::JointPlanes>(elements.integer(0, 2));
         read.emplace(e.id, std::move(e));
     }
@@ -473,6 +476,12 @@ void readResponses(Database& db, Project& project) {
         a->quality.solve.peakBytes = static_cast<std::size_t>(rows.integer(0, std::numeric_limits<std::int64_t>::max()));
         a->quality.asymmetry = rows.real();
         a->quality.negativeEnergy = rows.real();
+        a->quality.solverVertices = static_cast<int>(rows.integer(0, std::numeric_limits<int>::max()));
+        a->quality.solverNodes = static_cast<int>(rows.integer(0, std::numeric_limits<int>::max()));
+        a->quality.decimated = rows.boolean();
+        a->quality.error = rows.real();
+        a->quality.mappingError = rows.real();
+        a->quality.shapeError = rows.real();
         r.response = std::move(a);
         read.emplace(responseId, std::move(r));
     }
@@ -485,7 +494,7 @@ void readResponses(Database& db, Project& project) {
     }
 }
 
-Project readProject(Database& db) {
+Project readProject(Database& db, std::int64_t version) {
     Project project;
     Document& document = project.document;
     RowReader settings(db, "SELECT * FROM settings");
@@ -499,7 +508,7 @@ Project readProject(Database& db) {
     document.nextId = id(settings);
     readElements(db, document);
     readSkeleton(db, document);
-    readResponses(db, project);
+    if (version == kProjectVersion) readResponses(db, project);  // those of version 1 are of an older solver
     std::set<PartId> ids;
     const auto unique = [&](PartId part) { require(part < document.nextId && ids.insert(part).second, "an id is used twice"); };
     for (const auto& [part, element] : document.elements) unique(part);
@@ -565,10 +574,10 @@ Result<Project> openProject(const std::filesystem::path& path) {
         if (version > kProjectVersion)
             return fail("newer-version", name + " was written by a newer version of Imomushi (format " + std::to_string(version) + ", this program knows " +
                                              std::to_string(kProjectVersion) + "): update the program.");
-        require(version == kProjectVersion, "its version is unknown");
+        require(version == 1 || version == kProjectVersion, "its version is unknown");
         RowReader info(db, "SELECT value FROM info WHERE name='digest'");
         require(info.next() && info.text() == db.digest(kProjectTables), "its content does not match its digest");
-        return readProject(db);
+        return readProject(db, version);
     } catch (const DatabaseError& reason) {
         return fail("damaged", name + " is damaged (" + reason.what() + "): open an earlier version of it.");
     }

@@ -92,13 +92,16 @@ BoundaryEquation::BoundaryEquation(const TriangleMesh& mesh, std::span<const Hel
     for (int e = 0; e < edges.size(); ++e)
         if (bubbleOf[static_cast<std::size_t>(e)] >= 0) freeTerm_[static_cast<std::size_t>(bubbleOf[static_cast<std::size_t>(e)])] = innerAngle(mesh_, edges.uses(e));
 
-    // Traction columns times 2 mu / h, h the size of a vertex's share of the patch: entries of order one like those of H.
+    // Traction columns are scaled to the size of H: by what a vertex's traction does to the vertex itself, however thin the triangles around.
     columnScale_.assign(static_cast<std::size_t>(heldCount_), 0.0);
     const std::int32_t firstHeld = freeCount_ + bubbleCount_;
-    for (std::size_t f = 0; f < triangleCount; ++f)
-        for (std::size_t c = 0; c < 3 && inPatch_[f]; ++c)
-            columnScale_[static_cast<std::size_t>(cornerNode_[f][c] - firstHeld)] += areaVector(mesh_, static_cast<std::int32_t>(f)).norm() / 6.0;
-    for (double& scale : columnScale_) scale = 2.0 / std::sqrt(scale);
+    for (std::size_t f = 0; f < triangleCount; ++f) {
+        if (!inPatch_[f]) continue;
+        std::array<Vec3, 3> p;
+        for (std::size_t c = 0; c < 3; ++c) p[c] = points_.row(cornerNode_[f][c]).transpose();
+        for (std::size_t c = 0; c < 3; ++c) columnScale_[static_cast<std::size_t>(cornerNode_[f][c] - firstHeld)] += pairBlocks(p[c], p, nu).g[c].trace() / 3.0;
+    }
+    for (double& scale : columnScale_) scale = 0.5 / scale;
 
     std::vector<std::int32_t> every(static_cast<std::size_t>(nodes()));
     for (std::int32_t i = 0; i < nodes(); ++i) every[static_cast<std::size_t>(i)] = i;

@@ -37,6 +37,9 @@ public:
     [[nodiscard]] const std::vector<std::int32_t>& freeVertices() const { return freeVertices_; }  ///< ascending
     /// The vertex nearest to a node, to name it to a user.
     [[nodiscard]] std::int32_t vertexOf(std::int32_t node) const;
+    /// The part of the full solid angle that the body fills as seen from a node, by the triangles around it alone. row() returns the same by all
+    /// triangles unless the surface overlaps itself or touches itself there.
+    [[nodiscard]] double innerShare(std::int32_t node) const { return freeTerm_[static_cast<std::size_t>(node)]; }
     /// Traction, for the body in its own unit of length, per unknown of the j-th held vertex.
     [[nodiscard]] double tractionScale(std::int32_t j) const { return columnScale_[static_cast<std::size_t>(j)] / size_; }
 

@@ -236,16 +236,23 @@ Result<double> BoundaryProblem::State::assemble(const Progress& progress) {
     });
     if (progress.cancelled()) return fail(kCancelled, "The precompute was cancelled.");
 
-    for (std::size_t p = 0; p < solidAngle.size(); ++p)
+    for (std::size_t p = 0; p < solidAngle.size(); ++p) {
+        const std::string vertex = std::to_string(equation->vertexOf(static_cast<std::int32_t>(p)));
         if (!(solidAngle[p] > -kSolidAngleTolerance && solidAngle[p] < 1.0 + kSolidAngleTolerance))
-            return fail("not-closed", "The surface is turned inside out or overlaps itself at vertex " + std::to_string(equation->vertexOf(static_cast<std::int32_t>(p))) +
-                                          " (solid angle " + std::to_string(solidAngle[p]) + " of a full sphere); repair the mesh.");
+            return fail("not-closed", "The surface is turned inside out or overlaps itself at vertex " + vertex + " (solid angle " +
+                                          std::to_string(solidAngle[p]) + " of a full sphere); repair the mesh.");
+        if (std::abs(solidAngle[p] - equation->innerShare(static_cast<std::int32_t>(p))) > kSolidAngleTolerance)
+            return fail("not-closed", "The surface touches itself at vertex " + vertex + "; move the parts a little apart, or weld them.");
+    }
     const double norm = *std::max_element(rowNorm.begin(), rowNorm.end());
     if (!std::isfinite(norm)) return fail("bad-value", "The mesh gives integrals that are not finite; repair its degenerate triangles.");
     return norm;
 }
 
-Result<BoundaryProblem> BoundaryProblem::build(const Input& input, const Progress& progress) {
+namespace {
+
+/// Which patch holds each vertex, -1: none. Errors as build()'s.
+Result<std::vector<int>> patchesOfVertices(const BoundaryProblem::Input& input) {
     if (!input.mesh) return fail("bad-value", "There is no mesh to solve on.");
     if (!std::isfinite(input.nu) || input.nu < 0.0 || input.nu > 0.5) return fail("bad-value", "The Poisson ratio must lie between 0 and 0.5.");
     const TriangleMesh& mesh = *input.mesh;
@@ -254,8 +261,6 @@ Result<BoundaryProblem> BoundaryProblem::build(const Input& input, const Progres
         if (degenerate(mesh, f))
             return fail("bad-value", "Triangle " + std::to_string(f) + " has no area; repair the mesh.");
 
-    auto state = std::make_unique<State>();
-    state->threads = std::max(1, input.threads);
     const auto vertexCount = static_cast<std::size_t>(mesh.vertices.rows());
     std::vector<int> patchOf(vertexCount, -1);
     if (input.held.empty()) return fail("no-face", "Nothing holds the body; give it a joint face.");
@@ -289,10 +294,26 @@ Result<BoundaryProblem> BoundaryProblem::build(const Input& input, const Progres
     }
     if (std::find(patchOf.begin(), patchOf.end(), -1) == patchOf.end())
         return fail("no-free-vertex", "Joint faces cover the whole surface; leave some of it free.");
+    return patchOf;
+}
+
+}  // namespace
+
+Result<void> BoundaryProblem::check(const Input& input) {
+    if (auto patches = patchesOfVertices(input); !patches) return tl::make_unexpected(patches.error());
+    return {};
+}
+
+Result<BoundaryProblem> BoundaryProblem::build(const Input& input, const Progress& progress) {
+    const auto patchOf = patchesOfVertices(input);
+    if (!patchOf) return tl::make_unexpected(patchOf.error());
+    const TriangleMesh& mesh = *input.mesh;
+    auto state = std::make_unique<State>();
+    state->threads = std::max(1, input.threads);
     state->equation = std::make_unique<const BoundaryEquation>(mesh, input.held, input.bubbles, input.nu);
     const auto held = static_cast<std::size_t>(state->equation->heldCount());
     const std::size_t bytes = matrixBytes(static_cast<std::size_t>(state->equation->nodes()) - held, held);
-    const std::string noMemory = "Solving " + std::to_string(vertexCount) + " vertices needs " + gigabytes(bytes) +
+    const std::string noMemory = "Solving " + std::to_string(mesh.vertices.rows()) + " vertices needs " + gigabytes(bytes) +
                                  " of memory, more than there is; use a coarser mesh or close other programs.";
     if (bytes > availableMemory()) return fail("no-memory", noMemory);
     const std::int32_t n = state->unknowns();
@@ -314,7 +335,7 @@ Result<BoundaryProblem> BoundaryProblem::build(const Input& input, const Progres
         auto assembled = state->assemble(progress.part(0.0, split));
         if (!assembled) return tl::make_unexpected(assembled.error());
         norm = *assembled;
-        if (floats(mesh, patchOf)) return fail("singular", kNoUniqueAnswer);
+        if (floats(mesh, *patchOf)) return fail("singular", kNoUniqueAnswer);
         state->quality.assembleSeconds = secondsSince(start);
         start = Clock::now();
         const Progress factorising = progress.part(split, 1.0);
@@ -376,6 +397,7 @@ Result<BoundaryProblem::Solution> BoundaryProblem::solve(const Eigen::MatrixXd& 
                                   "coinciding surfaces, or remesh it more evenly.");
     Solution solution;
     solution.displacement = x.topRows(3 * s.equation->freeCount());
+    solution.bubbles = x.middleRows(3 * s.equation->freeCount(), 3 * s.equation->bubbleCount());
     solution.traction = x.bottomRows(known);
     for (std::int32_t v = 0; v < s.equation->heldCount(); ++v) solution.traction.middleRows(3 * v, 3) *= s.equation->tractionScale(v);
     return solution;

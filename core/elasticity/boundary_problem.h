@@ -37,6 +37,8 @@ public:
     /// Errors: "cancelled", "bad-value", "no-memory", "no-face", "shared-rim" (two patches share a vertex), "no-free-vertex",
     /// "singular", "not-closed" (the solid-angle sums say that the surface is open, inverted or self-overlapping).
     static Result<BoundaryProblem> build(const Input& input, const Progress& progress);
+    /// The part of build()'s checks that costs nothing: whether mesh, patches and numbers are what they must be.
+    static Result<void> check(const Input& input);
 
     /// Bytes and seconds that build() will need, before it runs.
     struct Estimate {
@@ -55,6 +57,7 @@ public:
     /// Errors: "cancelled", "bad-value", "inaccurate" (the residual stayed above 1e-6).
     struct Solution {
         Eigen::MatrixXd displacement;
+        Eigen::MatrixXd bubbles;  ///< 3 * #bubbles x k: how far the middle of each edge leaves the straight line between its ends
         Eigen::MatrixXd traction;
     };
     Result<Solution> solve(const Eigen::MatrixXd& held, const Progress& progress);

@@ -12,6 +12,7 @@
 #include "core/joints/face_basis.h"
 #include "core/joints/joint_face.h"
 #include "core/mesh/mesh.h"
+#include "core/reduction/solver_mesh_setting.h"
 
 namespace imomushi {
 
@@ -21,6 +22,12 @@ struct ResponseQuality {
     double asymmetry = 0.0;       ///< |K - K^T| / |K + K^T| (Frobenius) of the raw joint stiffness
     double negativeEnergy = 0.0;  ///< most negative eigenvalue of K over the largest, before it was set to zero
     double seconds = 0.0;         ///< wall time of the whole precompute
+    int solverVertices = 0, solverNodes = 0;  ///< of the solver mesh; nodes: vertices and bubbles, three unknowns each
+    /// Estimated error of the response, relative to the motion of the body, root mean square over the joint modes: what the discretisation
+    /// leaves, by the difference from a coarser level; and what mapping from a decimated body adds. Negative: not known.
+    double error = -1.0, mappingError = 0.0;
+    bool decimated = false;       ///< solved on a decimated body
+    double shapeError = 0.0;      ///< of the decimated body: see DisplayMapping::Distance::shape
 };
 
 /// The precomputed answer of one element: displacement of its free vertices X = A' v for the joint parameters v of all its faces
@@ -44,13 +51,14 @@ struct ResponseInput {
     std::vector<JointFace> faces;
     double nu = 0.45;
     BasisKind basis = BasisKind::Affine;
+    SolverMeshSetting solverMesh;
     int threads = 1;  ///< not part of the key: it changes no byte of the answer
 };
 
-/// The content key of the answer: mesh, faces, nu, basis and the version of the solver.
+/// The content key of the answer: mesh, faces, nu, basis, solver mesh and the version of the solver.
 ContentKey responseKey(const ResponseInput& input);
 
-/// Errors: those of BoundaryProblem::build and solve.
+/// Errors: those of BoundaryProblem::build and solve, and of solvedBody().
 Result<ElementResponse> buildResponse(const ResponseInput& input, const Progress& progress);
 
 /// Seconds and bytes of buildResponse() on this machine, and the milliseconds per frame of its product.

@@ -15,15 +15,12 @@
 #include <unordered_map>
 
 #include "core/mesh/topology.h"
+#include "core/reduction/mesh_pieces.h"
 #include "core/reduction/solver_mesh_setting.h"
 #include "core/reduction/triangle_tree.h"
 
 namespace imomushi {
 namespace {
-
-/// An edge may exceed the wanted size by this factor: the longest edge of a well-shaped triangle is about that much longer than its mean,
-/// and a bisected one then lies as far below the wanted size as it was above.
-constexpr double kSlack = 1.4;
 
 using Corner = std::array<std::int32_t, 3>;
 
@@ -59,12 +56,6 @@ public:
         return std::max({edge(c[0], c[1]), edge(c[1], c[2]), edge(c[2], c[0])});
     }
 
-    /// Bisects triangle t (whose index then names one of its halves), and first those neighbours whose longest edge is longer.
-    void bisect(std::int32_t t) {
-        const Edge wanted = longest(t);
-        while (neighbours_.contains(key(wanted.low, wanted.high))) splitTowards(t);
-    }
-
     /// The first of the splits that bisecting triangle t takes. Adds one vertex.
     void splitTowards(std::int32_t t) {
         Edge e = longest(t);
@@ -87,19 +78,10 @@ public:
         out.mesh.vertices.resize(static_cast<Eigen::Index>(points_.size()), 3);
         for (std::size_t v = 0; v < points_.size(); ++v) out.mesh.vertices.row(static_cast<Eigen::Index>(v)) = points_[v].transpose();
         out.mesh.triangles.resize(static_cast<Eigen::Index>(corners_.size()), 3);
-        out.faces.resize(faces);
-        out.midpointOf = midpointOf_;
-        for (std::size_t t = 0; t < corners_.size(); ++t) {
+        out.origin = origin_;
+        for (std::size_t t = 0; t < corners_.size(); ++t)
             for (int c = 0; c < 3; ++c) out.mesh.triangles(static_cast<Eigen::Index>(t), c) = corners_[t][static_cast<std::size_t>(c)];
-            if (labels_[t] < 0) continue;
-            auto& patch = out.faces[static_cast<std::size_t>(labels_[t])];
-            patch.triangles.push_back(static_cast<std::int32_t>(t));
-            patch.vertices.insert(patch.vertices.end(), corners_[t].begin(), corners_[t].end());
-        }
-        for (auto& patch : out.faces) {
-            std::sort(patch.vertices.begin(), patch.vertices.end());
-            patch.vertices.erase(std::unique(patch.vertices.begin(), patch.vertices.end()), patch.vertices.end());
-        }
+        out.faces = patchesOf(out.mesh.triangles, labels_, faces);
         return out;
     }
 
@@ -127,7 +109,7 @@ private:
     void split(const Edge& e) {
         const auto middle = static_cast<std::int32_t>(points_.size());
         points_.push_back(0.5 * (point(e.low) + point(e.high)));
-        midpointOf_.push_back({e.low, e.high});
+        origin_.push_back({{e.low, e.high, e.low}, {0.5, 0.5, 0.0}});
         changed_.clear();
         const auto pair = neighbours_.at(key(e.low, e.high));
         neighbours_.erase(key(e.low, e.high));
@@ -154,47 +136,9 @@ private:
     std::vector<Vec3> points_;
     std::vector<Corner> corners_;
     std::vector<std::int32_t> labels_;  ///< joint face of each triangle, -1: free
-    std::vector<std::array<std::int32_t, 2>> midpointOf_;
+    std::vector<SolverMesh::Origin> origin_;
     std::vector<std::int32_t> changed_;
     std::unordered_map<std::uint64_t, std::array<std::int32_t, 2>> neighbours_;
-};
-
-/// The rim edges of all faces: where a face meets the free surface.
-struct Rim {
-    struct Segment {
-        Vec3 from, along;
-        double length;
-    };
-    std::vector<Segment> segments;
-
-    Rim(const TriangleMesh& body, const std::vector<std::int32_t>& labels) {
-        std::unordered_map<std::uint64_t, std::pair<int, int>> sides;  // of each edge: face triangles, all triangles
-        for (Eigen::Index t = 0; t < body.triangles.rows(); ++t)
-            for (int c = 0; c < 3; ++c) {
-                auto& [held, all] = sides[key(body.triangles(t, c), body.triangles(t, (c + 1) % 3))];
-                held += labels[static_cast<std::size_t>(t)] >= 0 ? 1 : 0;
-                ++all;
-            }
-        for (Eigen::Index t = 0; t < body.triangles.rows(); ++t)
-            for (int c = 0; c < 3 && labels[static_cast<std::size_t>(t)] >= 0; ++c) {
-                const std::int32_t a = body.triangles(t, c), b = body.triangles(t, (c + 1) % 3);
-                const auto [held, all] = sides.at(key(a, b));
-                if (held == all) continue;
-                const Vec3 from = body.vertices.row(a), to = body.vertices.row(b);
-                segments.push_back({from, to - from, (to - from).norm()});
-            }
-    }
-
-    /// Distance of p from the nearest rim edge, and the length of that edge.
-    [[nodiscard]] std::pair<double, double> nearest(const Vec3& p) const {
-        double best = std::numeric_limits<double>::infinity(), length = 0.0;
-        for (const auto& s : segments) {
-            const double along = s.length > 0.0 ? std::clamp((p - s.from).dot(s.along) / (s.length * s.length), 0.0, 1.0) : 0.0;
-            const double d = (p - s.from - along * s.along).squaredNorm();
-            if (d < best) best = d, length = s.length;
-        }
-        return {std::sqrt(best), length};
-    }
 };
 
 std::vector<std::int32_t> labelsOf(const TriangleMesh& body, std::span<const JointFace> faces) {
@@ -207,7 +151,7 @@ std::vector<std::int32_t> labelsOf(const TriangleMesh& body, std::span<const Joi
 /// Surfaces that meet at less than this from flat are one smooth surface drawn with triangles: refining at their edges would refine everywhere.
 constexpr double kSharp = std::numbers::pi / 6.0;
 
-/// Away from a singular edge the wanted size may be this times the distance from it (that of RimRefinement).
+/// Away from a singular edge the wanted size may be this times the distance from it.
 constexpr double kGrading = 0.6;
 
 /// The edges at which displacement is singular: rims of faces, and free edges that are sharp and re-entrant. As triangles without area.
@@ -236,27 +180,46 @@ TriangleMesh singularEdges(const TriangleMesh& body, const std::vector<std::int3
 
 }  // namespace
 
-SolverMesh solverMesh(const TriangleMesh& body, std::span<const JointFace> faces, const RimRefinement& refinement) {
-    assert(refinement.levels >= 0 && refinement.levels <= 8 && refinement.grading > 0.0);
-    std::vector<std::int32_t> labels = labelsOf(body, faces);
-    const Rim rim(body, labels);
-    Bisection mesh(body, std::move(labels));
-    if (refinement.levels == 0 || rim.segments.empty()) return mesh.result(faces.size());
+std::vector<SolverMesh::Patch> patchesOf(const Triangles& triangles, std::span<const std::int32_t> face, std::size_t count) {
+    std::vector<SolverMesh::Patch> out(count);
+    for (std::int32_t t = 0; t < triangles.rows(); ++t) {
+        if (face[static_cast<std::size_t>(t)] < 0) continue;
+        auto& patch = out[static_cast<std::size_t>(face[static_cast<std::size_t>(t)])];
+        patch.triangles.push_back(t);
+        for (int c = 0; c < 3; ++c) patch.vertices.push_back(triangles(t, c));
+    }
+    for (auto& patch : out) {
+        std::sort(patch.vertices.begin(), patch.vertices.end());
+        patch.vertices.erase(std::unique(patch.vertices.begin(), patch.vertices.end()), patch.vertices.end());
+    }
+    return out;
+}
 
-    const double finest = std::ldexp(1.0, -refinement.levels);
-    const auto tooLong = [&](std::int32_t t) {
-        // The nearest corner decides, so that all triangles that touch a rim get its finest size.
-        double wanted = std::numeric_limits<double>::infinity();
-        for (const std::int32_t v : mesh.corner(t)) {
-            const auto [distance, rimEdge] = rim.nearest(mesh.point(v));
-            wanted = std::min(wanted, std::max(finest * rimEdge, refinement.grading * distance));
-        }
-        return mesh.longest(t).squaredLength > kSlack * kSlack * wanted * wanted;
-    };
-    // Triangles are only ever appended or halved in place, so one pass that stays at a triangle until it fits visits all.
-    for (std::int32_t t = 0; t < mesh.triangles(); ++t)
-        while (tooLong(t)) mesh.bisect(t);
-    return mesh.result(faces.size());
+SolverMesh plainSolverMesh(const TriangleMesh& body, std::span<const JointFace> faces) {
+    return {body, patchesOf(body.triangles, labelsOf(body, faces), faces.size()), {}, {}};
+}
+
+SolverMesh halvedAtBubbles(const SolverMesh& mesh) {
+    MeshPieces pieces(mesh);
+    std::vector<std::array<std::int32_t, 3>> corners;
+    std::vector<std::int32_t> face;
+    corners.swap(pieces.corners);
+    face.swap(pieces.face);
+    const EdgeTable edges(mesh.mesh.triangles);
+    std::vector<std::int32_t> middle(static_cast<std::size_t>(edges.size()), -1);
+    std::size_t next = 0;  // both lists ascend
+    for (int e = 0; e < edges.size() && next < mesh.bubbles.size(); ++e) {
+        const EdgeUse& use = edges.uses(e)[0];
+        if (mesh.bubbles[next] != std::array<std::int32_t, 2>{use.low, use.high}) continue;
+        middle[static_cast<std::size_t>(e)] = pieces.add({use.low, use.high, use.low}, {0.5, 0.5, 0.0});
+        ++next;
+    }
+    for (std::size_t t = 0; t < corners.size(); ++t) {
+        std::array<std::int32_t, 3> m{};
+        for (std::size_t c = 0; c < 3; ++c) m[c] = middle[static_cast<std::size_t>(edges.edgeOf(static_cast<std::int32_t>(t), static_cast<int>(c)))];
+        pieces.halved(corners[t], m, face[t]);
+    }
+    return pieces.joined(mesh.faces.size());
 }
 
 Result<SolverMesh> refinedSolverMesh(const TriangleMesh& body, std::span<const JointFace> faces, int vertices) {

@@ -11,14 +11,8 @@
 
 namespace imomushi {
 
-/// How much finer than the body its solver mesh is. The solution is singular at the rims of joint faces, and that is where a coarse mesh loses
-/// its accuracy: refining there costs few vertices and no frame time, since responses are kept at the body's vertices only.
-struct RimRefinement {
-    int levels = 0;         ///< edges at a rim are 2^-levels of the rim's own edges, 0...8; 0: the body as it is
-    double grading = 0.6;   ///< away from a rim an edge may be as long as this times its distance from it, > 0
-};
-
-/// The mesh that is solved on: the same polyhedron as the body, with more vertices.
+/// The mesh that is solved on: the same polyhedron as the body, with more vertices. Responses are kept at the body's vertices only, so
+/// that refining costs no frame time.
 struct SolverMesh {
     TriangleMesh mesh;  ///< its first vertices are the body's, in their order
     struct Patch {
@@ -26,12 +20,23 @@ struct SolverMesh {
         std::vector<std::int32_t> triangles;  ///< ascending
     };
     std::vector<Patch> faces;  ///< one per joint face
-    std::vector<std::array<std::int32_t, 2>> midpointOf;  ///< of each vertex after the body's: the two vertices, both before it, that it is midway between
+    /// Where a vertex lies: between vertices before it, with these shares (they add up to 1; a share of 0 fills an entry that is not needed).
+    struct Origin {
+        std::array<std::int32_t, 3> of;
+        std::array<double, 3> share;
+    };
+    std::vector<Origin> origin;  ///< of each vertex after the body's
+    std::vector<std::array<std::int32_t, 2>> bubbles;  ///< edges along which the displacement is quadratic, ascending; see BoundaryEquation
 };
 
-/// Bisects triangles near the rims of the faces (longest edge first, so angles stay bounded away from zero) until their edges fit the
-/// wanted size. Deterministic. No vertex is moved; body and faces keep their shape exactly.
-SolverMesh solverMesh(const TriangleMesh& body, std::span<const JointFace> faces, const RimRefinement& refinement);
+/// The body itself, with linear displacement.
+SolverMesh plainSolverMesh(const TriangleMesh& body, std::span<const JointFace> faces);
+
+/// Vertices and triangles of each of `count` faces; `face`: that of each triangle, -1: none.
+std::vector<SolverMesh::Patch> patchesOf(const Triangles& triangles, std::span<const std::int32_t> face, std::size_t count);
+
+/// The same surface with a vertex in the middle of every edge that has a bubble, in their order after the others; without bubbles itself.
+SolverMesh halvedAtBubbles(const SolverMesh& mesh);
 
 /// Bisects the body, always where edges are longest relative to the wanted size, until it has exactly `vertices` vertices. The wanted size
 /// is the same everywhere but near rims of faces and near re-entrant edges, where the solution is singular: there it shrinks with the distance,

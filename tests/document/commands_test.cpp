@@ -172,7 +172,10 @@ TEST_CASE("set: every property is checked and what is not available is said") {
     CHECK(set("A", "joint-planes", "element") == "ok");
     CHECK(set("A", "joint-planes", "none") == "bad-value");
     CHECK(set("A", "solver-mesh", "as-is") == "ok");
-    CHECK(set("A", "solver-mesh", "refined:2") == "not-available");
+    CHECK(set("A", "solver-mesh", "refined:2000") == "ok");
+    CHECK(set("A", "solver-mesh", "decimated:200") == "ok");
+    CHECK(set("A", "solver-mesh", "refined:2") == "bad-value");
+    CHECK(set("A", "solver-mesh", "best") == "ok");
     CHECK(set("A", "solver-mesh", "odd") == "bad-value");
     CHECK(set("A", "mass", 1) == "no-such-property");
     CHECK(set("a", "min-stretch", 0.9) == "ok");
