@@ -93,7 +93,7 @@ Result<Json> precompute(Session& session, const Json& arguments, const Progress&
             line["seconds"] = seconds;
             line["bytes"] = response->bytes();
             line["residual"] = response->quality.solve.residual;
-            line["rcond"] = response->quality.solve.rcond;
+            if (response->quality.solve.rcond > 0.0) line["rcond"] = response->quality.solve.rcond;
             line["asymmetry"] = response->quality.asymmetry;
             line["negative_energy"] = response->quality.negativeEnergy;
             line["solver_vertices"] = response->quality.solverVertices;

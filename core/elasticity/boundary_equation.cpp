@@ -191,18 +191,19 @@ double BoundaryEquation::row(std::int32_t node, double* h, double* g) const {
     return freeTerm;
 }
 
-Eigen::MatrixXd BoundaryEquation::rightHandSides(const Eigen::MatrixXd& held, int threads) const {
+Eigen::MatrixXd BoundaryEquation::rightHandSides(const Eigen::MatrixXd& held, int threads, const Progress& progress) const {
     std::vector<std::int32_t> heldNodes(static_cast<std::size_t>(heldCount_));
     for (std::int32_t j = 0; j < heldCount_; ++j) heldNodes[static_cast<std::size_t>(j)] = freeCount_ + bubbleCount_ + j;
     const Gathered columns = gather(heldNodes, Wanted::Displacements);
     Eigen::MatrixXd out(3 * nodes(), held.cols());
     parallelFor(threads, static_cast<std::size_t>(nodes()), kRowGrain, [&](std::size_t begin, std::size_t end) {
-        std::vector<double> h, g(9 * static_cast<std::size_t>(heldCount_));
+        if (progress.cancelled()) return;
+        std::vector<double> h;
         Eigen::MatrixXd row(3, held.rows());
         for (auto node = static_cast<std::int32_t>(begin); node < static_cast<std::int32_t>(end); ++node) {
             h.assign(9 * (static_cast<std::size_t>(heldCount_) + 1), 0.0);
-            for (const TriangleBatch* batch : {&columns.plain, &columns.curved}) addBlocks(*batch, position(node), nu_, h.data(), nullptr);
-            addBlocks(columns.held, position(node), nu_, h.data(), g.data());
+            for (const TriangleBatch* batch : {&columns.plain, &columns.curved, &columns.held})
+                addBlocks(*batch, position(node), nu_, h.data(), nullptr);
             const auto addIfHeld = [&](std::int32_t at, double value) {
                 const std::ptrdiff_t j = at - freeCount_ - bubbleCount_;
                 for (std::ptrdiff_t k = 0; k < 3 && j >= 0; ++k) h[static_cast<std::size_t>(9 * j + 4 * k)] += value;
@@ -218,6 +219,14 @@ Eigen::MatrixXd BoundaryEquation::rightHandSides(const Eigen::MatrixXd& held, in
         }
     });
     return out;
+}
+
+double BoundaryEquation::shareBySurface(std::int32_t node) const {
+    thread_local std::vector<double> unread;
+    unread.assign(9 * (static_cast<std::size_t>(nodes()) + 1), 0.0);
+    double sumD = 0.0;
+    for (const TriangleBatch* batch : {&all_.plain, &all_.curved, &all_.held}) sumD += addBlocks(*batch, position(node), nu_, unread.data(), nullptr);
+    return -sumD / (4.0 * std::numbers::pi);
 }
 
 Box BoundaryEquation::support(std::int32_t node) const {

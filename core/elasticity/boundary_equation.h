@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/progress.h"
 #include "core/elasticity/hierarchical_matrix.h"
 #include "core/elasticity/kernels.h"
 #include "core/mesh/mesh.h"
@@ -47,8 +48,13 @@ public:
     /// held vertices for their displacement, and one more without meaning; g (9 heldCount()) those of A for the tractions. Returns the free term.
     double row(std::int32_t node, double* h, double* g) const;
 
-    /// -H_J u_J: 3 nodes() x k for the displacements of the held vertices, 3 heldCount() x k. The same bytes for any number of threads.
-    [[nodiscard]] Eigen::MatrixXd rightHandSides(const Eigen::MatrixXd& held, int threads) const;
+    /// The same part of the full solid angle as innerShare(), by all triangles.
+    [[nodiscard]] double shareBySurface(std::int32_t node) const;
+    [[nodiscard]] std::int32_t triangles() const { return static_cast<std::int32_t>(mesh_.triangles.rows()); }
+
+    /// -H_J u_J: 3 nodes() x k for the displacements of the held vertices, 3 heldCount() x k. The same bytes for any number of threads. Unfinished
+    /// when cancelled.
+    [[nodiscard]] Eigen::MatrixXd rightHandSides(const Eigen::MatrixXd& held, int threads, const Progress& progress) const;
 
     [[nodiscard]] Vec3 position(std::int32_t node) const override { return points_.row(node).transpose(); }
     [[nodiscard]] Box support(std::int32_t node) const override;

@@ -11,11 +11,13 @@
 #include <mutex>
 #include <new>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <thread>
 
 #include "core/base/parallel.h"
 #include "core/elasticity/dense_lu.h"
+#include "core/elasticity/hierarchical_lu.h"
 #include "core/elasticity/kernels.h"
 #include "core/mesh/topology.h"
 
@@ -39,6 +41,17 @@ constexpr int kMaxRefinements = 20;
 constexpr double kResidualLimit = 1e-6;
 /// Below this reciprocal condition number single precision cannot tell the matrix from a singular one.
 constexpr double kSingularRcond = 1e-9;
+constexpr const char* kInaccurate = "inaccurate";
+
+/// Up to this many nodes a dense matrix is faster than a hierarchical one.
+constexpr std::int32_t kDenseNodes = 5000;
+/// Residual of hierarchical solutions: far below what the discretisation leaves.
+constexpr double kHierarchicalGoal = 1e-5;
+/// From about this many nodes the whole surface is looked at to see whether it is closed.
+constexpr std::int32_t kSharesSeen = 1000;
+/// A hierarchical solution of kMeasuredNodes nodes and twelve columns, one thread (bench_large): the time in pairs of a point and a triangle, the
+/// memory in bytes; and how both grow with the nodes.
+constexpr double kMeasuredNodes = 7586.0, kMeasuredPairs = 3.5e8, kMeasuredBytes = 6.5e8, kTimeExponent = 1.66, kMemoryExponent = 1.18;
 
 /// Bytes that can still be had without swapping; the largest number where the system does not say.
 std::size_t availableMemory() {
@@ -185,17 +198,39 @@ MachineRates machineRates() {
 }  // namespace
 
 struct BoundaryProblem::State {
-    std::unique_ptr<const BoundaryEquation> equation;
+    std::shared_ptr<const BoundaryEquation> equation;
+    std::optional<HierarchicalLu> hierarchical;  ///< where the matrix is too large to be dense; the four below are empty then
     std::size_t ld = 0;
     LargeArray<double> matrix;   ///< A by rows, n x n, n = 3 nodes
     LargeArray<double> heldH;    ///< H_J by rows, n x 3 held
     DenseLu lu;                  ///< of A^T: A by rows is A^T by columns
     int threads = 1;
+    bool loose = false;          ///< nothing holds a part of the body; told after what is wrong with the surface itself
     SolveQuality quality;
 
     [[nodiscard]] std::int32_t unknowns() const { return 3 * equation->nodes(); }
+    [[nodiscard]] std::size_t denseBytes() const {
+        const auto held = static_cast<std::size_t>(equation->heldCount());
+        return matrixBytes(static_cast<std::size_t>(equation->nodes()) - held, held);
+    }
+    [[nodiscard]] Result<void> checkShare(std::int32_t node, double share) const;
     Result<double> assemble(const Progress& progress);
+    Result<void> buildDense(const Progress& progress);
+    Result<void> buildHierarchical(const Progress& progress);
+    Result<Eigen::MatrixXd> solveDense(const Eigen::MatrixXd& held, const Progress& progress);
+    Result<Eigen::MatrixXd> solveHierarchical(const Eigen::MatrixXd& held, const Progress& progress);
 };
+
+/// Compares the solid angle by the whole surface with that by the triangles around the node.
+Result<void> BoundaryProblem::State::checkShare(std::int32_t node, double share) const {
+    const std::string vertex = std::to_string(equation->vertexOf(node));
+    if (!(share > -kSolidAngleTolerance && share < 1.0 + kSolidAngleTolerance))
+        return fail("not-closed", "The surface is turned inside out or overlaps itself at vertex " + vertex + " (solid angle " + std::to_string(share) +
+                                      " of a full sphere); repair the mesh.");
+    if (std::abs(share - equation->innerShare(node)) > kSolidAngleTolerance)
+        return fail("not-closed", "The surface touches itself at vertex " + vertex + "; move the parts a little apart, or weld them.");
+    return {};
+}
 
 /// Fills matrix, heldH and lu; returns the 1-norm of A^T (largest sum of magnitudes in a row of A).
 Result<double> BoundaryProblem::State::assemble(const Progress& progress) {
@@ -236,14 +271,8 @@ Result<double> BoundaryProblem::State::assemble(const Progress& progress) {
     });
     if (progress.cancelled()) return fail(kCancelled, "The precompute was cancelled.");
 
-    for (std::size_t p = 0; p < solidAngle.size(); ++p) {
-        const std::string vertex = std::to_string(equation->vertexOf(static_cast<std::int32_t>(p)));
-        if (!(solidAngle[p] > -kSolidAngleTolerance && solidAngle[p] < 1.0 + kSolidAngleTolerance))
-            return fail("not-closed", "The surface is turned inside out or overlaps itself at vertex " + vertex + " (solid angle " +
-                                          std::to_string(solidAngle[p]) + " of a full sphere); repair the mesh.");
-        if (std::abs(solidAngle[p] - equation->innerShare(static_cast<std::int32_t>(p))) > kSolidAngleTolerance)
-            return fail("not-closed", "The surface touches itself at vertex " + vertex + "; move the parts a little apart, or weld them.");
-    }
+    for (std::size_t p = 0; p < solidAngle.size(); ++p)
+        if (auto ok = checkShare(static_cast<std::int32_t>(p), solidAngle[p]); !ok) return tl::make_unexpected(ok.error());
     const double norm = *std::max_element(rowNorm.begin(), rowNorm.end());
     if (!std::isfinite(norm)) return fail("bad-value", "The mesh gives integrals that are not finite; repair its degenerate triangles.");
     return norm;
@@ -310,58 +339,116 @@ Result<BoundaryProblem> BoundaryProblem::build(const Input& input, const Progres
     const TriangleMesh& mesh = *input.mesh;
     auto state = std::make_unique<State>();
     state->threads = std::max(1, input.threads);
-    state->equation = std::make_unique<const BoundaryEquation>(mesh, input.held, input.bubbles, input.nu);
-    const auto held = static_cast<std::size_t>(state->equation->heldCount());
-    const std::size_t bytes = matrixBytes(static_cast<std::size_t>(state->equation->nodes()) - held, held);
-    const std::string noMemory = "Solving " + std::to_string(mesh.vertices.rows()) + " vertices needs " + gigabytes(bytes) +
+    state->equation = std::make_shared<const BoundaryEquation>(mesh, input.held, input.bubbles, input.nu);
+    state->loose = floats(mesh, *patchOf);
+    const bool dense = state->equation->nodes() <= kDenseNodes && state->denseBytes() <= availableMemory();
+    if (auto ok = dense ? state->buildDense(progress) : state->buildHierarchical(progress); !ok) return tl::make_unexpected(ok.error());
+    return BoundaryProblem(std::move(state));
+}
+
+Result<void> BoundaryProblem::State::buildDense(const Progress& progress) {
+    const std::string noMemory = "Solving " + std::to_string(equation->nodes()) + " nodes needs " + gigabytes(denseBytes()) +
                                  " of memory, more than there is; use a coarser mesh or close other programs.";
-    if (bytes > availableMemory()) return fail("no-memory", noMemory);
-    const std::int32_t n = state->unknowns();
-    double norm = 0.0;
+    if (denseBytes() > availableMemory()) return fail("no-memory", noMemory);
+    const std::int32_t n = unknowns();
     try {
-        state->ld = static_cast<std::size_t>(n);
-        state->matrix = LargeArray<double>(static_cast<std::size_t>(n) * state->ld);
-        state->heldH = LargeArray<double>(static_cast<std::size_t>(n) * 3 * held);
-        state->lu = DenseLu(n);
-        state->quality.peakBytes = bytes;
+        ld = static_cast<std::size_t>(n);
+        matrix = LargeArray<double>(static_cast<std::size_t>(n) * ld);
+        heldH = LargeArray<double>(static_cast<std::size_t>(n) * 3 * static_cast<std::size_t>(equation->heldCount()));
+        lu = DenseLu(n);
+        quality.peakBytes = denseBytes();
 
         // Shares of the time as estimated beforehand.
-        const double pairs = static_cast<double>(state->equation->nodes()) * static_cast<double>(mesh.triangles.rows());
+        const double pairs = static_cast<double>(equation->nodes()) * equation->triangles();
         const MachineRates rates = machineRates();
         const double assembly = rates.secondsPerPair * kAssemblyOverhead * pairs;
         const double factorisation = 2.0 / 3.0 * std::pow(n, 3) / rates.flops * kFactorOverhead;
         const double split = assembly / (assembly + factorisation);
         auto start = Clock::now();
-        auto assembled = state->assemble(progress.part(0.0, split));
-        if (!assembled) return tl::make_unexpected(assembled.error());
-        norm = *assembled;
-        if (floats(mesh, *patchOf)) return fail("singular", kNoUniqueAnswer);
-        state->quality.assembleSeconds = secondsSince(start);
+        const auto norm = assemble(progress.part(0.0, split));
+        if (!norm) return tl::make_unexpected(norm.error());
+        if (loose) return fail("singular", kNoUniqueAnswer);
+        quality.assembleSeconds = secondsSince(start);
         start = Clock::now();
         const Progress factorising = progress.part(split, 1.0);
         const auto cancelled = [] { return fail(kCancelled, "The precompute was cancelled."); };
-        if (!state->lu.factorise(state->threads, factorising)) return cancelled();
-        if (!state->lu.reciprocalCondition(norm, state->threads, factorising, state->quality.rcond)) return cancelled();
-        state->quality.factoriseSeconds = secondsSince(start);
+        if (!lu.factorise(threads, factorising)) return cancelled();
+        if (!lu.reciprocalCondition(*norm, threads, factorising, quality.rcond)) return cancelled();
+        quality.factoriseSeconds = secondsSince(start);
     } catch (const std::bad_alloc&) {
         return fail("no-memory", noMemory);
     }
-    if (!(state->quality.rcond > kSingularRcond))
-        return fail("singular", kNoUniqueAnswer);
-    return BoundaryProblem(std::move(state));
+    if (!(quality.rcond > kSingularRcond)) return fail("singular", kNoUniqueAnswer);
+    return {};
+}
+
+Result<void> BoundaryProblem::State::buildHierarchical(const Progress& progress) {
+    // The whole surface is seen from some nodes only: from all it would take longer than the assembly.
+    const std::int32_t stride = std::max(1, equation->nodes() / kSharesSeen);
+    std::vector<std::int32_t> nodes;
+    for (std::int32_t node = 0; node < equation->nodes(); node += stride) nodes.push_back(node);
+    std::vector<double> share(nodes.size());
+    parallelFor(threads, nodes.size(), kRowGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end && !progress.cancelled(); ++i) share[i] = equation->shareBySurface(nodes[i]);
+    });
+    if (progress.cancelled()) return fail(kCancelled, "The precompute was cancelled.");
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+        if (auto ok = checkShare(nodes[i], share[i]); !ok) return ok;
+    if (loose) return fail("singular", kNoUniqueAnswer);
+    HierarchicalLu::Options options;
+    options.threads = threads;
+    options.memoryLimit = availableMemory();
+    auto built = HierarchicalLu::build(equation, options, progress);
+    if (!built) return tl::make_unexpected(built.error());
+    hierarchical.emplace(std::move(*built));
+    const HierarchicalLu::Quality& q = hierarchical->quality();
+    quality.hierarchical = true;
+    quality.assembleSeconds = q.assembleSeconds;
+    quality.factoriseSeconds = q.factoriseSeconds;
+    quality.peakBytes = q.matrixBytes + q.factorBytes;
+    return {};
 }
 
 Result<BoundaryProblem::Solution> BoundaryProblem::solve(const Eigen::MatrixXd& held, const Progress& progress) {
     State& s = *state_;
-    const std::int32_t n = s.unknowns(), known = 3 * s.equation->heldCount();
-    if (held.rows() != known) return fail("bad-value", "The displacements do not match the held vertices.");
+    if (held.rows() != 3 * s.equation->heldCount()) return fail("bad-value", "The displacements do not match the held vertices.");
     if (!finite(held)) return fail("bad-value", "A prescribed displacement is not finite.");
+    const auto start = Clock::now();
+    auto x = s.hierarchical ? s.solveHierarchical(held, progress) : s.solveDense(held, progress);
+    if (!x && x.error().code == kInaccurate && s.hierarchical && s.denseBytes() <= availableMemory()) {
+        // What a coarse preconditioner cannot solve, factors of the whole matrix may.
+        s.hierarchical.reset();
+        s.quality.hierarchical = false;
+        if (auto ok = s.buildDense(progress); !ok) return tl::make_unexpected(ok.error());
+        x = s.solveDense(held, progress);
+    }
+    s.quality.solveSeconds += secondsSince(start);
+    if (!x) return tl::make_unexpected(x.error());
+    Solution solution;
+    solution.displacement = x->topRows(3 * s.equation->freeCount());
+    solution.bubbles = x->middleRows(3 * s.equation->freeCount(), 3 * s.equation->bubbleCount());
+    solution.traction = x->bottomRows(3 * s.equation->heldCount());
+    for (std::int32_t v = 0; v < s.equation->heldCount(); ++v) solution.traction.middleRows(3 * v, 3) *= s.equation->tractionScale(v);
+    return solution;
+}
+
+Result<Eigen::MatrixXd> BoundaryProblem::State::solveHierarchical(const Eigen::MatrixXd& held, const Progress& progress) {
+    Eigen::MatrixXd x = equation->rightHandSides(held, threads, progress);
+    if (progress.cancelled()) return fail(kCancelled, "The precompute was cancelled.");
+    if (auto ok = hierarchical->solve(x, kHierarchicalGoal, progress); !ok) return tl::make_unexpected(ok.error());
+    const HierarchicalLu::Quality& q = hierarchical->quality();
+    quality.residual = std::max(quality.residual, q.residual);
+    quality.peakBytes = std::max(quality.peakBytes, q.matrixBytes + q.factorBytes + q.solveBytes);
+    return x;
+}
+
+Result<Eigen::MatrixXd> BoundaryProblem::State::solveDense(const Eigen::MatrixXd& held, const Progress& progress) {
+    const std::int32_t n = unknowns(), known = 3 * equation->heldCount();
     const auto k = static_cast<std::int32_t>(held.cols());
     const auto cancelled = [] { return fail(kCancelled, "The precompute was cancelled."); };
-    const auto start = Clock::now();
 
     Eigen::MatrixXd right(n, k), x = Eigen::MatrixXd::Zero(n, k);
-    if (!subtractProduct(s.heldH.data(), static_cast<std::size_t>(known), n, known, held.data(), k, right.data(), true, s.threads, progress))
+    if (!subtractProduct(heldH.data(), static_cast<std::size_t>(known), n, known, held.data(), k, right.data(), true, threads, progress))
         return cancelled();
     const Eigen::VectorXd rightNorm = right.colwise().norm();
 
@@ -372,12 +459,11 @@ Result<BoundaryProblem::Solution> BoundaryProblem::solve(const Eigen::MatrixXd& 
     for (int round = 0; round < kMaxRefinements && worst > kResidualGoal; ++round) {
         Eigen::VectorXd norm = residual.colwise().norm();
         for (std::int32_t c = 0; c < k; ++c) step.col(c) = (residual.col(c) / (norm[c] > 0.0 ? norm[c] : 1.0)).cast<float>();
-        if (!s.lu.solve(step.data(), k, true, s.threads, progress)) return cancelled();
+        if (!lu.solve(step.data(), k, true, threads, progress)) return cancelled();
         if (!finite(step)) break;
         Eigen::MatrixXd next = x + step.cast<double>() * norm.asDiagonal();
         Eigen::MatrixXd nextResidual = right;
-        if (!subtractProduct(s.matrix.data(), s.ld, n, n, next.data(), k, nextResidual.data(), false, s.threads, progress))
-            return cancelled();
+        if (!subtractProduct(matrix.data(), ld, n, n, next.data(), k, nextResidual.data(), false, threads, progress)) return cancelled();
         double reached = 0.0;
         for (std::int32_t c = 0; c < k; ++c)
             if (rightNorm[c] > 0.0) reached = std::max(reached, nextResidual.col(c).norm() / rightNorm[c]);
@@ -390,17 +476,11 @@ Result<BoundaryProblem::Solution> BoundaryProblem::solve(const Eigen::MatrixXd& 
         if (!gains) break;
     }
     if (rightNorm.isZero(0.0)) worst = 0.0;
-    s.quality.residual = std::max(s.quality.residual, worst);
-    s.quality.solveSeconds += secondsSince(start);
+    quality.residual = std::max(quality.residual, worst);
     if (!(worst <= kResidualLimit))
-        return fail("inaccurate", "The equations of this body are too ill-conditioned to be solved accurately; repair thin spikes and nearly "
-                                  "coinciding surfaces, or remesh it more evenly.");
-    Solution solution;
-    solution.displacement = x.topRows(3 * s.equation->freeCount());
-    solution.bubbles = x.middleRows(3 * s.equation->freeCount(), 3 * s.equation->bubbleCount());
-    solution.traction = x.bottomRows(known);
-    for (std::int32_t v = 0; v < s.equation->heldCount(); ++v) solution.traction.middleRows(3 * v, 3) *= s.equation->tractionScale(v);
-    return solution;
+        return fail(kInaccurate, "The equations of this body are too ill-conditioned to be solved accurately; repair thin spikes and nearly "
+                                 "coinciding surfaces, or remesh it more evenly.");
+    return x;
 }
 
 BoundaryProblem::Estimate BoundaryProblem::estimate(int nodes, int triangles, int columns, int threads) {
@@ -408,6 +488,12 @@ BoundaryProblem::Estimate BoundaryProblem::estimate(int nodes, int triangles, in
     if (nodes <= 0) return out;
     const MachineRates rates = machineRates();
     const double n = 3.0 * nodes, crew = std::clamp(threads, 1, hardwareThreads());
+    if (nodes > kDenseNodes) {
+        const double times = nodes / kMeasuredNodes;
+        out.seconds = rates.secondsPerPair * kMeasuredPairs * std::pow(times, kTimeExponent) / crew;
+        out.bytes = static_cast<std::size_t>(kMeasuredBytes * std::pow(times, kMemoryExponent) + 40.0 * n * columns);
+        return out;
+    }
     const double pairs = static_cast<double>(nodes) * triangles;
     out.seconds = (rates.secondsPerPair * kAssemblyOverhead * pairs + 2.0 / 3.0 * n * n * n / rates.flops * kFactorOverhead) / crew;
     // Estimating the condition (about ten triangles with one column), then solving and refining (three rounds), all bound by memory.

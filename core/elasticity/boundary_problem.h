@@ -16,13 +16,15 @@ namespace imomushi {
 
 /// How good a factorised boundary problem is, and what it cost.
 struct SolveQuality {
+    bool hierarchical = false;  ///< solved in hierarchical form: rcond is not known then
     double residual = 0.0;  ///< largest |A x - b| / |b| over the solved columns (2-norm), after refinement
     double rcond = 0.0;     ///< estimate of the reciprocal condition number of the scaled matrix in the maximum norm (Higham 1988, LAPACK slacn2)
     double assembleSeconds = 0.0, factoriseSeconds = 0.0, solveSeconds = 0.0;
     std::size_t peakBytes = 0;
 };
 
-/// Linear elastostatics of one closed body with unit shear modulus, see BoundaryEquation.
+/// Linear elastostatics of one closed body with unit shear modulus, see BoundaryEquation. The matrix is dense while that is fastest and fits,
+/// hierarchical beyond.
 /// Built once (assembly and factorisation), then solve() answers any number of right-hand sides.
 /// The same input gives the same bytes for any number of threads.
 class BoundaryProblem {

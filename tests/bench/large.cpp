@@ -82,7 +82,7 @@ int main(int argc, char** argv) {
     using Clock = std::chrono::steady_clock;
     const auto seconds = [](Clock::time_point from) { return std::chrono::duration<double>(Clock::now() - from).count(); };
     auto start = Clock::now();
-    Eigen::MatrixXd x = source->rightHandSides(prescribed, options.threads);
+    Eigen::MatrixXd x = source->rightHandSides(prescribed, options.threads, {});
     std::printf("%s, %d vertices, nu %g, tolerance %g, %d threads\n", shape.c_str(), source->nodes(), nu, options.tolerance, options.threads);
     std::printf("right-hand sides         %.2f s\n", seconds(start));
     start = Clock::now();

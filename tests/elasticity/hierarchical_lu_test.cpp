@@ -63,7 +63,7 @@ public:
                     shift + Vec3(turn[1] * p[2] - turn[2] * p[1], turn[2] * p[0] - turn[0] * p[2], turn[0] * p[1] - turn[1] * p[0]);
             }
         }
-        return equation_.rightHandSides(held, 1);
+        return equation_.rightHandSides(held, 1, {});
     }
 
 private:
