@@ -1,13 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
 #include "core/reduction/solver_mesh.h"
 
 namespace imomushi {
+
+/// Measures that differ by less than about this share are equal: those of equal parts of a body, wherever it lies and however it is
+/// turned or scaled. Rounding, also that of coordinates a million sizes from the origin, then does not decide how a body is cut.
+inline constexpr double kTie = 1e-6;
+
+/// A positive number by its order of magnitude, in steps of kTie: numbers compare as their grades do, and equal ones have the same but for the
+/// rare one that lies just between two steps.
+inline std::int64_t grade(double x) { return std::llround(std::log(std::max(x, 1e-300)) / kTie); }
 
 /// A solver mesh as it is cut: triangles with their faces.
 struct MeshPieces {
@@ -36,9 +46,9 @@ struct MeshPieces {
         corners.push_back({a, b, c});
         face.push_back(label);
     }
-    /// By the shorter diagonal.
+    /// By the shorter diagonal, of equal ones the first.
     void quad(std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d, std::int32_t label) {
-        if ((at(a) - at(c)).squaredNorm() <= (at(b) - at(d)).squaredNorm()) {
+        if ((at(a) - at(c)).squaredNorm() <= (1.0 + kTie) * (at(b) - at(d)).squaredNorm()) {
             triangle(a, b, c, label);
             triangle(a, c, d, label);
         } else {

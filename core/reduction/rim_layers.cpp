@@ -28,7 +28,7 @@ bool thin(const TriangleMesh& mesh, std::int32_t t) {
     double longest = 0.0;
     for (int c = 0; c < 3; ++c)
         longest = std::max(longest, (mesh.vertices.row(mesh.triangles(t, c)) - mesh.vertices.row(mesh.triangles(t, (c + 1) % 3))).squaredNorm());
-    return areaVector(mesh, t).norm() < kThin * longest;
+    return areaVector(mesh, t).norm() < (1.0 - kTie) * kThin * longest;
 }
 
 /// Ascending.
@@ -43,7 +43,7 @@ std::vector<EdgeKey> singularEdges(const SolverMesh& mesh, const std::vector<std
         if (sFace == tFace && sFace >= 0) continue;
         if (thin(mesh.mesh, s) || thin(mesh.mesh, t)) continue;
         const double angle = 2.0 * std::numbers::pi * innerAngle(mesh.mesh, uses);
-        if (angle > (sFace != tFace ? kMixedAngle : kReentrantAngle)) out.push_back({uses[0].low, uses[0].high});
+        if (angle > (sFace != tFace ? kMixedAngle : kReentrantAngle) + kTie) out.push_back({uses[0].low, uses[0].high});
     }
     return out;
 }

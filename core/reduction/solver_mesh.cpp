@@ -27,7 +27,7 @@ using Corner = std::array<std::int32_t, 3>;
 /// An edge in the order that decides which edge of a triangle is its longest: both triangles of an edge must agree, also where
 /// lengths are equal, or the search for a common longest edge would run in circles.
 struct Edge {
-    double squaredLength;
+    std::int64_t length;  ///< grade() of its square in units of the body's size
     std::int32_t low, high;
     auto operator<=>(const Edge&) const = default;
 };
@@ -45,6 +45,7 @@ public:
             corners_.push_back({body.triangles(t, 0), body.triangles(t, 1), body.triangles(t, 2)});
             for (int c = 0; c < 3; ++c) attach(static_cast<std::int32_t>(t), c);
         }
+        squaredSize_ = (body.vertices.colwise().maxCoeff() - body.vertices.colwise().minCoeff()).squaredNorm();
     }
 
     [[nodiscard]] std::int32_t triangles() const { return static_cast<std::int32_t>(corners_.size()); }
@@ -87,7 +88,7 @@ public:
 
 private:
     [[nodiscard]] Edge edge(std::int32_t a, std::int32_t b) const {
-        return {(point(a) - point(b)).squaredNorm(), std::min(a, b), std::max(a, b)};
+        return {grade((point(a) - point(b)).squaredNorm() / squaredSize_), std::min(a, b), std::max(a, b)};
     }
     [[nodiscard]] std::int32_t across(std::int32_t t, const Edge& e) const {
         const auto& pair = neighbours_.at(key(e.low, e.high));
@@ -133,6 +134,7 @@ private:
         }
     }
 
+    double squaredSize_ = 1.0;
     std::vector<Vec3> points_;
     std::vector<Corner> corners_;
     std::vector<std::int32_t> labels_;  ///< joint face of each triangle, -1: free
@@ -167,7 +169,7 @@ TriangleMesh singularEdges(const TriangleMesh& body, const std::vector<std::int3
         if (!singular && sFace < 0) {
             const Vec3 m = areaVector(body, s), n = areaVector(body, t);
             const Vec3 apex = body.vertices.row(body.triangles(t, (uses[1].corner + 2) % 3)) - body.vertices.row(uses[1].low);
-            singular = m.dot(apex) > 0.0 && m.dot(n) < std::cos(kSharp) * m.norm() * n.norm();
+            singular = m.dot(apex) > 0.0 && m.dot(n) < (std::cos(kSharp) - kTie) * m.norm() * n.norm();
         }
         if (singular) found.push_back({uses[0].low, uses[0].high});
     }
@@ -251,17 +253,19 @@ Result<SolverMesh> refinedSolverMesh(const TriangleMesh& body, std::span<const J
     for (std::int32_t v = 0; v < mesh.vertices(); ++v) addWanted(v);
 
     struct Entry {
-        double excess;        // longest edge over the wanted size, squared
+        std::int64_t excess;  // grade() of the longest edge over the wanted size, squared
         std::int32_t triangle;
         Edge longest;         // as it was when the entry was made; a triangle that has changed since has an entry of its own
-        bool operator<(const Entry& o) const { return excess < o.excess || (excess == o.excess && triangle > o.triangle); }
+        // Of equal ones in a scattered order: where the vertices do not suffice for all of them, the rest lies everywhere rather than in one half.
+        [[nodiscard]] std::uint32_t turn() const { return static_cast<std::uint32_t>(triangle) * 2654435769u; }  // Knuth's golden ratio: one to one
+        bool operator<(const Entry& o) const { return excess < o.excess || (excess == o.excess && turn() > o.turn()); }
     };
     std::priority_queue<Entry> queue;
     const auto push = [&](std::int32_t t) {
         double size = 1.0;
         for (const std::int32_t v : mesh.corner(t)) size = std::min(size, wanted[static_cast<std::size_t>(v)]);
         const Edge longest = mesh.longest(t);
-        queue.push({longest.squaredLength / (size * size), t, longest});
+        queue.push({longest.length - grade(size * size), t, longest});
     };
     for (std::int32_t t = 0; t < mesh.triangles(); ++t) push(t);
     while (mesh.vertices() < vertices && !queue.empty()) {
