@@ -20,8 +20,9 @@ namespace {
 using Index = std::int32_t;
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
-/// Distance from the body counts this times as much as length: on a sphere both weigh the same where an edge is as long as the radius.
-constexpr double kDistanceWeight = 10.0;
+/// Distance from the body counts this times as much as length: on a sphere both weigh the same where an edge is a quarter of the radius. Less
+/// changes how stiff thin bodies are (measured on a fin: 1.7 % at 10, 0.2 % at 30), more takes the vertices from flat parts.
+constexpr double kDistanceWeight = 30.0;
 
 /// Away from a fine rim an edge may be as long as this times its distance from it, as in a refined solver mesh.
 constexpr double kGrading = 0.6;
@@ -86,8 +87,9 @@ double quality(const Vec3& a, const Vec3& b, const Vec3& c, double doubleArea) {
 /// Half-edges 3 t + c run from corner c of triangle t to the next.
 class Collapse {
 public:
-    /// `limit`: the longest edge that each vertex may get.
-    Collapse(const Surface& surface, std::vector<double> limit, double uniform) : s_(surface), limit_(std::move(limit)), uniform_(uniform) {}
+    /// `limit`: the longest edge that each vertex may get. `tolerance`: per face, how far its rim may leave a straight line.
+    Collapse(const Surface& surface, std::vector<double> limit, double uniform, std::vector<double> tolerance)
+        : s_(surface), limit_(std::move(limit)), uniform_(uniform), tolerance_(std::move(tolerance)) {}
 
     /// False: cancelled, or an edge has not exactly two triangles of opposite winding, or a vertex more than one fan of triangles.
     bool connect(const Progress& progress) {
@@ -228,7 +230,11 @@ private:
     [[nodiscard]] bool straight(Index v, const std::array<Index, 2>& ends) const {
         const Vec3 along = point(ends[1]) - point(ends[0]), arm = point(v) - point(ends[0]);
         const double squared = along.squaredNorm(), share = arm.dot(along);
-        return share > 0.0 && share < squared && (arm - along * (share / squared)).norm() <= kStraight;
+        double tolerance = kStraight;
+        eachLeaving(v, [&](Index h) {
+            if (label(h) >= 0) tolerance = std::max(tolerance, tolerance_[at(label(h))]);
+        });
+        return share > 0.0 && share < squared && (arm - along * (share / squared)).norm() <= tolerance;
     }
 
     bool hold(const Progress& progress) {
@@ -466,6 +472,7 @@ private:
     Surface s_;
     std::vector<double> limit_;
     double uniform_;
+    std::vector<double> tolerance_;
     std::vector<Index> origin_, twin_;  ///< per half-edge; origin -1: gone
     std::vector<Index> leaving_;        ///< per vertex: a half-edge that starts there
     std::vector<Hold> hold_;
@@ -513,7 +520,7 @@ bool intersectsAt(const Surface& surface, const std::vector<Index>& number, cons
 
 }  // namespace
 
-Result<DecimatedBody> decimate(const TriangleMesh& body, std::span<const JointFace> faces, int vertices, const Progress& progress) {
+Result<DecimatedBody> decimate(const TriangleMesh& body, std::span<const JointFace> faces, int vertices, const Progress& progress, double rimTolerance) {
     const std::string count = std::to_string(body.vertices.rows());
     if (vertices < 4) return fail("bad-value", "A closed surface has at least 4 vertices; choose a larger number.");
     if (vertices > body.vertices.rows())
@@ -543,6 +550,8 @@ Result<DecimatedBody> decimate(const TriangleMesh& body, std::span<const JointFa
     for (std::size_t f = 0; f < faces.size(); ++f)
         for (const Index t : faces[f].triangles) start.label[at(t)] = static_cast<Index>(f);
 
+    std::vector<double> tolerance;
+    for (const JointFace& face : faces) tolerance.push_back(rimTolerance * std::sqrt(face.area) / diagonal);
     const double uniform = uniformEdge(start, vertices);
     constexpr double kUnlimited = std::numeric_limits<double>::infinity();
     std::vector<double> limit(start.points.size(), kUnlimited);
@@ -550,7 +559,7 @@ Result<DecimatedBody> decimate(const TriangleMesh& body, std::span<const JointFa
     for (int round = 0;; ++round) {
         std::vector<Index> number;
         {
-            Collapse collapse(start, limit, uniform);
+            Collapse collapse(start, limit, uniform, tolerance);
             const bool connected = collapse.connect(progress);
             if (progress.cancelled()) return fail(kCancelled, "Decimating was cancelled.");
             if (!connected) return fail("not-closed", "The body is not closed, or touches itself at an edge or a vertex; repair it first.");
