@@ -221,6 +221,20 @@ Eigen::MatrixXd BoundaryEquation::rightHandSides(const Eigen::MatrixXd& held, in
     return out;
 }
 
+Eigen::MatrixXd BoundaryEquation::loads(int threads, const Progress& progress) const {
+    Eigen::MatrixXd out(3 * nodes(), kLoads);
+    parallelFor(threads, static_cast<std::size_t>(nodes()), kRowGrain, [&](std::size_t begin, std::size_t end) {
+        if (progress.cancelled()) return;
+        for (auto node = static_cast<std::int32_t>(begin); node < static_cast<std::int32_t>(end); ++node) {
+            const LoadBlocks plain = sumLoads(all_.plain, position(node), nu_), curved = sumLoads(all_.curved, position(node), nu_),
+                             held = sumLoads(all_.held, position(node), nu_);
+            out.block<3, 3>(3 * node, 0) = size_ * size_ * (plain.force + curved.force + held.force);
+            out.block<3, 1>(3 * node, 3) = size_ * (plain.pressure + curved.pressure);
+        }
+    });
+    return out;
+}
+
 double BoundaryEquation::shareBySurface(std::int32_t node) const {
     thread_local std::vector<double> unread;
     unread.assign(9 * (static_cast<std::size_t>(nodes()) + 1), 0.0);

@@ -56,6 +56,12 @@ public:
     /// when cancelled.
     [[nodiscard]] Eigen::MatrixXd rightHandSides(const Eigen::MatrixXd& held, int threads, const Progress& progress) const;
 
+    /// What loads add to the right side with the held vertices at rest: 3 nodes() x kLoads. Columns 0 1 2: a uniform force per volume along x, y, z
+    /// over the shear modulus (1/m); 3: a pressure over the shear modulus that pushes all triangles outwards but those held (for a body inflated from
+    /// inside). The displacement is in the body's unit of length. The same bytes for any number of threads. Unfinished when cancelled.
+    static constexpr int kLoads = 4;
+    [[nodiscard]] Eigen::MatrixXd loads(int threads, const Progress& progress) const;
+
     [[nodiscard]] Vec3 position(std::int32_t node) const override { return points_.row(node).transpose(); }
     [[nodiscard]] Box support(std::int32_t node) const override;
     [[nodiscard]] std::unique_ptr<Columns> columns(std::span<const std::int32_t> columnNodes) const override;

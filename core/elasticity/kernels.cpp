@@ -123,6 +123,17 @@ PairBlocks pairBlocks(const Vec3& x, const std::array<Vec3, 3>& corners, double 
     return out;
 }
 
+LoadBlocks loadBlocks(const Vec3& x, const std::array<Vec3, 3>& corners, double nu) {
+    const TriangleIntegrals in = triangleIntegrals(x, corners);
+    const Vec3 n = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalized();
+    const Vec3& L = in.singleLayerGradient;
+    const Eigen::Matrix3d I = Eigen::Matrix3d::Identity();
+    LoadBlocks out;
+    out.force = (n.dot(L) * I - n * L.transpose() / (2.0 * (1.0 - nu))) / (8.0 * std::numbers::pi);
+    out.pressure = ((3.0 - 4.0 * nu) * in.singleLayer * I + in.kelvin) * n / (16.0 * std::numbers::pi * (1.0 - nu));
+    return out;
+}
+
 TriangleBatch::TriangleBatch(const TriangleMesh& mesh, std::span<const std::int32_t> which, const Columns& columns) {
     layOut(mesh, which);
     const auto gather = [&](const std::vector<std::array<std::int32_t, 3>>& from, std::vector<std::int32_t>& to) {

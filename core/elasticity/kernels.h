@@ -44,6 +44,16 @@ struct PairBlocks {
 };
 PairBlocks pairBlocks(const Vec3& x, const std::array<Vec3, 3>& corners, double nu);
 
+/// What loads contribute to the right side of H u = G t + ... at x, by one triangle (shear modulus 1):
+///   force     int U b dV over the body, for a uniform force b per volume, as its part of the surface. With U = 1/(8 pi) [lap R I - grad grad R / (2 (1 - nu))]
+///             (Galerkin) and the divergence theorem: 1/(8 pi) [(n . L) I - n L^T / (2 (1 - nu))], L = int r / R dS. Times b. m^2
+///   pressure  int U n dS, the tractions of a unit pressure that pushes the triangle outwards: 1/(16 pi (1 - nu)) [(3 - 4 nu) I0 I + S] n. m
+struct LoadBlocks {
+    Eigen::Matrix3d force = Eigen::Matrix3d::Zero();
+    Vec3 pressure = Vec3::Zero();
+};
+LoadBlocks loadBlocks(const Vec3& x, const std::array<Vec3, 3>& corners, double nu);
+
 /// Triangles laid out for vector instructions (structure of arrays, padded to whole vectors with triangles that contribute nothing).
 class TriangleBatch {
 public:
@@ -84,5 +94,8 @@ private:
 /// the batch has them, bubbles, and to g likewise unless g is null (a batch with bubbles has no G). Lengths are of order one: x inside an edge is
 /// met within 1e-14. Returns the sum of D_a over the batch. Vector instructions are chosen at run time (Highway).
 double addBlocks(const TriangleBatch& batch, const Vec3& x, double nu, double* h, double* g);
+
+/// The sum of loadBlocks() over the batch.
+LoadBlocks sumLoads(const TriangleBatch& batch, const Vec3& x, double nu);
 
 }  // namespace imomushi

@@ -45,13 +45,84 @@ HWY_INLINE V atan2(V y, V x) {
 /// Index of entry (i, j) of a symmetric 3 x 3 matrix.
 constexpr int kSymmetric[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
 
+/// Triangles as seen from x, one per lane: n, w and, per edge, e, m, t0, s (of both ends), and E0 = int 1/R as in triangleIntegrals().
+struct Seen {
+    V n[3], w, w2, R[3], e[3][3], m[3][3], t0[3], s0[3], s1[3], E0[3], Om;
+};
+
+HWY_INLINE Seen see(const TriangleBatch& batch, std::size_t i, const V* x) {
+    const D d;
+    const V zero = hn::Zero(d), two = constant(2.0);
+    const auto load = [&](int f) HWY_ATTR { return hn::LoadU(d, batch.field(f) + i); };
+    Seen t;
+    V r[3][3], R2[3];
+    for (int c = 0; c < 3; ++c) {
+        for (int k = 0; k < 3; ++k) r[c][k] = hn::Sub(load(TriangleBatch::kCorner + 3 * c + k), x[k]);
+        R2[c] = dot(r[c], r[c]);
+        t.R[c] = hn::Sqrt(R2[c]);
+    }
+    for (int k = 0; k < 3; ++k) t.n[k] = load(TriangleBatch::kNormal + k);
+
+    // Signed height w of x above the plane, from the nearest corner: exactly 0 on a corner.
+    V nearest[3];
+    const auto nearer1 = hn::Lt(R2[1], R2[0]);
+    const auto nearer2 = hn::Lt(R2[2], hn::Min(R2[0], R2[1]));
+    for (int k = 0; k < 3; ++k) nearest[k] = hn::IfThenElse(nearer2, r[2][k], hn::IfThenElse(nearer1, r[1][k], r[0][k]));
+    t.w = hn::Neg(dot(nearest, t.n));
+    for (int a = 0; a < 3; ++a) {
+        const int b = (a + 1) % 3;
+        for (int k = 0; k < 3; ++k) t.e[a][k] = load(TriangleBatch::kTangent + 3 * a + k);
+        for (int k = 0; k < 3; ++k) {
+            const int k1 = (k + 1) % 3, k2 = (k + 2) % 3;
+            t.m[a][k] = hn::NegMulAdd(t.e[a][k2], t.n[k1], hn::Mul(t.e[a][k1], t.n[k2]));
+        }
+        const auto firstNearer = hn::Lt(R2[a], R2[b]);
+        const V near[3] = {hn::IfThenElse(firstNearer, r[a][0], r[b][0]), hn::IfThenElse(firstNearer, r[a][1], r[b][1]),
+                           hn::IfThenElse(firstNearer, r[a][2], r[b][2])};
+        t.t0[a] = dot(near, t.m[a]);
+        t.s0[a] = dot(r[a], t.e[a]);
+        t.s1[a] = dot(r[b], t.e[a]);
+        const auto onEdge = hn::And(hn::Lt(hn::Mul(t.s0[a], t.s1[a]), zero),
+                                    hn::Lt(hn::MulAdd(t.t0[a], t.t0[a], hn::Mul(t.w, t.w)), constant(kOnEdgeSquare)));
+        t.t0[a] = hn::IfThenZeroElse(onEdge, t.t0[a]);
+        t.w = hn::IfThenZeroElse(onEdge, t.w);
+    }
+    t.w2 = hn::Mul(t.w, t.w);
+
+    const V denominator = hn::MulAdd(
+        hn::Mul(t.R[0], t.R[1]), t.R[2],
+        hn::MulAdd(dot(r[0], r[1]), t.R[2], hn::MulAdd(dot(r[0], r[2]), t.R[1], hn::Mul(dot(r[1], r[2]), t.R[0]))));
+    t.Om = hn::Mul(two, atan2(hn::Mul(load(TriangleBatch::kTwiceArea), t.w), denominator));
+    t.Om = hn::IfThenElse(hn::Eq(t.w, zero), zero, t.Om);
+
+    for (int a = 0; a < 3; ++a) {
+        const int b = (a + 1) % 3;
+        const V length = load(TriangleBatch::kLength + a);
+        const V R02 = hn::MulAdd(t.t0[a], t.t0[a], t.w2);
+        const V sumR = hn::Add(t.R[a], t.R[b]);
+        // f = ln(big / small) = log1p(excess / small), in three ways that do not cancel: far away by the sum of the distances, near by the ends on
+        // one side of the foot of x or on both.
+        const V P0 = hn::Max(hn::Add(t.R[a], hn::Abs(t.s0[a])), constant(kTinyLength));
+        const V P1 = hn::Max(hn::Add(t.R[b], hn::Abs(t.s1[a])), constant(kTinyLength));
+        const auto astride = hn::And(hn::Lt(t.s0[a], zero), hn::Gt(t.s1[a], zero));
+        const V flat2 = hn::Max(R02, constant(kTinySquare));
+        V small = hn::IfThenElse(astride, flat2, hn::Min(P0, P1));
+        V excess = hn::IfThenElse(astride, hn::Max(hn::MulSub(P0, P1, flat2), zero), hn::Sub(hn::Max(P0, P1), hn::Min(P0, P1)));
+        const auto far = hn::Gt(sumR, hn::Mul(two, length));
+        small = hn::IfThenElse(far, hn::Sub(sumR, length), small);
+        excess = hn::IfThenElse(far, hn::Mul(two, length), excess);
+        t.E0[a] = hn::Log1p(d, hn::Div(excess, small));
+    }
+    return t;
+}
+
 enum class Adds { Corners, Bubbles, Tractions };
 
 template <Adds kAdds>
 double addBlocksOf(const TriangleBatch& batch, const Vec3& x, double nu, double* HWY_RESTRICT h, double* HWY_RESTRICT g) {
     const D d;
     constexpr int kLanes = TriangleBatch::kPad;
-    const V zero = hn::Zero(d), half = constant(0.5), one = constant(1.0), two = constant(2.0);
+    const V zero = hn::Zero(d), half = constant(0.5), one = constant(1.0);
     const V dFactor = constant(1.0 / (4.0 * std::numbers::pi));
     const V mFactor = constant(1.0 / (8.0 * std::numbers::pi * (1.0 - nu)));
     const V gFactor = constant(1.0 / (16.0 * std::numbers::pi * (1.0 - nu)));
@@ -65,71 +136,22 @@ double addBlocksOf(const TriangleBatch& batch, const Vec3& x, double nu, double*
 
     for (std::size_t i = 0; i < batch.paddedSize(); i += hn::Lanes(d)) {
         const auto load = [&](int f) HWY_ATTR { return hn::LoadU(d, batch.field(f) + i); };
-        V r[3][3], R2[3], R[3];
-        for (int c = 0; c < 3; ++c) {
-            for (int k = 0; k < 3; ++k) r[c][k] = hn::Sub(load(TriangleBatch::kCorner + 3 * c + k), xv[k]);
-            R2[c] = dot(r[c], r[c]);
-            R[c] = hn::Sqrt(R2[c]);
-        }
-        const V n[3] = {load(TriangleBatch::kNormal), load(TriangleBatch::kNormal + 1), load(TriangleBatch::kNormal + 2)};
-
-        // Signed height w of x above the plane, from the nearest corner: exactly 0 on a corner.
-        V nearest[3];
-        const auto nearer1 = hn::Lt(R2[1], R2[0]);
-        const auto nearer2 = hn::Lt(R2[2], hn::Min(R2[0], R2[1]));
-        for (int k = 0; k < 3; ++k) nearest[k] = hn::IfThenElse(nearer2, r[2][k], hn::IfThenElse(nearer1, r[1][k], r[0][k]));
-        V w = hn::Neg(dot(nearest, n));
-        V e[3][3], m[3][3], t0[3], s0[3], s1[3];
-        for (int a = 0; a < 3; ++a) {
-            const int b = (a + 1) % 3;
-            for (int k = 0; k < 3; ++k) e[a][k] = load(TriangleBatch::kTangent + 3 * a + k);
-            for (int k = 0; k < 3; ++k) {
-                const int k1 = (k + 1) % 3, k2 = (k + 2) % 3;
-                m[a][k] = hn::NegMulAdd(e[a][k2], n[k1], hn::Mul(e[a][k1], n[k2]));
-            }
-            const auto firstNearer = hn::Lt(R2[a], R2[b]);
-            const V near[3] = {hn::IfThenElse(firstNearer, r[a][0], r[b][0]), hn::IfThenElse(firstNearer, r[a][1], r[b][1]),
-                               hn::IfThenElse(firstNearer, r[a][2], r[b][2])};
-            t0[a] = dot(near, m[a]);
-            s0[a] = dot(r[a], e[a]);
-            s1[a] = dot(r[b], e[a]);
-            const auto onEdge = hn::And(hn::Lt(hn::Mul(s0[a], s1[a]), zero), hn::Lt(hn::MulAdd(t0[a], t0[a], hn::Mul(w, w)), constant(kOnEdgeSquare)));
-            t0[a] = hn::IfThenZeroElse(onEdge, t0[a]);
-            w = hn::IfThenZeroElse(onEdge, w);
-        }
-        const V w2 = hn::Mul(w, w);
-
-        const V denominator = hn::MulAdd(
-            hn::Mul(R[0], R[1]), R[2],
-            hn::MulAdd(dot(r[0], r[1]), R[2], hn::MulAdd(dot(r[0], r[2]), R[1], hn::Mul(dot(r[1], r[2]), R[0]))));
-        V Om = hn::Mul(two, atan2(hn::Mul(load(TriangleBatch::kTwiceArea), w), denominator));
-        Om = hn::IfThenElse(hn::Eq(w, zero), zero, Om);
+        const Seen seen = see(batch, i, xv);
+        const auto &n = seen.n, &R = seen.R, &t0 = seen.t0, &s0 = seen.s0, &s1 = seen.s1, &E0 = seen.E0;
+        const auto &e = seen.e, &m = seen.m;
+        const V w = seen.w, w2 = seen.w2, Om = seen.Om;
 
         V I0 = hn::Neg(hn::Mul(w, Om));
         V q[3] = {zero, zero, zero};
         V edges[6] = {zero, zero, zero, zero, zero, zero};  // sum of t0 f m m^T + (R1 - R0) (e m^T + m e^T) / 2
-        V E0[3], E1[3], E2[3], J[3];
+        V E1[3], E2[3], J[3];
         for (int a = 0; a < 3; ++a) {
             const int b = (a + 1) % 3;
             const V length = load(TriangleBatch::kLength + a);
-            const V R02 = hn::MulAdd(t0[a], t0[a], w2);
-            const V sumR = hn::Add(R[a], R[b]);
-            // f = ln(big / small) = log1p(excess / small), in three ways that do not cancel: far away by the sum of the distances, near by the ends on
-            // one side of the foot of x or on both.
-            const V P0 = hn::Max(hn::Add(R[a], hn::Abs(s0[a])), constant(kTinyLength));
-            const V P1 = hn::Max(hn::Add(R[b], hn::Abs(s1[a])), constant(kTinyLength));
-            const auto astride = hn::And(hn::Lt(s0[a], zero), hn::Gt(s1[a], zero));
-            const V flat2 = hn::Max(R02, constant(kTinySquare));
-            V small = hn::IfThenElse(astride, flat2, hn::Min(P0, P1));
-            V excess = hn::IfThenElse(astride, hn::Max(hn::MulSub(P0, P1, flat2), zero), hn::Sub(hn::Max(P0, P1), hn::Min(P0, P1)));
-            const auto far = hn::Gt(sumR, hn::Mul(two, length));
-            small = hn::IfThenElse(far, hn::Sub(sumR, length), small);
-            excess = hn::IfThenElse(far, hn::Mul(two, length), excess);
-            const V f = hn::Log1p(d, hn::Div(excess, small));
-            E0[a] = f;
+            const V f = E0[a], sumR = hn::Add(R[a], R[b]);
             E1[a] = hn::Div(hn::Mul(length, hn::Add(s0[a], s1[a])), sumR);  // R1 - R0
             if constexpr (kWithG || kWithBubbles) {
-                const V ends = hn::MulSub(s1[a], R[b], hn::Mul(s0[a], R[a])), side = hn::Mul(R02, f);
+                const V ends = hn::MulSub(s1[a], R[b], hn::Mul(s0[a], R[a])), side = hn::Mul(hn::MulAdd(t0[a], t0[a], w2), f);
                 J[a] = hn::Mul(half, hn::Add(ends, side));
                 E2[a] = hn::Mul(half, hn::Sub(ends, side));
             }
@@ -284,6 +306,52 @@ double addBlocks(const TriangleBatch& batch, const Vec3& x, double nu, double* h
     return batch.hasBubbles() ? addBlocksOf<Adds::Bubbles>(batch, x, nu, h, g) : addBlocksOf<Adds::Corners>(batch, x, nu, h, g);
 }
 
+LoadBlocks sumLoads(const TriangleBatch& batch, const Vec3& x, double nu) {
+    const D d;
+    const V zero = hn::Zero(d), half = constant(0.5), isotropic = constant(3.0 - 4.0 * nu);
+    const V xv[3] = {constant(x[0]), constant(x[1]), constant(x[2])};
+    V outer[3][3], inner = zero, pressure[3] = {zero, zero, zero};  // sums of n L^T and n . L, L = int r / R
+    for (auto& row : outer)
+        for (V& entry : row) entry = zero;
+    for (std::size_t i = 0; i < batch.paddedSize(); i += hn::Lanes(d)) {
+        const Seen t = see(batch, i, xv);
+        V I0 = hn::Neg(hn::Mul(t.w, t.Om)), q[3] = {zero, zero, zero}, L[3] = {zero, zero, zero};
+        for (int a = 0; a < 3; ++a) {
+            const int b = (a + 1) % 3;
+            I0 = hn::MulAdd(t.t0[a], t.E0[a], I0);
+            const V ends = hn::MulSub(t.s1[a], t.R[b], hn::Mul(t.s0[a], t.R[a]));
+            const V J = hn::Mul(half, hn::MulAdd(hn::MulAdd(t.t0[a], t.t0[a], t.w2), t.E0[a], ends));
+            for (int k = 0; k < 3; ++k) {
+                q[k] = hn::NegMulAdd(t.m[a][k], t.E0[a], q[k]);
+                L[k] = hn::MulAdd(t.m[a][k], J, L[k]);
+            }
+        }
+        const auto real = hn::Gt(hn::LoadU(d, batch.field(TriangleBatch::kHeight) + i), zero);
+        const V wI0 = hn::Mul(t.w, I0), along = hn::MulAdd(isotropic, I0, hn::Mul(t.w, t.Om));
+        inner = hn::Sub(inner, hn::IfThenElseZero(real, wI0));
+        for (int k = 0; k < 3; ++k) {
+            const V nk = hn::IfThenElseZero(real, t.n[k]);
+            // S n = -w int r / R^3
+            pressure[k] = hn::Add(pressure[k], hn::MulSub(along, nk, hn::IfThenElseZero(real, hn::Mul(t.w, q[k]))));
+            for (int l = 0; l < 3; ++l) outer[k][l] = hn::MulAdd(nk, hn::NegMulAdd(wI0, t.n[l], L[l]), outer[k][l]);
+        }
+    }
+    const auto sum = [&](V v) HWY_ATTR {
+        HWY_ALIGN double lanes[TriangleBatch::kPad];
+        hn::Store(v, d, lanes);
+        double total = 0.0;
+        for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane) total += lanes[lane];
+        return total;
+    };
+    LoadBlocks out;
+    const double trace = sum(inner);
+    for (int k = 0; k < 3; ++k) {
+        out.pressure[k] = sum(pressure[k]) / (16.0 * std::numbers::pi * (1.0 - nu));
+        for (int l = 0; l < 3; ++l) out.force(k, l) = ((k == l ? trace : 0.0) - sum(outer[k][l]) / (2.0 * (1.0 - nu))) / (8.0 * std::numbers::pi);
+    }
+    return out;
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace imomushi
 HWY_AFTER_NAMESPACE();
@@ -294,5 +362,7 @@ HWY_EXPORT(addBlocks);
 double addBlocks(const TriangleBatch& batch, const Vec3& x, double nu, double* h, double* g) {
     return HWY_DYNAMIC_DISPATCH(addBlocks)(batch, x, nu, h, g);
 }
+HWY_EXPORT(sumLoads);
+LoadBlocks sumLoads(const TriangleBatch& batch, const Vec3& x, double nu) { return HWY_DYNAMIC_DISPATCH(sumLoads)(batch, x, nu); }
 }  // namespace imomushi
 #endif
