@@ -217,8 +217,8 @@ struct BoundaryProblem::State {
     Result<double> assemble(const Progress& progress);
     Result<void> buildDense(const Progress& progress);
     Result<void> buildHierarchical(const Progress& progress);
-    Result<Eigen::MatrixXd> solveDense(const Eigen::MatrixXd& held, const Progress& progress);
-    Result<Eigen::MatrixXd> solveHierarchical(const Eigen::MatrixXd& held, const Progress& progress);
+    Result<Eigen::MatrixXd> solveDense(const Eigen::MatrixXd& held, bool withLoads, const Progress& progress);
+    Result<Eigen::MatrixXd> solveHierarchical(const Eigen::MatrixXd& held, bool withLoads, const Progress& progress);
 };
 
 /// Compares the solid angle by the whole surface with that by the triangles around the node.
@@ -409,18 +409,18 @@ Result<void> BoundaryProblem::State::buildHierarchical(const Progress& progress)
     return {};
 }
 
-Result<BoundaryProblem::Solution> BoundaryProblem::solve(const Eigen::MatrixXd& held, const Progress& progress) {
+Result<BoundaryProblem::Solution> BoundaryProblem::solve(const Eigen::MatrixXd& held, bool withLoads, const Progress& progress) {
     State& s = *state_;
     if (held.rows() != 3 * s.equation->heldCount()) return fail("bad-value", "The displacements do not match the held vertices.");
     if (!finite(held)) return fail("bad-value", "A prescribed displacement is not finite.");
     const auto start = Clock::now();
-    auto x = s.hierarchical ? s.solveHierarchical(held, progress) : s.solveDense(held, progress);
+    auto x = s.hierarchical ? s.solveHierarchical(held, withLoads, progress) : s.solveDense(held, withLoads, progress);
     if (!x && x.error().code == kInaccurate && s.hierarchical && s.denseBytes() <= availableMemory()) {
         // What a coarse preconditioner cannot solve, factors of the whole matrix may.
         s.hierarchical.reset();
         s.quality.hierarchical = false;
         if (auto ok = s.buildDense(progress); !ok) return tl::make_unexpected(ok.error());
-        x = s.solveDense(held, progress);
+        x = s.solveDense(held, withLoads, progress);
     }
     s.quality.solveSeconds += secondsSince(start);
     if (!x) return tl::make_unexpected(x.error());
@@ -432,8 +432,18 @@ Result<BoundaryProblem::Solution> BoundaryProblem::solve(const Eigen::MatrixXd& 
     return solution;
 }
 
-Result<Eigen::MatrixXd> BoundaryProblem::State::solveHierarchical(const Eigen::MatrixXd& held, const Progress& progress) {
+Result<BoundaryProblem::Solution> BoundaryProblem::solve(const Eigen::MatrixXd& held, const Progress& progress) { return solve(held, false, progress); }
+
+Result<BoundaryProblem::Solution> BoundaryProblem::solveWithLoads(const Eigen::MatrixXd& held, const Progress& progress) {
+    return solve(held, true, progress);
+}
+
+Result<Eigen::MatrixXd> BoundaryProblem::State::solveHierarchical(const Eigen::MatrixXd& held, bool withLoads, const Progress& progress) {
     Eigen::MatrixXd x = equation->rightHandSides(held, threads, progress);
+    if (withLoads) {
+        x.conservativeResize(Eigen::NoChange, held.cols() + BoundaryEquation::kLoads);
+        x.rightCols(BoundaryEquation::kLoads) = equation->loads(threads, progress);
+    }
     if (progress.cancelled()) return fail(kCancelled, "The precompute was cancelled.");
     if (auto ok = hierarchical->solve(x, kHierarchicalGoal, progress); !ok) return tl::make_unexpected(ok.error());
     const HierarchicalLu::Quality& q = hierarchical->quality();
@@ -442,14 +452,17 @@ Result<Eigen::MatrixXd> BoundaryProblem::State::solveHierarchical(const Eigen::M
     return x;
 }
 
-Result<Eigen::MatrixXd> BoundaryProblem::State::solveDense(const Eigen::MatrixXd& held, const Progress& progress) {
+Result<Eigen::MatrixXd> BoundaryProblem::State::solveDense(const Eigen::MatrixXd& held, bool withLoads, const Progress& progress) {
     const std::int32_t n = unknowns(), known = 3 * equation->heldCount();
-    const auto k = static_cast<std::int32_t>(held.cols());
+    const auto prescribed = static_cast<std::int32_t>(held.cols());
+    const std::int32_t k = prescribed + (withLoads ? BoundaryEquation::kLoads : 0);
     const auto cancelled = [] { return fail(kCancelled, "The precompute was cancelled."); };
 
     Eigen::MatrixXd right(n, k), x = Eigen::MatrixXd::Zero(n, k);
-    if (!subtractProduct(heldH.data(), static_cast<std::size_t>(known), n, known, held.data(), k, right.data(), true, threads, progress))
+    if (!subtractProduct(heldH.data(), static_cast<std::size_t>(known), n, known, held.data(), prescribed, right.data(), true, threads, progress))
         return cancelled();
+    if (withLoads) right.rightCols(BoundaryEquation::kLoads) = equation->loads(threads, progress);
+    if (progress.cancelled()) return cancelled();
     const Eigen::VectorXd rightNorm = right.colwise().norm();
 
     // The factors are in single precision: each step of refinement gains about five digits, in residuals of double precision.

@@ -63,6 +63,8 @@ public:
         Eigen::MatrixXd traction;
     };
     Result<Solution> solve(const Eigen::MatrixXd& held, const Progress& progress);
+    /// The same with more columns after the k of `held`: BoundaryEquation::loads(), the held vertices at rest.
+    Result<Solution> solveWithLoads(const Eigen::MatrixXd& held, const Progress& progress);
 
     [[nodiscard]] const std::vector<std::int32_t>& freeVertices() const;  ///< ascending
     [[nodiscard]] const SolveQuality& quality() const;
@@ -70,6 +72,7 @@ public:
 private:
     struct State;
     explicit BoundaryProblem(std::unique_ptr<State> state);
+    Result<Solution> solve(const Eigen::MatrixXd& held, bool withLoads, const Progress& progress);
     std::unique_ptr<State> state_;
 };
 
