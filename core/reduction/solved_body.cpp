@@ -105,7 +105,7 @@ double wallThickness(const TriangleMesh& body, std::int32_t t) {
         // Möller and Trumbore 1997.
         const Vec3 a = corner(f, 0), ab = corner(f, 1) - a, ac = corner(f, 2) - a, side = direction.cross(ac);
         const double determinant = ab.dot(side);
-        if (f == t || !(determinant < 0.0)) continue;  // seen from within
+        if (f == t || !(determinant < -kTie * areaVector(body, f).norm())) continue;  // only seen from within, and not from its edge
         const Vec3 out = from - a, across = out.cross(ab);
         const double u = out.dot(side) / determinant, v = direction.dot(across) / determinant, distance = ac.dot(across) / determinant;
         if (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0) nearest = std::min(nearest, distance);

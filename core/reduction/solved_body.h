@@ -18,6 +18,7 @@ struct SolvedBody {
     std::vector<JointFace> faces;  ///< of the body, or of the decimated body: with its vertices, the frames are the body's
     bool decimated = false;        ///< responses must be mapped to the body; otherwise the first vertices of `mesh` are the body's
     double volumeError = 0.0;      ///< of a decimated body, relative
+    bool extremeWalls = false;     ///< solved as it is although default or best was asked for: its walls are too thin for its triangles
     SolverMesh plain;              ///< `mesh` without strips and bubbles; empty where it has none
     /// Of each vertex of `mesh` before its `origin` begins: the body vertex at exactly the same place, -1: none.
     std::vector<std::int32_t> bodyVertex;
@@ -31,6 +32,7 @@ struct SolvedBody {
 ///   refined:N   the body bisected to N vertices, linear displacement
 ///   decimated:N a body of N vertices in its place, then like default
 ///   default     strips at singular edges (withLayers) and quadratic displacement: on the body where that is cheap, otherwise on a decimated one
+///               (as it is where walls are less than 1/150 of the triangles on them: see SolvedBody::extremeWalls)
 ///   best        more strips and quadratic displacement everywhere, on the body refined where it is coarse
 ///
 /// Measured against second-order finite elements (tests/data/reference): as-is is wrong by up to 23 %, default by less than 2 %, best by less than 1 %.
