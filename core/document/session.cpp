@@ -119,11 +119,55 @@ Session::State::KnownKey& Session::State::keysOf(PartId element) const {
     KnownKey& known = keys[element];
     if (known.element != part || known.basis != document.settings.basis) {
         ResponseInput input = inputOf(element);
-        known = {part, document.settings.basis, responseKey(input), {}, nullptr};
+        known = {part, document.settings.basis, responseKey(input), {}};
         input.nu = 0.0;
         known.shape = responseKey(input);
     }
     return known;
+}
+
+const Session::SharedResponse* Session::State::sharedOf(PartId element) const {
+    if (sharing.basis != document.settings.basis || sharing.elements != document.elements) {
+        Sharing now;
+        now.elements = document.elements;
+        now.basis = document.settings.basis;
+        std::vector<PartId> computed;
+        for (const auto& [id, part] : document.elements) {
+            if (part->faces.empty()) continue;
+            bool found = false;
+            for (const PartId first : computed) {
+                const std::pair pair(keysOf(first).key, keysOf(id).key);
+                auto known = sharing.pairs.find(pair);
+                std::shared_ptr<const Congruence> how;
+                if (known != sharing.pairs.end()) {
+                    how = known->second;
+                } else if (auto congruence = findCongruence(inputOf(first), inputOf(id))) {
+                    how = std::make_shared<const Congruence>(std::move(*congruence));
+                }
+                now.pairs.emplace(pair, how);
+                if (!how) continue;
+                now.shared[id] = {first, how};
+                found = true;
+                break;
+            }
+            if (!found) computed.push_back(id);
+        }
+        sharing = std::move(now);
+    }
+    const auto found = sharing.shared.find(element);
+    return found == sharing.shared.end() ? nullptr : &found->second;
+}
+
+ResponseEstimate Session::State::estimateOf(PartId element) const {
+    if (document.elements.at(element)->faces.empty()) return {};
+    const ResponseInput input = inputOf(element);
+    if (const SharedResponse* shared = sharedOf(element)) return carryEstimate(estimateOf(shared->from), input);
+    KnownKey& known = keysOf(element);
+    if (!known.estimate || known.threads != input.threads) {
+        known.estimate = estimateResponse(input);
+        known.threads = input.threads;
+    }
+    return *known.estimate;
 }
 
 std::shared_ptr<const ElementResponse> Session::State::responseOf(PartId element, bool lastToo) const {
@@ -506,6 +550,10 @@ Session::ResponseState Session::responseState(PartId element) const {
 }
 
 ResponseInput Session::responseInput(PartId element) const { return state_->inputOf(element); }
+
+const Session::SharedResponse* Session::sharedResponse(PartId element) const { return state_->sharedOf(element); }
+std::shared_ptr<const ElementResponse> Session::response(PartId element) const { return state_->responseOf(element, false); }
+ResponseEstimate Session::responseEstimate(PartId element) const { return state_->estimateOf(element); }
 
 void Session::setListener(std::function<void(const Change&)> listener) { state_->listener = std::move(listener); }
 

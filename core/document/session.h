@@ -18,6 +18,8 @@
 
 namespace imomushi {
 
+struct Congruence;
+
 /// Precomputed responses by content key, shared by everything in a session. Never undone; undo only asks for another key. Thread-safe.
 class ResponseCache {
 public:
@@ -78,6 +80,17 @@ public:
     [[nodiscard]] ResponseState responseState(PartId element) const;
     /// What a precompute of this element would take as input (for jobs in the background).
     [[nodiscard]] ResponseInput responseInput(PartId element) const;
+    /// Of congruent elements only the first of the document is computed; the others take its response over, turned. By the document alone, whatever is
+    /// known already, so that a script gives the same bytes each time. Null: the element is computed itself. Valid until the document changes.
+    struct SharedResponse {
+        PartId from = 0;
+        std::shared_ptr<const Congruence> how;
+    };
+    [[nodiscard]] const SharedResponse* sharedResponse(PartId element) const;
+    /// The fresh response, null: none.
+    [[nodiscard]] std::shared_ptr<const ElementResponse> response(PartId element) const;
+    /// What precomputing this element costs, known already or not; where it is shared, without what it is shared from. Remembered until the element changes.
+    [[nodiscard]] ResponseEstimate responseEstimate(PartId element) const;
 
     // ---- for studio and recovery -----------------------------------------------------------------------------------
     /// Called after each change, on the caller's thread.

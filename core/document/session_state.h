@@ -12,6 +12,7 @@
 #include "core/document/character_input.h"
 #include "core/document/history.h"
 #include "core/document/session.h"
+#include "core/reduction/congruence.h"
 
 namespace imomushi {
 
@@ -65,14 +66,27 @@ struct Session::State {
         std::shared_ptr<const Element> element;
         BasisKind basis;
         ContentKey key, shape;
-        std::shared_ptr<const ElementResponse> fitting;  ///< the last response that was found to fit
+        std::shared_ptr<const ElementResponse> fitting = {};  ///< the last response that was found to fit
+        std::optional<ResponseEstimate> estimate = {};        ///< of solving it with so many threads
+        int threads = 0;
     };
     mutable std::map<PartId, KnownKey> keys;
+    /// Which elements are congruent, as of `elements` and `basis`. Pairs are remembered by content, so that changing one element compares only that one again.
+    struct Sharing {
+        std::map<PartId, std::shared_ptr<const Element>> elements;
+        BasisKind basis = BasisKind::Affine;
+        std::map<PartId, SharedResponse> shared;
+        std::map<std::pair<ContentKey, ContentKey>, std::shared_ptr<const Congruence>> pairs;  ///< null: not congruent
+    };
+    mutable Sharing sharing;
     Change pending;                 ///< of the command that runs
 
     /// The key of an element's response as it is now, and of its shape: what decides whether the response of another nu still fits.
     KnownKey& keysOf(PartId element) const;
     ResponseInput inputOf(PartId element) const;
+    /// See Session::sharedResponse() and responseEstimate().
+    const SharedResponse* sharedOf(PartId element) const;
+    ResponseEstimate estimateOf(PartId element) const;
     /// The response of an element as it is now, null: none. `lastToo`: also the last one of another nu, where it still fits.
     std::shared_ptr<const ElementResponse> responseOf(PartId element, bool lastToo) const;
 

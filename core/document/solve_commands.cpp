@@ -37,27 +37,47 @@ Result<Json> estimate(Session& session, const Json& arguments, const Progress&) 
     Json list = Json::array();
     double seconds = 0.0, milliseconds = 0.0;
     std::size_t bytes = 0;
+    std::set<PartId> needed;  // by others, itself not asked for
     for (const PartId id : *ids) {
         const Element& element = *session.document().elements.at(id);
-        ResponseEstimate estimated;
-        if (!element.faces.empty()) estimated = estimateResponse(session.responseInput(id));
-        list.push_back({{"name", element.name},
-                        {"vertices", element.mesh->body.vertices.rows()},
-                        {"columns", estimated.columns},
-                        {"seconds", estimated.seconds},
-                        {"bytes", estimated.bytes},
-                        {"ms_per_frame", estimated.frameMilliseconds}});
+        const Session::SharedResponse* shared = session.sharedResponse(id);
+        const ResponseEstimate estimated = session.responseEstimate(id);
+        Json line = {{"name", element.name},
+                     {"vertices", element.mesh->body.vertices.rows()},
+                     {"columns", estimated.columns},
+                     {"seconds", estimated.seconds},
+                     {"bytes", estimated.bytes},
+                     {"ms_per_frame", estimated.frameMilliseconds}};
+        if (shared) {
+            line["shared"] = session.document().elements.at(shared->from)->name;
+            const bool known = session.responseState(shared->from) == Session::ResponseState::Fresh;
+            if (!known && std::find(ids->begin(), ids->end(), shared->from) == ids->end()) needed.insert(shared->from);
+        }
+        list.push_back(std::move(line));
         seconds += estimated.seconds;
         milliseconds += estimated.frameMilliseconds;
+        bytes = std::max(bytes, estimated.bytes);
+    }
+    for (const PartId id : needed) {
+        const ResponseEstimate estimated = session.responseEstimate(id);
+        seconds += estimated.seconds;
         bytes = std::max(bytes, estimated.bytes);
     }
     return Json{{"elements", std::move(list)}, {"seconds", seconds}, {"peak_bytes", bytes}, {"ms_per_frame", milliseconds}};
 }
 
-/// The fresh response of an element with joint faces: from the cache, or solved now.
+/// The fresh response of an element with joint faces: from the cache, from a congruent element, or solved now.
 Result<std::shared_ptr<const ElementResponse>> freshResponse(Session::State& s, PartId id, const Progress& progress) {
     if (auto known = s.responseOf(id, false)) return known;
-    auto built = buildResponse(s.inputOf(id), progress);
+    Result<ElementResponse> built;
+    if (const Session::SharedResponse* shared = s.sharedOf(id)) {
+        const auto first = freshResponse(s, shared->from, progress);
+        if (!first) return first;
+        if (auto known = s.responseOf(id, false)) return known;  // the very same body in the same place
+        built = shared->how->carry(**first);
+    } else {
+        built = buildResponse(s.inputOf(id), progress);
+    }
     if (!built) return fail(built.error().code, "\"" + s.document.elements.at(id)->name + "\": " + built.error().message);
     auto response = std::make_shared<const ElementResponse>(std::move(*built));
     s.responses.insert(s.keysOf(id).key, response);
@@ -103,6 +123,7 @@ Result<Json> precompute(Session& session, const Json& arguments, const Progress&
                 line["mapping_error"] = response->quality.mappingError;
                 line["shape_error"] = response->quality.shapeError;
             }
+            if (const Session::SharedResponse* shared = s.sharedOf(id)) line["shared"] = s.document.elements.at(shared->from)->name;
             line["cached"] = cached;
         }
         list.push_back(std::move(line));

@@ -221,6 +221,43 @@ TEST_CASE("precompute: what is known is not solved again, and undo switches to w
     CHECK(w.code({{"do", "precompute"}, {"elements", {3}}}) == "bad-type");
 }
 
+TEST_CASE("precompute: of congruent elements the first is solved and the others take its response over, whichever is asked for") {
+    Workbench w;
+    w.buildChain();
+    const Json estimate = w.good({{"do", "estimate"}});
+    CHECK(!estimate["elements"][0].contains("shared"));
+    CHECK(estimate["elements"][1]["shared"] == "A");
+    CHECK(estimate["elements"][1]["columns"] == 18);
+    CHECK(estimate["elements"][1]["seconds"].get<double>() < 0.01 * estimate["elements"][0]["seconds"].get<double>());
+    // One alone needs the one it shares with.
+    CHECK(w.good({{"do", "estimate"}, {"elements", {"B"}}})["seconds"] == estimate["seconds"]);
+
+    const Json one = w.good({{"do", "precompute"}, {"elements", {"B"}}});
+    CHECK(one["elements"][0]["shared"] == "A");
+    CHECK(one["elements"][0]["cached"] == false);
+    const Json both = w.good({{"do", "precompute"}});
+    CHECK(both["elements"][0]["cached"] == true);
+    CHECK(both["elements"][1]["shared"] == "A");
+    CHECK(both["elements"][1]["error"] == both["elements"][0]["error"]);
+    CHECK(w.good({{"do", "measure"}, {"what", "gap"}})["value"].get<double>() <= 1e-9);
+
+    // The same bytes in the other order, and by another way to the same document.
+    const auto responses = [](Workbench& bench) {
+        std::vector<Eigen::MatrixXd> all;
+        for (const auto& [id, element] : bench.session.document().elements)
+            all.push_back(bench.session.responses().find(responseKey(bench.session.responseInput(id)))->response);
+        return all;
+    };
+    Workbench other;
+    other.buildChain();
+    other.good({{"do", "precompute"}, {"elements", {"A"}}});
+    other.good({{"do", "set"}, {"target", "B"}, {"property", "nu"}, {"value", 0.3}});
+    CHECK(!other.good({{"do", "estimate"}})["elements"][1].contains("shared"));
+    other.good({{"do", "undo"}});
+    other.good({{"do", "precompute"}, {"elements", {"B"}}});
+    CHECK(responses(other) == responses(w));
+}
+
 TEST_CASE("precompute: cancelled it leaves everything as it was") {
     Workbench w;
     w.buildChain();

@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <atomic>
+#include <deque>
+#include <map>
 
+#include "core/reduction/congruence.h"
 #include "ui/models/texts.h"
 
 namespace imomushi {
@@ -14,12 +17,16 @@ struct PrecomputeJob::Item {
     ResponseInput input;
     ContentKey key;
     double seconds = 0.0;  // estimated
+    // Taken over from a congruent element: an earlier item, or one that is known.
+    std::shared_ptr<const Congruence> how;
+    const Item* earlier = nullptr;
+    std::shared_ptr<const ElementResponse> known;
     std::shared_ptr<const ElementResponse> response;
     Error error;
 };
 
 struct PrecomputeJob::Work {
-    std::vector<Item> items;
+    std::deque<Item> items;  // stay where they are
     std::atomic<int> current{0};
 };
 
@@ -36,10 +43,10 @@ PrecomputeEstimate PrecomputeJob::estimate() const {
     PrecomputeEstimate sum;
     for (const auto& [id, element] : document_.document().elements) {
         if (!needsPrecompute(document_, *element)) continue;
-        const ResponseEstimate e = estimateResponse(document_.session().responseInput(id));
+        const ResponseEstimate e = document_.session().responseEstimate(id);
         ++sum.elements;
         sum.seconds += e.seconds;
-        sum.bytes += double(e.bytes);
+        sum.bytes = std::max(sum.bytes, double(e.bytes));  // one after another
     }
     return sum;
 }
@@ -47,14 +54,24 @@ PrecomputeEstimate PrecomputeJob::estimate() const {
 bool PrecomputeJob::start() {
     if (running()) return true;
     auto work = std::make_shared<Work>();
+    Session& session = document_.session();
+    std::map<PartId, const Item*> items;
     for (const auto& [id, element] : document_.document().elements) {
         if (!needsPrecompute(document_, *element)) continue;
-        Item item;
+        Item& item = work->items.emplace_back();
         item.element = id;
         item.name = QString::fromStdString(element->name);
-        item.input = document_.session().responseInput(id);
-        item.seconds = std::max(1e-3, estimateResponse(item.input).seconds);
-        work->items.push_back(std::move(item));
+        item.input = session.responseInput(id);
+        item.seconds = std::max(1e-3, session.responseEstimate(id).seconds);
+        items[id] = &item;
+        // The one that is computed comes first in the document: it is an item already, or fresh.
+        if (const auto* shared = session.sharedResponse(id)) {
+            item.how = shared->how;
+            if (const auto earlier = items.find(shared->from); earlier != items.end())
+                item.earlier = earlier->second;
+            else
+                item.known = session.response(shared->from);
+        }
     }
     if (work->items.empty()) return false;
     work_ = work;
@@ -67,7 +84,10 @@ bool PrecomputeJob::start() {
                 work->current = int(i);
                 if (progress.cancelled()) return;
                 item.key = responseKey(item.input);
-                auto response = buildResponse(item.input, progress.part(done / total, (done + item.seconds) / total));
+                const auto first = item.earlier ? item.earlier->response : item.known;
+                auto response = first                                 ? item.how->carry(*first)
+                                : item.earlier ? Result<ElementResponse>(tl::unexpected(item.earlier->error))
+                                               : buildResponse(item.input, progress.part(done / total, (done + item.seconds) / total));
                 if (response) {
                     item.response = std::make_shared<const ElementResponse>(std::move(*response));
                 } else {

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/reduction/congruence.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/QR>
+#include <Eigen/SVD>
+#include <algorithm>
+
+namespace imomushi {
+namespace {
+
+/// Seconds per entry of A': measured 4e-9 within the caches, 1.6e-8 beyond them.
+constexpr double kSecondsPerEntry = 1e-8;
+
+bool sameParts(const ResponseInput& a, const ResponseInput& b) {
+    if (!a.mesh || !b.mesh || a.faces.empty() || a.faces.size() != b.faces.size()) return false;
+    if (a.nu != b.nu || a.basis != b.basis || !(a.solverMesh == b.solverMesh)) return false;
+    const TriangleMesh &x = a.mesh->body, &y = b.mesh->body;
+    if (x.vertices.rows() != y.vertices.rows() || x.triangles.rows() != y.triangles.rows()) return false;
+    for (std::size_t f = 0; f < a.faces.size(); ++f) {
+        const JointFace &p = a.faces[f], &q = b.faces[f];
+        if (p.flat() != q.flat() || p.vertices != q.vertices || p.triangles != q.triangles) return false;
+    }
+    return x.triangles == y.triangles;
+}
+
+/// 3 * #vertices x g_f: displacement of the vertices of a face per joint parameter, in world axes.
+Eigen::MatrixXd modesOf(const ResponseInput& input, std::size_t f) {
+    const JointFace& face = input.faces[f];
+    const FaceBasis basis{input.basis, face.flat()};
+    Eigen::MatrixXd C(3 * static_cast<Eigen::Index>(face.vertices.size()), basis.columns());
+    for (std::size_t i = 0; i < face.vertices.size(); ++i) {
+        const Vec3 p = input.mesh->body.vertices.row(face.vertices[i]).transpose();
+        C.middleRows(3 * static_cast<Eigen::Index>(i), 3) = face.frame.axes * basis.at(face.frame.toLocal(p));
+    }
+    return C;
+}
+
+/// Turns the vectors in the rows 3 i ... 3 i + 2.
+void turn(const Eigen::Matrix3d& rotation, Eigen::MatrixXd& vectors) {
+    for (Eigen::Index row = 0; row < vectors.rows(); row += 3) vectors.middleRows<3>(row) = (rotation * vectors.middleRows<3>(row)).eval();
+}
+
+}  // namespace
+
+std::optional<Congruence> findCongruence(const ResponseInput& from, const ResponseInput& to) {
+    if (!sameParts(from, to)) return std::nullopt;
+    const Points &x = from.mesh->body.vertices, &y = to.mesh->body.vertices;
+    const Eigen::RowVector3d size = x.colwise().maxCoeff() - x.colwise().minCoeff();
+    const double diagonal = size.norm();
+    if (!(diagonal > 0.0)) return std::nullopt;
+    // Relative to the middles and the size: no digits are lost far from the origin, no square leaves the range.
+    const Eigen::RowVector3d middleX = x.colwise().mean(), middleY = y.colwise().mean();
+    const Points p = (x.rowwise() - middleX) / diagonal, q = (y.rowwise() - middleY) / diagonal;
+    // The rotation that brings p nearest to q in the mean square (Kabsch 1976; Umeyama 1991 on mirrors).
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(q.transpose() * p, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    Eigen::Matrix3d U = svd.matrixU();
+    if ((U * svd.matrixV().transpose()).determinant() < 0.0) U.col(2) = -U.col(2);
+    Congruence out;
+    out.rotation = U * svd.matrixV().transpose();
+    out.miss = (p * out.rotation.transpose() - q).rowwise().norm().maxCoeff();
+    if (!(out.miss <= Congruence::kMiss)) return std::nullopt;
+    out.shift = middleY.transpose() - out.rotation * middleX.transpose();
+
+    for (std::size_t f = 0; f < from.faces.size(); ++f) {
+        Eigen::MatrixXd C = modesOf(from, f), wanted = modesOf(to, f);
+        turn(out.rotation.transpose(), wanted);
+        const Eigen::VectorXd unit = C.colwise().norm().cwiseMax(1e-300).cwiseInverse();
+        C = (C * unit.asDiagonal()).eval();
+        Eigen::MatrixXd N = C.completeOrthogonalDecomposition().solve(wanted);
+        for (Eigen::Index c = 0; c < wanted.cols(); ++c) {
+            const double whole = wanted.col(c).norm();
+            if (whole > 0.0) out.modeMiss = std::max(out.modeMiss, (C * N.col(c) - wanted.col(c)).norm() / whole);
+        }
+        out.columns.push_back(unit.asDiagonal() * N);
+    }
+    if (!(out.modeMiss <= Congruence::kModeMiss)) return std::nullopt;
+    return out;
+}
+
+Result<ElementResponse> Congruence::carry(const ElementResponse& from) const {
+    const auto no = [] { return fail("bad-value", "The response to share is not one of a congruent element; precompute that one again."); };
+    if (from.bases.size() != columns.size() || from.firstColumn.size() != columns.size() + 1) return no();
+    for (std::size_t f = 0; f < columns.size(); ++f)
+        if (columns[f].rows() != from.bases[f].columns()) return no();
+    ElementResponse out = from;
+    for (std::size_t f = 0; f < columns.size(); ++f) {
+        const Eigen::Index first = from.firstColumn[f], count = columns[f].cols();
+        out.response.middleCols(first, count) = from.response.middleCols(first, count) * columns[f];
+        out.stiffness.middleCols(first, count) = from.stiffness.middleCols(first, count) * columns[f];
+    }
+    turn(rotation, out.response);
+    const Eigen::MatrixXd half = out.stiffness;
+    for (std::size_t f = 0; f < columns.size(); ++f) {
+        const Eigen::Index first = from.firstColumn[f], count = columns[f].cols();
+        out.stiffness.middleRows(first, count) = columns[f].transpose() * half.middleRows(first, count);
+    }
+    out.stiffness = (0.5 * (out.stiffness + out.stiffness.transpose())).eval();
+    return out;
+}
+
+ResponseEstimate carryEstimate(const ResponseEstimate& solved, const ResponseInput& to) {
+    ResponseEstimate out = solved;
+    const double entries = 3.0 * static_cast<double>(to.mesh->body.vertices.rows()) * solved.columns;
+    out.seconds = kSecondsPerEntry * entries;
+    out.bytes = static_cast<std::size_t>(2.0 * sizeof(double) * entries);
+    return out;
+}
+
+}  // namespace imomushi
