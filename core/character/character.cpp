@@ -192,7 +192,8 @@ struct Character::State {
         double boneLength = 0.0;
         int anchorJoint = -1;  // hangs on this joint; else the middle of its bones
         Vec3 restAnchor = Vec3::Zero();
-        std::vector<int> jointOf;  // per face
+        std::vector<int> jointOf;        // per face
+        std::vector<Points> restOfFace;  // per face, its vertices in its axes
 
         Quaterniond rotation = Quaterniond::Identity();
         AffineMap frame, shownFrame;
@@ -290,8 +291,15 @@ struct Character::State {
         out.columnSize = Eigen::VectorXd::Constant(columns, out.size);
         for (std::size_t f = 0; columns > 0 && f < given.faces.size(); ++f) {
             const int first = given.response->firstColumn[f];
+            const FaceBasis& basis = given.response->bases[f];
+            out.restOfFace.push_back(localVertices(body, given.faces[f]));
+            // Shifts are in metres already.
+            if (basis.kind == BasisKind::Full) {
+                out.columnSize.segment(first, basis.columns()).setOnes();
+                continue;
+            }
             out.columnSize[first + 5] = 1.0;
-            if (given.response->bases[f].kind == BasisKind::Affine) out.columnSize[first + 6] = out.columnSize[first + 7] = 1.0;
+            if (basis.kind == BasisKind::Affine) out.columnSize[first + 6] = out.columnSize[first + 7] = 1.0;
         }
         out.vFloat.assign(columns, 0.0f);
 
@@ -458,7 +466,7 @@ struct Character::State {
             local.shift = face.frame.axes.transpose() *
                           (out.frame.linear.transpose() * (joint(face.frame.origin) - out.frame(face.frame.origin)));
             double lost = 0.0;
-            given.response->bases[f].coefficients(local, face.size, out.v.data() + given.response->firstColumn[f], lost);
+            given.response->bases[f].coefficients(local, out.restOfFace[f], face.size, out.v.data() + given.response->firstColumn[f], lost);
             if (lost > kVisibleLoss) updateWarnings |= static_cast<unsigned>(FrameWarning::BasisLosesTwist);
         }
     }
@@ -647,9 +655,10 @@ Points deformElement(const ElementMesh& mesh, const std::vector<JointFace>& face
     for (std::size_t f = 0; f < faces.size(); ++f) {
         const auto& frame = faces[f].frame;
         const auto part = v.segment(response.firstColumn[f], response.bases[f].columns());
+        int i = 0;
         for (const auto p : faces[f].vertices) {
             const Vec3 rest = mesh.body.vertices.row(p).transpose();
-            out.row(p) += (frame.axes * (response.bases[f].at(frame.toLocal(rest)) * part)).transpose();
+            out.row(p) += (frame.axes * (response.bases[f].at(frame.toLocal(rest), i++) * part)).transpose();
         }
     }
     return out;

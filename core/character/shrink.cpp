@@ -15,6 +15,20 @@ bool hangsOnItsJoint(const CharacterInput::Element& element, const CharacterInpu
     return false;
 }
 
+namespace {
+
+/// v of the face `f` of an element under `map`, zero elsewhere.
+Eigen::VectorXd parametersOf(const CharacterInput::Element& element, int f, const JointMap& map) {
+    const ElementResponse& response = *element.response;
+    const auto i = static_cast<std::size_t>(f);
+    Eigen::VectorXd v = Eigen::VectorXd::Zero(response.columns());
+    double lost = 0.0;
+    response.bases[i].coefficients(map, localVertices(element.mesh->body, element.faces[i]), element.faces[i].size, v.data() + response.firstColumn[i], lost);
+    return v;
+}
+
+}  // namespace
+
 std::vector<double> leastEnergyShrink(const CharacterInput& input) {
     const int joints = static_cast<int>(input.joints.size());
     if (joints == 0) return {};
@@ -42,12 +56,9 @@ std::vector<double> leastEnergyShrink(const CharacterInput& input) {
                                (0.5 * (input.skeleton.points[joint.point] - input.skeleton.points[far]));
             shift[j] += local.z();
             if (!element.response) continue;
-            const int column = element.response->firstColumn[f.face];
-            strained[f.element][column + 5] = local.z();
-            if (element.response->bases[f.face].kind == BasisKind::Affine) {
-                strained[f.element][column + 6] = local.x();
-                strained[f.element][column + 7] = local.y();
-            }
+            JointMap moved;
+            moved.shift = local;
+            strained[f.element] += parametersOf(element, f.face, moved);
         }
         if (count > 0) shift[j] /= count;
     }
@@ -60,9 +71,9 @@ std::vector<double> leastEnergyShrink(const CharacterInput& input) {
         if (!element.response || element.response->columns() == 0) continue;
         const auto& response = *element.response;
         const auto wide = [&](std::size_t face) {
-            Eigen::VectorXd v = Eigen::VectorXd::Zero(response.columns());
-            v[response.firstColumn[face]] = v[response.firstColumn[face] + 2] = 1.0;
-            return v;
+            JointMap stretched;
+            stretched.linear.diagonal() = Vec3(2.0, 2.0, 1.0);
+            return parametersOf(element, static_cast<int>(face), stretched);
         };
         for (std::size_t f = 0; f < jointOf[e].size(); ++f) {
             const Eigen::VectorXd force = element.stiffness * (response.stiffness * wide(f));

@@ -2,6 +2,7 @@
 #include "core/joints/face_basis.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace imomushi {
@@ -22,6 +23,7 @@ JointMap jointMap(const PaperParameters& p) {
 }
 
 Eigen::Matrix<double, 3, Eigen::Dynamic> FaceBasis::at(const Vec3& p) const {
+    assert(kind != BasisKind::Full);
     Eigen::Matrix<double, 3, Eigen::Dynamic> u = Eigen::Matrix<double, 3, Eigen::Dynamic>::Zero(3, columns());
     const double x = p.x(), y = p.y(), z = p.z();
     u(0, 0) = x;
@@ -42,7 +44,24 @@ Eigen::Matrix<double, 3, Eigen::Dynamic> FaceBasis::at(const Vec3& p) const {
     return u;
 }
 
+Eigen::Matrix<double, 3, Eigen::Dynamic> FaceBasis::at(const Vec3& p, int i) const {
+    if (kind != BasisKind::Full) return at(p);
+    Eigen::Matrix<double, 3, Eigen::Dynamic> u = Eigen::Matrix<double, 3, Eigen::Dynamic>::Zero(3, columns());
+    u.middleCols<3>(3 * i).setIdentity();
+    return u;
+}
+
+void FaceBasis::coefficients(const JointMap& map, const Points& rest, double size, double* v, double& lost) const {
+    if (kind != BasisKind::Full) return coefficients(map, size, v, lost);
+    lost = 0.0;
+    for (Eigen::Index i = 0; i < rest.rows(); ++i) {
+        const Vec3 p = rest.row(i).transpose();
+        Eigen::Map<Vec3>(v + 3 * i) = map.linear * p + map.shift - p;
+    }
+}
+
 void FaceBasis::coefficients(const JointMap& map, double size, double* v, double& lost) const {
+    assert(kind != BasisKind::Full);
     Eigen::Matrix3d l = map.linear;
     lost = 0.0;
     if (kind == BasisKind::Paper) {
@@ -75,14 +94,27 @@ void FaceBasis::coefficients(const JointMap& map, double size, double* v, double
     }
 }
 
+Points localVertices(const TriangleMesh& body, const JointFace& face) {
+    Points out(static_cast<Eigen::Index>(face.vertices.size()), 3);
+    for (std::size_t i = 0; i < face.vertices.size(); ++i)
+        out.row(static_cast<Eigen::Index>(i)) = face.frame.toLocal(body.vertices.row(face.vertices[i]).transpose()).transpose();
+    return out;
+}
+
 Result<BasisKind> basisKind(const std::string& name) {
     if (name == "paper") return BasisKind::Paper;
     if (name == "affine") return BasisKind::Affine;
-    return fail("bad-value", "There is no basis \"" + name + "\"; choose \"paper\" or \"affine\".");
+    if (name == "full") return BasisKind::Full;
+    return fail("bad-value", "There is no basis \"" + name + "\"; choose \"paper\", \"affine\" or \"full\".");
 }
 
 std::string basisName(BasisKind kind) {
-    return kind == BasisKind::Paper ? "paper" : "affine";
+    switch (kind) {
+        case BasisKind::Paper: return "paper";
+        case BasisKind::Affine: return "affine";
+        case BasisKind::Full: break;
+    }
+    return "full";
 }
 
 }  // namespace imomushi

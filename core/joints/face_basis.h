@@ -24,28 +24,41 @@ struct PaperParameters {
 /// The third column of `linear` (used by faces that are not flat) is the unit normal of the displaced plane.
 JointMap jointMap(const PaperParameters& p);
 
-enum class BasisKind { Paper, Affine };
+enum class BasisKind { Paper, Affine, Full };
 
 /// The joint modes of one face: displacement of a face point = sum of columns times v, where v = 0 at rest.
-/// Columns in this order, in the frame of the face (u = displacement of the point (x, y, z)):
+/// Columns of paper and affine in this order, in the frame of the face (u = displacement of the point (x, y, z)):
 ///   0 ux = x     1 ux = y, uy = x     2 uy = y     3 uz = x     4 uz = y     5 uz = 1          (paper, eq. (5))
 ///   6 ux = 1     7 uy = 1     8 ux = -y, uy = x                                                (affine adds these)
 ///   then, on faces that are not flat, three more: ux = z, uy = z, uz = z
+/// Columns of full: the displacement (m) of each vertex of the face, 3 i + axis for the i-th one, linear on the triangles in between.
 struct FaceBasis {
     BasisKind kind = BasisKind::Affine;
     bool flat = true;
+    int vertices = 0;  ///< of the face, in full
 
-    [[nodiscard]] int columns() const { return (kind == BasisKind::Paper ? 6 : 9) + (flat ? 0 : 3); }
+    /// The basis of `kind` on a face.
+    static FaceBasis on(const JointFace& face, BasisKind kind) { return {kind, face.flat(), static_cast<int>(face.vertices.size())}; }
 
-    /// 3 x columns(): the displacement of the local point p, in face axes.
+    [[nodiscard]] int columns() const { return kind == BasisKind::Full ? 3 * vertices : (kind == BasisKind::Paper ? 6 : 9) + (flat ? 0 : 3); }
+    bool operator==(const FaceBasis& other) const { return kind == other.kind && flat == other.flat && columns() == other.columns(); }
+
+    /// 3 x columns(): the displacement of the local point p, in face axes. Not of full, which knows vertices only.
     [[nodiscard]] Eigen::Matrix<double, 3, Eigen::Dynamic> at(const Vec3& p) const;
+    /// The same for the i-th vertex of the face, whose rest position is p, in any basis.
+    [[nodiscard]] Eigen::Matrix<double, 3, Eigen::Dynamic> at(const Vec3& p, int i) const;
 
     /// The coefficients of `map`; what the basis cannot say is left out. `lost`: the largest relative size of what was left out
     /// (twist as an angle in radians; in-plane shift relative to `size`, the size of the face in metres), 0 when nothing was.
-    void coefficients(const JointMap& map, double size, double* v, double& lost) const;
+    void coefficients(const JointMap& map, double size, double* v, double& lost) const;  ///< not of full
+    /// In any basis. `rest`: localVertices() of the face.
+    void coefficients(const JointMap& map, const Points& rest, double size, double* v, double& lost) const;
 };
 
-/// "paper", "affine". Errors: "bad-value" with the names there are.
+/// The vertices of a face at rest in its own axes, #vertices x 3.
+Points localVertices(const TriangleMesh& body, const JointFace& face);
+
+/// "paper", "affine", "full". Errors: "bad-value" with the names there are.
 Result<BasisKind> basisKind(const std::string& name);
 std::string basisName(BasisKind kind);
 

@@ -8,7 +8,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <string>
+#include <utility>
 
 #include "core/elasticity/dense_lu.h"
 #include "core/mesh/topology.h"
@@ -32,7 +34,7 @@ std::vector<FaceBasis> basesOf(const ResponseInput& input, std::vector<int>& fir
     std::vector<FaceBasis> bases;
     firstColumn.assign(1, 0);
     for (const JointFace& face : input.faces) {
-        bases.push_back({input.basis, face.flat()});
+        bases.push_back(FaceBasis::on(face, input.basis));
         firstColumn.push_back(firstColumn.back() + bases.back().columns());
     }
     return bases;
@@ -67,25 +69,67 @@ Result<void> checkInput(const ResponseInput& input) {
     return {};
 }
 
+/// How a vertex of the solver mesh lies between those of the body.
+using Shares = std::vector<std::pair<std::int32_t, double>>;
+
+/// Of each vertex of the solver mesh that a face holds: the body's vertices around it with their shares, ascending. None where decimation left out
+/// what lies around it.
+std::vector<Shares> heldShares(const SolvedBody& solved) {
+    const SolverMesh& mesh = solved.mesh;
+    std::vector<char> held(static_cast<std::size_t>(mesh.mesh.vertices.rows()));
+    for (const SolverMesh::Patch& face : mesh.faces)
+        for (const std::int32_t v : face.vertices) held[static_cast<std::size_t>(v)] = 1;
+    std::vector<Shares> shares(held.size());
+    const std::size_t own = solved.bodyVertex.size();
+    for (std::size_t v = 0; v < shares.size(); ++v) {
+        if (!held[v]) continue;
+        if (v < own) {
+            if (solved.bodyVertex[v] >= 0) shares[v] = {{solved.bodyVertex[v], 1.0}};
+            continue;
+        }
+        std::map<std::int32_t, double> sum;
+        const auto& [of, share] = mesh.origin[v - own];
+        for (std::size_t k = 0; k < 3; ++k)
+            for (const auto& [vertex, part] : shares[static_cast<std::size_t>(of[k])])
+                if (share[k] != 0.0) sum[vertex] += share[k] * part;
+        shares[v].assign(sum.begin(), sum.end());
+    }
+    return shares;
+}
+
 /// The vertices of all faces, in the order of BoundaryProblem::solve: C (displacement per joint parameter) and the six rigid motions about the
 /// middle of the body, in units of its size.
 struct HeldModes {
     Eigen::MatrixXd C;  ///< 3 * #held x g
     Eigen::MatrixXd R;  ///< 3 * #held x 6
+    Vec3 middle = Vec3::Zero();
+    double size = 1.0;
 };
 
-HeldModes heldModes(const SolvedBody& solved, const std::vector<FaceBasis>& bases, const std::vector<int>& firstColumn) {
+HeldModes heldModes(const ResponseInput& input, const SolvedBody& solved, const std::vector<FaceBasis>& bases, const std::vector<int>& firstColumn) {
     Eigen::Index held = 0;
     for (const SolverMesh::Patch& face : solved.mesh.faces) held += static_cast<Eigen::Index>(face.vertices.size());
     HeldModes modes{Eigen::MatrixXd::Zero(3 * held, firstColumn.back()), Eigen::MatrixXd::Zero(3 * held, 6)};
     const Points& points = solved.mesh.mesh.vertices;
     const Vec3 low = points.colwise().minCoeff().transpose(), high = points.colwise().maxCoeff().transpose();
+    modes.middle = 0.5 * (low + high);
+    modes.size = (high - low).norm();
+    const bool full = std::any_of(bases.begin(), bases.end(), [](const FaceBasis& basis) { return basis.kind == BasisKind::Full; });
+    const std::vector<Shares> shares = full ? heldShares(solved) : std::vector<Shares>();
     Eigen::Index row = 0;
     for (std::size_t f = 0; f < bases.size(); ++f) {
         const FaceFrame& frame = solved.faces[f].frame;
+        const std::vector<std::int32_t>& ofBody = input.faces[f].vertices;
         for (const std::int32_t v : solved.mesh.faces[f].vertices) {
             const Vec3 p = points.row(v).transpose();
-            modes.C.block(row, firstColumn[f], 3, bases[f].columns()) = frame.axes * bases[f].at(frame.toLocal(p));
+            if (bases[f].kind == BasisKind::Full) {
+                for (const auto& [vertex, share] : shares[static_cast<std::size_t>(v)]) {
+                    const auto i = std::lower_bound(ofBody.begin(), ofBody.end(), vertex) - ofBody.begin();
+                    modes.C.block<3, 3>(row, firstColumn[f] + 3 * i) = share * frame.axes;
+                }
+            } else {
+                modes.C.block(row, firstColumn[f], 3, bases[f].columns()) = frame.axes * bases[f].at(frame.toLocal(p));
+            }
             const Vec3 arm = (p - 0.5 * (low + high)) / (high - low).norm();
             for (int axis = 0; axis < 3; ++axis) {
                 modes.R(row + axis, axis) = 1.0;
@@ -95,6 +139,34 @@ HeldModes heldModes(const SolvedBody& solved, const std::vector<FaceBasis>& base
         }
     }
     return modes;
+}
+
+/// What each load does in all when the body moves along the rigid motions of HeldModes: 6 x BoundaryEquation::kLoads, m^3 and m^2.
+Eigen::Matrix<double, 6, BoundaryEquation::kLoads> wholeLoads(const ResponseInput& input, const HeldModes& modes) {
+    const TriangleMesh& body = input.mesh->body;
+    std::vector<char> covered(static_cast<std::size_t>(body.triangles.rows()));
+    for (const JointFace& face : input.faces)
+        for (const std::int32_t f : face.triangles) covered[static_cast<std::size_t>(f)] = 1;
+    double volume = 0.0;
+    Vec3 firstMoment = Vec3::Zero(), pressure = Vec3::Zero(), pressureMoment = Vec3::Zero();
+    for (std::int32_t f = 0; f < body.triangles.rows(); ++f) {
+        Vec3 corners = Vec3::Zero();
+        for (int c = 0; c < 3; ++c) corners += body.vertices.row(body.triangles(f, c)).transpose() - modes.middle;
+        const Vec3 area = 0.5 * areaVector(body, f);
+        const double cone = area.dot(Vec3(body.vertices.row(body.triangles(f, 0)).transpose()) - modes.middle) / 3.0;  // from the middle to the triangle
+        volume += cone;
+        firstMoment += cone * corners / 4.0;
+        if (covered[static_cast<std::size_t>(f)]) continue;
+        pressure += area;
+        pressureMoment += (corners / 3.0).cross(area);
+    }
+    Eigen::Matrix<double, 6, BoundaryEquation::kLoads> out;
+    for (int axis = 0; axis < 3; ++axis) {
+        out.col(axis).head<3>() = volume * Vec3::Unit(axis);
+        out.col(axis).tail<3>() = firstMoment.cross(Vec3::Unit(axis)) / modes.size;
+    }
+    out.col(3) << pressure, pressureMoment / modes.size;
+    return out;
 }
 
 /// The mass matrix of linear functions on the faces, times Z (3 * #held x any): int N_a N_b dS, m^2.
@@ -119,9 +191,11 @@ Eigen::MatrixXd faceMass(const SolverMesh& mesh, const Eigen::MatrixXd& Z) {
 }
 
 /// Makes K what a stiffness must be: symmetric, zero on rigid motions, without negative energy. W = C^T mass C measures joint
-/// parameters by the displacement they make, so that metres and radians need no weights of their own.
+/// parameters by the displacement they make, so that metres and radians need no weights of their own. `loadForces` (g x 4, or empty) are made to
+/// balance `loads` (see wholeLoads()) on rigid motions, by the smallest change.
 /// False: LAPACK found the input not positive definite or not finite (a face without area).
-bool cleanStiffness(const HeldModes& modes, const SolverMesh& mesh, Eigen::MatrixXd& K, ResponseQuality& quality) {
+bool cleanStiffness(const HeldModes& modes, const SolverMesh& mesh, const Eigen::Matrix<double, 6, BoundaryEquation::kLoads>& loads, Eigen::MatrixXd& K,
+                    Eigen::MatrixXd& loadForces, ResponseQuality& quality) {
     useSingleThreadedBlas();
     const auto g = static_cast<int>(K.rows());
     const double symmetricNorm = (K + K.transpose()).norm();
@@ -150,8 +224,15 @@ bool cleanStiffness(const HeldModes& modes, const SolverMesh& mesh, Eigen::Matri
     if (found > 0) {
         const Eigen::MatrixXd V = rigid * missed.leftCols(found);
         Eigen::MatrixXd gram = V.transpose() * W * V;
-        Eigen::MatrixXd along = (W * V).transpose();
+        const Eigen::MatrixXd WV = W * V;
+        Eigen::MatrixXd along = WV.transpose();
         if (LAPACKE_dposv(LAPACK_COL_MAJOR, 'L', found, g, gram.data(), found, along.data(), found) != 0) return false;
+        if (loadForces.size() > 0) {
+            const Eigen::MatrixXd forces = unit.asDiagonal() * loadForces;
+            // `along` is gram^-1 (W V)^T, so that V^T along^T = I.
+            const Eigen::MatrixXd missing = -missed.leftCols(found).transpose() * loads - V.transpose() * forces;
+            loadForces = unit.cwiseInverse().asDiagonal() * (forces + along.transpose() * missing);
+        }
         const Eigen::MatrixXd projector = Eigen::MatrixXd::Identity(g, g) - V * along;
         scaled = (projector.transpose() * scaled * projector).eval();
     }
@@ -170,6 +251,49 @@ bool cleanStiffness(const HeldModes& modes, const SolverMesh& mesh, Eigen::Matri
     K = back.asDiagonal() * scaled * back.asDiagonal();
     K = (0.5 * (K + K.transpose())).eval();
     return std::all_of(K.data(), K.data() + K.size(), [](double x) { return std::isfinite(x); });
+}
+
+/// The tractions at the body's vertices, linear in between, with the nodal forces `forces` (3 m x g, in face axes, each vertex 3 i + axis) but for the
+/// linear field that balances them: collocation balances forces only as far as it solves. 3 m x g in element axes. Empty: a face without area.
+Eigen::MatrixXd nodalTractions(const ResponseInput& input, const HeldModes& modes, const std::vector<int>& firstColumn, const Eigen::MatrixXd& forces) {
+    useSingleThreadedBlas();
+    const TriangleMesh& body = input.mesh->body;
+    const Eigen::Index g = forces.cols();
+    Eigen::MatrixXd tractions(forces.rows(), g), R(forces.rows(), 6), massR(forces.rows(), 6), total = Eigen::MatrixXd::Zero(6, g);
+    for (std::size_t f = 0; f < input.faces.size(); ++f) {
+        const JointFace& face = input.faces[f];
+        const auto m = static_cast<Eigen::Index>(face.vertices.size());
+        const auto at = [&](std::int32_t triangle, int corner) {
+            return std::lower_bound(face.vertices.begin(), face.vertices.end(), body.triangles(triangle, corner)) - face.vertices.begin();
+        };
+        Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(m, m), x(m, 3 * g);
+        for (const std::int32_t t : face.triangles)
+            for (int a = 0; a < 3; ++a)
+                for (int b = 0; b < 3; ++b) mass(at(t, a), at(t, b)) += (a == b ? 2.0 : 1.0) / 24.0 * areaVector(body, t).norm();
+        for (Eigen::Index i = 0; i < m; ++i) {
+            const Eigen::Index row = firstColumn[f] + 3 * i;
+            const Eigen::MatrixXd force = face.frame.axes * forces.middleRows(row, 3);
+            const Vec3 arm = (Vec3(body.vertices.row(face.vertices[static_cast<std::size_t>(i)]).transpose()) - modes.middle) / modes.size;
+            for (int axis = 0; axis < 3; ++axis) {
+                x.row(i).segment(axis * g, g) = force.row(axis);
+                R.block<3, 1>(row, axis) = Vec3::Unit(axis);
+                R.block<3, 1>(row, 3 + axis) = Vec3::Unit(axis).cross(arm);
+            }
+            total += R.middleRows(row, 3).transpose() * force;
+        }
+        for (Eigen::Index i = 0; i < m; ++i) {
+            massR.middleRows(firstColumn[f] + 3 * i, 3).setZero();
+            for (Eigen::Index k = 0; k < m; ++k) massR.middleRows(firstColumn[f] + 3 * i, 3) += mass(i, k) * R.middleRows(firstColumn[f] + 3 * k, 3);
+        }
+        const auto size = static_cast<lapack_int>(m);
+        if (LAPACKE_dposv(LAPACK_COL_MAJOR, 'L', size, static_cast<lapack_int>(3 * g), mass.data(), size, x.data(), size) != 0) return {};
+        for (Eigen::Index i = 0; i < m; ++i)
+            for (int axis = 0; axis < 3; ++axis) tractions.row(firstColumn[f] + 3 * i + axis) = x.row(i).segment(axis * g, g);
+    }
+    Eigen::MatrixXd gram = R.transpose() * massR;
+    if (LAPACKE_dposv(LAPACK_COL_MAJOR, 'L', 6, static_cast<lapack_int>(g), gram.data(), 6, total.data(), 6) != 0) return {};
+    tractions -= R * total;
+    return tractions;
 }
 
 std::vector<std::int32_t> verticesWithoutFace(const ResponseInput& input) {
@@ -207,13 +331,14 @@ Eigen::MatrixXd heldDisplacement(const SolvedBody& solved, const Points& body) {
 Eigen::MatrixXd seenDisplacement(const SolverMesh& mesh, const std::vector<std::int32_t>& freeVertices, const Eigen::MatrixXd& held,
                                  const BoundaryProblem::Solution& solution) {
     const Eigen::Index vertices = mesh.mesh.vertices.rows(), bubbles = static_cast<Eigen::Index>(mesh.bubbles.size());
-    Eigen::MatrixXd out(3 * (vertices + bubbles), held.cols());
+    const Eigen::Index loads = solution.displacement.cols() - held.cols();  // which hold the faces at rest
+    Eigen::MatrixXd out = Eigen::MatrixXd::Zero(3 * (vertices + bubbles), held.cols() + loads);
     for (std::size_t i = 0; i < freeVertices.size(); ++i)
         out.middleRows(3 * freeVertices[i], 3) = solution.displacement.middleRows(3 * static_cast<Eigen::Index>(i), 3);
     Eigen::Index row = 0;
     for (const SolverMesh::Patch& face : mesh.faces)
         for (const std::int32_t v : face.vertices) {
-            out.middleRows(3 * v, 3) = held.middleRows(row, 3);
+            out.block(3 * v, 0, 3, held.cols()) = held.middleRows(row, 3);
             row += 3;
         }
     for (Eigen::Index b = 0; b < bubbles; ++b) {
@@ -226,17 +351,17 @@ Eigen::MatrixXd seenDisplacement(const SolverMesh& mesh, const std::vector<std::
 
 /// One level of the solution: displacement of the body's free vertices (3 #free x k) for prescribed displacements of the held solver vertices.
 struct Level {
-    Eigen::MatrixXd response, traction;
+    Eigen::MatrixXd response, traction;  ///< with loads: their columns last
     SolveQuality quality;
     double mappingError = 0.0, shapeError = 0.0;
 };
 
 /// `held`: 3 #held x k. `bodyFree`: the body's free vertices, ascending.
 Result<Level> solveLevel(const ResponseInput& input, const SolvedBody& solved, const std::vector<std::int32_t>& bodyFree, const Eigen::MatrixXd& held,
-                         const Progress& progress) {
+                         bool withLoads, const Progress& progress) {
     auto problem = BoundaryProblem::build(problemOf(input, solved.mesh), progress.part(0.0, 0.9));
     if (!problem) return tl::make_unexpected(problem.error());
-    auto solution = problem->solve(held, progress.part(0.9, 0.98));
+    auto solution = withLoads ? problem->solveWithLoads(held, progress.part(0.9, 0.98)) : problem->solve(held, progress.part(0.9, 0.98));
     if (!solution) return tl::make_unexpected(solution.error());
     Level level;
     level.quality = problem->quality();
@@ -262,18 +387,33 @@ Result<Level> solveLevel(const ResponseInput& input, const SolvedBody& solved, c
 }
 
 /// The error of `fine` by its difference from a coarser level, relative to the motion of free and held vertices together, root mean square over the
-/// columns. Negative where no coarser level can be made.
-Result<double> estimateError(const ResponseInput& input, const SolvedBody& solved, const std::vector<std::int32_t>& bodyFree,
-                             const std::vector<FaceBasis>& bases, const std::vector<int>& firstColumn, const Eigen::MatrixXd& held,
-                             const Eigen::MatrixXd& fine, const Progress& progress) {
+/// joint modes. Of a full basis the affine motions of its faces are compared, which is what other bases have as modes. Negative where no
+/// coarser level can be made.
+Result<double> estimateError(const ResponseInput& input, const SolvedBody& solved, const ElementResponse& response, const Eigen::MatrixXd& C,
+                             const Eigen::MatrixXd& fineResponse, const Progress& progress) {
     const auto cancelled = [] { return fail(kCancelled, "The precompute was cancelled."); };
     const auto coarser = coarserLevel(input.mesh->body, input.faces, solved, progress);
     if (progress.cancelled()) return cancelled();
     if (!coarser) return -1.0;
-    const HeldModes modes = heldModes(coarser->body, bases, firstColumn);
-    const auto level = solveLevel(input, coarser->body, bodyFree, modes.C, progress);
+    ResponseInput compared = input;
+    if (input.basis == BasisKind::Full) compared.basis = BasisKind::Affine;
+    std::vector<int> firstColumn;
+    const std::vector<FaceBasis> bases = basesOf(compared, firstColumn);
+    const HeldModes modes = heldModes(compared, coarser->body, bases, firstColumn);
+    const auto level = solveLevel(compared, coarser->body, response.freeVertices, modes.C, false, progress);
     if (progress.cancelled()) return cancelled();
     if (!level) return -1.0;
+    Eigen::MatrixXd held = C, fine = fineResponse.leftCols(response.columns());
+    if (input.basis == BasisKind::Full) {
+        Eigen::MatrixXd affine = Eigen::MatrixXd::Zero(response.columns(), firstColumn.back());
+        for (std::size_t f = 0; f < bases.size(); ++f) {
+            const Points rest = localVertices(input.mesh->body, input.faces[f]);
+            for (Eigen::Index i = 0; i < rest.rows(); ++i)
+                affine.block(response.firstColumn[f] + 3 * i, firstColumn[f], 3, bases[f].columns()) = bases[f].at(rest.row(i).transpose());
+        }
+        held = (held * affine).eval();
+        fine = (fine * affine).eval();
+    }
     double sum = 0.0;
     for (Eigen::Index c = 0; c < held.cols(); ++c) {
         const double size = fine.col(c).squaredNorm() / static_cast<double>(fine.rows()) + held.col(c).squaredNorm() / static_cast<double>(held.rows());
@@ -285,7 +425,7 @@ Result<double> estimateError(const ResponseInput& input, const SolvedBody& solve
 }  // namespace
 
 std::size_t ElementResponse::bytes() const {
-    return sizeof(double) * static_cast<std::size_t>(response.size() + stiffness.size()) + sizeof(std::int32_t) * freeVertices.size();
+    return sizeof(double) * static_cast<std::size_t>(response.size() + stiffness.size() + tractions.size() + loads.size() + loadForces.size()) + sizeof(std::int32_t) * freeVertices.size();
 }
 
 ContentKey responseKey(const ResponseInput& input) {
@@ -306,6 +446,7 @@ ContentKey responseKey(const ResponseInput& input) {
         hasher.array(std::span<const double>(face.frame.axes.data(), 9));
         hasher.number(static_cast<int>(face.flat()));
     }
+    if (input.loads) hasher.text("loads");
     return hasher.key();
 }
 
@@ -324,15 +465,23 @@ Result<ElementResponse> buildResponse(const ResponseInput& input, const Progress
     auto solved = solvedBody(input.mesh->body, input.faces, input.solverMesh, progress.part(0.0, 0.1));
     if (!solved) return tl::make_unexpected(solved.error());
     const SolverMesh& mesh = solved->mesh;
-    const HeldModes modes = heldModes(*solved, response.bases, response.firstColumn);
+    const HeldModes modes = heldModes(input, *solved, response.bases, response.firstColumn);
     response.freeVertices = verticesWithoutFace(input);
-    auto level = solveLevel(input, *solved, response.freeVertices, modes.C, progress.part(0.1, 0.95));
+    auto level = solveLevel(input, *solved, response.freeVertices, modes.C, input.loads, progress.part(0.1, 0.95));
     if (!level) return tl::make_unexpected(level.error());
-    auto error = estimateError(input, *solved, response.freeVertices, response.bases, response.firstColumn, modes.C, level->response,
-                               progress.part(0.95, 1.0));
+    auto error = estimateError(input, *solved, response, modes.C, level->response, progress.part(0.95, 1.0));
     if (!error) return tl::make_unexpected(error.error());
-    response.response = std::move(level->response);
     response.stiffness = modes.C.transpose() * faceMass(mesh, level->traction);
+    response.response = std::move(level->response);
+    Eigen::Matrix<double, 6, BoundaryEquation::kLoads> loads;
+    if (input.loads) {
+        loads = wholeLoads(input, modes);
+        response.loads = response.response.rightCols(BoundaryEquation::kLoads);
+        response.loadForces = response.stiffness.rightCols(BoundaryEquation::kLoads);
+        response.response.conservativeResize(Eigen::NoChange, g);
+        response.stiffness.conservativeResize(Eigen::NoChange, g);
+    }
+    if (input.basis == BasisKind::Full) response.tractions = nodalTractions(input, modes, response.firstColumn, response.stiffness);
     ResponseQuality& quality = response.quality;
     quality.solve = level->quality;
     quality.solverVertices = static_cast<int>(mesh.mesh.vertices.rows());
@@ -341,7 +490,8 @@ Result<ElementResponse> buildResponse(const ResponseInput& input, const Progress
     quality.error = *error;
     quality.mappingError = level->mappingError;
     quality.shapeError = level->shapeError;
-    if (g > 0 && !cleanStiffness(modes, mesh, response.stiffness, response.quality))
+    if (!cleanStiffness(modes, mesh, loads, response.stiffness, response.loadForces, response.quality) ||
+        (input.basis == BasisKind::Full && response.tractions.size() == 0))
         return fail("singular", "The joint modes of a face cannot be told apart; choose larger joint faces.");
     response.quality.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return response;
@@ -389,7 +539,7 @@ Result<Points> solveFull(const ResponseInput& input, const std::vector<Points>& 
         for (std::size_t i = 0; i < input.faces[f].vertices.size(); ++i) out.row(input.faces[f].vertices[i]) = faceDisplacement[f].row(static_cast<Eigen::Index>(i));
     const Eigen::MatrixXd held = heldDisplacement(*solved, out);
     const std::vector<std::int32_t> freeVertices = verticesWithoutFace(input);
-    auto level = solveLevel(input, *solved, freeVertices, held, progress.part(0.1, 1.0));
+    auto level = solveLevel(input, *solved, freeVertices, held, false, progress.part(0.1, 1.0));
     if (!level) return tl::make_unexpected(level.error());
     for (std::size_t i = 0; i < freeVertices.size(); ++i)
         out.row(freeVertices[i]) = level->response.block<3, 1>(3 * static_cast<Eigen::Index>(i), 0).transpose();

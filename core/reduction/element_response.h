@@ -38,7 +38,16 @@ struct ElementResponse {
     std::vector<FaceBasis> bases;            ///< one per joint face, in the order of the element's faces
     std::vector<int> firstColumn;            ///< of each face; one more entry: the number of columns g
     Eigen::MatrixXd response;                ///< A': 3 * #free x g, rows xyz per free vertex, displacement (m) per unit of v, element rest axes
-    Eigen::MatrixXd stiffness;               ///< K: g x g, symmetric, positive semi-definite, zero on rigid motions; for shear modulus 1
+    /// K: g x g, symmetric, positive semi-definite, zero on rigid motions; for shear modulus 1. K v are the forces on the joint parameters that hold v.
+    Eigen::MatrixXd stiffness;
+    /// Of a full basis (else empty), g x g, for shear modulus 1: the tractions at the vertices of the faces (3 i + axis of each face, element rest axes)
+    /// per unit of v, linear on the body's triangles. They balance exactly, but are as unsymmetrical as collocation leaves them. Below `response`
+    /// they make the n x m matrix of the previous model: X = (displacement of free vertices, tractions of held ones).
+    Eigen::MatrixXd tractions;
+    /// Body loads with all faces at rest, where they were asked for (else empty). Columns 0 1 2: a uniform force per volume along x, y, z of the
+    /// element rest axes, over the shear modulus (1/m); 3: a pressure over the shear modulus that pushes the free surface outwards.
+    Eigen::MatrixXd loads;       ///< 3 * #free x 4: displacement (m) per unit of load
+    Eigen::MatrixXd loadForces;  ///< g x 4, for shear modulus 1: with loads l and joint parameters v the faces are held by K v + loadForces l
     ResponseQuality quality;
 
     [[nodiscard]] int columns() const { return firstColumn.empty() ? 0 : firstColumn.back(); }
@@ -52,10 +61,11 @@ struct ResponseInput {
     double nu = 0.45;
     BasisKind basis = BasisKind::Affine;
     SolverMeshSetting solverMesh;
+    bool loads = false;  ///< body loads too
     int threads = 1;  ///< not part of the key: it changes no byte of the answer
 };
 
-/// The content key of the answer: mesh, faces, nu, basis, solver mesh and the version of the solver.
+/// The content key of the answer: mesh, faces, nu, basis, solver mesh, whether with loads, and the version of the solver.
 ContentKey responseKey(const ResponseInput& input);
 
 /// Errors: those of BoundaryProblem::build and solve, and of solvedBody().
