@@ -64,7 +64,7 @@ bool fits(const ElementResponse& response, const Element& element, BasisKind bas
     const auto count = static_cast<std::size_t>(element.mesh->body.vertices.rows());
     std::vector<bool> held(count, false);
     for (std::size_t f = 0; f < element.faces.size(); ++f) {
-        if (response.bases[f].kind != basis || response.bases[f].flat != element.faces[f].flat()) return false;
+        if (!(response.bases[f] == FaceBasis::on(element.faces[f], basis))) return false;
         for (const std::int32_t v : element.faces[f].vertices) held[static_cast<std::size_t>(v)] = true;
     }
     std::size_t next = 0;
@@ -74,7 +74,8 @@ bool fits(const ElementResponse& response, const Element& element, BasisKind bas
         ++next;
     }
     return next == response.freeVertices.size() && response.response.rows() == static_cast<Eigen::Index>(3 * next) &&
-           response.response.cols() == response.columns() && response.stiffness.rows() == response.columns();
+           response.response.cols() == response.columns() && response.stiffness.rows() == response.columns() &&
+           response.tractions.rows() == (basis == BasisKind::Full ? response.columns() : 0);
 }
 
 }  // namespace

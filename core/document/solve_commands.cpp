@@ -195,14 +195,12 @@ Points faceDisplacement(const TriangleMesh& body, const JointFace& face, const F
 
 /// The joint parameters whose displacement of the face's vertices is nearest in the mean square.
 Eigen::VectorXd project(const TriangleMesh& body, const JointFace& face, const FaceBasis& basis, const Points& displacement) {
-    const auto rows = static_cast<Eigen::Index>(face.vertices.size());
-    Eigen::MatrixXd C(3 * rows, basis.columns());
-    Eigen::VectorXd u(3 * rows);
-    for (Eigen::Index i = 0; i < rows; ++i) {
-        const Vec3 p = face.frame.toLocal(body.vertices.row(face.vertices[static_cast<std::size_t>(i)]).transpose());
-        C.middleRows(3 * i, 3) = basis.at(p);
-        u.segment(3 * i, 3) = face.frame.axes.transpose() * displacement.row(i).transpose();
-    }
+    const Points rest = localVertices(body, face);
+    Eigen::VectorXd u(3 * rest.rows());
+    for (Eigen::Index i = 0; i < rest.rows(); ++i) u.segment(3 * i, 3) = face.frame.axes.transpose() * displacement.row(i).transpose();
+    if (basis.kind == BasisKind::Full) return u;
+    Eigen::MatrixXd C(3 * rest.rows(), basis.columns());
+    for (Eigen::Index i = 0; i < rest.rows(); ++i) C.middleRows(3 * i, 3) = basis.at(rest.row(i).transpose());
     return C.completeOrthogonalDecomposition().solve(u);
 }
 
@@ -234,7 +232,8 @@ Result<Json> deform(Session& session, const Json& arguments, const Progress& pro
     Json answer;
     answer["model"] = model;
     Points positions;
-    if (model == "reduced") {
+    // A response of full basis is the full solution, for any displacement of the faces.
+    if (model == "reduced" || s.document.settings.basis == BasisKind::Full) {
         const auto fresh = freshResponse(s, element.id, progress);
         if (!fresh) return tl::unexpected(fresh.error());
         const auto& response = *fresh;
@@ -250,14 +249,14 @@ Result<Json> deform(Session& session, const Json& arguments, const Progress& pro
             } else {
                 double faceLost = 0.0;
                 Eigen::VectorXd coefficients = Eigen::VectorXd::Zero(basis.columns());
-                basis.coefficients(requests[f].map, face.size, coefficients.data(), faceLost);
+                basis.coefficients(requests[f].map, localVertices(body, face), face.size, coefficients.data(), faceLost);
                 part = coefficients;
                 lost = std::max(lost, faceLost);
             }
             const Points wanted = faceDisplacement(body, face, requests[f]);
             for (std::size_t i = 0; i < face.vertices.size(); ++i) {
                 const Vec3 p = face.frame.toLocal(body.vertices.row(face.vertices[i]).transpose());
-                worst = std::max(worst, (face.frame.axes * (basis.at(p) * part) - wanted.row(static_cast<Eigen::Index>(i)).transpose()).norm());
+                worst = std::max(worst, (face.frame.axes * (basis.at(p, static_cast<int>(i)) * part) - wanted.row(static_cast<Eigen::Index>(i)).transpose()).norm());
             }
         }
         positions = deformElement(*element.mesh, element.faces, *response, v);

@@ -40,11 +40,13 @@ CREATE TABLE held (bone INTEGER, at_end INTEGER, pinned INTEGER, target BLOB, ro
     elapsed REAL, PRIMARY KEY (bone, at_end));
 CREATE TABLE pose (points BLOB, frames BLOB, rolls BLOB);
 CREATE TABLE responses (id INTEGER PRIMARY KEY, key BLOB, shape BLOB, free_vertices BLOB, bases BLOB, response BLOB, stiffness BLOB,
+    tractions BLOB, loads BLOB, load_forces BLOB,
     residual REAL, rcond REAL, peak_bytes INTEGER, asymmetry REAL, negative_energy REAL, solver_vertices INTEGER, solver_nodes INTEGER,
     decimated INTEGER, error REAL, mapping_error REAL, shape_error REAL);
 CREATE TABLE element_responses (element INTEGER PRIMARY KEY, response INTEGER);
 )";
 
+constexpr int kMostFaceVertices = 1'000'000;  // of all faces of an element
 constexpr double kLargestCoordinate = 1e9;  // as in commands
 constexpr std::int64_t kMaxId = std::int64_t{1} << 53;
 
@@ -164,14 +166,16 @@ void writeSkeleton(Database& db, const Document& document) {
 void writeResponses(Database& db, const Project& project) {
     // Times are left out: the same work gives the same file.
     std::map<ContentKey, int> ids;
-    RowWriter responses(db, "INSERT INTO responses VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
+    RowWriter responses(db, "INSERT INTO responses VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
     for (const auto& [element, r] : project.responses) {
         const int id = static_cast<int>(ids.size()) + 1;
         if (!ids.emplace(r.key, id).second) continue;
         const ElementResponse& a = *r.response;
         std::vector<std::int32_t> bases;
-        for (const FaceBasis& basis : a.bases) bases.insert(bases.end(), {static_cast<std::int32_t>(basis.kind), basis.flat ? 1 : 0});
-        responses.row(id, std::vector{r.key.high, r.key.low}, std::vector{r.shape.high, r.shape.low}, a.freeVertices, bases, a.response, a.stiffness,
+        // What a basis has besides its kind: the number of vertices, or whether the face is flat.
+        for (const FaceBasis& basis : a.bases)
+            bases.insert(bases.end(), {static_cast<std::int32_t>(basis.kind), basis.kind == BasisKind::Full ? basis.vertices : basis.flat});
+        responses.row(id, std::vector{r.key.high, r.key.low}, std::vector{r.shape.high, r.shape.low}, a.freeVertices, bases, a.response, a.stiffness, a.tractions, a.loads, a.loadForces,
                       a.quality.solve.residual, a.quality.solve.rcond, a.quality.solve.peakBytes, a.quality.asymmetry, a.quality.negativeEnergy,
                       a.quality.solverVertices, a.quality.solverNodes, a.quality.decimated, a.quality.error, a.quality.mappingError, a.quality.shapeError);
     }
@@ -460,17 +464,32 @@ void readResponses(Database& db, Project& project) {
         const auto bases = rows.array<std::int32_t>(2);
         a->firstColumn.push_back(0);
         for (std::size_t i = 0; i < bases.size(); i += 2) {
-            require((bases[i] == 0 || bases[i] == 1) && (bases[i + 1] == 0 || bases[i + 1] == 1), "a basis is unknown");
-            a->bases.push_back({static_cast<BasisKind>(bases[i]), bases[i + 1] == 1});
+            const bool full = bases[i] == static_cast<std::int32_t>(BasisKind::Full);
+            require((bases[i] == 0 || bases[i] == 1 || full) && bases[i + 1] >= 0 && bases[i + 1] <= (full ? kMostFaceVertices : 1), "a basis is unknown");
+            if (full)
+                a->bases.push_back({BasisKind::Full, true, bases[i + 1]});
+            else
+                a->bases.push_back({static_cast<BasisKind>(bases[i]), bases[i + 1] == 1});
+            require(static_cast<std::int64_t>(a->firstColumn.back()) + a->bases.back().columns() <= 3 * kMostFaceVertices, "a basis is too large");
             a->firstColumn.push_back(a->firstColumn.back() + a->bases.back().columns());
         }
         const auto g = static_cast<std::size_t>(a->columns());
-        const auto values = rows.array<double>(), stiffness = rows.array<double>();
+        const auto values = rows.array<double>(), stiffness = rows.array<double>(), tractions = rows.array<double>(), loads = rows.array<double>(),
+                   loadForces = rows.array<double>();
         require(values.size() == 3 * a->freeVertices.size() * g && stiffness.size() == g * g, "a response has a broken size");
-        require(finite(values) && finite(stiffness), "a response is not finite");
+        require(tractions.empty() || tractions.size() == g * g, "a response has a broken size");
+        require(loads.empty() ? loadForces.empty() : loads.size() == 12 * a->freeVertices.size() && loadForces.size() == 4 * g, "a response has a broken size");
+        require(finite(values) && finite(stiffness) && finite(tractions) && finite(loads) && finite(loadForces), "a response is not finite");
         a->response = Eigen::Map<const Eigen::MatrixXd>(values.data(), 3 * static_cast<Eigen::Index>(a->freeVertices.size()), static_cast<Eigen::Index>(g));
+        const auto matrix = [](const std::vector<double>& from, std::size_t columns) -> Eigen::MatrixXd {
+            return Eigen::Map<const Eigen::MatrixXd>(from.data(), static_cast<Eigen::Index>(from.size() / columns), static_cast<Eigen::Index>(columns));
+        };
         a->stiffness = Eigen::Map<const Eigen::MatrixXd>(stiffness.data(), static_cast<Eigen::Index>(g), static_cast<Eigen::Index>(g));
-        
+        if (!tractions.empty()) a->tractions = matrix(tractions, g);
+        if (!loads.empty()) {
+            a->loads = matrix(loads, 4);
+            a->loadForces = matrix(loadForces, 4);
+        }
         a->quality.solve.residual = rows.real();
         a->quality.solve.rcond = rows.real();
         a->quality.solve.peakBytes = static_cast<std::size_t>(rows.integer(0, std::numeric_limits<std::int64_t>::max()));
@@ -508,7 +527,7 @@ Project readProject(Database& db, std::int64_t version) {
     document.nextId = id(settings);
     readElements(db, document);
     readSkeleton(db, document);
-    if (version == kProjectVersion) readResponses(db, project);  // those of version 1 are of an older solver
+    if (version == kProjectVersion) readResponses(db, project);  // older ones are of older solvers
     std::set<PartId> ids;
     const auto unique = [&](PartId part) { require(part < document.nextId && ids.insert(part).second, "an id is used twice"); };
     for (const auto& [part, element] : document.elements) unique(part);
@@ -574,7 +593,7 @@ Result<Project> openProject(const std::filesystem::path& path) {
         if (version > kProjectVersion)
             return fail("newer-version", name + " was written by a newer version of Imomushi (format " + std::to_string(version) + ", this program knows " +
                                              std::to_string(kProjectVersion) + "): update the program.");
-        require(version == 1 || version == kProjectVersion, "its version is unknown");
+        require(version >= 1, "its version is unknown");
         RowReader info(db, "SELECT value FROM info WHERE name='digest'");
         require(info.next() && info.text() == db.digest(kProjectTables), "its content does not match its digest");
         return readProject(db, version);

@@ -27,7 +27,7 @@ struct Project {
 /// "IMOM": SQLite's application id of a .imomushi file.
 inline constexpr int kProjectApplicationId = 0x494d4f4d;
 /// Version of the tables. A file of a newer one is refused.
-inline constexpr int kProjectVersion = 2;
+inline constexpr int kProjectVersion = 3;
 
 /// All tables that hold the project; "info" holds their digest.
 inline constexpr std::array<const char*, 14> kProjectTables = {"settings", "meshes", "materials", "textures",    "elements", "issues",    "faces",

@@ -34,14 +34,16 @@ enum class BasisKind { Paper, Affine, Full };
 /// Columns of full: the displacement (m) of each vertex of the face, 3 i + axis for the i-th one, linear on the triangles in between.
 struct FaceBasis {
     BasisKind kind = BasisKind::Affine;
-    bool flat = true;
-    int vertices = 0;  ///< of the face, in full
+    bool flat = true;  ///< of the others
+    int vertices = 0;  ///< of the face, in full; else 0
 
     /// The basis of `kind` on a face.
-    static FaceBasis on(const JointFace& face, BasisKind kind) { return {kind, face.flat(), static_cast<int>(face.vertices.size())}; }
+    static FaceBasis on(const JointFace& face, BasisKind kind) {
+        return kind == BasisKind::Full ? FaceBasis{kind, true, static_cast<int>(face.vertices.size())} : FaceBasis{kind, face.flat(), 0};
+    }
 
     [[nodiscard]] int columns() const { return kind == BasisKind::Full ? 3 * vertices : (kind == BasisKind::Paper ? 6 : 9) + (flat ? 0 : 3); }
-    bool operator==(const FaceBasis& other) const { return kind == other.kind && flat == other.flat && columns() == other.columns(); }
+    bool operator==(const FaceBasis&) const = default;
 
     /// 3 x columns(): the displacement of the local point p, in face axes. Not of full, which knows vertices only.
     [[nodiscard]] Eigen::Matrix<double, 3, Eigen::Dynamic> at(const Vec3& p) const;

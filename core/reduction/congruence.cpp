@@ -14,7 +14,7 @@ constexpr double kSecondsPerEntry = 1e-8;
 
 bool sameParts(const ResponseInput& a, const ResponseInput& b) {
     if (!a.mesh || !b.mesh || a.faces.empty() || a.faces.size() != b.faces.size()) return false;
-    if (a.nu != b.nu || a.basis != b.basis || !(a.solverMesh == b.solverMesh)) return false;
+    if (a.nu != b.nu || a.basis != b.basis || a.loads != b.loads || !(a.solverMesh == b.solverMesh)) return false;
     const TriangleMesh &x = a.mesh->body, &y = b.mesh->body;
     if (x.vertices.rows() != y.vertices.rows() || x.triangles.rows() != y.triangles.rows()) return false;
     for (std::size_t f = 0; f < a.faces.size(); ++f) {
@@ -27,11 +27,11 @@ bool sameParts(const ResponseInput& a, const ResponseInput& b) {
 /// 3 * #vertices x g_f: displacement of the vertices of a face per joint parameter, in world axes.
 Eigen::MatrixXd modesOf(const ResponseInput& input, std::size_t f) {
     const JointFace& face = input.faces[f];
-    const FaceBasis basis{input.basis, face.flat()};
+    const FaceBasis basis = FaceBasis::on(face, input.basis);
     Eigen::MatrixXd C(3 * static_cast<Eigen::Index>(face.vertices.size()), basis.columns());
     for (std::size_t i = 0; i < face.vertices.size(); ++i) {
         const Vec3 p = input.mesh->body.vertices.row(face.vertices[i]).transpose();
-        C.middleRows(3 * static_cast<Eigen::Index>(i), 3) = face.frame.axes * basis.at(face.frame.toLocal(p));
+        C.middleRows(3 * static_cast<Eigen::Index>(i), 3) = face.frame.axes * basis.at(face.frame.toLocal(p), static_cast<int>(i));
     }
     return C;
 }
@@ -63,6 +63,15 @@ std::optional<Congruence> findCongruence(const ResponseInput& from, const Respon
     out.shift = middleY.transpose() - out.rotation * middleX.transpose();
 
     for (std::size_t f = 0; f < from.faces.size(); ++f) {
+        if (from.basis == BasisKind::Full) {
+            // Each vertex by itself, exactly.
+            const Eigen::Matrix3d turned = from.faces[f].frame.axes.transpose() * out.rotation.transpose() * to.faces[f].frame.axes;
+            const auto count = static_cast<Eigen::Index>(from.faces[f].vertices.size());
+            Eigen::MatrixXd N = Eigen::MatrixXd::Zero(3 * count, 3 * count);
+            for (Eigen::Index i = 0; i < count; ++i) N.block<3, 3>(3 * i, 3 * i) = turned;
+            out.columns.push_back(std::move(N));
+            continue;
+        }
         Eigen::MatrixXd C = modesOf(from, f), wanted = modesOf(to, f);
         turn(out.rotation.transpose(), wanted);
         const Eigen::VectorXd unit = C.colwise().norm().cwiseMax(1e-300).cwiseInverse();
@@ -88,8 +97,18 @@ Result<ElementResponse> Congruence::carry(const ElementResponse& from) const {
         const Eigen::Index first = from.firstColumn[f], count = columns[f].cols();
         out.response.middleCols(first, count) = from.response.middleCols(first, count) * columns[f];
         out.stiffness.middleCols(first, count) = from.stiffness.middleCols(first, count) * columns[f];
+        if (from.tractions.size() > 0) out.tractions.middleCols(first, count) = from.tractions.middleCols(first, count) * columns[f];
     }
     turn(rotation, out.response);
+    turn(rotation, out.tractions);
+    if (from.loads.size() > 0) {
+        turn(rotation, out.loads);
+        out.loads.leftCols<3>() = (out.loads.leftCols<3>() * rotation.transpose()).eval();
+        out.loadForces.leftCols<3>() = (from.loadForces.leftCols<3>() * rotation.transpose()).eval();
+        const Eigen::MatrixXd forces = out.loadForces;
+        for (std::size_t f = 0; f < columns.size(); ++f)
+            out.loadForces.middleRows(from.firstColumn[f], columns[f].cols()) = columns[f].transpose() * forces.middleRows(from.firstColumn[f], columns[f].rows());
+    }
     const Eigen::MatrixXd half = out.stiffness;
     for (std::size_t f = 0; f < columns.size(); ++f) {
         const Eigen::Index first = from.firstColumn[f], count = columns[f].cols();

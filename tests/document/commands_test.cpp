@@ -183,7 +183,7 @@ TEST_CASE("set: every property is checked and what is not available is said") {
     CHECK(set("a", "nu", 0.3) == "no-such-property");
     CHECK(set("character", "basis", "paper") == "ok");
     CHECK(set("character", "basis", "modes:12") == "not-available");
-    CHECK(set("character", "basis", "full") == "not-available");
+    CHECK(set("character", "basis", "full") == "ok");
     CHECK(set("character", "basis", "odd") == "bad-value");
     CHECK(set("character", "format", "half") == "not-available");
     CHECK(set("character", "threads", 2) == "ok");

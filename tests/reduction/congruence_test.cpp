@@ -54,13 +54,17 @@ double difference(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) { return (
 }  // namespace
 
 TEST_CASE("congruence: the response of a turned and shifted copy is that of its own precompute") {
-    for (const BasisKind basis : {BasisKind::Affine, BasisKind::Paper})
+    for (const BasisKind basis : {BasisKind::Affine, BasisKind::Paper, BasisKind::Full})
         for (const double angle : {0.0, 0.4, 1.9, 3.1}) {
             CAPTURE(int(basis));
             CAPTURE(angle);
             const shapes::Body body = limb();
-            const ResponseInput from = inputOf(body.mesh, body.ends, basis);
-            const ResponseInput to = inputOf(moved(body.mesh, rotation(angle, {0.3, -1.0, 0.7}), {4.0, -2.0, 9.0}), body.ends, basis);
+            ResponseInput from = inputOf(body.mesh, body.ends, basis);
+            ResponseInput to = inputOf(moved(body.mesh, rotation(angle, {0.3, -1.0, 0.7}), {4.0, -2.0, 9.0}), body.ends, basis);
+            CHECK(findCongruence(from, to));
+            from.loads = true;
+            CHECK_FALSE(findCongruence(from, to));
+            to.loads = true;
             const auto how = findCongruence(from, to);
             REQUIRE(how);
             CHECK(how->miss < 1e-14);
@@ -73,6 +77,9 @@ TEST_CASE("congruence: the response of a turned and shifted copy is that of its 
             // The same triangles and no choice depends on the axes: what is left is rounding times the condition.
             CHECK(difference(carried->response, own->response) < 1e-9);
             CHECK(difference(carried->stiffness, own->stiffness) < 1e-9);
+            CHECK(difference(carried->loads, own->loads) < 1e-9);
+            CHECK(difference(carried->loadForces, own->loadForces) < 1e-9);
+            if (basis == BasisKind::Full) CHECK(difference(carried->tractions, own->tractions) < 1e-9);
             CHECK(carried->stiffness == carried->stiffness.transpose());
             CHECK(carried->freeVertices == own->freeVertices);
             CHECK(carried->firstColumn == own->firstColumn);
