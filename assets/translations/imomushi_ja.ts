@@ -876,6 +876,10 @@
             <translation>論文（面ごとに 6）</translation>
         </message>
         <message>
+            <source>Full (3 per vertex of a face)</source>
+            <translation>すべて（面の頂点ごとに 3）</translation>
+        </message>
+        <message>
             <source>All (%1)</source>
             <translation>すべて (%1)</translation>
         </message>

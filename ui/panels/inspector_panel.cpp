@@ -313,7 +313,7 @@ void InspectorPanel::buildCharacter() {
     const auto set = [this](const char* property) {
         return [this, property](const Json& value) { document_.execute({{"do", "set"}, {"target", "character"}, {"property", property}, {"value", value}}); };
     };
-    addChoice(tr("Joint modes"), {{tr("Affine (9 per face)"), "affine"}, {tr("Paper (6 per face)"), "paper"}},
+    addChoice(tr("Joint modes"), {{tr("Affine (9 per face)"), "affine"}, {tr("Paper (6 per face)"), "paper"}, {tr("Full (3 per vertex of a face)"), "full"}},
               [this] { return Json(basisName(document_.document().settings.basis)); }, set("basis"));
     std::vector<std::pair<QString, Json>> threads = {{tr("All (%1)").arg(hardwareThreads()), 0}};
     for (int n = 1; n <= hardwareThreads(); ++n) threads.emplace_back(QString::number(n), n);
