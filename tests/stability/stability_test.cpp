@@ -7,7 +7,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <fstream>
 
 #include "tests/stability/scene.h"
@@ -45,10 +44,14 @@ const CommandRegistry& registry() {
     return made;
 }
 
-/// "solver-mesh" of all elements, empty: what the program chooses.
-std::string solverMesh() {
-    const char* value = std::getenv("IMOMUSHI_STABILITY_SOLVER_MESH");
-    return value ? value : "";
+/// What every case is solved on in turn.
+constexpr const char* kSolverMeshes[] = {"as-is", "default"};
+
+double boundOf(const HardCheck& check, const std::string& solverMesh) {
+    return solverMesh == "default" && check.boundByDefault > 0.0 ? check.boundByDefault : check.bound;
+}
+const std::string& whyOf(const HardCheck& check, const std::string& solverMesh) {
+    return solverMesh == "default" && check.boundByDefault > 0.0 ? check.whyByDefault : check.why;
 }
 
 /// The command that was refused, with its reason; nothing where all went well.
@@ -65,9 +68,9 @@ Refused execute(Session& session, const std::vector<Json>& lines, std::vector<Js
 }
 
 struct Row {
-    std::string name, hard, expectation, result;
+    std::string name, hard, solverMesh, expectation, result;
     double condition = 0.0, residual = 0.0, seconds = 0.0;
-    long vertices = 0;
+    long nodes = 0;
     bool met = true;
 };
 
@@ -79,13 +82,13 @@ std::string short_(double x) {
 
 void add(std::string& list, const std::string& more) { list += (list.empty() ? "" : "; ") + more; }
 
-std::string expectationOf(const HardCase& hard) {
+std::string expectationOf(const HardCase& hard, const std::string& solverMesh) {
     std::string text;
     if (!hard.refusal.command.empty()) text = "`" + hard.refusal.command + "` refused: " + hard.refusal.code + " (" + hard.refusal.why + ")";
     if (hard.orSolved) text += ", or solved:";
     if (hard.refusal.command.empty() || hard.orSolved) {
         std::string checks;
-        for (const HardCheck& check : hard.elements.front().checks) add(checks, check.what + " <= " + short_(check.bound) + " (" + check.why + ")");
+        for (const HardCheck& check : hard.elements.front().checks) add(checks, check.what + " <= " + short_(boundOf(check, solverMesh)) + " (" + whyOf(check, solverMesh) + ")");
         if (hard.elements.front().checks.empty()) checks = "rigid";
         text += (text.empty() ? "" : " ") + checks;
     }
@@ -93,11 +96,11 @@ std::string expectationOf(const HardCase& hard) {
 }
 
 std::string table(const std::vector<Row>& rows) {
-    std::string text = "| case | what is hard | expectation | result | condition | residual | solver vertices | seconds |\n|---|---|---|---|---|---|---|---|\n";
+    std::string text = "| case | what is hard | solver mesh | expectation | result | condition | residual | nodes | seconds |\n|---|---|---|---|---|---|---|---|---|\n";
     for (const Row& r : rows)
-        text += "| " + r.name + " | " + r.hard + " | " + r.expectation + " | " + (r.met ? "" : "**NOT MET** ") + r.result + " | " +
+        text += "| " + r.name + " | " + r.hard + " | " + r.solverMesh + " | " + r.expectation + " | " + (r.met ? "" : "**NOT MET** ") + r.result + " | " +
                 (r.condition > 0.0 ? short_(r.condition) : "") + " | " + (r.condition > 0.0 ? short_(r.residual) : "") + " | " +
-                (r.vertices > 0 ? std::to_string(r.vertices) : "") + " | " + short_(r.seconds) + " |\n";
+                (r.nodes > 0 ? std::to_string(r.nodes) : "") + " | " + short_(r.seconds) + " |\n";
     return text;
 }
 
@@ -131,13 +134,13 @@ double largestLever(const HardCase& hard) {
     return size;
 }
 
-Row judge(const HardCase& hard) {
-    Row row{hard.name, hard.hard, expectationOf(hard), {}, 0, 0, 0, 0, true};
+Row judge(const HardCase& hard, const std::string& solverMesh) {
+    Row row{hard.name, hard.hard, solverMesh, expectationOf(hard, solverMesh), {}, 0, 0, 0, 0, true};
     const auto miss = [&](const std::string& what) {
         row.met = false;
         add(row.result, what);
     };
-    const HardScene scene = hardScene(hard, solverMesh());
+    const HardScene scene = hardScene(hard, solverMesh);
     const auto written = writeHardCase(hard, scene, ".");
     REQUIRE(written);
     const auto start = std::chrono::steady_clock::now();
@@ -159,7 +162,6 @@ Row judge(const HardCase& hard) {
     for (const HardElement& element : hard.elements) {
         const PartId id = session.document().elementNamed(element.name)->id;
         const ResponseInput input = session.responseInput(id);
-        row.vertices += input.mesh->body.vertices.rows();
         if (input.faces.empty()) continue;
         const auto response = session.responses().find(responseKey(input));
         REQUIRE(response);
@@ -167,6 +169,7 @@ Row judge(const HardCase& hard) {
         const SolveQuality& quality = response->quality.solve;
         row.condition = std::max(row.condition, 1.0 / quality.rcond);
         row.residual = std::max(row.residual, quality.residual);
+        row.nodes += response->quality.solverNodes;
         const auto finite = [](const Eigen::MatrixXd& m) { return std::all_of(m.data(), m.data() + m.size(), [](double x) { return std::isfinite(x); }); };
         if (!finite(response->response) || !finite(response->stiffness)) miss("not finite");
         for (const HardCheck& check : element.checks) {
@@ -176,7 +179,7 @@ Row judge(const HardCase& hard) {
                 continue;
             }
             add(row.result, check.what + " " + short_(*error));
-            if (!(*error <= check.bound)) miss(check.what + " over " + short_(check.bound));
+            if (!(*error <= boundOf(check, solverMesh))) miss(check.what + " over " + short_(boundOf(check, solverMesh)));
         }
     }
 
@@ -222,9 +225,17 @@ TEST_CASE("stability: every hard case is solved within its bound or refused for 
     const Folder folder;
     std::vector<Row> rows;
     for (const HardCase& hard : hardCases()) {
-        CAPTURE(hard.name);
-        rows.push_back(judge(hard));
-        CHECK_MESSAGE(rows.back().met, rows.back().result);
+        for (const char* solverMesh : kSolverMeshes) {
+            CAPTURE(hard.name);
+            CAPTURE(solverMesh);
+            rows.push_back(judge(hard, solverMesh));
+            if (hard.gap.empty()) {
+                CHECK_MESSAGE(rows.back().met, rows.back().result);
+            } else if (!rows.back().met) {
+                add(rows.back().result, "known gap: " + hard.gap);
+                WARN_MESSAGE(rows.back().met, rows.back().name, ": ", rows.back().result);
+            }
+        }
     }
     const std::string text = table(rows);
     std::ofstream(IMOMUSHI_STABILITY_TABLE, std::ios::binary) << text;
@@ -234,7 +245,7 @@ TEST_CASE("stability: every hard case is solved within its bound or refused for 
 TEST_CASE("stability: a bar of any size, at any place, is imported, posed and deformed just like the one of size 1") {
     const Folder folder;
     const auto perform = [](const HardCase& hard) {
-        HardScene scene = hardScene(hard, solverMesh());
+        HardScene scene = hardScene(hard);
         REQUIRE(writeHardCase(hard, scene, "."));
         Session session(registry());
         REQUIRE(execute(session, scene.make).message == "");
@@ -263,7 +274,7 @@ TEST_CASE("stability: of two materials 1e6 apart the stiff one decides how a joi
         HardCase c = hard;
         c.elements[0].stiffness = softStiffness;
         c.elements[1].stiffness = stiffStiffness;
-        const HardScene scene = hardScene(c, solverMesh());
+        const HardScene scene = hardScene(c, "as-is");  // it is about materials
         REQUIRE(writeHardCase(c, scene, "."));
         Session session(registry());
         REQUIRE(execute(session, scene.make).message == "");
@@ -335,6 +346,7 @@ TEST_CASE("stability: any hard body with any faces, bent out of shape in any way
         input.mesh = held;
         input.nu = *rc::gen::element(0.0, 0.3, 0.49, 0.5);
         input.basis = *rc::gen::element(BasisKind::Paper, BasisKind::Affine);
+        input.solverMesh.kind = *rc::gen::weightedElement<SolverMeshSetting::Kind>({{9, SolverMeshSetting::Kind::AsIs}, {1, SolverMeshSetting::Kind::Default}});
         const int faces = *rc::gen::inRange(0, 5);
         for (int f = 0; f < faces; ++f) {
             const auto seed = *rc::gen::inRange<std::int32_t>(0, static_cast<std::int32_t>(mesh.triangles.rows()));

@@ -351,6 +351,13 @@ HardCheck sameAs(std::string what, HardElement other, double bound, std::string 
     return {std::move(what), bound, std::move(why), error};
 }
 
+/// With another bound for the default solver mesh.
+HardCheck byDefault(HardCheck check, double bound, std::string why) {
+    check.boundByDefault = bound;
+    check.whyByDefault = std::move(why);
+    return check;
+}
+
 // ---- elements --------------------------------------------------------------------------------------------------------------------------------
 
 /// An element with joint faces at its ends along z.
@@ -392,6 +399,8 @@ HardCase refusedCase(std::string name, std::string hard, HardElement element, Ha
 
 constexpr double kWellConditioned = 1e4;  // a compact body: about 100 in the 2-norm, up to sqrt(n) more in the maximum norm
 const char* const kTwoTriangulations = "the same polyhedron; each triangulation has 1-2 % of discretisation error";
+
+const char* const kTwoDefaults = "strips and quadratic displacement leave at most 0.5 % of either triangulation";
 
 /// A bar whose section is slit from its top to its middle; the slit opens to `gap` within the first quarter.
 TriangleMesh slitBar(double gap) {
@@ -439,18 +448,19 @@ void addTriangles(std::vector<HardCase>& cases) {
     const Section square = grid(steps(-0.5, 0.5, 3), steps(-0.5, 0.5, 3));
     cases.push_back(solvedCase("slivers", "rings of triangles 1:100, at a rim and along the bar",
                                withEnds(prism(square, with(steps(0.0, 3.0, 9), {thin, 1.0 + thin, 2.0 + thin}))),
-                               {rigid(1e5), stretch(1e5), sameAs("difference from even triangles", plain, 0.03, kTwoTriangulations)}));
+                               {rigid(1e5), stretch(1e5), byDefault(sameAs("difference from even triangles", plain, 0.03, kTwoTriangulations), 0.01, kTwoDefaults)}));
     cases.push_back(solvedCase("needles", "every fifth triangle has a vertex 1e-4 of its side from a corner, also on the joint faces",
                                withEnds(pierced(plainBar(), 5, Vec3(1.0 - 2e-4, 1e-4, 1e-4))),
-                               {rigid(1e7), stretch(1e7), sameAs("difference from even triangles", plain, 0.03, kTwoTriangulations)}));
+                               {rigid(1e7), stretch(1e7), byDefault(sameAs("difference from even triangles", plain, 0.03, kTwoTriangulations), 0.01, kTwoDefaults)}));
     cases.push_back(solvedCase("caps", "every fifth triangle has a vertex 1e-4 of its size beside a side, also on the joint faces",
                                withEnds(pierced(plainBar(), 5, Vec3(0.5 - 5e-5, 0.5 - 5e-5, 1e-4))),
-                               {rigid(1e7), stretch(1e7), sameAs("difference from even triangles", plain, 0.03, kTwoTriangulations)}));
+                               {rigid(1e7), stretch(1e7), byDefault(sameAs("difference from even triangles", plain, 0.03, kTwoTriangulations), 0.01, kTwoDefaults)}));
     const double near = 1e-9 * sizeOf(plain.mesh);
     cases.push_back(solvedCase("near duplicates", "every fifth triangle has a vertex 1e-9 of the body's size from a corner",
                                withEnds(pierced(plainBar(), 5, Vec3(1.0 - 6.0 * near, 3.0 * near, 3.0 * near))),
                                {rigid(kWellConditioned), stretch(kWellConditioned),
-                                sameAs("difference from the bar without them", plain, 1e-9, "the import merges them, so that the bar comes back to the bit or nearly")}));
+                                byDefault(sameAs("difference from the bar without them", plain, 1e-9, "the import merges them, so that the bar comes back to the bit or nearly"), 0.005,
+                                          "it comes back with its triangles in another order, and of equally long edges the order decides which is refined first")}));
     HardCheck seamRigid = rigid(1e6), seamStretch = stretch(1e6);
     seamRigid.why = "joint faces are out of their planes by 1e-9 of the size, which the modes of a flat face leave out";
     seamStretch.why = "ends and sides are out of their planes by 1e-9 of the size, 1e-8 of a side";
@@ -481,12 +491,18 @@ void addShapes(std::vector<HardCase>& cases) {
                                   }
                                   return std::sqrt(miss / norm);
                               }};
+    const char* const kPlateByDefault = "quadratic displacement bends as the plate does, but for the shear of thickness^2 and the clamped ends";
     const auto plate = [](double thickness) {
         return withEnds(prism(grid(steps(-0.5, 0.5, 4), {-0.5 * thickness, 0.5 * thickness}), steps(0.0, 1.0, 8)), 0.0);
     };
     cases.push_back(solvedCase("plate", "1 x 1 x 0.001: triangles 250 times as long as the plate is thick", plate(0.001),
                                {rigid(1e8), stretch(1e8), plateBend}));
-    cases.push_back(solvedCase("thick plate", "1 x 1 x 0.05", plate(0.05), {rigid(1e5), stretch(1e5), plateBend}));
+    cases.back().elements[0].checks.back().bound = 0.1;
+    cases.back().elements[0].checks.back().why = "sides 250 times the thickness lock linear displacement about half-way to a straight line (12 %)";
+    cases.push_back(solvedCase("plate 0.005", "1 x 1 x 0.005: triangles 50 times as long as the plate is thick", plate(0.005),
+                               {rigid(1e7), stretch(1e7), byDefault(plateBend, 0.01, kPlateByDefault)}));
+    cases.back().elements[0].checks.back().bound = 0.1;
+    cases.push_back(solvedCase("thick plate", "1 x 1 x 0.05", plate(0.05), {rigid(1e5), stretch(1e5), byDefault(plateBend, 0.01, kPlateByDefault)}));
 
     // Spikes on the side of a bar: one vertex between rows that are `half` away, drawn out by a metre, with rings of vertices along it.
     const auto spiky = [](double half, double length, int rings) {
@@ -556,6 +572,9 @@ void addShapes(std::vector<HardCase>& cases) {
     addSpike("horn", "a spike on the side of a bar, 5 times as long as wide", 0.1, 1);
     addSpike("horn of rings", "the same with five rings of vertices along it", 0.1, 5);
     addSpike("spike", "a needle of a spike on the side of a bar, 50 times as long as wide", 0.01, 1);
+    for (std::size_t i = cases.size() - 3; i < cases.size(); ++i)
+        cases[i].gap = "the equations of an unloaded slender part weigh its own motion by its small solid angle, so that errors elsewhere turn it; it should be "
+                       "left out of the solver mesh and follow its foot";
     cases.back().refusal = {"precompute", "inaccurate",
                             "a vertex that sees 1e-5 of a sphere of body has that weight in its own equation, so errors elsewhere count 1e5 times there"};
     cases.back().orSolved = true;
@@ -564,10 +583,11 @@ void addShapes(std::vector<HardCase>& cases) {
     cases.push_back(solvedCase("slit 1e-3", "two surfaces 0.001 apart, sides of 0.25", withEnds(slitBar(1e-3)), {rigid(1e7), stretch(1e7)}));
     cases.push_back(solvedCase("slit 1e-6", "two surfaces 1e-6 apart, sides of 0.25", withEnds(slitBar(1e-6)),
                                {rigid(1e9), stretch(1e9),
-                                sameAs("difference from half the side", refinedElement(withEnds(slitBar(1e-6))), 0.1,
-                                       "the solution has a crack tip, whose error falls as the square root of the side, 0.25 and 0.125 of the slit's depth of 0.5")}));
+                                byDefault(sameAs("difference from half the side", refinedElement(withEnds(slitBar(1e-6))), 0.1,
+                                                 "the solution has a crack tip, whose error falls as the square root of the side, 0.25 and 0.125 of the slit's depth of 0.5"),
+                                          0.03, "strips at the crack tip are 1/27 of a side wide, so its error is a fifth")}));
     cases.push_back(refusedCase("slit closed", "a body that touches itself: the two sides of a slit coincide", withEnds(slitBar(0.0)),
-                                {"precompute", "singular", "vertices at one place give the same equations, so nothing tells the two sides apart"}));
+                                {"precompute", "not-closed", "inside and outside are not defined where surfaces coincide: vertices at one place would give the same equations"}));
 
     // A vertex of one side of an open slit that touches the other side inside a triangle.
     const auto touching = [](double gap) {
@@ -579,8 +599,9 @@ void addShapes(std::vector<HardCase>& cases) {
         return mesh;
     };
     cases.push_back(solvedCase("nearly touching", "a vertex 0.001 in front of the middle of a triangle", withEnds(touching(1e-3)),
-                               {rigid(1e5), sameAs("difference from half the side", refinedElement(withEnds(touching(1e-3))), 0.1,
-                                                   "as for the slit: the crack tip dominates")}));
+                               {rigid(1e5), byDefault(sameAs("difference from half the side", refinedElement(withEnds(touching(1e-3))), 0.1,
+                                                             "as for the slit: the crack tip dominates"),
+                                                      0.03, "strips at the crack tip are 1/27 of a side wide, so its error is a fifth")}));
     HardCase touch = solvedCase("touching", "a body that touches itself in a point: a vertex lies in the middle of a triangle", withEnds(touching(0.0)),
                                 {rigid(1e5), sameAs("difference from a gap of 1e-6", withEnds(touching(1e-6)), 1e-3, "a touch in a point holds nothing")});
     touch.refusal = {"precompute", "not-closed", "inside and outside are not defined around that vertex, and its equation may take the body on the other side for its own"};
@@ -605,7 +626,7 @@ void addShapes(std::vector<HardCase>& cases) {
         return prism(s, steps(0.0, 2.0, 6));
     };
     cases.push_back(refusedCase("kissing edges", "a body that touches itself along a line", withEnds(diagonal(false)),
-                                {"precompute", "singular", "as with a closed slit: vertices at one place give the same equations"}));
+                                {"precompute", "not-closed", "as with a closed slit: inside and outside are not defined where two edges coincide"}));
     cases.push_back(refusedCase("shared edges", "a body that touches itself along edges of four triangles", withEnds(diagonal(true)),
                                 {"import-element", "non-manifold-edge", "no inside and outside are defined around such an edge"}));
     cases.push_back(refusedCase("overlap", "a surface that crosses itself: two boxes that overlap by half, in one mesh",
@@ -641,8 +662,9 @@ void addShapes(std::vector<HardCase>& cases) {
         HardElement element = withEnds(std::move(lying));
         cases.push_back(solvedCase("genus 12 across", "a lattice: twelve holes between its joint faces, bars one cell thick", element,
                                    {rigid(kWellConditioned),
-                                    sameAs("difference from half the side", refinedElement(element), 0.15,
-                                           "struts of one cell bend with an error of about 10 %, of which halving removes most")}));
+                                    byDefault(sameAs("difference from half the side", refinedElement(element), 0.15,
+                                                     "struts of one cell bend with an error of about 10 %, of which halving removes most"),
+                                              0.05, "quadratic displacement bends struts of one cell; their re-entrant edges remain")}));
     }
 }
 
@@ -709,13 +731,14 @@ void addFaces(std::vector<HardCase>& cases) {
         close.faces[1] = {"side", Vec3(1.0, 0.5, 0.375), Vec3::UnitX(), onSide([](const Vec3& p) { return p.z() <= 0.75; })};
         cases.push_back(solvedCase("rims one side apart", "between two joint faces lies one row of triangles and no free vertex", close,
                                    {rigid(kWellConditioned),
-                                    sameAs("difference from half the side",
+                                    byDefault(sameAs("difference from half the side",
                                            [&] {
                                                HardElement fine = refinedElement(close);
                                                fine.faces[1].vertices = shapes::patchWhere(fine.mesh, [](const Vec3& p) { return p.x() == 1.0 && p.z() <= 0.75; }).vertices;
                                                return fine;
                                            }(),
-                                           0.15, "only the surface away from the faces is free, and there the solution is smooth; singular rims leave some percent")}));
+                                           0.15, "only the surface away from the faces is free, and there the solution is smooth; singular rims leave some percent"),
+                                              0.01, kTwoDefaults)}));
     }
     // Numbers of faces.
     {
@@ -778,7 +801,8 @@ void addFaces(std::vector<HardCase>& cases) {
                                    }
                                    return worst / first.rowwise().norm().maxCoeff();
                                }};
-        element.checks = {rigid(kWellConditioned), turned};
+        element.checks = {rigid(kWellConditioned),
+                          byDefault(turned, 0.03, "refinement to a number of vertices is not symmetric; either of two meshes is wrong by about 1 % beside the small pushed face")};
         c.elements = {std::move(element)};
         c.endpoint = "bone 3/end";
         c.drag = Vec3(0.05, 0.08, -0.05);
