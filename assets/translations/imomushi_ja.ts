@@ -1191,6 +1191,82 @@
             <source>Pin</source>
             <translation>ピン留め</translation>
         </message>
+        <message>
+            <source>Solver mesh</source>
+            <translation>計算用メッシュ</translation>
+        </message>
+        <message>
+            <source>Default</source>
+            <translation>標準</translation>
+        </message>
+        <message>
+            <source>Best</source>
+            <translation>最高精度</translation>
+        </message>
+        <message>
+            <source>As it is</source>
+            <translation>そのまま</translation>
+        </message>
+        <message>
+            <source>Refined</source>
+            <translation>細分</translation>
+        </message>
+        <message>
+            <source>Decimated</source>
+            <translation>間引き</translation>
+        </message>
+        <message>
+            <source>To vertices</source>
+            <translation>目標頂点数</translation>
+        </message>
+        <message>
+            <source>Shared with</source>
+            <translation>共有元</translation>
+        </message>
+        <message>
+            <source>Estimated error</source>
+            <translation>推定誤差</translation>
+        </message>
+        <message>
+            <source>not known</source>
+            <translation>不明</translation>
+        </message>
+        <message>
+            <source>Mapping error</source>
+            <translation>転写の誤差</translation>
+        </message>
+        <message>
+            <source>Shape error</source>
+            <translation>形状の誤差</translation>
+        </message>
+        <message>
+            <source>Solved with</source>
+            <translation>計算の規模</translation>
+        </message>
+        <message>
+            <source>%1 vertices</source>
+            <translation>頂点 %1</translation>
+        </message>
+        <message>
+            <source>%1, %2 nodes</source>
+            <translation>%1、節点 %2</translation>
+        </message>
+        <message>
+            <source>Typical error</source>
+            <translation>誤差の目安</translation>
+        </message>
+        <message>
+            <source>below %1</source>
+            <translation>%1 未満</translation>
+        </message>
+        <message>
+            <source>up to %1</source>
+            <translation>最大 %1</translation>
+        </message>
+        <message>
+            <source>known afterwards</source>
+            <translation>計算後に判明</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::IssueModel</name>

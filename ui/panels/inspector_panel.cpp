@@ -14,6 +14,7 @@
 #include <cmath>
 #include <numbers>
 #include <set>
+#include <tuple>
 
 #include "core/base/parallel.h"
 #include "ui/models/texts.h"
@@ -123,6 +124,14 @@ void InspectorPanel::update() {
 
 void InspectorPanel::refresh() {
     for (const auto& f : refreshers_) f();
+}
+
+void InspectorPanel::rebuildSoon() {
+    if (gesture_) return;  // the field that is being dragged stays; its end refreshes again
+    built_ = false;
+    if (scheduled_) return;
+    scheduled_ = true;
+    QMetaObject::invokeMethod(this, &InspectorPanel::update, Qt::QueuedConnection);
 }
 
 void InspectorPanel::rebuild() {
@@ -336,7 +345,7 @@ void InspectorPanel::buildCharacter() {
             ++all;
             if (document_.session().responseState(id) != Session::ResponseState::Fresh) continue;
             ++fresh;
-            if (const auto response = document_.session().responses().find(responseKey(document_.session().responseInput(id)))) bytes += double(response->bytes());
+            if (const auto response = document_.session().response(id)) bytes += double(response->bytes());
         }
         return all == 0 ? tr("nothing to do") : tr("%1 of %2, %3").arg(fresh).arg(all).arg(bytesText(bytes));
     });
@@ -420,7 +429,11 @@ void InspectorPanel::buildElements(const Items& items) {
     addFact(tr("Vertices"), [sum] { return sum([](const Element& e) { return e.mesh->body.vertices.rows(); }); });
     addFact(tr("Triangles"), [sum] { return sum([](const Element& e) { return e.mesh->body.triangles.rows(); }); });
     addFact(tr("Joint faces"), [sum] { return sum([](const Element& e) { return e.faces.size(); }); });
-    if (several) return;
+    if (several) {
+        section(tr("Precompute"));
+        buildSolverMesh(items);
+        return;
+    }
     // The mesh of an element never changes under its id; look at it once.
     if (const Element* e = element(one)) {
         const MeshFacts facts = meshFacts(e->mesh->body);
@@ -428,61 +441,152 @@ void InspectorPanel::buildElements(const Items& items) {
         addFact(tr("Size"), [size] { return QStringLiteral("%1 × %2 × %3").arg(lengthText(size.x()), lengthText(size.y()), lengthText(size.z())); });
         addFact(tr("Volume"), [facts] { return volumeText(facts.volume); });
     }
+    buildPrecompute(one);
+}
 
+void InspectorPanel::buildSolverMesh(const Items& items) {
+    using Mesh = SolverMeshSetting::Kind;
+    // The setting that all share.
+    const auto common = [this, items]() -> std::optional<SolverMeshSetting> {
+        std::optional<SolverMeshSetting> found;
+        for (const SelectionItem& item : items) {
+            const Element* e = element(item);
+            if (!e) continue;
+            if (found && !(*found == e->solverMesh)) return std::nullopt;
+            found = e->solverMesh;
+        }
+        return found;
+    };
+    const auto command = [this](const SelectionItem& item, const SolverMeshSetting& setting) {
+        return Json{{"do", "set"}, {"target", target(item)}, {"property", "solver-mesh"}, {"value", solverMeshName(setting)}};
+    };
+    addChoice(tr("Solver mesh"),
+              {{tr("Default"), int(Mesh::Default)}, {tr("Best"), int(Mesh::Best)}, {tr("As it is"), int(Mesh::AsIs)}, {tr("Refined"), int(Mesh::Refined)}, {tr("Decimated"), int(Mesh::Decimated)}},
+              [common] {
+                  const auto now = common();
+                  return now ? Json(int(now->kind)) : Json();
+              },
+              [this, items, command](const Json& value) {
+                  const auto kind = Mesh(value.get<int>());
+                  Gesture gesture(document_);
+                  for (const SelectionItem& item : items) {
+                      const Element* e = element(item);
+                      if (!e || e->solverMesh.kind == kind) continue;
+                      const auto vertices = int(std::min<Eigen::Index>(e->mesh->body.vertices.rows(), SolverMeshSetting::kMost));
+                      int count = 0;
+                      if (kind == Mesh::Refined) count = std::min(2 * vertices, SolverMeshSetting::kMost);
+                      if (kind == Mesh::Decimated) count = std::max(vertices / 2, SolverMeshSetting::kFewest);
+                      if (!document_.execute(command(item, {kind, count}))) return;
+                  }
+                  gesture.commit();
+              });
+    const auto counted = [common] {
+        const auto now = common();
+        return now && (now->kind == Mesh::Refined || now->kind == Mesh::Decimated);
+    };
+    if (counted())
+        addNumber(tr("To vertices"), {{}, SolverMeshSetting::kFewest, SolverMeshSetting::kMost, 10.0, 0, 1.0, {}}, items,
+                  [this](const SelectionItem& item) -> std::optional<double> {
+                      const Element* e = element(item);
+                      return e ? std::optional(double(e->solverMesh.count)) : std::nullopt;
+                  },
+                  [this, command](const SelectionItem& item, double value) {
+                      const Element* e = element(item);
+                      return command(item, {e ? e->solverMesh.kind : Mesh::Refined, int(std::lround(value))});
+                  });
+    refreshers_.push_back([this, counted, had = counted()] {
+        if (counted() != had) rebuildSoon();
+    });
+}
+
+void InspectorPanel::buildPrecompute(const SelectionItem& item) {
     section(tr("Precompute"));
-    struct Quality {
-        std::shared_ptr<const ElementResponse> response;
-        Session::ResponseState state = Session::ResponseState::None;
+    Session& session = document_.session();
+    const auto faces = [this, item] {
+        const Element* e = element(item);
+        return e && !e->faces.empty();
     };
-    const auto quality = [this, one] {
-        Quality q;
-        const Element* e = element(one);
-        if (!e || e->faces.empty()) return q;
-        q.state = document_.session().responseState(one.part);
-        if (q.state == Session::ResponseState::Fresh) q.response = document_.session().responses().find(responseKey(document_.session().responseInput(one.part)));
-        return q;
-    };
-    addFact(tr("State"), [this, quality, one] {
-        const Element* e = element(one);
-        if (e && e->faces.empty()) return tr("needs a joint face");
-        switch (quality().state) {
+    const auto response = [&session, item, faces] { return faces() ? session.response(item.part) : nullptr; };
+    addFact(tr("State"), [&session, item, faces] {
+        if (!faces()) return tr("needs a joint face");
+        switch (session.responseState(item.part)) {
             case Session::ResponseState::Fresh: return tr("Up to date");
             case Session::ResponseState::Stale: return tr("Out of date");
             case Session::ResponseState::None: break;
         }
         return tr("Not yet");
     });
-    const Quality now = quality();
-    if (now.response) {
+    if (!faces()) {
+        refreshers_.push_back([this, faces] {
+            if (faces()) rebuildSoon();
+        });
+        return;
+    }
+    buildSolverMesh({item});
+
+    const auto percent = [](double share) { return tr("%1 %").arg(QLocale().toString(100.0 * share, 'g', 2)); };
+    const auto sharedWith = [this, &session, item, faces]() -> const Element* {
+        const auto* shared = faces() ? session.sharedResponse(item.part) : nullptr;
+        return shared ? element({Kind::Element, shared->from, {}, false}) : nullptr;
+    };
+    const auto addShared = [this, sharedWith] {
+        if (sharedWith()) addFact(tr("Shared with"), [sharedWith] { return sharedWith() ? QString::fromStdString(sharedWith()->name) : QString(); });
+    };
+    const auto now = response();
+    if (now) {
         // A fresh response is found by its content: these do not change while it stays fresh.
-        const auto fact = [this, quality](const QString& label, std::function<QString(const ElementResponse&)> say) {
-            addFact(label, [quality, say = std::move(say)] {
-                const Quality q = quality();
-                return q.response ? say(*q.response) : QStringLiteral("–");
+        const auto fact = [this, response](const QString& label, std::function<QString(const ElementResponse&)> say) {
+            addFact(label, [response, say = std::move(say)] {
+                const auto r = response();
+                return r ? say(*r) : QStringLiteral("–");
             });
         };
+        fact(tr("Estimated error"), [percent](const ElementResponse& r) { return r.quality.error < 0.0 ? tr("not known") : percent(r.quality.error); });
+        if (now->quality.decimated) {
+            fact(tr("Mapping error"), [percent](const ElementResponse& r) { return percent(r.quality.mappingError); });
+            fact(tr("Shape error"), [percent](const ElementResponse& r) { return percent(r.quality.shapeError); });
+        }
+        fact(tr("Time taken"), [](const ElementResponse& r) { return durationText(r.quality.seconds); });
+        addShared();
+        fact(tr("Solved with"), [](const ElementResponse& r) {
+            const QLocale locale;
+            const QString vertices = tr("%1 vertices").arg(locale.toString(r.quality.solverVertices));
+            return r.quality.solverNodes == r.quality.solverVertices ? vertices : tr("%1, %2 nodes").arg(vertices, locale.toString(r.quality.solverNodes));
+        });
         fact(tr("Columns"), [](const ElementResponse& r) { return QLocale().toString(r.columns()); });
         fact(tr("Memory"), [](const ElementResponse& r) { return bytesText(double(r.bytes())); });
-        fact(tr("Time taken"), [](const ElementResponse& r) { return durationText(r.quality.seconds); });
         fact(tr("Residual"), [](const ElementResponse& r) { return scientific(r.quality.solve.residual); });
         fact(tr("Condition"), [](const ElementResponse& r) { return scientific(r.quality.solve.rcond); });
         fact(tr("Asymmetry"), [](const ElementResponse& r) { return tr("%1 %").arg(QLocale().toString(100.0 * r.quality.asymmetry, 'f', 2)); });
-    } else if (const Element* e = element(one); e && !e->faces.empty()) {
-        const ResponseEstimate estimate = estimateResponse(document_.session().responseInput(one.part));
-        addFact(tr("Will take"), [estimate] { return tr("about %1, %2").arg(durationText(estimate.seconds), bytesText(double(estimate.bytes))); });
+    } else {
+        // Measured on the reference bodies (see solvedBody()); only solving tells of the others.
+        addFact(tr("Typical error"), [this, item, percent] {
+            const Element* e = element(item);
+            switch (e ? e->solverMesh.kind : SolverMeshSetting::Kind::Refined) {
+                case SolverMeshSetting::Kind::Default: return tr("below %1").arg(percent(0.02));
+                case SolverMeshSetting::Kind::Best: return tr("below %1").arg(percent(0.01));
+                case SolverMeshSetting::Kind::AsIs: return tr("up to %1").arg(percent(0.23));
+                default: return tr("known afterwards");
+            }
+        });
+        addFact(tr("Will take"), [&session, item, faces] {
+            if (!faces()) return QStringLiteral("–");
+            const ResponseEstimate estimate = session.responseEstimate(item.part);
+            return tr("about %1, %2").arg(durationText(estimate.seconds), bytesText(double(estimate.bytes)));
+        });
+        addShared();
         auto* button = new QPushButton(themedIcon(QStringLiteral("precompute"), Appearance::Role::OnAccent), tr("Precompute"), body_);
         button->setProperty("primary", true);
         connect(button, &QPushButton::clicked, this, &InspectorPanel::precomputeWanted);
         sections_->addWidget(button);
     }
-    // Which of the two is shown follows the state.
-    refreshers_.push_back([this, quality, had = now.response != nullptr] {
-        if ((quality().response != nullptr) == had) return;
-        built_ = false;
-        if (!scheduled_) {
-            scheduled_ = true;
-            QMetaObject::invokeMethod(this, &InspectorPanel::update, Qt::QueuedConnection);
-        }
+    // Which rows there are follows the state.
+    const auto rows = [faces, response, sharedWith] {
+        const auto r = response();
+        return std::tuple(faces(), r != nullptr, r && r->quality.decimated, sharedWith() != nullptr);
+    };
+    refreshers_.push_back([this, rows, had = rows()] {
+        if (rows() != had) rebuildSoon();
     });
 }
 

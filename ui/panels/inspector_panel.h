@@ -37,8 +37,11 @@ private:
     void update();    ///< rebuilds when something else is selected, refreshes the values otherwise
     void rebuild();
     void refresh();
+    void rebuildSoon();  ///< what is shown is no longer made of the same rows
     void buildCharacter();
     void buildElements(const Items& items);
+    void buildSolverMesh(const Items& items);
+    void buildPrecompute(const SelectionItem& item);
     void buildFace(const SelectionItem& item);
     void buildBones(const Items& items);
     void buildEndpoint(const SelectionItem& item);

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <QAbstractItemView>
+#include <QComboBox>
+#include <QLabel>
+
+#include "tests/studio/window.h"
+#include "ui/panels/inspector_panel.h"
+#include "ui/panels/number_field.h"
+
+using namespace imomushi;
+
+namespace {
+
+PartId cylinder(Window& w, const std::string& name, const QString& file, double half) {
+    w.import(file);
+    const PartId id = w.now().elements.rbegin()->first;
+    w.run({{"do", "rename"}, {"target", w.now().elements.at(id)->name}, {"name", name}});
+    w.run({{"do", "add-joint-face"}, {"element", name}, {"name", "tip"}, {"plane", {{"origin", {0, 0, half}}, {"normal", {0, 0, 1}}}}});
+    w.run({{"do", "add-joint-face"}, {"element", name}, {"name", "root"}, {"plane", {{"origin", {0, 0, -half}}, {"normal", {0, 0, -1}}}}});
+    return id;
+}
+
+/// The field of a row of the inspector, null: there is no such row.
+template <class Field>
+Field* row(Window& w, const char* label) {
+    for (QWidget* panel : w.window().findChildren<InspectorPanel*>())
+        for (auto* field : panel->findChildren<Field*>())
+            if (field->isVisible() && field->accessibleName() == QLatin1String(label)) return field;
+    return nullptr;
+}
+
+QString fact(Window& w, const char* label) {
+    auto* text = row<QLabel>(w, label);
+    return text ? text->text() : QString();
+}
+
+/// Opens a list of choices and clicks on one.
+void choose(Window& w, const char* label, const QString& text) {
+    auto* box = row<QComboBox>(w, label);
+    REQUIRE(box);
+    QTest::mouseClick(box, Qt::LeftButton);
+    w.settle(200);
+    QAbstractItemView* list = box->view();
+    REQUIRE(list->isVisible());
+    w.shoot("choices");
+    const QModelIndex index = list->model()->index(box->findText(text), 0);
+    REQUIRE(index.isValid());
+    list->scrollTo(index);
+    QTest::mouseMove(list->viewport(), list->visualRect(index).center());
+    w.settle(150);  // a list that has just opened takes no click yet
+    QTest::mouseClick(list->viewport(), Qt::LeftButton, {}, list->visualRect(index).center());
+    w.settle(200);
+}
+
+void precompute(Window& w) {
+    auto* button = row<QPushButton>(w, "");
+    for (auto* b : w.window().findChildren<InspectorPanel*>().first()->findChildren<QPushButton*>())
+        if (b->text() == QStringLiteral("Precompute")) button = b;
+    REQUIRE(button);
+    QTest::mouseClick(button, Qt::LeftButton);
+    REQUIRE(QTest::qWaitFor([&] { return !w.window().precomputeJob().running(); }, 120000));
+    w.settle(200);
+}
+
+}  // namespace
+
+TEST_CASE("inspector: the solver mesh is chosen by clicks, shows its cost and its error, and goes out of date and back") {
+    Window w;
+    const QString file = QStringLiteral(IMOMUSHI_TEST_DATA "/reference/a_cylinder_coarse.obj");
+    const PartId id = cylinder(w, "limb", file, 2.0);
+    w.document().select({{SelectionItem::Kind::Element, id, {}, false}});
+    w.settle(200);
+    const auto mesh = [&] { return solverMeshName(w.now().elements.at(id)->solverMesh); };
+    CHECK(fact(w, "State") == QStringLiteral("Not yet"));
+    CHECK(fact(w, "Typical error") == QStringLiteral("below 2 %"));
+    CHECK(fact(w, "Will take").startsWith(QStringLiteral("about ")));
+    CHECK(fact(w, "Estimated error").isEmpty());
+    w.shoot("before");
+
+    choose(w, "Solver mesh", QStringLiteral("As it is"));
+    CHECK(mesh() == "as-is");
+    CHECK(fact(w, "Typical error") == QStringLiteral("up to 23 %"));
+    precompute(w);
+    CHECK(fact(w, "State") == QStringLiteral("Up to date"));
+    CHECK(fact(w, "Estimated error").endsWith(QStringLiteral(" %")));
+    CHECK(fact(w, "Solved with") == QStringLiteral("%1 vertices").arg(w.now().elements.at(id)->mesh->body.vertices.rows()));
+    CHECK(fact(w, "Will take").isEmpty());
+    w.shoot("after");
+
+    choose(w, "Solver mesh", QStringLiteral("Refined"));
+    const auto vertices = int(w.now().elements.at(id)->mesh->body.vertices.rows());
+    CHECK(mesh() == "refined:" + std::to_string(2 * vertices));
+    CHECK(fact(w, "State") == QStringLiteral("Out of date"));
+    CHECK(fact(w, "Typical error") == QStringLiteral("known afterwards"));
+    auto* count = row<NumberField>(w, "To vertices");
+    REQUIRE(count);
+    QTest::mouseClick(count, Qt::LeftButton);
+    QTest::keyClick(count, Qt::Key_A, Qt::ControlModifier);
+    QTest::keyClicks(count, QStringLiteral("400"));
+    QTest::keyClick(count, Qt::Key_Return);
+    w.settle();
+    CHECK(mesh() == "refined:400");
+    w.shoot("refined");
+    w.trigger("undo");
+    CHECK(mesh() == "refined:" + std::to_string(2 * vertices));
+    w.trigger("undo");
+    CHECK(mesh() == "as-is");
+    CHECK(fact(w, "State") == QStringLiteral("Up to date"));
+    CHECK(row<NumberField>(w, "To vertices") == nullptr);
+    w.run({{"do", "new"}});
+}
+
+TEST_CASE("inspector: dragging a number of a precomputed element is one undo step, though other rows come to be shown") {
+    Window w;
+    const PartId id = cylinder(w, "limb", QStringLiteral(IMOMUSHI_TEST_DATA "/reference/a_cylinder_coarse.obj"), 2.0);
+    w.run({{"do", "set"}, {"target", "limb"}, {"property", "solver-mesh"}, {"value", "as-is"}});
+    w.run({{"do", "precompute"}});
+    w.document().select({{SelectionItem::Kind::Element, id, {}, false}});
+    w.settle(200);
+    const double before = w.now().elements.at(id)->nu;
+    const int steps = w.document().session().position();
+    auto* field = row<NumberField>(w, "Poisson ratio");
+    REQUIRE(field);
+    const QPoint from = field->rect().center();
+    QTest::mousePress(field, Qt::LeftButton, {}, from);
+    for (int i = 1; i <= 8; ++i) {
+        QTest::mouseMove(field, from - QPoint(4 * i, 0));
+        w.settle(20);
+    }
+    QTest::mouseRelease(field, Qt::LeftButton, {}, from - QPoint(32, 0));
+    w.settle(200);
+    CHECK(w.now().elements.at(id)->nu < before);
+    CHECK(w.document().session().position() == steps + 1);
+    CHECK(fact(w, "State") == QStringLiteral("Out of date"));
+    CHECK(!fact(w, "Will take").isEmpty());
+    w.trigger("undo");
+    CHECK(w.now().elements.at(id)->nu == before);
+    CHECK(fact(w, "State") == QStringLiteral("Up to date"));
+    w.run({{"do", "new"}});
+}
+
+TEST_CASE("inspector: of two congruent elements the second says whose precompute it takes over, and several are set together") {
+    Window w;
+    const QString file = QStringLiteral(IMOMUSHI_TEST_DATA "/reference/a_cylinder_coarse.obj");
+    const PartId one = cylinder(w, "one", file, 2.0), two = cylinder(w, "two", file, 2.0);
+    w.document().select({{SelectionItem::Kind::Element, one, {}, false}, {SelectionItem::Kind::Element, two, {}, false}});
+    w.settle(200);
+    choose(w, "Solver mesh", QStringLiteral("Decimated"));
+    const int steps = w.document().session().position();
+    CHECK(w.now().elements.at(one)->solverMesh.kind == SolverMeshSetting::Kind::Decimated);
+    CHECK(w.now().elements.at(two)->solverMesh == w.now().elements.at(one)->solverMesh);
+    w.trigger("undo");
+    CHECK(w.document().session().position() == steps - 1);
+    CHECK(w.now().elements.at(one)->solverMesh == SolverMeshSetting{});
+    CHECK(w.now().elements.at(two)->solverMesh == SolverMeshSetting{});
+
+    w.document().select({{SelectionItem::Kind::Element, two, {}, false}});
+    w.settle(200);
+    CHECK(fact(w, "Shared with") == QStringLiteral("one"));
+    w.run({{"do", "set"}, {"target", "one"}, {"property", "solver-mesh"}, {"value", "as-is"}});
+    w.settle(200);
+    CHECK(fact(w, "Shared with").isEmpty());
+    w.run({{"do", "set"}, {"target", "two"}, {"property", "solver-mesh"}, {"value", "as-is"}});
+    w.settle(200);
+    precompute(w);
+    CHECK(w.document().session().responseState(one) == Session::ResponseState::Fresh);
+    CHECK(fact(w, "State") == QStringLiteral("Up to date"));
+    CHECK(fact(w, "Shared with") == QStringLiteral("one"));
+    w.shoot("shared");
+    w.run({{"do", "new"}});
+}
