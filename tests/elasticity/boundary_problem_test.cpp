@@ -154,7 +154,9 @@ TEST_CASE("boundary problem: a body far from the origin gives the same answer") 
 }
 
 TEST_CASE("boundary integrals: a point force outside the body is met with order 1.5 in L2") {
-    // Kelvin's field with shear modulus 1, smooth inside: held on the ends, its exact tractions on the sides.
+    // Kelvin's field with shear modulus 1, smooth inside: held on the ends, its exact tractions on the sides. Where all tractions are given the order is
+    // 2 (convergence_test.cpp); those found on the ends are of the first kind, and their rims are mixed corners, at which collocation is known to lose
+    // up to half an order of it.
     const double nu = 0.3;
     const Vec3 source(1.0, 0.3, 0.6), force(1.0, -0.5, 0.7);
     const double factor = 1.0 / (16.0 * std::numbers::pi * (1.0 - nu));
@@ -224,46 +226,6 @@ TEST_CASE("boundary integrals: a point force outside the body is met with order 
     const double order = std::log2(error[4] / error[8]);
     MESSAGE("order ", order);
     CHECK(order >= 1.5);
-}
-
-TEST_CASE("boundary problem: the torque of a twisted square bar is Saint-Venant's") {
-    // Twist 1 rad per length between the ends; warping is held there, so the torque is taken from two bars of different length: the difference
-    // of their compliances is that of the middle alone. J = 0.140577 a^4.
-    const double nu = 0.3, twist = 1.0;
-    const auto compliance = [&](int n, double length) {
-        const Body body = shapes::bar(n, length);
-        auto problem = BoundaryProblem::build(inputOf(body, nu), {});
-        REQUIRE(problem);
-        const auto field = [&](const Vec3& p) -> Vec3 { return p.z() > 0.5 * length ? Vec3(-twist * p.y(), twist * p.x(), 0.0) : Vec3(0, 0, 0); };
-        const auto solution = problem->solve(sample(body, heldVertices(body), field), {});
-        REQUIRE(solution);
-        double torque = 0.0;
-        std::vector<std::int32_t> index(static_cast<std::size_t>(body.mesh.vertices.rows()), -1);
-        const auto held = heldVertices(body);
-        for (std::size_t i = 0; i < held.size(); ++i) index[static_cast<std::size_t>(held[i])] = static_cast<std::int32_t>(i);
-        for (const std::int32_t f : body.ends[1].triangles) {
-            std::array<Vec3, 3> p, t;
-            for (int c = 0; c < 3; ++c) {
-                const std::int32_t v = body.mesh.triangles(f, c);
-                p[static_cast<std::size_t>(c)] = body.mesh.vertices.row(v).transpose();
-                t[static_cast<std::size_t>(c)] = solution->traction.block<3, 1>(3 * index[static_cast<std::size_t>(v)], 0);
-            }
-            const double area = 0.5 * (p[1] - p[0]).cross(p[2] - p[0]).norm();
-            for (std::size_t a = 0; a < 3; ++a)
-                for (std::size_t b = 0; b < 3; ++b)
-                    torque += (a == b ? 2.0 : 1.0) * area / 12.0 * (p[a].x() * t[b].y() - p[a].y() * t[b].x());
-        }
-        return twist / torque;
-    };
-    double previous = 1.0;
-    for (const int n : {2, 4, 6}) {
-        const double J = 1.0 / (compliance(n, 4.0) - compliance(n, 3.0));
-        const double error = std::abs(J / 0.140577 - 1.0);
-        MESSAGE(n, " cells per side: ", 100.0 * (J / 0.140577 - 1.0), " %");
-        CHECK(error < 0.6 * previous);
-        previous = error;
-    }
-    CHECK(previous <= 0.025);
 }
 
 TEST_CASE("boundary problem: the bytes of the answer do not depend on the number of threads") {

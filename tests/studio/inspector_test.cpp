@@ -50,6 +50,7 @@ void choose(Window& w, const char* label, const QString& text) {
     w.settle(150);  // a list that has just opened takes no click yet
     QTest::mouseClick(list->viewport(), Qt::LeftButton, {}, list->visualRect(index).center());
     w.settle(200);
+    w.activate();
 }
 
 void precompute(Window& w) {

@@ -30,6 +30,7 @@ struct Posing : Window {
     void beginDrag() {
         const QPoint from = at();
         QTest::mouseMove(&view(), from);
+        settle();  // this one moves the pointer of the display, whose event comes later
         QTest::mousePress(&view(), Qt::LeftButton, {}, from);
         for (int i = 1; i <= 4; ++i) QTest::mouseMove(&view(), from + QPoint(0, -12 * i));
         settle();

@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <QApplication>
+#include <QCursor>
 #include <QPushButton>
 #include <QScreen>
 #include <QTemporaryDir>
@@ -29,9 +30,16 @@ struct Window {
         made = std::make_unique<MainWindow>(registry);
         made->resize(size);
         made->move(10, 10);
+        // The pointer of the display would move over the view whenever a dialog closes, with no button down.
+        QCursor::setPos(1599, 999);
         made->show();
         REQUIRE(QTest::qWaitForWindowExposed(made.get()));
+        activate();
+    }
+    /// No window manager gives the focus back when a dialog or a list closes.
+    void activate() {
         made->activateWindow();
+        REQUIRE(QTest::qWaitForWindowActive(made.get()));
         settle();
     }
 
@@ -39,7 +47,11 @@ struct Window {
     StudioDocument& document() { return made->document(); }
     const Document& now() { return made->document().document(); }
     ViewportWidget& view() { return made->viewport(); }
-    void settle(int ms = 60) { QTest::qWait(ms); }
+    /// Lets so much time pass, and then what is queued happen: one slow frame must not use up all the time.
+    void settle(int ms = 60) {
+        QTest::qWait(ms);
+        for (int round = 0; round < 4; ++round) QCoreApplication::processEvents();
+    }
 
     void run(const Json& command) {
         const auto answer = document().execute(command);
@@ -61,6 +73,7 @@ struct Window {
         shoot("import");
         QTest::mouseClick(button, Qt::LeftButton);
         settle(400);  // the camera frames what came
+        activate();
     }
     QPoint onScreen(const Vec3& p) {
         const auto at = view().onScreen(p);

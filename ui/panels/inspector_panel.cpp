@@ -8,6 +8,7 @@
 #include <QLabel>
 #include <QLocale>
 #include <QPushButton>
+#include <QScrollBar>
 #include <QToolButton>
 #include <QVBoxLayout>
 #include <algorithm>
@@ -137,6 +138,7 @@ void InspectorPanel::rebuildSoon() {
 void InspectorPanel::rebuild() {
     refreshers_.clear();
     gesture_.reset();  // what was being edited is gone
+    const int scrolled = shown_ == document_.selection() ? verticalScrollBar()->value() : 0;  // other rows of the same thing: stay where one looks
     shown_ = document_.selection();
     built_ = true;
     auto* old = takeWidget();
@@ -166,6 +168,7 @@ void InspectorPanel::rebuild() {
     sections_->addStretch(1);
     setWidget(body_);
     refresh();
+    verticalScrollBar()->setValue(scrolled);
 }
 
 // ---- parts of the form ------------------------------------------------------------------------------------------------

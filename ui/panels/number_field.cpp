@@ -17,7 +17,7 @@ constexpr double kDragThreshold = 3.0;  // logical pixels: below this a press is
 
 NumberField::NumberField(Spec spec, QWidget* parent) : QLineEdit(parent), spec_(std::move(spec)) {
     setCursor(Qt::SizeHorCursor);
-    setFocusPolicy(Qt::StrongFocus);
+    setFocusPolicy(Qt::TabFocus);  // a press may begin a drag; only a click takes the focus, see mouseReleaseEvent()
     reset_ = addAction(themedIcon(QStringLiteral("reset"), Appearance::Role::Muted), QLineEdit::TrailingPosition);
     reset_->setToolTip(tr("Back to the default"));
     reset_->setVisible(false);
