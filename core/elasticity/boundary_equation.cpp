@@ -7,8 +7,7 @@
 #include <numbers>
 
 #include "core/base/parallel.h"
-#include "core/elasticity/inner_angle.h"
-#include "core/mesh/topology.h"
+#include "core/mesh/solid_angle.h"
 
 namespace imomushi {
 namespace {
@@ -86,11 +85,13 @@ BoundaryEquation::BoundaryEquation(const TriangleMesh& mesh, std::span<const Hel
     for (std::size_t f = 0; f < triangleCount; ++f)
         eachNode(f, [&](std::int32_t node) { triangles_[next[static_cast<std::size_t>(node)]++] = static_cast<std::int32_t>(f); });
 
+    // Minus the sum of D_a over the whole surface / (4 pi), but found from the triangles around a node alone.
     freeTerm_.resize(static_cast<std::size_t>(nodes()));
-    for (std::int32_t i = 0; i < nodes(); ++i)
-        if (!bubble(i)) freeTerm_[static_cast<std::size_t>(i)] = innerSolidAngle(mesh_, vertexOf(i), trianglesOf(i));
+    const std::vector<double> solidAngle = vertexSolidAngles(mesh_);
+    for (std::size_t v = 0; v < nodeOf.size(); ++v) freeTerm_[static_cast<std::size_t>(nodeOf[v])] = solidAngle[v];
     for (int e = 0; e < edges.size(); ++e)
-        if (bubbleOf[static_cast<std::size_t>(e)] >= 0) freeTerm_[static_cast<std::size_t>(bubbleOf[static_cast<std::size_t>(e)])] = innerAngle(mesh_, edges.uses(e));
+        if (const std::int32_t b = bubbleOf[static_cast<std::size_t>(e)]; b >= 0)
+            freeTerm_[static_cast<std::size_t>(b)] = 0.5 - edgeBend(mesh_, edges.uses(e)) / (2.0 * std::numbers::pi);
 
     // Traction columns are scaled to the size of H: by what a vertex's traction does to the vertex itself, however thin the triangles around.
     columnScale_.assign(static_cast<std::size_t>(heldCount_), 0.0);

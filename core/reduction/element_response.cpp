@@ -507,7 +507,7 @@ ResponseEstimate estimateResponse(const ResponseInput& input) {
     if (!checkInput(input)) return out;
     const SolvedSize size = solvedSize(input.mesh->body, input.faces, input.solverMesh);
     const BoundaryProblem::Estimate solve = BoundaryProblem::estimate(size.nodes, size.triangles, out.columns, input.threads);
-    out.seconds = solve.seconds;
+    out.seconds = solve.seconds + BoundaryProblem::estimate(size.coarser, 2 * size.coarser, out.columns, input.threads).seconds;
     out.bytes = solve.bytes;
 
     // The product reads each entry of A' once, as float: measured on as much memory, warm.

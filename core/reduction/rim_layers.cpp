@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/elasticity/inner_angle.h"
+#include "core/mesh/solid_angle.h"
 #include "core/mesh/topology.h"
 #include "core/reduction/mesh_pieces.h"
 
@@ -43,7 +43,7 @@ std::vector<EdgeKey> singularEdges(const SolverMesh& mesh, const std::vector<std
         const std::int32_t sFace = face[static_cast<std::size_t>(s)], tFace = face[static_cast<std::size_t>(t)];
         if (sFace == tFace && sFace >= 0) continue;
         if (thin(mesh.mesh, s) || thin(mesh.mesh, t)) continue;
-        const double angle = 2.0 * std::numbers::pi * innerAngle(mesh.mesh, uses);
+        const double angle = std::numbers::pi - edgeBend(mesh.mesh, uses);
         if (angle > (sFace != tFace ? kMixedAngle : kReentrantAngle) + kTie) out.push_back({uses[0].low, uses[0].high});
     }
     return out;

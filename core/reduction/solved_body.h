@@ -39,9 +39,10 @@ struct SolvedBody {
 /// Errors: those of refinedSolverMesh() and decimate(); "cancelled".
 Result<SolvedBody> solvedBody(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting, const Progress& progress);
 
-/// About the size of the mesh that solvedBody() makes, without making it where that takes long (a decimated body, or a large one).
+/// About the size of the mesh that solvedBody() makes, without making it where that takes long (a large body).
 struct SolvedSize {
     int nodes = 0, triangles = 0;
+    int coarser = 0;  ///< nodes of the coarser level
 };
 SolvedSize solvedSize(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting);
 
