@@ -1,0 +1,361 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Angles are compared in space: a bone is carried by its parent as by the rotation of least angle from the parent's kinematic direction to its present
+// one. That is a potential of the joint points alone, without history.
+#include "core/dynamics/bone_springs.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "core/dynamics/bone_dynamics.h"
+
+namespace imomushi {
+
+using Eigen::Matrix3d;
+
+namespace {
+
+// Parts of a bone's kinematic length below which its direction and its arm mean nothing. The potential keeps bones far longer.
+constexpr double kCollapsed = 1e-3;
+// A bone that turned farther than this from its kinematic direction (1 + cosine) has no rotation of least angle to speak of.
+constexpr double kOpposite = 1e-3;
+
+Matrix3d cross(const Vec3& a) {
+    Matrix3d m;
+    m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
+    return m;
+}
+
+// b, turned as a turns to u by the rotation of least angle.
+Vec3 turned(const Vec3& a, const Vec3& u, const Vec3& b) {
+    const Vec3 v = a.cross(u);
+    const Vec3 across = v.cross(b);
+    return (b + across + v.cross(across) / std::max(1.0 + a.dot(u), kOpposite)).normalized();
+}
+
+double angleBetween(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
+
+// What moves when two sides swing against each other; a side with held points stands still, unless both do.
+double movingPart(double one, bool oneHeld, double other, bool otherHeld) {
+    if (oneHeld != otherHeld) return oneHeld ? other : one;
+    if (one <= 0.0 || other <= 0.0) return std::max({one, other, 0.0});
+    return one / (one + other) * other;
+}
+
+}  // namespace
+
+BoneSprings::BoneSprings(const Skeleton& skeleton, const std::vector<double>& mass)
+    : skeleton_(skeleton), tree_(boneTree(skeleton)), mass_(mass) {
+    const int points = static_cast<int>(skeleton.points.size()), bones = static_cast<int>(skeleton.bones.size());
+    std::vector<std::vector<int>> at(points);
+    for (int b = 0; b < bones; ++b) {
+        const auto& bone = skeleton.bones[b];
+        at[bone.start].push_back(b);
+        at[bone.end].push_back(b);
+        pairs_.emplace_back(bone.start, bone.end);
+        rollArm_ += 0.2 * bone.length / bones;
+    }
+    above_.assign(points, -1), aboveBone_.assign(points, -1), root_.assign(points, -1);
+    for (int r = 0; r < points; ++r) {
+        if (root_[r] >= 0) continue;
+        root_[r] = r;
+        order_.push_back(r);
+        for (std::size_t next = order_.size() - 1; next < order_.size(); ++next) {
+            const int i = order_[next];
+            for (const int b : at[i]) {
+                const int j = skeleton.bones[b].start + skeleton.bones[b].end - i;
+                if (root_[j] >= 0) continue;
+                root_[j] = r;
+                above_[j] = i;
+                aboveBone_[j] = b;
+                order_.push_back(j);
+            }
+        }
+    }
+
+    for (int b = 0; b < bones; ++b) {
+        const auto& bone = skeleton.bones[b];
+        const auto touch = [](Swing& swing, int point, double onParent, double onChild) {
+            int i = 0;
+            while (i < swing.count && swing.point[i] != point) ++i;
+            swing.count = std::max(swing.count, i + 1);
+            swing.point[i] = point;
+            swing.onParent[i] += onParent;
+            swing.onChild[i] += onChild;
+        };
+        for (const int hinge : {bone.start, bone.end}) {
+            Swing swing;
+            swing.child = b;
+            swing.hinge = hinge;
+            touch(swing, bone.start, 0, -1), touch(swing, bone.end, 0, 1);
+            swings_.push_back(swing);
+        }
+        if (tree_.parent[b] < 0) continue;
+        Swing swing;
+        swing.parent = tree_.parent[b];
+        swing.child = b;
+        const auto& parent = skeleton.bones[swing.parent];
+        for (const int p : {bone.start, bone.end})
+            if (p == parent.start || p == parent.end) swing.hinge = p;
+        touch(swing, parent.start, -1, 0), touch(swing, parent.end, 1, 0), touch(swing, bone.start, 0, -1), touch(swing, bone.end, 0, 1);
+        for (int i = 0; i < swing.count; ++i)
+            for (int j = 0; j < i; ++j) pairs_.emplace_back(swing.point[i], swing.point[j]);
+        swings_.push_back(swing);
+    }
+    stretch_.resize(bones), roll_.resize(bones), arms_.resize(bones);
+    return_.resize(points), below_.resize(points);
+    rollDiagonal_.resize(points), rollBelow_.resize(points);
+}
+
+BoneSprings::Side BoneSprings::beyond(int from, int to) const {
+    if (above_[to] == from) return below_[to];
+    Side side = below_[root_[from]];
+    const Side& cut = below_[from];
+    side.mass -= cut.mass;
+    side.first -= cut.first;
+    side.second -= cut.second;
+    side.held -= cut.held;
+    return side;
+}
+
+void BoneSprings::calibrate(std::span<const BoneSpring> springs, double returnHertz, const std::vector<char>& held) {
+    const auto place = [&](int i) -> Vec3 { return skeleton_.points[i] - skeleton_.points[root_[i]]; };
+    for (const int i : order_) {
+        below_[i] = Side{};
+        if (held[i]) {
+            below_[i].held = 1;
+            continue;
+        }
+        below_[i] = {mass_[i], mass_[i] * place(i).squaredNorm(), mass_[i] * place(i), 0};
+    }
+    for (auto i = order_.rbegin(); i != order_.rend(); ++i) {
+        if (above_[*i] < 0) continue;
+        Side& sum = below_[above_[*i]];
+        const Side& part = below_[*i];
+        sum.mass += part.mass;
+        sum.second += part.second;
+        sum.first += part.first;
+        sum.held += part.held;
+    }
+    // At least that of the point next to `about`: sums cancel.
+    const auto inertia = [&](const Side& side, int about, int next) {
+        const Vec3 p = place(about);
+        const double least = held[next] ? 0.0 : mass_[next] * (skeleton_.points[next] - skeleton_.points[about]).squaredNorm();
+        return std::max(side.second - 2.0 * p.dot(side.first) + side.mass * p.squaredNorm(), least);
+    };
+    const auto gain = [](double moving, double hertz, double ratio) -> Gain {
+        const double omega = 2.0 * M_PI * hertz;
+        return {moving * omega * omega, 2.0 * ratio * moving * omega};
+    };
+    const auto springOf = [&](int bone) -> const BoneSpring& { return springs[springs.size() > 1 ? bone : 0]; };
+
+    for (std::size_t b = 0; b < stretch_.size(); ++b) {
+        const auto& bone = skeleton_.bones[b];
+        const BoneSpring& spring = springOf(static_cast<int>(b));
+        const Side one = beyond(bone.start, bone.end), other = beyond(bone.end, bone.start);
+        const double least = std::min(held[bone.start] ? mass_[bone.end] : mass_[bone.start], held[bone.end] ? mass_[bone.start] : mass_[bone.end]);
+        const double moving = std::max(movingPart(one.mass, one.held > 0, other.mass, other.held > 0), 0.5 * least);
+        stretch_[b] = gain(moving, spring.stretchHertz, spring.stretchDamping);
+        roll_[b] = gain(moving * rollArm_ * rollArm_, spring.rollHertz, spring.rollDamping);
+    }
+    for (auto& swing : swings_) {
+        const auto& bone = skeleton_.bones[swing.child];
+        const BoneSpring& spring = springOf(swing.child);
+        double moving = 0.0;
+        if (swing.hinge >= 0) {
+            const int far = bone.start + bone.end - swing.hinge;
+            const Side child = beyond(swing.hinge, far);
+            const double childInertia = inertia(child, swing.hinge, far);
+            if (swing.parent < 0) {
+                swing.active = held[swing.hinge] && !held[far];
+                moving = childInertia;
+            } else {
+                swing.active = !held[swing.hinge];
+                const auto& parent = skeleton_.bones[swing.parent];
+                const int near = parent.start + parent.end - swing.hinge;
+                Side rest = below_[root_[swing.hinge]];
+                rest.mass -= child.mass;
+                rest.second -= child.second;
+                rest.first -= child.first;
+                rest.held -= child.held;
+                moving = movingPart(childInertia, child.held > 0, inertia(rest, swing.hinge, near), rest.held > 0);
+            }
+        } else {  // bones that do not touch: two trees, joined by this angle only
+            const auto& parent = skeleton_.bones[swing.parent];
+            swing.active = true;
+            const Side& one = below_[root_[bone.start]];
+            const Side& other = below_[root_[parent.end]];
+            moving = movingPart(inertia(one, bone.start, bone.end), one.held > 0, inertia(other, parent.end, parent.start), other.held > 0);
+        }
+        swing.gain = gain(moving, spring.swingHertz, spring.swingDamping);
+    }
+    for (std::size_t i = 0; i < return_.size(); ++i)
+        return_[i] = below_[root_[i]].held > 0 ? Gain{} : gain(mass_[i], returnHertz, 1.0);
+}
+
+void BoneSprings::arms(const std::vector<Vec3>& x, const BoneTargets& targets) const {
+    for (std::size_t b = 0; b < arms_.size(); ++b) {
+        const Vec3 along = x[skeleton_.bones[b].end] - x[skeleton_.bones[b].start];
+        const double length = along.norm();
+        Arm& arm = arms_[b];
+        arm.length = std::max(length, kCollapsed * targets.length[b]);
+        arm.direction = length > kCollapsed * targets.length[b] ? Vec3(along / length) : targets.direction[b];
+    }
+}
+
+// Where the parent carries the child's direction: unit.
+Vec3 BoneSprings::carried(const Swing& swing, const BoneTargets& targets) const {
+    if (swing.parent < 0) return targets.direction[swing.child];
+    return turned(targets.direction[swing.parent], arms_[swing.parent].direction, targets.direction[swing.child]);
+}
+
+double BoneSprings::energy(const std::vector<Vec3>& x, const BoneTargets& targets) const {
+    arms(x, targets);
+    double sum = 0.0;
+    for (std::size_t b = 0; b < arms_.size(); ++b) {
+        const double length = targets.length[b], r = arms_[b].length / length;
+        const double strain = 0.5 * (r - 1.0 / r) * length;
+        sum += 0.5 * stretch_[b].stiffness * strain * strain;
+    }
+    for (const auto& swing : swings_) {
+        if (!swing.active) continue;
+        const double angle = angleBetween(carried(swing, targets), arms_[swing.child].direction);
+        sum += 0.5 * swing.gain.stiffness * angle * angle;
+    }
+    for (std::size_t i = 0; i < return_.size(); ++i)
+        if (return_[i].stiffness > 0.0) sum += 0.5 * return_[i].stiffness * (x[i] - targets.points[i]).squaredNorm();
+    return sum;
+}
+
+void BoneSprings::add(BlockCholesky& system, int i, int j, const Matrix3d& block, const std::vector<Freedom>& freedom, const Vec3& normal) const {
+    if (freedom[i] == Freedom::Fixed || freedom[j] == Freedom::Fixed) return;
+    if (freedom[i] == Freedom::Free && freedom[j] == Freedom::Free) return system.add(i, j, block);
+    Matrix3d within = block;
+    if (freedom[i] == Freedom::OnPlane) within -= normal * (normal.transpose() * within);
+    if (freedom[j] == Freedom::OnPlane) within -= (within * normal).eval() * normal.transpose();
+    system.add(i, j, within);
+}
+
+void BoneSprings::forces(const std::vector<Vec3>& x, const std::vector<Vec3>& v, const BoneTargets& targets, const Motion& motion,
+                         std::vector<Vec3>& force, BlockCholesky* system, double seconds, const std::vector<Freedom>& freedom, const Vec3& normal) {
+    const Matrix3d eye = Matrix3d::Identity();
+    arms(x, targets);
+    for (std::size_t b = 0; b < arms_.size(); ++b) {
+        const auto& bone = skeleton_.bones[b];
+        Arm& arm = arms_[b];
+        const Vec3& u = arm.direction;
+        const Matrix3d c = cross(u);
+        arm.turn = c / arm.length;
+        const Vec3& from = targets.direction[b];
+        arm.carries = (c - u * (from.cross(u) / std::max(1.0 + from.dot(u), kOpposite)).transpose()) / arm.length;
+
+        const double length = targets.length[b], r = arm.length / length, r3 = 1.0 / (r * r * r);
+        const double k = 0.25 * stretch_[b].stiffness, d = stretch_[b].damping;
+        double rate = (v[bone.end] - v[bone.start]).dot(u);
+        if (motion.from) rate -= (motion.to->length[b] - motion.from->length[b]) / motion.seconds;
+        const double spring = k * length * (r - r3);
+        const Vec3 pull = (spring + d * rate) * u;
+        force[bone.start] += pull;
+        force[bone.end] -= pull;
+        if (!system) continue;
+        const Matrix3d along = u * u.transpose();
+        const Matrix3d h = (k * (1.0 + 3.0 * r3 / r) + d / seconds) * along + std::max(spring, 0.0) / arm.length * (eye - along);
+        add(*system, bone.start, bone.start, h, freedom, normal);
+        add(*system, bone.end, bone.end, h, freedom, normal);
+        add(*system, bone.start, bone.end, -h, freedom, normal);
+    }
+    for (const auto& swing : swings_) {
+        if (!swing.active) continue;
+        const Arm& child = arms_[swing.child];
+        const Vec3& u = child.direction;
+        const Vec3 t = carried(swing, targets);
+        const Vec3 tu = t.cross(u);
+        const double sine = tu.norm(), angle = std::atan2(sine, t.dot(u));
+        const Vec3 axis = sine > 1e-12 ? Vec3(tu / sine) : Vec3(Vec3::Zero());
+        const auto& bone = skeleton_.bones[swing.child];
+        Vec3 turning = child.turn * (v[bone.end] - v[bone.start]);
+        const Arm* parent = swing.parent < 0 ? nullptr : &arms_[swing.parent];
+        if (parent) {
+            const auto& p = skeleton_.bones[swing.parent];
+            turning -= parent->carries * (v[p.end] - v[p.start]);
+        }
+        if (motion.from) turning -= carried(swing, *motion.from).cross(carried(swing, *motion.to)) / motion.seconds;
+        turning -= u * u.dot(turning);
+        const Vec3 torque = -(swing.gain.stiffness * angle * axis + swing.gain.damping * turning);
+        const Vec3 onChild = child.turn.transpose() * torque;
+        Vec3 onParent = Vec3::Zero();
+        if (parent) onParent = -(parent->carries.transpose() * torque);
+        for (int i = 0; i < swing.count; ++i) force[swing.point[i]] += swing.onChild[i] * onChild + swing.onParent[i] * onParent;
+        if (!system) continue;
+        // Across the bend an angle's energy is less curved than along it, and concave beyond a right angle.
+        const double across = sine > 1e-6 ? std::max(angle * t.dot(u) / sine, 0.0) : (t.dot(u) > 0.0 ? 1.0 : 0.0);
+        const Matrix3d w = (swing.gain.stiffness * across + swing.gain.damping / seconds) * (eye - u * u.transpose()) +
+                           swing.gain.stiffness * (1.0 - across) * axis * axis.transpose();
+        const Matrix3d wc = w * child.turn;
+        const Matrix3d cc = child.turn.transpose() * wc;
+        Matrix3d pp = Matrix3d::Zero(), pc = pp;
+        if (parent) {
+            pp.noalias() = parent->carries.transpose() * (w * parent->carries);
+            pc.noalias() = -parent->carries.transpose() * wc;
+        }
+        for (int i = 0; i < swing.count; ++i)
+            for (int j = 0; j <= i; ++j) {
+                const double ci = swing.onChild[i], cj = swing.onChild[j], pi = swing.onParent[i], pj = swing.onParent[j];
+                const Matrix3d block = ci * cj * cc + pi * pj * pp + pi * cj * pc + ci * pj * pc.transpose();
+                add(*system, swing.point[i], swing.point[j], block, freedom, normal);
+            }
+    }
+    for (std::size_t i = 0; i < return_.size(); ++i) {
+        const Gain& g = return_[i];
+        if (g.stiffness <= 0.0) continue;
+        Vec3 rate = v[i];
+        if (motion.from) rate -= (motion.to->points[i] - motion.from->points[i]) / motion.seconds;
+        force[i] -= g.stiffness * (x[i] - targets.points[i]) + g.damping * rate;
+        const int at = static_cast<int>(i);
+        if (system) add(*system, at, at, (g.stiffness + g.damping / seconds) * eye, freedom, normal);
+    }
+}
+
+void BoneSprings::solveRoll(const BoneTargets& targets, const Motion& motion, double seconds, const std::vector<double>& predicted,
+                            const std::vector<double>& predictedRate, const std::vector<char>& held, std::vector<double>& roll) {
+    const double s = 1.0 / seconds;
+    const auto rate = [&](int i) { return motion.from ? (motion.to->roll[i] - motion.from->roll[i]) / motion.seconds : 0.0; };
+    // Where a point is held its row says that its roll stays.
+    for (const int i : order_) {
+        rollBelow_[i] = 0.0;
+        rollDiagonal_[i] = 1.0;
+        if (held[i]) continue;
+        const double inertia = mass_[i] * rollArm_ * rollArm_;
+        const Gain& g = return_[i];
+        const double stiffness = g.stiffness * rollArm_ * rollArm_, damping = g.damping * rollArm_ * rollArm_;
+        rollDiagonal_[i] = inertia * s * s + damping * s + stiffness;
+        roll[i] = inertia * (s * s * predicted[i] + s * predictedRate[i]) + damping * (s * predicted[i] + rate(i)) + stiffness * targets.roll[i];
+    }
+    for (const int i : order_) {
+        const int p = above_[i];
+        if (p < 0) continue;
+        const Gain& g = roll_[aboveBone_[i]];
+        const double weight = g.stiffness + g.damping * s;
+        const double pull = g.stiffness * (targets.roll[i] - targets.roll[p]) + g.damping * (s * (predicted[i] - predicted[p]) + rate(i) - rate(p));
+        if (!held[i]) rollDiagonal_[i] += weight, roll[i] += pull;
+        if (!held[p]) rollDiagonal_[p] += weight, roll[p] -= pull;
+        if (!held[i] && !held[p]) rollBelow_[i] = -weight;
+        if (held[i] && !held[p]) roll[p] += weight * roll[i];
+        if (held[p] && !held[i]) roll[i] += weight * roll[p];
+    }
+    for (auto i = order_.rbegin(); i != order_.rend(); ++i) {
+        const int p = above_[*i];
+        if (p < 0 || rollBelow_[*i] == 0.0) continue;
+        const double part = rollBelow_[*i] / rollDiagonal_[*i];
+        rollDiagonal_[p] -= part * rollBelow_[*i];
+        roll[p] -= part * roll[*i];
+    }
+    for (const int i : order_) {
+        const int p = above_[i];
+        if (held[i]) continue;
+        if (p >= 0) roll[i] -= rollBelow_[i] * roll[p];
+        roll[i] /= rollDiagonal_[i];
+    }
+}
+
+}  // namespace imomushi

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/skeleton/block_cholesky.h"
+#include "core/skeleton/bone_tree.h"
+#include "core/skeleton/skeleton.h"
+
+namespace imomushi {
+
+struct BoneSpring;
+
+/// What the springs of bones pull towards at one moment: the kinematic pose.
+struct BoneTargets {
+    std::vector<Vec3> points;     ///< per joint point, m
+    std::vector<double> length;   ///< per bone, m, > 0
+    std::vector<Vec3> direction;  ///< per bone, unit
+    std::vector<double> roll;     ///< per joint point, radians
+};
+
+/// Whether a joint point may move in an implicit step.
+enum class Freedom : char { Free, OnPlane, Fixed };
+
+/// The springs and dampers between the joint points of a skeleton: energy, forces and their derivatives (see BoneDynamics). Allocates in its
+/// constructor only.
+class BoneSprings {
+public:
+    /// mass: kg per joint point, > 0. The bones must form a forest.
+    BoneSprings(const Skeleton& skeleton, const std::vector<double>& mass);
+
+    /// Stiffness and damping from frequencies, with what hangs on what for these held points. springs: one or one per bone.
+    void calibrate(std::span<const BoneSpring> springs, double returnHertz, const std::vector<char>& held);
+
+    /// J, at joint points x.
+    [[nodiscard]] double energy(const std::vector<Vec3>& x, const BoneTargets& targets) const;
+
+    /// How the targets move during a step: from, to and the seconds between them; null: they rest.
+    struct Motion {
+        const BoneTargets* from = nullptr;
+        const BoneTargets* to = nullptr;
+        double seconds = 1.0;
+    };
+    /// Adds to `force` (N per joint point) what springs and dampers do at positions x and velocities v. With `system` it adds to the upper part of
+    /// -d force / d x - d force / d v / seconds, made positive semidefinite, between points that are not fixed; on the plane with that
+    /// unit `normal` only within it.
+    void forces(const std::vector<Vec3>& x, const std::vector<Vec3>& v, const BoneTargets& targets, const Motion& motion, std::vector<Vec3>& force,
+                BlockCholesky* system, double seconds, const std::vector<Freedom>& freedom, const Vec3& normal);
+
+    /// Pairs of joint points that `system` couples.
+    [[nodiscard]] const std::vector<std::pair<int, int>>& pairs() const { return pairs_; }
+    [[nodiscard]] const BoneTree& tree() const { return tree_; }
+
+    /// Rolls are linear springs along the bones: solves (inertia / s^2 + damping / s + stiffness) roll = the same for `predicted` positions and
+    /// velocities, s = seconds, in linear time. `roll` in: where `held`, prescribed.
+    void solveRoll(const BoneTargets& targets, const Motion& motion, double seconds, const std::vector<double>& predicted,
+                   const std::vector<double>& predictedRate, const std::vector<char>& held, std::vector<double>& roll);
+
+private:
+    struct Gain {
+        double stiffness = 0.0, damping = 0.0;
+    };
+    struct Swing {
+        int parent = -1;  // bone; -1: against the direction of the kinematic pose, where the child starts at a held point
+        int child = -1;   // bone
+        int hinge = -1;   // common joint point
+        bool active = false;
+        Gain gain;        // N m, N m s
+        int count = 0;
+        int point[4] = {};
+        double onParent[4] = {}, onChild[4] = {};  // -1 start, +1 end
+    };
+    struct Side {  // of a skeleton cut at a joint point: what is free there, and how many held points
+        double mass = 0.0, second = 0.0;
+        Vec3 first = Vec3::Zero();
+        int held = 0;
+    };
+    [[nodiscard]] Side beyond(int from, int to) const;
+    [[nodiscard]] Vec3 carried(const Swing& swing, const BoneTargets& targets) const;
+    void add(BlockCholesky& system, int i, int j, const Eigen::Matrix3d& block, const std::vector<Freedom>& freedom, const Vec3& normal) const;
+
+    Skeleton skeleton_;
+    BoneTree tree_;
+    std::vector<double> mass_;
+    double rollArm_ = 0.0;             // m: inertia of roll = mass x arm^2
+    std::vector<Swing> swings_;
+    std::vector<Gain> stretch_, roll_; // per bone
+    std::vector<Gain> return_;         // per joint point
+    std::vector<std::pair<int, int>> pairs_;
+
+    // The joint points as rooted trees.
+    std::vector<int> order_;           // parents first
+    std::vector<int> above_, aboveBone_;  // -1: a root
+    std::vector<int> root_;            // of each joint point
+    std::vector<Side> below_;          // per joint point: it and all below; first moments about the root
+
+    // Of one evaluation, per bone.
+    struct Arm {
+        Vec3 direction;
+        double length = 0.0;
+        Eigen::Matrix3d turn;     // rotation of the bone by the difference of its ends' moves
+        Eigen::Matrix3d carries;  // rotation of what it carries
+    };
+    void arms(const std::vector<Vec3>& x, const BoneTargets& targets) const;
+    mutable std::vector<Arm> arms_;
+    std::vector<double> rollDiagonal_, rollBelow_;
+};
+
+}  // namespace imomushi
