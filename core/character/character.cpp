@@ -7,9 +7,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 
+#include "core/base/parallel.h"
+#include "core/character/aligned_buffer.h"
+#include "core/character/frame_crew.h"
+#include "core/character/normal_stencils.h"
+#include "core/character/response_blocks.h"
 #include "core/character/shrink.h"
 #include "core/character/vertex_kernels.h"
 #include "core/skeleton/bone_tree.h"
@@ -29,27 +33,8 @@ constexpr double kSameShape = 1e-8;
 constexpr double kLeastStretch = 0.3, kMostStretch = 3.0;
 // A vertex at the rim of a joined face that has no partner takes the normal of the nearest place on the other rim within this many face sizes.
 constexpr double kNearRim = 0.1;
-
-/// Memory for floats at 64 bytes, for vectors of any width.
-class FloatBuffer {
-public:
-    explicit FloatBuffer(std::size_t count = 0) : size_(count) {
-        if (count == 0) return;
-        const std::size_t bytes = (count * sizeof(float) + 63) / 64 * 64;
-        data_.reset(static_cast<float*>(std::aligned_alloc(64, bytes)));
-        if (!data_) throw std::bad_alloc();
-        std::fill_n(data_.get(), bytes / sizeof(float), 0.0f);
-    }
-    float* data() { return data_.get(); }
-    [[nodiscard]] const float* data() const { return data_.get(); }
-
-private:
-    struct Free {
-        void operator()(float* p) const { std::free(p); }
-    };
-    std::unique_ptr<float, Free> data_;
-    std::size_t size_ = 0;
-};
+// Threads share a frame in pieces of about this many bytes, and only frames with this many: less is done before a helper wakes up.
+constexpr std::size_t kBytesPerPiece = 1 << 17, kBytesWorthThreads = 1 << 20;
 
 /// Weighted mean of rotations given as quaternions. Within one tree signs say which way a bend went round (Pose::frames); across trees they mean
 /// nothing and are aligned with the first.
@@ -185,6 +170,12 @@ struct Character::State {
         int joint = 0;
         Vec3 normal = Vec3::UnitZ();
     };
+    // A vertex of a seam, and its normal from this element alone.
+    struct RimNormal {
+        std::int32_t vertex = 0;
+        Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();
+    };
+    enum class Work { None, Place, Evaluate, EvaluateAndKeep };
     struct ElementState {
         std::size_t vertices = 0;
         Vec3 middle = Vec3::Zero();
@@ -200,21 +191,31 @@ struct Character::State {
         Eigen::VectorXd v, shownV, columnSize;
         std::vector<AffineMap> shownJoints;  // per face
         bool shown = false, moved = false;
+        [[nodiscard]] double scale() const { return size > 0.0 ? 1.0 / size : 1.0; }
 
         std::vector<HeldVertex> held;
         std::vector<HiddenVertex> hidden;
-        std::vector<std::int32_t> free;       // body vertices
-        std::vector<std::int32_t> blockVertex, triangles;
-        std::vector<float> vFloat;
-        FloatBuffer response, rest, local, positions, normals, sums;
-        FreeBlocks blocks;
+        std::vector<std::int32_t> free, triangles;  // body vertices; triangles: only visible ones
+        std::vector<NormalStencil> stencils;
+        std::vector<RimNormal> rim;
+        ResponseBlocks blocks;
+        AlignedBuffer<float> local, positions, normals;
+        bool localShown = false;  // local belongs to shownV
+        Work work = Work::None;
+        Placement placement{};
         std::uint64_t revision = 0;
     };
     // The normal of a vertex on a seam is shared with a place on an edge of the other rim.
     struct SeamNormal {
         int element = 0, other = 0;
-        std::int32_t vertex = 0, from = 0, to = 0;
+        std::int32_t vertex = 0, from = 0, to = 0;  // those of rims: indices into ElementState::rim
+        std::int32_t own = 0;
         float part = 0.0f;  // of the way from `from` to `to`
+    };
+    // A piece of an element for one thread: blocks, or vertices of normals.
+    struct Piece {
+        int element = 0;
+        std::size_t begin = 0, end = 0;
     };
 
     explicit State(CharacterInput given)
@@ -226,6 +227,10 @@ struct Character::State {
         elements.resize(input.elements.size());
         for (std::size_t e = 0; e < elements.size(); ++e) buildElement(static_cast<int>(e));
         for (std::size_t j = 0; j < input.joints.size(); ++j) buildSeam(input.joints[j]);
+        const int threads = input.threads > 0 ? input.threads : hardwareThreads();
+        std::size_t bytes = 0;
+        for (const auto& e : elements) bytes += e.blocks.count() * e.blocks.bytesPerBlock();
+        if (threads > 1 && bytes >= kBytesWorthThreads) crew = std::make_unique<FrameCrew>(threads);
         update(pose);
     }
 
@@ -301,7 +306,6 @@ struct Character::State {
             out.columnSize[first + 5] = 1.0;
             if (basis.kind == BasisKind::Affine) out.columnSize[first + 6] = out.columnSize[first + 7] = 1.0;
         }
-        out.vFloat.assign(columns, 0.0f);
 
         std::vector<char> visible(out.vertices, 0);
         for (Eigen::Index t = 0; t < body.triangles.rows(); ++t) {
@@ -320,29 +324,21 @@ struct Character::State {
         else
             for (std::size_t v = 0; v < out.vertices; ++v)
                 if (!onFace[v]) out.free.push_back(static_cast<std::int32_t>(v));
-        const std::size_t blocks = (out.free.size() + kVertexBlock - 1) / kVertexBlock;
-        constexpr std::size_t kStride = 3 * kVertexBlock;
-        out.response = FloatBuffer(blocks * kStride * columns);
-        out.rest = FloatBuffer(blocks * kStride);
-        out.local = FloatBuffer(blocks * kStride);
-        out.blockVertex.assign(blocks * kVertexBlock, -1);
-        for (std::size_t i = 0; i < out.free.size(); ++i) {
-            const std::size_t block = i / kVertexBlock, lane = i % kVertexBlock;
-            out.blockVertex[i] = out.free[i];
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                const std::size_t at = axis * kVertexBlock + lane;
-                const auto row = static_cast<Eigen::Index>(axis);
-                out.rest.data()[block * kStride + at] = static_cast<float>(body.vertices(out.free[i], row) - out.middle[row]);
-                for (int c = 0; c < columns; ++c)
-                    out.response.data()[(block * columns + c) * kStride + at] =
-                        static_cast<float>(given.response->response(3 * static_cast<Eigen::Index>(i) + row, c));
-            }
-        }
-        out.blocks = {out.response.data(), out.rest.data(), out.local.data(), out.blockVertex.data(), blocks, columns};
-        const std::size_t padded = (out.vertices + 15) / 16 * 16;
-        out.positions = FloatBuffer(3 * padded + 4);
-        out.normals = FloatBuffer(3 * padded);
-        out.sums = FloatBuffer(4 * padded);
+        out.blocks = ResponseBlocks(body.vertices, out.free, out.middle, given.response ? given.response->response : Eigen::MatrixXd(3 * out.free.size(), 0),
+                                    input.format);
+        out.local = AlignedBuffer<float>(out.blocks.rest().size());
+        const std::size_t padded = (out.vertices + kVertexBlock - 1) / kVertexBlock * kVertexBlock + kVertexBlock;
+        out.positions = AlignedBuffer<float>(3 * padded);
+        out.normals = AlignedBuffer<float>(3 * padded);
+        out.stencils = normalStencils(body.vertices, out.triangles, out.scale());
+
+        const auto split = [e](std::vector<Piece>& pieces, std::size_t count, std::size_t bytesEach, std::size_t grain) {
+            std::size_t each = std::max<std::size_t>(kBytesPerPiece / std::max<std::size_t>(bytesEach, 1), 1);
+            each = (each + grain - 1) / grain * grain;
+            for (std::size_t i = 0; i < count; i += each) pieces.push_back({e, i, std::min(i + each, count)});
+        };
+        split(productPieces, out.blocks.count(), out.blocks.bytesPerBlock(), 1);
+        split(normalPieces, out.vertices, sizeof(NormalStencil) + 6 * sizeof(float), kVertexBlock);
     }
 
     // Which vertices of two joined rims share normals.
@@ -368,7 +364,7 @@ struct Character::State {
             const auto& otherFace = input.elements[other.element].faces[other.face];
             const auto& otherRim = *(rims.begin() + across);
             for (const auto v : *(rims.begin() + side)) {
-                SeamNormal seam{joint.faces[side].element, other.element, v, -1, -1, 0.0f};
+                SeamNormal seam{joint.faces[side].element, other.element, v, -1, -1, -1, 0.0f};
                 for (const auto& [a, b] : joint.welded)
                     if ((side == 0 ? a : b) == v) seam.from = seam.to = side == 0 ? b : a;
                 double best = seam.from >= 0 ? -1.0 : kNearRim * otherFace.size;
@@ -385,9 +381,21 @@ struct Character::State {
                         best = distance;
                         seam.from = from, seam.to = to, seam.part = static_cast<float>(part);
                     }
-                if (seam.from >= 0) seams.push_back(seam);
+                if (seam.from < 0) continue;
+                seam.own = rimIndex(seam.element, v);
+                seam.from = rimIndex(seam.other, seam.from);
+                seam.to = rimIndex(seam.other, seam.to);
+                seams.push_back(seam);
             }
         }
+    }
+
+    std::int32_t rimIndex(int element, std::int32_t v) {
+        auto& all = elements[element].rim;
+        const auto found = std::find_if(all.begin(), all.end(), [v](const RimNormal& r) { return r.vertex == v; });
+        if (found != all.end()) return static_cast<std::int32_t>(found - all.begin());
+        all.push_back({v});
+        return static_cast<std::int32_t>(all.size() - 1);
     }
 
     [[nodiscard]] Quaterniond rolled(int bone) const {
@@ -485,9 +493,20 @@ struct Character::State {
         for (std::size_t j = 0; j < joints.size(); ++j) placeJoint(j);
         for (std::size_t e = 0; e < elements.size(); ++e) measure(e);
         const auto measured = std::chrono::steady_clock::now();
-        for (std::size_t e = 0; e < elements.size(); ++e) showPositions(e);
+        std::size_t bytes = 0;
+        for (std::size_t e = 0; e < elements.size(); ++e) {
+            decideWork(e);
+            if (elements[e].moved) bytes += elements[e].blocks.count() * elements[e].blocks.bytesPerBlock();
+        }
+        share(bytes, productPieces, [this](const Piece& p) { showPositions(elements[p.element], p.begin, p.end); });
+        for (auto& e : elements) holdVertices(e);
         const auto placed = std::chrono::steady_clock::now();
-        for (auto& e : elements) showNormals(e);
+        share(bytes, normalPieces, [this](const Piece& p) {
+            auto& out = elements[p.element];
+            if (out.moved)
+                findNormals(out.positions.data(), out.stencils.data(), static_cast<float>(out.scale()), p.begin, p.end, out.normals.data());
+        });
+        for (auto& e : elements) holdNormals(e);
         closeSeams();
         const auto done = std::chrono::steady_clock::now();
         stats.jointsMs = milliseconds(start, measured);
@@ -502,7 +521,15 @@ struct Character::State {
         std::copy(p.roll.begin(), p.roll.end(), pose.roll.begin());
     }
 
-    void showPositions(std::size_t e) {
+    template <class Body>
+    void share(std::size_t bytes, const std::vector<Piece>& pieces, const Body& body) {
+        if (crew && bytes >= kBytesWorthThreads)
+            crew->run(pieces.size(), [&](std::size_t i) { body(pieces[i]); });
+        else
+            for (const auto& p : pieces) body(p);
+    }
+
+    void decideWork(std::size_t e) {
         auto& out = elements[e];
         const bool sameShape = out.shown && ((out.v - out.shownV).cwiseAbs().cwiseProduct(out.columnSize).array() <= kSameShape * out.size).all();
         out.moved = !sameShape || !(out.frame == out.shownFrame);
@@ -510,57 +537,63 @@ struct Character::State {
             out.moved = out.moved || !(joints[out.jointOf[f]].map == out.shownJoints[f]);
             out.shownJoints[f] = joints[out.jointOf[f]].map;
         }
+        out.work = Work::None;
         if (!out.moved) return;
         out.shownFrame = out.frame;
         ++out.revision;
 
-        Placement placement;
         const Vec3 shift = out.frame(out.middle);
         for (int i = 0; i < 3; ++i) {
-            placement.shift[i] = static_cast<float>(shift[i]);
-            for (int k = 0; k < 3; ++k) placement.rotation[3 * i + k] = static_cast<float>(out.frame.linear(i, k));
+            out.placement.shift[i] = static_cast<float>(shift[i]);
+            for (int k = 0; k < 3; ++k) out.placement.rotation[3 * i + k] = static_cast<float>(out.frame.linear(i, k));
         }
-        if (sameShape) {
-            place(out.blocks, placement, out.positions.data());
-        } else {
-            for (Eigen::Index i = 0; i < out.v.size(); ++i) out.vFloat[i] = static_cast<float>(out.v[i]);
-            evaluateAndPlace(out.blocks, out.vFloat.data(), placement, out.positions.data());
-            out.shownV = out.v;
-            out.shown = true;
-            ++stats.evaluatedElements;
-            stats.evaluatedVertices += static_cast<int>(out.free.size());
+        if (sameShape && out.localShown) {
+            out.work = Work::Place;
+            return;
         }
+        // Who bends goes on bending, mostly: the bent shape is kept when it moves as it is, and at the start.
+        out.localShown = sameShape || !out.shown;
+        out.work = out.localShown ? Work::EvaluateAndKeep : Work::Evaluate;
+        if (!sameShape) out.shownV = out.v;
+        out.blocks.weigh(out.shownV);
+        out.shown = true;
+        ++stats.evaluatedElements;
+        stats.evaluatedVertices += static_cast<int>(out.free.size());
+    }
+
+    static void showPositions(ElementState& out, std::size_t begin, std::size_t end) {
+        if (out.work == Work::None) return;
+        if (out.work == Work::Place)
+            place(out.local.data(), out.blocks.first(), out.placement, begin, end, out.positions.data());
+        else
+            evaluateAndPlace(out.blocks.view(), out.blocks.weights(), out.placement, begin, end,
+                             out.work == Work::EvaluateAndKeep ? out.local.data() : nullptr, out.positions.data());
+    }
+
+    void holdVertices(ElementState& out) const {
+        if (!out.moved) return;
         for (const auto& h : out.held) {
             const Vec3 p = joints[h.joint].map(h.rest);
-            for (int i = 0; i < 3; ++i) out.positions.data()[3 * h.vertex + i] = static_cast<float>(p[i]);
+            for (int i = 0; i < 3; ++i) out.positions[3 * static_cast<std::size_t>(h.vertex) + i] = static_cast<float>(p[i]);
         }
     }
 
-    void showNormals(ElementState& out) {
-        if (!out.moved || out.vertices == 0) return;
-        sumNormals(out.positions.data(), out.triangles.data(), out.triangles.size() / 3, static_cast<float>(out.size > 0.0 ? 1.0 / out.size : 1.0),
-                   out.sums.data(), out.vertices);
+    void holdNormals(ElementState& out) const {
+        if (!out.moved) return;
         for (const auto& h : out.hidden) {
-            const Vec3 n = joints[h.joint].map.linear * h.normal;
-            for (int i = 0; i < 3; ++i) out.sums.data()[4 * h.vertex + i] = static_cast<float>(n[i]);
+            const Vec3 n = (joints[h.joint].map.linear * h.normal).normalized();
+            for (int i = 0; i < 3; ++i) out.normals[3 * static_cast<std::size_t>(h.vertex) + i] = static_cast<float>(n[i]);
         }
-        normalise(out.sums.data(), out.normals.data(), (out.vertices + 15) / 16 * 16);
-    }
-
-    [[nodiscard]] Eigen::Vector3f ownNormal(int element, std::int32_t v) const {
-        const float* s = elements[element].sums.data() + 4 * static_cast<std::ptrdiff_t>(v);
-        const Eigen::Vector3f n(s[0], s[1], s[2]);
-        const float length = n.norm();
-        return length > 1e-15f ? Eigen::Vector3f(n / length) : Eigen::Vector3f(Eigen::Vector3f::UnitZ());
+        for (auto& r : out.rim) r.normal = Eigen::Map<const Eigen::Vector3f>(out.normals.data() + 3 * static_cast<std::ptrdiff_t>(r.vertex));
     }
 
     void closeSeams() {
         for (const auto& s : seams) {
             auto& out = elements[s.element];
             if (!out.moved && !elements[s.other].moved) continue;
-            const Eigen::Vector3f own = ownNormal(s.element, s.vertex);
-            Eigen::Vector3f across = ownNormal(s.other, s.from);
-            if (s.to != s.from) across = (1.0f - s.part) * across + s.part * ownNormal(s.other, s.to);
+            const auto& rim = elements[s.other].rim;
+            const Eigen::Vector3f own = out.rim[s.own].normal;
+            const Eigen::Vector3f across = (1.0f - s.part) * rim[s.from].normal + s.part * rim[s.to].normal;
             const Eigen::Vector3f sum = own + across;
             const float length = sum.norm();
             const Eigen::Vector3f n = length > 1e-3f ? Eigen::Vector3f(sum / length) : own;
@@ -584,6 +617,8 @@ struct Character::State {
     std::vector<JointState> joints;
     std::vector<ElementState> elements;
     std::vector<SeamNormal> seams;
+    std::vector<Piece> productPieces, normalPieces;
+    std::unique_ptr<FrameCrew> crew;
     std::vector<char> seamOnly = std::vector<char>(input.elements.size(), 0);
     unsigned solveWarnings = 0, updateWarnings = 0;
     Stats stats;
@@ -644,6 +679,13 @@ Eigen::Isometry3d Character::frame(int element) const {
 }
 
 const Character::Stats& Character::stats() const { return state_->stats; }
+
+Character::Memory Character::memory(int element) const {
+    const auto& e = state_->elements[element];
+    return {e.blocks.responseBytes(), e.blocks.rest().bytes() + e.local.bytes() + e.positions.bytes() + e.normals.bytes() + e.stencils.size() * sizeof(NormalStencil)};
+}
+
+double Character::formatError(int element) const { return state_->elements[element].blocks.error(); }
 
 double Character::shrink(int joint) const { return state_->joints[joint].shrink; }
 

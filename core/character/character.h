@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/character/response_format.h"
 #include "core/joints/joint_face.h"
 #include "core/reduction/element_response.h"
 #include "core/skeleton/skeleton.h"
@@ -40,6 +41,8 @@ struct CharacterInput {
     std::vector<Element> elements;
     std::vector<Joint> joints;  ///< every joint face belongs to exactly one joint
     BasisKind basis = BasisKind::Affine;
+    ResponseFormat format = ResponseFormat::Float;
+    int threads = 1;  ///< of a frame, 0: all of this machine; large characters only. They change no byte of what is shown
 };
 
 /// Things a frame wants to say without failing.
@@ -64,13 +67,14 @@ public:
     /// Inverse kinematics from `pose` towards `holds`, in place.
     InverseKinematics::Report solvePose(const std::vector<Hold>& holds, Pose& pose);
 
-    /// Deforms all elements to `pose`. Elements whose v did not change since the last update() are not evaluated again (only moved).
+    /// Deforms all elements to `pose`. Elements whose v did not change are moved as they are (evaluated once more when that begins); those that
+    /// did not move either are left alone.
     void update(const Pose& pose);
 
     /// What the last update() left, single precision, ready for display. Memory stays where it is for the character's life.
     struct Surface {
         const float* positions = nullptr;  ///< #body vertices x 3, world, m
-        const float* normals = nullptr;    ///< #body vertices x 3, unit, world; area-weighted over the body's triangles
+        const float* normals = nullptr;    ///< #body vertices x 3, unit, world; those of area-weighted triangles (normal_stencils.h)
         int vertices = 0;
         std::uint64_t revision = 0;        ///< changes when the content does
     };
@@ -90,6 +94,16 @@ public:
         double poseMs = 0, jointsMs = 0, productMs = 0, normalsMs = 0;  ///< wall time by stage of the last solvePose() and update()
     };
     [[nodiscard]] const Stats& stats() const;
+
+    /// Bytes of an element that a frame reads and writes.
+    struct Memory {
+        std::size_t response = 0;  ///< A' in the format of the input
+        std::size_t surface = 0;   ///< everything that grows with vertices alone
+    };
+    [[nodiscard]] Memory memory(int element) const;
+    /// Largest error of displacements that the number format of A' makes, relative to the largest displacement: the worst of the unit poses,
+    /// measured when the character was built. 0 without a response.
+    [[nodiscard]] double formatError(int element) const;
 
     /// Factor c of joint j in a = b = 1 + c s, s = mean outward shift of its faces in metres: the one of least elastic energy
     /// when the bones are straight (model.md section 2). 1/m, negative: a stretched joint gets thinner.

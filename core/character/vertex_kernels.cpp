@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/character/vertex_kernels.h"
 
+#include <algorithm>
 #include <cstring>
 
 // Four lanes are a vertex below, which vectors of unknown size (SVE, RISC-V) do not promise: ARM uses NEON.
@@ -17,139 +18,201 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using D = hn::CappedTag<float, kVertexBlock>;
 using V = hn::Vec<D>;
+using DI = hn::RebindToSigned<D>;
+using VI = hn::Vec<DI>;
+constexpr std::size_t kStride = 3 * kVertexBlock;
 
-// One vector of vertices of a block, from lane `first` of it.
-HWY_INLINE void placeLanes(V x, V y, V z, const Placement& p, const std::int32_t* vertex, std::size_t first, float* positions) {
-    const D d;
-    const auto row = [&](int i) {
-        const float* r = p.rotation + 3 * i;
-        return hn::MulAdd(x, hn::Set(d, r[0]), hn::MulAdd(y, hn::Set(d, r[1]), hn::MulAdd(z, hn::Set(d, r[2]), hn::Set(d, p.shift[i]))));
-    };
-    const V wx = row(0), wy = row(1), wz = row(2);
-    const int lanes = static_cast<int>(hn::Lanes(d));
-    const std::int32_t* v = vertex + first;
-    if (v[lanes - 1] == v[0] + lanes - 1) {  // ascending, so all between follow each other
-        hn::StoreInterleaved3(wx, wy, wz, d, positions + 3 * static_cast<std::ptrdiff_t>(v[0]));
-        return;
-    }
-    HWY_ALIGN float out[3 * kVertexBlock];
-    hn::StoreInterleaved3(wx, wy, wz, d, out);
-    for (int i = 0; i < lanes && v[i] >= 0; ++i) std::memcpy(positions + 3 * static_cast<std::ptrdiff_t>(v[i]), out + 3 * i, 3 * sizeof(float));
-}
+struct Three {
+    V x, y, z;
+};
 
-void evaluateAndPlace(const FreeBlocks& b, const float* v, const Placement& p, float* positions) {
-    const D d;
-    const std::size_t lanes = hn::Lanes(d);
-    constexpr std::size_t kStride = 3 * kVertexBlock;
-    const std::size_t column = kStride, block = kStride * static_cast<std::size_t>(b.columns);
-    // Two blocks at a time: six independent sums hide the latency of the additions.
-    std::size_t k = 0;
-    for (; k + 1 < b.blocks; k += 2) {
-        const float* a0 = b.response + k * block;
-        const float* a1 = a0 + block;
-        for (std::size_t i = 0; i < kVertexBlock; i += lanes) {
-            const float* r = b.rest + k * kStride + i;
-            V x0 = hn::Load(d, r), y0 = hn::Load(d, r + kVertexBlock), z0 = hn::Load(d, r + 2 * kVertexBlock);
-            r += kStride;
-            V x1 = hn::Load(d, r), y1 = hn::Load(d, r + kVertexBlock), z1 = hn::Load(d, r + 2 * kVertexBlock);
-            for (int c = 0; c < b.columns; ++c) {
-                const V w = hn::Set(d, v[c]);
-                const float* c0 = a0 + static_cast<std::size_t>(c) * column + i;
-                const float* c1 = a1 + static_cast<std::size_t>(c) * column + i;
-                x0 = hn::MulAdd(hn::Load(d, c0), w, x0);
-                y0 = hn::MulAdd(hn::Load(d, c0 + kVertexBlock), w, y0);
-                z0 = hn::MulAdd(hn::Load(d, c0 + 2 * kVertexBlock), w, z0);
-                x1 = hn::MulAdd(hn::Load(d, c1), w, x1);
-                y1 = hn::MulAdd(hn::Load(d, c1 + kVertexBlock), w, y1);
-                z1 = hn::MulAdd(hn::Load(d, c1 + 2 * kVertexBlock), w, z1);
-            }
-            float* out = b.local + k * kStride + i;
-            hn::Store(x0, d, out), hn::Store(y0, d, out + kVertexBlock), hn::Store(z0, d, out + 2 * kVertexBlock);
-            out += kStride;
-            hn::Store(x1, d, out), hn::Store(y1, d, out + kVertexBlock), hn::Store(z1, d, out + 2 * kVertexBlock);
-            placeLanes(x0, y0, z0, p, b.vertex + k * kVertexBlock, i, positions);
-            placeLanes(x1, y1, z1, p, b.vertex + (k + 1) * kVertexBlock, i, positions);
+// Each of these adds A' v to the vertices of block k from lane i on.
+struct FloatProduct {
+    const float* response;
+    const float* weights;
+    std::size_t columns;
+    HWY_INLINE void add(std::size_t k, std::size_t i, Three& at) const {
+        const D d;
+        const float* a = response + k * columns * kStride + i;
+        for (std::size_t c = 0; c < columns; ++c, a += kStride) {
+            const V w = hn::Set(d, weights[c]);
+            at.x = hn::MulAdd(hn::Load(d, a), w, at.x);
+            at.y = hn::MulAdd(hn::Load(d, a + kVertexBlock), w, at.y);
+            at.z = hn::MulAdd(hn::Load(d, a + 2 * kVertexBlock), w, at.z);
         }
     }
-    for (; k < b.blocks; ++k)
-        for (std::size_t i = 0; i < kVertexBlock; i += lanes) {
-            const float* r = b.rest + k * kStride + i;
-            V x = hn::Load(d, r), y = hn::Load(d, r + kVertexBlock), z = hn::Load(d, r + 2 * kVertexBlock);
-            for (int c = 0; c < b.columns; ++c) {
-                const V w = hn::Set(d, v[c]);
-                const float* a = b.response + k * block + static_cast<std::size_t>(c) * column + i;
-                x = hn::MulAdd(hn::Load(d, a), w, x);
-                y = hn::MulAdd(hn::Load(d, a + kVertexBlock), w, y);
-                z = hn::MulAdd(hn::Load(d, a + 2 * kVertexBlock), w, z);
-            }
-            float* out = b.local + k * kStride + i;
-            hn::Store(x, d, out), hn::Store(y, d, out + kVertexBlock), hn::Store(z, d, out + 2 * kVertexBlock);
-            placeLanes(x, y, z, p, b.vertex + k * kVertexBlock, i, positions);
-        }
-}
+};
 
-void place(const FreeBlocks& b, const Placement& p, float* positions) {
-    const D d;
-    for (std::size_t k = 0; k < b.blocks; ++k)
-        for (std::size_t i = 0; i < kVertexBlock; i += hn::Lanes(d)) {
-            const float* l = b.local + k * 3 * kVertexBlock + i;
-            placeLanes(hn::Load(d, l), hn::Load(d, l + kVertexBlock), hn::Load(d, l + 2 * kVertexBlock), p, b.vertex + k * kVertexBlock, i,
-                       positions);
+struct HalfProduct {
+    const hwy::float16_t* response;
+    const float* weights;
+    std::size_t columns;
+    HWY_INLINE void add(std::size_t k, std::size_t i, Three& at) const {
+        const D d;
+        const hn::Rebind<hwy::float16_t, D> dh;
+        const hwy::float16_t* a = response + k * columns * kStride + i;
+        for (std::size_t c = 0; c < columns; ++c, a += kStride) {
+            const V w = hn::Set(d, weights[c]);
+            at.x = hn::MulAdd(hn::PromoteTo(d, hn::Load(dh, a)), w, at.x);
+            at.y = hn::MulAdd(hn::PromoteTo(d, hn::Load(dh, a + kVertexBlock)), w, at.y);
+            at.z = hn::MulAdd(hn::PromoteTo(d, hn::Load(dh, a + 2 * kVertexBlock)), w, at.z);
         }
-}
+    }
+};
 
-void sumNormals(const float* positions, const std::int32_t* triangles, std::size_t count, float scale, float* sums, std::size_t vertices) {
+// The sums of products of pairs, lane by lane, of vectors of pairs.
+class PairSum {
+public:
 #if HWY_TARGET == HWY_SCALAR
-    std::memset(sums, 0, 4 * vertices * sizeof(float));
-    for (std::size_t f = 0; f < count; ++f) {
-        const std::int32_t* corner = triangles + 3 * f;
-        const float* p = positions + 3 * static_cast<std::ptrdiff_t>(corner[0]);
-        float a[3], b[3];
-        for (int i = 0; i < 3; ++i) {
-            a[i] = (positions[3 * static_cast<std::ptrdiff_t>(corner[1]) + i] - p[i]) * scale;
-            b[i] = (positions[3 * static_cast<std::ptrdiff_t>(corner[2]) + i] - p[i]) * scale;
-        }
-        for (int c = 0; c < 3; ++c)
-            for (int i = 0; i < 3; ++i)
-                sums[4 * static_cast<std::ptrdiff_t>(corner[c]) + i] += a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-    }
+    HWY_INLINE void add(const std::int16_t* a, const std::int16_t* b) { sum_ += a[0] * b[0] + a[1] * b[1]; }
+    [[nodiscard]] HWY_INLINE VI get() const { return hn::Set(DI(), sum_); }
+
+private:
+    std::int32_t sum_ = 0;
 #else
+    HWY_INLINE PairSum() : even_(hn::Zero(DI())), odd_(hn::Zero(DI())) {}  // not left to the compiler, which would forget the target
+    HWY_INLINE void add(const std::int16_t* a, const std::int16_t* b) {
+        const hn::RepartitionToNarrow<DI> d16;
+        std::int32_t pair;
+        std::memcpy(&pair, b, sizeof pair);
+        even_ = hn::ReorderWidenMulAccumulate(DI(), hn::Load(d16, a), hn::BitCast(d16, hn::Set(DI(), pair)), even_, odd_);
+    }
+    [[nodiscard]] HWY_INLINE VI get() const { return hn::RearrangeToOddPlusEven(even_, odd_); }
+
+private:
+    VI even_, odd_;
+#endif
+};
+
+struct Int16Product {
+    const std::int16_t* response;
+    const std::int16_t* weights;
+    const float* groups;
+    std::size_t pairs;
+    HWY_INLINE void add(std::size_t k, std::size_t i, Three& at) const {
+        const D d;
+        constexpr std::size_t kPairs = kColumnGroup / 2;
+        const std::int16_t* a = response + 2 * (k * pairs * kStride + i);
+        for (std::size_t first = 0; first < pairs; first += kPairs) {
+            PairSum x, y, z;
+            for (std::size_t p = first; p < std::min(first + kPairs, pairs); ++p, a += 2 * kStride) {
+                x.add(a, weights + 2 * p);
+                y.add(a + 2 * kVertexBlock, weights + 2 * p);
+                z.add(a + 4 * kVertexBlock, weights + 2 * p);
+            }
+            const V scale = hn::Set(d, groups[first / kPairs]);
+            at.x = hn::MulAdd(hn::ConvertTo(d, x.get()), scale, at.x);
+            at.y = hn::MulAdd(hn::ConvertTo(d, y.get()), scale, at.y);
+            at.z = hn::MulAdd(hn::ConvertTo(d, z.get()), scale, at.z);
+        }
+    }
+};
+
+class Placer {
+public:
+    HWY_INLINE explicit Placer(const Placement& p) : p_(p) {}
+    HWY_INLINE void operator()(const Three& at, float* positions) const {
+        hn::StoreInterleaved3(row(0, at), row(1, at), row(2, at), D(), positions);
+    }
+
+private:
+    [[nodiscard]] HWY_INLINE V row(int i, const Three& at) const {
+        const D d;
+        const float* r = p_.rotation + 3 * i;
+        return hn::MulAdd(at.x, hn::Set(d, r[0]), hn::MulAdd(at.y, hn::Set(d, r[1]), hn::MulAdd(at.z, hn::Set(d, r[2]), hn::Set(d, p_.shift[i]))));
+    }
+    const Placement p_;
+};
+
+HWY_INLINE Three loadThree(const float* from) {
+    const D d;
+    return {hn::Load(d, from), hn::Load(d, from + kVertexBlock), hn::Load(d, from + 2 * kVertexBlock)};
+}
+
+template <class Product>
+void evaluateWith(const Product& product, const VertexBlocks& b, const Placement& placement, std::size_t begin, std::size_t end, float* local,
+                  float* positions) {
+    const D d;
+    const Placer placer(placement);
+    for (std::size_t k = begin; k < end; ++k)
+        for (std::size_t i = 0; i < kVertexBlock; i += hn::Lanes(d)) {
+            Three at = loadThree(b.rest + k * kStride + i);
+            product.add(k, i, at);
+            if (local) {
+                float* out = local + k * kStride + i;
+                hn::Store(at.x, d, out), hn::Store(at.y, d, out + kVertexBlock), hn::Store(at.z, d, out + 2 * kVertexBlock);
+            }
+            placer(at, positions + 3 * (static_cast<std::size_t>(b.first[k]) + i));
+        }
+}
+
+void evaluateAndPlace(const VertexBlocks& b, const ColumnWeights& w, const Placement& placement, std::size_t begin, std::size_t end, float* local,
+                      float* positions) {
+    const auto columns = static_cast<std::size_t>(b.columns);
+    switch (b.format) {
+        case ResponseFormat::Float:
+            return evaluateWith(FloatProduct{static_cast<const float*>(b.response), w.columns, columns}, b, placement, begin, end, local, positions);
+        case ResponseFormat::Half:
+            return evaluateWith(HalfProduct{static_cast<const hwy::float16_t*>(b.response), w.columns, columns}, b, placement, begin, end, local,
+                                positions);
+        case ResponseFormat::Int16:
+            return evaluateWith(Int16Product{static_cast<const std::int16_t*>(b.response), w.pairs, w.groups, (columns + 1) / 2}, b, placement, begin,
+                                end, local, positions);
+    }
+}
+
+void place(const float* local, const std::int32_t* first, const Placement& placement, std::size_t begin, std::size_t end, float* positions) {
+    const Placer placer(placement);
+    for (std::size_t k = begin; k < end; ++k)
+        for (std::size_t i = 0; i < kVertexBlock; i += hn::Lanes(D()))
+            placer(loadThree(local + k * kStride + i), positions + 3 * (static_cast<std::size_t>(first[k]) + i));
+}
+
+// The normal of one vertex, not yet of unit length, and a fourth lane of anything.
+#if HWY_TARGET == HWY_SCALAR
+HWY_INLINE void rawNormal(const float* positions, const NormalStencil& s, float scale, float* out) {
+    float t[3], u[3];
+    for (int i = 0; i < 3; ++i) {
+        const float c = positions[3 * static_cast<std::ptrdiff_t>(s.c) + i];
+        t[i] = (positions[3 * static_cast<std::ptrdiff_t>(s.a) + i] - c) * scale;
+        u[i] = (positions[3 * static_cast<std::ptrdiff_t>(s.b) + i] - c) * scale;
+    }
+    for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        out[i] = t[j] * u[k] - t[k] * u[j] + s.along[0] * t[i] + s.along[1] * u[i];
+    }
+}
+#else
+HWY_INLINE void rawNormal(const float* positions, const NormalStencil& s, float scale, float* out) {
     const hn::FixedTag<float, 4> d;
     const hn::FixedTag<std::int32_t, 4> di;
     HWY_ALIGN static constexpr std::int32_t kNext[4] = {1, 2, 0, 3};
     const auto next = hn::IndicesFromVec(d, hn::Load(di, kNext));
-    const auto zero = hn::Zero(d);
-    for (std::size_t i = 0; i < vertices; ++i) hn::Store(zero, d, sums + 4 * i);
+    const auto c = hn::LoadU(d, positions + 3 * static_cast<std::ptrdiff_t>(s.c));
     const auto size = hn::Set(d, scale);
-    for (std::size_t f = 0; f < count; ++f) {
-        const std::ptrdiff_t i = triangles[3 * f], j = triangles[3 * f + 1], k = triangles[3 * f + 2];
-        const auto p = hn::LoadU(d, positions + 3 * i);
-        const auto a = hn::Mul(hn::Sub(hn::LoadU(d, positions + 3 * j), p), size);
-        const auto b = hn::Mul(hn::Sub(hn::LoadU(d, positions + 3 * k), p), size);
-        const auto an = hn::TableLookupLanes(a, next), bn = hn::TableLookupLanes(b, next);
-        const auto normal = hn::TableLookupLanes(hn::NegMulAdd(an, b, hn::Mul(a, bn)), next);
-        float* si = sums + 4 * i;
-        float* sj = sums + 4 * j;
-        float* sk = sums + 4 * k;
-        hn::Store(hn::Add(hn::Load(d, si), normal), d, si);
-        hn::Store(hn::Add(hn::Load(d, sj), normal), d, sj);
-        hn::Store(hn::Add(hn::Load(d, sk), normal), d, sk);
-    }
-#endif
+    const auto t = hn::Mul(hn::Sub(hn::LoadU(d, positions + 3 * static_cast<std::ptrdiff_t>(s.a)), c), size);
+    const auto u = hn::Mul(hn::Sub(hn::LoadU(d, positions + 3 * static_cast<std::ptrdiff_t>(s.b)), c), size);
+    const auto tn = hn::TableLookupLanes(t, next), un = hn::TableLookupLanes(u, next);
+    const auto across = hn::TableLookupLanes(hn::NegMulAdd(tn, u, hn::Mul(t, un)), next);
+    hn::Store(hn::MulAdd(t, hn::Set(d, s.along[0]), hn::MulAdd(u, hn::Set(d, s.along[1]), across)), d, out);
 }
+#endif
 
-void normalise(const float* sums, float* normals, std::size_t vertices) {
+void findNormals(const float* positions, const NormalStencil* stencils, float scale, std::size_t begin, std::size_t end, float* normals) {
     const D d;
-    // Sums are of about (edge / size of the element)^2: below this a vertex has no area around it.
     const V tiny = hn::Set(d, 1e-30f), one = hn::Set(d, 1.0f);
-    for (std::size_t i = 0; i < vertices; i += hn::Lanes(d)) {
-        V x, y, z, w;
-        hn::LoadInterleaved4(d, sums + 4 * i, x, y, z, w);
-        const V square = hn::MulAdd(x, x, hn::MulAdd(y, y, hn::Mul(z, z)));
-        const auto none = hn::Lt(square, tiny);
-        const V factor = hn::Div(one, hn::Sqrt(hn::Max(square, tiny)));
-        hn::StoreInterleaved3(hn::IfThenZeroElse(none, hn::Mul(x, factor)), hn::IfThenZeroElse(none, hn::Mul(y, factor)),
-                              hn::IfThenElse(none, one, hn::Mul(z, factor)), d, normals + 3 * i);
+    HWY_ALIGN float raw[4 * kVertexBlock];
+    for (std::size_t first = begin; first < end; first += kVertexBlock) {
+        for (std::size_t i = 0; i < kVertexBlock; ++i) rawNormal(positions, stencils[first + i], scale, raw + 4 * i);
+        for (std::size_t i = 0; i < kVertexBlock; i += hn::Lanes(d)) {
+            V x, y, z, w;
+            hn::LoadInterleaved4(d, raw + 4 * i, x, y, z, w);
+            const V square = hn::MulAdd(x, x, hn::MulAdd(y, y, hn::Mul(z, z)));
+            const auto none = hn::Lt(square, tiny);
+            const V factor = hn::Div(one, hn::Sqrt(hn::Max(square, tiny)));
+            hn::StoreInterleaved3(hn::IfThenZeroElse(none, hn::Mul(x, factor)), hn::IfThenZeroElse(none, hn::Mul(y, factor)),
+                                  hn::IfThenElse(none, one, hn::Mul(z, factor)), d, normals + 3 * (first + i));
+        }
     }
 }
 
@@ -162,19 +225,18 @@ namespace imomushi {
 
 HWY_EXPORT(evaluateAndPlace);
 HWY_EXPORT(place);
-HWY_EXPORT(sumNormals);
-HWY_EXPORT(normalise);
+HWY_EXPORT(findNormals);
 
-void evaluateAndPlace(const FreeBlocks& blocks, const float* v, const Placement& placement, float* positions) {
-    HWY_DYNAMIC_DISPATCH(evaluateAndPlace)(blocks, v, placement, positions);
+void evaluateAndPlace(const VertexBlocks& blocks, const ColumnWeights& weights, const Placement& placement, std::size_t begin, std::size_t end,
+                      float* local, float* positions) {
+    HWY_DYNAMIC_DISPATCH(evaluateAndPlace)(blocks, weights, placement, begin, end, local, positions);
 }
-void place(const FreeBlocks& blocks, const Placement& placement, float* positions) {
-    HWY_DYNAMIC_DISPATCH(place)(blocks, placement, positions);
+void place(const float* local, const std::int32_t* first, const Placement& placement, std::size_t begin, std::size_t end, float* positions) {
+    HWY_DYNAMIC_DISPATCH(place)(local, first, placement, begin, end, positions);
 }
-void sumNormals(const float* positions, const std::int32_t* triangles, std::size_t count, float scale, float* sums, std::size_t vertices) {
-    HWY_DYNAMIC_DISPATCH(sumNormals)(positions, triangles, count, scale, sums, vertices);
+void findNormals(const float* positions, const NormalStencil* stencils, float scale, std::size_t begin, std::size_t end, float* normals) {
+    HWY_DYNAMIC_DISPATCH(findNormals)(positions, stencils, scale, begin, end, normals);
 }
-void normalise(const float* sums, float* normals, std::size_t vertices) { HWY_DYNAMIC_DISPATCH(normalise)(sums, normals, vertices); }
 
 }  // namespace imomushi
 #endif

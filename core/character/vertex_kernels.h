@@ -4,20 +4,32 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/character/response_format.h"
+
 namespace imomushi {
 
-/// The loops over vertices and triangles of a frame, in single precision, with vector instructions chosen at run time.
-/// Free vertices come in blocks of kVertexBlock: x of all, y of all, z of all; the last block is padded with zeros.
-inline constexpr int kVertexBlock = 8;
+/// The loops over vertices of a frame, in single precision, with vector instructions chosen at run time. A block is kVertexBlock body vertices
+/// that follow each other in the body's order, kept as x of all, y of all, z of all.
+inline constexpr int kVertexBlock = 16;
+/// Int16 sums this many columns in integers before it adds them up in single precision. Even.
+inline constexpr int kColumnGroup = 16;
 
-/// The free vertices of one element. Pointers to blocks are aligned to 64 bytes.
-struct FreeBlocks {
-    const float* response = nullptr;  ///< A': per block, per column, 3 * kVertexBlock
-    const float* rest = nullptr;      ///< per block 3 * kVertexBlock, m, about the element's middle
-    float* local = nullptr;           ///< like rest: displaced, in the frame of the element
-    const std::int32_t* vertex = nullptr;  ///< per block kVertexBlock body vertices, -1: padding
-    std::size_t blocks = 0;
+/// Vertices that are evaluated together. Pointers are aligned to 64 bytes.
+struct VertexBlocks {
+    ResponseFormat format = ResponseFormat::Float;
+    /// A': float, or half as bits, per block, per column, 3 * kVertexBlock. Int16: per block, per pair of columns, 3 * kVertexBlock pairs; a
+    /// last column without a partner is paired with zeros.
+    const void* response = nullptr;
+    const float* rest = nullptr;           ///< per block 3 * kVertexBlock, m, about the element's middle
+    const std::int32_t* first = nullptr;   ///< per block: its first body vertex
     int columns = 0;
+};
+
+/// What A' is multiplied with in a frame; see ResponseBlocks::weigh().
+struct ColumnWeights {
+    const float* columns = nullptr;        ///< Float and Half: per column
+    const std::int16_t* pairs = nullptr;   ///< Int16: per column, and a zero after an odd number of them
+    const float* groups = nullptr;         ///< Int16: metres per unit of the sum, for each kColumnGroup columns
 };
 
 /// World = rotation (row by row) times local plus shift.
@@ -26,17 +38,23 @@ struct Placement {
     float shift[3];
 };
 
-/// local = rest + A' v, then placed. positions: #body vertices x 3.
-void evaluateAndPlace(const FreeBlocks& blocks, const float* v, const Placement& placement, float* positions);
+/// Blocks [begin, end): rest + A' v, placed. Writes kVertexBlock vertices from the first one of each block on, so `positions` (#body vertices
+/// x 3) is padded by as many. local (like rest; may be null): rest + A' v, for place().
+void evaluateAndPlace(const VertexBlocks& blocks, const ColumnWeights& weights, const Placement& placement, std::size_t begin, std::size_t end,
+                      float* local, float* positions);
 
-/// The same without the product: local is as it was.
-void place(const FreeBlocks& blocks, const Placement& placement, float* positions);
+/// The same without the product, from `local`.
+void place(const float* local, const std::int32_t* first, const Placement& placement, std::size_t begin, std::size_t end, float* positions);
 
-/// Twice the area-weighted normals of the triangles (3 body vertices each) around every vertex, times scale squared. positions: one float beyond
-/// the last vertex is read and ignored. sums: #vertices x 4, the fourth lane is arbitrary.
-void sumNormals(const float* positions, const std::int32_t* triangles, std::size_t count, float scale, float* sums, std::size_t vertices);
+/// Where the normal of a vertex comes from: with t = (p[a] - p[c]) * scale and s = (p[b] - p[c]) * scale, the direction of
+/// t x s + along[0] t + along[1] s. The scale makes the body about 1 large.
+struct NormalStencil {
+    std::int32_t a = 0, b = 0, c = 0;
+    float along[2] = {0.0f, 0.0f};
+};
 
-/// normals (#vertices x 3) = sums of unit length; +z where a sum vanishes. Both are padded to a multiple of 16 vertices.
-void normalise(const float* sums, float* normals, std::size_t vertices);
+/// Unit normals (x 3) of vertices [begin, end) from positions (x 3, one float beyond the last vertex is read and ignored); +z where the stencil
+/// has no area. begin is a multiple of kVertexBlock; stencils and normals are padded to one.
+void findNormals(const float* positions, const NormalStencil* stencils, float scale, std::size_t begin, std::size_t end, float* normals);
 
 }  // namespace imomushi
