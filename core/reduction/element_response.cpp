@@ -5,6 +5,7 @@
 #include <lapacke.h>
 
 #include <Eigen/Geometry>
+#include <Eigen/SparseCore>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -14,14 +15,16 @@
 
 #include "core/elasticity/dense_lu.h"
 #include "core/mesh/topology.h"
+#include "core/reduction/appendages.h"
 #include "core/reduction/display_mapping.h"
+#include "core/reduction/negative_part.h"
 #include "core/reduction/solved_body.h"
 
 namespace imomushi {
 namespace {
 
 /// Changes whenever the same input gives other numbers: cached answers of an older solver are then computed again.
-constexpr int kSolverVersion = 2;
+constexpr int kSolverVersion = 3;
 
 /// Relative ridge on the Gram matrix of the joint modes: modes that a small patch cannot tell apart (three vertices, twelve modes) share
 /// the load instead of dividing by zero; regular ones change by rounding.
@@ -190,67 +193,89 @@ Eigen::MatrixXd faceMass(const SolverMesh& mesh, const Eigen::MatrixXd& Z) {
     return out;
 }
 
+/// Z <- L Z L^T, or L^-1 Z L^-T, of symmetric Z, with the lower triangle of `L`, some columns at a time. False: cancelled.
+bool congruent(const Eigen::MatrixXd& L, bool inverse, Eigen::MatrixXd& Z, const Progress& progress) {
+    const auto n = static_cast<int>(Z.rows());
+    constexpr int kBatch = 256;
+    for (int side = 0; side < 2; ++side) {
+        for (int first = 0; first < n; first += kBatch) {
+            if (progress.cancelled()) return false;
+            const int count = std::min(kBatch, n - first);
+            if (inverse)
+                cblas_dtrsm(CblasColMajor, CblasLeft, CblasLower, CblasNoTrans, CblasNonUnit, n, count, 1.0, L.data(), n, &Z(0, first), n);
+            else
+                cblas_dtrmm(CblasColMajor, CblasLeft, CblasLower, CblasNoTrans, CblasNonUnit, n, count, 1.0, L.data(), n, &Z(0, first), n);
+        }
+        Z.transposeInPlace();
+    }
+    Z = (0.5 * (Z + Z.transpose())).eval();
+    return true;
+}
+
 /// Makes K what a stiffness must be: symmetric, zero on rigid motions, without negative energy. W = C^T mass C measures joint
 /// parameters by the displacement they make, so that metres and radians need no weights of their own. `loadForces` (g x 4, or empty) are made to
 /// balance `loads` (see wholeLoads()) on rigid motions, by the smallest change.
-/// False: LAPACK found the input not positive definite or not finite (a face without area).
-bool cleanStiffness(const HeldModes& modes, const SolverMesh& mesh, const Eigen::Matrix<double, 6, BoundaryEquation::kLoads>& loads, Eigen::MatrixXd& K,
-                    Eigen::MatrixXd& loadForces, ResponseQuality& quality) {
+/// Errors: "singular": the input is not positive definite or not finite (a face without area); "cancelled".
+Result<void> cleanStiffness(const HeldModes& modes, const SolverMesh& mesh, const Eigen::Matrix<double, 6, BoundaryEquation::kLoads>& loads,
+                            Eigen::MatrixXd& K, Eigen::MatrixXd& loadForces, ResponseQuality& quality, const Progress& progress) {
     useSingleThreadedBlas();
+    const auto singular = [] { return fail("singular", "The joint modes of a face cannot be told apart; choose larger joint faces."); };
+    const auto cancelled = [] { return fail(kCancelled, "The precompute was cancelled."); };
     const auto g = static_cast<int>(K.rows());
     const double symmetricNorm = (K + K.transpose()).norm();
     quality.asymmetry = symmetricNorm > 0.0 ? (K - K.transpose()).norm() / symmetricNorm : 0.0;
 
     // In parameters scaled to unit diagonal of W.
+    const Eigen::SparseMatrix<double> C = modes.C.sparseView();
     const Eigen::MatrixXd massC = faceMass(mesh, modes.C);
-    Eigen::MatrixXd W = modes.C.transpose() * massC;
+    Eigen::MatrixXd W = C.transpose() * massC;
     const Eigen::VectorXd unit = W.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     W = (unit.asDiagonal() * (0.5 * (W + W.transpose())) * unit.asDiagonal()).eval();
     W.diagonal().array() += kGramRidge;
     Eigen::MatrixXd scaled = unit.asDiagonal() * (0.5 * (K + K.transpose())) * unit.asDiagonal();
+    if (progress.cancelled()) return cancelled();
 
     // Rigid motions among the modes: least squares in the mass norm, then the combinations that are met.
     Eigen::MatrixXd factor = W;
-    if (LAPACKE_dpotrf(LAPACK_COL_MAJOR, 'L', g, factor.data(), g) != 0) return false;
+    if (LAPACKE_dpotrf(LAPACK_COL_MAJOR, 'L', g, factor.data(), g) != 0) return singular();
+    if (progress.cancelled()) return cancelled();
     Eigen::MatrixXd rigid = unit.asDiagonal() * (massC.transpose() * modes.R);
     LAPACKE_dpotrs(LAPACK_COL_MAJOR, 'L', g, 6, factor.data(), g, rigid.data(), g);
-    const Eigen::MatrixXd miss = modes.R - modes.C * (unit.asDiagonal() * rigid);
+    const Eigen::MatrixXd miss = modes.R - C * (unit.asDiagonal() * rigid);
     Eigen::MatrixXd missed = miss.transpose() * faceMass(mesh, miss), size = modes.R.transpose() * faceMass(mesh, modes.R);
     size.diagonal().array() += 1e-9 * size.trace();  // rotations that a single straight row of vertices cannot show
     Eigen::VectorXd ratio(6);
-    if (LAPACKE_dsygv(LAPACK_COL_MAJOR, 1, 'V', 'L', 6, missed.data(), 6, size.data(), 6, ratio.data()) != 0) return false;
+    if (LAPACKE_dsygv(LAPACK_COL_MAJOR, 1, 'V', 'L', 6, missed.data(), 6, size.data(), 6, ratio.data()) != 0) return singular();
     int found = 0;
     while (found < 6 && ratio[found] <= kRigidMiss * kRigidMiss) ++found;
     if (found > 0) {
         const Eigen::MatrixXd V = rigid * missed.leftCols(found);
-        Eigen::MatrixXd gram = V.transpose() * W * V;
         const Eigen::MatrixXd WV = W * V;
-        Eigen::MatrixXd along = WV.transpose();
-        if (LAPACKE_dposv(LAPACK_COL_MAJOR, 'L', found, g, gram.data(), found, along.data(), found) != 0) return false;
+        Eigen::MatrixXd gram = V.transpose() * WV, along = WV.transpose();
+        if (LAPACKE_dposv(LAPACK_COL_MAJOR, 'L', found, g, gram.data(), found, along.data(), found) != 0) return singular();
         if (loadForces.size() > 0) {
             const Eigen::MatrixXd forces = unit.asDiagonal() * loadForces;
             // `along` is gram^-1 (W V)^T, so that V^T along^T = I.
             const Eigen::MatrixXd missing = -missed.leftCols(found).transpose() * loads - V.transpose() * forces;
             loadForces = unit.cwiseInverse().asDiagonal() * (forces + along.transpose() * missing);
         }
-        const Eigen::MatrixXd projector = Eigen::MatrixXd::Identity(g, g) - V * along;
-        scaled = (projector.transpose() * scaled * projector).eval();
+        // The projector I - V along, on both sides.
+        const Eigen::MatrixXd SV = scaled * V, VSV = V.transpose() * SV;
+        scaled -= SV * along;
+        scaled -= along.transpose() * SV.transpose() - along.transpose() * VSV.transpose() * along;
     }
 
     // Eigenvalues relative to W; negative ones (of rounding or of a coarse mesh) carry no energy.
-    Eigen::MatrixXd vectors = scaled, metric = W;
-    Eigen::VectorXd values(g);
-    if (LAPACKE_dsygv(LAPACK_COL_MAJOR, 1, 'V', 'L', g, vectors.data(), g, metric.data(), g, values.data()) != 0) return false;
-    const double largest = values[g - 1];
-    quality.negativeEnergy = largest > 0.0 ? std::min(values[0], 0.0) / largest : 0.0;
-    if (values[0] < 0.0) {
-        const Eigen::MatrixXd WV = W * vectors;
-        scaled = WV * values.cwiseMax(0.0).asDiagonal() * WV.transpose();
-    }
+    if (!congruent(factor, true, scaled, progress)) return cancelled();
+    const auto spectrum = removeNegativePart(scaled, progress);
+    if (!spectrum) return tl::make_unexpected(spectrum.error());
+    quality.negativeEnergy = spectrum->highest > 0.0 ? std::min(spectrum->lowest, 0.0) / spectrum->highest : 0.0;
+    if (!congruent(factor, false, scaled, progress)) return cancelled();
     const Eigen::VectorXd back = unit.cwiseInverse();
     K = back.asDiagonal() * scaled * back.asDiagonal();
-    K = (0.5 * (K + K.transpose())).eval();
-    return std::all_of(K.data(), K.data() + K.size(), [](double x) { return std::isfinite(x); });
+    K = (0.5 * (K + K.transpose())).eval();  // to the last bit
+    if (!K.allFinite()) return singular();
+    return {};
 }
 
 /// The tractions at the body's vertices, linear in between, with the nodal forces `forces` (3 m x g, in face axes, each vertex 3 i + axis) but for the
@@ -349,6 +374,37 @@ Eigen::MatrixXd seenDisplacement(const SolverMesh& mesh, const std::vector<std::
     return out;
 }
 
+/// An element and what is solved in its place: the same without its appendages.
+struct Trimmed {
+    const ResponseInput* whole = nullptr;
+    ResponseInput input;
+    TrimmedBody body;
+    std::vector<std::int32_t> freeVertices, wholeFree;  ///< ascending: of the trimmed body and of the whole one
+};
+
+Result<Trimmed> trimmed(const ResponseInput& whole, const Progress& progress) {
+    auto body = withoutAppendages(whole.mesh->body, whole.faces, progress);
+    if (!body) return tl::make_unexpected(body.error());
+    Trimmed out{&whole, whole, std::move(*body), {}, verticesWithoutFace(whole)};
+    if (!out.body.appendages.empty()) {
+        out.input.mesh = std::make_shared<ElementMesh>(ElementMesh{out.body.mesh, {}});
+        out.input.faces = out.body.faces;
+    }
+    out.freeVertices = verticesWithoutFace(out.input);
+    return out;
+}
+
+/// 3 * #wholeFree x k from 3 * #freeVertices x k.
+Eigen::MatrixXd onWhole(const Trimmed& element, Eigen::MatrixXd displacement) {
+    if (element.body.appendages.empty()) return displacement;
+    Eigen::MatrixXd solved = Eigen::MatrixXd::Zero(element.body.mesh.vertices.size(), displacement.cols());
+    for (std::size_t i = 0; i < element.freeVertices.size(); ++i) solved.middleRows<3>(3 * element.freeVertices[i]) = displacement.middleRows<3>(3 * static_cast<Eigen::Index>(i));
+    const Eigen::MatrixXd all = element.body.onBody(element.whole->mesh->body.vertices, solved);
+    displacement.resize(3 * static_cast<Eigen::Index>(element.wholeFree.size()), displacement.cols());
+    for (std::size_t i = 0; i < element.wholeFree.size(); ++i) displacement.middleRows<3>(3 * static_cast<Eigen::Index>(i)) = all.middleRows<3>(3 * element.wholeFree[i]);
+    return displacement;
+}
+
 /// One level of the solution: displacement of the body's free vertices (3 #free x k) for prescribed displacements of the held solver vertices.
 struct Level {
     Eigen::MatrixXd response, traction;  ///< with loads: their columns last
@@ -356,9 +412,10 @@ struct Level {
     double mappingError = 0.0, shapeError = 0.0;
 };
 
-/// `held`: 3 #held x k. `bodyFree`: the body's free vertices, ascending.
-Result<Level> solveLevel(const ResponseInput& input, const SolvedBody& solved, const std::vector<std::int32_t>& bodyFree, const Eigen::MatrixXd& held,
-                         bool withLoads, const Progress& progress) {
+/// `held`: 3 #held x k. The displacement is that of the whole body.
+Result<Level> solveLevel(const Trimmed& element, const SolvedBody& solved, const Eigen::MatrixXd& held, bool withLoads, const Progress& progress) {
+    const ResponseInput& input = element.input;
+    const std::vector<std::int32_t>& bodyFree = element.freeVertices;
     auto problem = BoundaryProblem::build(problemOf(input, solved.mesh), progress.part(0.0, 0.9));
     if (!problem) return tl::make_unexpected(problem.error());
     auto solution = withLoads ? problem->solveWithLoads(held, progress.part(0.9, 0.98)) : problem->solve(held, progress.part(0.9, 0.98));
@@ -382,16 +439,32 @@ Result<Level> solveLevel(const ResponseInput& input, const SolvedBody& solved, c
         if (mapped->error.size() > 0) level.mappingError = mapped->error.norm() / std::sqrt(static_cast<double>(mapped->error.size()));
         level.shapeError = map->distance().shape;
     }
+    level.response = onWhole(element, std::move(level.response));
     level.traction = std::move(solution->traction);
     return level;
+}
+
+/// Body loads with all faces at rest, solved on the whole body: they act on appendages, which bend under them.
+struct Loads {
+    Eigen::MatrixXd displacement, forces;  ///< 3 #free x 4, g x 4
+};
+Result<Loads> loadsOnWhole(const ResponseInput& input, const ElementResponse& response, const Progress& progress) {
+    const Trimmed whole{&input, input, {}, response.freeVertices, response.freeVertices};
+    const auto solved = solvedBody(input.mesh->body, input.faces, input.solverMesh, progress.part(0.0, 0.1));
+    if (!solved) return tl::make_unexpected(solved.error());
+    const Eigen::MatrixXd C = heldModes(input, *solved, response.bases, response.firstColumn).C;
+    const auto level = solveLevel(whole, *solved, C, true, progress.part(0.1, 1.0));
+    if (!level) return tl::make_unexpected(level.error());
+    return Loads{level->response.rightCols(BoundaryEquation::kLoads), C.transpose() * faceMass(solved->mesh, level->traction.rightCols(BoundaryEquation::kLoads))};
 }
 
 /// The error of `fine` by its difference from a coarser level, relative to the motion of free and held vertices together, root mean square over the
 /// joint modes. Of a full basis the affine motions of its faces are compared, which is what other bases have as modes. Negative where no
 /// coarser level can be made.
-Result<double> estimateError(const ResponseInput& input, const SolvedBody& solved, const ElementResponse& response, const Eigen::MatrixXd& C,
+Result<double> estimateError(const Trimmed& element, const SolvedBody& solved, const ElementResponse& response, const Eigen::MatrixXd& C,
                              const Eigen::MatrixXd& fineResponse, const Progress& progress) {
     const auto cancelled = [] { return fail(kCancelled, "The precompute was cancelled."); };
+    const ResponseInput& input = element.input;
     const auto coarser = coarserLevel(input.mesh->body, input.faces, solved, progress);
     if (progress.cancelled()) return cancelled();
     if (!coarser) return -1.0;
@@ -400,7 +473,7 @@ Result<double> estimateError(const ResponseInput& input, const SolvedBody& solve
     std::vector<int> firstColumn;
     const std::vector<FaceBasis> bases = basesOf(compared, firstColumn);
     const HeldModes modes = heldModes(compared, coarser->body, bases, firstColumn);
-    const auto level = solveLevel(compared, coarser->body, response.freeVertices, modes.C, false, progress);
+    const auto level = solveLevel(element, coarser->body, modes.C, false, progress);
     if (progress.cancelled()) return cancelled();
     if (!level) return -1.0;
     Eigen::MatrixXd held = C, fine = fineResponse.leftCols(response.columns());
@@ -462,24 +535,34 @@ Result<ElementResponse> buildResponse(const ResponseInput& input, const Progress
         response.stiffness.resize(0, 0);
         return response;
     }
-    auto solved = solvedBody(input.mesh->body, input.faces, input.solverMesh, progress.part(0.0, 0.1));
+    auto element = trimmed(input, progress.part(0.0, 0.02));
+    if (!element) return tl::make_unexpected(element.error());
+    auto solved = solvedBody(element->input.mesh->body, element->input.faces, input.solverMesh, progress.part(0.02, 0.1));
     if (!solved) return tl::make_unexpected(solved.error());
     const SolverMesh& mesh = solved->mesh;
-    const HeldModes modes = heldModes(input, *solved, response.bases, response.firstColumn);
-    response.freeVertices = verticesWithoutFace(input);
-    auto level = solveLevel(input, *solved, response.freeVertices, modes.C, input.loads, progress.part(0.1, 0.95));
+    const HeldModes modes = heldModes(element->input, *solved, response.bases, response.firstColumn);
+    response.freeVertices = element->wholeFree;
+    const bool loadsApart = input.loads && !element->body.appendages.empty();
+    auto level = solveLevel(*element, *solved, modes.C, input.loads && !loadsApart, progress.part(0.1, loadsApart ? 0.5 : 0.95));
     if (!level) return tl::make_unexpected(level.error());
-    auto error = estimateError(input, *solved, response, modes.C, level->response, progress.part(0.95, 1.0));
+    auto error = estimateError(*element, *solved, response, modes.C, level->response, progress.part(0.95, 1.0));
     if (!error) return tl::make_unexpected(error.error());
-    response.stiffness = modes.C.transpose() * faceMass(mesh, level->traction);
+    response.stiffness = Eigen::SparseMatrix<double>(modes.C.sparseView()).transpose() * faceMass(mesh, level->traction);
     response.response = std::move(level->response);
     Eigen::Matrix<double, 6, BoundaryEquation::kLoads> loads;
     if (input.loads) {
         loads = wholeLoads(input, modes);
-        response.loads = response.response.rightCols(BoundaryEquation::kLoads);
-        response.loadForces = response.stiffness.rightCols(BoundaryEquation::kLoads);
-        response.response.conservativeResize(Eigen::NoChange, g);
-        response.stiffness.conservativeResize(Eigen::NoChange, g);
+        if (loadsApart) {
+            auto whole = loadsOnWhole(input, response, progress.part(0.5, 0.95));
+            if (!whole) return tl::make_unexpected(whole.error());
+            response.loads = std::move(whole->displacement);
+            response.loadForces = std::move(whole->forces);
+        } else {
+            response.loads = response.response.rightCols(BoundaryEquation::kLoads);
+            response.loadForces = response.stiffness.rightCols(BoundaryEquation::kLoads);
+            response.response.conservativeResize(Eigen::NoChange, g);
+            response.stiffness.conservativeResize(Eigen::NoChange, g);
+        }
     }
     if (input.basis == BasisKind::Full) response.tractions = nodalTractions(input, modes, response.firstColumn, response.stiffness);
     ResponseQuality& quality = response.quality;
@@ -490,9 +573,10 @@ Result<ElementResponse> buildResponse(const ResponseInput& input, const Progress
     quality.error = *error;
     quality.mappingError = level->mappingError;
     quality.shapeError = level->shapeError;
-    if (!cleanStiffness(modes, mesh, loads, response.stiffness, response.loadForces, response.quality) ||
-        (input.basis == BasisKind::Full && response.tractions.size() == 0))
-        return fail("singular", "The joint modes of a face cannot be told apart; choose larger joint faces.");
+    if (auto clean = cleanStiffness(modes, mesh, loads, response.stiffness, response.loadForces, response.quality, progress); !clean)
+        return tl::make_unexpected(clean.error());
+    if (input.basis == BasisKind::Full && response.tractions.size() == 0)
+        return fail("singular", "A joint face has no area; choose a larger one.");
     response.quality.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return response;
 }
@@ -505,23 +589,38 @@ ResponseEstimate estimateResponse(const ResponseInput& input) {
     out.columns = firstColumn.back();
     if (input.faces.empty()) return out;
     if (!checkInput(input)) return out;
-    const SolvedSize size = solvedSize(input.mesh->body, input.faces, input.solverMesh);
+    const auto body = withoutAppendages(input.mesh->body, input.faces, {});
+    if (!body) return out;
+    const SolvedSize size = solvedSize(body->mesh, body->faces, input.solverMesh);
     const BoundaryProblem::Estimate solve = BoundaryProblem::estimate(size.nodes, size.triangles, out.columns, input.threads);
     out.seconds = solve.seconds + BoundaryProblem::estimate(size.coarser, 2 * size.coarser, out.columns, input.threads).seconds;
     out.bytes = solve.bytes;
 
-    // The product reads each entry of A' once, as float: measured on as much memory, warm.
     useSingleThreadedBlas();
+    const auto seconds = [](const auto& work) {
+        double best = 1e9;
+        for (int round = 0; round < 4; ++round) {
+            const auto start = std::chrono::steady_clock::now();
+            work();
+            best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+        }
+        return best;
+    };
+    // Cleaning the stiffness of a full basis takes as long as about seven products of its size, half of them bound by memory.
+    constexpr int kFewColumns = 300, kSample = 192;
+    if (out.columns > kFewColumns) {
+        const Eigen::MatrixXd a = Eigen::MatrixXd::Ones(kSample, kSample);
+        Eigen::MatrixXd b = a;
+        const double product = seconds([&] { cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, kSample, kSample, kSample, 1.0, a.data(), kSample, a.data(), kSample, 0.0, b.data(), kSample); });
+        out.seconds += 7.0 * product * std::pow(static_cast<double>(out.columns) / kSample, 3.0);
+    }
+
+    // The product reads each entry of A' once, as float: measured on as much memory, warm.
     const std::size_t entries = 3 * static_cast<std::size_t>(input.mesh->body.vertices.rows()) * static_cast<std::size_t>(out.columns);
     constexpr std::size_t kMost = std::size_t{16} << 20;  // beyond every cache: the rate stays the same
     const std::size_t measured = std::min(entries, kMost);
     const std::vector<float> data(measured);
-    double best = 1e9;
-    for (int round = 0; round < 4; ++round) {
-        const auto start = std::chrono::steady_clock::now();
-        cblas_sdot(static_cast<int>(measured), data.data(), 1, data.data(), 1);
-        best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-    }
+    const double best = seconds([&] { cblas_sdot(static_cast<int>(measured), data.data(), 1, data.data(), 1); });
     out.frameMilliseconds = 1e3 * best * static_cast<double>(entries) / static_cast<double>(measured);
     return out;
 }
@@ -532,17 +631,21 @@ Result<Points> solveFull(const ResponseInput& input, const std::vector<Points>& 
     for (std::size_t f = 0; f < input.faces.size(); ++f)
         if (faceDisplacement[f].rows() != static_cast<Eigen::Index>(input.faces[f].vertices.size()))
             return fail("bad-value", "The displacements of a joint face do not match its vertices.");
-    auto solved = solvedBody(input.mesh->body, input.faces, input.solverMesh, progress.part(0.0, 0.1));
+    auto element = trimmed(input, progress.part(0.0, 0.02));
+    if (!element) return tl::make_unexpected(element.error());
+    auto solved = solvedBody(element->input.mesh->body, element->input.faces, input.solverMesh, progress.part(0.02, 0.1));
     if (!solved) return tl::make_unexpected(solved.error());
-    Points out = Points::Zero(input.mesh->body.vertices.rows(), 3);
+    Points out = Points::Zero(input.mesh->body.vertices.rows(), 3), prescribed = Points::Zero(element->input.mesh->body.vertices.rows(), 3);
     for (std::size_t f = 0; f < input.faces.size(); ++f)
-        for (std::size_t i = 0; i < input.faces[f].vertices.size(); ++i) out.row(input.faces[f].vertices[i]) = faceDisplacement[f].row(static_cast<Eigen::Index>(i));
-    const Eigen::MatrixXd held = heldDisplacement(*solved, out);
-    const std::vector<std::int32_t> freeVertices = verticesWithoutFace(input);
-    auto level = solveLevel(input, *solved, freeVertices, held, false, progress.part(0.1, 1.0));
+        for (std::size_t i = 0; i < input.faces[f].vertices.size(); ++i) {
+            const auto u = faceDisplacement[f].row(static_cast<Eigen::Index>(i));
+            out.row(input.faces[f].vertices[i]) = u;
+            prescribed.row(element->input.faces[f].vertices[i]) = u;
+        }
+    auto level = solveLevel(*element, *solved, heldDisplacement(*solved, prescribed), false, progress.part(0.1, 1.0));
     if (!level) return tl::make_unexpected(level.error());
-    for (std::size_t i = 0; i < freeVertices.size(); ++i)
-        out.row(freeVertices[i]) = level->response.block<3, 1>(3 * static_cast<Eigen::Index>(i), 0).transpose();
+    for (std::size_t i = 0; i < element->wholeFree.size(); ++i)
+        out.row(element->wholeFree[i]) = level->response.block<3, 1>(3 * static_cast<Eigen::Index>(i), 0).transpose();
     return out;
 }
 

@@ -19,7 +19,7 @@ if(GMSH_INCLUDE AND GMSH_LIBRARY)
     target_link_libraries(imomushi_finite_elements PRIVATE ${GMSH_LIBRARY})
 endif()
 
-imomushi_test(finite_elements imomushi_finite_elements)
+imomushi_test(finite_elements imomushi_finite_elements imomushi_reduction)
 
 # Makes the answers of tests/data/reference: imomushi_reference FOLDER NAME [rim crease bulk growth]
 add_executable(imomushi_reference EXCLUDE_FROM_ALL ${CMAKE_CURRENT_SOURCE_DIR}/finite_elements/maker/main.cpp)

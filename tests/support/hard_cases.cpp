@@ -572,12 +572,6 @@ void addShapes(std::vector<HardCase>& cases) {
     addSpike("horn", "a spike on the side of a bar, 5 times as long as wide", 0.1, 1);
     addSpike("horn of rings", "the same with five rings of vertices along it", 0.1, 5);
     addSpike("spike", "a needle of a spike on the side of a bar, 50 times as long as wide", 0.01, 1);
-    for (std::size_t i = cases.size() - 3; i < cases.size(); ++i)
-        cases[i].gap = "the equations of an unloaded slender part weigh its own motion by its small solid angle, so that errors elsewhere turn it; it should be "
-                       "left out of the solver mesh and follow its foot";
-    cases.back().refusal = {"precompute", "inaccurate",
-                            "a vertex that sees 1e-5 of a sphere of body has that weight in its own equation, so errors elsewhere count 1e5 times there"};
-    cases.back().orSolved = true;
 
     // Slits.
     cases.push_back(solvedCase("slit 1e-3", "two surfaces 0.001 apart, sides of 0.25", withEnds(slitBar(1e-3)), {rigid(1e7), stretch(1e7)}));

@@ -68,8 +68,6 @@ struct HardCase {
         std::string why;
     };
     Refusal refusal;
-    /// Why the expectation is not met yet: it stays as it is, and the table says so. Empty: it is met.
-    std::string gap;
     /// Solving within the bounds is as good as the refusal: the case lies where double precision ends.
     bool orSolved = false;
 };
