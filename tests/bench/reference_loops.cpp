@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/bench/reference_loops.h"
+
+#include <cstring>
+
+// These loops are for comparison on machines with vectors of a known size of four lanes or more.
+#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "tests/bench/reference_loops.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace imomushi::reference {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using D = hn::CappedTag<float, 16>;
+using V = hn::Vec<D>;
+
+void triad(float* a, const float* b, const float* c, float s, std::size_t count) {
+    const D d;
+    const V factor = hn::Set(d, s);
+    for (std::size_t i = 0; i < count; i += hn::Lanes(d)) hn::Store(hn::MulAdd(hn::Load(d, c + i), factor, hn::Load(d, b + i)), d, a + i);
+}
+
+#if HWY_TARGET == HWY_SCALAR
+void skinByMatrix(const Skin& skin, std::size_t begin, std::size_t end, float* positions) {
+    for (std::size_t v = begin; v < end; ++v)
+        for (int row = 0; row < 3; ++row) {
+            float sum = 0.0f;
+            for (int k = 0; k < 4; ++k)
+                for (int c = 0; c < 4; ++c) sum += skin.weights[4 * v + k] * skin.matrices[16 * skin.bones[4 * v + k] + 4 * c + row] * skin.rest[4 * v + c];
+            positions[3 * v + row] = sum;
+        }
+}
+#else
+template <int kRegisters>
+HWY_INLINE void skinVertex(const Skin& skin, std::size_t v, float* positions) {
+    const D d;
+    const std::uint16_t* bone = skin.bones + 4 * v;
+    const float* weight = skin.weights + 4 * v;
+    V sum[kRegisters];
+    for (int k = 0; k < 4; ++k) {
+        const float* m = skin.matrices + 16 * static_cast<std::size_t>(bone[k]);
+        const V w = hn::Set(d, weight[k]);
+        for (int r = 0; r < kRegisters; ++r) {
+            const V part = hn::Load(d, m + 16 / kRegisters * r);
+            sum[r] = k == 0 ? hn::Mul(part, w) : hn::MulAdd(part, w, sum[r]);
+        }
+    }
+    if constexpr (kRegisters == 1) {
+        // x x x x y y y y z z z z 1 1 1 1
+        HWY_ALIGN static constexpr std::int32_t kSpread[16] = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
+        const hn::RebindToSigned<D> di;
+        const V point = hn::TableLookupLanes(hn::LoadDup128(d, skin.rest + 4 * v), hn::IndicesFromVec(d, hn::Load(di, kSpread)));
+        const V all = hn::Mul(sum[0], point);
+        const hn::Half<D> half;
+        const auto two = hn::Add(hn::LowerHalf(half, all), hn::UpperHalf(half, all));
+        const hn::Half<decltype(half)> quarter;
+        hn::StoreU(hn::Add(hn::LowerHalf(quarter, two), hn::UpperHalf(quarter, two)), quarter, positions + 3 * v);
+    } else if constexpr (kRegisters == 2) {
+        const hn::RebindToSigned<D> di;
+        HWY_ALIGN static constexpr std::int32_t kLow[8] = {0, 0, 0, 0, 1, 1, 1, 1}, kHigh[8] = {2, 2, 2, 2, 3, 3, 3, 3};
+        const V point = hn::LoadDup128(d, skin.rest + 4 * v);
+        const V all = hn::MulAdd(sum[0], hn::TableLookupLanes(point, hn::IndicesFromVec(d, hn::Load(di, kLow))),
+                                 hn::Mul(sum[1], hn::TableLookupLanes(point, hn::IndicesFromVec(d, hn::Load(di, kHigh)))));
+        const hn::Half<D> half;
+        hn::StoreU(hn::Add(hn::LowerHalf(half, all), hn::UpperHalf(half, all)), half, positions + 3 * v);
+    } else {
+        const float* p = skin.rest + 4 * v;
+        V all = sum[3];
+        for (int c = 0; c < 3; ++c) all = hn::MulAdd(sum[c], hn::Set(d, p[c]), all);
+        hn::StoreU(all, d, positions + 3 * v);
+    }
+}
+
+// The fourth lane that is stored belongs to the next vertex, which comes later.
+void skinByMatrix(const Skin& skin, std::size_t begin, std::size_t end, float* positions) {
+    for (std::size_t v = begin; v < end; ++v) skinVertex<16 / static_cast<int>(hn::MaxLanes(D()))>(skin, v, positions);
+}
+#endif
+
+void skinByGather(const SkinBlocks& skin, std::size_t blocks, float* positions) {
+    const D d;
+    const hn::RebindToSigned<D> di;
+    for (std::size_t b = 0; b < blocks; ++b)
+        for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
+            const float* rest = skin.rest + 48 * b + i;
+            const V x = hn::Load(d, rest), y = hn::Load(d, rest + 16), z = hn::Load(d, rest + 32);
+            V out[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+            for (int k = 0; k < 4; ++k) {
+                const auto at = hn::Load(di, skin.offsets + 64 * b + 16 * k + i);
+                const V w = hn::Load(d, skin.weights + 64 * b + 16 * k + i);
+                for (int row = 0; row < 3; ++row) {
+                    const auto entry = [&](int c) { return hn::GatherIndex(d, skin.matrices + 4 * c + row, at); };
+                    out[row] = hn::MulAdd(w, hn::MulAdd(entry(0), x, hn::MulAdd(entry(1), y, hn::MulAdd(entry(2), z, entry(3)))), out[row]);
+                }
+            }
+            hn::StoreInterleaved3(out[0], out[1], out[2], d, positions + 3 * (16 * b + i));
+        }
+}
+
+HWY_INLINE void unit(V& x, V& y, V& z) {
+    const D d;
+    const V square = hn::MulAdd(x, x, hn::MulAdd(y, y, hn::Mul(z, z)));
+    const V factor = hn::Div(hn::Set(d, 1.0f), hn::Sqrt(hn::Max(square, hn::Set(d, 1e-30f))));
+    x = hn::Mul(x, factor), y = hn::Mul(y, factor), z = hn::Mul(z, factor);
+}
+
+void normalsOfTriangles(const float* positions, const std::int32_t* triangles, std::size_t count, float* sums, float* normals, std::size_t vertices) {
+    std::memset(sums, 0, 4 * vertices * sizeof(float));
+#if HWY_TARGET == HWY_SCALAR
+    for (std::size_t f = 0; f < count; ++f) {
+        const std::int32_t* corner = triangles + 3 * f;
+        const float *p = positions + 3 * corner[0], *q = positions + 3 * corner[1], *r = positions + 3 * corner[2];
+        for (int i = 0; i < 3; ++i) {
+            const int j = (i + 1) % 3, k = (i + 2) % 3;
+            const float n = (q[j] - p[j]) * (r[k] - p[k]) - (q[k] - p[k]) * (r[j] - p[j]);
+            for (int c = 0; c < 3; ++c) sums[4 * corner[c] + i] += n;
+        }
+    }
+#else
+    const hn::FixedTag<float, 4> d4;
+    const hn::FixedTag<std::int32_t, 4> di4;
+    HWY_ALIGN static constexpr std::int32_t kNext[4] = {1, 2, 0, 3};
+    const auto next = hn::IndicesFromVec(d4, hn::Load(di4, kNext));
+    for (std::size_t f = 0; f < count; ++f) {
+        const std::ptrdiff_t i = triangles[3 * f], j = triangles[3 * f + 1], k = triangles[3 * f + 2];
+        const auto p = hn::LoadU(d4, positions + 3 * i);
+        const auto a = hn::Sub(hn::LoadU(d4, positions + 3 * j), p), b = hn::Sub(hn::LoadU(d4, positions + 3 * k), p);
+        const auto n = hn::TableLookupLanes(hn::NegMulAdd(hn::TableLookupLanes(a, next), b, hn::Mul(a, hn::TableLookupLanes(b, next))), next);
+        for (const auto v : {i, j, k}) hn::Store(hn::Add(hn::Load(d4, sums + 4 * v), n), d4, sums + 4 * v);
+    }
+#endif
+    const D d;
+    for (std::size_t v = 0; v < vertices; v += hn::Lanes(d)) {
+        V x, y, z, w;
+        hn::LoadInterleaved4(d, sums + 4 * v, x, y, z, w);
+        unit(x, y, z);
+        hn::StoreInterleaved3(x, y, z, d, normals + 3 * v);
+    }
+}
+
+void normalise(float* normals, std::size_t vertices) {
+    const D d;
+    for (std::size_t v = 0; v < vertices; v += hn::Lanes(d)) {
+        V x, y, z;
+        hn::LoadInterleaved3(d, normals + 3 * v, x, y, z);
+        unit(x, y, z);
+        hn::StoreInterleaved3(x, y, z, d, normals + 3 * v);
+    }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace imomushi::reference
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace imomushi::reference {
+
+HWY_EXPORT(triad);
+HWY_EXPORT(skinByMatrix);
+HWY_EXPORT(skinByGather);
+HWY_EXPORT(normalsOfTriangles);
+HWY_EXPORT(normalise);
+
+void triad(float* a, const float* b, const float* c, float s, std::size_t count) { HWY_DYNAMIC_DISPATCH(triad)(a, b, c, s, count); }
+void skinByMatrix(const Skin& skin, std::size_t begin, std::size_t end, float* positions) {
+    HWY_DYNAMIC_DISPATCH(skinByMatrix)(skin, begin, end, positions);
+}
+void skinByGather(const SkinBlocks& skin, std::size_t blocks, float* positions) { HWY_DYNAMIC_DISPATCH(skinByGather)(skin, blocks, positions); }
+void normalsOfTriangles(const float* positions, const std::int32_t* triangles, std::size_t count, float* sums, float* normals, std::size_t vertices) {
+    HWY_DYNAMIC_DISPATCH(normalsOfTriangles)(positions, triangles, count, sums, normals, vertices);
+}
+void normalise(float* normals, std::size_t vertices) { HWY_DYNAMIC_DISPATCH(normalise)(normals, vertices); }
+
+}  // namespace imomushi::reference
+#endif
