@@ -20,8 +20,11 @@ const double kSecondStart = (1.0 - kGamma) / kGamma;
 
 constexpr int kIterations = 12;          // of Newton per stage; two or three are common
 constexpr double kConverged = 1e-9;      // mean bone lengths: so little is left after the last iteration
+constexpr double kGuessMove = 0.2;       // mean bone lengths: larger moves are not guessed from the velocities
 constexpr double kIterationMove = 0.5;   // of a bone's length, at most, by one iteration
 constexpr int kContactRounds = 8;        // a step is done again with the points that it took through the ground, at most so often
+constexpr int kShortenings = 8;          // of a step that would gain energy, each to a quarter
+constexpr double kRounding = 1e-13;      // of energies
 constexpr double kTouching = 1e-10;      // sizes: as near counts as on the plane
 constexpr double kStickSpeed = 1e-4;     // sizes per second: slower points on the ground stick
 constexpr double kGrabSeconds = 0.04;    // in which a newly held point comes nearer by a factor e
@@ -38,7 +41,7 @@ constexpr double kCollapsed = 1e-3;      // parts of the rest length: kinematic 
 // Outside work is not accounted to the joule: while something moves the targets, energy may grow to this times what the moved targets hold.
 constexpr double kDriven = 2.0;
 
-bool within(double value, double low, double high) { return value >= low && value <= high; }
+bool within(double value, double low, double high) { return std::isfinite(value) && value >= low && value <= high; }
 
 }  // namespace
 
@@ -80,6 +83,8 @@ struct BoneDynamics::State {
     void prepare() {
         normal = settings.ground ? Vec3(settings.ground->normal / settings.ground->normal.cwiseAbs().maxCoeff()).normalized() : Vec3(Vec3::UnitY());
         springs.calibrate(settings.springs, settings.returnHertz, held);
+        weight = 0.0;
+        for (const double m : mass) weight += m * settings.gravity.norm();
         wake();
     }
 
@@ -169,13 +174,14 @@ struct BoneDynamics::State {
         return e;
     }
 
-    // Solves x = x0 + s v, mass (v - v0) / s = forces(x, v) for what is free; `part` of the step's time has passed.
-    bool solveStage(double s, double h, double part, const BoneTargets& targets, const BoneSprings::Motion& motion) {
-        const bool ground = settings.ground.has_value();
+    // Solves x = x0 + s v, mass (v - v0) / s = forces(x, v) for what is free, `ahead` seconds into the step; what is prescribed has come `part` of its
+    // way through the step of h seconds.
+    bool solveStage(double s, double h, double ahead, double part, const BoneTargets& targets, const BoneSprings::Motion& motion) {
+        stageSeconds = s;
         double farthest = 0.0;
         for (std::size_t i = 0; i < xs.size(); ++i)
-            if (freedom[i] != Freedom::Fixed) farthest = std::max(farthest, (part * h * body.v[i]).cwiseAbs().maxCoeff());
-        const double guess = farthest <= 0.2 * unit ? part * h : 0.0;
+            if (freedom[i] != Freedom::Fixed) farthest = std::max(farthest, ahead * body.v[i].cwiseAbs().maxCoeff());
+        const double guess = farthest <= kGuessMove * unit ? ahead : 0.0;
         for (std::size_t i = 0; i < xs.size(); ++i) {
             if (freedom[i] == Freedom::Fixed) {
                 xs[i] = body.x[i] + part * (goal[i] - body.x[i]);
@@ -223,7 +229,6 @@ struct BoneDynamics::State {
             if (longest <= kConverged * unit || k + 1 == kIterations) break;
         }
         stageVelocities(s, h);
-        if (!ground) return true;
         for (std::size_t i = 0; i < xs.size(); ++i)
             if (freedom[i] == Freedom::OnPlane) xs[i] += ((1.0 - part) * gap(body.x[i]) - gap(xs[i])) * normal;
         return true;
@@ -287,16 +292,27 @@ struct BoneDynamics::State {
             solved = solveStages(h, motion);
             if (!solved || !settings.ground || round == kContactRounds || !meetGround()) break;
         }
-        if (!solved) {
-            warnings |= static_cast<unsigned>(DynamicsWarning::StepRefused);
+        allowed += kRounding * (std::abs(allowed) + weight * size);
+        // Over the hump of a concave potential a long step can gain energy; shorter ones, by implicit Euler, do not.
+        double shorter = h;
+        for (int k = 0; k < kShortenings && !(solved && restingEnergy() <= allowed); ++k, shorter *= 0.25) {
+            x0 = body.x;
+            v0 = body.v;
+            solved = solveStage(shorter, h, shorter, 1.0, next, motion);
+        }
+        const bool stopped = !solved || restingEnergy() > allowed;
+        if (stopped) {
+            if (!solved) warnings |= static_cast<unsigned>(DynamicsWarning::StepRefused);
             for (std::size_t i = 0; i < n; ++i) {
-                xs[i] = freedom[i] == Freedom::Fixed ? goal[i] : aboveGround(body.x[i]);
+                xs[i] = held[i] ? goal[i] : aboveGround(body.x[i]);
                 vs[i].setZero();
             }
+        } else if (settings.ground) {
+            rubGround(motion);
         }
-        if (solved && settings.ground) rubGround(h, motion);
         boundEnergy(allowed);
         accept(h);
+        if (stopped || shorter < h) quiet = false;
         advanceRoll(h, motion);
     }
 
@@ -306,12 +322,12 @@ struct BoneDynamics::State {
             mix(last, next, kGamma, stage);
         x0 = body.x;
         v0 = body.v;
-        if (!solveStage(s, h, kGamma, motion.from ? stage : next, motion)) return false;
+        if (!solveStage(s, h, s, kGamma, motion.from ? stage : next, motion)) return false;
         for (std::size_t i = 0; i < x0.size(); ++i) {
             x0[i] = body.x[i] + kSecondStart * (xs[i] - body.x[i]);
             v0[i] = body.v[i] + kSecondStart * (vs[i] - body.v[i]);
         }
-        return solveStage(s, h, 1.0, next, motion);
+        return solveStage(s, h, h, 1.0, next, motion);
     }
 
     // True: more points meet the ground than were known.
@@ -329,8 +345,8 @@ struct BoneDynamics::State {
     }
 
     // Contact and friction for the next step, from the forces that held points on the ground in this one.
-    void rubGround(double h, const BoneSprings::Motion& motion) {
-        const double s = kGamma * h, mu = settings.ground->friction;
+    void rubGround(const BoneSprings::Motion& motion) {
+        const double s = stageSeconds, mu = settings.ground->friction;
         for (std::size_t i = 0; i < xs.size(); ++i) force0[i] = mass[i] * settings.gravity;
         springs.forces(xs, vs, next, motion, force0, nullptr, s, freedom, normal);
         for (std::size_t i = 0; i < xs.size(); ++i) {
@@ -363,37 +379,30 @@ struct BoneDynamics::State {
         }
     }
 
-    // Slows points down, or takes them back, until no more than the allowed energy is left.
+    // At the end of the step, without what is kinetic. Points that went through the ground are lifted.
+    [[nodiscard]] double restingEnergy() {
+        if (settings.ground)
+            for (auto& p : xs) p = aboveGround(p);
+        const Energy e = energyOf(xs, vs, next);
+        return e.elastic + e.gravity;
+    }
+
+    // Slows points down until no more than the allowed energy is left.
     void boundEnergy(double allowed) {
-        Energy e = energyOf(xs, vs, next);
-        const double rounding = 1e-14 * (std::abs(e.gravity) + e.elastic + e.kinetic);
-        if (e.total() > allowed + rounding) {
-            double part = 1.0;
-            for (int k = 0; k < 40 && e.elastic + e.gravity > allowed; ++k) {
-                part = k + 1 < 40 ? 0.5 * part : 0.0;
-                for (std::size_t i = 0; i < xs.size(); ++i)
-                    if (freedom[i] != Freedom::Fixed) force[i] = aboveGround(body.x[i] + part * (xs[i] - body.x[i]));
-                    else force[i] = goal[i];
-                const double kinetic = e.kinetic;
-                e = energyOf(force, vs, next);
-                e.kinetic = kinetic;
-            }
-            if (part < 1.0) xs = force;
-            const double left = std::max(allowed - e.elastic - e.gravity, 0.0);
-            const double slower = e.kinetic > left ? std::sqrt(left / e.kinetic) : 1.0;
+        energy = energyOf(xs, vs, next);
+        if (energy.total() > allowed && energy.kinetic > 0.0) {
+            const double left = std::max(allowed - energy.elastic - energy.gravity, 0.0);
             for (std::size_t i = 0; i < vs.size(); ++i)
-                if (!held[i]) vs[i] *= slower;
-            e = energyOf(xs, vs, next);
+                if (!held[i]) vs[i] *= std::sqrt(std::min(left / energy.kinetic, 1.0));
+            energy.kinetic = std::min(left, energy.kinetic);
         }
-        energy = e;
-        energyAtLast = e.total();
+        energyAtLast = energy.total();
         energyKnown = true;
     }
 
     void accept(double h) {
         double fastest = 0.0, pushed = 0.0;
         for (std::size_t i = 0; i < xs.size(); ++i) {
-            if (settings.ground && gap(xs[i]) < 0.0) xs[i] = aboveGround(xs[i]);
             fastest = std::max(fastest, vs[i].cwiseAbs().maxCoeff());
             pushed = std::max(pushed, (vs[i] - body.v[i]).cwiseAbs().maxCoeff() / h);
             body.x[i] = xs[i];
@@ -563,6 +572,7 @@ struct BoneDynamics::State {
     double unit = 0.0;  // mean rest length of the bones, m
     double size = 0.0;  // of the skeleton, m
     Vec3 normal = Vec3::UnitY();
+    double weight = 0.0;  // N
 
     Body body, kept;               // at the last full step; room to keep it while a part of a step is tried
     BoneTargets last;              // at the last full step
@@ -580,6 +590,7 @@ struct BoneDynamics::State {
 
     // Of one step.
     std::vector<Freedom> freedom;
+    double stageSeconds = 0.0;     // of its last stage
     std::vector<char> arriving;
     std::vector<Vec3> goal;        // where fixed points are at the end of the step
     std::vector<Vec3> x0, v0, xs, vs, force, step_, force0;

@@ -51,7 +51,7 @@ enum class DynamicsWarning : unsigned {
 /// kinematic pose.
 ///
 /// Length: the potential k L^2 (r - 1/r)^2 / 8, r = length / kinematic length L, whose frequency does not depend on the amplitude and which no
-/// finite force collapses. Angle: k theta^2 / 2 between a bone and where its parent carries it; at a held point every bone swings against its own
+/// finite force collapses; beyond the stretch limits of the bone a stiff spring beside it. Angle: k theta^2 / 2 between a bone and where its parent carries it; at a held point every bone swings against its own
 /// kinematic direction instead. Damping acts on the rates of the same lengths and angles, relative to the kinematic pose's.
 /// Roll is one linear spring per bone between the rolls of its joint points.
 ///

@@ -18,7 +18,10 @@ namespace {
 // Parts of a bone's kinematic length below which its direction and its arm mean nothing. The potential keeps bones far longer.
 constexpr double kCollapsed = 1e-3;
 // A bone that turned farther than this from its kinematic direction (1 + cosine) has no rotation of least angle to speak of.
-constexpr double kOpposite = 1e-3;
+constexpr double kOpposite = 1e-8;
+// Beyond the stretch limits of a bone another spring pushes back, stiff to the eye.
+constexpr double kLimitHertz = 20.0;
+constexpr double kLimitDamping = 0.5;
 
 Matrix3d cross(const Vec3& a) {
     Matrix3d m;
@@ -102,7 +105,7 @@ BoneSprings::BoneSprings(const Skeleton& skeleton, const std::vector<double>& ma
             for (int j = 0; j < i; ++j) pairs_.emplace_back(swing.point[i], swing.point[j]);
         swings_.push_back(swing);
     }
-    stretch_.resize(bones), roll_.resize(bones), arms_.resize(bones);
+    stretch_.resize(bones), limit_.resize(bones), roll_.resize(bones), arms_.resize(bones);
     return_.resize(points), below_.resize(points);
     rollDiagonal_.resize(points), rollBelow_.resize(points);
 }
@@ -156,6 +159,7 @@ void BoneSprings::calibrate(std::span<const BoneSpring> springs, double returnHe
         const double least = std::min(held[bone.start] ? mass_[bone.end] : mass_[bone.start], held[bone.end] ? mass_[bone.start] : mass_[bone.end]);
         const double moving = std::max(movingPart(one.mass, one.held > 0, other.mass, other.held > 0), 0.5 * least);
         stretch_[b] = gain(moving, spring.stretchHertz, spring.stretchDamping);
+        limit_[b] = gain(moving, kLimitHertz, kLimitDamping);
         roll_[b] = gain(moving * rollArm_ * rollArm_, spring.rollHertz, spring.rollDamping);
     }
     for (auto& swing : swings_) {
@@ -209,13 +213,22 @@ Vec3 BoneSprings::carried(const Swing& swing, const BoneTargets& targets) const 
     return turned(targets.direction[swing.parent], arms_[swing.parent].direction, targets.direction[swing.child]);
 }
 
+// m by which a bone is too long, or negative by which too short. What the kinematic pose asks for is within the limits.
+double BoneSprings::beyondLimits(std::size_t b, const BoneTargets& targets) const {
+    const auto& bone = skeleton_.bones[b];
+    const double most = std::max(bone.maxStretch * bone.length, targets.length[b]);
+    const double least = std::min(bone.minStretch * bone.length, targets.length[b]);
+    return std::max(arms_[b].length - most, 0.0) - std::max(least - arms_[b].length, 0.0);
+}
+
 double BoneSprings::energy(const std::vector<Vec3>& x, const BoneTargets& targets) const {
     arms(x, targets);
     double sum = 0.0;
     for (std::size_t b = 0; b < arms_.size(); ++b) {
         const double length = targets.length[b], r = arms_[b].length / length;
         const double strain = 0.5 * (r - 1.0 / r) * length;
-        sum += 0.5 * stretch_[b].stiffness * strain * strain;
+        const double over = beyondLimits(b, targets);
+        sum += 0.5 * (stretch_[b].stiffness * strain * strain + limit_[b].stiffness * over * over);
     }
     for (const auto& swing : swings_) {
         if (!swing.active) continue;
@@ -250,16 +263,18 @@ void BoneSprings::forces(const std::vector<Vec3>& x, const std::vector<Vec3>& v,
         arm.carries = (c - u * (from.cross(u) / std::max(1.0 + from.dot(u), kOpposite)).transpose()) / arm.length;
 
         const double length = targets.length[b], r = arm.length / length, r3 = 1.0 / (r * r * r);
-        const double k = 0.25 * stretch_[b].stiffness, d = stretch_[b].damping;
+        const double over = beyondLimits(b, targets);
+        const Gain limit = over != 0.0 ? limit_[b] : Gain{};
+        const double k = 0.25 * stretch_[b].stiffness, d = stretch_[b].damping + limit.damping;
         double rate = (v[bone.end] - v[bone.start]).dot(u);
         if (motion.from) rate -= (motion.to->length[b] - motion.from->length[b]) / motion.seconds;
-        const double spring = k * length * (r - r3);
+        const double spring = k * length * (r - r3) + limit.stiffness * over;
         const Vec3 pull = (spring + d * rate) * u;
         force[bone.start] += pull;
         force[bone.end] -= pull;
         if (!system) continue;
         const Matrix3d along = u * u.transpose();
-        const Matrix3d h = (k * (1.0 + 3.0 * r3 / r) + d / seconds) * along + std::max(spring, 0.0) / arm.length * (eye - along);
+        const Matrix3d h = (k * (1.0 + 3.0 * r3 / r) + limit.stiffness + d / seconds) * along + std::max(spring, 0.0) / arm.length * (eye - along);
         add(*system, bone.start, bone.start, h, freedom, normal);
         add(*system, bone.end, bone.end, h, freedom, normal);
         add(*system, bone.start, bone.end, -h, freedom, normal);

@@ -79,6 +79,7 @@ private:
         int held = 0;
     };
     [[nodiscard]] Side beyond(int from, int to) const;
+    [[nodiscard]] double beyondLimits(std::size_t bone, const BoneTargets& targets) const;
     [[nodiscard]] Vec3 carried(const Swing& swing, const BoneTargets& targets) const;
     void add(BlockCholesky& system, int i, int j, const Eigen::Matrix3d& block, const std::vector<Freedom>& freedom, const Vec3& normal) const;
 
@@ -87,7 +88,7 @@ private:
     std::vector<double> mass_;
     double rollArm_ = 0.0;             // m: inertia of roll = mass x arm^2
     std::vector<Swing> swings_;
-    std::vector<Gain> stretch_, roll_; // per bone
+    std::vector<Gain> stretch_, limit_, roll_;  // per bone
     std::vector<Gain> return_;         // per joint point
     std::vector<std::pair<int, int>> pairs_;
 
