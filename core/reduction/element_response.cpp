@@ -5,7 +5,6 @@
 #include <lapacke.h>
 
 #include <Eigen/Geometry>
-#include <Eigen/SparseCore>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -17,7 +16,6 @@
 #include "core/mesh/topology.h"
 #include "core/reduction/appendages.h"
 #include "core/reduction/display_mapping.h"
-#include "core/reduction/negative_part.h"
 #include "core/reduction/solved_body.h"
 
 namespace imomushi {
@@ -193,89 +191,67 @@ Eigen::MatrixXd faceMass(const SolverMesh& mesh, const Eigen::MatrixXd& Z) {
     return out;
 }
 
-/// Z <- L Z L^T, or L^-1 Z L^-T, of symmetric Z, with the lower triangle of `L`, some columns at a time. False: cancelled.
-bool congruent(const Eigen::MatrixXd& L, bool inverse, Eigen::MatrixXd& Z, const Progress& progress) {
-    const auto n = static_cast<int>(Z.rows());
-    constexpr int kBatch = 256;
-    for (int side = 0; side < 2; ++side) {
-        for (int first = 0; first < n; first += kBatch) {
-            if (progress.cancelled()) return false;
-            const int count = std::min(kBatch, n - first);
-            if (inverse)
-                cblas_dtrsm(CblasColMajor, CblasLeft, CblasLower, CblasNoTrans, CblasNonUnit, n, count, 1.0, L.data(), n, &Z(0, first), n);
-            else
-                cblas_dtrmm(CblasColMajor, CblasLeft, CblasLower, CblasNoTrans, CblasNonUnit, n, count, 1.0, L.data(), n, &Z(0, first), n);
-        }
-        Z.transposeInPlace();
-    }
-    Z = (0.5 * (Z + Z.transpose())).eval();
-    return true;
-}
-
 /// Makes K what a stiffness must be: symmetric, zero on rigid motions, without negative energy. W = C^T mass C measures joint
 /// parameters by the displacement they make, so that metres and radians need no weights of their own. `loadForces` (g x 4, or empty) are made to
 /// balance `loads` (see wholeLoads()) on rigid motions, by the smallest change.
-/// Errors: "singular": the input is not positive definite or not finite (a face without area); "cancelled".
-Result<void> cleanStiffness(const HeldModes& modes, const SolverMesh& mesh, const Eigen::Matrix<double, 6, BoundaryEquation::kLoads>& loads,
-                            Eigen::MatrixXd& K, Eigen::MatrixXd& loadForces, ResponseQuality& quality, const Progress& progress) {
+/// False: LAPACK found the input not positive definite or not finite (a face without area).
+bool cleanStiffness(const HeldModes& modes, const SolverMesh& mesh, const Eigen::Matrix<double, 6, BoundaryEquation::kLoads>& loads, Eigen::MatrixXd& K,
+                    Eigen::MatrixXd& loadForces, ResponseQuality& quality) {
     useSingleThreadedBlas();
-    const auto singular = [] { return fail("singular", "The joint modes of a face cannot be told apart; choose larger joint faces."); };
-    const auto cancelled = [] { return fail(kCancelled, "The precompute was cancelled."); };
     const auto g = static_cast<int>(K.rows());
     const double symmetricNorm = (K + K.transpose()).norm();
     quality.asymmetry = symmetricNorm > 0.0 ? (K - K.transpose()).norm() / symmetricNorm : 0.0;
 
     // In parameters scaled to unit diagonal of W.
-    const Eigen::SparseMatrix<double> C = modes.C.sparseView();
     const Eigen::MatrixXd massC = faceMass(mesh, modes.C);
-    Eigen::MatrixXd W = C.transpose() * massC;
+    Eigen::MatrixXd W = modes.C.transpose() * massC;
     const Eigen::VectorXd unit = W.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     W = (unit.asDiagonal() * (0.5 * (W + W.transpose())) * unit.asDiagonal()).eval();
     W.diagonal().array() += kGramRidge;
     Eigen::MatrixXd scaled = unit.asDiagonal() * (0.5 * (K + K.transpose())) * unit.asDiagonal();
-    if (progress.cancelled()) return cancelled();
 
     // Rigid motions among the modes: least squares in the mass norm, then the combinations that are met.
     Eigen::MatrixXd factor = W;
-    if (LAPACKE_dpotrf(LAPACK_COL_MAJOR, 'L', g, factor.data(), g) != 0) return singular();
-    if (progress.cancelled()) return cancelled();
+    if (LAPACKE_dpotrf(LAPACK_COL_MAJOR, 'L', g, factor.data(), g) != 0) return false;
     Eigen::MatrixXd rigid = unit.asDiagonal() * (massC.transpose() * modes.R);
     LAPACKE_dpotrs(LAPACK_COL_MAJOR, 'L', g, 6, factor.data(), g, rigid.data(), g);
-    const Eigen::MatrixXd miss = modes.R - C * (unit.asDiagonal() * rigid);
+    const Eigen::MatrixXd miss = modes.R - modes.C * (unit.asDiagonal() * rigid);
     Eigen::MatrixXd missed = miss.transpose() * faceMass(mesh, miss), size = modes.R.transpose() * faceMass(mesh, modes.R);
     size.diagonal().array() += 1e-9 * size.trace();  // rotations that a single straight row of vertices cannot show
     Eigen::VectorXd ratio(6);
-    if (LAPACKE_dsygv(LAPACK_COL_MAJOR, 1, 'V', 'L', 6, missed.data(), 6, size.data(), 6, ratio.data()) != 0) return singular();
+    if (LAPACKE_dsygv(LAPACK_COL_MAJOR, 1, 'V', 'L', 6, missed.data(), 6, size.data(), 6, ratio.data()) != 0) return false;
     int found = 0;
     while (found < 6 && ratio[found] <= kRigidMiss * kRigidMiss) ++found;
     if (found > 0) {
         const Eigen::MatrixXd V = rigid * missed.leftCols(found);
+        Eigen::MatrixXd gram = V.transpose() * W * V;
         const Eigen::MatrixXd WV = W * V;
-        Eigen::MatrixXd gram = V.transpose() * WV, along = WV.transpose();
-        if (LAPACKE_dposv(LAPACK_COL_MAJOR, 'L', found, g, gram.data(), found, along.data(), found) != 0) return singular();
+        Eigen::MatrixXd along = WV.transpose();
+        if (LAPACKE_dposv(LAPACK_COL_MAJOR, 'L', found, g, gram.data(), found, along.data(), found) != 0) return false;
         if (loadForces.size() > 0) {
             const Eigen::MatrixXd forces = unit.asDiagonal() * loadForces;
             // `along` is gram^-1 (W V)^T, so that V^T along^T = I.
             const Eigen::MatrixXd missing = -missed.leftCols(found).transpose() * loads - V.transpose() * forces;
             loadForces = unit.cwiseInverse().asDiagonal() * (forces + along.transpose() * missing);
         }
-        // The projector I - V along, on both sides.
-        const Eigen::MatrixXd SV = scaled * V, VSV = V.transpose() * SV;
-        scaled -= SV * along;
-        scaled -= along.transpose() * SV.transpose() - along.transpose() * VSV.transpose() * along;
+        const Eigen::MatrixXd projector = Eigen::MatrixXd::Identity(g, g) - V * along;
+        scaled = (projector.transpose() * scaled * projector).eval();
     }
 
     // Eigenvalues relative to W; negative ones (of rounding or of a coarse mesh) carry no energy.
-    if (!congruent(factor, true, scaled, progress)) return cancelled();
-    const auto spectrum = removeNegativePart(scaled, progress);
-    if (!spectrum) return tl::make_unexpected(spectrum.error());
-    quality.negativeEnergy = spectrum->highest > 0.0 ? std::min(spectrum->lowest, 0.0) / spectrum->highest : 0.0;
-    if (!congruent(factor, false, scaled, progress)) return cancelled();
+    Eigen::MatrixXd vectors = scaled, metric = W;
+    Eigen::VectorXd values(g);
+    if (LAPACKE_dsygv(LAPACK_COL_MAJOR, 1, 'V', 'L', g, vectors.data(), g, metric.data(), g, values.data()) != 0) return false;
+    const double largest = values[g - 1];
+    quality.negativeEnergy = largest > 0.0 ? std::min(values[0], 0.0) / largest : 0.0;
+    if (values[0] < 0.0) {
+        const Eigen::MatrixXd WV = W * vectors;
+        scaled = WV * values.cwiseMax(0.0).asDiagonal() * WV.transpose();
+    }
     const Eigen::VectorXd back = unit.cwiseInverse();
     K = back.asDiagonal() * scaled * back.asDiagonal();
-    K = (0.5 * (K + K.transpose())).eval();  // to the last bit
-    if (!K.allFinite()) return singular();
-    return {};
+    K = (0.5 * (K + K.transpose())).eval();
+    return std::all_of(K.data(), K.data() + K.size(), [](double x) { return std::isfinite(x); });
 }
 
 /// The tractions at the body's vertices, linear in between, with the nodal forces `forces` (3 m x g, in face axes, each vertex 3 i + axis) but for the
@@ -547,7 +523,7 @@ Result<ElementResponse> buildResponse(const ResponseInput& input, const Progress
     if (!level) return tl::make_unexpected(level.error());
     auto error = estimateError(*element, *solved, response, modes.C, level->response, progress.part(0.95, 1.0));
     if (!error) return tl::make_unexpected(error.error());
-    response.stiffness = Eigen::SparseMatrix<double>(modes.C.sparseView()).transpose() * faceMass(mesh, level->traction);
+    response.stiffness = modes.C.transpose() * faceMass(mesh, level->traction);
     response.response = std::move(level->response);
     Eigen::Matrix<double, 6, BoundaryEquation::kLoads> loads;
     if (input.loads) {
@@ -573,10 +549,9 @@ Result<ElementResponse> buildResponse(const ResponseInput& input, const Progress
     quality.error = *error;
     quality.mappingError = level->mappingError;
     quality.shapeError = level->shapeError;
-    if (auto clean = cleanStiffness(modes, mesh, loads, response.stiffness, response.loadForces, response.quality, progress); !clean)
-        return tl::make_unexpected(clean.error());
-    if (input.basis == BasisKind::Full && response.tractions.size() == 0)
-        return fail("singular", "A joint face has no area; choose a larger one.");
+    if (!cleanStiffness(modes, mesh, loads, response.stiffness, response.loadForces, response.quality) ||
+        (input.basis == BasisKind::Full && response.tractions.size() == 0))
+        return fail("singular", "The joint modes of a face cannot be told apart; choose larger joint faces.");
     response.quality.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return response;
 }
