@@ -19,7 +19,7 @@ const double kGamma = 1.0 - std::sqrt(0.5);
 const double kSecondStart = (1.0 - kGamma) / kGamma;
 
 constexpr int kIterations = 12;          // of Newton per stage; two or three are common
-constexpr double kConverged = 1e-9;      // mean bone lengths: so little is left after the last iteration
+constexpr double kConverged = 1e-9;      // mean bone lengths: less is left after the last iteration
 constexpr double kGuessMove = 0.2;       // mean bone lengths: larger moves are not guessed from the velocities
 constexpr double kIterationMove = 0.5;   // of a bone's length, at most, by one iteration
 constexpr int kContactRounds = 8;        // a step is done again with the points that it took through the ground, at most so often
@@ -174,22 +174,23 @@ struct BoneDynamics::State {
         return e;
     }
 
-    // Solves x = x0 + s v, mass (v - v0) / s = forces(x, v) for what is free, `ahead` seconds into the step; what is prescribed has come `part` of its
-    // way through the step of h seconds.
-    bool solveStage(double s, double h, double ahead, double part, const BoneTargets& targets, const BoneSprings::Motion& motion) {
+    // Solves x = x0 + s v, mass (v - v0) / s = forces(x, v) for what is free, beginning near xs; what is prescribed has come `part` of its way through
+    // the step of h seconds.
+    bool solveStage(double s, double h, double part, const BoneTargets& targets, const BoneSprings::Motion& motion) {
         stageSeconds = s;
         double farthest = 0.0;
         for (std::size_t i = 0; i < xs.size(); ++i)
-            if (freedom[i] != Freedom::Fixed) farthest = std::max(farthest, ahead * body.v[i].cwiseAbs().maxCoeff());
-        const double guess = farthest <= kGuessMove * unit ? ahead : 0.0;
+            if (freedom[i] != Freedom::Fixed) farthest = std::max(farthest, (x0[i] + s * v0[i] - xs[i]).cwiseAbs().maxCoeff());
+        const bool guess = farthest <= kGuessMove * unit;
         for (std::size_t i = 0; i < xs.size(); ++i) {
             if (freedom[i] == Freedom::Fixed) {
                 xs[i] = body.x[i] + part * (goal[i] - body.x[i]);
                 continue;
             }
-            xs[i] = body.x[i] + guess * body.v[i];
+            if (guess) xs[i] = x0[i] + s * v0[i];
             if (freedom[i] == Freedom::OnPlane) xs[i] += ((1.0 - part) * gap(body.x[i]) - gap(xs[i])) * normal;
         }
+        double before = 0.0;
         for (int k = 0;; ++k) {
             system.setZero();
             stageVelocities(s, h);
@@ -226,7 +227,10 @@ struct BoneDynamics::State {
             }
             for (std::size_t i = 0; i < xs.size(); ++i)
                 if (freedom[i] != Freedom::Fixed) xs[i] += cut * step_[i];
-            if (longest <= kConverged * unit || k + 1 == kIterations) break;
+            // What the next iteration would add, as these shrink.
+            const double rate = k > 0 && cut == 1.0 ? longest / before : 1.0;
+            before = longest;
+            if (longest * std::min(rate, 1.0) <= kConverged * unit || k + 1 == kIterations) break;
         }
         stageVelocities(s, h);
         for (std::size_t i = 0; i < xs.size(); ++i)
@@ -296,9 +300,9 @@ struct BoneDynamics::State {
         // Over the hump of a concave potential a long step can gain energy; shorter ones, by implicit Euler, do not.
         double shorter = h;
         for (int k = 0; k < kShortenings && !(solved && restingEnergy() <= allowed); ++k, shorter *= 0.25) {
-            x0 = body.x;
+            xs = x0 = body.x;
             v0 = body.v;
-            solved = solveStage(shorter, h, shorter, 1.0, next, motion);
+            solved = solveStage(shorter, h, 1.0, next, motion);
         }
         const bool stopped = !solved || restingEnergy() > allowed;
         if (stopped) {
@@ -318,16 +322,15 @@ struct BoneDynamics::State {
 
     bool solveStages(double h, const BoneSprings::Motion& motion) {
         const double s = kGamma * h;
-        if (motion.from)
-            mix(last, next, kGamma, stage);
-        x0 = body.x;
+        if (motion.from) mix(last, next, kGamma, stage);
+        xs = x0 = body.x;
         v0 = body.v;
-        if (!solveStage(s, h, s, kGamma, motion.from ? stage : next, motion)) return false;
+        if (!solveStage(s, h, kGamma, motion.from ? stage : next, motion)) return false;
         for (std::size_t i = 0; i < x0.size(); ++i) {
             x0[i] = body.x[i] + kSecondStart * (xs[i] - body.x[i]);
             v0[i] = body.v[i] + kSecondStart * (vs[i] - body.v[i]);
         }
-        return solveStage(s, h, h, 1.0, next, motion);
+        return solveStage(s, h, 1.0, next, motion);
     }
 
     // True: more points meet the ground than were known.
