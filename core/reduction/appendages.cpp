@@ -190,11 +190,11 @@ struct Disc {
     std::vector<std::int32_t> loop;       ///< kept vertices around it, as its triangles wind there
     std::vector<std::int32_t> triangles;  ///< ascending
     std::vector<std::int32_t> vertices;   ///< its own, ascending
-    double perimeter = 0.0;
-    Vec3 middle = Vec3::Zero();  ///< of the loop
+    double width = 0.0, length = 0.0;  ///< m: perimeter of the loop / pi; along edges from the loop to the tip
+    Vec3 middle = Vec3::Zero();        ///< of the loop
 };
 
-/// What lies around `tip` at least `level` away from the faces. Empty: no simple loop bounds it, or no cap fits there.
+/// What lies around `tip` at least `level` away from the faces. Empty: no simple loop bounds it, it is not longer than wide, or no cap fits there.
 std::optional<Disc> discBeyond(const TriangleMesh& body, const EdgeTable& edges, const Around& around, const std::vector<double>& distance, std::int32_t tip, double level) {
     Disc out;
     std::vector<char> inside(distance.size()), taken(static_cast<std::size_t>(body.triangles.rows()));
@@ -241,12 +241,16 @@ std::optional<Disc> discBeyond(const TriangleMesh& body, const EdgeTable& edges,
 
     const auto point = [&](std::size_t i) -> Vec3 { return body.vertices.row(out.loop[i % out.loop.size()]).transpose(); };
     const Vec3 first = point(0);
+    double perimeter = 0.0;
     for (std::size_t i = 0; i < out.loop.size(); ++i) {
         const double side = (point(i + 1) - point(i)).norm();
-        out.perimeter += side;
+        perimeter += side;
         out.middle += 0.5 * side * (point(i) + point(i + 1) - 2.0 * first);
+        out.length += (distance[at(tip)] - distance[at(out.loop[i])]) / static_cast<double>(out.loop.size());
     }
-    out.middle = first + out.middle / out.perimeter;
+    out.width = perimeter / std::numbers::pi;
+    if (!(out.length >= out.width)) return std::nullopt;
+    out.middle = first + out.middle / perimeter;
     Vec3 whole = Vec3::Zero();
     for (std::size_t i = 0; i < out.loop.size(); ++i) whole += (point(i) - out.middle).cross(point(i + 1) - out.middle);
     for (std::size_t i = 0; i < out.loop.size(); ++i) {
@@ -262,7 +266,7 @@ std::optional<Disc> bestDisc(const TriangleMesh& body, const EdgeTable& edges, c
     for (int i = 0; i <= kTries; ++i) {
         const double above = foot.width * (kLowestCut + (kHighestCut - kLowestCut) * i / kTries);
         auto disc = discBeyond(body, edges, around, distance, foot.tip, foot.distance + above);
-        if (disc && (!best || disc->perimeter < (1.0 + kSameLevel) * best->perimeter)) best = std::move(disc);
+        if (disc && (!best || disc->width < (1.0 + kSameLevel) * best->width)) best = std::move(disc);
     }
     return best;
 }
@@ -344,8 +348,7 @@ Result<TrimmedBody> withoutAppendages(const TriangleMesh& body, std::span<const 
         if (!disc) continue;
         for (const std::int32_t v : disc->vertices) dropped[at(v)] = 1;
         for (const std::int32_t t : disc->triangles) gone[at(t)] = 1;
-        out.appendages.push_back({disc->perimeter / std::numbers::pi, 0.0, {}, disc->vertices});
-        for (const std::int32_t v : disc->loop) out.appendages.back().length = std::max(out.appendages.back().length, distance[at(foot.tip)] - distance[at(v)]);
+        out.appendages.push_back({disc->width, disc->length, {}, disc->vertices});
         discs.push_back(std::move(*disc));
     }
     if (discs.empty()) return whole;

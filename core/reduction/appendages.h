@@ -39,8 +39,8 @@ struct TrimmedBody {
 };
 
 /// Cuts the appendages of a closed body off, along existing edges and somewhat above their feet. An appendage is a disc of the surface without a
-/// joint face that is longer than kSlender widths, and as far from all joint faces as it is wide. What leads to a joint face is none. Left as they are:
-/// bodies without joint faces, of several shells, or that would meet themselves. Independent of unit and place up to rounding; deterministic, one
+/// joint face that is longer than kSlender widths, and as far from all joint faces as it is wide; what is cut off is longer than wide. What leads to a
+/// joint face is none. Left as they are: bodies without joint faces, of several shells, or that would meet themselves. Independent of unit and place up to rounding; deterministic, one
 /// thread, about n log n. Errors: "cancelled".
 Result<TrimmedBody> withoutAppendages(const TriangleMesh& body, std::span<const JointFace> faces, const Progress& progress);
 
