@@ -511,7 +511,7 @@ BoundaryProblem::Estimate BoundaryProblem::estimate(int nodes, int triangles, in
     out.seconds = (rates.secondsPerPair * kAssemblyOverhead * pairs + 2.0 / 3.0 * n * n * n / rates.flops * kFactorOverhead) / crew;
     // Estimating the condition (about ten triangles with one column), then solving and refining (three rounds), all bound by memory.
     const double passes = 10.0 * 2.0 * n * n + 3.0 * (4.0 + 8.0) * n * n;
-    out.seconds += passes / rates.bytesPerSecond + 3.0 * 4.0 * n * n * columns / (rates.flops * crew);
+    out.seconds += passes / rates.bytesPerSecond + 8.0 * 4.0 * n * n * columns / (rates.flops * crew);
     const auto held = static_cast<std::size_t>(kUsualHeldShare * nodes);
     out.bytes = matrixBytes(static_cast<std::size_t>(nodes) - held, held) + 40 * static_cast<std::size_t>(n) * static_cast<std::size_t>(columns);
     return out;

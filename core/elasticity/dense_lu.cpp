@@ -26,7 +26,7 @@ namespace {
 constexpr std::int32_t kPanel = 256;
 constexpr std::int32_t kTile = 384;
 // Rows of a product with few columns: bound by memory, so small tiles cost nothing.
-constexpr std::int32_t kRows = 512;
+constexpr std::int32_t kRows = 512, kColumns = 384;
 
 constexpr std::size_t kLargePage = std::size_t{2} << 20;
 
@@ -200,14 +200,16 @@ bool subtractProduct(const double* a, std::size_t ld, std::int32_t rows, std::in
     useSingleThreadedBlas();
     if (rows == 0 || columns == 0) return true;
     parallelFor(threads, static_cast<std::size_t>((rows + kRows - 1) / kRows), 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t t = begin; t < end; ++t) {
-            if (progress.cancelled()) return;
-            const std::int32_t row = static_cast<std::int32_t>(t) * kRows;
-            // Stored by rows, A is the transpose of what the BLAS sees.
-            cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, std::min(kRows, rows - row), columns, inner, -1.0,
-                        a + static_cast<std::size_t>(row) * ld, static_cast<std::int32_t>(ld), b, inner, replace ? 0.0 : 1.0, c + row,
-                        rows);
-        }
+        for (std::size_t t = begin; t < end; ++t)
+            for (std::int32_t first = 0; first < columns; first += kColumns) {
+                if (progress.cancelled()) return;
+                const std::int32_t row = static_cast<std::int32_t>(t) * kRows;
+                const std::size_t at = static_cast<std::size_t>(first);
+                // Stored by rows, A is the transpose of what the BLAS sees.
+                cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, std::min(kRows, rows - row), std::min(kColumns, columns - first), inner, -1.0,
+                            a + static_cast<std::size_t>(row) * ld, static_cast<std::int32_t>(ld), b + at * static_cast<std::size_t>(inner), inner,
+                            replace ? 0.0 : 1.0, c + at * static_cast<std::size_t>(rows) + row, rows);
+            }
     });
     return !progress.cancelled();
 }

@@ -5,6 +5,7 @@
 #include <lapacke.h>
 
 #include <Eigen/Geometry>
+#include <Eigen/SparseCore>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -16,6 +17,7 @@
 #include "core/mesh/topology.h"
 #include "core/reduction/appendages.h"
 #include "core/reduction/display_mapping.h"
+#include "core/reduction/negative_part.h"
 #include "core/reduction/solved_body.h"
 
 namespace imomushi {
@@ -27,6 +29,9 @@ constexpr int kSolverVersion = 3;
 /// Relative ridge on the Gram matrix of the joint modes: modes that a small patch cannot tell apart (three vertices, twelve modes) share
 /// the load instead of dividing by zero; regular ones change by rounding.
 constexpr double kGramRidge = 1e-13;
+
+/// Of the largest energy among joint parameters that displace their faces equally: rounding.
+constexpr double kNoStiffness = 1e-13;
 
 /// A combination of rigid motions belongs to the joint modes when they miss it by no more than a flat face may be out of its plane.
 constexpr double kRigidMiss = 2.0 * JointFace::kFlatTolerance;
@@ -172,9 +177,9 @@ Eigen::Matrix<double, 6, BoundaryEquation::kLoads> wholeLoads(const ResponseInpu
 
 /// The mass matrix of linear functions on the faces, times Z (3 * #held x any): int N_a N_b dS, m^2.
 Eigen::MatrixXd faceMass(const SolverMesh& mesh, const Eigen::MatrixXd& Z) {
-    Eigen::MatrixXd out = Eigen::MatrixXd::Zero(Z.rows(), Z.cols());
-    std::vector<Eigen::Index> row(static_cast<std::size_t>(mesh.mesh.vertices.rows()));
-    Eigen::Index next = 0;
+    std::vector<std::int32_t> row(static_cast<std::size_t>(mesh.mesh.vertices.rows()));
+    std::vector<Eigen::Triplet<double>> entries;
+    std::int32_t next = 0;
     for (const SolverMesh::Patch& face : mesh.faces) {
         for (const std::int32_t v : face.vertices) {
             row[static_cast<std::size_t>(v)] = next;
@@ -185,73 +190,103 @@ Eigen::MatrixXd faceMass(const SolverMesh& mesh, const Eigen::MatrixXd& Z) {
             const double share = 0.5 * areaVector(mesh.mesh, f).norm() / 12.0;
             for (int a = 0; a < 3; ++a)
                 for (int b = 0; b < 3; ++b)
-                    out.middleRows(rowOf(f, a), 3) += (a == b ? 2.0 : 1.0) * share * Z.middleRows(rowOf(f, b), 3);
+                    for (int axis = 0; axis < 3; ++axis) entries.emplace_back(rowOf(f, a) + axis, rowOf(f, b) + axis, (a == b ? 2.0 : 1.0) * share);
         }
     }
-    return out;
+    Eigen::SparseMatrix<double> mass(Z.rows(), Z.rows());
+    mass.setFromTriplets(entries.begin(), entries.end());
+    return mass * Z;
+}
+
+/// Z <- L Z L^T, or L^-1 Z L^-T, of symmetric Z, with the lower triangle of `L`, some columns at a time. False: cancelled.
+bool congruent(const Eigen::MatrixXd& L, bool inverse, Eigen::MatrixXd& Z, const Progress& progress) {
+    const auto n = static_cast<int>(Z.rows());
+    constexpr int kBatch = 256;
+    for (int side = 0; side < 2; ++side) {
+        for (int first = 0; first < n; first += kBatch) {
+            if (progress.cancelled()) return false;
+            const int count = std::min(kBatch, n - first);
+            if (inverse)
+                cblas_dtrsm(CblasColMajor, CblasLeft, CblasLower, CblasNoTrans, CblasNonUnit, n, count, 1.0, L.data(), n, &Z(0, first), n);
+            else
+                cblas_dtrmm(CblasColMajor, CblasLeft, CblasLower, CblasNoTrans, CblasNonUnit, n, count, 1.0, L.data(), n, &Z(0, first), n);
+        }
+        Z.transposeInPlace();
+    }
+    Z = (0.5 * (Z + Z.transpose())).eval();
+    return true;
 }
 
 /// Makes K what a stiffness must be: symmetric, zero on rigid motions, without negative energy. W = C^T mass C measures joint
 /// parameters by the displacement they make, so that metres and radians need no weights of their own. `loadForces` (g x 4, or empty) are made to
 /// balance `loads` (see wholeLoads()) on rigid motions, by the smallest change.
-/// False: LAPACK found the input not positive definite or not finite (a face without area).
-bool cleanStiffness(const HeldModes& modes, const SolverMesh& mesh, const Eigen::Matrix<double, 6, BoundaryEquation::kLoads>& loads, Eigen::MatrixXd& K,
-                    Eigen::MatrixXd& loadForces, ResponseQuality& quality) {
+/// Errors: "singular": the input is not positive definite or not finite (a face without area); "cancelled".
+Result<void> cleanStiffness(const HeldModes& modes, const SolverMesh& mesh, const Eigen::Matrix<double, 6, BoundaryEquation::kLoads>& loads,
+                            Eigen::MatrixXd& K, Eigen::MatrixXd& loadForces, ResponseQuality& quality, const Progress& progress) {
     useSingleThreadedBlas();
+    const auto singular = [] { return fail("singular", "The joint modes of a face cannot be told apart; choose larger joint faces."); };
+    const auto cancelled = [] { return fail(kCancelled, "The precompute was cancelled."); };
     const auto g = static_cast<int>(K.rows());
     const double symmetricNorm = (K + K.transpose()).norm();
     quality.asymmetry = symmetricNorm > 0.0 ? (K - K.transpose()).norm() / symmetricNorm : 0.0;
 
     // In parameters scaled to unit diagonal of W.
+    const Eigen::SparseMatrix<double> C = modes.C.sparseView();
     const Eigen::MatrixXd massC = faceMass(mesh, modes.C);
-    Eigen::MatrixXd W = modes.C.transpose() * massC;
+    Eigen::MatrixXd W = C.transpose() * massC;
     const Eigen::VectorXd unit = W.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     W = (unit.asDiagonal() * (0.5 * (W + W.transpose())) * unit.asDiagonal()).eval();
     W.diagonal().array() += kGramRidge;
     Eigen::MatrixXd scaled = unit.asDiagonal() * (0.5 * (K + K.transpose())) * unit.asDiagonal();
+    if (progress.cancelled()) return cancelled();
 
     // Rigid motions among the modes: least squares in the mass norm, then the combinations that are met.
     Eigen::MatrixXd factor = W;
-    if (LAPACKE_dpotrf(LAPACK_COL_MAJOR, 'L', g, factor.data(), g) != 0) return false;
+    if (LAPACKE_dpotrf(LAPACK_COL_MAJOR, 'L', g, factor.data(), g) != 0) return singular();
+    if (progress.cancelled()) return cancelled();
     Eigen::MatrixXd rigid = unit.asDiagonal() * (massC.transpose() * modes.R);
     LAPACKE_dpotrs(LAPACK_COL_MAJOR, 'L', g, 6, factor.data(), g, rigid.data(), g);
-    const Eigen::MatrixXd miss = modes.R - modes.C * (unit.asDiagonal() * rigid);
+    const Eigen::MatrixXd miss = modes.R - C * (unit.asDiagonal() * rigid);
     Eigen::MatrixXd missed = miss.transpose() * faceMass(mesh, miss), size = modes.R.transpose() * faceMass(mesh, modes.R);
     size.diagonal().array() += 1e-9 * size.trace();  // rotations that a single straight row of vertices cannot show
     Eigen::VectorXd ratio(6);
-    if (LAPACKE_dsygv(LAPACK_COL_MAJOR, 1, 'V', 'L', 6, missed.data(), 6, size.data(), 6, ratio.data()) != 0) return false;
+    if (LAPACKE_dsygv(LAPACK_COL_MAJOR, 1, 'V', 'L', 6, missed.data(), 6, size.data(), 6, ratio.data()) != 0) return singular();
     int found = 0;
     while (found < 6 && ratio[found] <= kRigidMiss * kRigidMiss) ++found;
     if (found > 0) {
         const Eigen::MatrixXd V = rigid * missed.leftCols(found);
-        Eigen::MatrixXd gram = V.transpose() * W * V;
         const Eigen::MatrixXd WV = W * V;
-        Eigen::MatrixXd along = WV.transpose();
-        if (LAPACKE_dposv(LAPACK_COL_MAJOR, 'L', found, g, gram.data(), found, along.data(), found) != 0) return false;
+        Eigen::MatrixXd gram = V.transpose() * WV, along = WV.transpose();
+        if (LAPACKE_dposv(LAPACK_COL_MAJOR, 'L', found, g, gram.data(), found, along.data(), found) != 0) return singular();
         if (loadForces.size() > 0) {
             const Eigen::MatrixXd forces = unit.asDiagonal() * loadForces;
             // `along` is gram^-1 (W V)^T, so that V^T along^T = I.
             const Eigen::MatrixXd missing = -missed.leftCols(found).transpose() * loads - V.transpose() * forces;
             loadForces = unit.cwiseInverse().asDiagonal() * (forces + along.transpose() * missing);
         }
-        const Eigen::MatrixXd projector = Eigen::MatrixXd::Identity(g, g) - V * along;
-        scaled = (projector.transpose() * scaled * projector).eval();
+        // The projector I - V along, on both sides.
+        const Eigen::MatrixXd SV = scaled * V, VSV = V.transpose() * SV;
+        scaled -= SV * along;
+        scaled -= along.transpose() * SV.transpose() - along.transpose() * VSV.transpose() * along;
     }
 
     // Eigenvalues relative to W; negative ones (of rounding or of a coarse mesh) carry no energy.
-    Eigen::MatrixXd vectors = scaled, metric = W;
-    Eigen::VectorXd values(g);
-    if (LAPACKE_dsygv(LAPACK_COL_MAJOR, 1, 'V', 'L', g, vectors.data(), g, metric.data(), g, values.data()) != 0) return false;
-    const double largest = values[g - 1];
-    quality.negativeEnergy = largest > 0.0 ? std::min(values[0], 0.0) / largest : 0.0;
-    if (values[0] < 0.0) {
-        const Eigen::MatrixXd WV = W * vectors;
-        scaled = WV * values.cwiseMax(0.0).asDiagonal() * WV.transpose();
-    }
+    if (!congruent(factor, true, scaled, progress)) return cancelled();
+    const auto spectrum = removeNegativePart(scaled, progress);
+    if (!spectrum) return tl::make_unexpected(spectrum.error());
+    quality.negativeEnergy = spectrum->highest > 0.0 ? std::min(spectrum->lowest, 0.0) / spectrum->highest : 0.0;
+    if (!congruent(factor, false, scaled, progress)) return cancelled();
     const Eigen::VectorXd back = unit.cwiseInverse();
     K = back.asDiagonal() * scaled * back.asDiagonal();
-    K = (0.5 * (K + K.transpose())).eval();
-    return std::all_of(K.data(), K.data() + K.size(), [](double x) { return std::isfinite(x); });
+    K = (0.5 * (K + K.transpose())).eval();  // to the last bit
+    // Parameters that move a body of one face rigidly have no stiffness but that of rounding, which may be negative.
+    for (int i = 0; i < g; ++i)
+        if (scaled(i, i) <= kNoStiffness * scaled.diagonal().maxCoeff()) {
+            K.row(i).setZero();
+            K.col(i).setZero();
+        }
+    if (!K.allFinite()) return singular();
+    return {};
 }
 
 /// The tractions at the body's vertices, linear in between, with the nodal forces `forces` (3 m x g, in face axes, each vertex 3 i + axis) but for the
@@ -523,7 +558,8 @@ Result<ElementResponse> buildResponse(const ResponseInput& input, const Progress
     if (!level) return tl::make_unexpected(level.error());
     auto error = estimateError(*element, *solved, response, modes.C, level->response, progress.part(0.95, 1.0));
     if (!error) return tl::make_unexpected(error.error());
-    response.stiffness = modes.C.transpose() * faceMass(mesh, level->traction);
+    const auto cancelled = [] { return fail(kCancelled, "The precompute was cancelled."); };
+    response.stiffness = Eigen::SparseMatrix<double>(modes.C.sparseView()).transpose() * faceMass(mesh, level->traction);
     response.response = std::move(level->response);
     Eigen::Matrix<double, 6, BoundaryEquation::kLoads> loads;
     if (input.loads) {
@@ -540,7 +576,9 @@ Result<ElementResponse> buildResponse(const ResponseInput& input, const Progress
             response.stiffness.conservativeResize(Eigen::NoChange, g);
         }
     }
+    if (progress.cancelled()) return cancelled();
     if (input.basis == BasisKind::Full) response.tractions = nodalTractions(input, modes, response.firstColumn, response.stiffness);
+    if (progress.cancelled()) return cancelled();
     ResponseQuality& quality = response.quality;
     quality.solve = level->quality;
     quality.solverVertices = static_cast<int>(mesh.mesh.vertices.rows());
@@ -549,9 +587,10 @@ Result<ElementResponse> buildResponse(const ResponseInput& input, const Progress
     quality.error = *error;
     quality.mappingError = level->mappingError;
     quality.shapeError = level->shapeError;
-    if (!cleanStiffness(modes, mesh, loads, response.stiffness, response.loadForces, response.quality) ||
-        (input.basis == BasisKind::Full && response.tractions.size() == 0))
-        return fail("singular", "The joint modes of a face cannot be told apart; choose larger joint faces.");
+    if (auto clean = cleanStiffness(modes, mesh, loads, response.stiffness, response.loadForces, response.quality, progress); !clean)
+        return tl::make_unexpected(clean.error());
+    if (input.basis == BasisKind::Full && response.tractions.size() == 0)
+        return fail("singular", "A joint face has no area; choose a larger one.");
     response.quality.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return response;
 }

@@ -4,7 +4,7 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
 
-#include "core/mesh/cgal/floating_point_guard.h"
+#include "core/base/floating_point_guard.h"
 
 namespace imomushi {
 namespace {

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <array>
 
-#include "core/mesh/cgal/floating_point_guard.h"
+#include "core/base/floating_point_guard.h"
 
 namespace imomushi {
 namespace {

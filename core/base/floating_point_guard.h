@@ -5,8 +5,8 @@
 
 namespace imomushi {
 
-/// CGAL's interval filters overflow and divide by zero on purpose before they fall back to exact numbers, and switch rounding: inside
-/// this guard that traps nothing, after it the caller's floating-point environment is as it was.
+/// CGAL's interval filters overflow and divide by zero on purpose before they fall back to exact numbers, and switch rounding; LAPACK's newer eigenvalue
+/// routines divide by zero to see whether infinity works. Inside this guard that traps nothing, after it the caller's floating-point environment is as it was.
 class FloatingPointGuard {
 public:
     FloatingPointGuard() { std::feholdexcept(&saved_); }
