@@ -68,6 +68,7 @@ struct ResponseInput {
 /// The content key of the answer: mesh, faces, nu, basis, solver mesh, whether with loads, and the version of the solver.
 ContentKey responseKey(const ResponseInput& input);
 
+/// Solved without the appendages of the body, which follow (see TrimmedBody); only body loads are solved on all of it, as appendages bend under them.
 /// Errors: those of BoundaryProblem::build and solve, and of solvedBody().
 Result<ElementResponse> buildResponse(const ResponseInput& input, const Progress& progress);
 
