@@ -202,7 +202,7 @@ struct Character::State {
         AlignedBuffer<float> local, positions, normals;
         bool localShown = false;  // local belongs to shownV
         Work work = Work::None;
-        Placement placement{};
+        AffineFloat placement{};
         std::uint64_t revision = 0;
     };
     // The normal of a vertex on a seam is shared with a place on an edge of the other rim.
@@ -545,7 +545,7 @@ struct Character::State {
         const Vec3 shift = out.frame(out.middle);
         for (int i = 0; i < 3; ++i) {
             out.placement.shift[i] = static_cast<float>(shift[i]);
-            for (int k = 0; k < 3; ++k) out.placement.rotation[3 * i + k] = static_cast<float>(out.frame.linear(i, k));
+            for (int k = 0; k < 3; ++k) out.placement.linear[3 * i + k] = static_cast<float>(out.frame.linear(i, k));
         }
         if (sameShape && out.localShown) {
             out.work = Work::Place;

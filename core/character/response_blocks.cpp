@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/character/response_blocks.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -15,6 +16,12 @@ constexpr double kLargestHalf = 65504.0, kLargestInt16 = 32767.0;
 constexpr double kWeightSum = 65535.0 - kColumnGroup;
 // Weaker groups of columns (m) move nothing that single precision could show.
 constexpr double kNoMotion = 1e-30;
+// Modes that move nothing by more than this part of the largest displacement are left out.
+constexpr double kNoModeOfFloat = 2e-7, kNoModeOfSixteenBits = 1e-5;
+// More columns (of a full basis) are kept as they are: modes would save little and take long to find.
+constexpr Eigen::Index kMostColumnsForModes = 128;
+// An element whose free vertices are flatter than this part of their extent has no affine motion across it.
+constexpr double kFlat = 1e-5;
 // Sign patterns that the error is measured with, besides columns alone.
 constexpr int kSignPatterns = 4;
 
@@ -26,32 +33,83 @@ ResponseBlocks::ResponseBlocks(const Points& vertices, const std::vector<std::in
     for (const auto v : free)
         if (first_.empty() || v >= first_.back() + kVertexBlock) first_.push_back(v);
     rest_ = AlignedBuffer<float>(count() * kStride);
+    Points rest(static_cast<Eigen::Index>(free.size()), 3);
     std::size_t k = 0;
-    for (const auto v : free) {
-        while (v >= first_[k] + kVertexBlock) ++k;
+    for (std::size_t i = 0; i < free.size(); ++i) {
+        rest.row(static_cast<Eigen::Index>(i)) = vertices.row(free[i]) - middle.transpose();
+        while (free[i] >= first_[k] + kVertexBlock) ++k;
         for (int axis = 0; axis < 3; ++axis)
-            rest_[k * kStride + axis * kVertexBlock + (v - first_[k])] = static_cast<float>(vertices(v, axis) - middle[axis]);
+            rest_[k * kStride + axis * kVertexBlock + (free[i] - first_[k])] = static_cast<float>(rest(static_cast<Eigen::Index>(i), axis));
     }
-    const auto columns = static_cast<std::size_t>(response.cols());
-    scale_.assign(columns, 0.0);
-    columns_.assign(columns, 0.0f);
-    pairs_.assign(columns + columns % 2, 0);
-    groups_.assign((columns + kColumnGroup - 1) / kColumnGroup, 0.0f);
-    if (columns == 0 || free.empty()) return;
-    pack(free, response);
-    error_ = measure(static_cast<std::size_t>(vertices.rows()), free, response);
+    if (response.cols() == 0 || free.empty()) return;
+    Eigen::MatrixXd modes = findModes(rest, response);
+    pack(free, modes);
+    error_ = measure(static_cast<std::size_t>(vertices.rows()), free, rest, response);
 }
 
-void ResponseBlocks::pack(const std::vector<std::int32_t>& free, const Eigen::MatrixXd& response) {
-    const auto columns = static_cast<std::size_t>(response.cols());
+// response * v = affine motion by (affineOf_ * v) + modes * (modesOf_ * v)
+Eigen::MatrixXd ResponseBlocks::findModes(const Points& rest, const Eigen::MatrixXd& response) {
+    const Eigen::Index columns = response.cols(), points = response.rows() / 3;
+    affineOf_ = Eigen::MatrixXd::Zero(12, columns);
+    if (columns > kMostColumnsForModes) {
+        modesOf_ = Eigen::MatrixXd::Identity(columns, columns);
+        return response;
+    }
+    // Columns of equal strength.
+    Eigen::VectorXd size = response.cwiseAbs().colwise().maxCoeff();
+    for (Eigen::Index c = 0; c < columns; ++c)
+        if (!(size[c] > 0.0)) size[c] = 1.0;
+    Eigen::MatrixXd modes = response * size.cwiseInverse().asDiagonal();
+
+    // Least squares over the free vertices about their mean, in their principal axes.
+    const Eigen::RowVector3d mean = rest.colwise().mean();
+    const Points x = rest.rowwise() - mean;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(x.transpose() * x);
+    Eigen::Vector3d inverse = Eigen::Vector3d::Zero();
+    for (int i = 0; i < 3; ++i)
+        if (axes.eigenvalues()[i] > kFlat * kFlat * axes.eigenvalues()[2]) inverse[i] = 1.0 / axes.eigenvalues()[i];
+    const Eigen::Matrix3d solve = axes.eigenvectors() * inverse.asDiagonal() * axes.eigenvectors().transpose();
+    for (Eigen::Index c = 0; c < columns; ++c) {
+        Eigen::Map<Points> u(modes.col(c).data(), points, 3);
+        const Eigen::RowVector3d shift = u.colwise().mean();
+        const Eigen::Matrix3d linear = (solve * (x.transpose() * u)).transpose();
+        u.rowwise() -= shift;
+        u.noalias() -= x * linear.transpose();
+        Eigen::Matrix<double, 3, 4> fit;
+        fit << linear, shift.transpose() - linear * mean.transpose();
+        affineOf_.col(c) = Eigen::Map<const Eigen::VectorXd>(fit.data(), 12) * size[c];
+    }
+
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> gram(modes.transpose() * modes);
+    const double negligible = format_ == ResponseFormat::Float ? kNoModeOfFloat : kNoModeOfSixteenBits;
+    Eigen::MatrixXd kept(response.rows(), columns);
+    modesOf_.resize(columns, columns);
+    Eigen::Index n = 0;
+    for (Eigen::Index k = columns - 1; k >= 0; --k) {
+        const auto part = gram.eigenvectors().col(k);
+        kept.col(n).noalias() = modes * part;
+        if (kept.col(n).cwiseAbs().maxCoeff() * part.cwiseAbs().maxCoeff() < negligible) continue;
+        modesOf_.row(n++) = part.cwiseProduct(size).transpose();
+    }
+    modesOf_.conservativeResize(n, columns);
+    return kept.leftCols(n);
+}
+
+void ResponseBlocks::pack(const std::vector<std::int32_t>& free, const Eigen::MatrixXd& modes) {
+    const auto columns = static_cast<std::size_t>(modes.cols());
     const std::size_t pairs = (columns + 1) / 2;
+    modal_ = Eigen::VectorXd::Zero(modes.cols());
+    scale_.assign(columns, 0.0);
+    columns_.assign(columns, 0.0f);
+    pairs_.assign(2 * pairs, 0);
+    groups_.assign((columns + kColumnGroup - 1) / kColumnGroup, 0.0f);
     const std::size_t entries = count() * kStride * (format_ == ResponseFormat::Int16 ? 2 * pairs : columns);
     response_ = AlignedBuffer<std::byte>(entries * (format_ == ResponseFormat::Float ? sizeof(float) : sizeof(std::int16_t)));
     auto* floats = reinterpret_cast<float*>(response_.data());
     auto* halves = reinterpret_cast<Eigen::half*>(response_.data());
     auto* integers = reinterpret_cast<std::int16_t*>(response_.data());
     for (std::size_t c = 0; c < columns; ++c) {
-        const auto column = response.col(static_cast<Eigen::Index>(c));
+        const auto column = modes.col(static_cast<Eigen::Index>(c));
         const double largest = column.cwiseAbs().maxCoeff();
         scale_[c] = format_ == ResponseFormat::Float ? 1.0 : largest / (format_ == ResponseFormat::Half ? kLargestHalf : kLargestInt16);
         const double factor = largest > 0.0 ? 1.0 / scale_[c] : 0.0;
@@ -75,21 +133,29 @@ void ResponseBlocks::pack(const std::vector<std::int32_t>& free, const Eigen::Ma
 
 void ResponseBlocks::weigh(const Eigen::VectorXd& v) {
     const std::size_t columns = scale_.size();
+    if (affineOf_.cols() == 0) return;
+    modal_.noalias() = modesOf_ * v;
+    Eigen::Matrix<double, 3, 4> affine;
+    Eigen::Map<Eigen::VectorXd>(affine.data(), 12).noalias() = affineOf_ * v;
+    for (int i = 0; i < 3; ++i) {
+        affine_.shift[i] = static_cast<float>(affine(i, 3));
+        for (int k = 0; k < 3; ++k) affine_.linear[3 * i + k] = static_cast<float>((i == k ? 1.0 : 0.0) + affine(i, k));
+    }
     if (format_ != ResponseFormat::Int16) {
-        for (std::size_t c = 0; c < columns; ++c) columns_[c] = static_cast<float>(v[static_cast<Eigen::Index>(c)] * scale_[c]);
+        for (std::size_t c = 0; c < columns; ++c) columns_[c] = static_cast<float>(modal_[static_cast<Eigen::Index>(c)] * scale_[c]);
         return;
     }
     for (std::size_t g = 0; g < groups_.size(); ++g) {
         const std::size_t begin = g * kColumnGroup, end = std::min(begin + kColumnGroup, columns);
         double sum = 0.0, largest = 0.0;
         for (std::size_t c = begin; c < end; ++c) {
-            const double weight = std::abs(v[static_cast<Eigen::Index>(c)] * scale_[c]);
+            const double weight = std::abs(modal_[static_cast<Eigen::Index>(c)] * scale_[c]);
             sum += weight;
             largest = std::max(largest, weight);
         }
         const double factor = sum > kNoMotion ? std::min(kWeightSum / sum, kLargestInt16 / largest) : 0.0;
         for (std::size_t c = begin; c < end; ++c)
-            pairs_[c] = static_cast<std::int16_t>(std::lrint(v[static_cast<Eigen::Index>(c)] * scale_[c] * factor));
+            pairs_[c] = static_cast<std::int16_t>(std::lrint(modal_[static_cast<Eigen::Index>(c)] * scale_[c] * factor));
         groups_[g] = factor > 0.0 ? static_cast<float>(1.0 / factor) : 0.0f;
     }
 }
@@ -98,35 +164,33 @@ VertexBlocks ResponseBlocks::view() const {
     return {format_, response_.data(), rest_.data(), first_.data(), static_cast<int>(scale_.size())};
 }
 
-double ResponseBlocks::measure(std::size_t vertices, const std::vector<std::int32_t>& free, const Eigen::MatrixXd& response) {
+double ResponseBlocks::measure(std::size_t vertices, const std::vector<std::int32_t>& free, const Points& rest, const Eigen::MatrixXd& response) {
     const Eigen::Index columns = response.cols();
-    // Displacements alone: the rounding of positions is no matter of the format.
-    const AlignedBuffer<float> atZero(rest_.size());
     std::vector<float> shown(3 * (vertices + kVertexBlock));
-    VertexBlocks blocks = view();
-    blocks.rest = atZero.data();
-    constexpr Placement kInPlace = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    constexpr AffineFloat kInPlace = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     Eigen::VectorXd v(columns), exact(response.rows());
     const auto error = [&] {
         weigh(v);
-        evaluateAndPlace(blocks, weights(), kInPlace, 0, count(), nullptr, shown.data());
+        evaluateAndPlace(view(), weights(), kInPlace, 0, count(), nullptr, shown.data());
         double wrong = 0.0, largest = 0.0;
         for (std::size_t i = 0; i < free.size(); ++i) {
             const auto x = exact.segment<3>(static_cast<Eigen::Index>(3 * i));
             const Eigen::Map<const Eigen::Vector3f> y(shown.data() + 3 * static_cast<std::size_t>(free[i]));
-            wrong = std::max(wrong, (x - y.cast<double>()).squaredNorm());
+            wrong = std::max(wrong, (rest.row(static_cast<Eigen::Index>(i)).transpose() + x - y.cast<double>()).squaredNorm());
             largest = std::max(largest, x.squaredNorm());
         }
         return largest > 0.0 ? std::sqrt(wrong / largest) : 0.0;
     };
+    // Displacements as large as the element: the rounding of positions is no matter of the format.
+    const double extent = std::sqrt(rest.rowwise().squaredNorm().maxCoeff());
     double worst = 0.0;
     Eigen::VectorXd size(columns);
     for (Eigen::Index c = 0; c < columns; ++c) {
         size[c] = response.col(c).cwiseAbs().maxCoeff();
         if (!(size[c] > 0.0)) continue;
         v.setZero();
-        v[c] = 1.0 / size[c];
-        exact = response.col(c) / size[c];
+        v[c] = extent / size[c];
+        exact = response.col(c) * v[c];
         worst = std::max(worst, error());
     }
     for (int pattern = 0; pattern < kSignPatterns; ++pattern) {
@@ -134,7 +198,7 @@ double ResponseBlocks::measure(std::size_t vertices, const std::vector<std::int3
         for (Eigen::Index c = 0; c < columns; ++c) {
             // Signs without a period in common with the columns of faces: bits of multiples of the golden ratio.
             const bool negative = (static_cast<std::uint32_t>(c * kSignPatterns + pattern + 1) * 2654435769u) >> 31;
-            v[c] = size[c] > 0.0 ? (negative ? -1.0 : 1.0) / size[c] : 0.0;
+            v[c] = size[c] > 0.0 ? (negative ? -extent : extent) / size[c] : 0.0;
             exact += response.col(c) * v[c];
         }
         worst = std::max(worst, error());

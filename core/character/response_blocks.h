@@ -12,7 +12,9 @@
 
 namespace imomushi {
 
-/// A' and the rest positions of an element as the frame reads them.
+/// A' and the rest positions of an element as the frame reads them. What an affine motion of the whole element explains (rigid motions, uniform
+/// stretches) is done to their rest positions; the remainder is kept as modes, of which there are fewer than columns: 11 instead of 18 for
+/// an element between two parallel faces in the basis "affine".
 class ResponseBlocks {
 public:
     ResponseBlocks() = default;
@@ -24,7 +26,8 @@ public:
     void weigh(const Eigen::VectorXd& v);
 
     [[nodiscard]] VertexBlocks view() const;
-    [[nodiscard]] ColumnWeights weights() const { return {columns_.data(), pairs_.data(), groups_.data()}; }
+    [[nodiscard]] Weights weights() const { return {affine_, columns_.data(), pairs_.data(), groups_.data()}; }
+    [[nodiscard]] int modes() const { return static_cast<int>(scale_.size()); }
     [[nodiscard]] std::size_t count() const { return first_.size(); }  ///< of blocks
     [[nodiscard]] const std::int32_t* first() const { return first_.data(); }
     [[nodiscard]] const AlignedBuffer<float>& rest() const { return rest_; }
@@ -35,14 +38,18 @@ public:
     [[nodiscard]] double error() const { return error_; }
 
 private:
-    void pack(const std::vector<std::int32_t>& free, const Eigen::MatrixXd& response);
-    [[nodiscard]] double measure(std::size_t vertices, const std::vector<std::int32_t>& free, const Eigen::MatrixXd& response);
+    Eigen::MatrixXd findModes(const Points& rest, const Eigen::MatrixXd& response);
+    void pack(const std::vector<std::int32_t>& free, const Eigen::MatrixXd& modes);
+    [[nodiscard]] double measure(std::size_t vertices, const std::vector<std::int32_t>& free, const Points& rest, const Eigen::MatrixXd& response);
 
     ResponseFormat format_ = ResponseFormat::Float;
     AlignedBuffer<std::byte> response_;
     AlignedBuffer<float> rest_;
     std::vector<std::int32_t> first_;
-    std::vector<double> scale_;  // per column: metres per unit of an entry and of v
+    Eigen::MatrixXd modesOf_, affineOf_;  // #modes x #columns, 12 x #columns: what v is multiplied with
+    Eigen::VectorXd modal_;               // of the last v
+    AffineFloat affine_ = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    std::vector<double> scale_;           // per mode: metres per unit of an entry
     std::vector<float> columns_, groups_;
     std::vector<std::int16_t> pairs_;
     double error_ = 0.0;

@@ -108,21 +108,21 @@ struct Int16Product {
     }
 };
 
-class Placer {
+class Affine {
 public:
-    HWY_INLINE explicit Placer(const Placement& p) : p_(p) {}
-    HWY_INLINE void operator()(const Three& at, float* positions) const {
-        hn::StoreInterleaved3(row(0, at), row(1, at), row(2, at), D(), positions);
-    }
+    HWY_INLINE explicit Affine(const AffineFloat& a) : a_(a) {}
+    HWY_INLINE Three operator()(const Three& at) const { return {row(0, at), row(1, at), row(2, at)}; }
 
 private:
     [[nodiscard]] HWY_INLINE V row(int i, const Three& at) const {
         const D d;
-        const float* r = p_.rotation + 3 * i;
-        return hn::MulAdd(at.x, hn::Set(d, r[0]), hn::MulAdd(at.y, hn::Set(d, r[1]), hn::MulAdd(at.z, hn::Set(d, r[2]), hn::Set(d, p_.shift[i]))));
+        const float* r = a_.linear + 3 * i;
+        return hn::MulAdd(at.x, hn::Set(d, r[0]), hn::MulAdd(at.y, hn::Set(d, r[1]), hn::MulAdd(at.z, hn::Set(d, r[2]), hn::Set(d, a_.shift[i]))));
     }
-    const Placement p_;
+    const AffineFloat a_;
 };
+
+HWY_INLINE void store(const Three& at, float* positions) { hn::StoreInterleaved3(at.x, at.y, at.z, D(), positions); }
 
 HWY_INLINE Three loadThree(const float* from) {
     const D d;
@@ -130,42 +130,42 @@ HWY_INLINE Three loadThree(const float* from) {
 }
 
 template <class Product>
-void evaluateWith(const Product& product, const VertexBlocks& b, const Placement& placement, std::size_t begin, std::size_t end, float* local,
+void evaluateWith(const Product& product, const VertexBlocks& b, const AffineFloat& shape, const AffineFloat& placement, std::size_t begin, std::size_t end, float* local,
                   float* positions) {
     const D d;
-    const Placer placer(placement);
+    const Affine shaped(shape), placed(placement);
     for (std::size_t k = begin; k < end; ++k)
         for (std::size_t i = 0; i < kVertexBlock; i += hn::Lanes(d)) {
-            Three at = loadThree(b.rest + k * kStride + i);
+            Three at = shaped(loadThree(b.rest + k * kStride + i));
             product.add(k, i, at);
             if (local) {
                 float* out = local + k * kStride + i;
                 hn::Store(at.x, d, out), hn::Store(at.y, d, out + kVertexBlock), hn::Store(at.z, d, out + 2 * kVertexBlock);
             }
-            placer(at, positions + 3 * (static_cast<std::size_t>(b.first[k]) + i));
+            store(placed(at), positions + 3 * (static_cast<std::size_t>(b.first[k]) + i));
         }
 }
 
-void evaluateAndPlace(const VertexBlocks& b, const ColumnWeights& w, const Placement& placement, std::size_t begin, std::size_t end, float* local,
+void evaluateAndPlace(const VertexBlocks& b, const Weights& w, const AffineFloat& placement, std::size_t begin, std::size_t end, float* local,
                       float* positions) {
     const auto columns = static_cast<std::size_t>(b.columns);
     switch (b.format) {
         case ResponseFormat::Float:
-            return evaluateWith(FloatProduct{static_cast<const float*>(b.response), w.columns, columns}, b, placement, begin, end, local, positions);
+            return evaluateWith(FloatProduct{static_cast<const float*>(b.response), w.columns, columns}, b, w.affine, placement, begin, end, local, positions);
         case ResponseFormat::Half:
-            return evaluateWith(HalfProduct{static_cast<const hwy::float16_t*>(b.response), w.columns, columns}, b, placement, begin, end, local,
+            return evaluateWith(HalfProduct{static_cast<const hwy::float16_t*>(b.response), w.columns, columns}, b, w.affine, placement, begin, end, local,
                                 positions);
         case ResponseFormat::Int16:
-            return evaluateWith(Int16Product{static_cast<const std::int16_t*>(b.response), w.pairs, w.groups, (columns + 1) / 2}, b, placement, begin,
+            return evaluateWith(Int16Product{static_cast<const std::int16_t*>(b.response), w.pairs, w.groups, (columns + 1) / 2}, b, w.affine, placement, begin,
                                 end, local, positions);
     }
 }
 
-void place(const float* local, const std::int32_t* first, const Placement& placement, std::size_t begin, std::size_t end, float* positions) {
-    const Placer placer(placement);
+void place(const float* local, const std::int32_t* first, const AffineFloat& placement, std::size_t begin, std::size_t end, float* positions) {
+    const Affine placed(placement);
     for (std::size_t k = begin; k < end; ++k)
         for (std::size_t i = 0; i < kVertexBlock; i += hn::Lanes(D()))
-            placer(loadThree(local + k * kStride + i), positions + 3 * (static_cast<std::size_t>(first[k]) + i));
+            store(placed(loadThree(local + k * kStride + i)), positions + 3 * (static_cast<std::size_t>(first[k]) + i));
 }
 
 // The normal of one vertex, not yet of unit length, and a fourth lane of anything.
@@ -227,11 +227,11 @@ HWY_EXPORT(evaluateAndPlace);
 HWY_EXPORT(place);
 HWY_EXPORT(findNormals);
 
-void evaluateAndPlace(const VertexBlocks& blocks, const ColumnWeights& weights, const Placement& placement, std::size_t begin, std::size_t end,
+void evaluateAndPlace(const VertexBlocks& blocks, const Weights& weights, const AffineFloat& placement, std::size_t begin, std::size_t end,
                       float* local, float* positions) {
     HWY_DYNAMIC_DISPATCH(evaluateAndPlace)(blocks, weights, placement, begin, end, local, positions);
 }
-void place(const float* local, const std::int32_t* first, const Placement& placement, std::size_t begin, std::size_t end, float* positions) {
+void place(const float* local, const std::int32_t* first, const AffineFloat& placement, std::size_t begin, std::size_t end, float* positions) {
     HWY_DYNAMIC_DISPATCH(place)(local, first, placement, begin, end, positions);
 }
 void findNormals(const float* positions, const NormalStencil* stencils, float scale, std::size_t begin, std::size_t end, float* normals) {

@@ -25,26 +25,27 @@ struct VertexBlocks {
     int columns = 0;
 };
 
-/// What A' is multiplied with in a frame; see ResponseBlocks::weigh().
-struct ColumnWeights {
+/// x -> linear (row by row) times x plus shift.
+struct AffineFloat {
+    float linear[9];
+    float shift[3];
+};
+
+/// What the vertices of an element are made of in a frame; see ResponseBlocks::weigh().
+struct Weights {
+    AffineFloat affine;                    ///< what is done to rest positions before A' v is added
     const float* columns = nullptr;        ///< Float and Half: per column
     const std::int16_t* pairs = nullptr;   ///< Int16: per column, and a zero after an odd number of them
     const float* groups = nullptr;         ///< Int16: metres per unit of the sum, for each kColumnGroup columns
 };
 
-/// World = rotation (row by row) times local plus shift.
-struct Placement {
-    float rotation[9];
-    float shift[3];
-};
-
-/// Blocks [begin, end): rest + A' v, placed. Writes kVertexBlock vertices from the first one of each block on, so `positions` (#body vertices
-/// x 3) is padded by as many. local (like rest; may be null): rest + A' v, for place().
-void evaluateAndPlace(const VertexBlocks& blocks, const ColumnWeights& weights, const Placement& placement, std::size_t begin, std::size_t end,
+/// Blocks [begin, end): affine(rest) + A' v, placed. Writes kVertexBlock vertices from the first one of each block on, so `positions` (#body vertices
+/// x 3) is padded by as many. local (like rest; may be null): the same before it is placed, for place().
+void evaluateAndPlace(const VertexBlocks& blocks, const Weights& weights, const AffineFloat& placement, std::size_t begin, std::size_t end,
                       float* local, float* positions);
 
 /// The same without the product, from `local`.
-void place(const float* local, const std::int32_t* first, const Placement& placement, std::size_t begin, std::size_t end, float* positions);
+void place(const float* local, const std::int32_t* first, const AffineFloat& placement, std::size_t begin, std::size_t end, float* positions);
 
 /// Where the normal of a vertex comes from: with t = (p[a] - p[c]) * scale and s = (p[b] - p[c]) * scale, the direction of
 /// t x s + along[0] t + along[1] s. The scale makes the body about 1 large.

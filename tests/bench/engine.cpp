@@ -135,14 +135,20 @@ Points areaWeightedNormals(const Points& p, const Triangles& triangles) {
     return n;
 }
 
-Placement somewhere() {
+AffineFloat turned() {
     const Eigen::Matrix3d r = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
-    Placement p{};
-    for (int i = 0; i < 9; ++i) p.rotation[i] = static_cast<float>(r(i / 3, i % 3));
-    for (int i = 0; i < 3; ++i) p.shift[i] = 0.1f * static_cast<float>(i);
+    AffineFloat p{};
+    for (int i = 0; i < 9; ++i) p.linear[i] = static_cast<float>(r(i / 3, i % 3));
     return p;
 }
-constexpr Placement kInPlace = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+const AffineFloat kTurned = turned();
+constexpr AffineFloat kInPlace = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+
+/// What a frame does with the vertices of an element.
+void show(ResponseBlocks& blocks, const Eigen::VectorXd& v, float* positions, const AffineFloat& placement = kTurned) {
+    blocks.weigh(v);
+    evaluateAndPlace(blocks.view(), blocks.weights(), placement, 0, blocks.count(), nullptr, positions);
+}
 
 /// GB/s of a = b + s c over arrays far larger than any cache, the best of several, with that many threads.
 double triadRate(int threads) {
@@ -162,8 +168,7 @@ double triadRate(int threads) {
 /// Largest error of the kernel in a pose over the largest displacement.
 double poseError(const Tube& tube, ResponseBlocks& blocks, const Eigen::VectorXd& v) {
     std::vector<float> shown(3 * (tube.all.size() + kVertexBlock));
-    blocks.weigh(v);
-    evaluateAndPlace(blocks.view(), blocks.weights(), kInPlace, 0, blocks.count(), nullptr, shown.data());
+    show(blocks, v, shown.data(), kInPlace);
     const Points exact = tube.moved(v);
     double wrong = 0.0;
     for (Eigen::Index i = 0; i < exact.rows(); ++i)
@@ -175,8 +180,8 @@ double poseError(const Tube& tube, ResponseBlocks& blocks, const Eigen::VectorXd
 
 struct Skinned {
     AlignedBuffer<float> matrices, rest, weights, blockRest, blockWeights, positions;
-    AlignedBuffer<std::uint16_t> bones;
-    AlignedBuffer<std::int32_t> offsets;
+    AlignedBuffer<std::uint16_t> offsets;
+    AlignedBuffer<std::int32_t> blockOffsets;
     std::size_t vertices;
 
     /// Four bones along each tube, with smooth weights that are never zero.
@@ -184,8 +189,8 @@ struct Skinned {
         for (const auto& t : tubes) vertices += t.all.size();
         const std::size_t padded = (vertices + 15) / 16 * 16, count = 4 * tubes.size();
         matrices = AlignedBuffer<float>(16 * count);
-        rest = AlignedBuffer<float>(4 * padded), weights = AlignedBuffer<float>(4 * padded), bones = AlignedBuffer<std::uint16_t>(4 * padded);
-        blockRest = AlignedBuffer<float>(3 * padded), blockWeights = AlignedBuffer<float>(4 * padded), offsets = AlignedBuffer<std::int32_t>(4 * padded);
+        rest = AlignedBuffer<float>(4 * padded), weights = AlignedBuffer<float>(4 * padded), offsets = AlignedBuffer<std::uint16_t>(4 * padded);
+        blockRest = AlignedBuffer<float>(3 * padded), blockWeights = AlignedBuffer<float>(4 * padded), blockOffsets = AlignedBuffer<std::int32_t>(4 * padded);
         positions = AlignedBuffer<float>(3 * padded + 16);
         for (std::size_t b = 0; b < count; ++b) {
             const Eigen::Matrix3f r = Eigen::AngleAxisf(0.1f * static_cast<float>(b), Eigen::Vector3f(1, 2, 0).normalized()).toRotationMatrix();
@@ -199,19 +204,19 @@ struct Skinned {
                 double sum = 0.0, w[4];
                 for (int k = 0; k < 4; ++k) sum += w[k] = std::exp(-8.0 * std::pow(p.z() / tubes[t].length - k / 3.0, 2));
                 for (int k = 0; k < 4; ++k) {
-                    const auto bone = static_cast<std::uint16_t>(4 * t + k);
+                    const auto offset = static_cast<std::uint16_t>(16 * (4 * t + k));
                     weights[4 * v + k] = blockWeights[64 * (v / 16) + 16 * k + v % 16] = static_cast<float>(w[k] / sum);
-                    bones[4 * v + k] = bone;
-                    offsets[64 * (v / 16) + 16 * k + v % 16] = 16 * bone;
+                    offsets[4 * v + k] = offset;
+                    blockOffsets[64 * (v / 16) + 16 * k + v % 16] = offset;
                     rest[4 * v + k] = k < 3 ? static_cast<float>(p[k]) : 1.0f;
                     if (k < 3) blockRest[48 * (v / 16) + 16 * k + v % 16] = static_cast<float>(p[k]);
                 }
                 ++v;
             }
     }
-    void byMatrix() { reference::skinByMatrix({matrices.data(), rest.data(), weights.data(), bones.data()}, 0, vertices, positions.data()); }
+    void byMatrix() { reference::skinByMatrix({matrices.data(), rest.data(), weights.data(), offsets.data()}, 0, vertices, positions.data()); }
     void byGather() {
-        reference::skinByGather({matrices.data(), blockRest.data(), blockWeights.data(), offsets.data()}, (vertices + 15) / 16, positions.data());
+        reference::skinByGather({matrices.data(), blockRest.data(), blockWeights.data(), blockOffsets.data()}, (vertices + 15) / 16, positions.data());
     }
 };
 
@@ -224,7 +229,6 @@ std::vector<Tube> paperTubes() {
 void frame() {
     const auto tubes = paperTubes();
     Skinned skin(tubes);
-    const Placement placement = somewhere();
     const Eigen::VectorXd v = tubes[0].pose(std::numbers::pi / 6, 0.1);
     std::vector<std::vector<ResponseBlocks>> engine;
     for (const auto format : kFormats) {
@@ -237,8 +241,7 @@ void frame() {
         loops.emplace_back([&] {
             std::size_t first = 0;
             for (std::size_t t = 0; t < all.size(); ++t) {
-                all[t].weigh(v);
-                evaluateAndPlace(all[t].view(), all[t].weights(), placement, 0, all[t].count(), nullptr, positions.data() + 3 * first);
+                show(all[t], v, positions.data() + 3 * first);
                 first += tubes[t].all.size();
             }
         });
@@ -246,7 +249,7 @@ void frame() {
     const double best = std::min(ms[0], ms[1]), vertices = static_cast<double>(skin.vertices);
     std::printf("\n%zu vertices in %zu elements, 12 columns each, one thread: product and placement (target: at most 1.2 times skinning)\n", skin.vertices,
                 tubes.size());
-    std::printf("%-44s %9s %10s %9s %9s %12s %12s\n", "", "ms", "ns/vertex", "MB", "/ skin", "error unit", "error bend");
+    std::printf("%-44s %9s %10s %9s %9s %12s %12s %6s\n", "", "ms", "ns/vertex", "MB", "/ skin", "error unit", "error bend", "modes");
     const auto row = [&](const char* name, double t, double bytes) {
         std::printf("%-44s %9.4f %10.2f %9.2f %9.2f", name, t, 1e6 * t / vertices, bytes * 1e-6, t / best);
     };
@@ -261,7 +264,7 @@ void frame() {
             bend = std::max(bend, poseError(tubes[t], b, v));
         }
         row(("A' in " + formatName(kFormats[f])).c_str(), ms[2 + f], bytes);
-        std::printf(" %12.1e %12.1e\n", unit, bend);
+        std::printf(" %12.1e %12.1e %6d\n", unit, bend, engine[f][0].modes());
     }
     std::printf("errors: of the largest displacement; unit: worst of the unit poses; bend: bent by 30 degrees and stretched by a tenth\n");
 }
@@ -312,8 +315,9 @@ void normals() {
     ResponseBlocks modes(atRest, tube.all, Vec3::Zero(), normalModes(tube), ResponseFormat::Int16);
     AlignedBuffer<float> positions(3 * padded + 64), out(3 * padded + 64), sums(4 * padded);
     const auto triangleLoop = [&] { reference::normalsOfTriangles(positions.data(), corners.data(), corners.size() / 3, sums.data(), out.data(), padded); };
+    Eigen::VectorXd pose;
     const auto modeLoop = [&] {
-        evaluateAndPlace(modes.view(), modes.weights(), kInPlace, 0, modes.count(), nullptr, out.data());
+        show(modes, pose, out.data(), kInPlace);
         reference::normalise(out.data(), padded);
     };
     const auto stencilLoop = [&] { findNormals(positions.data(), stencils.data(), static_cast<float>(1.0 / tube.length), 0, n, out.data()); };
@@ -322,9 +326,8 @@ void normals() {
     std::printf("%-30s %21s %21s %21s\n", "positions in float:", "all triangles", "linear modes, int16", "three neighbours");
     const auto compare = [&](const char* name, const Eigen::VectorXd& v, ResponseFormat format) {
         ResponseBlocks blocks(tube.mesh.vertices, tube.all, Vec3::Zero(), tube.response, format);
-        blocks.weigh(v);
-        evaluateAndPlace(blocks.view(), blocks.weights(), kInPlace, 0, blocks.count(), nullptr, positions.data());
-        modes.weigh(v);
+        show(blocks, v, positions.data(), kInPlace);
+        pose = v;
         const Points wanted = areaWeightedNormals(tube.moved(v), tube.mesh.triangles);
         std::printf("%-30s", name);
         for (const std::function<void()>& loop : {std::function<void()>(triangleLoop), std::function<void()>(modeLoop), std::function<void()>(stencilLoop)}) {
@@ -356,7 +359,6 @@ void million() {
     if (processors > 1) crews.push_back(processors);
     std::printf("\n%.0f vertices, 12 columns: product and placement against the memory triad (target: 80 %% of it)\n", vertices);
     std::printf("%-10s %8s %12s %10s %14s %12s\n", "format", "threads", "ms", "GB/s", "of the triad", "error unit");
-    const Placement placement = somewhere();
     const Eigen::VectorXd v = tube.pose(0.5, 0.1);
     for (const auto format : kFormats) {
         ResponseBlocks blocks(tube.mesh.vertices, tube.all, Vec3::Zero(), tube.response, format);
@@ -367,7 +369,7 @@ void million() {
             const std::size_t grain = (blocks.count() + threads - 1) / static_cast<std::size_t>(threads);
             const auto ms = inTurn(30, {[&] {
                 parallelFor(threads, blocks.count(), grain, [&](std::size_t begin, std::size_t end) {
-                    evaluateAndPlace(blocks.view(), blocks.weights(), placement, begin, end, nullptr, positions.data());
+                    evaluateAndPlace(blocks.view(), blocks.weights(), kTurned, begin, end, nullptr, positions.data());
                 });
             }});
             const double bytes = static_cast<double>(blocks.responseBytes()) + 24.0 * vertices, rate = bytes / ms[0] * 1e-6;
@@ -454,25 +456,22 @@ void previous() {
     auto input = caterpillar::make(shape);
     std::vector<ResponseBlocks> reduced;
     std::vector<Eigen::VectorXd> v;
-    std::size_t reducedBytes = 0, freeVertices = 0;
+    std::size_t reducedBytes = 0, keptBytes = 0, freeVertices = 0;
     for (const auto& e : input.elements) {
         reduced.emplace_back(e.mesh->body.vertices, e.response->freeVertices, Vec3::Zero(), e.response->response, ResponseFormat::Float);
         reducedBytes += 4 * static_cast<std::size_t>(e.response->response.size());
+        keptBytes += reduced.back().responseBytes();
         freeVertices += e.response->freeVertices.size();
         v.emplace_back(Eigen::VectorXd::LinSpaced(e.response->columns(), -0.1, 0.1));
     }
     AlignedBuffer<float> positions(3 * (vertices + kVertexBlock));
-    const Placement placement = somewhere();
     const auto ms = inTurn(300, {[&] {
                                      for (auto& d : dense)
                                          cblas_sgemv(CblasColMajor, CblasNoTrans, static_cast<int>(d.a.rows()), static_cast<int>(d.a.cols()), 1.0f,
                                                      d.a.data(), static_cast<int>(d.a.rows()), d.x.data(), 1, 0.0f, d.y.data(), 1);
                                  },
                                  [&] {
-                                     for (std::size_t e = 0; e < reduced.size(); ++e) {
-                                         reduced[e].weigh(v[e]);
-                                         evaluateAndPlace(reduced[e].view(), reduced[e].weights(), placement, 0, reduced[e].count(), nullptr, positions.data());
-                                     }
+                                     for (std::size_t e = 0; e < reduced.size(); ++e) show(reduced[e], v[e], positions.data());
                                  }});
     auto character = Character::build(std::move(input)).value();
     Pose pose = restPose(character.input().skeleton);
@@ -487,7 +486,8 @@ void previous() {
     std::sort(whole.begin(), whole.end());
     std::printf("\nthe paper's size: 5 elements, %zu vertices (%zu free), float, one thread (targets: 30 times faster, 15 times smaller)\n", vertices, freeVertices);
     std::printf("previous model, product alone (sgemv)   %9.4f ms  %8.3f MB\n", ms[0], 1e-6 * static_cast<double>(denseBytes));
-    std::printf("reduced, basis paper, product (placed)  %9.4f ms  %8.3f MB\n", ms[1], 1e-6 * static_cast<double>(reducedBytes));
+    std::printf("reduced, basis paper, product (placed)  %9.4f ms  %8.3f MB (kept for the frame: %.3f)\n", ms[1], 1e-6 * static_cast<double>(reducedBytes),
+                1e-6 * static_cast<double>(keptBytes));
     std::printf("ratio                                   %9.1f     %8.1f\n", ms[0] / ms[1], static_cast<double>(denseBytes) / static_cast<double>(reducedBytes));
     std::printf("whole frame of the reduced model: inverse kinematics, parameters, positions, normals: %.4f ms; with the previous product: %.4f ms, %.1f times\n",
                 whole[whole.size() / 2], whole[whole.size() / 2] - ms[1] + ms[0], (whole[whole.size() / 2] - ms[1] + ms[0]) / whole[whole.size() / 2]);

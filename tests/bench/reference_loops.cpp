@@ -30,7 +30,7 @@ void skinByMatrix(const Skin& skin, std::size_t begin, std::size_t end, float* p
         for (int row = 0; row < 3; ++row) {
             float sum = 0.0f;
             for (int k = 0; k < 4; ++k)
-                for (int c = 0; c < 4; ++c) sum += skin.weights[4 * v + k] * skin.matrices[16 * skin.bones[4 * v + k] + 4 * c + row] * skin.rest[4 * v + c];
+                for (int c = 0; c < 4; ++c) sum += skin.weights[4 * v + k] * skin.matrices[skin.offsets[4 * v + k] + 4 * c + row] * skin.rest[4 * v + c];
             positions[3 * v + row] = sum;
         }
 }
@@ -38,23 +38,22 @@ void skinByMatrix(const Skin& skin, std::size_t begin, std::size_t end, float* p
 template <int kRegisters>
 HWY_INLINE void skinVertex(const Skin& skin, std::size_t v, float* positions) {
     const D d;
-    const std::uint16_t* bone = skin.bones + 4 * v;
+    const std::uint16_t* offset = skin.offsets + 4 * v;
     const float* weight = skin.weights + 4 * v;
-    V sum[kRegisters];
-    for (int k = 0; k < 4; ++k) {
-        const float* m = skin.matrices + 16 * static_cast<std::size_t>(bone[k]);
-        const V w = hn::Set(d, weight[k]);
-        for (int r = 0; r < kRegisters; ++r) {
-            const V part = hn::Load(d, m + 16 / kRegisters * r);
-            sum[r] = k == 0 ? hn::Mul(part, w) : hn::MulAdd(part, w, sum[r]);
-        }
-    }
+    // Written out: the compiler would keep a loop of four.
+    const auto matrix = [&](int k) { return skin.matrices + offset[k]; };
+    const float *m0 = matrix(0), *m1 = matrix(1), *m2 = matrix(2), *m3 = matrix(3);
+    const V w0 = hn::Set(d, weight[0]), w1 = hn::Set(d, weight[1]), w2 = hn::Set(d, weight[2]), w3 = hn::Set(d, weight[3]);
+    const auto blend = [&](int r) HWY_ATTR {
+        const int at = 16 / kRegisters * r;
+        return hn::MulAdd(hn::Load(d, m0 + at), w0, hn::MulAdd(hn::Load(d, m1 + at), w1, hn::MulAdd(hn::Load(d, m2 + at), w2, hn::Mul(hn::Load(d, m3 + at), w3))));
+    };
     if constexpr (kRegisters == 1) {
         // x x x x y y y y z z z z 1 1 1 1
         HWY_ALIGN static constexpr std::int32_t kSpread[16] = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
         const hn::RebindToSigned<D> di;
         const V point = hn::TableLookupLanes(hn::LoadDup128(d, skin.rest + 4 * v), hn::IndicesFromVec(d, hn::Load(di, kSpread)));
-        const V all = hn::Mul(sum[0], point);
+        const V all = hn::Mul(blend(0), point);
         const hn::Half<D> half;
         const auto two = hn::Add(hn::LowerHalf(half, all), hn::UpperHalf(half, all));
         const hn::Half<decltype(half)> quarter;
@@ -63,20 +62,20 @@ HWY_INLINE void skinVertex(const Skin& skin, std::size_t v, float* positions) {
         const hn::RebindToSigned<D> di;
         HWY_ALIGN static constexpr std::int32_t kLow[8] = {0, 0, 0, 0, 1, 1, 1, 1}, kHigh[8] = {2, 2, 2, 2, 3, 3, 3, 3};
         const V point = hn::LoadDup128(d, skin.rest + 4 * v);
-        const V all = hn::MulAdd(sum[0], hn::TableLookupLanes(point, hn::IndicesFromVec(d, hn::Load(di, kLow))),
-                                 hn::Mul(sum[1], hn::TableLookupLanes(point, hn::IndicesFromVec(d, hn::Load(di, kHigh)))));
+        const V all = hn::MulAdd(blend(0), hn::TableLookupLanes(point, hn::IndicesFromVec(d, hn::Load(di, kLow))),
+                                 hn::Mul(blend(1), hn::TableLookupLanes(point, hn::IndicesFromVec(d, hn::Load(di, kHigh)))));
         const hn::Half<D> half;
         hn::StoreU(hn::Add(hn::LowerHalf(half, all), hn::UpperHalf(half, all)), half, positions + 3 * v);
     } else {
         const float* p = skin.rest + 4 * v;
-        V all = sum[3];
-        for (int c = 0; c < 3; ++c) all = hn::MulAdd(sum[c], hn::Set(d, p[c]), all);
-        hn::StoreU(all, d, positions + 3 * v);
+        hn::StoreU(hn::MulAdd(blend(0), hn::Set(d, p[0]), hn::MulAdd(blend(1), hn::Set(d, p[1]), hn::MulAdd(blend(2), hn::Set(d, p[2]), blend(3)))), d,
+                   positions + 3 * v);
     }
 }
 
 // The fourth lane that is stored belongs to the next vertex, which comes later.
-void skinByMatrix(const Skin& skin, std::size_t begin, std::size_t end, float* positions) {
+void skinByMatrix(const Skin& given, std::size_t begin, std::size_t end, float* positions) {
+    const Skin skin = given;  // kept in registers: positions could be part of it otherwise
     for (std::size_t v = begin; v < end; ++v) skinVertex<16 / static_cast<int>(hn::MaxLanes(D()))>(skin, v, positions);
 }
 #endif
@@ -88,16 +87,17 @@ void skinByGather(const SkinBlocks& skin, std::size_t blocks, float* positions) 
         for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
             const float* rest = skin.rest + 48 * b + i;
             const V x = hn::Load(d, rest), y = hn::Load(d, rest + 16), z = hn::Load(d, rest + 32);
-            V out[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-            for (int k = 0; k < 4; ++k) {
+            const auto weighted = [&](int k, int row) HWY_ATTR {
                 const auto at = hn::Load(di, skin.offsets + 64 * b + 16 * k + i);
-                const V w = hn::Load(d, skin.weights + 64 * b + 16 * k + i);
-                for (int row = 0; row < 3; ++row) {
-                    const auto entry = [&](int c) { return hn::GatherIndex(d, skin.matrices + 4 * c + row, at); };
-                    out[row] = hn::MulAdd(w, hn::MulAdd(entry(0), x, hn::MulAdd(entry(1), y, hn::MulAdd(entry(2), z, entry(3)))), out[row]);
-                }
-            }
-            hn::StoreInterleaved3(out[0], out[1], out[2], d, positions + 3 * (16 * b + i));
+                const float* m = skin.matrices + row;
+                return hn::Mul(hn::Load(d, skin.weights + 64 * b + 16 * k + i),
+                               hn::MulAdd(hn::GatherIndex(d, m, at), x,
+                                          hn::MulAdd(hn::GatherIndex(d, m + 4, at), y, hn::MulAdd(hn::GatherIndex(d, m + 8, at), z, hn::GatherIndex(d, m + 12, at)))));
+            };
+            const auto sum = [&](int row) HWY_ATTR {
+                return hn::Add(hn::Add(weighted(0, row), weighted(1, row)), hn::Add(weighted(2, row), weighted(3, row)));
+            };
+            hn::StoreInterleaved3(sum(0), sum(1), sum(2), d, positions + 3 * (16 * b + i));
         }
 }
 

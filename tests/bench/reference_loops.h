@@ -15,7 +15,7 @@ struct Skin {
     const float* matrices = nullptr;       ///< #bones x 16, aligned to 64 bytes
     const float* rest = nullptr;           ///< #vertices x 4: x y z 1
     const float* weights = nullptr;        ///< #vertices x 4, sum 1
-    const std::uint16_t* bones = nullptr;  ///< #vertices x 4
+    const std::uint16_t* offsets = nullptr;  ///< #vertices x 4: 16 * bone
 };
 /// The matrix of a vertex is blended in registers, then applied; one vertex at a time. positions: #vertices x 3 and one float more.
 void skinByMatrix(const Skin& skin, std::size_t begin, std::size_t end, float* positions);
