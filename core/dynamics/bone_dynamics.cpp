@@ -28,9 +28,10 @@ constexpr double kRounding = 1e-13;      // of energies
 constexpr double kTouching = 1e-10;      // sizes: as near counts as on the plane
 constexpr double kStickSpeed = 1e-4;     // sizes per second: slower points on the ground stick
 constexpr double kGrabSeconds = 0.04;    // in which a newly held point comes nearer by a factor e
+constexpr double kFastest = 100.0;       // sizes per second: free points are not faster
 constexpr double kArrived = 1e-12;       // sizes
 // At rest: slower than this and so little pushed that it stays so, in sizes per second and per second squared, for so many steps.
-constexpr double kRestSpeed = 1e-6;
+constexpr double kRestSpeed = 1e-5;
 constexpr double kRestPush = 1e-5;
 constexpr int kRestSteps = 24;
 constexpr double kRestAngle = 1e-6;      // radians per second
@@ -38,8 +39,9 @@ constexpr double kAtTarget = 1e-5;       // sizes: at rest this near counts as a
 constexpr double kLightest = 1e-6;       // of the heaviest joint point
 constexpr double kFarthest = 1e6;        // sizes of the skeleton: farther poses are refused, squares stay finite
 constexpr double kCollapsed = 1e-3;      // parts of the rest length: kinematic bones count as at least that long
-// Outside work is not accounted to the joule: while something moves the targets, energy may grow to this times what the moved targets hold.
-constexpr double kDriven = 2.0;
+// Outside work is not accounted to the joule: in a step in which something moves the targets, energy may grow to this times what the moved springs hold
+// and following the fastest target takes. Steps that are solved stay far below.
+constexpr double kDriven = 4.0;
 
 bool within(double value, double low, double high) { return std::isfinite(value) && value >= low && value <= high; }
 
@@ -255,6 +257,16 @@ struct BoneDynamics::State {
         return settings.ground->friction * body.press[i] / std::max(along.norm(), kStickSpeed * size);
     }
 
+    // J: all free points as fast as the fastest target in this step.
+    [[nodiscard]] double followingEnergy(double h) const {
+        double fastest = 0.0, free = 0.0;
+        for (std::size_t i = 0; i < goal.size(); ++i) {
+            fastest = std::max({fastest, (goal[i] - body.x[i]).norm(), (next.points[i] - last.points[i]).norm()});
+            if (!held[i]) free += mass[i];
+        }
+        return 0.5 * free * (fastest / h) * (fastest / h);
+    }
+
     // One step of `h` seconds from `last` to `next`.
     void advance(double h) {
         const std::size_t n = body.x.size();
@@ -287,7 +299,7 @@ struct BoneDynamics::State {
                 if (freedom[i] == Freedom::OnPlane) xs[i] -= std::min(gap(xs[i]), 0.0) * normal;
             }
             const Energy moved = energyOf(xs, body.v, next);
-            allowed = moved.gravity + (driven ? kDriven : 1.0) * (moved.kinetic + moved.elastic);
+            allowed = driven ? moved.gravity + kDriven * (moved.kinetic + moved.elastic + followingEnergy(h)) : moved.total();
         }
 
         const BoneSprings::Motion motion = same(last, next) ? BoneSprings::Motion{} : BoneSprings::Motion{&last, &next, h};
@@ -406,6 +418,11 @@ struct BoneDynamics::State {
     void accept(double h) {
         double fastest = 0.0, pushed = 0.0;
         for (std::size_t i = 0; i < xs.size(); ++i) {
+            const double speed = held[i] ? 0.0 : vs[i].norm();
+            if (speed > kFastest * size) {
+                vs[i] *= kFastest * size / speed;
+                energyKnown = false;
+            }
             fastest = std::max(fastest, vs[i].cwiseAbs().maxCoeff());
             pushed = std::max(pushed, (vs[i] - body.v[i]).cwiseAbs().maxCoeff() / h);
             body.x[i] = xs[i];

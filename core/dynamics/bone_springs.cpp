@@ -16,7 +16,7 @@ using Eigen::Matrix3d;
 namespace {
 
 // Parts of a bone's kinematic length below which its direction and its arm mean nothing. The potential keeps bones far longer.
-constexpr double kCollapsed = 1e-3;
+constexpr double kCollapsed = 1e-2;
 // A bone that turned farther than this from its kinematic direction (1 + cosine) has no rotation of least angle to speak of.
 constexpr double kOpposite = 1e-8;
 // Beyond the stretch limits of a bone another spring pushes back, stiff to the eye.

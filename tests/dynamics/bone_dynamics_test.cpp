@@ -4,7 +4,6 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <random>
 
@@ -218,10 +217,27 @@ TEST_CASE("bone dynamics: a chain dragged along a path moves alike at 30, 60, 14
             roll = std::max(roll, std::abs(seen[0][k].roll[5] - seen[r][k].roll[5]));
         }
         CAPTURE(r);
-        MESSAGE("difference ", worst / amplitude, " roll ", roll / rollAmplitude);
         CHECK(worst < 0.02 * amplitude);
         CHECK(roll < 0.02 * rollAmplitude);
     }
+}
+
+TEST_CASE("bone dynamics: strong dampers take a bone along at once: after a start of its hold it lags by speed / (2 ratio omega)") {
+    const Skeleton s = boneChain(1);
+    BoneSpring spring;
+    spring.swingHertz = 0.5, spring.swingDamping = 10.0;
+    auto dynamics = make(s, spring);
+    const std::vector<Hold> holds = {{0, Vec3::Zero()}};
+    Pose pose = restPose(s);
+    dynamics.step(kFrame, pose, holds);
+    const double speed = 0.2;
+    for (int i = 0; i < 15; ++i) {
+        for (auto& p : pose.points) p.y() += speed * kFrame;
+        dynamics.step(kFrame, pose, holds);
+    }
+    // y'' = -2 ratio omega y' from y' = -speed, the spring being weak: 1 % of the return in this quarter of a second.
+    const double lag = pose.points[1].y() - dynamics.pose().points[1].y();
+    CHECK(lag == doctest::Approx(speed / (2.0 * 10.0 * 2.0 * M_PI * 0.5)).epsilon(0.05));
 }
 
 TEST_CASE("bone dynamics: energy never grows while nothing outside moves, whatever the parameters") {
@@ -279,39 +295,40 @@ TEST_CASE("bone dynamics: what swings without damping keeps its energy") {
     const double first = dynamics.energy().total();
     REQUIRE(first > 0.0);
     for (int i = 0; i < 300; ++i) dynamics.step(kFrame, restPose(s), holds);
-    MESSAGE("energy left after 5 s: ", dynamics.energy().total() / first);
-    CHECK(dynamics.energy().total() > 0.7 * first);
+    CHECK(dynamics.energy().total() > 0.98 * first);
 }
 
-TEST_CASE("bone dynamics: a body that nothing holds keeps its momentum and its angular momentum") {
-    const Skeleton s = boneOctopus(3, 2);
-    auto input = inputOf(s);
-    input.settings.returnHertz = 0.0;
-    for (std::size_t i = 0; i < input.mass.size(); ++i) input.mass[i] = 0.5 + 0.3 * static_cast<double>(i);
-    auto dynamics = BoneDynamics::build(input).value();
-    // Thrown: a hand moves one point and lets go.
-    Pose pose = restPose(s);
-    std::vector<Hold> holds = {{0, s.points[0]}};
-    for (int i = 0; i < 12; ++i) {
-        pose.points[0] += Vec3(0.03, 0.01, 0.02);
-        dynamics.step(kFrame, pose, holds);
-    }
-    dynamics.step(kFrame, pose, {});
-    const auto momentum = [&] {
-        Vec3 p = Vec3::Zero(), l = Vec3::Zero();
-        for (std::size_t i = 0; i < input.mass.size(); ++i) {
-            p += input.mass[i] * dynamics.velocities()[i];
-            l += input.mass[i] * dynamics.pose().points[i].cross(dynamics.velocities()[i]);
+TEST_CASE("bone dynamics: a body that nothing holds keeps its momentum, a straight one also its angular momentum") {
+    for (const Skeleton& s : {boneChain(4), boneOctopus(3, 2)}) {
+        auto input = inputOf(s);
+        input.settings.returnHertz = 0.0;
+        for (std::size_t i = 0; i < input.mass.size(); ++i) input.mass[i] = 0.5 + 0.3 * static_cast<double>(i);
+        auto dynamics = BoneDynamics::build(input).value();
+        // Thrown: a hand moves one point and lets go.
+        Pose pose = restPose(s);
+        const std::vector<Hold> holds = {{0, s.points[0]}};
+        for (int i = 0; i < 12; ++i) {
+            for (auto& p : pose.points) p += Vec3(0.03, 0.05, 0.02);
+            dynamics.step(kFrame, pose, holds);
         }
-        return std::pair(p, l);
-    };
-    const auto [p0, l0] = momentum();
-    REQUIRE(p0.norm() > 0.1);
-    REQUIRE(l0.norm() > 0.1);
-    for (int i = 0; i < 240; ++i) dynamics.step(4.0 / 240.0, pose, {});
-    const auto [p1, l1] = momentum();
-    MESSAGE("momentum ", (p1 - p0).norm() / p0.norm(), " angular ", (l1 - l0).norm() / l0.norm());
-    CHECK((p1 - p0).norm() < 1e-6 * p0.norm());
+        pose = restPose(s);
+        for (int i = 0; i < 2; ++i) dynamics.step(kFrame, pose, {});
+        const auto momentum = [&] {
+            Vec3 p = Vec3::Zero(), l = Vec3::Zero();
+            for (std::size_t i = 0; i < input.mass.size(); ++i) {
+                p += input.mass[i] * dynamics.velocities()[i];
+                l += input.mass[i] * dynamics.pose().points[i].cross(dynamics.velocities()[i]);
+            }
+            return std::pair(p, l);
+        };
+        const auto [p0, l0] = momentum();
+        REQUIRE(p0.norm() > 0.1);
+        REQUIRE(l0.norm() > 0.1);
+        for (int i = 0; i < 240; ++i) dynamics.step(kFrame, pose, {});
+        const auto [p1, l1] = momentum();
+        CHECK((p1 - p0).norm() < 1e-6 * p0.norm());
+        if (s.bones.size() == 4) CHECK((l1 - l0).norm() < 0.01 * l0.norm());
+    }
 }
 
 TEST_CASE("bone dynamics: gravity bends what is held by as much as its springs say, and what is free falls as a stone does") {
@@ -356,7 +373,6 @@ TEST_CASE("bone dynamics: bodies fall on the ground, never through it, and come 
                 dynamics.step(kFrame, start, {});
                 for (const auto& p : dynamics.pose().points) lowest = std::min(lowest, p.y() + 2.0);
             }
-            MESSAGE("frames until at rest: ", frames);
             CHECK(lowest >= -1e-6);
             CHECK(dynamics.resting());
             checkFinite(dynamics.pose());
