@@ -164,7 +164,6 @@ struct BoneDynamics::State {
         writePose(body, last);
     }
 
-    // m/s^2 x kg, relative to the pose of rest.
     [[nodiscard]] Energy energyOf(const std::vector<Vec3>& x, const std::vector<Vec3>& v, const BoneTargets& targets) const {
         Energy e;
         for (std::size_t i = 0; i < x.size(); ++i) {
@@ -633,11 +632,11 @@ Result<void> check(const BoneDynamicsSettings& s, std::size_t bones) {
     }
     if (!within(s.returnHertz, 0.0, BoneSpring::kMostHertz))
         return fail("bad-value", "The frequency of the return is not between 0 and 1000 Hz: choose one that is.");
-    constexpr double kMostGravity = 1e6;  // m/s^2
+    constexpr double kMostGravity = 1e12;  // m/s^2
     if (!allFinite(s.gravity) || s.gravity.cwiseAbs().maxCoeff() > kMostGravity)
-        return fail("bad-value", "Gravity is not below a million m/s^2: choose a weaker one.");
+        return fail("bad-value", "Gravity is not below 1e12 m/s^2: choose a weaker one.");
     if (!s.ground) return {};
-    if (!allFinite(s.ground->point) || s.ground->point.cwiseAbs().maxCoeff() > 1e100)
+    if (!allFinite(s.ground->point) || s.ground->point.cwiseAbs().maxCoeff() > 1e30)
         return fail("bad-value", "The ground has no place: give a point of it.");
     if (!allFinite(s.ground->normal) || !(s.ground->normal.cwiseAbs().maxCoeff() > 0.0))
         return fail("bad-value", "The ground has no direction: give a normal that is not zero.");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Bone dynamics: cost of a frame beside inverse kinematics of the same skeleton, and a million frames of random bodies, drags, frame rates and parameters
+// Bone dynamics: cost of a frame beside inverse kinematics of the same skeleton, joint dynamics beside it, and a million frames of random bodies, drags, frame rates and parameters
 // at their limits, which must stay finite, bounded and above the ground, and come back to rest. `bench_dynamics 20000` takes fewer frames.
 #include <algorithm>
 #include <chrono>
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/dynamics/bone_dynamics.h"
+#include "core/dynamics/joint_dynamics.h"
 #include "core/skeleton/bone_tree.h"
 #include "tests/dynamics/skeletons.h"
 
@@ -60,6 +61,27 @@ void frames(const char* name, const Skeleton& s, bool ground) {
     std::sort(solve.begin(), solve.end()), std::sort(step.begin(), step.end());
     std::printf("%-34s %6zu %10.1f %10.1f %10.1f %10.2f%s\n", name, s.bones.size(), solve[kFrames / 2], step[kFrames / 2], step[kFrames * 99 / 100], rest,
                 dynamics.resting() ? "" : " (still moves)");
+}
+
+void jointFrames(int parameters) {
+    std::mt19937 random(1);
+    std::normal_distribution<double> d;
+    JointDynamics::Input input;
+    const Eigen::MatrixXd m = Eigen::MatrixXd::NullaryExpr(parameters, 2 * parameters, [&] { return d(random); });
+    const Eigen::MatrixXd k = Eigen::MatrixXd::NullaryExpr(parameters, parameters, [&] { return d(random); });
+    input.mass = m * m.transpose();
+    input.stiffness = k * k.transpose();
+    auto start = Clock::now();
+    auto dynamics = JointDynamics::build(input).value();
+    const double build = microseconds(start);
+    Eigen::VectorXd target = Eigen::VectorXd::Zero(parameters);
+    constexpr int kFrames = 2000;
+    start = Clock::now();
+    for (int i = 0; i < kFrames; ++i) {
+        target.setConstant(std::sin(0.1 * i));
+        dynamics.step(1.0 / 60.0, target);
+    }
+    std::printf("joint dynamics of %3d parameters: built in %.2f ms, %.1f us per frame\n", parameters, 1e-3 * build, microseconds(start) / kFrames);
 }
 
 bool million(long count) {
@@ -130,5 +152,6 @@ int main(int argc, char** argv) {
     frames("octopus", boneOctopus(8, 6), false);
     frames("caterpillar on the ground", boneChain(5), true);
     frames("octopus on the ground", boneOctopus(8, 6), true);
+    for (const int parameters : {12, 60, 240}) jointFrames(parameters);
     return million(argc > 1 ? std::atol(argv[1]) : 1000000) ? 0 : 1;
 }

@@ -96,6 +96,36 @@ TEST_CASE("bone dynamics: a swinging bone has the frequency and damping that wer
             }
 }
 
+TEST_CASE("bone dynamics: a bone swings at its frequency with all that hangs on it, from whichever end it is held") {
+    const Skeleton s = boneChain(4);
+    for (const bool fromEnd : {false, true}) {
+        auto input = inputOf(s);
+        BoneSpring stiff, soft;
+        stiff.stretchHertz = stiff.swingHertz = 300.0, stiff.stretchDamping = stiff.swingDamping = 1.0;
+        soft = stiff;
+        soft.swingHertz = 1.0, soft.swingDamping = 0.05;
+        input.settings.springs.assign(4, stiff);
+        input.settings.springs[fromEnd ? 2 : 0] = soft;
+        for (std::size_t i = 0; i < input.mass.size(); ++i) input.mass[i] = 1.0 + static_cast<double>(i * i);
+        auto dynamics = BoneDynamics::build(input).value();
+        const int at = fromEnd ? 4 : 0, pivot = fromEnd ? 2 : 0, tip = 4 - at;
+        const std::vector<Hold> holds = {{at, Vec3::Zero()}};
+        dynamics.step(kFrame, restPose(s), holds);
+        Pose turned = restPose(s);
+        const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.3, Vec3(0, 1, 1).normalized()));
+        for (int i = tip; i != pivot; i += fromEnd ? 1 : -1) turned.points[i] = s.points[pivot] + turn * (s.points[i] - s.points[pivot]);
+        dynamics.reset(turned);
+        std::vector<double> signal;
+        for (int i = 0; i < 600; ++i) {
+            dynamics.step(i == 0 ? 1e-4 : 0.01, restPose(s), holds);
+            signal.push_back(dynamics.pose().points[tip].y());
+        }
+        const auto seen = measure(signal, 0.01);
+        CHECK(seen.hertz == doctest::Approx(1.0).epsilon(0.02));
+        CHECK(seen.damping == doctest::Approx(0.05).epsilon(0.03));
+    }
+}
+
 TEST_CASE("bone dynamics: a stretching bone has the frequency and damping that were asked for, at small and large strains") {
     const Skeleton s = boneChain(1);
     for (const double hertz : {0.3, 2.0, 8.0})
@@ -377,6 +407,60 @@ TEST_CASE("bone dynamics: bodies fall on the ground, never through it, and come 
             CHECK(dynamics.resting());
             checkFinite(dynamics.pose());
         }
+}
+
+TEST_CASE("bone dynamics: a fall looks the same at any frame rate") {
+    const Skeleton s = boneOctopus(4, 3);
+    std::vector<Pose> seen;
+    for (const int rate : {30, 60, 144}) {
+        auto input = inputOf(s);
+        input.settings.gravity = Vec3(0, -9.81, 0);
+        input.settings.returnHertz = 0.0;
+        input.settings.ground = BoneDynamicsSettings::Ground{Vec3(0, -1, 0), Vec3(0.2, 1, 0), 0.3};
+        auto dynamics = BoneDynamics::build(input).value();
+        for (int i = 0; i < rate; ++i) dynamics.step(1.0 / rate, restPose(s), {});
+        seen.push_back(dynamics.pose());
+    }
+    CHECK(farthestFrom(seen[0], restPose(s)) > 0.5);
+    CHECK(farthestFrom(seen[0], seen[1]) < 1e-9);
+    CHECK(farthestFrom(seen[0], seen[2]) < 1e-9);
+}
+
+TEST_CASE("bone dynamics: bodies of a micrometre and of a thousand kilometres move alike") {
+    std::vector<Pose> seen;
+    for (const double size : {1.0, 1e-6, 1e6}) {
+        const Skeleton s = boneChain(4, size);
+        auto input = inputOf(s);
+        for (double& m : input.mass) m *= size * size * size;
+        input.settings.gravity = Vec3(0, -5.0 * size, 0);
+        input.settings.ground = BoneDynamicsSettings::Ground{Vec3(0, -0.2 * size, 0), Vec3::UnitY(), 0.3};
+        auto dynamics = BoneDynamics::build(input).value();
+        const std::vector<Hold> holds = {{0, Vec3::Zero()}};
+        Pose pose = restPose(s);
+        for (int i = 0; i < 100; ++i) {
+            if (i < 20)
+                for (auto& p : pose.points) p += size * Vec3(0.0, 0.03, 0.02);
+            dynamics.step(kFrame, pose, holds);
+        }
+        seen.push_back(dynamics.pose());
+        for (auto& p : seen.back().points) p /= size;
+    }
+    CHECK(farthestFrom(seen[0], seen[1]) < 1e-6);
+    CHECK(farthestFrom(seen[0], seen[2]) < 1e-6);
+}
+
+TEST_CASE("bone dynamics: no bones, or single points, are a character, too") {
+    Skeleton s;
+    auto none = make(s);
+    none.step(kFrame, restPose(s), {});
+    CHECK(none.pose().points.empty());
+    s.points = {Vec3(1, 2, 3)};
+    auto input = inputOf(s);
+    input.settings.gravity = Vec3(0, -1, 0);
+    input.settings.returnHertz = 0.0;
+    auto point = BoneDynamics::build(input).value();
+    for (int i = 0; i < 60; ++i) point.step(kFrame, restPose(s), {});
+    CHECK(point.pose().points[0].y() == doctest::Approx(1.5));
 }
 
 TEST_CASE("bone dynamics: a body on a slope stays where friction is strong and slides where it is weak") {
