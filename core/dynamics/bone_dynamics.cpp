@@ -69,7 +69,7 @@ struct BoneDynamics::State {
         held.assign(points, 0), heldNow = held;
         freedom.assign(points, Freedom::Free);
         const std::vector<Vec3> zeros(points, Vec3::Zero());
-        x0 = v0 = xs = vs = force = step_ = goal = force0 = zeros;
+        x0 = v0 = xs = vs = force = change = goal = force0 = zeros;
         roll0 = rollRate0 = rollStage = rollRateStage = std::vector<double>(points, 0.0);
         body.x = body.v = body.offset = zeros;
         body.roll = body.rollRate = body.press = roll0;
@@ -161,18 +161,24 @@ struct BoneDynamics::State {
         phase = 0.0;
         warnings = good ? 0u : static_cast<unsigned>(DynamicsWarning::InputRefused);
         wake();
+        energy = energyOf(body.x, body.v, last);
         writePose(body, last);
     }
 
+    [[nodiscard]] double kineticOf(const std::vector<Vec3>& v) const {
+        double sum = 0.0;
+        for (std::size_t i = 0; i < v.size(); ++i)
+            if (!held[i]) sum += 0.5 * mass[i] * v[i].squaredNorm();
+        return sum;
+    }
+    [[nodiscard]] double gravityOf(const std::vector<Vec3>& x) const {
+        double sum = 0.0;
+        for (std::size_t i = 0; i < x.size(); ++i)
+            if (!held[i]) sum -= mass[i] * settings.gravity.dot(x[i] - skeleton.points[i]);
+        return sum;
+    }
     [[nodiscard]] Energy energyOf(const std::vector<Vec3>& x, const std::vector<Vec3>& v, const BoneTargets& targets) const {
-        Energy e;
-        for (std::size_t i = 0; i < x.size(); ++i) {
-            if (held[i]) continue;
-            e.kinetic += 0.5 * mass[i] * v[i].squaredNorm();
-            e.gravity -= mass[i] * settings.gravity.dot(x[i] - skeleton.points[i]);
-        }
-        e.elastic = springs.energy(x, targets);
-        return e;
+        return {kineticOf(v), springs.energy(x, targets), gravityOf(x)};
     }
 
     // Solves x = x0 + s v, mass (v - v0) / s = forces(x, v) for what is free, beginning near xs; what is prescribed has come `part` of its way through
@@ -200,34 +206,34 @@ struct BoneDynamics::State {
             for (std::size_t i = 0; i < xs.size(); ++i) {
                 const int at = static_cast<int>(i);
                 const double m = mass[i] / (s * s);
-                step_[i].setZero();
+                change[i].setZero();
                 if (freedom[i] == Freedom::Fixed) {
                     system.add(at, at, Eigen::Matrix3d::Identity());
                     continue;
                 }
-                step_[i] = force[i] - mass[i] / s * (vs[i] - v0[i]);
+                change[i] = force[i] - mass[i] / s * (vs[i] - v0[i]);
                 Eigen::Matrix3d inertia = m * Eigen::Matrix3d::Identity();
                 if (freedom[i] == Freedom::OnPlane) {
                     const double rub = friction(at);
-                    step_[i] -= rub * vs[i];
-                    step_[i] -= normal.dot(step_[i]) * normal;
+                    change[i] -= rub * vs[i];
+                    change[i] -= normal.dot(change[i]) * normal;
                     inertia += rub / s * (Eigen::Matrix3d::Identity() - normal * normal.transpose());
                 }
                 system.add(at, at, inertia);
             }
             if (!system.factorise()) return false;
-            system.solve(step_);
+            system.solve(change);
             double longest = 0.0, cut = 1.0;
-            for (const auto& d : step_) longest = std::max(longest, d.cwiseAbs().maxCoeff());
+            for (const auto& d : change) longest = std::max(longest, d.cwiseAbs().maxCoeff());
             if (!std::isfinite(longest)) return false;
             for (std::size_t b = 0; b < skeleton.bones.size(); ++b) {
                 const auto& bone = skeleton.bones[b];
                 const double length = std::max((xs[bone.end] - xs[bone.start]).norm(), 0.05 * bone.length);
-                const double most = (step_[bone.end] - step_[bone.start]).norm();
+                const double most = (change[bone.end] - change[bone.start]).norm();
                 if (cut * most > kIterationMove * length) cut = kIterationMove * length / most;
             }
             for (std::size_t i = 0; i < xs.size(); ++i)
-                if (freedom[i] != Freedom::Fixed) xs[i] += cut * step_[i];
+                if (freedom[i] != Freedom::Fixed) xs[i] += cut * change[i];
             // What the next iteration would add, as these shrink.
             const double rate = k > 0 && cut == 1.0 ? longest / before : 1.0;
             before = longest;
@@ -266,11 +272,10 @@ struct BoneDynamics::State {
         return 0.5 * free * (fastest / h) * (fastest / h);
     }
 
-    // One step of `h` seconds from `last` to `next`.
-    void advance(double h) {
-        const std::size_t n = body.x.size();
+    // What is prescribed in the next h seconds, into freedom and goal. True: something outside moves.
+    bool prescribe(double h) {
         bool driven = !same(last, next);
-        for (std::size_t i = 0; i < n; ++i) {
+        for (std::size_t i = 0; i < goal.size(); ++i) {
             freedom[i] = Freedom::Free;
             arriving[i] = 0;
             goal[i] = body.x[i];
@@ -291,7 +296,14 @@ struct BoneDynamics::State {
                 if (body.contact[i] == kSticking) freedom[i] = Freedom::Fixed, goal[i] -= height * normal;
             }
         }
-        double allowed = energyAtLast;
+        return driven;
+    }
+
+    // One step of `h` seconds from `last` to `next`.
+    void advance(double h) {
+        const std::size_t n = body.x.size();
+        const bool driven = prescribe(h);
+        double allowed = energy.total();
         if (driven || !energyKnown) {
             for (std::size_t i = 0; i < n; ++i) {
                 xs[i] = goal[i];
@@ -309,25 +321,28 @@ struct BoneDynamics::State {
         }
         allowed += kRounding * (std::abs(allowed) + weight * size);
         // Over the hump of a concave potential a long step can gain energy; shorter ones, by implicit Euler, do not.
+        bool bounded = solved && restingEnergy() <= allowed;
+        const bool shortened = !bounded;
         double shorter = h;
-        for (int k = 0; k < kShortenings && !(solved && restingEnergy() <= allowed); ++k, shorter *= 0.25) {
+        for (int k = 0; k < kShortenings && !bounded; ++k, shorter *= 0.25) {
             xs = x0 = body.x;
             v0 = body.v;
             solved = solveStage(shorter, h, 1.0, next, motion);
+            bounded = solved && restingEnergy() <= allowed;
         }
-        const bool stopped = !solved || restingEnergy() > allowed;
-        if (stopped) {
+        if (!bounded) {
             if (!solved) warnings |= static_cast<unsigned>(DynamicsWarning::StepRefused);
             for (std::size_t i = 0; i < n; ++i) {
                 xs[i] = held[i] ? goal[i] : aboveGround(body.x[i]);
                 vs[i].setZero();
             }
+            restingEnergy();
         } else if (settings.ground) {
             rubGround(motion);
         }
         boundEnergy(allowed);
         accept(h);
-        if (stopped || shorter < h) quiet = false;
+        quiet = quiet && !shortened;
         advanceRoll(h, motion);
     }
 
@@ -393,24 +408,24 @@ struct BoneDynamics::State {
         }
     }
 
-    // At the end of the step, without what is kinetic. Points that went through the ground are lifted.
-    [[nodiscard]] double restingEnergy() {
+    // Of the end of the step, without what is kinetic; kept in `energy`. Points that went through the ground are lifted.
+    double restingEnergy() {
         if (settings.ground)
             for (auto& p : xs) p = aboveGround(p);
-        const Energy e = energyOf(xs, vs, next);
-        return e.elastic + e.gravity;
+        energy.elastic = springs.energy(xs, next);
+        energy.gravity = gravityOf(xs);
+        return energy.elastic + energy.gravity;
     }
 
     // Slows points down until no more than the allowed energy is left.
     void boundEnergy(double allowed) {
-        energy = energyOf(xs, vs, next);
+        energy.kinetic = kineticOf(vs);
         if (energy.total() > allowed && energy.kinetic > 0.0) {
             const double left = std::max(allowed - energy.elastic - energy.gravity, 0.0);
             for (std::size_t i = 0; i < vs.size(); ++i)
                 if (!held[i]) vs[i] *= std::sqrt(std::min(left / energy.kinetic, 1.0));
             energy.kinetic = std::min(left, energy.kinetic);
         }
-        energyAtLast = energy.total();
         energyKnown = true;
     }
 
@@ -533,14 +548,12 @@ struct BoneDynamics::State {
         }
         kept = body;
         const Energy keptEnergy = energy;
-        const double keptTotal = energyAtLast;
         const bool keptKnown = energyKnown, keptQuiet = quiet;
         targetsAt(1.0);
         advance(phase);
         writePose(body, next);
         std::swap(kept, body);
         energy = keptEnergy;
-        energyAtLast = keptTotal;
         energyKnown = keptKnown;
         quiet = keptQuiet;
     }
@@ -580,7 +593,6 @@ struct BoneDynamics::State {
             writePose(body, last);
         }
         energy = energyOf(body.x, body.v, last);
-        energyAtLast = energy.total();
     }
 
     const Skeleton skeleton;
@@ -604,7 +616,6 @@ struct BoneDynamics::State {
     int quietSteps = 0;
     unsigned warnings = 0;
     Energy energy;
-    double energyAtLast = 0.0;
     bool energyKnown = false;
 
     // Of one step.
@@ -612,7 +623,7 @@ struct BoneDynamics::State {
     double stageSeconds = 0.0;     // of its last stage
     std::vector<char> arriving;
     std::vector<Vec3> goal;        // where fixed points are at the end of the step
-    std::vector<Vec3> x0, v0, xs, vs, force, step_, force0;
+    std::vector<Vec3> x0, v0, xs, vs, force, change, force0;
     std::vector<double> roll0, rollRate0, rollStage, rollRateStage;
 };
 
@@ -684,7 +695,7 @@ Result<BoneDynamics> BoneDynamics::build(Input input) {
 
 Result<void> BoneDynamics::set(const BoneDynamicsSettings& settings) {
     if (const auto ok = check(settings, state_->skeleton.bones.size()); !ok) return ok;
-    if (settings.ground.has_value() != state_->settings.ground.has_value()) std::fill(state_->body.contact.begin(), state_->body.contact.end(), State::kNone);
+    std::fill(state_->body.contact.begin(), state_->body.contact.end(), State::kNone);  // the ground may have sunk
     state_->settings = settings;
     state_->prepare();
     return {};

@@ -53,7 +53,8 @@ enum class DynamicsWarning : unsigned {
 /// Length: the potential k L^2 (r - 1/r)^2 / 8, r = length / kinematic length L, whose frequency does not depend on the amplitude and which no
 /// finite force collapses; beyond the stretch limits of the bone a stiff spring beside it. Angle: k theta^2 / 2 between a bone and where its parent carries it; at a held point every bone swings against its own
 /// kinematic direction instead. Damping acts on the rates of the same lengths and angles, relative to the kinematic pose's.
-/// Roll is one linear spring per bone between the rolls of its joint points.
+/// Roll is one linear spring per bone between the rolls of its joint points. Angles are compared in space with those of the kinematic pose: a tree
+/// that flies freely and is bent at rest feels a torque back to the kinematic orientation; a straight one does not.
 ///
 /// Time passes in steps of kStep by a stiffly accurate, L-stable, second-order method (Alexander, "Diagonally implicit Runge-Kutta methods for stiff
 /// ODEs", 1977), so that motion does not depend on the frame rate and no stiffness is unstable; a frame that ends within a step is closed by a part of
@@ -74,7 +75,7 @@ public:
     /// Replaces the settings and keeps the motion. Errors as in build(); then nothing changes.
     Result<void> set(const BoneDynamicsSettings& settings);
 
-    /// Stops at `pose`. One that does not fit counts as the pose of rest.
+    /// Stops at `pose`, from where the kinematic pose then moves on. One that does not fit counts as the pose of rest.
     void reset(const Pose& pose);
 
     static constexpr double kStep = 1.0 / 240.0;       ///< s

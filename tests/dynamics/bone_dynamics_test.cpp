@@ -485,6 +485,26 @@ TEST_CASE("bone dynamics: a body on a slope stays where friction is strong and s
     }
 }
 
+TEST_CASE("bone dynamics: a ground that rises lifts what lies on it, one that sinks lets it fall") {
+    const Skeleton s = boneChain(3);
+    auto input = inputOf(s);
+    input.settings.gravity = Vec3(0, -9.81, 0);
+    input.settings.returnHertz = 0.0;
+    input.settings.ground = BoneDynamicsSettings::Ground{Vec3(0, 0, 0), Vec3::UnitY(), 0.5};
+    auto dynamics = BoneDynamics::build(input).value();
+    for (int i = 0; i < 60; ++i) dynamics.step(kFrame, restPose(s), {});
+    REQUIRE(dynamics.resting());
+    input.settings.ground->point.y() = 0.1;
+    REQUIRE(dynamics.set(input.settings));
+    dynamics.step(kFrame, restPose(s), {});
+    for (const auto& p : dynamics.pose().points) CHECK(p.y() >= 0.1 - 1e-6);
+    input.settings.ground->point.y() = -5.0;
+    REQUIRE(dynamics.set(input.settings));
+    const double before = dynamics.pose().points[0].y();
+    for (int i = 0; i < 30; ++i) dynamics.step(kFrame, restPose(s), {});
+    for (const auto& p : dynamics.pose().points) CHECK(before - p.y() == doctest::Approx(0.5 * 9.81 * 0.25).epsilon(0.05));
+}
+
 TEST_CASE("bone dynamics: held points stay above the ground, too") {
     const Skeleton s = boneChain(3);
     auto input = inputOf(s);
