@@ -156,6 +156,7 @@ void BoneSprings::calibrate(std::span<const BoneSpring> springs, double returnHe
         const auto& bone = skeleton_.bones[b];
         const BoneSpring& spring = springOf(static_cast<int>(b));
         const Side one = beyond(bone.start, bone.end), other = beyond(bone.end, bone.start);
+        // Sums cancel: at least what the nearer points say.
         const double least = std::min(held[bone.start] ? mass_[bone.end] : mass_[bone.start], held[bone.end] ? mass_[bone.start] : mass_[bone.end]);
         const double moving = std::max(movingPart(one.mass, one.held > 0, other.mass, other.held > 0), 0.5 * least);
         stretch_[b] = gain(moving, spring.stretchHertz, spring.stretchDamping);

@@ -270,6 +270,27 @@ TEST_CASE("bone dynamics: strong dampers take a bone along at once: after a star
     CHECK(lag == doctest::Approx(speed / (2.0 * 10.0 * 2.0 * M_PI * 0.5)).epsilon(0.05));
 }
 
+TEST_CASE("bone dynamics: bones that are stiff to the eye follow the kinematic pose") {
+    const Skeleton s = boneChain(5);
+    BoneSpring rigid;
+    rigid.stretchHertz = rigid.swingHertz = rigid.rollHertz = BoneSpring::kMostHertz;
+    rigid.stretchDamping = rigid.swingDamping = rigid.rollDamping = 1.0;
+    auto dynamics = make(s, rigid);
+    dynamics.reset(curled(s, 0.0));
+    const std::vector<Hold> holds = {{0, Vec3::Zero()}};
+    double away = 0.0, roll = 0.0, turn = 0.0;
+    for (int i = 1; i <= 240; ++i) {
+        const Pose kinematic = curled(s, i * kFrame);
+        dynamics.step(kFrame, kinematic, holds);
+        away = std::max(away, farthestFrom(dynamics.pose(), kinematic));
+        for (int p = 0; p <= 5; ++p) roll = std::max(roll, std::abs(dynamics.pose().roll[p] - kinematic.roll[p]));
+        for (int b = 0; b < 5; ++b) turn = std::max(turn, dynamics.pose().frames[b].angularDistance(kinematic.frames[b]));
+    }
+    CHECK(away < 1e-4 * 5.0);
+    CHECK(roll < 1e-3);
+    CHECK(turn < 1e-3);
+}
+
 TEST_CASE("bone dynamics: energy never grows while nothing outside moves, whatever the parameters") {
     std::mt19937 random(11);
     std::uniform_real_distribution<double> d(-1.0, 1.0);
