@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Three points of the ring of a vertex span a plane that turns with the surface; what its normal differs at rest from the area-weighted one is kept
-// as components along the plane. Three loads per vertex replace a sum over six triangles.
+// Two tangents at rest across the ring of a vertex, from neighbour to neighbour: differences about the middle, which errors of first order leave. A
+// part of a third edge makes them exact tangents, and so they stay in every affine motion. Five loads replace a sum over six triangles.
 #include "core/character/normal_stencils.h"
 
 #include <Eigen/Geometry>
@@ -15,13 +15,17 @@ namespace imomushi {
 namespace {
 
 // Points of a ring that are tried; more triangles than that meet at poles only.
-constexpr std::size_t kMostCandidates = 9;
-// Planes steeper than this (cosine) against the wanted normal say little about it.
-constexpr double kLeastCosine = 0.25;
-// What a plane beside the middle of the ring costs, against a tilted one: both are lengths over the size of the ring.
-constexpr double kOffCentre = 0.3;
-// Narrow triangles magnify noise of positions.
-constexpr double kNarrow = 0.02;
+constexpr std::size_t kMostPoints = 13;
+// Edges across the ring that are tried in pairs.
+constexpr std::size_t kMostEdges = 8;
+// Larger parts of the third edge magnify noise of positions.
+constexpr double kMostPart = 2.0;
+// Heights over the tangent plane that are none, relative to the edges.
+constexpr double kFlat = 1e-9;
+// Tangents at a sine below this say little about their plane.
+constexpr double kLeastSine = 0.15;
+// What a pair of tangents costs: the middles beside that of the ring, over their lengths; the cosine between them; their tilt.
+constexpr double kOffCentre = 1.0, kNarrow = 0.3, kTilted = 3.0;
 constexpr std::size_t kGrain = 4096;
 
 /// Triangles around every vertex.
@@ -41,68 +45,91 @@ public:
         : vertices_(vertices), triangles_(triangles), scale_(scale) {}
 
     NormalStencil find(std::int32_t v, const std::int32_t* begin, const std::int32_t* end) {
+        NormalStencil best{v, v, v, v};
         points_.assign(1, v);
-        Vec3 wanted = Vec3::Zero(), centre = Vec3::Zero();
+        Vec3 normal = Vec3::Zero(), centre = Vec3::Zero();
         double weight = 0.0;
         for (const auto* t = begin; t != end; ++t) {
             const std::int32_t* corner = triangles_.data() + 3 * static_cast<std::ptrdiff_t>(*t);
             const Vec3 a = at(corner[0]), b = at(corner[1]), c = at(corner[2]);
             const Vec3 area = (b - a).cross(c - a);
-            wanted += area;
+            normal += area;
             centre += area.norm() * (a + b + c) / 3.0;
             weight += area.norm();
             for (int i = 0; i < 3; ++i)
-                if (points_.size() < kMostCandidates && std::find(points_.begin(), points_.end(), corner[i]) == points_.end())
+                if (points_.size() < kMostPoints && std::find(points_.begin(), points_.end(), corner[i]) == points_.end())
                     points_.push_back(corner[i]);
         }
-        NormalStencil best{v, v, v};
-        const double length = wanted.norm();
         if (!(weight > 0.0)) return best;
         // Triangles that cancel leave no normal to follow: that of the first one.
-        if (!(length > 1e-6 * weight)) {
-            const std::int32_t* corner = triangles_.data() + 3 * static_cast<std::ptrdiff_t>(*begin);
-            return {corner[1], corner[2], corner[0]};
-        }
-        const Vec3 normal = wanted / length;
+        const std::int32_t* first = triangles_.data() + 3 * static_cast<std::ptrdiff_t>(*begin);
+        best = {first[1], first[0], first[0], first[2]};
+        if (!(normal.norm() > 1e-6 * weight)) return best;
+        normal.normalize();
         centre /= weight;
-        double bestScore = std::numeric_limits<double>::infinity();
+
+        edges_.clear();
         for (std::size_t i = 0; i < points_.size(); ++i)
-            for (std::size_t j = i + 1; j < points_.size(); ++j)
-                for (std::size_t k = j + 1; k < points_.size(); ++k) tryPlane(points_[i], points_[j], points_[k], normal, centre, best, bestScore);
+            for (std::size_t j = i + 1; j < points_.size(); ++j) {
+                const Vec3 a = at(points_[i]), b = at(points_[j]);
+                const double length = (a - b).norm();
+                if (length > 0.0) edges_.push_back({points_[i], points_[j], ((a + b) / 2.0 - centre).norm() / length});
+            }
+        const std::size_t some = std::min(kMostEdges, edges_.size());
+        std::partial_sort(edges_.begin(), edges_.begin() + static_cast<std::ptrdiff_t>(some), edges_.end(), [](const Edge& a, const Edge& b) { return a.off < b.off; });
+        double bestScore = std::numeric_limits<double>::infinity();
+        for (std::size_t i = 0; i < some; ++i)
+            for (std::size_t j = i + 1; j < some; ++j) tryTangents(v, edges_[i], edges_[j], normal, best, bestScore);
         return best;
     }
 
 private:
+    struct Edge {
+        std::int32_t from, to;
+        double off;  // of its middle from that of the ring, over its length
+    };
+
     [[nodiscard]] Vec3 at(std::int32_t v) const { return scale_ * vertices_.row(v).transpose(); }
 
-    void tryPlane(std::int32_t a, std::int32_t b, std::int32_t c, const Vec3& normal, const Vec3& centre, NormalStencil& best, double& bestScore) const {
-        const Vec3 p = at(c);
-        Vec3 t = at(a) - p, s = at(b) - p;
-        Vec3 across = t.cross(s);
+    void tryTangents(std::int32_t v, const Edge& one, const Edge& two, const Vec3& normal, NormalStencil& best, double& bestScore) const {
+        // The third edge goes to v from the end that is farthest from the tangent plane.
+        const Vec3 middle = at(v);
+        NormalStencil s{one.to, one.from, two.from, two.to};
+        double height = (at(s.c) - middle).dot(normal);
+        for (const NormalStencil& other : {NormalStencil{one.to, one.from, two.to, two.from}, NormalStencil{two.to, two.from, one.from, one.to},
+                                           NormalStencil{two.to, two.from, one.to, one.from}}) {
+            const double h = (at(other.c) - middle).dot(normal);
+            if (std::abs(h) <= std::abs(height)) continue;
+            height = h;
+            s = other;
+        }
+        Vec3 t = at(s.a) - at(s.b), u = at(s.d) - at(s.c);
+        const double ht = t.dot(normal), hu = u.dot(normal), most = std::max(std::abs(ht), std::abs(hu));
+        if (most > kFlat * (t.norm() + u.norm()) && most <= kMostPart * std::abs(height)) {
+            s.part[0] = static_cast<float>(ht / height);
+            s.part[1] = static_cast<float>(hu / height);
+            t += ht / height * (middle - at(s.c));
+            u += hu / height * (middle - at(s.c));
+        }
+        Vec3 across = t.cross(u);
         if (across.dot(normal) < 0.0) {
-            std::swap(a, b);
-            std::swap(t, s);
+            std::swap(s.a, s.b);
+            s.part[0] = -s.part[0];
             across = -across;
         }
-        const double area = across.norm(), edges = t.squaredNorm() + s.squaredNorm() + (t - s).squaredNorm();
-        if (!(area > 1e-6 * edges)) return;
-        const double cosine = across.dot(normal) / area;
-        if (cosine < kLeastCosine) return;
-        // normal * area / cosine = across + r, with r in the plane: its components are the wanted ones.
-        const Vec3 r = normal * (area / cosine) - across;
-        const double tilt = r.norm() / area;
-        const double off = ((t + s) / 3.0 + p - centre).norm() / std::sqrt(edges);
-        const double score = tilt + kOffCentre * off + kNarrow * edges / area;
+        const double lengths = t.norm() * u.norm();
+        if (!(across.norm() > kLeastSine * lengths)) return;
+        const double score = kOffCentre * (one.off + two.off) + kNarrow * std::abs(t.dot(u)) / lengths + kTilted * (across.normalized() - normal).norm();
         if (!(score < bestScore)) return;
         bestScore = score;
-        const double square = area * area;
-        best = {a, b, c, {static_cast<float>(r.cross(s).dot(across) / square), static_cast<float>(t.cross(r).dot(across) / square)}};
+        best = s;
     }
 
     const Points& vertices_;
     const std::vector<std::int32_t>& triangles_;
     const double scale_;
     std::vector<std::int32_t> points_;
+    std::vector<Edge> edges_;
 };
 
 }  // namespace

@@ -168,33 +168,34 @@ void place(const float* local, const std::int32_t* first, const AffineFloat& pla
             store(placed(loadThree(local + k * kStride + i)), positions + 3 * (static_cast<std::size_t>(first[k]) + i));
 }
 
-// The normal of one vertex, not yet of unit length, and a fourth lane of anything.
+// The normal of vertex v, not yet of unit length, and a fourth lane of anything.
 #if HWY_TARGET == HWY_SCALAR
-HWY_INLINE void rawNormal(const float* positions, const NormalStencil& s, float scale, float* out) {
-    float t[3], u[3];
+HWY_INLINE void rawNormal(const float* positions, std::size_t v, const NormalStencil& stencil, float scale, float* out) {
+    float t[3], s[3];
     for (int i = 0; i < 3; ++i) {
-        const float c = positions[3 * static_cast<std::ptrdiff_t>(s.c) + i];
-        t[i] = (positions[3 * static_cast<std::ptrdiff_t>(s.a) + i] - c) * scale;
-        u[i] = (positions[3 * static_cast<std::ptrdiff_t>(s.b) + i] - c) * scale;
+        const auto point = [&](std::int32_t p) { return positions[3 * static_cast<std::ptrdiff_t>(p) + i]; };
+        const float c = point(stencil.c), e = positions[3 * v + i] - c;
+        t[i] = (point(stencil.a) - point(stencil.b) + stencil.part[0] * e) * scale;
+        s[i] = (point(stencil.d) - c + stencil.part[1] * e) * scale;
     }
     for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
-        out[i] = t[j] * u[k] - t[k] * u[j] + s.along[0] * t[i] + s.along[1] * u[i];
+        out[i] = t[j] * s[k] - t[k] * s[j];
     }
 }
 #else
-HWY_INLINE void rawNormal(const float* positions, const NormalStencil& s, float scale, float* out) {
+HWY_INLINE void rawNormal(const float* positions, std::size_t v, const NormalStencil& stencil, float scale, float* out) {
     const hn::FixedTag<float, 4> d;
     const hn::FixedTag<std::int32_t, 4> di;
     HWY_ALIGN static constexpr std::int32_t kNext[4] = {1, 2, 0, 3};
     const auto next = hn::IndicesFromVec(d, hn::Load(di, kNext));
-    const auto c = hn::LoadU(d, positions + 3 * static_cast<std::ptrdiff_t>(s.c));
     const auto size = hn::Set(d, scale);
-    const auto t = hn::Mul(hn::Sub(hn::LoadU(d, positions + 3 * static_cast<std::ptrdiff_t>(s.a)), c), size);
-    const auto u = hn::Mul(hn::Sub(hn::LoadU(d, positions + 3 * static_cast<std::ptrdiff_t>(s.b)), c), size);
-    const auto tn = hn::TableLookupLanes(t, next), un = hn::TableLookupLanes(u, next);
-    const auto across = hn::TableLookupLanes(hn::NegMulAdd(tn, u, hn::Mul(t, un)), next);
-    hn::Store(hn::MulAdd(t, hn::Set(d, s.along[0]), hn::MulAdd(u, hn::Set(d, s.along[1]), across)), d, out);
+    const auto point = [&](std::int32_t i) HWY_ATTR { return hn::LoadU(d, positions + 3 * static_cast<std::ptrdiff_t>(i)); };
+    const auto c = point(stencil.c), e = hn::Sub(hn::LoadU(d, positions + 3 * v), c);
+    const auto t = hn::Mul(hn::MulAdd(e, hn::Set(d, stencil.part[0]), hn::Sub(point(stencil.a), point(stencil.b))), size);
+    const auto s = hn::Mul(hn::MulAdd(e, hn::Set(d, stencil.part[1]), hn::Sub(point(stencil.d), c)), size);
+    const auto tn = hn::TableLookupLanes(t, next), sn = hn::TableLookupLanes(s, next);
+    hn::Store(hn::TableLookupLanes(hn::NegMulAdd(tn, s, hn::Mul(t, sn)), next), d, out);
 }
 #endif
 
@@ -203,7 +204,7 @@ void findNormals(const float* positions, const NormalStencil* stencils, float sc
     const V tiny = hn::Set(d, 1e-30f), one = hn::Set(d, 1.0f);
     HWY_ALIGN float raw[4 * kVertexBlock];
     for (std::size_t first = begin; first < end; first += kVertexBlock) {
-        for (std::size_t i = 0; i < kVertexBlock; ++i) rawNormal(positions, stencils[first + i], scale, raw + 4 * i);
+        for (std::size_t i = 0; i < kVertexBlock; ++i) rawNormal(positions, first + i, stencils[first + i], scale, raw + 4 * i);
         for (std::size_t i = 0; i < kVertexBlock; i += hn::Lanes(d)) {
             V x, y, z, w;
             hn::LoadInterleaved4(d, raw + 4 * i, x, y, z, w);

@@ -47,15 +47,14 @@ void evaluateAndPlace(const VertexBlocks& blocks, const Weights& weights, const 
 /// The same without the product, from `local`.
 void place(const float* local, const std::int32_t* first, const AffineFloat& placement, std::size_t begin, std::size_t end, float* positions);
 
-/// Where the normal of a vertex comes from: with t = (p[a] - p[c]) * scale and s = (p[b] - p[c]) * scale, the direction of
-/// t x s + along[0] t + along[1] s. The scale makes the body about 1 large.
+/// Where the normal of vertex v comes from: with e = p[v] - p[c], the direction of (p[a] - p[b] + part[0] e) x (p[d] - p[c] + part[1] e).
 struct NormalStencil {
-    std::int32_t a = 0, b = 0, c = 0;
-    float along[2] = {0.0f, 0.0f};
+    std::int32_t a = 0, b = 0, c = 0, d = 0;
+    float part[2] = {0.0f, 0.0f};
 };
 
-/// Unit normals (x 3) of vertices [begin, end) from positions (x 3, one float beyond the last vertex is read and ignored); +z where the stencil
-/// has no area. begin is a multiple of kVertexBlock; stencils and normals are padded to one.
+/// Unit normals (x 3) of vertices [begin, end) from positions (x 3); +z where the stencil has no area. begin is a multiple of kVertexBlock;
+/// stencils, normals and positions are padded to one, and positions by one float more. scale: makes the body about 1 large.
 void findNormals(const float* positions, const NormalStencil* stencils, float scale, std::size_t begin, std::size_t end, float* normals);
 
 }  // namespace imomushi

@@ -323,7 +323,7 @@ void normals() {
     const auto stencilLoop = [&] { findNormals(positions.data(), stencils.data(), static_cast<float>(1.0 / tube.length), 0, n, out.data()); };
 
     std::printf("\nnormals of %zu vertices, one thread; angles in degrees against area-weighted triangles in double precision, rms / largest\n", n);
-    std::printf("%-30s %21s %21s %21s\n", "positions in float:", "all triangles", "linear modes, int16", "three neighbours");
+    std::printf("%-30s %21s %21s %21s\n", "positions in float:", "all triangles", "linear modes, int16", "across the ring");
     const auto compare = [&](const char* name, const Eigen::VectorXd& v, ResponseFormat format) {
         ResponseBlocks blocks(tube.mesh.vertices, tube.all, Vec3::Zero(), tube.response, format);
         show(blocks, v, positions.data(), kInPlace);
