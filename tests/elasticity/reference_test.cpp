@@ -143,7 +143,7 @@ TEST_CASE("element: the default moves as second-order finite elements say, withi
         compare(name, "default", {{0.3, bound}, {0.45, bound}});
 }
 
-TEST_CASE("element: fine meshes are solved on a decimated body by default, within 2 % of the finite elements on the fine one") {
+TEST_CASE("element: fine meshes are within 2 % of the finite elements by default, on the body itself or on a decimated one") {
     const Bound bound{.02, .02, .02, .02};
     compare("a_cylinder_fine", "default", {{0.45, {.01, .01, .01, .01}}});
     compare("d_tentacle_fine", "default", {{0.45, bound}});
