@@ -22,7 +22,8 @@ constexpr double kNoModeOfFloat = 2e-7, kNoModeOfSixteenBits = 1e-5;
 constexpr Eigen::Index kMostColumnsForModes = 128;
 // An element whose free vertices are flatter than this part of their extent has no affine motion across it.
 constexpr double kFlat = 1e-5;
-// Sign patterns that the error is measured with, besides columns alone.
+// The error is measured with columns alone, as many of them at most, and with all together in several patterns of signs.
+constexpr Eigen::Index kMostColumnsAlone = 64;
 constexpr int kSignPatterns = 4;
 
 }  // namespace
@@ -50,11 +51,8 @@ ResponseBlocks::ResponseBlocks(const Points& vertices, const std::vector<std::in
 // response * v = affine motion by (affineOf_ * v) + modes * (modesOf_ * v)
 Eigen::MatrixXd ResponseBlocks::findModes(const Points& rest, const Eigen::MatrixXd& response) {
     const Eigen::Index columns = response.cols(), points = response.rows() / 3;
+    if (columns > kMostColumnsForModes) return response;
     affineOf_ = Eigen::MatrixXd::Zero(12, columns);
-    if (columns > kMostColumnsForModes) {
-        modesOf_ = Eigen::MatrixXd::Identity(columns, columns);
-        return response;
-    }
     // Columns of equal strength.
     Eigen::VectorXd size = response.cwiseAbs().colwise().maxCoeff();
     for (Eigen::Index c = 0; c < columns; ++c)
@@ -133,13 +131,16 @@ void ResponseBlocks::pack(const std::vector<std::int32_t>& free, const Eigen::Ma
 
 void ResponseBlocks::weigh(const Eigen::VectorXd& v) {
     const std::size_t columns = scale_.size();
-    if (affineOf_.cols() == 0) return;
-    modal_.noalias() = modesOf_ * v;
-    Eigen::Matrix<double, 3, 4> affine;
-    Eigen::Map<Eigen::VectorXd>(affine.data(), 12).noalias() = affineOf_ * v;
-    for (int i = 0; i < 3; ++i) {
-        affine_.shift[i] = static_cast<float>(affine(i, 3));
-        for (int k = 0; k < 3; ++k) affine_.linear[3 * i + k] = static_cast<float>((i == k ? 1.0 : 0.0) + affine(i, k));
+    if (affineOf_.cols() > 0) {
+        modal_.noalias() = modesOf_ * v;
+        Eigen::Matrix<double, 3, 4> affine;
+        Eigen::Map<Eigen::VectorXd>(affine.data(), 12).noalias() = affineOf_ * v;
+        for (int i = 0; i < 3; ++i) {
+            affine_.shift[i] = static_cast<float>(affine(i, 3));
+            for (int k = 0; k < 3; ++k) affine_.linear[3 * i + k] = static_cast<float>((i == k ? 1.0 : 0.0) + affine(i, k));
+        }
+    } else if (columns > 0) {
+        modal_ = v;
     }
     if (format_ != ResponseFormat::Int16) {
         for (std::size_t c = 0; c < columns; ++c) columns_[c] = static_cast<float>(modal_[static_cast<Eigen::Index>(c)] * scale_[c]);
@@ -187,7 +188,7 @@ double ResponseBlocks::measure(std::size_t vertices, const std::vector<std::int3
     Eigen::VectorXd size(columns);
     for (Eigen::Index c = 0; c < columns; ++c) {
         size[c] = response.col(c).cwiseAbs().maxCoeff();
-        if (!(size[c] > 0.0)) continue;
+        if (!(size[c] > 0.0) || c % (1 + (columns - 1) / kMostColumnsAlone) != 0) continue;
         v.setZero();
         v[c] = extent / size[c];
         exact = response.col(c) * v[c];

@@ -33,8 +33,8 @@ public:
     [[nodiscard]] const AlignedBuffer<float>& rest() const { return rest_; }
     [[nodiscard]] std::size_t responseBytes() const { return response_.bytes(); }
     [[nodiscard]] std::size_t bytesPerBlock() const { return count() ? (response_.bytes() + rest_.bytes()) / count() : 0; }
-    /// What the format costs: largest error of a displacement relative to the largest displacement, the worst of all unit poses (each column
-    /// alone) and of all columns together, each as strong as the others, with several signs. 0 without columns.
+    /// What the format costs: largest error of a displacement relative to the largest displacement, the worst of unit poses (each column
+    /// alone, 64 of them at most) and of all columns together, each as strong as the others, with several signs. 0 without columns.
     [[nodiscard]] double error() const { return error_; }
 
 private:
@@ -46,7 +46,7 @@ private:
     AlignedBuffer<std::byte> response_;
     AlignedBuffer<float> rest_;
     std::vector<std::int32_t> first_;
-    Eigen::MatrixXd modesOf_, affineOf_;  // #modes x #columns, 12 x #columns: what v is multiplied with
+    Eigen::MatrixXd modesOf_, affineOf_;  // #modes x #columns, 12 x #columns: what v is multiplied with; empty: modes are columns
     Eigen::VectorXd modal_;               // of the last v
     AffineFloat affine_ = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     std::vector<double> scale_;           // per mode: metres per unit of an entry

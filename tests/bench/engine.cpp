@@ -19,6 +19,7 @@
 #include "core/base/parallel.h"
 #include "core/character/aligned_buffer.h"
 #include "core/character/character.h"
+#include "core/character/frame_crew.h"
 #include "core/character/normal_stencils.h"
 #include "core/character/response_blocks.h"
 #include "tests/bench/reference_loops.h"
@@ -416,22 +417,33 @@ void million() {
     std::vector<int> crews = {1};
     if (processors > 1) crews.push_back(processors);
     std::printf("\n%.0f vertices, 12 columns: product and placement against the memory triad (target: 80 %% of it)\n", vertices);
-    std::printf("%-10s %8s %12s %10s %14s %12s\n", "format", "threads", "ms", "GB/s", "of the triad", "error unit");
+    std::printf("%-10s %8s %12s %10s %10s %14s %12s\n", "format", "threads", "ms", "GB/s", "triad", "of the triad", "error unit");
+    constexpr std::size_t kTriad = std::size_t(1) << 25;
+    AlignedBuffer<float> a(kTriad), b(kTriad), c(kTriad);
     const Eigen::VectorXd v = tube.pose(0.5, 0.1);
     for (const auto format : kFormats) {
         ResponseBlocks blocks(tube.mesh.vertices, tube.all, Vec3::Zero(), tube.response, format);
         AlignedBuffer<float> positions(3 * (tube.all.size() + kVertexBlock));
         blocks.weigh(v);
         for (const int threads : crews) {
-            const double triad = triadRate(threads);
-            const std::size_t grain = (blocks.count() + threads - 1) / static_cast<std::size_t>(threads);
-            const auto ms = inTurn(30, {[&] {
-                parallelFor(threads, blocks.count(), grain, [&](std::size_t begin, std::size_t end) {
-                    evaluateAndPlace(blocks.view(), blocks.weights(), kTurned, begin, end, nullptr, positions.data());
-                });
-            }});
-            const double bytes = static_cast<double>(blocks.responseBytes()) + 24.0 * vertices, rate = bytes / ms[0] * 1e-6;
-            std::printf("%-10s %8d %12.3f %10.1f %12.0f %% %12.1e\n", formatName(format).c_str(), threads, ms[0], rate, 100 * rate / triad, blocks.error());
+            FrameCrew crew(threads);
+            const auto part = [](std::size_t i, std::size_t parts, std::size_t count) { return count * i / parts; };
+            constexpr std::size_t kPieces = 512;
+            const auto ms = inTurn(12, {[&] {
+                                            crew.run(kPieces, [&](std::size_t i) {
+                                                const std::size_t begin = kTriad / kPieces * i;
+                                                reference::triad(a.data() + begin, b.data() + begin, c.data() + begin, 0.5f, kTriad / kPieces);
+                                            });
+                                        },
+                                        [&] {
+                                            crew.run(kPieces, [&](std::size_t i) {
+                                                evaluateAndPlace(blocks.view(), blocks.weights(), kTurned, part(i, kPieces, blocks.count()),
+                                                                 part(i + 1, kPieces, blocks.count()), nullptr, positions.data());
+                                            });
+                                        }});
+            const double bytes = static_cast<double>(blocks.responseBytes()) + 24.0 * vertices, rate = bytes / ms[1] * 1e-6, triad = 12.0 * kTriad / ms[0] * 1e-6;
+            std::printf("%-10s %8d %12.3f %10.1f %10.1f %12.0f %% %12.1e\n", formatName(format).c_str(), threads, ms[1], rate, triad, 100 * rate / triad,
+                        blocks.error());
         }
     }
 
