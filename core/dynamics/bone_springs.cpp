@@ -18,7 +18,9 @@ namespace {
 // Parts of a bone's kinematic length below which its direction and its arm mean nothing. The potential keeps bones far longer.
 constexpr double kCollapsed = 1e-2;
 // A bone that turned farther than this from its kinematic direction (1 + cosine) has no rotation of least angle to speak of.
-constexpr double kOpposite = 1e-8;
+constexpr double kOpposite = 1e-6;
+// Steps of Newton count on less: the true stiffness there is without bounds.
+constexpr double kNearlyOpposite = 1e-2;
 // Beyond the stretch limits of a bone another spring pushes back, stiff to the eye.
 constexpr double kLimitHertz = 20.0;
 constexpr double kLimitDamping = 0.5;
@@ -214,12 +216,17 @@ Vec3 BoneSprings::carried(const Swing& swing, const BoneTargets& targets) const 
     return turned(targets.direction[swing.parent], arms_[swing.parent].direction, targets.direction[swing.child]);
 }
 
-// m by which a bone is too long, or negative by which too short. What the kinematic pose asks for is within the limits.
-double BoneSprings::beyondLimits(std::size_t b, const BoneTargets& targets) const {
+// The spring that keeps a bone within its stretch limits. What the kinematic pose asks for is within them. Beyond the upper limit it is linear, below
+// the lower one it is a bone's potential again, which nothing collapses.
+BoneSprings::Limit BoneSprings::limit(std::size_t b, const BoneTargets& targets) const {
     const auto& bone = skeleton_.bones[b];
+    const double length = arms_[b].length, k = limit_[b].stiffness;
     const double most = std::max(bone.maxStretch * bone.length, targets.length[b]);
+    if (length > most) return {0.5 * k * (length - most) * (length - most), k * (length - most), k, limit_[b].damping};
     const double least = std::min(bone.minStretch * bone.length, targets.length[b]);
-    return std::max(arms_[b].length - most, 0.0) - std::max(least - arms_[b].length, 0.0);
+    if (length >= least) return {};
+    const double r = length / least, r3 = 1.0 / (r * r * r);
+    return {0.125 * k * least * least * (r - 1.0 / r) * (r - 1.0 / r), 0.25 * k * least * (r - r3), 0.25 * k * (1.0 + 3.0 * r3 / r), limit_[b].damping};
 }
 
 double BoneSprings::energy(const std::vector<Vec3>& x, const BoneTargets& targets) const {
@@ -228,8 +235,7 @@ double BoneSprings::energy(const std::vector<Vec3>& x, const BoneTargets& target
     for (std::size_t b = 0; b < arms_.size(); ++b) {
         const double length = targets.length[b], r = arms_[b].length / length;
         const double strain = 0.5 * (r - 1.0 / r) * length;
-        const double over = beyondLimits(b, targets);
-        sum += 0.5 * (stretch_[b].stiffness * strain * strain + limit_[b].stiffness * over * over);
+        sum += 0.5 * stretch_[b].stiffness * strain * strain + limit(b, targets).energy;
     }
     for (const auto& swing : swings_) {
         if (!swing.active) continue;
@@ -261,21 +267,23 @@ void BoneSprings::forces(const std::vector<Vec3>& x, const std::vector<Vec3>& v,
         const Matrix3d c = cross(u);
         arm.turn = c / arm.length;
         const Vec3& from = targets.direction[b];
-        arm.carries = (c - u * (from.cross(u) / std::max(1.0 + from.dot(u), kOpposite)).transpose()) / arm.length;
+        const Vec3 across = from.cross(u);
+        const double open = 1.0 + from.dot(u);
+        arm.carries = (c - u * (across / std::max(open, kOpposite)).transpose()) / arm.length;
+        arm.carriesAbout = open < kNearlyOpposite ? Matrix3d((c - u * (across / kNearlyOpposite).transpose()) / arm.length) : arm.carries;
 
         const double length = targets.length[b], r = arm.length / length, r3 = 1.0 / (r * r * r);
-        const double over = beyondLimits(b, targets);
-        const Gain limit = over != 0.0 ? limit_[b] : Gain{};
-        const double k = 0.25 * stretch_[b].stiffness, d = stretch_[b].damping + limit.damping;
+        const Limit stop = limit(b, targets);
+        const double k = 0.25 * stretch_[b].stiffness, d = stretch_[b].damping + stop.damping;
         double rate = (v[bone.end] - v[bone.start]).dot(u);
         if (motion.from) rate -= (motion.to->length[b] - motion.from->length[b]) / motion.seconds;
-        const double spring = k * length * (r - r3) + limit.stiffness * over;
+        const double spring = k * length * (r - r3) + stop.force;
         const Vec3 pull = (spring + d * rate) * u;
         force[bone.start] += pull;
         force[bone.end] -= pull;
         if (!system) continue;
         const Matrix3d along = u * u.transpose();
-        const Matrix3d h = (k * (1.0 + 3.0 * r3 / r) + limit.stiffness + d / seconds) * along + std::max(spring, 0.0) / arm.length * (eye - along);
+        const Matrix3d h = (k * (1.0 + 3.0 * r3 / r) + stop.stiffness + d / seconds) * along + std::max(spring, 0.0) / arm.length * (eye - along);
         add(*system, bone.start, bone.start, h, freedom, normal);
         add(*system, bone.end, bone.end, h, freedom, normal);
         add(*system, bone.start, bone.end, -h, freedom, normal);
@@ -311,8 +319,8 @@ void BoneSprings::forces(const std::vector<Vec3>& x, const std::vector<Vec3>& v,
         const Matrix3d cc = child.turn.transpose() * wc;
         Matrix3d pp = Matrix3d::Zero(), pc = pp;
         if (parent) {
-            pp.noalias() = parent->carries.transpose() * (w * parent->carries);
-            pc.noalias() = -parent->carries.transpose() * wc;
+            pp.noalias() = parent->carriesAbout.transpose() * (w * parent->carriesAbout);
+            pc.noalias() = -parent->carriesAbout.transpose() * wc;
         }
         for (int i = 0; i < swing.count; ++i)
             for (int j = 0; j <= i; ++j) {

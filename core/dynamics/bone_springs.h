@@ -79,7 +79,10 @@ private:
         int held = 0;
     };
     [[nodiscard]] Side beyond(int from, int to) const;
-    [[nodiscard]] double beyondLimits(std::size_t bone, const BoneTargets& targets) const;
+    struct Limit {
+        double energy = 0.0, force = 0.0, stiffness = 0.0, damping = 0.0;  // J, N, N/m, N s/m
+    };
+    [[nodiscard]] Limit limit(std::size_t bone, const BoneTargets& targets) const;
     [[nodiscard]] Vec3 carried(const Swing& swing, const BoneTargets& targets) const;
     void add(BlockCholesky& system, int i, int j, const Eigen::Matrix3d& block, const std::vector<Freedom>& freedom, const Vec3& normal) const;
 
@@ -104,6 +107,7 @@ private:
         double length = 0.0;
         Eigen::Matrix3d turn;     // rotation of the bone by the difference of its ends' moves
         Eigen::Matrix3d carries;  // rotation of what it carries
+        Eigen::Matrix3d carriesAbout;  // the same, bounded
     };
     void arms(const std::vector<Vec3>& x, const BoneTargets& targets) const;
     mutable std::vector<Arm> arms_;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <random>
 #include <vector>
 
@@ -119,9 +120,9 @@ bool million(long count) {
             const double seconds = 1.0 / pick(rates);
             for (auto& hold : holds) hold.target += std::min(12.0 * seconds, 0.5) * Vec3(d(random), d(random), d(random));
             ik.solve(holds, pose);
-            const auto from = Clock::now();
+            const std::clock_t from = std::clock();
             dynamics.step(seconds, pose, holds);
-            slowest = std::max(slowest, microseconds(from));
+            slowest = std::max(slowest, 1e6 * static_cast<double>(std::clock() - from) / CLOCKS_PER_SEC);
             if (dynamics.warnings() & static_cast<unsigned>(DynamicsWarning::StepRefused)) ++refused;
             for (const auto& p : dynamics.pose().points) {
                 if (!allFinite(p)) return false;
