@@ -44,9 +44,9 @@ public:
         const BoneTargets* to = nullptr;
         double seconds = 1.0;
     };
-    /// Adds to `force` (N per joint point) what springs and dampers do at positions x and velocities v. With `system` it adds to the upper part of
-    /// -d force / d x - d force / d v / seconds, made positive semidefinite, between points that are not fixed; on the plane with that
-    /// unit `normal` only within it.
+    /// Adds to `force` (N per joint point) what springs and dampers do at positions x and velocities v. With `system` it adds
+    /// -d force / d x - d force / d v / seconds to it, made positive semidefinite, between points that are not fixed; for those on the plane with that
+    /// unit `normal` only within the plane.
     void forces(const std::vector<Vec3>& x, const std::vector<Vec3>& v, const BoneTargets& targets, const Motion& motion, std::vector<Vec3>& force,
                 BlockCholesky* system, double seconds, const std::vector<Freedom>& freedom, const Vec3& normal);
 
