@@ -10,7 +10,7 @@ namespace imomushi {
 namespace {
 
 constexpr std::size_t kStride = 3 * kVertexBlock;
-// The largest entry of a column in each format. Half: just below a power of two, where its steps are smallest for what they carry.
+// The largest entry of a mode in each format. Half: just below a power of two, where its steps are smallest for what they carry.
 constexpr double kLargestHalf = 65504.0, kLargestInt16 = 32767.0;
 // Sums of products stay within 32 bits: entries up to kLargestInt16 times weights whose absolute values add up to this at most.
 constexpr double kWeightSum = 65535.0 - kColumnGroup;
@@ -43,8 +43,7 @@ ResponseBlocks::ResponseBlocks(const Points& vertices, const std::vector<std::in
             rest_[k * kStride + axis * kVertexBlock + (free[i] - first_[k])] = static_cast<float>(rest(static_cast<Eigen::Index>(i), axis));
     }
     if (response.cols() == 0 || free.empty()) return;
-    Eigen::MatrixXd modes = findModes(rest, response);
-    pack(free, modes);
+    pack(free, findModes(rest, response));
     error_ = measure(static_cast<std::size_t>(vertices.rows()), free, rest, response);
 }
 
@@ -90,7 +89,8 @@ Eigen::MatrixXd ResponseBlocks::findModes(const Points& rest, const Eigen::Matri
         modesOf_.row(n++) = part.cwiseProduct(size).transpose();
     }
     modesOf_.conservativeResize(n, columns);
-    return kept.leftCols(n);
+    kept.conservativeResize(Eigen::NoChange, n);
+    return kept;
 }
 
 void ResponseBlocks::pack(const std::vector<std::int32_t>& free, const Eigen::MatrixXd& modes) {

@@ -7,11 +7,10 @@
 
 namespace imomushi {
 
-/// The number format of A' in the frame. Every column has a scale of its own.
+/// The number format of A' in the frame, where it is kept as modes (response_blocks.h) with a scale of their own each.
 ///   Float: 4 bytes per entry, rounding of single precision.
-///   Half:  2 bytes per entry, 11 bits: at most 2.5e-4 of the largest displacement of a column.
-///   Int16: 2 bytes per entry, 16 bits: at most 1.6e-5 of the largest displacement of a column. Products are summed in integers, two columns
-///          at a time, which makes it the fastest where responses are in the caches.
+///   Half:  2 bytes per entry, 11 bits: coordinates within 2.5e-4 of the largest displacement of a mode.
+///   Int16: 2 bytes per entry, 16 bits: within 1.6e-5 of it. Products are summed in integers, two modes at a time, which makes it the fastest.
 enum class ResponseFormat { Float, Half, Int16 };
 
 /// "float", "half", "int16". Errors: "bad-value" with the names there are.

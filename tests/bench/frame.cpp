@@ -54,14 +54,15 @@ int main() {
     shape.tips = true;
     CharacterInput input = caterpillar::make(shape);
     int vertices = 0, columns = 0;
-    double bytes = 0.0, triangles = 0.0;
+    double triangles = 0.0;
     for (const auto& e : input.elements) {
         vertices += static_cast<int>(e.mesh->body.vertices.rows());
         triangles += static_cast<double>(e.mesh->body.triangles.rows());
         columns += e.response->columns();
-        bytes += 4.0 * static_cast<double>(e.response->response.size());
     }
     auto character = Character::build(std::move(input)).value();
+    double bytes = 0.0;
+    for (int e = 0; e < 5; ++e) bytes += static_cast<double>(character.memory(e).response);
     Pose pose = restPose(character.input().skeleton);
     std::vector<Hold> holds = {{0, Vec3::Zero()}, {5, Vec3(0, 0, 5)}};
 
