@@ -549,7 +549,7 @@ void InspectorPanel::buildPrecompute(const SelectionItem& item) {
             fact(tr("Mapping error"), [percent](const ElementResponse& r) { return percent(r.quality.mappingError); });
             fact(tr("Shape error"), [percent](const ElementResponse& r) { return percent(r.quality.shapeError); });
         }
-        fact(tr("Time taken"), [](const ElementResponse& r) { return durationText(r.quality.seconds); });
+        fact(tr("Time taken"), [](const ElementResponse& r) { return r.quality.seconds > 0.0 ? durationText(r.quality.seconds) : tr("not known"); });  // files do not tell
         addShared();
         fact(tr("Solved with"), [](const ElementResponse& r) {
             const QLocale locale;
