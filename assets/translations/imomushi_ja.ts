@@ -880,6 +880,26 @@
             <translation>すべて（面の頂点ごとに 3）</translation>
         </message>
         <message>
+            <source>Number format</source>
+            <translation>数値の形式</translation>
+        </message>
+        <message>
+            <source>Float (4 bytes)</source>
+            <translation>浮動小数点数（4 バイト）</translation>
+        </message>
+        <message>
+            <source>Half (2 bytes)</source>
+            <translation>半精度（2 バイト）</translation>
+        </message>
+        <message>
+            <source>Integer (2 bytes)</source>
+            <translation>整数（2 バイト）</translation>
+        </message>
+        <message>
+            <source>Format error</source>
+            <translation>形式による誤差</translation>
+        </message>
+        <message>
             <source>All (%1)</source>
             <translation>すべて (%1)</translation>
         </message>

@@ -687,6 +687,12 @@ Character::Memory Character::memory(int element) const {
 
 double Character::formatError(int element) const { return state_->elements[element].blocks.error(); }
 
+double Character::formatError() const {
+    double worst = 0.0;
+    for (std::size_t e = 0; e < state_->elements.size(); ++e) worst = std::max(worst, formatError(static_cast<int>(e)));
+    return worst;
+}
+
 double Character::shrink(int joint) const { return state_->joints[joint].shrink; }
 
 Points deformElement(const ElementMesh& mesh, const std::vector<JointFace>& faces, const ElementResponse& response, const Eigen::VectorXd& v) {

@@ -104,6 +104,7 @@ public:
     /// Largest error of displacements that the number format of A' makes, relative to the largest displacement: the worst of the unit poses,
     /// measured when the character was built. 0 without a response.
     [[nodiscard]] double formatError(int element) const;
+    [[nodiscard]] double formatError() const;  ///< of the worst element
 
     /// Factor c of joint j in a = b = 1 + c s, s = mean outward shift of its faces in metres: the one of least elastic energy
     /// when the bones are straight (model.md section 2). 1/m, negative: a stretched joint gets thinner.

@@ -230,6 +230,8 @@ Result<CharacterPlan> planCharacter(const Document& document) {
 
     // Elements.
     plan.input.basis = document.settings.basis;
+    plan.input.format = document.settings.format;
+    plan.input.threads = document.settings.threads;
     for (const auto& [id, element] : document.elements) {
         CharacterInput::Element made;
         made.mesh = element->mesh;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/character/response_format.h"
 #include "core/joints/face_basis.h"
 #include "core/joints/joint_face.h"
 #include "core/mesh/health.h"
@@ -90,7 +91,7 @@ struct Held {
 
 struct CharacterSettings {
     BasisKind basis = BasisKind::Affine;
-    std::string format = "float";
+    ResponseFormat format = ResponseFormat::Float;
     int threads = 0;  ///< 0: as many as the machine has
     bool operator==(const CharacterSettings&) const = default;
 };

@@ -50,7 +50,7 @@ bool touchesSkeleton(const DocumentChange& change, const Document& after) {
 /// Whether the live character is made of other things than before.
 bool touchesCharacter(const DocumentChange& change, const Document& after) {
     if (touchesSkeleton(change, after)) return true;
-    if (change.settings && change.settings->basis != after.settings.basis) return true;
+    if (change.settings && !(*change.settings == after.settings)) return true;
     return std::any_of(change.elements.begin(), change.elements.end(), [&](const auto& part) {
         const Element& was = *part.second;
         const Element& is = *after.elements.at(part.first);

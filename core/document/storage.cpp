@@ -521,8 +521,9 @@ Project readProject(Database& db, std::int64_t version) {
     const auto basis = basisKind(settings.text());
     require(basis.has_value(), "the basis is unknown");
     document.settings.basis = *basis;
-    document.settings.format = settings.text();
-    require(document.settings.format == "float", "the format is unknown");
+    const auto format = responseFormat(settings.text());
+    require(format.has_value(), "the format is unknown");
+    document.settings.format = *format;
     document.settings.threads = static_cast<int>(settings.integer(0, 1024));
     document.nextId = id(settings);
     readElements(db, document);
@@ -549,7 +550,7 @@ Result<void> saveProject(const std::filesystem::path& path, const Project& proje
         const Document& document = project.document;
         {
             RowWriter settings(db, "INSERT INTO settings VALUES (?,?,?,?)");
-            settings.row(basisName(document.settings.basis), document.settings.format, document.settings.threads, document.nextId);
+            settings.row(basisName(document.settings.basis), formatName(document.settings.format), document.settings.threads, document.nextId);
         }
         std::map<const ElementMesh*, int> meshIds;
         writeMeshes(db, document, meshIds);

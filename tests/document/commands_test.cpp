@@ -185,7 +185,9 @@ TEST_CASE("set: every property is checked and what is not available is said") {
     CHECK(set("character", "basis", "modes:12") == "not-available");
     CHECK(set("character", "basis", "full") == "ok");
     CHECK(set("character", "basis", "odd") == "bad-value");
-    CHECK(set("character", "format", "half") == "not-available");
+    CHECK(set("character", "format", "half") == "ok");
+    CHECK(set("character", "format", "int16") == "ok");
+    CHECK(set("character", "format", "int4") == "bad-value");
     CHECK(set("character", "threads", 2) == "ok");
     CHECK(set("character", "threads", 1.5) == "bad-value");
     CHECK(set("gravity", "x", 1) == "no-such-target");

@@ -327,6 +327,12 @@ void InspectorPanel::buildCharacter() {
     };
     addChoice(tr("Joint modes"), {{tr("Affine (9 per face)"), "affine"}, {tr("Paper (6 per face)"), "paper"}, {tr("Full (3 per vertex of a face)"), "full"}},
               [this] { return Json(basisName(document_.document().settings.basis)); }, set("basis"));
+    addChoice(tr("Number format"), {{tr("Float (4 bytes)"), "float"}, {tr("Half (2 bytes)"), "half"}, {tr("Integer (2 bytes)"), "int16"}},
+              [this] { return Json(formatName(document_.document().settings.format)); }, set("format"));
+    addFact(tr("Format error"), [this] {
+        const Character* character = document_.session().character();
+        return character ? tr("%1 %").arg(QLocale().toString(100.0 * character->formatError(), 'g', 2)) : QStringLiteral("–");
+    });
     std::vector<std::pair<QString, Json>> threads = {{tr("All (%1)").arg(hardwareThreads()), 0}};
     for (int n = 1; n <= hardwareThreads(); ++n) threads.emplace_back(QString::number(n), n);
     addChoice(tr("Threads"), threads, [this] { return Json(document_.document().settings.threads); }, set("threads"));
