@@ -236,6 +236,60 @@ Eigen::MatrixXd BoundaryEquation::loads(int threads, const Progress& progress) c
     return out;
 }
 
+Eigen::MatrixXd BoundaryEquation::tractionLoads(const Eigen::MatrixXd& sizes, int threads, const Progress& progress) const {
+    // The vertices that carry tractions, and for each which.
+    struct Part {
+        Eigen::Index load;
+        double size;
+    };
+    std::vector<std::int32_t> column(static_cast<std::size_t>(mesh_.vertices.rows()), -1);
+    std::vector<Part> parts;
+    std::vector<std::size_t> first{0};
+    for (Eigen::Index v = 0; v < sizes.rows(); ++v) {
+        for (Eigen::Index i = 0; i < sizes.cols(); ++i)
+            if (sizes(v, i) != 0.0) parts.push_back({i, size_ * sizes(v, i)});
+        if (parts.size() == first.back()) continue;
+        column[static_cast<std::size_t>(v)] = static_cast<std::int32_t>(first.size()) - 1;
+        first.push_back(parts.size());
+    }
+    const std::size_t loaded = first.size() - 1;
+    std::vector<std::int32_t> which;
+    TriangleBatch::Columns columns;
+    for (std::int32_t f = 0; f < mesh_.triangles.rows(); ++f) {
+        std::array<std::int32_t, 3> of{};
+        bool carries = false;
+        for (std::size_t c = 0; c < 3; ++c) {
+            of[c] = column[static_cast<std::size_t>(mesh_.triangles(f, static_cast<Eigen::Index>(c)))];
+            carries |= of[c] >= 0;
+            if (of[c] < 0) of[c] = static_cast<std::int32_t>(loaded);
+        }
+        if (!carries || inPatch_[static_cast<std::size_t>(f)]) continue;
+        which.push_back(f);
+        columns.corner.push_back({0, 0, 0});
+        columns.traction.push_back(of);
+    }
+    const TriangleBatch batch(mesh_, which, columns);
+
+    Eigen::MatrixXd out(3 * nodes(), 3 * sizes.cols());
+    parallelFor(threads, static_cast<std::size_t>(nodes()), kRowGrain, [&](std::size_t begin, std::size_t end) {
+        if (progress.cancelled()) return;
+        std::array<double, 9> unread{};
+        std::vector<double> g;
+        Eigen::Matrix<double, 3, Eigen::Dynamic> row(3, out.cols());
+        for (auto node = static_cast<std::int32_t>(begin); node < static_cast<std::int32_t>(end); ++node) {
+            g.assign(9 * (loaded + 1), 0.0);
+            addBlocks(batch, position(node), nu_, unread.data(), g.data());
+            row.setZero();
+            for (std::size_t v = 0; v < loaded; ++v) {
+                const Eigen::Map<const Eigen::Matrix3d> block(g.data() + 9 * v);  // symmetric
+                for (std::size_t i = first[v]; i < first[v + 1]; ++i) row.middleCols<3>(3 * parts[i].load) += parts[i].size * block;
+            }
+            out.middleRows<3>(3 * node) = row;
+        }
+    });
+    return out;
+}
+
 double BoundaryEquation::shareBySurface(std::int32_t node) const {
     thread_local std::vector<double> unread;
     unread.assign(9 * (static_cast<std::size_t>(nodes()) + 1), 0.0);

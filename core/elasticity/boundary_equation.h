@@ -50,6 +50,7 @@ public:
 
     /// The same part of the full solid angle as innerShare(), by all triangles.
     [[nodiscard]] double shareBySurface(std::int32_t node) const;
+    [[nodiscard]] std::int32_t vertices() const { return static_cast<std::int32_t>(mesh_.vertices.rows()); }
     [[nodiscard]] std::int32_t triangles() const { return static_cast<std::int32_t>(mesh_.triangles.rows()); }
 
     /// -H_J u_J: 3 nodes() x k for the displacements of the held vertices, 3 heldCount() x k. The same bytes for any number of threads. Unfinished
@@ -61,6 +62,11 @@ public:
     /// inside). The displacement is in the body's unit of length. The same bytes for any number of threads. Unfinished when cancelled.
     static constexpr int kLoads = 4;
     [[nodiscard]] Eigen::MatrixXd loads(int threads, const Progress& progress) const;
+
+    /// What tractions on the free surface add to the right side with the held vertices at rest: 3 nodes() x 3 k for `sizes`, #V x k. Column 3 i + axis: a
+    /// traction along that axis over the shear modulus, sizes(v, i) at vertex v of the mesh and linear on each triangle that is not held. Time grows with the
+    /// vertices that carry any. The same bytes for any number of threads. Unfinished when cancelled.
+    [[nodiscard]] Eigen::MatrixXd tractionLoads(const Eigen::MatrixXd& sizes, int threads, const Progress& progress) const;
 
     [[nodiscard]] Vec3 position(std::int32_t node) const override { return points_.row(node).transpose(); }
     [[nodiscard]] Box support(std::int32_t node) const override;

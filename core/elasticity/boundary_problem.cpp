@@ -145,6 +145,8 @@ struct MachineRates {
 constexpr double kAssemblyOverhead = 1.3;
 /// Beside the products: panels, exchanges of rows, threads that wait at the end.
 constexpr double kFactorOverhead = 1.3;
+/// Seeing a triangle with its tractions, in pairs of the assembly.
+constexpr double kTractionPairs = 2.0;
 /// Joint faces hold about this share of an element's vertices.
 constexpr double kUsualHeldShare = 0.15;
 
@@ -217,8 +219,9 @@ struct BoundaryProblem::State {
     Result<double> assemble(const Progress& progress);
     Result<void> buildDense(const Progress& progress);
     Result<void> buildHierarchical(const Progress& progress);
-    Result<Eigen::MatrixXd> solveDense(const Eigen::MatrixXd& held, bool withLoads, const Progress& progress);
-    Result<Eigen::MatrixXd> solveHierarchical(const Eigen::MatrixXd& held, bool withLoads, const Progress& progress);
+    void putLoads(const Loads& loads, const Progress& progress, Eigen::Ref<Eigen::MatrixXd> to) const;
+    Result<Eigen::MatrixXd> solveDense(const Eigen::MatrixXd& held, const Loads& loads, const Progress& progress);
+    Result<Eigen::MatrixXd> solveHierarchical(const Eigen::MatrixXd& held, const Loads& loads, const Progress& progress);
 };
 
 /// Compares the solid angle by the whole surface with that by the triangles around the node.
@@ -409,18 +412,20 @@ Result<void> BoundaryProblem::State::buildHierarchical(const Progress& progress)
     return {};
 }
 
-Result<BoundaryProblem::Solution> BoundaryProblem::solve(const Eigen::MatrixXd& held, bool withLoads, const Progress& progress) {
+Result<BoundaryProblem::Solution> BoundaryProblem::solve(const Eigen::MatrixXd& held, const Loads& loads, const Progress& progress) {
     State& s = *state_;
     if (held.rows() != 3 * s.equation->heldCount()) return fail("bad-value", "The displacements do not match the held vertices.");
     if (!finite(held)) return fail("bad-value", "A prescribed displacement is not finite.");
+    if (loads.tractions && (loads.tractions->rows() != s.equation->vertices() || !finite(*loads.tractions)))
+        return fail("bad-value", "The tractions do not match the vertices, or are not finite.");
     const auto start = Clock::now();
-    auto x = s.hierarchical ? s.solveHierarchical(held, withLoads, progress) : s.solveDense(held, withLoads, progress);
+    auto x = s.hierarchical ? s.solveHierarchical(held, loads, progress) : s.solveDense(held, loads, progress);
     if (!x && x.error().code == kInaccurate && s.hierarchical && s.denseBytes() <= availableMemory()) {
         // What a coarse preconditioner cannot solve, factors of the whole matrix may.
         s.hierarchical.reset();
         s.quality.hierarchical = false;
         if (auto ok = s.buildDense(progress); !ok) return tl::make_unexpected(ok.error());
-        x = s.solveDense(held, withLoads, progress);
+        x = s.solveDense(held, loads, progress);
     }
     s.quality.solveSeconds += secondsSince(start);
     if (!x) return tl::make_unexpected(x.error());
@@ -432,17 +437,18 @@ Result<BoundaryProblem::Solution> BoundaryProblem::solve(const Eigen::MatrixXd& 
     return solution;
 }
 
-Result<BoundaryProblem::Solution> BoundaryProblem::solve(const Eigen::MatrixXd& held, const Progress& progress) { return solve(held, false, progress); }
+Result<BoundaryProblem::Solution> BoundaryProblem::solve(const Eigen::MatrixXd& held, const Progress& progress) { return solve(held, Loads{}, progress); }
 
-Result<BoundaryProblem::Solution> BoundaryProblem::solveWithLoads(const Eigen::MatrixXd& held, const Progress& progress) {
-    return solve(held, true, progress);
+void BoundaryProblem::State::putLoads(const Loads& loads, const Progress& progress, Eigen::Ref<Eigen::MatrixXd> to) const {
+    if (loads.body) to.leftCols(BoundaryEquation::kLoads) = equation->loads(threads, progress);
+    if (loads.tractions) to.rightCols(3 * loads.tractions->cols()) = equation->tractionLoads(*loads.tractions, threads, progress);
 }
 
-Result<Eigen::MatrixXd> BoundaryProblem::State::solveHierarchical(const Eigen::MatrixXd& held, bool withLoads, const Progress& progress) {
+Result<Eigen::MatrixXd> BoundaryProblem::State::solveHierarchical(const Eigen::MatrixXd& held, const Loads& loads, const Progress& progress) {
     Eigen::MatrixXd x = equation->rightHandSides(held, threads, progress);
-    if (withLoads) {
-        x.conservativeResize(Eigen::NoChange, held.cols() + BoundaryEquation::kLoads);
-        x.rightCols(BoundaryEquation::kLoads) = equation->loads(threads, progress);
+    if (loads.columns() > 0) {
+        x.conservativeResize(Eigen::NoChange, held.cols() + loads.columns());
+        putLoads(loads, progress, x.rightCols(loads.columns()));
     }
     if (progress.cancelled()) return fail(kCancelled, "The precompute was cancelled.");
     if (auto ok = hierarchical->solve(x, kHierarchicalGoal, progress); !ok) return tl::make_unexpected(ok.error());
@@ -452,16 +458,16 @@ Result<Eigen::MatrixXd> BoundaryProblem::State::solveHierarchical(const Eigen::M
     return x;
 }
 
-Result<Eigen::MatrixXd> BoundaryProblem::State::solveDense(const Eigen::MatrixXd& held, bool withLoads, const Progress& progress) {
+Result<Eigen::MatrixXd> BoundaryProblem::State::solveDense(const Eigen::MatrixXd& held, const Loads& loads, const Progress& progress) {
     const std::int32_t n = unknowns(), known = 3 * equation->heldCount();
     const auto prescribed = static_cast<std::int32_t>(held.cols());
-    const std::int32_t k = prescribed + (withLoads ? BoundaryEquation::kLoads : 0);
+    const auto k = static_cast<std::int32_t>(prescribed + loads.columns());
     const auto cancelled = [] { return fail(kCancelled, "The precompute was cancelled."); };
 
     Eigen::MatrixXd right(n, k), x = Eigen::MatrixXd::Zero(n, k);
     if (!subtractProduct(heldH.data(), static_cast<std::size_t>(known), n, known, held.data(), prescribed, right.data(), true, threads, progress))
         return cancelled();
-    if (withLoads) right.rightCols(BoundaryEquation::kLoads) = equation->loads(threads, progress);
+    putLoads(loads, progress, right.rightCols(loads.columns()));
     if (progress.cancelled()) return cancelled();
     const Eigen::VectorXd rightNorm = right.colwise().norm();
 
@@ -496,19 +502,22 @@ Result<Eigen::MatrixXd> BoundaryProblem::State::solveDense(const Eigen::MatrixXd
     return x;
 }
 
-BoundaryProblem::Estimate BoundaryProblem::estimate(int nodes, int triangles, int columns, int threads) {
+BoundaryProblem::Estimate BoundaryProblem::estimate(int nodes, int triangles, int columns, int threads, int tractions) {
     Estimate out;
     if (nodes <= 0) return out;
+    columns += tractions;
     const MachineRates rates = machineRates();
     const double n = 3.0 * nodes, crew = std::clamp(threads, 1, hardwareThreads());
     if (nodes > kDenseNodes) {
         const double times = nodes / kMeasuredNodes;
         out.seconds = rates.secondsPerPair * kMeasuredPairs * std::pow(times, kTimeExponent) / crew;
+        if (tractions > 0) out.seconds += rates.secondsPerPair * kTractionPairs * static_cast<double>(nodes) * triangles / crew;
         out.bytes = static_cast<std::size_t>(kMeasuredBytes * std::pow(times, kMemoryExponent) + 40.0 * n * columns);
         return out;
     }
     const double pairs = static_cast<double>(nodes) * triangles;
     out.seconds = (rates.secondsPerPair * kAssemblyOverhead * pairs + 2.0 / 3.0 * n * n * n / rates.flops * kFactorOverhead) / crew;
+    if (tractions > 0) out.seconds += rates.secondsPerPair * kTractionPairs * pairs / crew;
     // Estimating the condition (about ten triangles with one column), then solving and refining (three rounds), all bound by memory.
     const double passes = 10.0 * 2.0 * n * n + 3.0 * (4.0 + 8.0) * n * n;
     out.seconds += passes / rates.bytesPerSecond + 8.0 * 4.0 * n * n * columns / (rates.flops * crew);

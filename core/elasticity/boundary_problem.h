@@ -47,8 +47,8 @@ public:
         double seconds = 0.0;
         std::size_t bytes = 0;
     };
-    /// `nodes`: vertices and bubbles together.
-    static Estimate estimate(int nodes, int triangles, int columns, int threads);
+    /// `nodes`: vertices and bubbles together. `tractions`: columns of tractionLoads(), besides `columns`.
+    static Estimate estimate(int nodes, int triangles, int columns, int threads, int tractions = 0);
 
     BoundaryProblem(BoundaryProblem&&) noexcept;
     BoundaryProblem& operator=(BoundaryProblem&&) noexcept;
@@ -63,8 +63,16 @@ public:
         Eigen::MatrixXd traction;
     };
     Result<Solution> solve(const Eigen::MatrixXd& held, const Progress& progress);
-    /// The same with more columns after the k of `held`: BoundaryEquation::loads(), the held vertices at rest.
-    Result<Solution> solveWithLoads(const Eigen::MatrixXd& held, const Progress& progress);
+    /// Loads with the held vertices at rest, each as more columns after those of `held`.
+    struct Loads {
+        bool body = false;                           ///< BoundaryEquation::loads()
+        const Eigen::MatrixXd* tractions = nullptr;  ///< #V x p, then BoundaryEquation::tractionLoads(), 3 p columns; null: none
+        [[nodiscard]] Eigen::Index columns() const { return (body ? BoundaryEquation::kLoads : 0) + (tractions ? 3 * tractions->cols() : 0); }
+    };
+    /// The same with the columns of loads after the k of `held`.
+    Result<Solution> solve(const Eigen::MatrixXd& held, const Loads& loads, const Progress& progress);
+    /// With all body loads.
+    Result<Solution> solveWithLoads(const Eigen::MatrixXd& held, const Progress& progress) { return solve(held, Loads{true, nullptr}, progress); }
 
     [[nodiscard]] const std::vector<std::int32_t>& freeVertices() const;  ///< ascending
     [[nodiscard]] const SolveQuality& quality() const;
@@ -72,7 +80,6 @@ public:
 private:
     struct State;
     explicit BoundaryProblem(std::unique_ptr<State> state);
-    Result<Solution> solve(const Eigen::MatrixXd& held, bool withLoads, const Progress& progress);
     std::unique_ptr<State> state_;
 };
 
