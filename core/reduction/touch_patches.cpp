@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/reduction/touch_patches.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <queue>
+#include <utility>
+
+#include "core/mesh/topology.h"
+#include "core/reduction/mesh_pieces.h"
+
+namespace imomushi {
+namespace {
+
+constexpr double kFar = std::numeric_limits<double>::infinity();
+/// Bumps reach this many times as far as the farthest place is from its nearest centre: four or five overlap, and where the most distant two meet both
+/// still have half of their height.
+constexpr double kOverlap = 1.8;
+/// Fewer vertices to a bump would make it as pointed as a single one.
+constexpr std::size_t kVerticesPerPatch = 4;
+
+/// Distances along some of the triangles of a mesh.
+class Surface {
+public:
+    Surface(const TriangleMesh& mesh, const std::vector<char>& which) : mesh_(mesh), first_(static_cast<std::size_t>(mesh.vertices.rows()) + 1, 0) {
+        const auto each = [&](const auto& visit) {
+            for (std::int32_t f = 0; f < mesh.triangles.rows(); ++f)
+                if (which[static_cast<std::size_t>(f)])
+                    for (int c = 0; c < 3; ++c) visit(static_cast<std::size_t>(mesh.triangles(f, c)), f, c);
+        };
+        each([&](std::size_t v, std::int32_t, int) { ++first_[v + 1]; });
+        std::partial_sum(first_.begin(), first_.end(), first_.begin());
+        corners_.resize(first_.back());
+        std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
+        each([&](std::size_t v, std::int32_t f, int c) { corners_[next[v]++] = {f, c}; });
+        distance_.assign(first_.size() - 1, kFar);
+    }
+
+    [[nodiscard]] bool has(std::size_t v) const { return first_[v + 1] > first_[v]; }
+
+    /// visit(v, distance) for every vertex nearer than `reach` to `from`, nearest first; does not go on beyond those where it returns false.
+    template <class Visit>
+    void spread(std::int32_t from, double reach, const Visit& visit) {
+        using Entry = std::pair<double, std::int32_t>;
+        std::priority_queue<Entry, std::vector<Entry>, std::greater<>> front;
+        touched_.clear();
+        const auto offer = [&](std::int32_t v, double d) {
+            double& known = distance_[static_cast<std::size_t>(v)];
+            if (!(d < known) || !(d < reach)) return;
+            if (known == kFar) touched_.push_back(v);
+            known = d;
+            front.emplace(d, v);
+        };
+        offer(from, 0.0);
+        while (!front.empty()) {
+            const auto [d, v] = front.top();
+            front.pop();
+            if (d > distance_[static_cast<std::size_t>(v)] || !visit(v, d)) continue;
+            for (std::size_t i = first_[static_cast<std::size_t>(v)]; i < first_[static_cast<std::size_t>(v) + 1]; ++i) {
+                const auto& [f, c] = corners_[i];
+                const std::int32_t p = mesh_.triangles(f, (c + 1) % 3), q = mesh_.triangles(f, (c + 2) % 3);
+                offer(p, d + length(v, p));
+                offer(q, d + length(v, q));
+                offer(q, across(v, p, q));
+                offer(p, across(v, q, p));
+            }
+        }
+        for (const std::int32_t v : touched_) distance_[static_cast<std::size_t>(v)] = kFar;
+    }
+
+private:
+    [[nodiscard]] Vec3 at(std::int32_t v) const { return mesh_.vertices.row(v).transpose(); }
+    [[nodiscard]] double length(std::int32_t a, std::int32_t b) const { return (at(a) - at(b)).norm(); }
+    /// The distance of c straight through triangle a b c, from a source beyond side a b with these distances in its plane; infinite where there is none.
+    [[nodiscard]] double across(std::int32_t a, std::int32_t b, std::int32_t c) const {
+        const double da = distance_[static_cast<std::size_t>(a)], db = distance_[static_cast<std::size_t>(b)];
+        if (db == kFar) return kFar;
+        const Vec3 side = at(b) - at(a), to = at(c) - at(a);
+        const double l = side.norm(), x = to.dot(side) / l, y = std::sqrt(std::max(0.0, to.squaredNorm() - x * x));
+        const double sx = (da * da - db * db + l * l) / (2.0 * l), square = da * da - sx * sx;
+        if (!(square >= 0.0)) return kFar;
+        const double sy = std::sqrt(square);  // below the side
+        if (!(y + sy > 0.0)) return kFar;
+        const double crossing = sx + (x - sx) * sy / (y + sy);
+        return crossing >= 0.0 && crossing <= l ? std::hypot(x - sx, y + sy) : kFar;
+    }
+
+    const TriangleMesh& mesh_;
+    std::vector<std::size_t> first_;
+    std::vector<std::pair<std::int32_t, int>> corners_;  ///< triangle and corner, around each vertex
+    std::vector<double> distance_;
+    std::vector<std::int32_t> touched_;
+};
+
+}  // namespace
+
+std::vector<char> touchableTriangles(const TriangleMesh& mesh, std::span<const std::int32_t> held) {
+    int count = 0;
+    const EdgeTable edges(mesh.triangles);
+    const std::vector<std::int32_t> component = edgeComponents(mesh.triangles, edges, count);
+    const Vec3 origin = mesh.vertices.colwise().mean().transpose();
+    std::vector<double> volume(static_cast<std::size_t>(count));
+    for (std::int32_t f = 0; f < mesh.triangles.rows(); ++f)
+        volume[static_cast<std::size_t>(component[static_cast<std::size_t>(f)])] += areaVector(mesh, f).dot(Vec3(mesh.vertices.row(mesh.triangles(f, 0)).transpose()) - origin);
+    std::vector<char> out(static_cast<std::size_t>(mesh.triangles.rows()));
+    for (std::size_t f = 0; f < out.size(); ++f) out[f] = volume[static_cast<std::size_t>(component[f])] > 0.0;
+    for (const std::int32_t f : held) out[static_cast<std::size_t>(f)] = 0;
+    return out;
+}
+
+Eigen::MatrixXd TouchPatches::dense() const {
+    Eigen::MatrixXd out = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(first.size()) - 1, count());
+    for (std::size_t v = 0; v + 1 < first.size(); ++v)
+        for (auto i = static_cast<std::size_t>(first[v]); i < static_cast<std::size_t>(first[v + 1]); ++i) out(static_cast<Eigen::Index>(v), patch[i]) = weight[i];
+    return out;
+}
+
+TouchPatches touchPatches(const TriangleMesh& body, std::span<const JointFace> faces, int count) {
+    const auto vertices = static_cast<std::size_t>(body.vertices.rows());
+    TouchPatches out;
+    out.first.assign(vertices + 1, 0);
+    if (faces.empty() || count <= 0) return out;
+    std::vector<std::int32_t> held;
+    for (const JointFace& face : faces) held.insert(held.end(), face.triangles.begin(), face.triangles.end());
+    Surface surface(body, touchableTriangles(body, held));
+    std::vector<double> nearest(vertices, -1.0);  // of the centres; -1: cannot be touched
+    std::size_t touchable = 0;
+    for (std::size_t v = 0; v < vertices; ++v)
+        if (surface.has(v)) {
+            nearest[v] = kFar;
+            ++touchable;
+        }
+    const std::size_t most = std::clamp<std::size_t>(touchable / kVerticesPerPatch, 1, static_cast<std::size_t>(count));
+    // The farthest vertex; of equally far ones the first.
+    const auto farthest = [&] {
+        std::size_t at = 0;
+        for (std::size_t v = 1; v < vertices; ++v)
+            if (nearest[v] > (1.0 + kTie) * nearest[at] || (nearest[at] <= 0.0 && nearest[v] > nearest[at])) at = v;
+        return at;
+    };
+    for (std::size_t next = farthest(); nearest[next] > 0.0 && (out.centre.size() < most || nearest[next] == kFar); next = farthest()) {
+        out.centre.push_back(static_cast<std::int32_t>(next));
+        surface.spread(static_cast<std::int32_t>(next), kFar, [&](std::int32_t v, double d) {
+            double& known = nearest[static_cast<std::size_t>(v)];
+            if (d >= known) return false;
+            known = d;
+            return true;
+        });
+    }
+    const double radius = nearest[farthest()];
+    if (out.centre.empty()) return out;
+
+    out.reach = kOverlap * radius;
+    std::vector<std::vector<std::pair<std::int32_t, double>>> bumps(vertices);
+    std::vector<double> sum(vertices);
+    for (std::int32_t p = 0; p < out.count(); ++p) {
+        const std::int32_t centre = out.centre[static_cast<std::size_t>(p)];
+        // Where every vertex is a centre, each is a bump.
+        surface.spread(centre, out.reach > 0.0 ? out.reach : std::numeric_limits<double>::min(), [&](std::int32_t v, double d) {
+            const double t = out.reach > 0.0 ? d / out.reach : 0.0, bump = (1.0 - t * t) * (1.0 - t * t);
+            bumps[static_cast<std::size_t>(v)].emplace_back(p, bump);
+            sum[static_cast<std::size_t>(v)] += bump;
+            return true;
+        });
+    }
+    for (std::size_t v = 0; v < vertices; ++v) {
+        for (const auto& [p, bump] : bumps[v]) {
+            out.patch.push_back(p);
+            out.weight.push_back(static_cast<float>(bump / sum[v]));
+        }
+        out.first[v + 1] = static_cast<std::int32_t>(out.patch.size());
+    }
+    return out;
+}
+
+}  // namespace imomushi
