@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/comparison/model_table.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/character/response_blocks.h"
+#include "core/comparison/previous_model.h"
+#include "core/comparison/standard_poses.h"
+#include "core/comparison/timing.h"
+
+namespace imomushi {
+
+namespace {
+
+constexpr int kRounds = 300;
+constexpr double kSeconds = 2.0;  // for each of two measurements: a hundred rounds of a large character
+
+tl::unexpected<Error> cancelled() { return fail(kCancelled, "The comparison was cancelled."); }
+
+/// Joint points that are moved about: the far ends of bones; roots stay.
+struct Swing {
+    std::vector<Hold> holds;
+    std::vector<Vec3> middle;
+    double size = 0.0;
+
+    explicit Swing(const Skeleton& skeleton) {
+        std::vector<int> uses(skeleton.points.size(), 0);
+        for (const auto& b : skeleton.bones) {
+            ++uses[b.start], ++uses[b.end];
+            size += 0.3 * b.length / static_cast<double>(skeleton.bones.size());
+        }
+        for (std::size_t p = 0; p < uses.size(); ++p)
+            if (uses[p] == 1) holds.push_back({static_cast<int>(p), skeleton.points[p]}), middle.push_back(skeleton.points[p]);
+    }
+    void move(double t) {
+        for (std::size_t i = 1; i < holds.size(); ++i)
+            holds[i].target = middle[i] + size * Vec3(std::sin(t + static_cast<double>(i)), std::sin(0.7 * t), std::sin(0.31 * t));
+    }
+};
+
+/// Vertices that are not hidden inside a joint, per element.
+std::vector<std::vector<char>> seenVertices(const CharacterInput& input) {
+    std::vector<std::vector<char>> seen, covered;
+    for (const auto& e : input.elements) {
+        seen.emplace_back(static_cast<std::size_t>(e.mesh->body.vertices.rows()), 0);
+        covered.emplace_back(static_cast<std::size_t>(e.mesh->body.triangles.rows()), 0);
+    }
+    for (const auto& joint : input.joints)
+        if (joint.faces.size() >= 2)
+            for (const auto& f : joint.faces)
+                for (const auto t : input.elements[f.element].faces[f.face].triangles) covered[f.element][t] = 1;
+    for (std::size_t e = 0; e < seen.size(); ++e)
+        for (std::size_t t = 0; t < covered[e].size(); ++t)
+            for (int c = 0; c < 3 && !covered[e][t]; ++c) seen[e][input.elements[e].mesh->body.triangles(static_cast<Eigen::Index>(t), c)] = 1;
+    return seen;
+}
+
+}  // namespace
+
+Result<ModelTable> compareModels(const CharacterInput& given, const std::vector<std::shared_ptr<const ElementResponse>>& full, const Progress& progress) {
+    if (given.skeleton.bones.empty()) return fail("no-bone", "There is no bone to move the character by: add bones first.");
+    CharacterInput input = given;
+    input.format = ResponseFormat::Float;
+    input.threads = 1;
+    CharacterInput old = input;
+    ModelTable table;
+    auto &proposed = table.proposed, &previous = table.previous;
+    proposed.model = "proposed", previous.model = "previous";
+    std::vector<ResponseBlocks> blocks;
+    std::vector<std::size_t> first;
+    std::size_t vertices = 0;
+    for (std::size_t e = 0; e < input.elements.size(); ++e) {
+        const auto& element = input.elements[e];
+        old.elements[e].response = full[e];
+        vertices += static_cast<std::size_t>(element.mesh->body.vertices.rows());
+        if (!element.response) continue;
+        const auto& r = *element.response;
+        blocks.emplace_back(element.mesh->body.vertices, r.freeVertices, Vec3::Zero(), r.response, ResponseFormat::Float);
+        first.push_back(3 * (vertices - static_cast<std::size_t>(element.mesh->body.vertices.rows())));
+        proposed.columns += r.columns();
+        proposed.bytes += sizeof(float) * static_cast<std::size_t>(r.response.size());
+        proposed.frameBytes += blocks.back().responseBytes();
+    }
+    if (blocks.empty()) return fail("no-face", "No element has a joint face: there is nothing to compare before faces are added.");
+    proposed.elements = previous.elements = static_cast<int>(input.elements.size());
+    proposed.vertices = previous.vertices = static_cast<int>(vertices);
+
+    auto character = Character::build(std::move(input));
+    if (!character) return tl::unexpected(character.error());
+    auto baseline = PreviousModel::build(std::move(old), progress.part(0.0, 0.1));
+    if (!baseline) return tl::unexpected(baseline.error());
+    previous.columns = baseline->columns();
+    previous.bytes = previous.frameBytes = baseline->matrixBytes();
+
+    // Errors first: they leave both in the last random pose, which is what the products then run on.
+    const auto seen = seenVertices(given);
+    const auto poses = standardPoses(given.skeleton);
+    std::vector<Eigen::VectorXd> v;
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+        progress.report("compare", 0.1 + 0.5 * static_cast<double>(i) / static_cast<double>(poses.size()));
+        character->update(poses[i].pose);
+        const auto wanted = baseline->statics(poses[i].pose, progress);
+        if (!wanted) return tl::unexpected(wanted.error());
+        ModelTable::PoseError error{poses[i].name};
+        error.beyondBasis = (character->stats().warnings & static_cast<unsigned>(FrameWarning::BasisLosesTwist)) != 0;
+        double wrong = 0.0, all = 0.0;
+        for (std::size_t e = 0; e < given.elements.size(); ++e) {
+            const auto& rest = given.elements[e].mesh->body.vertices;
+            const auto frame = character->frame(static_cast<int>(e));
+            const Points shown = character->positions(static_cast<int>(e));
+            const double diagonal = rest.rows() ? (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm() : 0.0;
+            for (Eigen::Index p = 0; p < rest.rows(); ++p) {
+                if (!seen[e][static_cast<std::size_t>(p)]) continue;
+                const double miss = (shown.row(p) - (*wanted)[e].row(p)).squaredNorm();
+                wrong += miss;
+                all += ((*wanted)[e].row(p).transpose() - frame * Vec3(rest.row(p).transpose())).squaredNorm();
+                if (diagonal > 0.0) error.percent = std::max(error.percent, 100.0 * std::sqrt(miss) / diagonal);
+            }
+        }
+        error.relative = all > 0.0 ? std::sqrt(wrong / all) : 0.0;
+        table.errors.push_back(error);
+    }
+    for (std::size_t e = 0; e < given.elements.size(); ++e)
+        if (given.elements[e].response) v.push_back(character->jointParameters(static_cast<int>(e)));
+
+    progress.report("measure", 0.6);
+    Swing swing(given.skeleton);
+    Pose oldPose = restPose(given.skeleton), pose = oldPose;
+    double at = 0.0;
+    std::vector<double> overhead;
+    const auto frames = mediansInTurn(kRounds, kSeconds,
+                                      {[&] {
+                                           swing.move(at += 0.013);
+                                           character->solvePose(swing.holds, pose);
+                                           character->update(pose);
+                                       },
+                                       [&] {
+                                           table.diverged = !baseline->frame(swing.holds, oldPose) || table.diverged;
+                                           overhead.push_back(baseline->overheadMs());
+                                       }},
+                                      progress.part(0.6, 0.8));
+    std::nth_element(overhead.begin(), overhead.begin() + static_cast<std::ptrdiff_t>(overhead.size() / 2), overhead.end());
+    proposed.frameMs = frames[0];
+    previous.frameMs = frames[1] - (overhead.empty() ? 0.0 : overhead[overhead.size() / 2]);
+
+    progress.report("measure", 0.8);
+    AlignedBuffer<float> positions(3 * (vertices + kVertexBlock));
+    const AffineFloat placement = {{0, -1, 0, 1, 0, 0, 0, 0, 1}, {0.1f, 0.2f, 0.3f}};
+    const auto products = mediansInTurn(kRounds, kSeconds,
+                                        {[&] {
+                                             for (std::size_t b = 0; b < blocks.size(); ++b) {
+                                                 blocks[b].weigh(v[b]);
+                                                 evaluateAndPlace(blocks[b].view(), blocks[b].weights(), placement, 0, blocks[b].count(), nullptr,
+                                                                  positions.data() + first[b]);
+                                             }
+                                         },
+                                         [&] { baseline->product(); }},
+                                        progress.part(0.8, 1.0));
+    if (progress.cancelled()) return cancelled();
+    proposed.productMs = products[0];
+    previous.productMs = products[1];
+    return table;
+}
+
+}  // namespace imomushi

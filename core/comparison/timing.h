@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "core/base/progress.h"
+
+namespace imomushi {
+
+/// Runs several loops in turn, so that what disturbs the machine disturbs all: the median of each, in milliseconds. Each runs twice and the second time
+/// counts: its data are in the caches as far as they fit, as in a program that draws little else. At least a few rounds, then until
+/// `rounds` are done, `seconds` are over, or nobody wants the result.
+std::vector<double> mediansInTurn(int rounds, double seconds, const std::vector<std::function<void()>>& loops, const Progress& progress = {});
+
+}  // namespace imomushi

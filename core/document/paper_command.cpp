@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+
+#include "core/comparison/model_table.h"
+#include "core/comparison/paper_caterpillar.h"
+#include "core/document/command_support.h"
+#include "core/document/session_state.h"
+#include "core/io/atomic_file.h"
+
+namespace imomushi {
+
+namespace {
+
+/// The previous model's matrices in double precision, kept while it is measured, may be this large together with the largest precompute (bytes).
+constexpr double kMostBytes = 6e9;
+
+/// What the paper says (Pentium 4 650, 3.4 GHz). Memory in bytes.
+struct Published {
+    static constexpr int elements = 5, vertices = 1978, proposedAt60 = 28257, previousAt60 = 2000;
+    static constexpr double frameMs = 1.17, proposedBytes = 0.5e6, previousBytes = 9.1e6;
+};
+
+std::string formatted(const char* format, double value) {
+    char out[64];
+    std::snprintf(out, sizeof out, format, value);
+    return out;
+}
+
+struct Models {
+    CharacterInput input;  // responses of basis "paper"
+    std::vector<std::shared_ptr<const ElementResponse>> full;
+};
+
+Result<std::shared_ptr<const ElementResponse>> solved(ResponseCache* cache, ResponseInput in, BasisKind basis, const std::string& name, const Progress& progress) {
+    in.basis = basis;
+    if (cache)
+        if (auto known = cache->find(responseKey(in))) return known;
+    auto built = buildResponse(in, progress);
+    if (!built) return fail(built.error().code, "\"" + name + "\": " + built.error().message);
+    return std::make_shared<const ElementResponse>(std::move(*built));
+}
+
+/// The document's character. Responses of this comparison are not kept in the session: they would be saved with the project.
+Result<Models> modelsOf(Session::State& s, const Progress& progress) {
+    auto plan = planCharacter(s.document);
+    if (!plan) return tl::unexpected(plan.error());
+    Models out;
+    out.input = std::move(plan->input);
+    out.input.basis = BasisKind::Paper;
+    if (out.input.skeleton.bones.empty()) return fail("no-bone", "There is no bone to move the character by: add bones first.");
+    std::size_t faces = 0;
+    double kept = 0.0, peak = 0.0;
+    for (const PartId id : plan->elements) {
+        ResponseInput in = s.inputOf(id);
+        faces += in.faces.size();
+        if (in.faces.empty()) continue;
+        in.basis = BasisKind::Full;
+        const auto estimated = estimateResponse(in);
+        const double m = estimated.columns, n = 3.0 * static_cast<double>(in.mesh->body.vertices.rows());
+        kept += (sizeof(double) + sizeof(float)) * (n + m) * m;
+        peak = std::max(peak, static_cast<double>(estimated.bytes));
+    }
+    if (faces == 0) return fail("no-face", "No element has a joint face: there is nothing to compare before faces are added.");
+    if (kept + peak > kMostBytes)
+        return fail("too-large", "The previous model would need " + formatted("%.1f", 1e-9 * (kept + peak)) + " GB for this character, more than " +
+                                     formatted("%.0f", 1e-9 * kMostBytes) + " GB: use coarser elements, or an empty document for the paper's caterpillar.");
+    const double count = static_cast<double>(plan->elements.size());
+    for (std::size_t e = 0; e < plan->elements.size(); ++e) {
+        const ResponseInput in = s.inputOf(plan->elements[e]);
+        const std::string& name = s.document.elements.at(plan->elements[e])->name;
+        std::shared_ptr<const ElementResponse> full;
+        if (!in.faces.empty()) {
+            const double at = static_cast<double>(e);
+            auto paper = solved(&s.responses, in, BasisKind::Paper, name, progress.part(at / count, (at + 0.3) / count));
+            if (!paper) return tl::unexpected(paper.error());
+            auto all = solved(&s.responses, in, BasisKind::Full, name, progress.part((at + 0.3) / count, (at + 1.0) / count));
+            if (!all) return tl::unexpected(all.error());
+            out.input.elements[e].response = std::move(*paper);
+            full = std::move(*all);
+        }
+        out.full.push_back(std::move(full));
+    }
+    return out;
+}
+
+Result<Models> builtIn(const Progress& progress) {
+    Models out;
+    out.input = paperCaterpillar();
+    out.full.resize(out.input.elements.size());
+    for (const std::size_t e : {0, 2}) {
+        auto& element = out.input.elements[e];
+        ResponseInput in;
+        in.mesh = element.mesh;
+        in.faces = element.faces;
+        in.solverMesh = {SolverMeshSetting::Kind::AsIs, 0};  // neither model's cost depends on how well its elements are solved
+        const double from = e == 0 ? 0.0 : 0.5;
+        auto paper = solved(nullptr, in, BasisKind::Paper, "caterpillar", progress.part(from, from + 0.2));
+        if (!paper) return tl::unexpected(paper.error());
+        auto full = solved(nullptr, in, BasisKind::Full, "caterpillar", progress.part(from + 0.2, from + 0.5));
+        if (!full) return tl::unexpected(full.error());
+        for (std::size_t same = 0; same < out.full.size(); ++same)
+            if ((same == 2) == (e == 2)) out.input.elements[same].response = *paper, out.full[same] = *full;
+    }
+    return out;
+}
+
+Json rowJson(const ModelTable::Row& row) {
+    return {{"model", row.model},           {"elements", row.elements},      {"vertices", row.vertices},
+            {"columns", row.columns},       {"bytes", row.bytes},            {"frame_bytes", row.frameBytes},
+            {"product_ms", row.productMs},  {"frame_ms", row.frameMs},       {"vertices_at_60_fps", row.verticesAt60()}};
+}
+
+Json tableJson(const ModelTable& table, const std::string& character) {
+    const auto &a = table.proposed, &b = table.previous;
+    Json answer = {{"character", character}, {"format", "float"}, {"threads", 1}};
+    answer["rows"] = Json::array({rowJson(a), rowJson(b)});
+    answer["ratios"] = {{"bytes", static_cast<double>(b.bytes) / static_cast<double>(a.bytes)},
+                        {"product_ms", b.productMs / a.productMs},
+                        {"frame_ms", b.frameMs / a.frameMs},
+                        {"vertices_at_60_fps", a.verticesAt60() / b.verticesAt60()}};
+    Json errors = Json::array();
+    double relative = 0.0, percent = 0.0;
+    for (const auto& e : table.errors) {
+        Json line = {{"pose", e.pose}, {"relative", e.relative}, {"max_percent", e.percent}};
+        if (e.beyondBasis) line["beyond_basis"] = true;
+        errors.push_back(std::move(line));
+        relative = std::max(relative, e.relative), percent = std::max(percent, e.percent);
+    }
+    answer["error"] = {{"relative", relative}, {"max_percent", percent}};
+    answer["errors"] = std::move(errors);
+    answer["paper"] = Json::array({{{"model", "proposed"}, {"elements", Published::elements}, {"vertices", Published::vertices}, {"bytes", Published::proposedBytes},
+                                    {"frame_ms", Published::frameMs}, {"vertices_at_60_fps", Published::proposedAt60}},
+                                   {{"model", "previous"}, {"elements", Published::elements}, {"vertices", Published::vertices}, {"bytes", Published::previousBytes},
+                                    {"vertices_at_60_fps", Published::previousAt60}}});
+    answer["notes"] = Json::array({
+        "bytes: the matrices of all elements in float, n' x g of free vertices against n x m with tractions; frame_bytes: what a frame reads of them",
+        "product_ms: the product alone (the proposed one's places its vertices too); frame_ms: inverse kinematics, joints, product, positions and normals, "
+        "and in the previous model one explicit step of its joint faces",
+        "vertices_at_60_fps: extrapolated from frame_ms per vertex, to more elements like these",
+        "error: displacement in the frames of the elements against the previous model at rest, vertices that are seen; relative is L2, max_percent of an "
+        "element's bounding-box diagonal; beyond_basis: the pose twists or shifts a joint face in its plane, which the basis \"paper\" cannot say",
+        "paper: Watanabe et al. 2006 on a Pentium 4 650 (3.4 GHz); its previous model's figure is about 2,000"});
+    if (table.diverged) answer["diverged"] = true;
+    return answer;
+}
+
+/// The rows of both models and of the paper, as a table of texts; the first row holds titles.
+std::vector<std::vector<std::string>> cells(const ModelTable& table) {
+    const auto &a = table.proposed, &b = table.previous;
+    const auto number = [](double value) { return formatted("%.6g", value); };
+    const auto ratio = [](double value) { return formatted("%.3g", value); };
+    std::vector<std::vector<std::string>> out = {{"", "proposed", "previous", "ratio", "paper: proposed", "paper: previous", "paper: ratio"}};
+    const auto row = [&](std::string name, double p, double q, double r, std::string paperA = "", std::string paperB = "", std::string paperRatio = "") {
+        out.push_back({std::move(name), number(p), number(q), r > 0.0 ? ratio(r) : "", std::move(paperA), std::move(paperB), std::move(paperRatio)});
+    };
+    row("elements", a.elements, b.elements, 0.0, number(Published::elements), number(Published::elements));
+    row("vertices", a.vertices, b.vertices, 0.0, number(Published::vertices), number(Published::vertices));
+    row("columns", a.columns, b.columns, static_cast<double>(b.columns) / a.columns);
+    row("matrices (MB)", 1e-6 * static_cast<double>(a.bytes), 1e-6 * static_cast<double>(b.bytes), static_cast<double>(b.bytes) / static_cast<double>(a.bytes),
+        number(1e-6 * Published::proposedBytes), number(1e-6 * Published::previousBytes), ratio(Published::previousBytes / Published::proposedBytes));
+    row("product (ms)", a.productMs, b.productMs, b.productMs / a.productMs);
+    row("frame (ms)", a.frameMs, b.frameMs, b.frameMs / a.frameMs, number(Published::frameMs));
+    row("vertices at 60 frames per second", std::floor(a.verticesAt60()), std::floor(b.verticesAt60()), a.verticesAt60() / b.verticesAt60(),
+        number(Published::proposedAt60), number(Published::previousAt60), ratio(static_cast<double>(Published::proposedAt60) / Published::previousAt60));
+    for (const auto& e : table.errors) {
+        const std::string more = e.beyondBasis ? " (beyond the basis)" : "";
+        out.push_back({"error in " + e.pose + more + ", relative L2", number(e.relative), "", "", "", "", ""});
+        out.push_back({"error in " + e.pose + more + ", largest (% of the diagonal)", number(e.percent), "", "", "", "", ""});
+    }
+    return out;
+}
+
+std::string markdown(const ModelTable& table, const Json& answer) {
+    std::string out = "# The paper's table: " + answer["character"].get<std::string>() + "\n\n";
+    bool title = true;
+    for (const auto& line : cells(table)) {
+        out += "|";
+        for (const auto& cell : line) out += " " + cell + " |";
+        out += "\n";
+        if (title) out += "|---|---:|---:|---:|---:|---:|---:|\n";
+        title = false;
+    }
+    out += "\nBoth models in float on one thread, measured in turn.\n";
+    for (const auto& note : answer["notes"]) out += "* " + note.get<std::string>() + "\n";
+    return out;
+}
+
+std::string csv(const ModelTable& table) {
+    std::string out;
+    for (const auto& line : cells(table)) {
+        bool first = true;
+        for (const auto& cell : line) {
+            out += (first ? "\"" : ",\"") + cell + "\"";
+            first = false;
+        }
+        out += "\n";
+    }
+    return out;
+}
+
+Result<Json> paper(Session& session, const Json& arguments, const Progress& progress) {
+    Session::State& s = session.state();
+    std::filesystem::path path;
+    std::string suffix;
+    if (const Json* given = find(arguments, "path")) {
+        const auto& name = given->get_ref<const std::string&>();
+        if (name.empty() || name.find('\0') != std::string::npos) return fail("bad-value", "\"path\" is empty or holds a zero byte.");
+        path = std::filesystem::path(name);
+        suffix = path.extension().string();
+        if (suffix != ".json" && suffix != ".md" && suffix != ".csv") return fail("unknown-format", "\"path\" must end in .json, .md or .csv.");
+        // Told before minutes of work, not after.
+        const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+        std::error_code error;
+        if (!std::filesystem::is_directory(folder, error)) return fail("not-writable", "There is no folder \"" + folder.string() + "\": choose one that is there.");
+    }
+    const bool empty = s.document.elements.empty();
+    auto models = empty ? builtIn(progress.part(0.0, 0.6)) : modelsOf(s, progress.part(0.0, 0.8));
+    if (!models) return tl::unexpected(models.error());
+    const auto table = compareModels(models->input, models->full, progress.part(empty ? 0.6 : 0.8, 1.0));
+    if (!table) return tl::unexpected(table.error());
+    Json answer = tableJson(*table, empty ? "built-in caterpillar" : "document");
+    if (!path.empty()) {
+        const std::string bytes = suffix == ".json" ? answer.dump(2) + "\n" : suffix == ".md" ? markdown(*table, answer) : csv(*table);
+        if (auto written = writeFileAtomically(path, bytes); !written) return tl::unexpected(written.error());
+    }
+    return answer;
+}
+
+}  // namespace
+
+void addPaperCommand(CommandRegistry& registry) {
+    using Type = CommandKey::Type;
+    registry.add({"paper",
+                  "The paper's table of this character, or of a caterpillar of the paper's size where the document is empty: the proposed model in the basis "
+                  "\"paper\" beside the previous one, both solved and measured now (float, one thread), with the error between them and the paper's figures.",
+                  {{"path", Type::Text, false, "Also writes the table to this file: .json, .md or .csv."}},
+                  false, paper});
+}
+
+}  // namespace imomushi
