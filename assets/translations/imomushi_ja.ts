@@ -876,6 +876,18 @@
             <translation>論文（面ごとに 6）</translation>
         </message>
         <message>
+            <source>Warping 6 (15 per face)</source>
+            <translation>ゆがみ 6（面ごとに 15）</translation>
+        </message>
+        <message>
+            <source>Warping 12 (21 per face)</source>
+            <translation>ゆがみ 12（面ごとに 21）</translation>
+        </message>
+        <message>
+            <source>Warping 24 (33 per face)</source>
+            <translation>ゆがみ 24（面ごとに 33）</translation>
+        </message>
+        <message>
             <source>Full (3 per vertex of a face)</source>
             <translation>すべて（面の頂点ごとに 3）</translation>
         </message>

@@ -304,7 +304,7 @@ struct Character::State {
                 continue;
             }
             out.columnSize[first + 5] = 1.0;
-            if (basis.kind == BasisKind::Affine) out.columnSize[first + 6] = out.columnSize[first + 7] = 1.0;
+            if (basis.kind != BasisKind::Paper) out.columnSize[first + 6] = out.columnSize[first + 7] = 1.0;
         }
 
         std::vector<char> visible(out.vertices, 0);

@@ -40,7 +40,7 @@ struct CharacterInput {
     Skeleton skeleton;
     std::vector<Element> elements;
     std::vector<Joint> joints;  ///< every joint face belongs to exactly one joint
-    BasisKind basis = BasisKind::Affine;
+    BasisChoice basis;
     ResponseFormat format = ResponseFormat::Float;
     int threads = 1;  ///< of a frame, 0: all of this machine; large characters only. They change no byte of what is shown
 };

@@ -90,7 +90,7 @@ struct Held {
 };
 
 struct CharacterSettings {
-    BasisKind basis = BasisKind::Affine;
+    BasisChoice basis;
     ResponseFormat format = ResponseFormat::Float;
     int threads = 0;  ///< 0: as many as the machine has
     bool operator==(const CharacterSettings&) const = default;

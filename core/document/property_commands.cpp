@@ -117,11 +117,9 @@ Result<void> setCharacter(CharacterSettings& settings, const std::string& proper
     if (property == "basis") {
         const auto given = word(value, property);
         if (!given) return tl::unexpected(given.error());
-        if (given->starts_with("modes:"))
-            return fail("not-available", "The basis \"" + *given + "\" is not available in this version: choose \"paper\", \"affine\" or \"full\".");
-        const auto kind = basisKind(*given);
-        if (!kind) return tl::unexpected(kind.error());
-        settings.basis = *kind;
+        const auto basis = parseBasis(*given);
+        if (!basis) return tl::unexpected(basis.error());
+        settings.basis = *basis;
         return {};
     }
     if (property == "format") {
@@ -213,7 +211,7 @@ void addPropertyCommands(CommandRegistry& registry) {
                   "Sets a property. Element: nu (0 to 0.5), stiffness (relative, 1e-6 to 1e6), density (kg/m^3), solver-mesh (\"default\", \"best\", \"as-is\", \"refined:N\", \"decimated:N\"; N vertices), "
                   "joint-planes (\"auto\", \"bisector\", \"element\": who turns the planes of its joints), color (\"#rrggbb\"), visible, locked. "
                   "Bone: min-stretch (0.01 to 1), max-stretch (1 to 100, of the rest length), roll (radians at rest). "
-                  "Character: basis (\"paper\", \"affine\", \"full\"), format (\"float\", \"half\", \"int16\"), threads (0: all).",
+                  "Character: basis (\"paper\", \"affine\", \"modes:1\" to \"modes:36\", \"full\"), format (\"float\", \"half\", \"int16\"), threads (0: all).",
                   {{"target", Type::Text, true, "An element, a bone, or \"character\"."},
                    {"property", Type::Text, true, "The name of the property."},
                    {"value", Type::Any, true, "Its value."}},

@@ -59,12 +59,12 @@ bool touchesCharacter(const DocumentChange& change, const Document& after) {
 }
 
 /// Whether a response is one of this element: the same free vertices and bases of the same kind.
-bool fits(const ElementResponse& response, const Element& element, BasisKind basis) {
+bool fits(const ElementResponse& response, const Element& element, const BasisChoice& basis) {
     if (response.bases.size() != element.faces.size()) return false;
     const auto count = static_cast<std::size_t>(element.mesh->body.vertices.rows());
     std::vector<bool> held(count, false);
     for (std::size_t f = 0; f < element.faces.size(); ++f) {
-        if (!(response.bases[f] == FaceBasis::on(element.faces[f], basis))) return false;
+        if (!(response.bases[f] == FaceBasis::on(element.mesh->body, element.faces[f], basis))) return false;
         for (const std::int32_t v : element.faces[f].vertices) held[static_cast<std::size_t>(v)] = true;
     }
     std::size_t next = 0;

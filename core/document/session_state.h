@@ -64,7 +64,7 @@ struct Session::State {
     std::map<PartId, Points> results;  ///< deform-element: what write-mesh writes instead, until the character moves
     struct KnownKey {
         std::shared_ptr<const Element> element;
-        BasisKind basis;
+        BasisChoice basis;
         ContentKey key, shape;
         std::shared_ptr<const ElementResponse> fitting = {};  ///< the last response that was found to fit
         std::optional<ResponseEstimate> estimate = {};        ///< of solving it with so many threads
@@ -74,7 +74,7 @@ struct Session::State {
     /// Which elements are congruent, as of `elements` and `basis`. Pairs are remembered by content, so that changing one element compares only that one again.
     struct Sharing {
         std::map<PartId, std::shared_ptr<const Element>> elements;
-        BasisKind basis = BasisKind::Affine;
+        BasisChoice basis;
         std::map<PartId, SharedResponse> shared;
         std::map<std::pair<ContentKey, ContentKey>, std::shared_ptr<const Congruence>> pairs;  ///< null: not congruent
     };

@@ -172,9 +172,9 @@ void writeResponses(Database& db, const Project& project) {
         if (!ids.emplace(r.key, id).second) continue;
         const ElementResponse& a = *r.response;
         std::vector<std::int32_t> bases;
-        // What a basis has besides its kind: the number of vertices, or whether the face is flat.
+        // What a basis has besides its kind: the number of vertices, or whether the face is flat and twice the number of warping modes.
         for (const FaceBasis& basis : a.bases)
-            bases.insert(bases.end(), {static_cast<std::int32_t>(basis.kind), basis.kind == BasisKind::Full ? basis.vertices : basis.flat});
+            bases.insert(bases.end(), {static_cast<std::int32_t>(basis.kind), basis.kind == BasisKind::Full ? basis.vertices : basis.flat + 2 * basis.modes});
         responses.row(id, std::vector{r.key.high, r.key.low}, std::vector{r.shape.high, r.shape.low}, a.freeVertices, bases, a.response, a.stiffness, a.tractions, a.loads, a.loadForces,
                       a.quality.solve.residual, a.quality.solve.rcond, a.quality.solve.peakBytes, a.quality.asymmetry, a.quality.negativeEnergy,
                       a.quality.solverVertices, a.quality.solverNodes, a.quality.decimated, a.quality.error, a.quality.mappingError, a.quality.shapeError);
@@ -452,6 +452,7 @@ ContentKey key(RowReader& rows) {
 
 void readResponses(Database& db, Project& project) {
     std::map<std::int64_t, Project::Response> read;
+    std::map<std::int64_t, std::shared_ptr<ElementResponse>> warped;  // those that miss the warping of their faces
     RowReader rows(db, "SELECT * FROM responses ORDER BY id");
     while (rows.next()) {
         const std::int64_t responseId = rows.integer();
@@ -464,12 +465,18 @@ void readResponses(Database& db, Project& project) {
         const auto bases = rows.array<std::int32_t>(2);
         a->firstColumn.push_back(0);
         for (std::size_t i = 0; i < bases.size(); i += 2) {
-            const bool full = bases[i] == static_cast<std::int32_t>(BasisKind::Full);
-            require((bases[i] == 0 || bases[i] == 1 || full) && bases[i + 1] >= 0 && bases[i + 1] <= (full ? kMostFaceVertices : 1), "a basis is unknown");
-            if (full)
-                a->bases.push_back({BasisKind::Full, true, bases[i + 1]});
-            else
-                a->bases.push_back({static_cast<BasisKind>(bases[i]), bases[i + 1] == 1});
+            require(bases[i] >= 0 && bases[i] <= static_cast<std::int32_t>(BasisKind::Modes) && bases[i + 1] >= 0, "a basis is unknown");
+            FaceBasis basis;
+            basis.kind = static_cast<BasisKind>(bases[i]);
+            if (basis.kind == BasisKind::Full) {
+                require(bases[i + 1] <= kMostFaceVertices, "a basis is unknown");
+                basis.vertices = bases[i + 1];
+            } else {
+                basis.flat = bases[i + 1] % 2 == 1;
+                basis.modes = bases[i + 1] / 2;
+                require(basis.kind == BasisKind::Modes ? basis.modes >= 1 && basis.modes <= BasisChoice::kMostModes : basis.modes == 0, "a basis is unknown");
+            }
+            a->bases.push_back(std::move(basis));
             require(static_cast<std::int64_t>(a->firstColumn.back()) + a->bases.back().columns() <= 3 * kMostFaceVertices, "a basis is too large");
             a->firstColumn.push_back(a->firstColumn.back() + a->bases.back().columns());
         }
@@ -501,6 +508,7 @@ void readResponses(Database& db, Project& project) {
         a->quality.error = rows.real();
         a->quality.mappingError = rows.real();
         a->quality.shapeError = rows.real();
+        if (!a->bases.empty() && a->bases[0].kind == BasisKind::Modes) warped.emplace(responseId, a);
         r.response = std::move(a);
         read.emplace(responseId, std::move(r));
     }
@@ -509,6 +517,13 @@ void readResponses(Database& db, Project& project) {
         const PartId element = id(uses);
         const auto response = read.find(uses.integer());
         require(project.document.elements.contains(element) && response != read.end(), "a response belongs to nothing");
+        if (const auto found = warped.find(response->first); found != warped.end()) {
+            const Element& of = *project.document.elements.at(element);
+            auto& bases = found->second->bases;
+            require(bases.size() == of.faces.size(), "a response belongs to other joint faces");
+            for (std::size_t f = 0; f < bases.size(); ++f) bases[f].warping = FaceBasis::on(of.mesh->body, of.faces[f], bases[f].choice()).warping;
+            warped.erase(found);  // elements that share a response are the same
+        }
         project.responses.emplace(element, response->second);
     }
 }
@@ -518,7 +533,7 @@ Project readProject(Database& db, std::int64_t version) {
     Document& document = project.document;
     RowReader settings(db, "SELECT * FROM settings");
     require(settings.next(), "the settings are missing");
-    const auto basis = basisKind(settings.text());
+    const auto basis = parseBasis(settings.text());
     require(basis.has_value(), "the basis is unknown");
     document.settings.basis = *basis;
     const auto format = responseFormat(settings.text());

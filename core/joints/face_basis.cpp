@@ -2,7 +2,9 @@
 #include "core/joints/face_basis.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
+#include <charconv>
 #include <cmath>
 
 namespace imomushi {
@@ -22,6 +24,11 @@ JointMap jointMap(const PaperParameters& p) {
     return map;
 }
 
+FaceBasis FaceBasis::on(const TriangleMesh& body, const JointFace& face, const BasisChoice& choice) {
+    if (choice.kind == BasisKind::Full) return {choice.kind, true, static_cast<int>(face.vertices.size()), 0, {}};
+    return {choice.kind, face.flat(), 0, choice.modes, Warping(body, face, (choice.modes + 2) / 3)};
+}
+
 Eigen::Matrix<double, 3, Eigen::Dynamic> FaceBasis::at(const Vec3& p) const {
     assert(kind != BasisKind::Full);
     Eigen::Matrix<double, 3, Eigen::Dynamic> u = Eigen::Matrix<double, 3, Eigen::Dynamic>::Zero(3, columns());
@@ -33,7 +40,7 @@ Eigen::Matrix<double, 3, Eigen::Dynamic> FaceBasis::at(const Vec3& p) const {
     u(2, 4) = y;
     u(2, 5) = 1.0;
     int next = 6;
-    if (kind == BasisKind::Affine) {
+    if (kind != BasisKind::Paper) {
         u(0, 6) = 1.0;
         u(1, 7) = 1.0;
         u(0, 8) = -y, u(1, 8) = x;
@@ -41,6 +48,11 @@ Eigen::Matrix<double, 3, Eigen::Dynamic> FaceBasis::at(const Vec3& p) const {
     }
     if (!flat)
         for (int axis = 0; axis < 3; ++axis) u(axis, next + axis) = z;
+    if (modes > 0) {
+        std::array<double, Warping::kMost> shape;
+        warping.at(x, y, shape.data());
+        for (int i = 0; i < modes; ++i) u(i % 3, plainColumns() + i) = shape[static_cast<std::size_t>(i / 3)];
+    }
     return u;
 }
 
@@ -81,7 +93,7 @@ void FaceBasis::coefficients(const JointMap& map, double size, double* v, double
     v[4] = l(2, 1);
     v[5] = map.shift.z();
     int next = 6;
-    if (kind == BasisKind::Affine) {
+    if (kind != BasisKind::Paper) {
         v[6] = map.shift.x();
         v[7] = map.shift.y();
         v[8] = 0.5 * (l(1, 0) - l(0, 1));
@@ -92,6 +104,7 @@ void FaceBasis::coefficients(const JointMap& map, double size, double* v, double
         v[next + 1] = l(1, 2);
         v[next + 2] = l(2, 2) - 1.0;
     }
+    std::fill_n(v + plainColumns(), modes, 0.0);
 }
 
 Points localVertices(const TriangleMesh& body, const JointFace& face) {
@@ -101,17 +114,26 @@ Points localVertices(const TriangleMesh& body, const JointFace& face) {
     return out;
 }
 
-Result<BasisKind> basisKind(const std::string& name) {
+Result<BasisChoice> parseBasis(const std::string& name) {
     if (name == "paper") return BasisKind::Paper;
     if (name == "affine") return BasisKind::Affine;
     if (name == "full") return BasisKind::Full;
-    return fail("bad-value", "There is no basis \"" + name + "\"; choose \"paper\", \"affine\" or \"full\".");
+    const std::string most = std::to_string(BasisChoice::kMostModes);
+    if (name.starts_with("modes:")) {
+        BasisChoice choice(BasisKind::Modes);
+        const char* end = name.data() + name.size();
+        const auto read = std::from_chars(name.data() + 6, end, choice.modes);
+        if (read.ec == std::errc() && read.ptr == end && choice.modes >= 1 && choice.modes <= BasisChoice::kMostModes) return choice;
+        return fail("bad-value", "The basis \"" + name + "\" has no count of modes between 1 and " + most + ": write \"modes:12\".");
+    }
+    return fail("bad-value", "There is no basis \"" + name + "\"; choose \"paper\", \"affine\", \"modes:1\" to \"modes:" + most + "\", or \"full\".");
 }
 
-std::string basisName(BasisKind kind) {
-    switch (kind) {
+std::string basisName(const BasisChoice& choice) {
+    switch (choice.kind) {
         case BasisKind::Paper: return "paper";
         case BasisKind::Affine: return "affine";
+        case BasisKind::Modes: return "modes:" + std::to_string(choice.modes);
         case BasisKind::Full: break;
     }
     return "full";

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/joints/joint_face.h"
+#include "core/joints/warping.h"
 
 namespace imomushi {
 
@@ -24,25 +25,41 @@ struct PaperParameters {
 /// The third column of `linear` (used by faces that are not flat) is the unit normal of the displaced plane.
 JointMap jointMap(const PaperParameters& p);
 
-enum class BasisKind { Paper, Affine, Full };
+/// Numbers are stored in files: new kinds come last.
+enum class BasisKind { Paper, Affine, Full, Modes };
+
+/// Which joint modes the faces of a character have. One of every kind but Modes is that kind.
+struct BasisChoice {
+    BasisKind kind = BasisKind::Affine;
+    int modes = 0;  ///< warping columns per face, 1...kMostModes, of Modes; else 0
+
+    static constexpr int kMostModes = 3 * Warping::kMost;
+    constexpr BasisChoice() = default;
+    constexpr BasisChoice(BasisKind k, int count = 0) : kind(k), modes(count) {}  // a kind is a choice
+    bool operator==(const BasisChoice&) const = default;
+};
 
 /// The joint modes of one face: displacement of a face point = sum of columns times v, where v = 0 at rest.
 /// Columns of paper and affine in this order, in the frame of the face (u = displacement of the point (x, y, z)):
 ///   0 ux = x     1 ux = y, uy = x     2 uy = y     3 uz = x     4 uz = y     5 uz = 1          (paper, eq. (5))
 ///   6 ux = 1     7 uy = 1     8 ux = -y, uy = x                                                (affine adds these)
 ///   then, on faces that are not flat, three more: ux = z, uy = z, uz = z
+/// Columns of modes: those of affine, then the warping of the face: each of its scalar shapes (see Warping) along x, y, z, as far as the count goes.
 /// Columns of full: the displacement (m) of each vertex of the face, 3 i + axis for the i-th one, linear on the triangles in between.
 struct FaceBasis {
     BasisKind kind = BasisKind::Affine;
     bool flat = true;  ///< of the others
     int vertices = 0;  ///< of the face, in full; else 0
+    int modes = 0;     ///< warping columns, in modes; else 0
+    Warping warping;   ///< of ceil(modes / 3) shapes
 
-    /// The basis of `kind` on a face.
-    static FaceBasis on(const JointFace& face, BasisKind kind) {
-        return kind == BasisKind::Full ? FaceBasis{kind, true, static_cast<int>(face.vertices.size())} : FaceBasis{kind, face.flat(), 0};
-    }
+    /// The basis of `choice` on a face of `body`.
+    static FaceBasis on(const TriangleMesh& body, const JointFace& face, const BasisChoice& choice);
+    [[nodiscard]] BasisChoice choice() const { return {kind, modes}; }
 
-    [[nodiscard]] int columns() const { return kind == BasisKind::Full ? 3 * vertices : (kind == BasisKind::Paper ? 6 : 9) + (flat ? 0 : 3); }
+    /// Those before the warping; all, where there is none.
+    [[nodiscard]] int plainColumns() const { return kind == BasisKind::Full ? 3 * vertices : (kind == BasisKind::Paper ? 6 : 9) + (flat ? 0 : 3); }
+    [[nodiscard]] int columns() const { return plainColumns() + modes; }
     bool operator==(const FaceBasis&) const = default;
 
     /// 3 x columns(): the displacement of the local point p, in face axes. Not of full, which knows vertices only.
@@ -60,8 +77,9 @@ struct FaceBasis {
 /// The vertices of a face at rest in its own axes, #vertices x 3.
 Points localVertices(const TriangleMesh& body, const JointFace& face);
 
-/// "paper", "affine", "full". Errors: "bad-value" with the names there are.
-Result<BasisKind> basisKind(const std::string& name);
-std::string basisName(BasisKind kind);
+/// "paper", "affine", "full", "modes:12" (any count 1...36 in decimal digits). Errors: "bad-value" with the names there are.
+Result<BasisChoice> parseBasis(const std::string& name);
+/// What parseBasis() reads back to the same choice.
+std::string basisName(const BasisChoice& choice);
 
 }  // namespace imomushi

@@ -27,7 +27,7 @@ bool sameParts(const ResponseInput& a, const ResponseInput& b) {
 /// 3 * #vertices x g_f: displacement of the vertices of a face per joint parameter, in world axes.
 Eigen::MatrixXd modesOf(const ResponseInput& input, std::size_t f) {
     const JointFace& face = input.faces[f];
-    const FaceBasis basis = FaceBasis::on(face, input.basis);
+    const FaceBasis basis = FaceBasis::on(input.mesh->body, face, input.basis);
     Eigen::MatrixXd C(3 * static_cast<Eigen::Index>(face.vertices.size()), basis.columns());
     for (std::size_t i = 0; i < face.vertices.size(); ++i) {
         const Vec3 p = input.mesh->body.vertices.row(face.vertices[i]).transpose();
@@ -63,6 +63,7 @@ std::optional<Congruence> findCongruence(const ResponseInput& from, const Respon
     out.shift = middleY.transpose() - out.rotation * middleX.transpose();
 
     for (std::size_t f = 0; f < from.faces.size(); ++f) {
+        out.bases.push_back(FaceBasis::on(to.mesh->body, to.faces[f], to.basis));
         if (from.basis == BasisKind::Full) {
             // Each vertex by itself, exactly.
             const Eigen::Matrix3d turned = from.faces[f].frame.axes.transpose() * out.rotation.transpose() * to.faces[f].frame.axes;
@@ -93,6 +94,7 @@ Result<ElementResponse> Congruence::carry(const ElementResponse& from) const {
     for (std::size_t f = 0; f < columns.size(); ++f)
         if (columns[f].rows() != from.bases[f].columns()) return no();
     ElementResponse out = from;
+    out.bases = bases;
     for (std::size_t f = 0; f < columns.size(); ++f) {
         const Eigen::Index first = from.firstColumn[f], count = columns[f].cols();
         out.response.middleCols(first, count) = from.response.middleCols(first, count) * columns[f];

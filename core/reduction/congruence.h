@@ -19,6 +19,7 @@ struct Congruence {
     /// Per face, g_f x g_f: the joint parameters of `from` that move its face as a unit of each joint parameter of `to` moves the other's. The
     /// frames of the faces follow global axes, so they are not turned with the body.
     std::vector<Eigen::MatrixXd> columns;
+    std::vector<FaceBasis> bases;          ///< of `to`
     double modeMiss = 0.0;                 ///< what `columns` leave of a joint mode, relative
 
     /// Vertices of copies in files agree to the digits that files hold: 1e-7 of their coordinates in single precision, 1e-6 in six decimal

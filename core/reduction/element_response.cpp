@@ -40,7 +40,7 @@ std::vector<FaceBasis> basesOf(const ResponseInput& input, std::vector<int>& fir
     std::vector<FaceBasis> bases;
     firstColumn.assign(1, 0);
     for (const JointFace& face : input.faces) {
-        bases.push_back(FaceBasis::on(face, input.basis));
+        bases.push_back(FaceBasis::on(input.mesh->body, face, input.basis));
         firstColumn.push_back(firstColumn.back() + bases.back().columns());
     }
     return bases;
@@ -516,7 +516,8 @@ ContentKey responseKey(const ResponseInput& input) {
     ContentHasher hasher;
     hasher.number(kSolverVersion);
     hasher.number(input.nu);
-    hasher.number(static_cast<int>(input.basis));
+    hasher.number(static_cast<int>(input.basis.kind));
+    if (input.basis.kind == BasisKind::Modes) hasher.number(input.basis.modes);
     hasher.number(static_cast<int>(input.solverMesh.kind));
     hasher.number(input.solverMesh.count);
     const TriangleMesh& body = input.mesh->body;

@@ -59,7 +59,7 @@ struct ResponseInput {
     std::shared_ptr<const ElementMesh> mesh;
     std::vector<JointFace> faces;
     double nu = 0.45;
-    BasisKind basis = BasisKind::Affine;
+    BasisChoice basis;
     SolverMeshSetting solverMesh;
     bool loads = false;  ///< body loads too
     int threads = 1;  ///< not part of the key: it changes no byte of the answer

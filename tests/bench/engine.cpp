@@ -67,7 +67,7 @@ public:
         in.solverMesh = {SolverMeshSetting::Kind::AsIs, 0};
         const auto response = buildResponse(in, {}).value();
         faces_ = in.faces;
-        for (const auto& face : faces_) bases_.push_back(FaceBasis::on(face, BasisKind::Paper));
+        for (const auto& face : faces_) bases_.push_back(FaceBasis::on(body.mesh, face, BasisKind::Paper));
         // Coefficients of 1, cos, sin, cos 2, sin 2, cos 3, sin 3 on every ring between the faces.
         rings_.assign(kRows + 1, Eigen::MatrixXd::Zero(3 * kHarmonics, response.columns()));
         for (std::size_t i = 0; i < response.freeVertices.size(); ++i) {

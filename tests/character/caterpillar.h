@@ -17,7 +17,7 @@ struct Shape {
     std::vector<int> around = {12};     ///< vertices per ring, element by element, repeating
     std::vector<int> along = {4};       ///< rows of cells, element by element, repeating
     bool tips = false;                  ///< faces at the two far ends, held by their bones
-    BasisKind basis = BasisKind::Affine;
+    BasisChoice basis;
     bool precomputed = true;
 };
 

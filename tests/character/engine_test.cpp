@@ -121,7 +121,7 @@ CharacterInput largeCaterpillar() {
         const auto& vertices = element.mesh->body.vertices;
         std::vector<char> held(vertices.rows(), 0);
         for (const auto& face : element.faces) {
-            response->bases.push_back(FaceBasis::on(face, BasisKind::Affine));
+            response->bases.push_back(FaceBasis::on(element.mesh->body, face, BasisKind::Affine));
             response->firstColumn.push_back(response->firstColumn.back() + response->bases.back().columns());
             for (const auto v : face.vertices) held[v] = 1;
         }

@@ -131,6 +131,9 @@ TEST_CASE("paper basis: a twist is left out and told, and the plane neither shri
 }
 
 TEST_CASE("basis names: known ones go both ways, others are refused with the ones there are") {
-    for (const auto kind : {BasisKind::Paper, BasisKind::Affine}) CHECK(basisKind(basisName(kind)).value() == kind);
-    CHECK(basisKind("full9").error().code == "bad-value");
+    for (const auto kind : {BasisKind::Paper, BasisKind::Affine, BasisKind::Full}) CHECK(parseBasis(basisName(kind)).value() == kind);
+    for (int count = 1; count <= 36; ++count) CHECK(parseBasis("modes:" + std::to_string(count)).value() == BasisChoice(BasisKind::Modes, count));
+    CHECK(basisName({BasisKind::Modes, 12}) == "modes:12");
+    for (const char* bad : {"full9", "modes", "modes:", "modes:0", "modes:37", "modes:-3", "modes:1.5", "modes:12 ", "modes: 12", "modes:x", "modes:99999999999"})
+        CHECK(parseBasis(bad).error().code == "bad-value");
 }

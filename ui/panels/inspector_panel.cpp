@@ -325,7 +325,13 @@ void InspectorPanel::buildCharacter() {
     const auto set = [this](const char* property) {
         return [this, property](const Json& value) { document_.execute({{"do", "set"}, {"target", "character"}, {"property", property}, {"value", value}}); };
     };
-    addChoice(tr("Joint modes"), {{tr("Affine (9 per face)"), "affine"}, {tr("Paper (6 per face)"), "paper"}, {tr("Full (3 per vertex of a face)"), "full"}},
+    addChoice(tr("Joint modes"),
+              {{tr("Affine (9 per face)"), "affine"},
+               {tr("Paper (6 per face)"), "paper"},
+               {tr("Warping 6 (15 per face)"), "modes:6"},
+               {tr("Warping 12 (21 per face)"), "modes:12"},
+               {tr("Warping 24 (33 per face)"), "modes:24"},
+               {tr("Full (3 per vertex of a face)"), "full"}},
               [this] { return Json(basisName(document_.document().settings.basis)); }, set("basis"));
     addChoice(tr("Number format"), {{tr("Float (4 bytes)"), "float"}, {tr("Half (2 bytes)"), "half"}, {tr("Integer (2 bytes)"), "int16"}},
               [this] { return Json(formatName(document_.document().settings.format)); }, set("format"));

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/joints/joint_face.h"
+#include "core/mesh/mesh.h"
+
+namespace imomushi {
+
+/// The scalar shapes that warp a joint face: polynomials in its plane of rising degree,
+///   x^2 + y^2, x^2 - y^2, x y | r^2 x, r^2 y, x^3 - 3 x y^2, 3 x^2 y - y^3 | r^4, r^2 (x^2 - y^2), r^2 x y, x^4 - 6 x^2 y^2 + y^4, x y (x^2 - y^2),
+/// each made orthogonal, in the face's area integral, to 1, x, y and those before it. The first ones span the same shapes whatever the triangles of a
+/// face, so that two faces of a joint can say the same. Their root mean square over the face is that of x and y together over sqrt(2):
+/// metres, as large as what a unit of stretch does, so that coefficients are of the order of strains.
+class Warping {
+public:
+    static constexpr int kMost = 12;  ///< all of degrees 2, 3 and 4
+
+    Warping() = default;  ///< none
+    /// The first `count` shapes, 0...kMost, on a face of `body`. Zero on a face without area.
+    Warping(const TriangleMesh& body, const JointFace& face, int count);
+
+    [[nodiscard]] int count() const { return count_; }
+    /// Values (m) at a point (x, y) of the plane in the frame of the face, count() of them.
+    void at(double x, double y, double* values) const;
+    bool operator==(const Warping&) const = default;
+
+private:
+    int count_ = 0;
+    double unit_ = 0.0;                 // m
+    std::vector<double> coefficients_;  // per shape: of 1, x, y and all shapes of the list above up to itself, in units
+};
+
+/// A point of a face with its share of the area, for integrals that are exact up to degree 8 on flat faces.
+struct AreaPoint {
+    Vec3 local;     ///< in the frame of the face, m
+    double weight;  ///< m^2
+};
+std::vector<AreaPoint> areaPoints(const TriangleMesh& body, const JointFace& face);
+
+}  // namespace imomushi
