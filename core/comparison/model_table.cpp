@@ -58,7 +58,8 @@ std::vector<std::vector<char>> seenVertices(const CharacterInput& input) {
 
 }  // namespace
 
-Result<ModelTable> compareModels(const CharacterInput& given, const std::vector<std::shared_ptr<const ElementResponse>>& full, const Progress& progress) {
+Result<ModelTable> compareModels(const ComparedModels& models, const Progress& progress) {
+    const CharacterInput& given = models.input;
     if (given.skeleton.bones.empty()) return fail("no-bone", "There is no bone to move the character by: add bones first.");
     CharacterInput input = given;
     input.format = ResponseFormat::Float;
@@ -72,7 +73,7 @@ Result<ModelTable> compareModels(const CharacterInput& given, const std::vector<
     std::size_t vertices = 0;
     for (std::size_t e = 0; e < input.elements.size(); ++e) {
         const auto& element = input.elements[e];
-        old.elements[e].response = full[e];
+        old.elements[e].response = models.full[e];
         vertices += static_cast<std::size_t>(element.mesh->body.vertices.rows());
         if (!element.response) continue;
         const auto& r = *element.response;

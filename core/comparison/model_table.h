@@ -36,8 +36,13 @@ struct ModelTable {
     bool diverged = false;          ///< the previous model did, while it was measured
 };
 
-/// `input`: responses of basis "paper" for all elements with joint faces. `full`: per element the same of basis "full", null without joint faces.
+/// A character that both models can run.
+struct ComparedModels {
+    CharacterInput input;  ///< responses of basis "paper" for all elements with joint faces
+    std::vector<std::shared_ptr<const ElementResponse>> full;  ///< per element the same of basis "full", null without joint faces
+};
+
 /// Both run in float on one thread, in turn. Errors: those of PreviousModel, "no-face", "no-bone", "cancelled".
-Result<ModelTable> compareModels(const CharacterInput& input, const std::vector<std::shared_ptr<const ElementResponse>>& full, const Progress& progress);
+Result<ModelTable> compareModels(const ComparedModels& models, const Progress& progress);
 
 }  // namespace imomushi

@@ -79,4 +79,27 @@ CharacterInput paperCaterpillar() {
     return input;
 }
 
+Result<ComparedModels> solvedPaperCaterpillar(const Progress& progress) {
+    ComparedModels out;
+    out.input = paperCaterpillar();
+    out.full.resize(out.input.elements.size());
+    for (const std::size_t solved : {0, 2}) {
+        const auto& element = out.input.elements[solved];
+        ResponseInput in;
+        in.mesh = element.mesh;
+        in.faces = element.faces;
+        in.solverMesh = {SolverMeshSetting::Kind::AsIs, 0};
+        for (const BasisKind basis : {BasisKind::Paper, BasisKind::Full}) {
+            const double from = (solved == 0 ? 0.0 : 0.5) + (basis == BasisKind::Paper ? 0.0 : 0.2);
+            in.basis = basis;
+            auto built = buildResponse(in, progress.part(from, from + (basis == BasisKind::Paper ? 0.2 : 0.3)));
+            if (!built) return tl::unexpected(built.error());
+            const auto response = std::make_shared<const ElementResponse>(std::move(*built));
+            for (std::size_t e = 0; e < out.full.size(); ++e)
+                if ((e == 2) == (solved == 2)) (basis == BasisKind::Paper ? out.input.elements[e].response : out.full[e]) = response;
+        }
+    }
+    return out;
+}
+
 }  // namespace imomushi

@@ -29,25 +29,19 @@ std::string formatted(const char* format, double value) {
     return out;
 }
 
-struct Models {
-    CharacterInput input;  // responses of basis "paper"
-    std::vector<std::shared_ptr<const ElementResponse>> full;
-};
-
-Result<std::shared_ptr<const ElementResponse>> solved(ResponseCache* cache, ResponseInput in, BasisKind basis, const std::string& name, const Progress& progress) {
+Result<std::shared_ptr<const ElementResponse>> solved(const ResponseCache& cache, ResponseInput in, BasisKind basis, const std::string& name, const Progress& progress) {
     in.basis = basis;
-    if (cache)
-        if (auto known = cache->find(responseKey(in))) return known;
+    if (auto known = cache.find(responseKey(in))) return known;
     auto built = buildResponse(in, progress);
     if (!built) return fail(built.error().code, "\"" + name + "\": " + built.error().message);
     return std::make_shared<const ElementResponse>(std::move(*built));
 }
 
 /// The document's character. Responses of this comparison are not kept in the session: they would be saved with the project.
-Result<Models> modelsOf(Session::State& s, const Progress& progress) {
+Result<ComparedModels> modelsOf(Session::State& s, const Progress& progress) {
     auto plan = planCharacter(s.document);
     if (!plan) return tl::unexpected(plan.error());
-    Models out;
+    ComparedModels out;
     out.input = std::move(plan->input);
     out.input.basis = BasisKind::Paper;
     if (out.input.skeleton.bones.empty()) return fail("no-bone", "There is no bone to move the character by: add bones first.");
@@ -74,35 +68,14 @@ Result<Models> modelsOf(Session::State& s, const Progress& progress) {
         std::shared_ptr<const ElementResponse> full;
         if (!in.faces.empty()) {
             const double at = static_cast<double>(e);
-            auto paper = solved(&s.responses, in, BasisKind::Paper, name, progress.part(at / count, (at + 0.3) / count));
+            auto paper = solved(s.responses, in, BasisKind::Paper, name, progress.part(at / count, (at + 0.3) / count));
             if (!paper) return tl::unexpected(paper.error());
-            auto all = solved(&s.responses, in, BasisKind::Full, name, progress.part((at + 0.3) / count, (at + 1.0) / count));
+            auto all = solved(s.responses, in, BasisKind::Full, name, progress.part((at + 0.3) / count, (at + 1.0) / count));
             if (!all) return tl::unexpected(all.error());
             out.input.elements[e].response = std::move(*paper);
             full = std::move(*all);
         }
         out.full.push_back(std::move(full));
-    }
-    return out;
-}
-
-Result<Models> builtIn(const Progress& progress) {
-    Models out;
-    out.input = paperCaterpillar();
-    out.full.resize(out.input.elements.size());
-    for (const std::size_t e : {0, 2}) {
-        auto& element = out.input.elements[e];
-        ResponseInput in;
-        in.mesh = element.mesh;
-        in.faces = element.faces;
-        in.solverMesh = {SolverMeshSetting::Kind::AsIs, 0};  // neither model's cost depends on how well its elements are solved
-        const double from = e == 0 ? 0.0 : 0.5;
-        auto paper = solved(nullptr, in, BasisKind::Paper, "caterpillar", progress.part(from, from + 0.2));
-        if (!paper) return tl::unexpected(paper.error());
-        auto full = solved(nullptr, in, BasisKind::Full, "caterpillar", progress.part(from + 0.2, from + 0.5));
-        if (!full) return tl::unexpected(full.error());
-        for (std::size_t same = 0; same < out.full.size(); ++same)
-            if ((same == 2) == (e == 2)) out.input.elements[same].response = *paper, out.full[same] = *full;
     }
     return out;
 }
@@ -217,9 +190,9 @@ Result<Json> paper(Session& session, const Json& arguments, const Progress& prog
         if (!std::filesystem::is_directory(folder, error)) return fail("not-writable", "There is no folder \"" + folder.string() + "\": choose one that is there.");
     }
     const bool empty = s.document.elements.empty();
-    auto models = empty ? builtIn(progress.part(0.0, 0.6)) : modelsOf(s, progress.part(0.0, 0.8));
+    auto models = empty ? solvedPaperCaterpillar(progress.part(0.0, 0.6)) : modelsOf(s, progress.part(0.0, 0.8));
     if (!models) return tl::unexpected(models.error());
-    const auto table = compareModels(models->input, models->full, progress.part(empty ? 0.6 : 0.8, 1.0));
+    const auto table = compareModels(*models, progress.part(empty ? 0.6 : 0.8, 1.0));
     if (!table) return tl::unexpected(table.error());
     Json answer = tableJson(*table, empty ? "built-in caterpillar" : "document");
     if (!path.empty()) {

@@ -3,8 +3,6 @@
 //   28,257 vertices (the most that the paper shows at 60 frames per second): product and placement against linear blend skinning with four weights;
 //   normals in three ways; 1,000,000 vertices against the memory triad and on all processors; the previous model's product at the paper's size.
 // Responses of the first three are those of a coarse elastic tube, carried over to fine ones. Arguments choose parts: frame, normals, million, previous.
-#include <cblas.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <chrono>
@@ -22,6 +20,8 @@
 #include "core/character/frame_crew.h"
 #include "core/character/normal_stencils.h"
 #include "core/character/response_blocks.h"
+#include "core/comparison/paper_caterpillar.h"
+#include "core/comparison/timing.h"
 #include "tests/bench/reference_loops.h"
 #include "tests/character/caterpillar.h"
 
@@ -32,25 +32,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr ResponseFormat kFormats[] = {ResponseFormat::Float, ResponseFormat::Half, ResponseFormat::Int16};
 
-double milliseconds(Clock::time_point from) { return std::chrono::duration<double, std::milli>(Clock::now() - from).count(); }
+constexpr double kSeconds = 20.0;  // of one measurement, at most
 
-/// Runs several loops in turn, so that what disturbs the machine disturbs all; medians of each, in milliseconds.
-std::vector<double> inTurn(int rounds, const std::vector<std::function<void()>>& loops) {
-    std::vector<std::vector<double>> times(loops.size());
-    for (int r = 0; r < rounds + 3; ++r)
-        for (std::size_t i = 0; i < loops.size(); ++i) {
-            loops[i]();  // its data are in the caches as far as they fit, as in a program that draws little else
-            const auto start = Clock::now();
-            loops[i]();
-            if (r >= 3) times[i].push_back(milliseconds(start));
-        }
-    std::vector<double> out;
-    for (auto& t : times) {
-        std::nth_element(t.begin(), t.begin() + static_cast<std::ptrdiff_t>(t.size() / 2), t.end());
-        out.push_back(t[t.size() / 2]);
-    }
-    return out;
-}
+double milliseconds(Clock::time_point from) { return std::chrono::duration<double, std::milli>(Clock::now() - from).count(); }
 
 /// The response of an elastic tube of radius 1 between two joint faces, solved coarsely in the basis "paper", as harmonics of the angle about its
 /// axis: faces move the rings by harmonics up to the second, so a tube of any fineness can be given this response.
@@ -67,7 +51,7 @@ public:
         in.solverMesh = {SolverMeshSetting::Kind::AsIs, 0};
         const auto response = buildResponse(in, {}).value();
         faces_ = in.faces;
-        for (const auto& face : faces_) bases_.push_back(FaceBasis::on(body.mesh, face, BasisKind::Paper));
+        bases_ = response.bases;
         // Coefficients of 1, cos, sin, cos 2, sin 2, cos 3, sin 3 on every ring between the faces.
         rings_.assign(kRows + 1, Eigen::MatrixXd::Zero(3 * kHarmonics, response.columns()));
         for (std::size_t i = 0; i < response.freeVertices.size(); ++i) {
@@ -304,7 +288,7 @@ void frame() {
                 first += tubes[t].all.size();
             }
         });
-    const auto ms = inTurn(300, loops);
+    const auto ms = mediansInTurn(300, kSeconds, loops);
     const double best = std::min(ms[0], ms[1]), vertices = static_cast<double>(skin.vertices);
     std::printf("\n%zu vertices in %zu elements, 12 columns each, one thread: product and placement (target: at most 1.2 times skinning)\n", skin.vertices,
                 tubes.size());
@@ -402,7 +386,7 @@ void normals() {
     compare("bent by 60, stretched by .2", tube.pose(60 * degree, 0.2), ResponseFormat::Float);
     compare("the same, positions in half", tube.pose(60 * degree, 0.2), ResponseFormat::Half);
     compare("the same, positions in int16", tube.pose(60 * degree, 0.2), ResponseFormat::Int16);
-    const auto ms = inTurn(200, {triangleLoop, modeLoop, stencilLoop});
+    const auto ms = mediansInTurn(200, kSeconds, {triangleLoop, modeLoop, stencilLoop});
     std::printf("%-30s", "ms");
     for (const double t : ms) std::printf(" %20.4f ", t);
     std::printf("\n");
@@ -429,7 +413,7 @@ void million() {
             FrameCrew crew(threads);
             const auto part = [](std::size_t i, std::size_t parts, std::size_t count) { return count * i / parts; };
             constexpr std::size_t kPieces = 512;
-            const auto ms = inTurn(12, {[&] {
+            const auto ms = mediansInTurn(12, kSeconds, {[&] {
                                             crew.run(kPieces, [&](std::size_t i) {
                                                 const std::size_t begin = kTriad / kPieces * i;
                                                 reference::triad(a.data() + begin, b.data() + begin, c.data() + begin, 0.5f, kTriad / kPieces);
@@ -467,7 +451,7 @@ void million() {
                 std::vector<std::int32_t> cap;
                 for (int i = 0; i <= 1000; ++i) cap.push_back(f == 0 ? i : static_cast<std::int32_t>(tube.all.size()) - 1 - i);
                 element.faces.push_back(jointFaceByVertices(tube.mesh, cap).value());
-                response->bases.push_back({BasisKind::Paper, true, 0});
+                response->bases.push_back(FaceBasis{.kind = BasisKind::Paper});
                 response->firstColumn.push_back(6 * f);
             }
             response->firstColumn.push_back(12);
@@ -495,72 +479,21 @@ void million() {
 // --- the previous model ------------------------------------------------------------------------------------------------------------------------
 
 void previous() {
-    openblas_set_num_threads(1);
-    caterpillar::Shape shape;
-    shape.around = {24};
-    shape.along = {9, 9, 11, 9, 9};
-    shape.tips = true;
-    shape.basis = BasisKind::Full;
-    // The previous model: displacements of free vertices and tractions of held ones from displacements of held ones.
-    struct Dense {
-        Eigen::MatrixXf a;
-        Eigen::VectorXf x, y;
-    };
-    std::vector<Dense> dense;
-    std::size_t denseBytes = 0, vertices = 0;
-    {
-        const auto input = caterpillar::make(shape);
-        for (const auto& e : input.elements) {
-            const auto& r = *e.response;
-            Dense d;
-            d.a.resize(r.response.rows() + r.tractions.rows(), r.columns());
-            d.a << r.response.cast<float>(), r.tractions.cast<float>();
-            d.x = Eigen::VectorXf::LinSpaced(d.a.cols(), -0.1f, 0.1f);
-            d.y.resize(d.a.rows());
-            denseBytes += 4 * static_cast<std::size_t>(d.a.size());
-            vertices += static_cast<std::size_t>(e.mesh->body.vertices.rows());
-            dense.push_back(std::move(d));
-        }
-    }
-    shape.basis = BasisKind::Paper;
-    auto input = caterpillar::make(shape);
-    std::vector<ResponseBlocks> reduced;
-    std::vector<Eigen::VectorXd> v;
-    std::size_t reducedBytes = 0, keptBytes = 0, freeVertices = 0;
-    for (const auto& e : input.elements) {
-        reduced.emplace_back(e.mesh->body.vertices, e.response->freeVertices, Vec3::Zero(), e.response->response, ResponseFormat::Float);
-        reducedBytes += 4 * static_cast<std::size_t>(e.response->response.size());
-        keptBytes += reduced.back().responseBytes();
-        freeVertices += e.response->freeVertices.size();
-        v.emplace_back(Eigen::VectorXd::LinSpaced(e.response->columns(), -0.1, 0.1));
-    }
-    AlignedBuffer<float> positions(3 * (vertices + kVertexBlock));
-    const auto ms = inTurn(300, {[&] {
-                                     for (auto& d : dense)
-                                         cblas_sgemv(CblasColMajor, CblasNoTrans, static_cast<int>(d.a.rows()), static_cast<int>(d.a.cols()), 1.0f,
-                                                     d.a.data(), static_cast<int>(d.a.rows()), d.x.data(), 1, 0.0f, d.y.data(), 1);
-                                 },
-                                 [&] {
-                                     for (std::size_t e = 0; e < reduced.size(); ++e) show(reduced[e], v[e], positions.data());
-                                 }});
-    auto character = Character::build(std::move(input)).value();
-    Pose pose = restPose(character.input().skeleton);
-    std::vector<double> whole;
-    for (int i = 0; i < 3000; ++i) {
-        const double t = 0.013 * i;
-        const auto start = Clock::now();
-        character.solvePose({{0, Vec3::Zero()}, {5, Vec3(2.0 * std::sin(t), 1.5 * std::sin(0.7 * t), 4.5 + std::sin(0.31 * t))}}, pose);
-        character.update(pose);
-        whole.push_back(milliseconds(start));
-    }
-    std::sort(whole.begin(), whole.end());
-    std::printf("\nthe paper's size: 5 elements, %zu vertices (%zu free), float, one thread (targets: 30 times faster, 15 times smaller)\n", vertices, freeVertices);
-    std::printf("previous model, product alone (sgemv)   %9.4f ms  %8.3f MB\n", ms[0], 1e-6 * static_cast<double>(denseBytes));
-    std::printf("reduced, basis paper, product (placed)  %9.4f ms  %8.3f MB (kept for the frame: %.3f)\n", ms[1], 1e-6 * static_cast<double>(reducedBytes),
-                1e-6 * static_cast<double>(keptBytes));
-    std::printf("ratio                                   %9.1f     %8.1f\n", ms[0] / ms[1], static_cast<double>(denseBytes) / static_cast<double>(reducedBytes));
-    std::printf("whole frame of the reduced model: inverse kinematics, parameters, positions, normals: %.4f ms; with the previous product: %.4f ms, %.1f times\n",
-                whole[whole.size() / 2], whole[whole.size() / 2] - ms[1] + ms[0], (whole[whole.size() / 2] - ms[1] + ms[0]) / whole[whole.size() / 2]);
+    const auto models = solvedPaperCaterpillar({}).value();
+    const auto table = compareModels(models, {}).value();
+    const auto &a = table.proposed, &b = table.previous;
+    std::printf("\nthe paper's size: %d elements, %d vertices, float, one thread (targets: 30 times faster, 15 times smaller)\n", a.elements, a.vertices);
+    std::printf("%-44s %12s %12s %8s\n", "", "proposed", "previous", "ratio");
+    const auto row = [](const char* name, double p, double q, double ratio) { std::printf("%-44s %12.4f %12.4f %8.1f\n", name, p, q, ratio); };
+    row("matrices (MB)", 1e-6 * static_cast<double>(a.bytes), 1e-6 * static_cast<double>(b.bytes), static_cast<double>(b.bytes) / static_cast<double>(a.bytes));
+    row("read by a frame (MB)", 1e-6 * static_cast<double>(a.frameBytes), 1e-6 * static_cast<double>(b.frameBytes),
+        static_cast<double>(b.frameBytes) / static_cast<double>(a.frameBytes));
+    row("product alone (ms; the proposed one placed)", a.productMs, b.productMs, b.productMs / a.productMs);
+    row("whole frame (ms)", a.frameMs, b.frameMs, b.frameMs / a.frameMs);
+    row("vertices at 60 frames per second", a.verticesAt60(), b.verticesAt60(), a.verticesAt60() / b.verticesAt60());
+    for (const auto& e : table.errors)
+        std::printf("error in pose %-10s %.4f relative L2, %.3f %% of the diagonal at most%s\n", e.pose.c_str(), e.relative, e.percent,
+                    e.beyondBasis ? " (beyond the basis)" : "");
 }
 
 }  // namespace

@@ -131,7 +131,7 @@ TEST_CASE("previous model: statics close the seams and have the least energy") {
 
 TEST_CASE("model table: both models beside each other, with errors in every pose") {
     const auto& m = models();
-    const auto table = compareModels(m.paper, m.responses, {}).value();
+    const auto table = compareModels({m.paper, m.responses}, {}).value();
     CHECK(table.proposed.vertices == table.previous.vertices);
     CHECK(table.proposed.columns == 3 * 12);
     CHECK(table.previous.columns == 3 * 2 * 3 * 25);
@@ -156,16 +156,16 @@ TEST_CASE("model table: says what is missing") {
     const auto& m = models();
     auto noBones = m.paper;
     noBones.skeleton = {};
-    CHECK(compareModels(noBones, m.responses, {}).error().code == "no-bone");
+    CHECK(compareModels({noBones, m.responses}, {}).error().code == "no-bone");
     auto noResponses = m.paper;
     for (auto& e : noResponses.elements) e.response = nullptr;
-    CHECK(compareModels(noResponses, m.responses, {}).error().code == "no-face");
+    CHECK(compareModels({noResponses, m.responses}, {}).error().code == "no-face");
     std::vector<std::shared_ptr<const ElementResponse>> withoutTractions;
     for (const auto& e : m.paper.elements) withoutTractions.push_back(e.response);
-    CHECK(compareModels(m.paper, withoutTractions, {}).error().code == "bad-value");
+    CHECK(compareModels({m.paper, withoutTractions}, {}).error().code == "bad-value");
     std::stop_source stop;
     stop.request_stop();
-    CHECK(compareModels(m.paper, m.responses, Progress({}, stop.get_token())).error().code == kCancelled);
+    CHECK(compareModels({m.paper, m.responses}, Progress({}, stop.get_token())).error().code == kCancelled);
 }
 
 TEST_CASE("standard poses: keep bones whole, fit the skeleton and are the same every time") {
