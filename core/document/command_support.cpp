@@ -59,6 +59,7 @@ void addCoreCommands(CommandRegistry& registry) {
     addPoseCommands(registry);
     addHistoryCommands(registry);
     addMeasureCommands(registry);
+    addPaperCommand(registry);
 }
 
 }  // namespace imomushi

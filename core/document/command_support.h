@@ -73,5 +73,6 @@ void addSolveCommands(CommandRegistry& registry);     // estimate, precompute, d
 void addPoseCommands(CommandRegistry& registry);      // pin, unpin, drag, release, rest, step
 void addHistoryCommands(CommandRegistry& registry);   // undo, redo
 void addMeasureCommands(CommandRegistry& registry);   // measure, write-mesh
+void addPaperCommand(CommandRegistry& registry);      // paper
 
 }  // namespace imomushi
