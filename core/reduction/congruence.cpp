@@ -14,7 +14,7 @@ constexpr double kSecondsPerEntry = 1e-8;
 
 bool sameParts(const ResponseInput& a, const ResponseInput& b) {
     if (!a.mesh || !b.mesh || a.faces.empty() || a.faces.size() != b.faces.size()) return false;
-    if (a.nu != b.nu || a.basis != b.basis || a.loads != b.loads || !(a.solverMesh == b.solverMesh)) return false;
+    if (a.nu != b.nu || a.basis != b.basis || a.loads != b.loads || a.touch != b.touch || !(a.solverMesh == b.solverMesh)) return false;
     const TriangleMesh &x = a.mesh->body, &y = b.mesh->body;
     if (x.vertices.rows() != y.vertices.rows() || x.triangles.rows() != y.triangles.rows()) return false;
     for (std::size_t f = 0; f < a.faces.size(); ++f) {
@@ -37,8 +37,18 @@ Eigen::MatrixXd modesOf(const ResponseInput& input, std::size_t f) {
 }
 
 /// Turns the vectors in the rows 3 i ... 3 i + 2.
-void turn(const Eigen::Matrix3d& rotation, Eigen::MatrixXd& vectors) {
-    for (Eigen::Index row = 0; row < vectors.rows(); row += 3) vectors.middleRows<3>(row) = (rotation * vectors.middleRows<3>(row)).eval();
+template <class Matrix>
+void turn(const Eigen::Matrix3d& rotation, Matrix& vectors) {
+    const Eigen::Matrix<typename Matrix::Scalar, 3, 3> R = rotation.cast<typename Matrix::Scalar>();
+    for (Eigen::Index row = 0; row < vectors.rows(); row += 3) vectors.template middleRows<3>(row) = (R * vectors.template middleRows<3>(row)).eval();
+}
+
+/// The same in the columns.
+template <class Matrix>
+void turnColumns(const Eigen::Matrix3d& rotation, Matrix& vectors) {
+    const Eigen::Matrix<typename Matrix::Scalar, 3, 3> R = rotation.cast<typename Matrix::Scalar>();
+    for (Eigen::Index column = 0; column < vectors.cols(); column += 3)
+        vectors.template middleCols<3>(column) = (vectors.template middleCols<3>(column) * R.transpose()).eval();
 }
 
 }  // namespace
@@ -111,6 +121,25 @@ Result<ElementResponse> Congruence::carry(const ElementResponse& from) const {
         for (std::size_t f = 0; f < columns.size(); ++f)
             out.loadForces.middleRows(from.firstColumn[f], columns[f].cols()) = columns[f].transpose() * forces.middleRows(from.firstColumn[f], columns[f].rows());
     }
+    if (from.touch.columns() > 0) {
+        turn(rotation, out.touch.displacement);
+        turnColumns(rotation, out.touch.displacement);
+        turn(rotation, out.touch.compliance);
+        turnColumns(rotation, out.touch.compliance);
+        out.touch.compliance = (0.5 * (out.touch.compliance + out.touch.compliance.transpose())).eval();
+        turnColumns(rotation, out.touch.gradients);
+        for (Eigen::Index i = 0; i < out.touch.gradients.rows(); i += 9)
+            for (Eigen::Index c = 0; c < out.touch.gradients.cols(); ++c) {
+                Eigen::Matrix<float, 3, 3, Eigen::RowMajor> gradient(out.touch.gradients.data() + c * out.touch.gradients.rows() + i);
+                const Eigen::Matrix3f R = rotation.cast<float>();
+                gradient = (R * gradient * R.transpose()).eval();
+                out.touch.gradients.block<9, 1>(i, c) = gradient.reshaped<Eigen::RowMajor>();
+            }
+        Eigen::MatrixXd forces = from.touch.forces;
+        turnColumns(rotation, forces);
+        for (std::size_t f = 0; f < columns.size(); ++f)
+            out.touch.forces.middleRows(from.firstColumn[f], columns[f].cols()) = columns[f].transpose() * forces.middleRows(from.firstColumn[f], columns[f].rows());
+    }
     const Eigen::MatrixXd half = out.stiffness;
     for (std::size_t f = 0; f < columns.size(); ++f) {
         const Eigen::Index first = from.firstColumn[f], count = columns[f].cols();
@@ -122,7 +151,7 @@ Result<ElementResponse> Congruence::carry(const ElementResponse& from) const {
 
 ResponseEstimate carryEstimate(const ResponseEstimate& solved, const ResponseInput& to) {
     ResponseEstimate out = solved;
-    const double entries = 3.0 * static_cast<double>(to.mesh->body.vertices.rows()) * solved.columns;
+    const double entries = 3.0 * static_cast<double>(to.mesh->body.vertices.rows()) * (solved.columns + 3 * to.touch);
     out.seconds = kSecondsPerEntry * entries;
     out.bytes = static_cast<std::size_t>(2.0 * sizeof(double) * entries);
     return out;

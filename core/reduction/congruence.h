@@ -29,8 +29,8 @@ struct Congruence {
     /// A small face of a large body sees the same distance as a larger part of itself.
     static constexpr double kModeMiss = 1e-5;
 
-    /// The response of `to` from that of `from`: A'_to = R A'_from N, K_to = N^T K_from N with N of blocks `columns`, tractions like A', loads turned on
-    /// both sides; quality and cost are those of `from`. One thread. Errors: "bad-value" (a response that is not one of `from`).
+    /// The response of `to` from that of `from`: A'_to = R A'_from N, K_to = N^T K_from N with N of blocks `columns`, tractions like A', loads and
+    /// fingers turned on both sides; quality and cost are those of `from`. One thread. Errors: "bad-value" (a response that is not one of `from`).
     [[nodiscard]] Result<ElementResponse> carry(const ElementResponse& from) const;
 };
 

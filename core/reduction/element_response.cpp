@@ -19,12 +19,17 @@
 #include "core/reduction/display_mapping.h"
 #include "core/reduction/negative_part.h"
 #include "core/reduction/solved_body.h"
+#include "core/reduction/touch_patches.h"
+#include "core/reduction/touch_response.h"
 
 namespace imomushi {
 namespace {
 
 /// Changes whenever the same input gives other numbers: cached answers of an older solver are then computed again.
 constexpr int kSolverVersion = 3;
+
+/// The same for touch.
+constexpr int kTouchVersion = 1;
 
 /// Relative ridge on the Gram matrix of the joint modes: modes that a small patch cannot tell apart (three vertices, twelve modes) share
 /// the load instead of dividing by zero; regular ones change by rounding.
@@ -67,6 +72,7 @@ BoundaryProblem::Input problemOf(const ResponseInput& input, const SolverMesh& m
 
 Result<void> checkInput(const ResponseInput& input) {
     if (!input.mesh) return fail("bad-value", "The element has no mesh.");
+    if (input.touch < 0 || input.touch > ResponseInput::kMostTouch) return fail("bad-value", "The number of touch patches must lie between 0 and 1024.");
     for (const JointFace& face : input.faces)
         for (const std::int32_t v : face.vertices)
             if (v < 0 || v >= input.mesh->body.vertices.rows())
@@ -218,10 +224,10 @@ bool congruent(const Eigen::MatrixXd& L, bool inverse, Eigen::MatrixXd& Z, const
 }
 
 /// Makes K what a stiffness must be: symmetric, zero on rigid motions, without negative energy. W = C^T mass C measures joint
-/// parameters by the displacement they make, so that metres and radians need no weights of their own. `loadForces` (g x 4, or empty) are made to
-/// balance `loads` (see wholeLoads()) on rigid motions, by the smallest change.
+/// parameters by the displacement they make, so that metres and radians need no weights of their own. `loadForces` (g x k) are made to
+/// balance `loads` (6 x k, see wholeLoads()) on rigid motions, by the smallest change.
 /// Errors: "singular": the input is not positive definite or not finite (a face without area); "cancelled".
-Result<void> cleanStiffness(const HeldModes& modes, const SolverMesh& mesh, const Eigen::Matrix<double, 6, BoundaryEquation::kLoads>& loads,
+Result<void> cleanStiffness(const HeldModes& modes, const SolverMesh& mesh, const Eigen::MatrixXd& loads,
                             Eigen::MatrixXd& K, Eigen::MatrixXd& loadForces, ResponseQuality& quality, const Progress& progress) {
     useSingleThreadedBlas();
     const auto singular = [] { return fail("singular", "The joint modes of a face cannot be told apart; choose larger joint faces."); };
@@ -419,19 +425,21 @@ Eigen::MatrixXd onWhole(const Trimmed& element, Eigen::MatrixXd displacement) {
 /// One level of the solution: displacement of the body's free vertices (3 #free x k) for prescribed displacements of the held solver vertices.
 struct Level {
     Eigen::MatrixXd response, traction;  ///< with loads: their columns last
+    Eigen::MatrixXd compliance;          ///< of touch patches, see patchCompliance()
     SolveQuality quality;
     double mappingError = 0.0, shapeError = 0.0;
 };
 
 /// `held`: 3 #held x k. The displacement is that of the whole body.
-Result<Level> solveLevel(const Trimmed& element, const SolvedBody& solved, const Eigen::MatrixXd& held, bool withLoads, const Progress& progress) {
+Result<Level> solveLevel(const Trimmed& element, const SolvedBody& solved, const Eigen::MatrixXd& held, const BoundaryProblem::Loads& loads, const Progress& progress) {
     const ResponseInput& input = element.input;
     const std::vector<std::int32_t>& bodyFree = element.freeVertices;
     auto problem = BoundaryProblem::build(problemOf(input, solved.mesh), progress.part(0.0, 0.9));
     if (!problem) return tl::make_unexpected(problem.error());
-    auto solution = withLoads ? problem->solveWithLoads(held, progress.part(0.9, 0.98)) : problem->solve(held, progress.part(0.9, 0.98));
+    auto solution = problem->solve(held, loads, progress.part(0.9, 0.98));
     if (!solution) return tl::make_unexpected(solution.error());
     Level level;
+    if (loads.tractions) level.compliance = patchCompliance(solved.mesh, *loads.tractions, problem->freeVertices(), *solution);
     level.quality = problem->quality();
     if (!solved.decimated) {
         // The solver mesh begins with the body's vertices, and both lists ascend.
@@ -455,18 +463,41 @@ Result<Level> solveLevel(const Trimmed& element, const SolvedBody& solved, const
     return level;
 }
 
-/// Body loads with all faces at rest, solved on the whole body: they act on appendages, which bend under them.
-struct Loads {
-    Eigen::MatrixXd displacement, forces;  ///< 3 #free x 4, g x 4
+/// What is asked for besides the joint modes: body loads, then touch patches, with all faces at rest.
+struct WantedLoads {
+    const ResponseInput* input = nullptr;  ///< the whole element
+    TouchPatches patches;
+    Eigen::MatrixXd tractions;             ///< of the patches on the mesh that is solved
+
+    void place(const SolvedBody& solved) {
+        if (patches.count() > 0) tractions = patchTractions(patches, input->mesh->body, input->faces, solved);
+    }
+    [[nodiscard]] BoundaryProblem::Loads columns() const { return {input->loads, patches.count() > 0 ? &tractions : nullptr}; }
+    /// What they do in all, 6 x k.
+    [[nodiscard]] Eigen::MatrixXd whole(const SolverMesh& mesh, const HeldModes& modes) const {
+        const Eigen::Index body = input->loads ? BoundaryEquation::kLoads : 0;
+        Eigen::MatrixXd out(6, body + 3 * patches.count());
+        if (body > 0) out.leftCols(body) = wholeLoads(*input, modes);
+        if (patches.count() > 0) out.rightCols(3 * patches.count()) = wholeTractions(mesh, tractions, modes.middle, modes.size);
+        return out;
+    }
 };
-Result<Loads> loadsOnWhole(const ResponseInput& input, const ElementResponse& response, const Progress& progress) {
+
+/// Loads solved on the whole body: they act on appendages, which bend under them.
+struct Loads {
+    Eigen::MatrixXd displacement, forces, compliance, whole;  ///< 3 #free x k, g x k, see TouchResponse, 6 x k about the middle of `modes`
+};
+Result<Loads> loadsOnWhole(const ResponseInput& input, WantedLoads& wanted, const HeldModes& modes, const ElementResponse& response, const Progress& progress) {
     const Trimmed whole{&input, input, {}, response.freeVertices, response.freeVertices};
     const auto solved = solvedBody(input.mesh->body, input.faces, input.solverMesh, progress.part(0.0, 0.1));
     if (!solved) return tl::make_unexpected(solved.error());
+    wanted.place(*solved);
     const Eigen::MatrixXd C = heldModes(input, *solved, response.bases, response.firstColumn).C;
-    const auto level = solveLevel(whole, *solved, C, true, progress.part(0.1, 1.0));
+    auto level = solveLevel(whole, *solved, C, wanted.columns(), progress.part(0.1, 1.0));
     if (!level) return tl::make_unexpected(level.error());
-    return Loads{level->response.rightCols(BoundaryEquation::kLoads), C.transpose() * faceMass(solved->mesh, level->traction.rightCols(BoundaryEquation::kLoads))};
+    const Eigen::Index count = wanted.columns().columns();
+    return Loads{level->response.rightCols(count), C.transpose() * faceMass(solved->mesh, level->traction.rightCols(count)), std::move(level->compliance),
+                 wanted.whole(solved->mesh, modes)};
 }
 
 /// The error of `fine` by its difference from a coarser level, relative to the motion of free and held vertices together, root mean square over the
@@ -484,7 +515,7 @@ Result<double> estimateError(const Trimmed& element, const SolvedBody& solved, c
     std::vector<int> firstColumn;
     const std::vector<FaceBasis> bases = basesOf(compared, firstColumn);
     const HeldModes modes = heldModes(compared, coarser->body, bases, firstColumn);
-    const auto level = solveLevel(element, coarser->body, modes.C, false, progress);
+    const auto level = solveLevel(element, coarser->body, modes.C, {}, progress);
     if (progress.cancelled()) return cancelled();
     if (!level) return -1.0;
     Eigen::MatrixXd held = C, fine = fineResponse.leftCols(response.columns());
@@ -509,7 +540,8 @@ Result<double> estimateError(const Trimmed& element, const SolvedBody& solved, c
 }  // namespace
 
 std::size_t ElementResponse::bytes() const {
-    return sizeof(double) * static_cast<std::size_t>(response.size() + stiffness.size() + tractions.size() + loads.size() + loadForces.size()) + sizeof(std::int32_t) * freeVertices.size();
+    return sizeof(double) * static_cast<std::size_t>(response.size() + stiffness.size() + tractions.size() + loads.size() + loadForces.size()) + sizeof(std::int32_t) * freeVertices.size() +
+           touch.bytes();
 }
 
 ContentKey responseKey(const ResponseInput& input) {
@@ -532,6 +564,11 @@ ContentKey responseKey(const ResponseInput& input) {
         hasher.number(static_cast<int>(face.flat()));
     }
     if (input.loads) hasher.text("loads");
+    if (input.touch > 0) {
+        hasher.text("touch");
+        hasher.number(kTouchVersion);
+        hasher.number(input.touch);
+    }
     return hasher.key();
 }
 
@@ -554,28 +591,28 @@ Result<ElementResponse> buildResponse(const ResponseInput& input, const Progress
     const SolverMesh& mesh = solved->mesh;
     const HeldModes modes = heldModes(element->input, *solved, response.bases, response.firstColumn);
     response.freeVertices = element->wholeFree;
-    const bool loadsApart = input.loads && !element->body.appendages.empty();
-    auto level = solveLevel(*element, *solved, modes.C, input.loads && !loadsApart, progress.part(0.1, loadsApart ? 0.5 : 0.95));
+    WantedLoads wanted{&input, {}, {}};
+    if (input.touch > 0) wanted.patches = touchPatches(input.mesh->body, input.faces, input.touch);
+    const bool anyLoads = input.loads || wanted.patches.count() > 0, loadsApart = anyLoads && !element->body.appendages.empty();
+    if (anyLoads && !loadsApart) wanted.place(*solved);
+    auto level = solveLevel(*element, *solved, modes.C, anyLoads && !loadsApart ? wanted.columns() : BoundaryProblem::Loads{},
+                            progress.part(0.1, loadsApart ? 0.5 : 0.95));
     if (!level) return tl::make_unexpected(level.error());
     auto error = estimateError(*element, *solved, response, modes.C, level->response, progress.part(0.95, 1.0));
     if (!error) return tl::make_unexpected(error.error());
     const auto cancelled = [] { return fail(kCancelled, "The precompute was cancelled."); };
     response.stiffness = Eigen::SparseMatrix<double>(modes.C.sparseView()).transpose() * faceMass(mesh, level->traction);
     response.response = std::move(level->response);
-    Eigen::Matrix<double, 6, BoundaryEquation::kLoads> loads;
-    if (input.loads) {
-        loads = wholeLoads(input, modes);
-        if (loadsApart) {
-            auto whole = loadsOnWhole(input, response, progress.part(0.5, 0.95));
-            if (!whole) return tl::make_unexpected(whole.error());
-            response.loads = std::move(whole->displacement);
-            response.loadForces = std::move(whole->forces);
-        } else {
-            response.loads = response.response.rightCols(BoundaryEquation::kLoads);
-            response.loadForces = response.stiffness.rightCols(BoundaryEquation::kLoads);
-            response.response.conservativeResize(Eigen::NoChange, g);
-            response.stiffness.conservativeResize(Eigen::NoChange, g);
-        }
+    Loads loads;
+    if (loadsApart) {
+        auto whole = loadsOnWhole(input, wanted, modes, response, progress.part(0.5, 0.95));
+        if (!whole) return tl::make_unexpected(whole.error());
+        loads = std::move(*whole);
+    } else if (anyLoads) {
+        const Eigen::Index count = wanted.columns().columns();
+        loads = {response.response.rightCols(count), response.stiffness.rightCols(count), std::move(level->compliance), wanted.whole(mesh, modes)};
+        response.response.conservativeResize(Eigen::NoChange, g);
+        response.stiffness.conservativeResize(Eigen::NoChange, g);
     }
     if (progress.cancelled()) return cancelled();
     if (input.basis == BasisKind::Full) response.tractions = nodalTractions(input, modes, response.firstColumn, response.stiffness);
@@ -588,8 +625,20 @@ Result<ElementResponse> buildResponse(const ResponseInput& input, const Progress
     quality.error = *error;
     quality.mappingError = level->mappingError;
     quality.shapeError = level->shapeError;
-    if (auto clean = cleanStiffness(modes, mesh, loads, response.stiffness, response.loadForces, response.quality, progress); !clean)
+    if (auto clean = cleanStiffness(modes, mesh, loads.whole, response.stiffness, loads.forces, response.quality, progress); !clean)
         return tl::make_unexpected(clean.error());
+    if (input.loads) {
+        response.loads = loads.displacement.leftCols(BoundaryEquation::kLoads);
+        response.loadForces = loads.forces.leftCols(BoundaryEquation::kLoads);
+    }
+    if (const Eigen::Index columns = 3 * wanted.patches.count(); columns > 0) {
+        response.touch.patches = std::move(wanted.patches);
+        response.touch.displacement = loads.displacement.rightCols(columns).cast<float>();
+        response.touch.forces = loads.forces.rightCols(columns);
+        response.touch.compliance = std::move(loads.compliance);
+        if (auto ok = finishTouch(input.mesh->body, input.faces, response.freeVertices, input.nu, input.threads, response.touch, progress); !ok)
+            return tl::make_unexpected(ok.error());
+    }
     if (input.basis == BasisKind::Full && response.tractions.size() == 0)
         return fail("singular", "A joint face has no area; choose a larger one.");
     response.quality.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -607,7 +656,16 @@ ResponseEstimate estimateResponse(const ResponseInput& input) {
     const auto body = withoutAppendages(input.mesh->body, input.faces, {});
     if (!body) return out;
     const SolvedSize size = solvedSize(body->mesh, body->faces, input.solverMesh);
-    const BoundaryProblem::Estimate solve = BoundaryProblem::estimate(size.nodes, size.triangles, out.columns, input.threads);
+    const int tractions = 3 * std::min<int>(input.touch, static_cast<int>(input.mesh->body.vertices.rows()) / 4);
+    const bool loadsApart = (input.loads || tractions > 0) && !body->appendages.empty();
+    BoundaryProblem::Estimate solve = BoundaryProblem::estimate(size.nodes, size.triangles, out.columns, input.threads, loadsApart ? 0 : tractions);
+    if (loadsApart) {
+        const SolvedSize whole = solvedSize(input.mesh->body, input.faces, input.solverMesh);
+        const BoundaryProblem::Estimate again = BoundaryProblem::estimate(whole.nodes, whole.triangles, out.columns, input.threads, tractions);
+        solve.seconds += again.seconds;
+        solve.bytes = std::max(solve.bytes, again.bytes);
+    }
+    solve.bytes += 3 * sizeof(double) * static_cast<std::size_t>(input.mesh->body.vertices.rows()) * static_cast<std::size_t>(tractions);
     out.seconds = solve.seconds + BoundaryProblem::estimate(size.coarser, 2 * size.coarser, out.columns, input.threads).seconds;
     out.bytes = solve.bytes;
 
@@ -657,7 +715,7 @@ Result<Points> solveFull(const ResponseInput& input, const std::vector<Points>& 
             out.row(input.faces[f].vertices[i]) = u;
             prescribed.row(element->input.faces[f].vertices[i]) = u;
         }
-    auto level = solveLevel(*element, *solved, heldDisplacement(*solved, prescribed), false, progress.part(0.1, 1.0));
+    auto level = solveLevel(*element, *solved, heldDisplacement(*solved, prescribed), {}, progress.part(0.1, 1.0));
     if (!level) return tl::make_unexpected(level.error());
     for (std::size_t i = 0; i < element->wholeFree.size(); ++i)
         out.row(element->wholeFree[i]) = level->response.block<3, 1>(3 * static_cast<Eigen::Index>(i), 0).transpose();

@@ -13,6 +13,7 @@
 #include "core/joints/joint_face.h"
 #include "core/mesh/mesh.h"
 #include "core/reduction/solver_mesh_setting.h"
+#include "core/reduction/touch_response.h"
 
 namespace imomushi {
 
@@ -48,6 +49,7 @@ struct ElementResponse {
     /// element rest axes, over the shear modulus (1/m); 3: a pressure over the shear modulus that pushes the free surface outwards.
     Eigen::MatrixXd loads;       ///< 3 * #free x 4: displacement (m) per unit of load
     Eigen::MatrixXd loadForces;  ///< g x 4, for shear modulus 1: with loads l and joint parameters v the faces are held by K v + loadForces l
+    TouchResponse touch;         ///< fingers, where they were asked for
     ResponseQuality quality;
 
     [[nodiscard]] int columns() const { return firstColumn.empty() ? 0 : firstColumn.back(); }
@@ -62,13 +64,18 @@ struct ResponseInput {
     BasisChoice basis;
     SolverMeshSetting solverMesh;
     bool loads = false;  ///< body loads too
+    /// About how many patches a finger can press, 0: none. Their bumps are about sqrt(free surface / touch) wide: 24 are for large soft dents, 96 for small ones. A
+    /// patch costs three columns. On small meshes there are fewer, see touchPatches().
+    int touch = 0;
+    static constexpr int kMostTouch = 1024;
     int threads = 1;  ///< not part of the key: it changes no byte of the answer
 };
 
-/// The content key of the answer: mesh, faces, nu, basis, solver mesh, whether with loads, and the version of the solver.
+/// The content key of the answer: mesh, faces, nu, basis, solver mesh, whether with loads, touch, and the version of the solver.
 ContentKey responseKey(const ResponseInput& input);
 
-/// Solved without the appendages of the body, which follow (see TrimmedBody); only body loads are solved on all of it, as appendages bend under them.
+/// Solved without the appendages of the body, which follow (see TrimmedBody); only body loads and fingers are solved on all of it, as appendages bend under
+/// them.
 /// Errors: those of BoundaryProblem::build and solve, and of solvedBody().
 Result<ElementResponse> buildResponse(const ResponseInput& input, const Progress& progress);
 

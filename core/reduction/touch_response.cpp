@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/reduction/touch_response.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -10,6 +9,7 @@
 
 #include "core/base/parallel.h"
 #include "core/mesh/topology.h"
+#include "core/reduction/mesh_pieces.h"
 #include "core/reduction/negative_part.h"
 #include "core/reduction/triangle_tree.h"
 
@@ -79,8 +79,8 @@ Eigen::Matrix3d gradientOf(const TriangleFrame& frame, const std::array<Vec3, 3>
 }  // namespace
 
 std::size_t TouchResponse::bytes() const {
-    return sizeof(float) * static_cast<std::size_t>(displacement.size() + strain.size()) + sizeof(double) * static_cast<std::size_t>(forces.size() + compliance.size()) +
-           sizeof(std::int32_t) * (patches.centre.size() + patches.first.size() + patches.patch.size()) + sizeof(float) * patches.weight.size();
+    return sizeof(float) * static_cast<std::size_t>(displacement.size() + gradients.size()) + sizeof(double) * static_cast<std::size_t>(forces.size() + compliance.size()) +
+           sizeof(std::int32_t) * (probes.size() + patches.centre.size() + patches.first.size() + patches.patch.size()) + sizeof(float) * patches.weight.size();
 }
 
 Eigen::MatrixXd patchTractions(const TouchPatches& patches, const TriangleMesh& body, std::span<const JointFace> faces, const SolvedBody& solved) {
@@ -184,7 +184,6 @@ Result<void> finishTouch(const TriangleMesh& body, std::span<const JointFace> fa
     const Eigen::VectorXd whole = integrals(body, held, weights);
     std::vector<Eigen::Index> row(static_cast<std::size_t>(vertices), -1);
     for (std::size_t i = 0; i < free.size(); ++i) row[static_cast<std::size_t>(free[i])] = 3 * static_cast<Eigen::Index>(i);
-    std::vector<Eigen::Index> largest(static_cast<std::size_t>(vertices), -1);
     std::vector<std::pair<std::int32_t, TriangleFrame>> frames;
     Eigen::VectorXd around = Eigen::VectorXd::Zero(vertices);
     eachTouchable(body, held, [&](std::int32_t f, double) {
@@ -193,44 +192,79 @@ Result<void> finishTouch(const TriangleMesh& body, std::span<const JointFace> fa
         frames.emplace_back(f, frame);
         for (int c = 0; c < 3; ++c) around[body.triangles(f, c)] += frame.area;
     });
-    for (Eigen::Index v = 0; v < vertices; ++v)
-        if (around[v] > 0.0 && patches.first[static_cast<std::size_t>(v)] < patches.first[static_cast<std::size_t>(v) + 1]) weights.row(v).maxCoeff(&largest[static_cast<std::size_t>(v)]);
-    response.strain = Eigen::MatrixXf::Zero(count, count);
-    std::atomic<Eigen::Index> done{0};
-    parallelFor(threads, static_cast<std::size_t>(count), 1, [&](std::size_t begin, std::size_t end) {
-        for (auto q = static_cast<Eigen::Index>(begin); q < static_cast<Eigen::Index>(end); ++q) {
-            if (progress.cancelled()) return;
-            std::vector<std::array<Eigen::Matrix3d, 3>> sum(static_cast<std::size_t>(vertices), {Eigen::Matrix3d::Zero(), Eigen::Matrix3d::Zero(), Eigen::Matrix3d::Zero()});
-            for (const auto& [f, frame] : frames) {
-                double bump = 0.0;
-                for (int c = 0; c < 3; ++c) bump += weights(body.triangles(f, c), q) / 3.0;
-                for (int axis = 0; axis < 3; ++axis) {
-                    std::array<Vec3, 3> u;
-                    for (int c = 0; c < 3; ++c) {
-                        const Eigen::Index at = row[static_cast<std::size_t>(body.triangles(f, c))];
-                        u[static_cast<std::size_t>(c)] = at < 0 ? Vec3::Zero() : Vec3(response.displacement.block<3, 1>(at, 3 * q + axis).cast<double>());
-                    }
-                    const Vec3 traction = whole[q] > 0.0 ? Vec3(bump / whole[q] * Vec3::Unit(axis)) : Vec3::Zero();
-                    const Eigen::Matrix3d gradient = frame.area * gradientOf(frame, u, traction, nu);
-                    for (int c = 0; c < 3; ++c) sum[static_cast<std::size_t>(body.triangles(f, c))][static_cast<std::size_t>(axis)] += gradient;
+    // By forces on patch q along three axes.
+    using Gradients = std::array<Eigen::Matrix3d, 3>;
+    const auto gradientsBy = [&](Eigen::Index q) {
+        std::vector<Gradients> sum(static_cast<std::size_t>(vertices), {Eigen::Matrix3d::Zero(), Eigen::Matrix3d::Zero(), Eigen::Matrix3d::Zero()});
+        for (const auto& [f, frame] : frames) {
+            double bump = 0.0;
+            for (int c = 0; c < 3; ++c) bump += weights(body.triangles(f, c), q) / 3.0;
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                std::array<Vec3, 3> u;
+                for (int c = 0; c < 3; ++c) {
+                    const Eigen::Index at = row[static_cast<std::size_t>(body.triangles(f, c))];
+                    u[static_cast<std::size_t>(c)] =
+                        at < 0 ? Vec3::Zero() : Vec3(response.displacement.block<3, 1>(at, 3 * q + static_cast<Eigen::Index>(axis)).cast<double>());
                 }
+                const Vec3 traction = whole[q] > 0.0 ? Vec3(bump / whole[q] * Vec3::Unit(static_cast<Eigen::Index>(axis))) : Vec3::Zero();
+                const Eigen::Matrix3d gradient = frame.area * gradientOf(frame, u, traction, nu);
+                for (int c = 0; c < 3; ++c) sum[static_cast<std::size_t>(body.triangles(f, c))][axis] += gradient;
             }
-            for (std::size_t v = 0; v < sum.size(); ++v) {
-                if (largest[v] < 0) continue;
-                // The largest Frobenius norm over all directions of a unit force.
-                Eigen::Matrix3d products;
-                for (int k = 0; k < 3; ++k)
-                    for (int l = 0; l < 3; ++l) products(k, l) = sum[v][static_cast<std::size_t>(k)].cwiseProduct(sum[v][static_cast<std::size_t>(l)]).sum();
-                const double area = around[static_cast<Eigen::Index>(v)];
-                float& known = response.strain(largest[v], q);
-                if (products.trace() <= std::pow(area * static_cast<double>(known), 2)) continue;
-                const double most = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(products, Eigen::EigenvaluesOnly).eigenvalues()[2];
-                known = std::max(known, static_cast<float>(std::sqrt(std::max(0.0, most)) / area));
-            }
-            ++done;
         }
-    });
-    if (done != count) return fail(kCancelled, "The precompute was cancelled.");
+        for (std::size_t v = 0; v < sum.size(); ++v)
+            if (const double area = around[static_cast<Eigen::Index>(v)]; area > 0.0)
+                for (Eigen::Matrix3d& gradient : sum[v]) gradient /= area;
+        return sum;
+    };
+
+    // For each patch p, among the vertices where its bump is the largest, the one where forces on patch q make the largest gradient (Frobenius).
+    struct Largest {
+        double square = 0.0;
+        std::int32_t vertex = -1;
+    };
+    std::vector<Eigen::Index> patchOf(static_cast<std::size_t>(vertices), -1);
+    for (Eigen::Index v = 0; v < vertices; ++v)
+        if (around[v] > 0.0 && patches.first[static_cast<std::size_t>(v)] < patches.first[static_cast<std::size_t>(v) + 1])
+            weights.row(v).maxCoeff(&patchOf[static_cast<std::size_t>(v)]);
+    std::vector<Largest> largest(static_cast<std::size_t>(count * count));
+    const auto each = [&](const auto& work) {
+        std::atomic<Eigen::Index> done{0};
+        parallelFor(threads, static_cast<std::size_t>(count), 1, [&](std::size_t begin, std::size_t end) {
+            for (auto q = static_cast<Eigen::Index>(begin); q < static_cast<Eigen::Index>(end) && !progress.cancelled(); ++q, ++done) work(q);
+        });
+        return done == count;
+    };
+    const auto cancelled = [] { return fail(kCancelled, "The precompute was cancelled."); };
+    if (!each([&](Eigen::Index q) {
+            const std::vector<Gradients> gradients = gradientsBy(q);
+            for (std::size_t v = 0; v < gradients.size(); ++v) {
+                if (patchOf[v] < 0) continue;
+                double square = 0.0;
+                for (const Eigen::Matrix3d& gradient : gradients[v]) square += gradient.squaredNorm();
+                Largest& known = largest[static_cast<std::size_t>(q * count + patchOf[v])];
+                if (square > (1.0 + kTie) * known.square) known = {square, static_cast<std::int32_t>(v)};
+            }
+        }))
+        return cancelled();
+    for (Eigen::Index p = 0; p < count; ++p) {
+        Largest other;
+        for (Eigen::Index q = 0; q < count; ++q)
+            if (const Largest& by = largest[static_cast<std::size_t>(q * count + p)]; q != p && by.square > (1.0 + kTie) * other.square) other = by;
+        for (const std::int32_t v : {largest[static_cast<std::size_t>(p * count + p)].vertex, other.vertex})
+            if (v >= 0) response.probes.push_back(v);
+    }
+    std::sort(response.probes.begin(), response.probes.end());
+    response.probes.erase(std::unique(response.probes.begin(), response.probes.end()), response.probes.end());
+    response.gradients.resize(9 * static_cast<Eigen::Index>(response.probes.size()), 3 * count);
+    if (!each([&](Eigen::Index q) {
+            const std::vector<Gradients> gradients = gradientsBy(q);
+            for (std::size_t i = 0; i < response.probes.size(); ++i)
+                for (int axis = 0; axis < 3; ++axis)
+                    for (int k = 0; k < 3; ++k)
+                        response.gradients.block<3, 1>(static_cast<Eigen::Index>(9 * i) + 3 * k, 3 * q + axis) =
+                            gradients[static_cast<std::size_t>(response.probes[i])][static_cast<std::size_t>(axis)].row(k).transpose().cast<float>();
+        }))
+        return cancelled();
     return {};
 }
 

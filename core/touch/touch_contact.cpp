@@ -1,0 +1,581 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Contact of a few fingers by the elastic response (James and Pai 1999): unknown forces at the pressed points, their compliance from the precomputed patches.
+// Gauss-Seidel over the fingers finds which stick, slip or leave (each alone is solved exactly); the equations of those then are solved at once.
+#include "core/touch/touch_contact.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "core/mesh/topology.h"
+
+namespace imomushi {
+namespace {
+
+constexpr double kMostFriction = 10.0, kMostSeconds = 10.0, kLeastStrain = 0.05, kMostStrain = 0.9;
+/// (1 + x) exp(-x) is a tenth.
+constexpr double kTenth = 3.889720169867429;
+/// Each finger gives way by this part of the compliance of its patches, so that fingers at one place, or at a rim, have an answer.
+constexpr double kSoftness = 1e-8;
+/// Targets farther than this many sizes are as far as that.
+constexpr double kFarthest = 100.0;
+/// Dents below this part of the size are gone: single precision does not show them.
+constexpr double kGone = 1e-7;
+/// What is left of coming in, below which a finger is where it wants to be.
+constexpr double kArrived = 1e-7;
+/// Friction never takes more than this part of what pushing straight in does, or a slipping finger would have no answer (Painleve's paradox).
+constexpr double kMostCoupling = 0.9;
+constexpr int kSweeps = 16, kPolishes = 4;
+/// Slack in the tests whether solved forces are within their cones.
+constexpr double kSlack = 1e-9;
+/// Mean squared distance of the force of one bump from its centre, and of bumps mixed by their weights, in squared reaches; what each further mixing adds.
+constexpr double kOfBump = 0.25, kOfMixed = 0.42, kOfOverlap = 0.34;
+/// Weights to this power are narrowest without jumping from bump to bump.
+constexpr double kSharpest = 3.0;
+/// Patches of less than this share of the largest are left out of a finger: their parts are not seen, but their columns would be read.
+constexpr double kLeastShare = 1e-3;
+
+bool finite(const Vec3& v) { return std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z()); }
+
+/// A critically damped return to 0: exact for any time.
+void relax(double omega, double seconds, double& value, double& rate) {
+    const double e = std::exp(-omega * seconds), slope = rate + omega * value;
+    value = (value + slope * seconds) * e;
+    rate = (rate - omega * slope * seconds) * e;
+}
+
+Vec3 unit(const Vec3& v, const Vec3& otherwise) {
+    const double length = v.stableNorm();
+    return length > 0.0 && std::isfinite(length) ? Vec3(v / length) : otherwise;
+}
+
+}  // namespace
+
+Result<void> checkTouchSettings(const TouchSettings& s) {
+    const auto within = [](double x, double low, double high) { return std::isfinite(x) && x >= low && x <= high; };
+    if (!within(s.friction, 0.0, kMostFriction)) return fail("bad-value", "The friction of touch must lie between 0 and 10.");
+    if (!within(s.pressSeconds, 0.0, kMostSeconds) || !within(s.releaseSeconds, 0.0, kMostSeconds))
+        return fail("bad-value", "The times of touch must lie between 0 and 10 seconds.");
+    if (!within(s.mostStrain, kLeastStrain, kMostStrain)) return fail("bad-value", "The largest strain of touch must lie between 0.05 and 0.9.");
+    return {};
+}
+
+Result<TouchContact> TouchContact::build(const TriangleMesh& body, std::span<const JointFace> faces, std::shared_ptr<const ElementResponse> response,
+                                         const TouchSettings& settings) {
+    if (auto ok = checkTouchSettings(settings); !ok) return tl::make_unexpected(ok.error());
+    const auto bad = [] { return fail("bad-value", "The element has no precomputed touch for this mesh; precompute it again with touch."); };
+    if (!response || response->touch.patches.count() == 0) return bad();
+    const TouchResponse& touch = response->touch;
+    const Eigen::Index columns = 3 * touch.patches.count();
+    const auto& p = touch.patches;
+    bool fits = p.first.size() == static_cast<std::size_t>(body.vertices.rows()) + 1 && p.patch.size() == p.weight.size() && touch.displacement.cols() == columns &&
+                touch.displacement.rows() == 3 * static_cast<Eigen::Index>(response->freeVertices.size()) && touch.compliance.rows() == columns &&
+                touch.compliance.cols() == columns && touch.forces.cols() == columns && touch.gradients.cols() == columns &&
+                touch.gradients.rows() == 9 * static_cast<Eigen::Index>(touch.probes.size());
+    fits = fits && p.first.front() == 0 && static_cast<std::size_t>(p.first.back()) == p.patch.size() && std::is_sorted(p.first.begin(), p.first.end());
+    for (const std::int32_t i : p.patch) fits = fits && i >= 0 && i < p.count();
+    for (const std::int32_t v : response->freeVertices) fits = fits && v >= 0 && v < body.vertices.rows();
+    for (const JointFace& face : faces)
+        for (const std::int32_t f : face.triangles) fits = fits && f >= 0 && f < body.triangles.rows();
+    if (!fits) return bad();
+    return TouchContact(body, faces, std::move(response), settings);
+}
+
+TouchContact::TouchContact(const TriangleMesh& body, std::span<const JointFace> faces, std::shared_ptr<const ElementResponse> response, const TouchSettings& settings)
+    : response_(std::move(response)), settings_(settings), body_(body), normals_(vertexNormals(body)) {
+    const TouchPatches& patches = touch().patches;
+    const Eigen::Index count = patches.count(), columns = 3 * count;
+    size_ = (body.vertices.colwise().maxCoeff() - body.vertices.colwise().minCoeff()).norm();
+    row_.assign(static_cast<std::size_t>(body.vertices.rows()), -1);
+    for (std::size_t i = 0; i < response_->freeVertices.size(); ++i) row_[static_cast<std::size_t>(response_->freeVertices[i])] = static_cast<std::int32_t>(3 * i);
+
+    std::vector<std::int32_t> held, which;
+    for (const JointFace& face : faces) held.insert(held.end(), face.triangles.begin(), face.triangles.end());
+    const std::vector<char> touchable = touchableTriangles(body, held);
+    const Eigen::MatrixXd weights = patches.dense();
+    overlap_ = Eigen::MatrixXd::Zero(count, count);
+    for (std::int32_t f = 0; f < body.triangles.rows(); ++f) {
+        if (!touchable[static_cast<std::size_t>(f)]) continue;
+        which.push_back(f);
+        const double area = areaVector(body, f).norm();
+        for (int a = 0; a < 3; ++a) {
+            const std::int32_t v = body.triangles(f, a);
+            for (auto i = patches.first[static_cast<std::size_t>(v)]; i < patches.first[static_cast<std::size_t>(v) + 1]; ++i)
+                for (int b = 0; b < 3; ++b)
+                    overlap_.row(patches.patch[static_cast<std::size_t>(i)]) +=
+                        area * (a == b ? 2.0 : 1.0) * static_cast<double>(patches.weight[static_cast<std::size_t>(i)]) * weights.row(body.triangles(f, b));
+        }
+    }
+    for (Eigen::Index p = 0; p < count; ++p) {
+        const double sum = overlap_.row(p).sum();
+        if (sum > 0.0)
+            overlap_.row(p) /= sum;
+        else
+            overlap_(p, p) = 1.0;
+    }
+    tree_ = std::make_unique<TriangleTree>(body, std::move(which));
+    largest_ = Eigen::VectorXd::Zero(count);
+    for (Eigen::Index c = 0; c < columns; ++c) {
+        double most = 0.0;
+        for (Eigen::Index i = 0; i < touch().displacement.rows(); i += 3) most = std::max(most, static_cast<double>(touch().displacement.block<3, 1>(i, c).squaredNorm()));
+        largest_[c / 3] += std::sqrt(most);
+    }
+
+    for (Finger& finger : fingers_) {
+        finger.weights = Eigen::VectorXd::Zero(count);
+        finger.rows = Row3::Zero(3, columns);
+        finger.gradients = Row3::Zero(3, touch().gradients.rows());
+    }
+    left_ = leftRate_ = total_ = before_ = Eigen::VectorXd::Zero(columns);
+    spread_ = spreadNext_ = Eigen::VectorXd::Zero(count);
+    gradients_ = Eigen::VectorXd::Zero(touch().gradients.rows());
+    active_.reserve(kFingers);
+    grip_.resize(kFingers);
+    blocks_.resize(static_cast<std::size_t>(kFingers) * kFingers);
+    matrix_.resize(static_cast<std::size_t>(9 * kFingers) * kFingers);
+    right_.resize(3 * kFingers);
+    kept_.resize(kFingers);
+}
+
+Result<void> TouchContact::set(const TouchSettings& settings) {
+    if (auto ok = checkTouchSettings(settings); !ok) return ok;
+    settings_ = settings;
+    return {};
+}
+
+TouchContact::Point TouchContact::nearest(const Vec3& rest) const {
+    if (!finite(rest)) return {};
+    const TriangleTree::Hit hit = tree_->nearest(rest);
+    return {hit.triangle, hit.barycentric, std::sqrt(hit.squaredDistance)};
+}
+
+TouchContact::Point TouchContact::nearestFacing(const Vec3& rest, const Vec3& direction) const {
+    if (!finite(rest) || !finite(direction)) return {};
+    const TriangleTree::Hit hit = tree_->nearestFacing(rest, direction);
+    return hit.triangle < 0 ? nearest(rest) : Point{hit.triangle, hit.barycentric, std::sqrt(hit.squaredDistance)};
+}
+
+double TouchContact::narrowest() const { return std::sqrt(kOfBump) * touch().patches.reach; }
+
+/// Which patches a finger presses: those around its point by their weights there, sharpened for a small finger, mixed with their neighbours for a large one.
+void TouchContact::spread(Finger& finger, double radius) {
+    const TouchPatches& patches = touch().patches;
+    spread_.setZero();
+    for (std::size_t c = 0; c < 3; ++c) {
+        const auto v = static_cast<std::size_t>(finger.corner[c]);
+        for (auto i = static_cast<std::size_t>(patches.first[v]); i < static_cast<std::size_t>(patches.first[v + 1]); ++i)
+            spread_[patches.patch[i]] += finger.point.barycentric[static_cast<Eigen::Index>(c)] * static_cast<double>(patches.weight[i]);
+    }
+    const double mixed = std::sqrt(kOfMixed) * patches.reach;
+    if (radius > 0.0 && radius < mixed) {
+        const double power = 1.0 + (kSharpest - 1.0) * std::min(1.0, (mixed - radius) / (mixed - narrowest()));
+        const double most = spread_.maxCoeff();
+        for (double& w : spread_) w = w > 0.0 ? std::pow(w / most, power) : 0.0;
+    } else if (radius > mixed) {
+        double mixings = std::min((radius * radius / (patches.reach * patches.reach) - kOfMixed) / kOfOverlap, static_cast<double>(kMostSpread));
+        for (; mixings > 0.0; mixings -= 1.0) {
+            spreadNext_.noalias() = overlap_.transpose() * spread_;
+            spread_ += std::min(mixings, 1.0) * (spreadNext_ - spread_);
+        }
+    }
+    const double most = spread_.maxCoeff();
+    for (double& w : spread_) w = std::max(0.0, w - kLeastShare * most);
+    finger.weights = spread_ / spread_.sum();
+}
+
+/// What the force of a finger does to its point and to the gradients.
+void TouchContact::measure(Finger& finger) {
+    const Eigen::MatrixXd& C = touch().compliance;
+    double mean = 0.0;
+    finger.compliance.setZero();
+    finger.gradients.setZero();
+    for (Eigen::Index p = 0; p < finger.weights.size(); ++p) {
+        const double w = finger.weights[p];
+        if (!(w > 0.0)) continue;
+        mean += w * C.block<3, 3>(3 * p, 3 * p).trace() / 3.0;
+        finger.compliance += w * finger.rows.middleCols<3>(3 * p);
+        finger.gradients += w * touch().gradients.middleCols<3>(3 * p).transpose().cast<double>();
+    }
+    finger.compliance.diagonal().array() += kSoftness * mean;
+}
+
+/// The largest of the probes, Frobenius.
+double TouchContact::largestGradient(const Eigen::VectorXd& gradients) const {
+    double most = 0.0;
+    for (Eigen::Index i = 0; i < gradients.size(); i += 9) most = std::max(most, gradients.segment<9>(i).squaredNorm());
+    return std::sqrt(most);
+}
+
+bool TouchContact::place(int finger, const Point& point, double radius) {
+    if (finger < 0 || finger >= kFingers || point.triangle < 0 || point.triangle >= body_.triangles.rows() || !finite(point.barycentric) || !std::isfinite(radius) ||
+        radius < 0.0 || point.barycentric.minCoeff() < -kSlack || std::abs(point.barycentric.sum() - 1.0) > 1e-6)
+        return false;
+    const TouchPatches& patches = touch().patches;
+    double sum = 0.0;
+    std::array<std::int32_t, 3> corner{};
+    for (std::size_t c = 0; c < 3; ++c) {
+        const std::int32_t v = corner[c] = body_.triangles(point.triangle, static_cast<Eigen::Index>(c));
+        for (auto i = static_cast<std::size_t>(patches.first[static_cast<std::size_t>(v)]); i < static_cast<std::size_t>(patches.first[static_cast<std::size_t>(v) + 1]); ++i)
+            sum += point.barycentric[static_cast<Eigen::Index>(c)] * static_cast<double>(patches.weight[i]);
+    }
+    if (!(sum > 0.5)) return false;
+    Finger& f = fingers_[static_cast<std::size_t>(finger)];
+    f.point = point;
+    f.point.barycentric = point.barycentric.cwiseMax(0.0);
+    f.point.barycentric /= f.point.barycentric.sum();
+    f.corner = corner;
+    spread(f, radius);
+    f.rows.setZero();
+    for (std::size_t c = 0; c < 3; ++c) {
+        const std::int32_t row = row_[static_cast<std::size_t>(corner[c])];
+        const double part = f.point.barycentric[static_cast<Eigen::Index>(c)];
+        if (row >= 0 && part > 0.0) f.rows += part * touch().displacement.middleRows<3>(row).cast<double>();
+    }
+    measure(f);
+    if (!f.down) {
+        f.down = true;
+        f.aimed = false;
+        f.behind = 1.0;
+        f.behindRate = 0.0;
+        f.force.setZero();
+        f.slip.setZero();
+        f.state = State::Outside;
+    }
+    return true;
+}
+
+bool TouchContact::aim(int finger, const Vec3& wanted, const Vec3& normal) {
+    if (finger < 0 || finger >= kFingers || !finite(wanted) || !finite(normal)) return false;
+    Finger& f = fingers_[static_cast<std::size_t>(finger)];
+    const Vec3 direction = unit(normal, Vec3::Zero());
+    if (!f.down || direction.isZero(0.0)) return false;
+    f.normal = direction;
+    const double length = wanted.stableNorm(), most = kFarthest * size_;
+    f.wanted = length > most ? Vec3(wanted * (most / length)) : wanted;
+    f.aimed = true;
+    return true;
+}
+
+bool TouchContact::aim(int finger, const std::array<Vec3, 3>& corners, const Vec3& target, const Eigen::Matrix3d& axes) {
+    if (finger < 0 || finger >= kFingers || !fingers_[static_cast<std::size_t>(finger)].down || !finite(target) || !axes.array().isFinite().all()) return false;
+    for (const Vec3& corner : corners)
+        if (!finite(corner)) return false;
+    const Finger& f = fingers_[static_cast<std::size_t>(finger)];
+    std::array<Vec3, 3> rest;
+    Vec3 at = Vec3::Zero(), smooth = Vec3::Zero();
+    for (std::size_t c = 0; c < 3; ++c) {
+        const double part = f.point.barycentric[static_cast<Eigen::Index>(c)];
+        rest[c] = body_.vertices.row(f.corner[c]).transpose();
+        at += part * corners[c];
+        smooth += part * normals_.row(f.corner[c]).transpose();
+    }
+    // The smooth normal of the rest surface, carried along as a normal is: its products with the sides of the triangle stay.
+    const auto dual = [](const Vec3& a, const Vec3& b, const Vec3& flat) {
+        const double area = flat.squaredNorm();
+        return std::pair<Vec3, Vec3>(b.cross(flat) / area, flat.cross(a) / area);
+    };
+    const Vec3 a = rest[1] - rest[0], b = rest[2] - rest[0], flat = a.cross(b);
+    const Vec3 posedA = corners[1] - corners[0], posedB = corners[2] - corners[0], posedFlat = posedA.cross(posedB);
+    Vec3 normal = axes * smooth;
+    const double least = 1e-12 * flat.norm();
+    if (posedFlat.norm() > least && least > 0.0) {
+        const auto [alongA, alongB] = dual(posedA, posedB, posedFlat);
+        normal = smooth.dot(a) * alongA + smooth.dot(b) * alongB + smooth.dot(flat.normalized()) * posedFlat.normalized();
+        if (normal.dot(posedFlat) <= 0.0) normal = posedFlat;
+    }
+    return aim(finger, Vec3(axes.transpose() * (target - at)), Vec3(axes.transpose() * normal));
+}
+
+/// The force of a finger that is no longer there stays, and goes.
+void TouchContact::leave(Finger& finger) {
+    if (!finger.force.isZero(0.0)) {
+        for (Eigen::Index p = 0; p < finger.weights.size(); ++p)
+            if (finger.weights[p] > 0.0) left_.segment<3>(3 * p) += finger.weights[p] * finger.force;
+        resting_ = false;
+    }
+    finger.force.setZero();
+    finger.slip.setZero();
+    finger.behind = 1.0;
+    finger.behindRate = 0.0;
+}
+
+void TouchContact::lift(int finger) {
+    if (finger < 0 || finger >= kFingers) return;
+    Finger& f = fingers_[static_cast<std::size_t>(finger)];
+    leave(f);
+    f.down = f.aimed = f.clamped = false;
+    f.state = State::Up;
+    f.moved.setZero();
+}
+
+void TouchContact::liftAll() {
+    for (int i = 0; i < kFingers; ++i) lift(i);
+}
+
+void TouchContact::reset() {
+    liftAll();
+    left_.setZero();
+    leftRate_.setZero();
+    resting_ = true;
+    addUp();
+}
+
+void TouchContact::step(double seconds) {
+    const double t = std::isfinite(seconds) && seconds > 0.0 ? seconds : 0.0;
+    bool inside = false;
+    for (const Finger& finger : fingers_) inside |= finger.down && finger.aimed && finger.wanted.dot(finger.normal) < 0.0;
+    if (!inside && resting_ && idle_) {
+        bool leaves = false;
+        for (Finger& finger : fingers_) {
+            if (finger.down) finger.state = State::Outside;
+            leaves |= !finger.force.isZero(0.0);
+        }
+        if (!leaves) return;
+    }
+    advance(t);
+    solve();
+    addUp();
+}
+
+void TouchContact::settle() {
+    left_.setZero();
+    leftRate_.setZero();
+    resting_ = true;
+    for (Finger& finger : fingers_) {
+        if (finger.wanted.dot(finger.normal) < 0.0) finger.behind = finger.behindRate = 0.0;
+        else finger.force.setZero();
+    }
+    solve();
+    addUp();
+}
+
+/// Dents of fingers that are gone go back, fingers that are inside come in.
+void TouchContact::advance(double seconds) {
+    if (!resting_) {
+        const double omega = settings_.releaseSeconds > 0.0 ? kTenth / settings_.releaseSeconds : 0.0;
+        const double e = omega > 0.0 ? std::exp(-omega * seconds) : 0.0;
+        double most = 0.0;
+        for (Eigen::Index i = 0; i < left_.size(); ++i) {
+            const double slope = leftRate_[i] + omega * left_[i];
+            left_[i] = (left_[i] + slope * seconds) * e;
+            leftRate_[i] = (leftRate_[i] - omega * slope * seconds) * e;
+            most += largest_[i / 3] * (std::abs(left_[i]) + (omega > 0.0 ? std::abs(leftRate_[i]) / omega : 0.0));
+        }
+        if (most <= kGone * size_) {
+            left_.setZero();
+            leftRate_.setZero();
+            resting_ = true;
+        }
+    }
+    for (Finger& finger : fingers_) {
+        if (!finger.down || !finger.aimed) continue;
+        if (finger.wanted.dot(finger.normal) >= 0.0) {
+            leave(finger);
+            continue;
+        }
+        if (settings_.pressSeconds > 0.0)
+            relax(kTenth / settings_.pressSeconds, seconds, finger.behind, finger.behindRate);
+        else
+            finger.behind = finger.behindRate = 0.0;
+        if (finger.behind < kArrived) finger.behind = finger.behindRate = 0.0;
+    }
+}
+
+/// What the point of an active finger still misses, without its own force.
+Vec3 TouchContact::missing(std::size_t i) const {
+    Vec3 out = fingers_[active_[i]].goal;
+    for (std::size_t j = 0; j < active_.size(); ++j)
+        if (j != i) out -= blocks_[i * active_.size() + j] * fingers_[active_[j]].force;
+    return out;
+}
+
+/// The force of a finger alone that moves its point by `gap`: none, sticking or slipping.
+void TouchContact::grip(const Eigen::Matrix3d& D, const Vec3& gap, Finger& f, Grip& how) const {
+    const Vec3& n = f.normal;
+    const double push = n.dot(D * n);
+    f.force.setZero();
+    how = Grip::None;
+    if (!(gap.dot(n) < 0.0) || !(push > 0.0)) return;
+    f.force = D.inverse() * gap;
+    double into = -n.dot(f.force);
+    const Vec3 along = f.force + into * n;
+    how = Grip::Stick;
+    if (into > 0.0 && along.norm() <= settings_.friction * into) return;
+    // Along the surface towards where sticking would drag it.
+    f.slip = settings_.friction * unit(along, Vec3::Zero());
+    const double drag = n.dot(D * f.slip);
+    if (drag > kMostCoupling * push) f.slip *= kMostCoupling * push / drag;
+    f.force = n.dot(gap) / (n.dot(D * f.slip) - push) * (f.slip - n);
+    how = Grip::Slip;
+}
+
+/// One finger, with the others as they are.
+void TouchContact::sweep() {
+    for (std::size_t i = 0; i < active_.size(); ++i) grip(blocks_[i * active_.size() + i], missing(i), fingers_[active_[i]], grip_[i]);
+}
+
+/// Solves the equations of all fingers that stick and slip at once. False, with the forces as they were: then others would stick or slip.
+bool TouchContact::polish() {
+    const std::size_t count = active_.size();
+    std::array<std::size_t, kFingers + 1> at{};
+    for (std::size_t i = 0; i < count; ++i) at[i + 1] = at[i] + (grip_[i] == Grip::Stick ? 3u : grip_[i] == Grip::Slip ? 1u : 0u);
+    const std::size_t n = at[count];
+    if (n == 0) return true;
+    double* A = matrix_.data();
+    for (std::size_t i = 0; i < count; ++i) {
+        const Finger& f = fingers_[active_[i]];
+        const bool sticks = grip_[i] == Grip::Stick;
+        if (at[i + 1] == at[i]) continue;
+        for (std::size_t j = 0; j < count; ++j) {
+            const Eigen::Matrix3d& D = blocks_[i * count + j];
+            const Finger& other = fingers_[active_[j]];
+            if (at[j + 1] == at[j]) continue;
+            if (grip_[j] == Grip::Stick) {
+                for (int k = 0; k < (sticks ? 3 : 1); ++k)
+                    for (int l = 0; l < 3; ++l) A[(at[i] + k) * n + at[j] + l] = sticks ? D(k, l) : f.normal.dot(D.col(l));
+            } else {
+                const Vec3 by = D * (other.slip - other.normal);
+                for (int k = 0; k < (sticks ? 3 : 1); ++k) A[(at[i] + k) * n + at[j]] = sticks ? by[k] : f.normal.dot(by);
+            }
+        }
+        for (int k = 0; k < (sticks ? 3 : 1); ++k) right_[at[i] + k] = sticks ? f.goal[k] : f.normal.dot(f.goal);
+    }
+    // Gauss with the largest of each column.
+    for (std::size_t c = 0; c < n; ++c) {
+        std::size_t pivot = c;
+        for (std::size_t r = c + 1; r < n; ++r)
+            if (std::abs(A[r * n + c]) > std::abs(A[pivot * n + c])) pivot = r;
+        if (!(std::abs(A[pivot * n + c]) > 0.0)) return false;
+        if (pivot != c) {
+            std::swap_ranges(A + pivot * n, A + pivot * n + n, A + c * n);
+            std::swap(right_[pivot], right_[c]);
+        }
+        for (std::size_t r = c + 1; r < n; ++r) {
+            const double factor = A[r * n + c] / A[c * n + c];
+            if (factor == 0.0) continue;
+            for (std::size_t k = c + 1; k < n; ++k) A[r * n + k] -= factor * A[c * n + k];
+            right_[r] -= factor * right_[c];
+        }
+    }
+    for (std::size_t c = n; c-- > 0;) {
+        for (std::size_t k = c + 1; k < n; ++k) right_[c] -= A[c * n + k] * right_[k];
+        right_[c] /= A[c * n + c];
+    }
+    for (std::size_t i = 0; i < count; ++i) kept_[i] = fingers_[active_[i]].force;
+    bool holds = true;
+    for (std::size_t i = 0; i < count && holds; ++i) {
+        Finger& f = fingers_[active_[i]];
+        if (grip_[i] == Grip::Stick) {
+            const Vec3 force(right_[at[i]], right_[at[i] + 1], right_[at[i] + 2]);
+            const double into = -f.normal.dot(force);
+            holds = into > 0.0 && (force + into * f.normal).norm() <= (1.0 + kSlack) * settings_.friction * into;
+            f.force = force;
+        } else if (grip_[i] == Grip::Slip) {
+            const double into = right_[at[i]];
+            f.force = into * (f.slip - f.normal);
+            holds = into > 0.0;
+        }
+    }
+    for (std::size_t i = 0; i < count && holds; ++i)
+        if (grip_[i] == Grip::None) holds = missing(i).dot(fingers_[active_[i]].normal) >= -kSlack * size_;
+    if (!holds)
+        for (std::size_t i = 0; i < count; ++i) fingers_[active_[i]].force = kept_[i];
+    return holds;
+}
+
+void TouchContact::solve() {
+    active_.clear();
+    for (std::size_t i = 0; i < fingers_.size(); ++i) {
+        Finger& f = fingers_[i];
+        f.clamped = false;
+        if (!f.down) continue;
+        f.state = State::Outside;
+        if (!f.aimed || f.wanted.dot(f.normal) >= 0.0) continue;
+        f.goal = (1.0 - f.behind) * f.wanted;
+        // Alone it would press no deeper than the largest gradient.
+        const Vec3 before = f.force;
+        Grip how{};
+        grip(f.compliance, f.goal, f, how);
+        gradients_.noalias() = f.gradients.transpose() * f.force;
+        if (const double most = largestGradient(gradients_); most > settings_.mostStrain) {
+            f.goal *= settings_.mostStrain / most;
+            f.clamped = true;
+        }
+        f.force = before;
+        if (!resting_) f.goal.noalias() -= f.rows * left_;
+        active_.push_back(i);
+    }
+    const std::size_t count = active_.size();
+    for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t j = 0; j < count; ++j) {
+            const Finger &f = fingers_[active_[i]], &by = fingers_[active_[j]];
+            Eigen::Matrix3d& D = blocks_[i * count + j];
+            D = f.compliance;
+            if (i == j) continue;
+            D.setZero();
+            for (Eigen::Index p = 0; p < by.weights.size(); ++p)
+                if (by.weights[p] > 0.0) D += by.weights[p] * f.rows.middleCols<3>(3 * p);
+        }
+    if (count == 1) {
+        sweep();
+    } else if (count > 1) {
+        for (int k = 0; k < kSweeps; ++k) sweep();
+        for (int k = 0; k < kPolishes && !polish(); ++k) sweep();
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+        Finger& f = fingers_[active_[i]];
+        if (grip_[i] != Grip::None) f.state = grip_[i] == Grip::Stick ? State::Sticks : State::Slips;
+    }
+}
+
+/// Sums the forces, within the largest strain, and says how far points move.
+void TouchContact::addUp() {
+    before_.swap(total_);
+    total_ = left_;
+    bool any = !resting_;
+    for (const Finger& f : fingers_)
+        if (f.down && !f.force.isZero(0.0)) {
+            any = true;
+            for (Eigen::Index p = 0; p < f.weights.size(); ++p)
+                if (f.weights[p] > 0.0) total_.segment<3>(3 * p) += f.weights[p] * f.force;
+        }
+    if (any) {
+        gradients_.setZero();
+        for (const Finger& f : fingers_)
+            if (f.down && !f.force.isZero(0.0)) gradients_.noalias() += f.gradients.transpose() * f.force;
+        for (Eigen::Index c = 0; c < left_.size() && !resting_; ++c)
+            if (left_[c] != 0.0) gradients_ += left_[c] * touch().gradients.col(c).cast<double>();
+        // A little above it where several press: the limit of each alone is met but for rounding.
+        const double most = largestGradient(gradients_);
+        if (most > (1.0 + kSlack) * settings_.mostStrain) {
+            const double factor = settings_.mostStrain / most;
+            total_ *= factor;
+            left_ *= factor;
+            leftRate_ *= factor;
+            for (Finger& f : fingers_) {
+                f.force *= factor;
+                f.clamped |= f.down && !f.force.isZero(0.0);
+            }
+        }
+    }
+    for (Finger& f : fingers_) {
+        f.moved.setZero();
+        if (f.down && any) f.moved.noalias() = f.rows * total_;
+    }
+    idle_ = !any;
+    if (total_ != before_) ++revision_;
+}
+
+void TouchContact::addJointForces(double shear, Eigen::VectorXd& forces) const {
+    if (!idle_) forces.noalias() -= shear * (touch().forces * total_);
+}
+
+std::size_t TouchContact::bytes() const {
+    const auto doubles = static_cast<std::size_t>(overlap_.size() + largest_.size() + normals_.size() + body_.vertices.size() + 4 * left_.size()) +
+                         static_cast<std::size_t>(kFingers) * static_cast<std::size_t>(fingers_[0].weights.size() + fingers_[0].rows.size() + fingers_[0].gradients.size());
+    return doubles * sizeof(double) + row_.size() * sizeof(std::int32_t) + static_cast<std::size_t>(body_.triangles.size()) * sizeof(std::int32_t);
+}
+
+}  // namespace imomushi
