@@ -55,6 +55,7 @@ void addCoreCommands(CommandRegistry& registry) {
     addElementCommands(registry);
     addBoneCommands(registry);
     addPropertyCommands(registry);
+    addEffectCommands(registry);
     addSolveCommands(registry);
     addPoseCommands(registry);
     addHistoryCommands(registry);

@@ -64,11 +64,19 @@ void exchangePart(Parts& parts, PartId id, Change&& change) {
     part = std::move(copy);
 }
 
+/// Sets a property of an effect. Errors: "no-such-property", "bad-value", "bad-type".
+Result<void> setEffect(Effects& effects, EffectKind kind, const std::string& property, const Json& value);
+/// Names of the effects that are on; `all`: every effect with its settings.
+Json effectsJson(const Document& document, bool all);
+/// All settings of effects with units and ranges, for `imomushi run --help`.
+std::string effectsHelp();
+
 // Each adds some commands to a registry.
 void addFileCommands(CommandRegistry& registry);      // new, open, save, save-script, list, import-element
 void addElementCommands(CommandRegistry& registry);   // add-joint-face, join, unjoin, remove-element, remove-joint-face
 void addBoneCommands(CommandRegistry& registry);      // add-bone, edit-bone, remove-bone
 void addPropertyCommands(CommandRegistry& registry);  // set, rename
+void addEffectCommands(CommandRegistry& registry);    // enable, disable
 void addSolveCommands(CommandRegistry& registry);     // estimate, precompute, deform-element
 void addPoseCommands(CommandRegistry& registry);      // pin, unpin, drag, release, rest, step
 void addHistoryCommands(CommandRegistry& registry);   // undo, redo

@@ -12,6 +12,7 @@
 
 #include "core/base/result.h"
 #include "core/character/response_format.h"
+#include "core/document/effects.h"
 #include "core/joints/face_basis.h"
 #include "core/joints/joint_face.h"
 #include "core/mesh/health.h"
@@ -20,9 +21,6 @@
 #include "core/skeleton/skeleton.h"
 
 namespace imomushi {
-
-/// Identity of a part within one document; never used again after the part is gone. 0: none.
-using PartId = std::uint64_t;
 
 struct Element {
     PartId id = 0;
@@ -102,6 +100,7 @@ struct Document {
     std::map<PartId, std::shared_ptr<const Joint>> joints;
     std::map<PartId, std::shared_ptr<const Bone>> bones;
     CharacterSettings settings;
+    Effects effects;
     std::map<EndpointRef, Held> held;  ///< targets of drags, and pins
     Pose pose;                         ///< empty: at rest
     PartId nextId = 1;

@@ -230,6 +230,10 @@ Result<Json> removeElement(Session& session, const Json& arguments, const Progre
     for (const auto& [id, bone] : document.bones)
         if (bone->element == gone) through.push_back(id);
     for (const PartId id : through) exchangePart(document.bones, id, [](Bone& bone) { bone.element = 0; });
+    for (std::size_t k = 0; k < kEffects; ++k) {
+        Effect& effect = document.effects[static_cast<EffectKind>(k)];
+        if (effect.elements.erase(gone) > 0 && effect.elements.empty()) effect.enabled = false;
+    }
     document.elements.erase(gone);
     session.state().results.erase(gone);
     return Json::object();

@@ -52,7 +52,7 @@ Json contents(const Session& session) {
     answer["elements"] = std::move(elements);
     answer["bones"] = std::move(bones);
     answer["joints"] = std::move(joints);
-    answer["effects"] = Json::array();
+    answer["effects"] = effectsJson(document, false);
     answer["takes"] = Json::array();
     answer["held"] = std::move(held);
     answer["basis"] = basisName(document.settings.basis);

@@ -34,7 +34,7 @@ void exchangeParts(Map& document, Map& change) {
 }  // namespace
 
 bool DocumentChange::empty() const { return !structure() && held.empty() && !pose; }
-bool DocumentChange::structure() const { return !elements.empty() || !joints.empty() || !bones.empty() || settings; }
+bool DocumentChange::structure() const { return !elements.empty() || !joints.empty() || !bones.empty() || settings || effects; }
 
 DocumentChange difference(const Document& before, const Document& after, bool withPose) {
     DocumentChange change;
@@ -48,6 +48,7 @@ DocumentChange difference(const Document& before, const Document& after, bool wi
     for (const auto& [end, held] : after.held)
         if (!before.held.contains(end)) change.held.emplace(end, std::nullopt);
     if (!(before.settings == after.settings)) change.settings = before.settings;
+    if (!(before.effects == after.effects)) change.effects = before.effects;
     if (withPose || !samePose(before.pose, after.pose)) change.pose = before.pose;
     return change;
 }
@@ -67,6 +68,7 @@ void exchange(Document& document, DocumentChange& change) {
         held = was;
     }
     if (change.settings) std::swap(document.settings, *change.settings);
+    if (change.effects) std::swap(document.effects, *change.effects);
     if (change.pose) std::swap(document.pose, *change.pose);
 }
 

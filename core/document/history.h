@@ -20,10 +20,11 @@ struct DocumentChange {
     std::map<PartId, std::shared_ptr<const Bone>> bones;
     std::map<EndpointRef, std::optional<Held>> held;
     std::optional<CharacterSettings> settings;
+    std::optional<Effects> effects;
     std::optional<Pose> pose;
 
     [[nodiscard]] bool empty() const;
-    /// Elements, joints, bones or settings differ.
+    /// Elements, joints, bones, settings or effects differ.
     [[nodiscard]] bool structure() const;
 };
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <array>
 #include <string>
 #include <string_view>
 
@@ -9,10 +8,6 @@
 #include "core/document/document.h"
 
 namespace imomushi {
-
-/// Names of effects: elements and bones cannot have them, so that one name says what a command means.
-inline constexpr std::array<std::string_view, 9> kEffectNames = {
-    "bone-dynamics", "smooth-joints", "bend-warp", "joint-dynamics", "previous-model", "gravity", "inflate", "touch", "ground"};
 
 [[nodiscard]] bool isUtf8(std::string_view text);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 
@@ -95,6 +96,9 @@ Result<Json> drag(Session& session, const Json& arguments, const Progress&) {
     document.held.insert_or_assign(*end, made);
     s.results.clear();
     if (made.seconds > 0.0) return Json{{"seconds", made.seconds}, {"warnings", texts(s.warningTexts(0))}};
+    // With bone dynamics the body follows as frames pass.
+    if (s.document.effects.has(EffectKind::BoneDynamics))
+        return Json{{"distance", (*position - made.target).norm()}, {"position", json(*position)}, {"settled", false}, {"warnings", texts(s.warningTexts(0))}};
 
     const auto settled = s.settle();
     if (!settled) return tl::unexpected(settled.error());
@@ -137,6 +141,10 @@ Result<Json> release(Session& session, const Json& arguments, const Progress&) {
             if (!next) return tl::unexpected(next.error());
             held = *next;
         }
+    }
+    if (released > 0 && s.document.effects.has(EffectKind::BoneDynamics)) {
+        if (auto alive = s.live(); !alive) return tl::unexpected(alive.error());
+        s.relax();
     }
     return Json{{"released", released}};
 }
@@ -194,8 +202,9 @@ Result<Json> step(Session& session, const Json& arguments, const Progress& progr
     if (!alive) return tl::unexpected(alive.error());
     const int count = static_cast<int>(*frames);
     std::vector<double> total, pose, joints, product, normals;
+    std::array<std::vector<double>, kEffects> effects;
     unsigned warnings = 0;
-    bool finite = true;
+    bool finite = true, timeDropped = false;
     s.results.clear();
     for (int frame = 0; frame < count; ++frame) {
         if (progress.cancelled()) return fail(kCancelled, "Stepping was cancelled.");
@@ -205,6 +214,11 @@ Result<Json> step(Session& session, const Json& arguments, const Progress& progr
         if (!s.character) continue;
         const Character::Stats& stats = s.character->stats();
         warnings |= stats.warnings;
+        if (s.performance) {
+            timeDropped = timeDropped || (s.performance->warnings() & static_cast<unsigned>(DynamicsWarning::TimeDropped)) != 0;
+            const auto kind = s.performance->isDynamic() ? EffectKind::BoneDynamics : EffectKind::Ground;
+            effects[static_cast<std::size_t>(kind)].push_back(s.performance->milliseconds());
+        }
         pose.push_back(stats.poseMs);
         joints.push_back(stats.jointsMs);
         product.push_back(stats.productMs);
@@ -223,7 +237,11 @@ Result<Json> step(Session& session, const Json& arguments, const Progress& progr
     answer["format"] = formatName(s.document.settings.format);
     answer["format_error"] = s.character ? s.character->formatError() : 0.0;
     answer["effects"] = Json::object();
-    answer["warnings"] = texts(s.warningTexts(warnings));
+    for (std::size_t k = 0; k < kEffects; ++k)
+        if (!effects[k].empty()) answer["effects"][std::string(kEffectNames[k])] = summary(std::move(effects[k]));
+    std::vector<std::string> said = s.warningTexts(warnings);
+    if (timeDropped) said.emplace_back("A frame lasted longer than a quarter of a second: bone dynamics moved for that long only; step with a smaller dt.");
+    answer["warnings"] = texts(said);
     answer["finite"] = finite;
     return answer;
 }

@@ -146,14 +146,16 @@ Result<Json> set(Session& session, const Json& arguments, const Progress&) {
     const std::string& property = text(arguments, "property");
     const Json& value = arguments.at("value");
     Result<void> done;
-    if (target == "character") {
+    if (const auto effect = effectNamed(target)) {
+        done = setEffect(document.effects, *effect, property, value);
+    } else if (target == "character") {
         done = setCharacter(document.settings, property, value);
     } else if (const Element* element = document.elementNamed(target)) {
         exchangePart(document.elements, element->id, [&](Element& changed) { done = setElement(changed, property, value); });
     } else if (const Bone* bone = document.boneNamed(target)) {
         exchangePart(document.bones, bone->id, [&](Bone& changed) { done = setBone(changed, property, value); });
     } else {
-        done = fail("no-such-target", "There is no element or bone \"" + target + "\" to set; \"character\" has the settings of all.");
+        done = fail("no-such-target", "There is no element, bone or effect \"" + target + "\" to set; \"character\" has the settings of all.");
     }
     if (!done) return tl::unexpected(done.error());
     return Json::object();
@@ -211,8 +213,8 @@ void addPropertyCommands(CommandRegistry& registry) {
                   "Sets a property. Element: nu (0 to 0.5), stiffness (relative, 1e-6 to 1e6), density (kg/m^3), solver-mesh (\"default\", \"best\", \"as-is\", \"refined:N\", \"decimated:N\"; N vertices), "
                   "joint-planes (\"auto\", \"bisector\", \"element\": who turns the planes of its joints), color (\"#rrggbb\"), visible, locked. "
                   "Bone: min-stretch (0.01 to 1), max-stretch (1 to 100, of the rest length), roll (radians at rest). "
-                  "Character: basis (\"paper\", \"affine\", \"modes:1\" to \"modes:36\", \"full\"), format (\"float\", \"half\", \"int16\"), threads (0: all).",
-                  {{"target", Type::Text, true, "An element, a bone, or \"character\"."},
+                  "Character: basis (\"paper\", \"affine\", \"modes:1\" to \"modes:36\", \"full\"), format (\"float\", \"half\", \"int16\"), threads (0: all)." + effectsHelp(),
+                  {{"target", Type::Text, true, "An element, a bone, an effect, or \"character\"."},
                    {"property", Type::Text, true, "The name of the property."},
                    {"value", Type::Any, true, "Its value."}},
                   true, set});

@@ -47,10 +47,21 @@ bool touchesSkeleton(const DocumentChange& change, const Document& after) {
     });
 }
 
+/// Whether all effects but those between poses (see Performance) are the same.
+bool samePerCharacter(const Effects& a, const Effects& b) {
+    for (std::size_t k = 0; k < kEffects; ++k) {
+        const auto kind = static_cast<EffectKind>(k);
+        if (kind == EffectKind::BoneDynamics || kind == EffectKind::Ground) continue;
+        if (!(a[kind] == b[kind]) && (a.has(kind) || b.has(kind))) return false;
+    }
+    return true;
+}
+
 /// Whether the live character is made of other things than before.
 bool touchesCharacter(const DocumentChange& change, const Document& after) {
     if (touchesSkeleton(change, after)) return true;
     if (change.settings && !(*change.settings == after.settings)) return true;
+    if (change.effects && !samePerCharacter(*change.effects, after.effects)) return true;
     return std::any_of(change.elements.begin(), change.elements.end(), [&](const auto& part) {
         const Element& was = *part.second;
         const Element& is = *after.elements.at(part.first);
@@ -187,12 +198,15 @@ std::shared_ptr<const ElementResponse> Session::State::responseOf(PartId element
 
 Result<Character*> Session::State::live() {
     if (characterValid && responsesSeen == responses.revision()) {
+        if (!performanceValid && !characterError)
+            if (auto ok = prepare(); !ok) return tl::unexpected(ok.error());
         if (characterError) return tl::unexpected(*characterError);
         return character ? &*character : nullptr;
     }
     characterValid = true;
     responsesSeen = responses.revision();
     character.reset();
+    performance.reset();
     characterError.reset();
     auto planned = planCharacter(document);
     if (!planned) {
@@ -215,6 +229,7 @@ Result<Character*> Session::State::live() {
     }
     character.emplace(std::move(*built));
     trimPose();
+    if (auto ok = prepare(); !ok) return tl::unexpected(ok.error());
     showPose();
     return &*character;
 }
@@ -227,9 +242,42 @@ void Session::State::trimPose() {
         document.pose = {};
 }
 
+Result<void> Session::State::prepare() {
+    performanceValid = true;
+    if (!Performance::wanted(document.effects)) {
+        performance.reset();
+        return {};
+    }
+    // Settings change while a body moves; what is turned on or off begins anew.
+    const bool dynamic = document.effects.has(EffectKind::BoneDynamics) && !plan.input.skeleton.bones.empty();
+    if (performance && performance->isDynamic() == dynamic && performance->hasGround() == document.effects.has(EffectKind::Ground))
+        return performance->set(document.effects);
+    auto made = Performance::build(document, plan);
+    if (!made) {
+        performance.reset();
+        return tl::unexpected(made.error());
+    }
+    performance = std::move(*made);
+    performance->reset(document.pose.points.empty() ? restPose(plan.input.skeleton) : document.pose);
+    return {};
+}
+
 void Session::State::showPose() {
     if (!character) return;
-    character->update(document.pose.points.empty() ? restPose(plan.input.skeleton) : document.pose);
+    const Pose pose = document.pose.points.empty() ? restPose(plan.input.skeleton) : document.pose;
+    if (performance) performance->reset(pose);
+    character->update(performance ? performance->pose() : pose);
+}
+
+void Session::State::relax() {
+    if (!character) return;
+    document.pose = restPose(plan.input.skeleton);
+    collectHolds();
+    bool settled = holds.empty();
+    for (int i = 0; i < kSettleSteps && !settled; ++i) {
+        const auto report = character->solvePose(holds, document.pose);
+        settled = report.settled || !report.finite;
+    }
 }
 
 void Session::State::collectHolds() {
@@ -261,7 +309,7 @@ Result<Session::State::Settled> Session::State::settle() {
         settled.settled = report.settled;
         if (!report.finite) break;
     }
-    showPose();
+    if (!performance || !performance->isDynamic()) showPose();
     settled.warnings = character->stats().warnings;
     settled.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return settled;
@@ -270,6 +318,7 @@ Result<Session::State::Settled> Session::State::settle() {
 Result<Vec3> Session::State::positionOf(const EndpointRef& end) {
     if (auto alive = live(); !alive) return tl::unexpected(alive.error());
     const auto point = static_cast<std::size_t>(plan.pointIndex(end));
+    if (performance) return performance->pose().points[point];
     return document.pose.points.empty() ? plan.input.skeleton.points[point] : document.pose.points[point];
 }
 
@@ -309,6 +358,7 @@ void Session::State::afterExchange(const DocumentChange& change) {
     if (change.structure()) {
         pending.structure = true;
         if (touchesCharacter(change, document)) invalidateCharacter();
+        if (change.effects) performanceValid = false;
     }
     if (change.pose || !change.held.empty()) pending.pose = true;
     scriptValid = false;
@@ -408,6 +458,7 @@ Result<Json> Session::execute(const Json& command, const Progress& progress) {
         const bool rebuild = touchesCharacter(change, before) || s.characterError;
         s.document = before;
         if (rebuild) s.invalidateCharacter();
+        if (change.effects) s.performanceValid = false;
         if ((rebuild || !change.empty()) && s.live()) s.showPose();
         s.pending = {};
     };
@@ -445,6 +496,9 @@ Result<Json> Session::execute(const Json& command, const Progress& progress) {
             } else if (touchesCharacter(change, s.document)) {
                 s.invalidateCharacter();
             }
+            if (change.effects) s.performanceValid = false;
+            if (answer && change.effects)
+                if (auto alive = s.live(); !alive) answer = tl::unexpected(alive.error());
         }
     } catch (const std::bad_alloc&) {
         answer = fail("no-memory", "There is not enough memory for \"" + what->name + "\": close other programs or use a smaller mesh.");
@@ -468,6 +522,7 @@ Result<Json> Session::execute(const Json& command, const Progress& progress) {
             s.push({what->name, subjectOf(command)}, std::move(change), {command});
         }
     }
+    s.stirred = s.stirred || what->changesDocument || s.position != positionBefore || s.pending.structure || s.pending.responses;
     const Change told = s.pending;
     s.pending = {};
     if (s.listener && (told.structure || told.pose || told.responses || told.file || what->changesDocument || s.position != positionBefore))
@@ -513,6 +568,18 @@ void Session::cancelGesture() {
     if (s.listener) s.listener(told);
 }
 
+const Pose& Session::shownPose() {
+    State& s = *state_;
+    return s.live() && s.performance ? s.performance->pose() : s.document.pose;
+}
+
+bool Session::moving() {
+    State& s = *state_;
+    if (!s.live()) return false;
+    const auto& held = s.document.held;
+    return (s.performance && s.performance->isDynamic() && s.stirred) || std::any_of(held.begin(), held.end(), [](const auto& h) { return h.second.elapsed < h.second.seconds; });
+}
+
 bool Session::modified() const {
     const State& s = *state_;
     return s.position != s.savedPosition || (s.gesture && !s.gesture->lines.empty());
@@ -535,12 +602,20 @@ void Session::stepFrame(double dt) {
     for (auto& [end, held] : s.document.held)
         if (held.elapsed < held.seconds) held.elapsed = std::min(held.seconds, held.elapsed + dt);
     s.collectHolds();
+    bool settled = true;
     if (!s.holds.empty()) {
         if (s.document.pose.points.empty()) s.document.pose = restPose(s.plan.input.skeleton);
-        s.character->solvePose(s.holds, s.document.pose);
+        settled = s.character->solvePose(s.holds, s.document.pose).settled;
     }
     if (!s.results.empty()) s.results.clear();
-    if (!s.document.pose.points.empty()) s.character->update(s.document.pose);
+    if (s.performance) {
+        if (s.document.pose.points.empty()) s.document.pose = restPose(s.plan.input.skeleton);
+        s.performance->step(dt, s.document.pose, s.holds);
+        s.character->update(s.performance->pose());
+        s.stirred = !settled || !s.performance->resting();
+    } else if (!s.document.pose.points.empty()) {
+        s.character->update(s.document.pose);
+    }
 }
 
 Session::ResponseState Session::responseState(PartId element) const {

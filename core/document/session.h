@@ -73,6 +73,10 @@ public:
     Character* character();
     [[nodiscard]] int elementIndex(PartId element) const;      ///< in character(), -1: none
     [[nodiscard]] int pointIndex(const EndpointRef& end) const;  ///< joint point in the skeleton, -1: none
+    /// The pose that the character shows: the document's, or where effects have taken it. Empty: at rest.
+    const Pose& shownPose();
+    /// Something goes on by itself: frames must be stepped to see it.
+    bool moving();
     /// Advances glides, poses and effects by one frame and updates the character. What "step" does `frames` times.
     void stepFrame(double dt);
 

@@ -11,6 +11,7 @@
 
 #include "core/document/character_input.h"
 #include "core/document/history.h"
+#include "core/document/performance.h"
 #include "core/document/session.h"
 #include "core/reduction/congruence.h"
 
@@ -21,6 +22,15 @@ struct HistoryEntry {
     Session::Step step;
     DocumentChange change;
     std::vector<Json> lines;
+};
+
+/// What an effect will cost on this machine: predicted before precompute.
+struct EffectCost {
+    int columns = 0;            ///< of A' that it adds, all elements together
+    std::size_t bytes = 0;      ///< that a frame reads for it
+    double milliseconds = 0.0;  ///< per frame
+    double seconds = 0.0;       ///< of precompute that it adds
+    bool precompute = false;    ///< an element must be precomputed for it first
 };
 
 /// What a session keeps. Commands see it; nobody else does.
@@ -56,6 +66,9 @@ struct Session::State {
     bool characterValid = false;
     std::uint64_t responsesSeen = 0;
     std::vector<Hold> holds;
+    std::optional<Performance> performance;  ///< where effects want one
+    bool performanceValid = false;
+    bool stirred = false;           ///< poses or targets changed since everything came to rest
     struct LastResponse {
         ContentKey key;
         ContentKey shape;           ///< of mesh, faces and basis: with another nu it still fits
@@ -95,7 +108,9 @@ struct Session::State {
     void invalidateCharacter() { characterValid = false; }
     /// Fills `holds` with the targets as they are now.
     void collectHolds();
-    /// Solves the static pose towards what is held; null without a character.
+    /// Makes `performance` what the effects of the document ask for. Errors: those of Performance.
+    Result<void> prepare();
+    /// Solves the static pose towards what is held; with bone dynamics the shown pose follows as frames pass.
     struct Settled {
         int iterations = 0;
         bool settled = true;
@@ -103,12 +118,15 @@ struct Session::State {
         unsigned warnings = 0;
     };
     Result<Settled> settle();
-    /// Deforms the character to the document's pose.
+    /// The rest pose, as far as what is held allows: where bone dynamics take a body that is let go.
+    void relax();
+    /// Deforms the character to the document's pose, at once.
     void showPose();
     /// Where an endpoint is now, m.
     Result<Vec3> positionOf(const EndpointRef& end);
     /// One sentence for each bit of FrameWarning, and what the plan says.
     std::vector<std::string> warningTexts(unsigned warnings) const;
+    EffectCost costOf(EffectKind effect) const;
     /// Body vertices of an element as they are now (results of deform-element included), double precision, m.
     Points currentPositions(PartId element);
 

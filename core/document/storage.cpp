@@ -44,6 +44,9 @@ CREATE TABLE responses (id INTEGER PRIMARY KEY, key BLOB, shape BLOB, free_verti
     residual REAL, rcond REAL, peak_bytes INTEGER, asymmetry REAL, negative_energy REAL, solver_vertices INTEGER, solver_nodes INTEGER,
     decimated INTEGER, error REAL, mapping_error REAL, shape_error REAL);
 CREATE TABLE element_responses (element INTEGER PRIMARY KEY, response INTEGER);
+CREATE TABLE effects (effect TEXT PRIMARY KEY, enabled INTEGER);
+CREATE TABLE effect_elements (effect TEXT, element INTEGER, PRIMARY KEY (effect, element));
+CREATE TABLE effect_settings (effect TEXT, property TEXT, x REAL, y REAL, z REAL, PRIMARY KEY (effect, property));
 )";
 
 constexpr int kMostFaceVertices = 1'000'000;  // of all faces of an element
@@ -528,6 +531,52 @@ void readResponses(Database& db, Project& project) {
     }
 }
 
+void writeEffects(Database& db, const Document& document) {
+    RowWriter effects(db, "INSERT INTO effects VALUES (?,?)"), elements(db, "INSERT INTO effect_elements VALUES (?,?)"),
+        settings(db, "INSERT INTO effect_settings VALUES (?,?,?,?,?)");
+    for (std::size_t k = 0; k < kEffects; ++k) {
+        const Effect& effect = document.effects[static_cast<EffectKind>(k)];
+        const std::string name(kEffectNames[k]);
+        effects.row(name, effect.enabled);
+        const double* at = effect.values.data();
+        for (const EffectProperty& p : effectProperties(static_cast<EffectKind>(k))) {
+            settings.row(name, std::string(p.name), at[0], p.size == 3 ? at[1] : 0.0, p.size == 3 ? at[2] : 0.0);
+            at += p.size;
+        }
+        for (const PartId element : effect.elements) elements.row(name, element);
+    }
+}
+
+void readEffects(Database& db, Document& document) {
+    const auto kindOf = [](RowReader& rows) {
+        const auto kind = effectNamed(rows.text());
+        require(kind.has_value(), "an effect is unknown");
+        return *kind;
+    };
+    RowReader effects(db, "SELECT * FROM effects");
+    while (effects.next()) {
+        const EffectKind kind = kindOf(effects);
+        document.effects[kind].enabled = effects.boolean();
+    }
+    RowReader settings(db, "SELECT * FROM effect_settings");
+    while (settings.next()) {
+        const EffectKind kind = kindOf(settings);
+        const std::string name = settings.text();
+        const auto properties = effectProperties(kind);
+        const auto property = std::find_if(properties.begin(), properties.end(), [&](const EffectProperty& p) { return p.name == name; });
+        require(property != properties.end(), "a setting of an effect is unknown");
+        for (int i = 0; i < property->size; ++i)
+            document.effects[kind].values[static_cast<std::size_t>(Effects::place(kind, name) + i)] = settings.real(property->low, property->high);
+    }
+    RowReader elements(db, "SELECT * FROM effect_elements");
+    while (elements.next()) {
+        const EffectKind kind = kindOf(elements);
+        const PartId element = id(elements);
+        require(isOfElements(kind) && document.elements.contains(element), "an effect is on an element that is not there");
+        document.effects[kind].elements.insert(element);
+    }
+}
+
 Project readProject(Database& db, std::int64_t version) {
     Project project;
     Document& document = project.document;
@@ -543,7 +592,8 @@ Project readProject(Database& db, std::int64_t version) {
     document.nextId = id(settings);
     readElements(db, document);
     readSkeleton(db, document);
-    if (version == kProjectVersion) readResponses(db, project);  // older ones are of older solvers
+    if (version >= 3) readResponses(db, project);  // older ones are of older solvers
+    if (version >= 4) readEffects(db, document);
     std::set<PartId> ids;
     const auto unique = [&](PartId part) { require(part < document.nextId && ids.insert(part).second, "an id is used twice"); };
     for (const auto& [part, element] : document.elements) unique(part);
@@ -572,8 +622,9 @@ Result<void> saveProject(const std::filesystem::path& path, const Project& proje
         writeElements(db, document, meshIds);
         writeSkeleton(db, document);
         writeResponses(db, project);
+        writeEffects(db, document);
         {
-            const std::string digest = db.digest(kProjectTables);
+            const std::string digest = db.digest(projectTables(kProjectVersion));
             RowWriter info(db, "INSERT INTO info VALUES (?,?)");
             info.row("program", std::string("imomushi ") + kVersion);
             info.row("digest", digest);
@@ -611,7 +662,7 @@ Result<Project> openProject(const std::filesystem::path& path) {
                                              std::to_string(kProjectVersion) + "): update the program.");
         require(version >= 1, "its version is unknown");
         RowReader info(db, "SELECT value FROM info WHERE name='digest'");
-        require(info.next() && info.text() == db.digest(kProjectTables), "its content does not match its digest");
+        require(info.next() && info.text() == db.digest(projectTables(version)), "its content does not match its digest");
         return readProject(db, version);
     } catch (const DatabaseError& reason) {
         return fail("damaged", name + " is damaged (" + reason.what() + "): open an earlier version of it.");

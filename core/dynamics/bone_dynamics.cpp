@@ -96,10 +96,14 @@ struct BoneDynamics::State {
         energyKnown = false;
     }
 
-    [[nodiscard]] double gap(const Vec3& p) const { return normal.dot(p - settings.ground->point); }
-    [[nodiscard]] Vec3 aboveGround(const Vec3& p) const {
+    // How high joint point i would be at p, above where it meets the ground.
+    [[nodiscard]] double gap(std::size_t i, const Vec3& p) const {
+        const auto& g = *settings.ground;
+        return normal.dot(p - g.point) - (g.clearance.empty() ? 0.0 : g.clearance[i]);
+    }
+    [[nodiscard]] Vec3 aboveGround(std::size_t i, const Vec3& p) const {
         if (!settings.ground) return p;
-        return p - std::min(gap(p), 0.0) * normal;
+        return p - std::min(gap(i, p), 0.0) * normal;
     }
 
     [[nodiscard]] bool usable(const Pose& pose) const {
@@ -150,7 +154,7 @@ struct BoneDynamics::State {
         kinematic = from;
         out = from;
         for (std::size_t i = 0; i < body.x.size(); ++i) {
-            body.x[i] = aboveGround(from.points[i]);
+            body.x[i] = aboveGround(i, from.points[i]);
             body.v[i].setZero();
             body.roll[i] = from.roll[i];
             body.rollRate[i] = 0.0;
@@ -195,7 +199,7 @@ struct BoneDynamics::State {
                 continue;
             }
             if (guess) xs[i] = x0[i] + s * v0[i];
-            if (freedom[i] == Freedom::OnPlane) xs[i] += ((1.0 - part) * gap(body.x[i]) - gap(xs[i])) * normal;
+            if (freedom[i] == Freedom::OnPlane) xs[i] += ((1.0 - part) * gap(i, body.x[i]) - gap(i, xs[i])) * normal;
         }
         double before = 0.0;
         for (int k = 0;; ++k) {
@@ -241,7 +245,7 @@ struct BoneDynamics::State {
         }
         stageVelocities(s, h);
         for (std::size_t i = 0; i < xs.size(); ++i)
-            if (freedom[i] == Freedom::OnPlane) xs[i] += ((1.0 - part) * gap(body.x[i]) - gap(xs[i])) * normal;
+            if (freedom[i] == Freedom::OnPlane) xs[i] += ((1.0 - part) * gap(i, body.x[i]) - gap(i, xs[i])) * normal;
         return true;
     }
 
@@ -252,7 +256,7 @@ struct BoneDynamics::State {
                 continue;
             }
             vs[i] = (xs[i] - x0[i]) / s;
-            if (freedom[i] == Freedom::OnPlane) vs[i] -= (normal.dot(vs[i]) + gap(body.x[i]) / h) * normal;
+            if (freedom[i] == Freedom::OnPlane) vs[i] -= (normal.dot(vs[i]) + gap(i, body.x[i]) / h) * normal;
         }
     }
 
@@ -283,10 +287,10 @@ struct BoneDynamics::State {
                 freedom[i] = Freedom::Fixed;
                 body.offset[i] *= std::exp(-h / kGrabSeconds);
                 if (body.offset[i].cwiseAbs().maxCoeff() < kArrived * size) body.offset[i].setZero();
-                goal[i] = aboveGround(next.points[i] + body.offset[i]);
+                goal[i] = aboveGround(i, next.points[i] + body.offset[i]);
                 driven = driven || goal[i] != body.x[i];
             } else if (settings.ground) {
-                const double height = gap(body.x[i]);
+                const double height = gap(i, body.x[i]);
                 if (height < -kTouching * size) {  // the plane moved
                     driven = true;
                     body.contact[i] = kSliding;
@@ -307,7 +311,7 @@ struct BoneDynamics::State {
         if (driven || !energyKnown) {
             for (std::size_t i = 0; i < n; ++i) {
                 xs[i] = goal[i];
-                if (freedom[i] == Freedom::OnPlane) xs[i] -= std::min(gap(xs[i]), 0.0) * normal;
+                if (freedom[i] == Freedom::OnPlane) xs[i] -= std::min(gap(i, xs[i]), 0.0) * normal;
             }
             const Energy moved = energyOf(xs, body.v, next);
             allowed = driven ? moved.gravity + kDriven * (moved.kinetic + moved.elastic + followingEnergy(h)) : moved.total();
@@ -333,7 +337,7 @@ struct BoneDynamics::State {
         if (!bounded) {
             if (!solved) warnings |= static_cast<unsigned>(DynamicsWarning::StepRefused);
             for (std::size_t i = 0; i < n; ++i) {
-                xs[i] = held[i] ? goal[i] : aboveGround(body.x[i]);
+                xs[i] = held[i] ? goal[i] : aboveGround(i, body.x[i]);
                 vs[i].setZero();
             }
             restingEnergy();
@@ -363,7 +367,7 @@ struct BoneDynamics::State {
     bool meetGround() {
         bool more = false;
         for (std::size_t i = 0; i < xs.size(); ++i) {
-            if (freedom[i] != Freedom::Free || gap(xs[i]) >= -kTouching * size) continue;
+            if (freedom[i] != Freedom::Free || gap(i, xs[i]) >= -kTouching * size) continue;
             freedom[i] = Freedom::OnPlane;
             body.contact[i] = kSliding;
             body.press[i] = 0.0;
@@ -411,7 +415,7 @@ struct BoneDynamics::State {
     // Of the end of the step, without what is kinetic; kept in `energy`. Points that went through the ground are lifted.
     double restingEnergy() {
         if (settings.ground)
-            for (auto& p : xs) p = aboveGround(p);
+            for (std::size_t i = 0; i < xs.size(); ++i) xs[i] = aboveGround(i, xs[i]);
         energy.elastic = springs.energy(xs, next);
         energy.gravity = gravityOf(xs);
         return energy.elastic + energy.gravity;
@@ -629,7 +633,7 @@ struct BoneDynamics::State {
 
 namespace {
 
-Result<void> check(const BoneDynamicsSettings& s, std::size_t bones) {
+Result<void> check(const BoneDynamicsSettings& s, std::size_t bones, std::size_t points) {
     if (s.springs.size() != 1 && s.springs.size() != bones)
         return fail("bad-value", "There are springs for " + std::to_string(s.springs.size()) + " of " + std::to_string(bones) +
                                      " bones: give one for all or one per bone.");
@@ -652,6 +656,10 @@ Result<void> check(const BoneDynamicsSettings& s, std::size_t bones) {
     if (!allFinite(s.ground->normal) || !(s.ground->normal.cwiseAbs().maxCoeff() > 0.0))
         return fail("bad-value", "The ground has no direction: give a normal that is not zero.");
     if (!within(s.ground->friction, 0.0, 10.0)) return fail("bad-value", "The friction of the ground is not between 0 and 10: choose one that is.");
+    const auto& clearance = s.ground->clearance;
+    if (!clearance.empty() && clearance.size() != points) return fail("bad-value", "There is not one clearance per joint point: give as many, or none.");
+    for (const double c : clearance)
+        if (!within(c, 0.0, 1e30)) return fail("bad-value", "A clearance above the ground is not a length of 0 or more: choose one that is.");
     return {};
 }
 
@@ -689,12 +697,12 @@ Result<BoneDynamics> BoneDynamics::build(Input input) {
         if (find(b.start) == find(b.end)) return fail("bone-loop", "The bones close a loop: bones form trees, so leave one bone of the loop out.");
         leader[find(b.start)] = find(b.end);
     }
-    if (const auto ok = check(input.settings, input.skeleton.bones.size()); !ok) return tl::unexpected(ok.error());
+    if (const auto ok = check(input.settings, input.skeleton.bones.size(), input.skeleton.points.size()); !ok) return tl::unexpected(ok.error());
     return BoneDynamics(std::make_unique<State>(std::move(input)));
 }
 
 Result<void> BoneDynamics::set(const BoneDynamicsSettings& settings) {
-    if (const auto ok = check(settings, state_->skeleton.bones.size()); !ok) return ok;
+    if (const auto ok = check(settings, state_->skeleton.bones.size(), state_->skeleton.points.size()); !ok) return ok;
     std::fill(state_->body.contact.begin(), state_->body.contact.end(), State::kNone);  // the ground may have sunk
     state_->settings = settings;
     state_->prepare();

@@ -35,6 +35,8 @@ struct BoneDynamicsSettings {
         Vec3 point = Vec3::Zero();
         Vec3 normal = Vec3::UnitY();  ///< of any length but 0
         double friction = 0.6;        ///< Coulomb's coefficient, 0 ... 10
+        /// Per joint point, m, >= 0: how far above the plane it stays, for the flesh around it. Empty: the points themselves meet the plane.
+        std::vector<double> clearance;
     };
     std::optional<Ground> ground;
 };

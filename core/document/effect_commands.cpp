@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cmath>
+
+#include "core/document/command_support.h"
+#include "core/document/names.h"
+#include "core/document/session_state.h"
+
+namespace imomushi {
+
+namespace {
+
+Result<EffectKind> effectOf(const Json& arguments) {
+    const std::string& name = text(arguments, "effect");
+    if (const auto kind = effectNamed(name)) return *kind;
+    std::vector<std::string> names(kEffectNames.begin(), kEffectNames.end());
+    return fail("no-such-effect", "There is no effect \"" + name + "\": " + listNames(names) + ".");
+}
+
+/// The element that "target" names, 0: all. Errors: "no-such-element", "bad-target".
+Result<PartId> targetOf(const Document& document, EffectKind kind, const Json& arguments) {
+    const Json* target = find(arguments, "target");
+    if (!target || *target == "character") return PartId{0};
+    const auto element = elementOf(document, target->get_ref<const std::string&>());
+    if (!element) return tl::unexpected(element.error());
+    if (!isOfElements(kind))
+        return fail("bad-target", "\"" + std::string(effectName(kind)) + "\" works on the whole character: leave \"target\" out.");
+    return (*element)->id;
+}
+
+bool isAvailable(EffectKind kind) { return kind == EffectKind::BoneDynamics || kind == EffectKind::Ground || kind == EffectKind::Gravity; }
+
+Json names(const Document& document, const Effect& effect) {
+    if (effect.elements.empty()) return "character";
+    Json list = Json::array();
+    for (const auto& [id, element] : document.elements)
+        if (effect.elements.contains(id)) list.push_back(element->name);
+    return list;
+}
+
+Result<Json> enable(Session& session, const Json& arguments, const Progress&) {
+    Session::State& s = session.state();
+    const auto kind = effectOf(arguments);
+    if (!kind) return tl::unexpected(kind.error());
+    const auto target = targetOf(s.document, *kind, arguments);
+    if (!target) return tl::unexpected(target.error());
+    if (!isAvailable(*kind))
+        return fail("not-available", "The effect \"" + std::string(effectName(*kind)) + "\" is not available in this version.");
+    Effect& effect = session.edit().effects[*kind];
+    if (*target == 0)
+        effect.elements.clear();
+    else if (!effect.enabled)
+        effect.elements = {*target};
+    else if (!effect.elements.empty())
+        effect.elements.insert(*target);
+    effect.enabled = true;
+    Json answer;
+    answer["on"] = names(s.document, effect);
+    const EffectCost cost = s.costOf(*kind);
+    answer["columns"] = cost.columns;
+    answer["bytes"] = cost.bytes;
+    answer["ms_per_frame"] = cost.milliseconds;
+    answer["precompute_seconds"] = cost.seconds;
+    answer["precompute"] = cost.precompute;
+    return answer;
+}
+
+Result<Json> disable(Session& session, const Json& arguments, const Progress&) {
+    Session::State& s = session.state();
+    const auto kind = effectOf(arguments);
+    if (!kind) return tl::unexpected(kind.error());
+    const auto target = targetOf(s.document, *kind, arguments);
+    if (!target) return tl::unexpected(target.error());
+    Effect& effect = session.edit().effects[*kind];
+    if (!s.document.effects.has(*kind) || (*target != 0 && !s.document.effects.has(*kind, *target)))
+        return fail("not-enabled", "\"" + std::string(effectName(*kind)) + "\" is not enabled" + (*target ? " there." : "."));
+    if (*target != 0) {
+        if (effect.elements.empty())
+            for (const auto& [id, element] : s.document.elements) effect.elements.insert(id);
+        effect.elements.erase(*target);
+    }
+    if (*target == 0 || effect.elements.empty()) {
+        effect.elements.clear();
+        effect.enabled = false;
+    }
+    return Json{{"on", effect.enabled ? names(s.document, effect) : Json::array()}};
+}
+
+}  // namespace
+
+EffectCost Session::State::costOf(EffectKind kind) const {
+    EffectCost cost;
+    if (kind == EffectKind::BoneDynamics || kind == EffectKind::Ground) {
+        Document asked = document;
+        asked.effects[kind].enabled = true;
+        const auto planned = planCharacter(asked);
+        if (planned) cost.milliseconds = Performance::predict(asked, *planned);
+        return cost;
+    }
+    return cost;
+}
+
+Result<void> setEffect(Effects& effects, EffectKind kind, const std::string& property, const Json& value) {
+    std::vector<std::string> known;
+    int at = 0;
+    for (const EffectProperty& p : effectProperties(kind)) {
+        known.emplace_back(p.name);
+        if (p.name == property) {
+            double* to = effects[kind].values.data() + at;
+            if (p.size == 1) {
+                const auto given = numberWithin(value, property, p.low, p.high);
+                if (!given) return tl::unexpected(given.error());
+                *to = *given;
+                return {};
+            }
+            const auto given = vector3(value);
+            if (!given) return fail("bad-type", "\"" + property + "\" must be three numbers [x,y,z].");
+            for (int i = 0; i < 3; ++i)
+                if (!((*given)[i] >= p.low && (*given)[i] <= p.high)) return tl::unexpected(numberWithin((*given)[i], property, p.low, p.high).error());
+            Vec3::Map(to) = *given;
+            return {};
+        }
+        at += p.size;
+    }
+    return fail("no-such-property", "The effect \"" + std::string(effectName(kind)) + "\" has no property \"" + property + "\": " + listNames(known) + ".");
+}
+
+Json effectsJson(const Document& document, bool all) {
+    Json list = Json::array();
+    for (std::size_t k = 0; k < kEffects; ++k) {
+        const auto kind = static_cast<EffectKind>(k);
+        if (document.effects.has(kind)) list.push_back(std::string(effectName(kind)));
+    }
+    if (!all) return list;
+    Json details = Json::object();
+    for (std::size_t k = 0; k < kEffects; ++k) {
+        const auto kind = static_cast<EffectKind>(k);
+        const Effect& effect = document.effects[kind];
+        Json one;
+        one["enabled"] = effect.enabled;
+        if (effect.enabled) one["on"] = names(document, effect);
+        for (const EffectProperty& p : effectProperties(kind))
+            one[std::string(p.name)] = p.size == 3 ? json(document.effects.vector(kind, p.name)) : Json(document.effects.number(kind, p.name));
+        details[std::string(effectName(kind))] = std::move(one);
+    }
+    return details;
+}
+
+std::string effectsHelp() {
+    std::string help;
+    for (std::size_t k = 0; k < kEffects; ++k) {
+        const auto kind = static_cast<EffectKind>(k);
+        if (effectProperties(kind).empty()) continue;
+        help += " " + std::string(effectName(kind)) + ":";
+        const char* separator = " ";
+        for (const EffectProperty& p : effectProperties(kind)) {
+            const auto number = [](double x) { return Json(x == std::floor(x) && std::abs(x) < 1e6 ? Json(static_cast<std::int64_t>(x)) : Json(x)).dump(); };
+            help += separator + std::string(p.name) + " (" + (p.unit.empty() ? "" : std::string(p.unit) + ", ") + number(p.low) + " to " + number(p.high) + ": " + std::string(p.help) + ")";
+            separator = ", ";
+        }
+        help += ".";
+    }
+    return help;
+}
+
+void addEffectCommands(CommandRegistry& registry) {
+    using Type = CommandKey::Type;
+    std::string list;
+    for (const auto name : kEffectNames) list += (list.empty() ? "\"" : ", \"") + std::string(name) + "\"";
+    const CommandKey effect{"effect", Type::Text, true, "One of " + list + "."};
+    registry.add({"enable", "Turns an effect on and says what it will cost; what is off costs nothing. Some effects need a precompute then.",
+                  {effect, {"target", Type::Text, false, "On this element alone (bend-warp, gravity, inflate, touch); all unless given."}}, true, enable});
+    registry.add({"disable", "Turns an effect off; its settings stay.",
+                  {effect, {"target", Type::Text, false, "On this element alone; all unless given."}}, true, disable});
+}
+
+}  // namespace imomushi
