@@ -44,11 +44,14 @@ CREATE TABLE responses (id INTEGER PRIMARY KEY, key BLOB, shape BLOB, free_verti
     residual REAL, rcond REAL, peak_bytes INTEGER, asymmetry REAL, negative_energy REAL, solver_vertices INTEGER, solver_nodes INTEGER,
     decimated INTEGER, error REAL, mapping_error REAL, shape_error REAL);
 CREATE TABLE element_responses (element INTEGER PRIMARY KEY, response INTEGER);
+CREATE TABLE touch_responses (response INTEGER PRIMARY KEY, centres BLOB, reach REAL, first BLOB, patches BLOB, weights BLOB, displacement BLOB,
+    forces BLOB, compliance BLOB, probes BLOB, gradients BLOB, asymmetry REAL, negative_energy REAL);
 CREATE TABLE effects (effect TEXT PRIMARY KEY, enabled INTEGER);
 CREATE TABLE effect_elements (effect TEXT, element INTEGER, PRIMARY KEY (effect, element));
 CREATE TABLE effect_settings (effect TEXT, property TEXT, x REAL, y REAL, z REAL, PRIMARY KEY (effect, property));
 )";
 
+constexpr std::size_t kMostTouchPatches = 100'000;
 constexpr int kMostFaceVertices = 1'000'000;  // of all faces of an element
 constexpr double kLargestCoordinate = 1e9;  // as in commands
 constexpr std::int64_t kMaxId = std::int64_t{1} << 53;
@@ -181,6 +184,14 @@ void writeResponses(Database& db, const Project& project) {
         responses.row(id, std::vector{r.key.high, r.key.low}, std::vector{r.shape.high, r.shape.low}, a.freeVertices, bases, a.response, a.stiffness, a.tractions, a.loads, a.loadForces,
                       a.quality.solve.residual, a.quality.solve.rcond, a.quality.solve.peakBytes, a.quality.asymmetry, a.quality.negativeEnergy,
                       a.quality.solverVertices, a.quality.solverNodes, a.quality.decimated, a.quality.error, a.quality.mappingError, a.quality.shapeError);
+    }
+    RowWriter touches(db, "INSERT INTO touch_responses VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?)");
+    std::set<ContentKey> written;
+    for (const auto& [element, r] : project.responses) {
+        const TouchResponse& t = r.response->touch;
+        if (t.patches.count() == 0 || !written.insert(r.key).second) continue;
+        touches.row(ids.at(r.key), t.patches.centre, t.patches.reach, t.patches.first, t.patches.patch, t.patches.weight, t.displacement, t.forces, t.compliance, t.probes,
+                    t.gradients, t.asymmetry, t.negativeEnergy);
     }
     RowWriter uses(db, "INSERT INTO element_responses VALUES (?,?)");
     for (const auto& [element, r] : project.responses) uses.row(element, ids.at(r.key));
@@ -453,8 +464,54 @@ ContentKey key(RowReader& rows) {
     return {halves[0], halves[1]};
 }
 
-void readResponses(Database& db, Project& project) {
+/// Where fingers press, of a response with these free vertices and g columns.
+TouchResponse readTouch(RowReader& rows, const std::vector<std::int32_t>& freeVertices, std::size_t g) {
+    TouchResponse t;
+    t.patches.centre = rows.array<std::int32_t>();
+    t.patches.reach = rows.real(0.0, kLargestCoordinate);
+    t.patches.first = rows.array<std::int32_t>();
+    t.patches.patch = rows.array<std::int32_t>();
+    t.patches.weight = rows.array<float>();
+    const auto displacement = rows.array<float>();
+    const auto forces = rows.array<double>(), compliance = rows.array<double>();
+    t.probes = rows.array<std::int32_t>();
+    const auto gradients = rows.array<float>();
+    t.asymmetry = rows.real();
+    t.negativeEnergy = rows.real();
+    const std::size_t count = t.patches.centre.size(), columns = 3 * count;
+    require(count >= 1 && count <= kMostTouchPatches && !t.patches.first.empty(), "touch is broken");
+    const auto vertices = static_cast<std::int64_t>(t.patches.first.size()) - 1;
+    const auto within = [](const std::vector<std::int32_t>& of, std::int64_t end) { return std::all_of(of.begin(), of.end(), [&](std::int32_t i) { return i >= 0 && i < end; }); };
+    require(t.patches.first.front() == 0 && std::is_sorted(t.patches.first.begin(), t.patches.first.end()) &&
+                static_cast<std::size_t>(t.patches.first.back()) == t.patches.patch.size() && t.patches.weight.size() == t.patches.patch.size(),
+            "touch is broken");
+    require(within(t.patches.centre, vertices) && within(t.patches.patch, static_cast<std::int64_t>(count)) && within(t.probes, vertices) && within(freeVertices, vertices),
+            "touch names what is not there");
+    require(std::all_of(t.patches.weight.begin(), t.patches.weight.end(), [](float w) { return w >= 0.0f && w <= 1.0f; }), "touch has a broken weight");
+    require(displacement.size() == 3 * freeVertices.size() * columns && forces.size() == g * columns && compliance.size() == columns * columns &&
+                gradients.size() == 9 * t.probes.size() * columns,
+            "touch has a broken size");
+    const auto finiteFloats = [](const std::vector<float>& of) { return std::all_of(of.begin(), of.end(), [](float x) { return std::isfinite(x); }); };
+    require(finiteFloats(displacement) && finite(forces) && finite(compliance) && finiteFloats(gradients), "touch is not finite");
+    const auto put = [&](const auto& from, auto& to, std::size_t height) {
+        to.resize(static_cast<Eigen::Index>(height), static_cast<Eigen::Index>(columns));
+        std::copy(from.begin(), from.end(), to.data());
+    };
+    put(displacement, t.displacement, 3 * freeVertices.size());
+    put(forces, t.forces, g);
+    put(compliance, t.compliance, columns);
+    put(gradients, t.gradients, 9 * t.probes.size());
+    return t;
+}
+
+void readResponses(Database& db, Project& project, bool withTouch) {
     std::map<std::int64_t, Project::Response> read;
+    const auto touchOf = [&](std::int64_t response, const ElementResponse& of) {
+        RowReader rows(db, ("SELECT * FROM touch_responses WHERE response=" + std::to_string(response)).c_str());
+        if (!rows.next()) return TouchResponse{};
+        rows.integer();
+        return readTouch(rows, of.freeVertices, static_cast<std::size_t>(of.columns()));
+    };
     std::map<std::int64_t, std::shared_ptr<ElementResponse>> warped;  // those that miss the warping of their faces
     RowReader rows(db, "SELECT * FROM responses ORDER BY id");
     while (rows.next()) {
@@ -512,6 +569,7 @@ void readResponses(Database& db, Project& project) {
         a->quality.mappingError = rows.real();
         a->quality.shapeError = rows.real();
         if (!a->bases.empty() && a->bases[0].kind == BasisKind::Modes) warped.emplace(responseId, a);
+        if (withTouch) a->touch = touchOf(responseId, *a);
         r.response = std::move(a);
         read.emplace(responseId, std::move(r));
     }
@@ -592,7 +650,7 @@ Project readProject(Database& db, std::int64_t version) {
     document.nextId = id(settings);
     readElements(db, document);
     readSkeleton(db, document);
-    if (version >= 3) readResponses(db, project);  // older ones are of older solvers
+    if (version >= 3) readResponses(db, project, version >= 4);  // older ones are of older solvers
     if (version >= 4) readEffects(db, document);
     std::set<PartId> ids;
     const auto unique = [&](PartId part) { require(part < document.nextId && ids.insert(part).second, "an id is used twice"); };

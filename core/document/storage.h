@@ -30,12 +30,12 @@ inline constexpr int kProjectApplicationId = 0x494d4f4d;
 /// Version of the tables. A file of a newer one is refused.
 inline constexpr int kProjectVersion = 4;
 
-/// All tables that hold the project; "info" holds their digest. Effects came with version 4.
-inline constexpr std::array<const char*, 17> kProjectTables = {"settings", "meshes", "materials", "textures",    "elements", "issues",    "faces",
+/// All tables that hold the project; "info" holds their digest. Effects and touch came with version 4.
+inline constexpr std::array<const char*, 18> kProjectTables = {"settings", "meshes", "materials", "textures",    "elements", "issues",    "faces",
                                                                "joints",   "joint_faces", "bones",  "held", "pose",  "responses", "element_responses",
-                                                               "effects",  "effect_elements", "effect_settings"};
+                                                               "effects",  "effect_elements", "effect_settings", "touch_responses"};
 [[nodiscard]] inline std::span<const char* const> projectTables(std::int64_t version) {
-    return std::span<const char* const>(kProjectTables).first(version >= 4 ? kProjectTables.size() : kProjectTables.size() - 3);
+    return std::span<const char* const>(kProjectTables).first(version >= 4 ? kProjectTables.size() : kProjectTables.size() - 4);
 }
 
 /// Writes one self-contained SQLite file: beside its place first, on disk, then renamed, so that there is always a whole file. Nothing of an old
