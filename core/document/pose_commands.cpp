@@ -214,11 +214,9 @@ Result<Json> step(Session& session, const Json& arguments, const Progress& progr
         if (!s.character) continue;
         const Character::Stats& stats = s.character->stats();
         warnings |= stats.warnings;
-        if (s.performance) {
-            timeDropped = timeDropped || (s.performance->warnings() & static_cast<unsigned>(DynamicsWarning::TimeDropped)) != 0;
-            const auto kind = s.performance->isDynamic() ? EffectKind::BoneDynamics : EffectKind::Ground;
-            effects[static_cast<std::size_t>(kind)].push_back(s.performance->milliseconds());
-        }
+        timeDropped = timeDropped || (s.performance && (s.performance->warnings() & static_cast<unsigned>(DynamicsWarning::TimeDropped)) != 0);
+        for (std::size_t k = 0; k < kEffects; ++k)
+            if (s.effectMs[k] >= 0.0) effects[k].push_back(s.effectMs[k]);
         pose.push_back(stats.poseMs);
         joints.push_back(stats.jointsMs);
         product.push_back(stats.productMs);

@@ -436,6 +436,7 @@ void Session::State::replaceDocument(Document fresh, std::filesystem::path file,
 
 Session::Session(const CommandRegistry& registry) : state_(std::make_unique<State>(registry)) {
     state_->importer = importFile;
+    state_->effectMs.fill(-1.0);
     state_->firstLines.push_back(Json{{"do", "new"}});
 }
 
@@ -580,6 +581,13 @@ bool Session::moving() {
     return (s.performance && s.performance->isDynamic() && s.stirred) || std::any_of(held.begin(), held.end(), [](const auto& h) { return h.second.elapsed < h.second.seconds; });
 }
 
+std::optional<double> Session::effectMilliseconds(EffectKind effect) const {
+    const double ms = state_->effectMs[static_cast<std::size_t>(effect)];
+    return ms < 0.0 ? std::nullopt : std::optional(ms);
+}
+
+EffectCost Session::effectCost(EffectKind effect) const { return state_->costOf(effect); }
+
 bool Session::modified() const {
     const State& s = *state_;
     return s.position != s.savedPosition || (s.gesture && !s.gesture->lines.empty());
@@ -608,10 +616,12 @@ void Session::stepFrame(double dt) {
         settled = s.character->solvePose(s.holds, s.document.pose).settled;
     }
     if (!s.results.empty()) s.results.clear();
+    s.effectMs.fill(-1.0);
     if (s.performance) {
         if (s.document.pose.points.empty()) s.document.pose = restPose(s.plan.input.skeleton);
         s.performance->step(dt, s.document.pose, s.holds);
         s.character->update(s.performance->pose());
+        s.effectMs[static_cast<std::size_t>(s.performance->isDynamic() ? EffectKind::BoneDynamics : EffectKind::Ground)] = s.performance->milliseconds();
         s.stirred = !settled || !s.performance->resting();
     } else if (!s.document.pose.points.empty()) {
         s.character->update(s.document.pose);

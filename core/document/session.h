@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,15 @@ private:
     mutable std::mutex mutex_;
     std::map<ContentKey, std::shared_ptr<const ElementResponse>> responses_;
     std::atomic<std::uint64_t> revision_ = 0;
+};
+
+/// What an effect will cost on this machine: predicted before precompute.
+struct EffectCost {
+    int columns = 0;            ///< of A' that it adds, all elements together
+    std::size_t bytes = 0;      ///< that a frame reads for it
+    double milliseconds = 0.0;  ///< per frame
+    double seconds = 0.0;       ///< of precompute that it adds
+    bool precompute = false;    ///< an element must be precomputed for it first
 };
 
 /// A document that is being worked on, with its history, its responses and its live character: the one door for change.
@@ -79,6 +89,11 @@ public:
     bool moving();
     /// Advances glides, poses and effects by one frame and updates the character. What "step" does `frames` times.
     void stepFrame(double dt);
+
+    /// Milliseconds that an effect took in the last frame; none: the frame did without it.
+    [[nodiscard]] std::optional<double> effectMilliseconds(EffectKind effect) const;
+    /// What it costs to have an effect, on or off now.
+    [[nodiscard]] EffectCost effectCost(EffectKind effect) const;
 
     enum class ResponseState { None, Fresh, Stale };
     [[nodiscard]] ResponseState responseState(PartId element) const;

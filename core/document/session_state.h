@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -22,15 +23,6 @@ struct HistoryEntry {
     Session::Step step;
     DocumentChange change;
     std::vector<Json> lines;
-};
-
-/// What an effect will cost on this machine: predicted before precompute.
-struct EffectCost {
-    int columns = 0;            ///< of A' that it adds, all elements together
-    std::size_t bytes = 0;      ///< that a frame reads for it
-    double milliseconds = 0.0;  ///< per frame
-    double seconds = 0.0;       ///< of precompute that it adds
-    bool precompute = false;    ///< an element must be precomputed for it first
 };
 
 /// What a session keeps. Commands see it; nobody else does.
@@ -68,6 +60,7 @@ struct Session::State {
     std::vector<Hold> holds;
     std::optional<Performance> performance;  ///< where effects want one
     bool performanceValid = false;
+    std::array<double, kEffects> effectMs = {};  ///< of the last frame; negative: it had no such effect
     bool stirred = false;           ///< poses or targets changed since everything came to rest
     struct LastResponse {
         ContentKey key;
