@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <cmath>
 
 #include "core/document/command_support.h"
@@ -95,6 +96,33 @@ EffectCost Session::State::costOf(EffectKind kind) const {
         const auto planned = planCharacter(asked);
         if (planned) cost.milliseconds = Performance::predict(asked, *planned);
         return cost;
+    }
+    if (!isOfElements(kind)) return cost;
+    const Effect& effect = document.effects[kind];
+    for (const auto& [id, element] : document.elements) {
+        if (element->faces.empty() || (effect.enabled && !document.effects.has(kind, id))) continue;
+        ResponseInput with = inputOf(id), without = with;
+        int columns = 0;
+        if (kind == EffectKind::Gravity || kind == EffectKind::Inflate) {
+            const EffectKind other = kind == EffectKind::Gravity ? EffectKind::Inflate : EffectKind::Gravity;
+            with.loads = true;
+            without.loads = document.effects.has(other, id);
+            columns = kind == EffectKind::Gravity ? 3 : 1;
+        } else if (kind == EffectKind::Touch) {
+            with.touch = static_cast<int>(std::lround(document.effects.number(kind, "patches")));
+            without.touch = 0;
+            columns = 3 * with.touch;
+        } else {
+            continue;
+        }
+        const ResponseEstimate more = estimateResponse(with), less = estimateResponse(without);
+        cost.precompute = cost.precompute || !responses.find(responseKey(with));
+        cost.columns += columns;
+        cost.bytes += static_cast<std::size_t>(columns) * static_cast<std::size_t>(3 * element->mesh->body.vertices.rows()) * sizeof(float);
+        cost.seconds += std::max(0.0, more.seconds - less.seconds);
+        // Fingers read the columns of the patches around them, about a dozen; the others are read in every frame.
+        const int read = kind == EffectKind::Touch ? std::min(columns, 36) : columns;
+        if (more.columns > 0) cost.milliseconds += less.frameMilliseconds * read / std::max(1, less.columns);
     }
     return cost;
 }

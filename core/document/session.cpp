@@ -114,13 +114,25 @@ std::uint64_t ResponseCache::revision() const {
     return revision_.load(std::memory_order_acquire);
 }
 
+Session::State::Asked Session::State::askedOf(PartId element) const {
+    const Effects& effects = document.effects;
+    Asked asked;
+    asked.basis = document.settings.basis;
+    asked.loads = effects.has(EffectKind::Gravity, element) || effects.has(EffectKind::Inflate, element);
+    if (effects.has(EffectKind::Touch, element)) asked.touch = static_cast<int>(std::lround(effects.number(EffectKind::Touch, "patches")));
+    return asked;
+}
+
 ResponseInput Session::State::inputOf(PartId element) const {
     const Element& e = *document.elements.at(element);
     ResponseInput input;
     input.mesh = e.mesh;
     input.faces = e.faces;
     input.nu = e.nu;
-    input.basis = document.settings.basis;
+    const Asked asked = askedOf(element);
+    input.basis = asked.basis;
+    input.loads = asked.loads;
+    input.touch = asked.touch;
     input.solverMesh = e.solverMesh;
     input.threads = document.settings.threads > 0 ? document.settings.threads : hardwareThreads();
     return input;
@@ -129,20 +141,24 @@ ResponseInput Session::State::inputOf(PartId element) const {
 Session::State::KnownKey& Session::State::keysOf(PartId element) const {
     const auto& part = document.elements.at(element);
     KnownKey& known = keys[element];
-    if (known.element != part || known.basis != document.settings.basis) {
+    if (const Asked asked = askedOf(element); known.element != part || !(known.asked == asked)) {
         ResponseInput input = inputOf(element);
-        known = {part, document.settings.basis, responseKey(input), {}};
+        known = {part, asked, responseKey(input), {}};
         input.nu = 0.0;
+        input.loads = false;
+        input.touch = 0;
         known.shape = responseKey(input);
     }
     return known;
 }
 
 const Session::SharedResponse* Session::State::sharedOf(PartId element) const {
-    if (sharing.basis != document.settings.basis || sharing.elements != document.elements) {
+    std::map<PartId, Asked> asked;
+    for (const auto& [id, part] : document.elements) asked.emplace(id, askedOf(id));
+    if (sharing.asked != asked || sharing.elements != document.elements) {
         Sharing now;
         now.elements = document.elements;
-        now.basis = document.settings.basis;
+        now.asked = std::move(asked);
         std::vector<PartId> computed;
         for (const auto& [id, part] : document.elements) {
             if (part->faces.empty()) continue;
@@ -190,7 +206,7 @@ std::shared_ptr<const ElementResponse> Session::State::responseOf(PartId element
             response = responses.find(last->second.key);
     // Responses come from files too, and a key alone proves nothing about what a file holds under it.
     if (!response || response == known.fitting) return response;
-    if (!fits(*response, *known.element, known.basis)) return nullptr;
+    if (!fits(*response, *known.element, known.asked.basis)) return nullptr;
     return known.fitting = response;
 }
 

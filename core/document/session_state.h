@@ -64,23 +64,31 @@ struct Session::State {
     bool stirred = false;           ///< poses or targets changed since everything came to rest
     struct LastResponse {
         ContentKey key;
-        ContentKey shape;           ///< of mesh, faces and basis: with another nu it still fits
+        ContentKey shape;           ///< of mesh, faces and basis: with another nu, or without what effects ask for, it still fits
     };
+    /// What the document asks of the response of an element, besides the element itself.
+    struct Asked {
+        BasisChoice basis;
+        bool loads = false;
+        int touch = 0;
+        bool operator==(const Asked&) const = default;
+    };
+    [[nodiscard]] Asked askedOf(PartId element) const;
     std::map<PartId, LastResponse> lastResponses;
     std::map<PartId, Points> results;  ///< deform-element: what write-mesh writes instead, until the character moves
     struct KnownKey {
         std::shared_ptr<const Element> element;
-        BasisChoice basis;
+        Asked asked;
         ContentKey key, shape;
         std::shared_ptr<const ElementResponse> fitting = {};  ///< the last response that was found to fit
         std::optional<ResponseEstimate> estimate = {};        ///< of solving it with so many threads
         int threads = 0;
     };
     mutable std::map<PartId, KnownKey> keys;
-    /// Which elements are congruent, as of `elements` and `basis`. Pairs are remembered by content, so that changing one element compares only that one again.
+    /// Which elements are congruent, as of `elements` and `asked`. Pairs are remembered by content, so that changing one element compares only that one again.
     struct Sharing {
         std::map<PartId, std::shared_ptr<const Element>> elements;
-        BasisChoice basis;
+        std::map<PartId, Asked> asked;
         std::map<PartId, SharedResponse> shared;
         std::map<std::pair<ContentKey, ContentKey>, std::shared_ptr<const Congruence>> pairs;  ///< null: not congruent
     };
