@@ -42,9 +42,9 @@ public:
 
     [[nodiscard]] bool has(std::size_t v) const { return first_[v + 1] > first_[v]; }
 
-    /// visit(v, distance) for every vertex nearer than `reach` to `from`, nearest first; does not go on beyond those where it returns false.
-    template <class Visit>
-    void spread(std::int32_t from, double reach, const Visit& visit) {
+    /// visit(v, distance) for every vertex nearer than `reach` to `from`. Does not go on beyond those where goOn(v, distance) is false.
+    template <class GoOn, class Visit>
+    void spread(std::int32_t from, double reach, const GoOn& goOn, const Visit& visit) {
         using Entry = std::pair<double, std::int32_t>;
         std::priority_queue<Entry, std::vector<Entry>, std::greater<>> front;
         touched_.clear();
@@ -59,7 +59,7 @@ public:
         while (!front.empty()) {
             const auto [d, v] = front.top();
             front.pop();
-            if (d > distance_[static_cast<std::size_t>(v)] || !visit(v, d)) continue;
+            if (d > distance_[static_cast<std::size_t>(v)] || !goOn(v, d)) continue;
             for (std::size_t i = first_[static_cast<std::size_t>(v)]; i < first_[static_cast<std::size_t>(v) + 1]; ++i) {
                 const auto& [f, c] = corners_[i];
                 const std::int32_t p = mesh_.triangles(f, (c + 1) % 3), q = mesh_.triangles(f, (c + 2) % 3);
@@ -69,7 +69,7 @@ public:
                 offer(p, across(v, q, p));
             }
         }
-        for (const std::int32_t v : touched_) distance_[static_cast<std::size_t>(v)] = kFar;
+        for (const std::int32_t v : touched_) visit(v, std::exchange(distance_[static_cast<std::size_t>(v)], kFar));
     }
 
 private:
@@ -144,12 +144,9 @@ TouchPatches touchPatches(const TriangleMesh& body, std::span<const JointFace> f
     };
     for (std::size_t next = farthest(); nearest[next] > 0.0 && (out.centre.size() < most || nearest[next] == kFar); next = farthest()) {
         out.centre.push_back(static_cast<std::int32_t>(next));
-        surface.spread(static_cast<std::int32_t>(next), kFar, [&](std::int32_t v, double d) {
-            double& known = nearest[static_cast<std::size_t>(v)];
-            if (d >= known) return false;
-            known = d;
-            return true;
-        });
+        surface.spread(
+            static_cast<std::int32_t>(next), kFar, [&](std::int32_t v, double d) { return d < nearest[static_cast<std::size_t>(v)]; },
+            [&](std::int32_t v, double d) { nearest[static_cast<std::size_t>(v)] = std::min(nearest[static_cast<std::size_t>(v)], d); });
     }
     const double radius = nearest[farthest()];
     if (out.centre.empty()) return out;
@@ -160,12 +157,13 @@ TouchPatches touchPatches(const TriangleMesh& body, std::span<const JointFace> f
     for (std::int32_t p = 0; p < out.count(); ++p) {
         const std::int32_t centre = out.centre[static_cast<std::size_t>(p)];
         // Where every vertex is a centre, each is a bump.
-        surface.spread(centre, out.reach > 0.0 ? out.reach : std::numeric_limits<double>::min(), [&](std::int32_t v, double d) {
-            const double t = out.reach > 0.0 ? d / out.reach : 0.0, bump = (1.0 - t * t) * (1.0 - t * t);
-            bumps[static_cast<std::size_t>(v)].emplace_back(p, bump);
-            sum[static_cast<std::size_t>(v)] += bump;
-            return true;
-        });
+        surface.spread(
+            centre, out.reach > 0.0 ? out.reach : std::numeric_limits<double>::min(), [](std::int32_t, double) { return true; },
+            [&](std::int32_t v, double d) {
+                const double t = out.reach > 0.0 ? d / out.reach : 0.0, bump = (1.0 - t * t) * (1.0 - t * t);
+                bumps[static_cast<std::size_t>(v)].emplace_back(p, bump);
+                sum[static_cast<std::size_t>(v)] += bump;
+            });
     }
     for (std::size_t v = 0; v < vertices; ++v) {
         for (const auto& [p, bump] : bumps[v]) {

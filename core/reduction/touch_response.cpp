@@ -174,6 +174,7 @@ Result<void> finishTouch(const TriangleMesh& body, std::span<const JointFace> fa
     C = (0.5 * (C + C.transpose())).eval();
     const auto spectrum = removeNegativePart(C, progress);
     if (!spectrum) return tl::make_unexpected(spectrum.error());
+    C = (0.5 * (C + C.transpose())).eval();  // to the last bit
     response.negativeEnergy = spectrum->highest > 0.0 ? std::min(spectrum->lowest, 0.0) / spectrum->highest : 0.0;
 
     // Gradients at the vertices, as the means of the triangles around: a sliver alone says little.

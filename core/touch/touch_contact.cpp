@@ -27,7 +27,8 @@ constexpr double kGone = 1e-7;
 constexpr double kArrived = 1e-7;
 /// Friction never takes more than this part of what pushing straight in does, or a slipping finger would have no answer (Painleve's paradox).
 constexpr double kMostCoupling = 0.9;
-constexpr int kSweeps = 16, kPolishes = 4;
+/// Fingers that hold need one round.
+constexpr int kSweeps = 4, kRounds = 6;
 /// Slack in the tests whether solved forces are within their cones.
 constexpr double kSlack = 1e-9;
 /// Mean squared distance of the force of one bump from its centre, and of bumps mixed by their weights, in squared reaches; what each further mixing adds.
@@ -93,11 +94,11 @@ TouchContact::TouchContact(const TriangleMesh& body, std::span<const JointFace> 
 
     std::vector<std::int32_t> held, which;
     for (const JointFace& face : faces) held.insert(held.end(), face.triangles.begin(), face.triangles.end());
-    const std::vector<char> touchable = touchableTriangles(body, held);
+    touchable_ = touchableTriangles(body, held);
     const Eigen::MatrixXd weights = patches.dense();
     overlap_ = Eigen::MatrixXd::Zero(count, count);
     for (std::int32_t f = 0; f < body.triangles.rows(); ++f) {
-        if (!touchable[static_cast<std::size_t>(f)]) continue;
+        if (!touchable_[static_cast<std::size_t>(f)]) continue;
         which.push_back(f);
         const double area = areaVector(body, f).norm();
         for (int a = 0; a < 3; ++a) {
@@ -212,24 +213,16 @@ bool TouchContact::place(int finger, const Point& point, double radius) {
     if (finger < 0 || finger >= kFingers || point.triangle < 0 || point.triangle >= body_.triangles.rows() || !finite(point.barycentric) || !std::isfinite(radius) ||
         radius < 0.0 || point.barycentric.minCoeff() < -kSlack || std::abs(point.barycentric.sum() - 1.0) > 1e-6)
         return false;
-    const TouchPatches& patches = touch().patches;
-    double sum = 0.0;
-    std::array<std::int32_t, 3> corner{};
-    for (std::size_t c = 0; c < 3; ++c) {
-        const std::int32_t v = corner[c] = body_.triangles(point.triangle, static_cast<Eigen::Index>(c));
-        for (auto i = static_cast<std::size_t>(patches.first[static_cast<std::size_t>(v)]); i < static_cast<std::size_t>(patches.first[static_cast<std::size_t>(v) + 1]); ++i)
-            sum += point.barycentric[static_cast<Eigen::Index>(c)] * static_cast<double>(patches.weight[i]);
-    }
-    if (!(sum > 0.5)) return false;
+    if (!touchable_[static_cast<std::size_t>(point.triangle)]) return false;
     Finger& f = fingers_[static_cast<std::size_t>(finger)];
     f.point = point;
     f.point.barycentric = point.barycentric.cwiseMax(0.0);
     f.point.barycentric /= f.point.barycentric.sum();
-    f.corner = corner;
+    for (std::size_t c = 0; c < 3; ++c) f.corner[c] = body_.triangles(point.triangle, static_cast<Eigen::Index>(c));
     spread(f, radius);
     f.rows.setZero();
     for (std::size_t c = 0; c < 3; ++c) {
-        const std::int32_t row = row_[static_cast<std::size_t>(corner[c])];
+        const std::int32_t row = row_[static_cast<std::size_t>(f.corner[c])];
         const double part = f.point.barycentric[static_cast<Eigen::Index>(c)];
         if (row >= 0 && part > 0.0) f.rows += part * touch().displacement.middleRows<3>(row).cast<double>();
     }
@@ -326,14 +319,7 @@ void TouchContact::step(double seconds) {
     const double t = std::isfinite(seconds) && seconds > 0.0 ? seconds : 0.0;
     bool inside = false;
     for (const Finger& finger : fingers_) inside |= finger.down && finger.aimed && finger.wanted.dot(finger.normal) < 0.0;
-    if (!inside && resting_ && idle_) {
-        bool leaves = false;
-        for (Finger& finger : fingers_) {
-            if (finger.down) finger.state = State::Outside;
-            leaves |= !finger.force.isZero(0.0);
-        }
-        if (!leaves) return;
-    }
+    if (!inside && resting_ && idle_) return;  // and all fingers are up or outside
     advance(t);
     solve();
     addUp();
@@ -521,8 +507,10 @@ void TouchContact::solve() {
     if (count == 1) {
         sweep();
     } else if (count > 1) {
-        for (int k = 0; k < kSweeps; ++k) sweep();
-        for (int k = 0; k < kPolishes && !polish(); ++k) sweep();
+        for (int round = 0; round < kRounds; ++round) {
+            for (int k = 0; k < kSweeps; ++k) sweep();
+            if (polish()) break;
+        }
     }
     for (std::size_t i = 0; i < count; ++i) {
         Finger& f = fingers_[active_[i]];

@@ -137,6 +137,7 @@ private:
     TriangleMesh body_;
     Points normals_;                // of the body at rest
     std::vector<std::int32_t> row_; // per body vertex: of displacement, -1: held
+    std::vector<char> touchable_;   // per triangle
     std::unique_ptr<TriangleTree> tree_;
     Eigen::MatrixXd overlap_;       // P x P, rows add up to 1: how patches share places
     Eigen::VectorXd largest_;       // P: displacement of any vertex per force, m / m^2
