@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One frame: pose -> rotation, place and in-plane stretch of every joint (JointState) -> v of every element in its own moving frame -> vertices.
+// One frame: pose -> rotation, place and in-plane stretch of every joint (JointState) -> v of every element in its own moving frame -> vertices. With
+// smooth joints: rotation and place -> v of rigid joints -> shapes of all joints in equilibrium, and v with them.
 // Vertices of joint faces are placed by their joint alone, welded ones from the rest position of their first face: seams are closed by
 // construction, whatever the basis can say.
 #include "core/character/character.h"
@@ -12,6 +13,7 @@
 #include "core/base/parallel.h"
 #include "core/character/aligned_buffer.h"
 #include "core/character/frame_crew.h"
+#include "core/character/joint_equilibrium.h"
 #include "core/character/normal_stencils.h"
 #include "core/character/response_blocks.h"
 #include "core/character/shrink.h"
@@ -157,6 +159,9 @@ struct Character::State {
         double shrink = 0.0;
         bool led = false;
         AffineMap map;
+        // With smooth joints only.
+        Matrix3d rotation = Matrix3d::Identity();
+        Eigen::Matrix3Xd warping;  // world, per scalar shape
     };
     // A vertex that its joint places, and the rest position that it is placed from.
     struct HeldVertex {
@@ -190,6 +195,8 @@ struct Character::State {
         AffineMap frame, shownFrame;
         Eigen::VectorXd v, shownV, columnSize;
         std::vector<AffineMap> shownJoints;  // per face
+        std::vector<Eigen::Matrix3Xd> shownWarping;  // per face, with smooth joints
+        Eigen::MatrixXd heldShapes;          // #shapes x #held, with smooth joints: warping shapes of the joint, m
         bool shown = false, moved = false;
         [[nodiscard]] double scale() const { return size > 0.0 ? 1.0 / size : 1.0; }
 
@@ -226,12 +233,25 @@ struct Character::State {
         for (std::size_t j = 0; j < input.joints.size(); ++j) joints.push_back(buildJoint(input.joints[j], shrinks[j]));
         elements.resize(input.elements.size());
         for (std::size_t e = 0; e < elements.size(); ++e) buildElement(static_cast<int>(e));
+        if (input.smoothJoints) buildEquilibrium();
         for (std::size_t j = 0; j < input.joints.size(); ++j) buildSeam(input.joints[j]);
         const int threads = input.threads > 0 ? input.threads : hardwareThreads();
         std::size_t bytes = 0;
         for (const auto& e : elements) bytes += e.blocks.count() * e.blocks.bytesPerBlock();
         if (threads > 1 && bytes >= kBytesWorthThreads) crew = std::make_unique<FrameCrew>(threads);
         update(pose);
+    }
+
+    void buildEquilibrium() {
+        equilibrium = std::make_unique<JointEquilibrium>(input);
+        const int shapes = equilibrium->warpingShapes();
+        for (auto& j : joints) j.warping = Eigen::Matrix3Xd::Zero(3, shapes);
+        for (auto& e : elements) {
+            e.shownWarping.assign(e.jointOf.size(), Eigen::Matrix3Xd::Zero(3, shapes));
+            e.heldShapes.resize(shapes, static_cast<Eigen::Index>(e.held.size()));
+            for (std::size_t i = 0; i < e.held.size(); ++i)
+                equilibrium->shapes(e.held[i].joint, e.held[i].rest, e.heldShapes.col(static_cast<Eigen::Index>(i)).data());
+        }
     }
 
     JointState buildJoint(const CharacterInput::Joint& joint, double shrink) const {
@@ -454,6 +474,11 @@ struct Character::State {
         Quaterniond rotation = mean.get();
         if (!out.led && given.point >= 0 && pose.roll[given.point] != 0.0 && out.restTangent != Vec3::Zero())
             rotation = Quaterniond(Eigen::AngleAxisd(pose.roll[given.point], rotation * out.restTangent)) * rotation;
+        if (equilibrium) {
+            out.rotation = out.map.linear = rotation.normalized().toRotationMatrix();
+            out.map.shift = at - out.map.linear * out.restPlace;
+            return;
+        }
         const double stretch = shifted ? boundedStretch(out.shrink * outward / shifted) : 1.0;
         const Vec3& n = out.restNormal;
         const Matrix3d across = n * n.transpose();
@@ -479,6 +504,23 @@ struct Character::State {
         }
     }
 
+    // The shapes of all joints, from rigid ones.
+    void relax() {
+        for (std::size_t j = 0; j < joints.size(); ++j) equilibrium->setJoint(static_cast<int>(j), joints[j].rotation);
+        for (std::size_t e = 0; e < elements.size(); ++e)
+            if (input.elements[e].response) equilibrium->setElement(static_cast<int>(e), elements[e].frame.linear, elements[e].v);
+        equilibrium->solve();
+        for (std::size_t j = 0; j < joints.size(); ++j) {
+            auto& out = joints[j];
+            const Vec3 at = out.map(out.restPlace);
+            out.map.linear = out.rotation * equilibrium->stretch(static_cast<int>(j));
+            out.map.shift = at - out.map.linear * out.restPlace;
+            out.warping.noalias() = out.rotation * equilibrium->warping(static_cast<int>(j));
+        }
+        for (std::size_t e = 0; e < elements.size(); ++e)
+            if (elements[e].v.size() > 0) elements[e].v = equilibrium->parameters(static_cast<int>(e));
+    }
+
     void update(const Pose& wanted) {
         const auto start = std::chrono::steady_clock::now();
         updateWarnings = 0;
@@ -492,6 +534,11 @@ struct Character::State {
         for (std::size_t e = 0; e < elements.size(); ++e) placeElement(e);
         for (std::size_t j = 0; j < joints.size(); ++j) placeJoint(j);
         for (std::size_t e = 0; e < elements.size(); ++e) measure(e);
+        if (equilibrium) {
+            const auto rigid = std::chrono::steady_clock::now();
+            relax();
+            stats.equilibriumMs = milliseconds(rigid, std::chrono::steady_clock::now());
+        }
         const auto measured = std::chrono::steady_clock::now();
         std::size_t bytes = 0;
         for (std::size_t e = 0; e < elements.size(); ++e) {
@@ -537,6 +584,10 @@ struct Character::State {
             out.moved = out.moved || !(joints[out.jointOf[f]].map == out.shownJoints[f]);
             out.shownJoints[f] = joints[out.jointOf[f]].map;
         }
+        for (std::size_t f = 0; f < out.shownWarping.size(); ++f) {
+            out.moved = out.moved || joints[out.jointOf[f]].warping != out.shownWarping[f];
+            out.shownWarping[f] = joints[out.jointOf[f]].warping;
+        }
         out.work = Work::None;
         if (!out.moved) return;
         out.shownFrame = out.frame;
@@ -572,9 +623,26 @@ struct Character::State {
 
     void holdVertices(ElementState& out) const {
         if (!out.moved) return;
+        if (equilibrium) return holdWarped(out);
         for (const auto& h : out.held) {
             const Vec3 p = joints[h.joint].map(h.rest);
             for (int i = 0; i < 3; ++i) out.positions[3 * static_cast<std::size_t>(h.vertex) + i] = static_cast<float>(p[i]);
+        }
+    }
+
+    // Where its joint has the i-th held vertex.
+    [[nodiscard]] Vec3 heldAt(const ElementState& element, std::size_t i) const {
+        const auto& h = element.held[i];
+        const auto& joint = joints[h.joint];
+        Vec3 p = joint.map(h.rest);
+        if (equilibrium) p.noalias() += joint.warping * element.heldShapes.col(static_cast<Eigen::Index>(i));
+        return p;
+    }
+
+    void holdWarped(ElementState& out) const {
+        for (std::size_t k = 0; k < out.held.size(); ++k) {
+            const Vec3 p = heldAt(out, k);
+            for (int i = 0; i < 3; ++i) out.positions[3 * static_cast<std::size_t>(out.held[k].vertex) + i] = static_cast<float>(p[i]);
         }
     }
 
@@ -619,6 +687,7 @@ struct Character::State {
     std::vector<SeamNormal> seams;
     std::vector<Piece> productPieces, normalPieces;
     std::unique_ptr<FrameCrew> crew;
+    std::unique_ptr<JointEquilibrium> equilibrium;  // null: joints are not smooth
     std::vector<char> seamOnly = std::vector<char>(input.elements.size(), 0);
     unsigned solveWarnings = 0, updateWarnings = 0;
     Stats stats;
@@ -664,7 +733,7 @@ Points Character::positions(int element) const {
         const Vec3 rest = given.mesh->body.vertices.row(e.free[i]).transpose();
         out.row(e.free[i]) = e.frame(rest + x.segment<3>(3 * static_cast<Eigen::Index>(i))).transpose();
     }
-    for (const auto& h : e.held) out.row(h.vertex) = state_->joints[h.joint].map(h.rest).transpose();
+    for (std::size_t i = 0; i < e.held.size(); ++i) out.row(e.held[i].vertex) = state_->heldAt(e, i).transpose();
     return out;
 }
 

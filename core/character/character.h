@@ -41,6 +41,7 @@ struct CharacterInput {
     std::vector<Element> elements;
     std::vector<Joint> joints;  ///< every joint face belongs to exactly one joint
     BasisChoice basis;
+    bool smoothJoints = false;  ///< joints take the shape that balances their elements (joint_equilibrium.h) instead of a = b = 1 + c s
     ResponseFormat format = ResponseFormat::Float;
     int threads = 1;  ///< of a frame, 0: all of this machine; large characters only. They change no byte of what is shown
 };
@@ -92,6 +93,7 @@ public:
         int evaluatedElements = 0;      ///< whose product was computed in the last update()
         int evaluatedVertices = 0;
         double poseMs = 0, jointsMs = 0, productMs = 0, normalsMs = 0;  ///< wall time by stage of the last solvePose() and update()
+        double equilibriumMs = 0;       ///< of jointsMs, with smooth joints
     };
     [[nodiscard]] const Stats& stats() const;
 
@@ -107,7 +109,7 @@ public:
     [[nodiscard]] double formatError() const;  ///< of the worst element
 
     /// Factor c of joint j in a = b = 1 + c s, s = mean outward shift of its faces in metres: the one of least elastic energy
-    /// when the bones are straight (model.md section 2). 1/m, negative: a stretched joint gets thinner.
+    /// when the bones are straight (model.md section 2). 1/m, negative: a stretched joint gets thinner. Of no effect with smooth joints.
     [[nodiscard]] double shrink(int joint) const;
 
 private:
