@@ -10,6 +10,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/reduction/triangle_tree.h"
 #include "core/warp/sparse_factor.h"
 
 namespace imomushi {
@@ -31,7 +32,17 @@ constexpr float kSoftening = 4.0f;
 constexpr float kMostStrain = 3.0f;
 // The fit of rotations sees the rotation that the response says as this part of what it fits to: without it collapsed triangles would have none.
 constexpr float kGuess = 0.05f;
+// Within this many sizes of a face (at most this part of the way to the next one) triangles follow the face more and more: linear elasticity with a rigid
+// rim has a singular crease there, that nobody wants to see of a large bend. It counts by the square of the motion of the face, half at this one (radians).
+constexpr double kBand = 2.0, kBandShare = 0.5, kFollowWholly = 0.2;
+constexpr float kBandMotion = 0.04f;
+// Nearer than this many sizes they are stiffer, up to this many times at the rim; softness grows evenly from there. What shapes cannot agree on is settled
+// farther away, and slopes that are left at the rim are as small as they change from row to row beside it.
+constexpr double kStiffBand = 0.8, kStiffness = 50.0;
 // The inflation falls off towards faces over this many times the size of the largest one, and moves nothing by more than this part of the element's width.
+// Its amount is found in so many steps of Newton's method with the first slope, or until the volume is as near as this.
+constexpr int kVolumeSteps = 4;
+constexpr double kVolumeError = 1e-4;
 constexpr double kInflationRange = 0.5, kMostInflation = 0.25;
 // Beside a face, up to this many sizes of it from its middle: vertices closer to its plane than this many sizes, or than at rest, stop before they
 // cross it. They begin to be stopped at half of that.
@@ -99,6 +110,14 @@ void turn(const Vector3f& w, Vector3f& a, Vector3f& b) {
     a += s * wa + c * w.cross(wa);
     b += s * wb + c * w.cross(wb);
 }
+
+/// How a face turns and strains, beyond the base.
+struct FaceStrain {
+    Vector3f w = Vector3f::Zero();
+    Matrix3f e = Matrix3f::Zero();
+    Vector3f normal = Vector3f::UnitZ();
+    float weight = 0.0f;  // by its size
+};
 
 Wish wishOf(const Gradient& g) {
     // exp of the strain, in two dimensions: exp(mean) (cosh d + sinh d / d deviation).
@@ -178,6 +197,11 @@ struct BendWarp::State {
         float depth, weight;
     };
     std::vector<std::vector<Contact>> contacts;  // per face
+    struct Near {
+        std::int32_t triangle, face;
+        float weight;
+    };
+    std::vector<Near> near;  // triangles in the band of a face, ascending; weights of a triangle add up to 1 at most
     Cost cost;
 
     // of a frame
@@ -185,10 +209,12 @@ struct BendWarp::State {
     Eigen::VectorXf weights, moved;
     Vectors base, displacement, at, force;
     std::vector<Wish> wishes;
+    std::vector<FaceStrain> strains;  // per face
 
     void evaluate(std::span<const FaceMotion> motions, const Eigen::VectorXd& warping, const Points& heldAt, float* local) {
         const Vec3 carried = findParameters(motions, warping);
         const Matrix3d stretch = baseStretch(motions);
+        strainFaces(motions, stretch);
         displace(stretch);
         const Vec3 place = origin + carried;
         for (std::size_t i = 0; i < held.size(); ++i)
@@ -207,6 +233,10 @@ struct BendWarp::State {
     // v of the logarithms of the motions; returns what all faces are shifted by, which is left out of v.
     Vec3 findParameters(std::span<const FaceMotion> motions, const Eigen::VectorXd& warping) {
         Vec3 carried = Vec3::Zero();
+        Vec3 mean = Vec3::Zero();  // of the faces' rotations: the way that their origins go round
+        for (std::size_t f = 0; f < faces.size(); ++f) mean += rotationVector(motions[f].rotation) / static_cast<double>(faces.size());
+        const double angle = mean.norm();
+        const Matrix3d back = Eigen::AngleAxisd(-angle, angle > 0.0 ? Vec3(mean / angle) : Vec3(Vec3::UnitX())).toRotationMatrix();
         for (std::size_t f = 0; f < faces.size(); ++f)
             carried += (motions[f].linear * faces[f].frame.origin + motions[f].shift - faces[f].frame.origin) / static_cast<double>(faces.size());
         for (std::size_t f = 0; f < faces.size(); ++f) {
@@ -216,12 +246,23 @@ struct BendWarp::State {
             const Matrix3d r = m.rotation.normalized().toRotationMatrix(), s = r.transpose() * m.linear;
             JointMap map;
             map.linear = Matrix3d::Identity() + frame.axes.transpose() * (skew(rotationVector(m.rotation)) + logarithm(0.5 * (s + s.transpose()))) * frame.axes;
-            map.shift = frame.axes.transpose() * logarithmicMove(d, e);
+            map.shift = frame.axes.transpose() * (mean.cross(d) + logarithmicMove(d, back * e));
             double lost = 0.0;
             bases[f].coefficients(map, restOfFace[f], faces[f].size, v.data() + firstColumn[f], lost);
         }
         v += warping;
         return carried;
+    }
+
+    void strainFaces(std::span<const FaceMotion> motions, const Matrix3d& stretch) {
+        for (std::size_t f = 0; f < faces.size(); ++f) {
+            const Matrix3d s = motions[f].rotation.normalized().toRotationMatrix().transpose() * motions[f].linear;
+            const Vec3 n = faces[f].frame.axes.col(2), w = rotationVector(motions[f].rotation);
+            const Matrix3d plane = Matrix3d::Identity() - n * n.transpose();
+            const Matrix3d e = plane * (logarithm(0.5 * (s + s.transpose())) - stretch) * plane;
+            const double squared = w.squaredNorm() + e.squaredNorm();
+            strains[f] = {w.cast<float>(), e.cast<float>(), n.cast<float>(), static_cast<float>(squared / (squared + kBandMotion * kBandMotion))};
+        }
     }
 
     // Logarithm of the stretch that two faces give the whole body.
@@ -282,12 +323,13 @@ struct BendWarp::State {
     // Steps 3 and 4.
     void solve(bool first) {
         std::fill(force.begin(), force.end(), Vector4f::Zero());
+        std::size_t next = 0;  // of near
         for (std::size_t k = 0; k < triangles.size(); ++k) {
             const auto& t = triangles[k];
             const Vector3f x0 = three(at[t.v[0]]), x1 = three(at[t.v[1]]) - x0, x2 = three(at[t.v[2]]) - x0;
             auto& wish = wishes[k];
             if (first)
-                wish = wishOf(gradient(t));
+                wish = wishOf(followFaces(gradient(t), k, next));
             else
                 fit(t, x1, x2, wish);
             const Vector3f d1 = wish.p1x * wish.x + wish.p1y * wish.y - x1, d2 = wish.p2x * wish.x + wish.p2y * wish.y - x2;
@@ -304,6 +346,31 @@ struct BendWarp::State {
             for (const auto i : shell.vertices) force[i] -= mean;
         }
         for (int i = 0; i < free; ++i) at[i] += force[i];
+    }
+
+    // What a triangle in the bands of faces takes over from them.
+    [[nodiscard]] Gradient followFaces(Gradient g, std::size_t triangle, std::size_t& next) const {
+        const Gradient own = g;
+        for (; next < near.size() && static_cast<std::size_t>(near[next].triangle) == triangle; ++next) {
+            const auto& face = strains[near[next].face];
+            const float part = near[next].weight * face.weight;
+            // Twist about the normal of the face and the shear with it make no crease: they stay.
+            const Vector3f w = face.w - own.w;
+            g.w += part * (w - w.dot(face.normal) * face.normal);
+            const Vector3f a = face.e * own.t1, b = face.e * own.t2;
+            float d11 = own.t1.dot(a) - own.e11, d22 = own.t2.dot(b) - own.e22, d12 = own.t1.dot(b) - own.e12;
+            const float x = face.normal.dot(own.t1), y = face.normal.dot(own.t2), squared = x * x + y * y;  // across the rim
+            if (squared > 1e-3f) {
+                const float shear = (x * y * (d22 - d11) + (x * x - y * y) * d12) / (squared * squared);
+                d11 += 2.0f * x * y * shear;
+                d22 -= 2.0f * x * y * shear;
+                d12 -= (x * x - y * y) * shear;
+            }
+            g.e11 += part * d11;
+            g.e22 += part * d22;
+            g.e12 += part * d12;
+        }
+        return g;
     }
 
     // The rotation that brings the wish nearest to sides x1, x2: a polar decomposition of 3 x 2.
@@ -338,10 +405,13 @@ struct BendWarp::State {
         }
         const double most = kMostInflation * std::cbrt(volume);
         if (!(slope * most > 1e-6 * volume)) return;
-        double by = std::clamp((wanted - now) / slope, -most, most);
-        for (int i = 0; i < free; ++i) at[i] += static_cast<float>(by) * force[i];
-        by = std::clamp(by + (wanted - volumeNow()) / slope, -most, most) - by;
-        for (int i = 0; i < free; ++i) at[i] += static_cast<float>(by) * force[i];
+        double by = 0.0;
+        for (int step = 0; step < kVolumeSteps && std::abs(wanted - now) > kVolumeError * volume; ++step) {
+            const double next = std::clamp(by + (wanted - now) / slope, -most, most);
+            for (int i = 0; i < free; ++i) at[i] += static_cast<float>(next - by) * force[i];
+            by = next;
+            now = volumeNow();
+        }
     }
 
     [[nodiscard]] double volumeNow() const {
@@ -387,6 +457,28 @@ struct Union {
 double fade(double x) {
     const double t = std::clamp(x, 0.0, 1.0);
     return 1.0 - t * t * (3.0 - 2.0 * t);
+}
+
+// How much a triangle follows a face at this part of the band: wholly beside it, where the response is singular, then falling fast at first, so that
+// the curvature which it takes from there spreads evenly.
+double follow(double x) {
+    const double from = x * (1.0 - fade(x / kFollowWholly));
+    return std::pow(1.0 - std::min(1.0, from), 3);
+}
+
+// Of the middle of each triangle, per face, m.
+std::vector<std::vector<double>> distanceToFaces(const TriangleMesh& body, const std::vector<JointFace>& faces) {
+    std::vector<std::vector<double>> out;
+    for (const auto& face : faces) {
+        auto& list = out.emplace_back(static_cast<std::size_t>(body.triangles.rows()), 0.0);
+        const TriangleTree tree(body, face.triangles);
+        for (Eigen::Index t = 0; t < body.triangles.rows(); ++t) {
+            Vec3 middle = Vec3::Zero();
+            for (int c = 0; c < 3; ++c) middle += body.vertices.row(body.triangles(t, c)).transpose() / 3.0;
+            list[t] = std::sqrt(tree.nearest(middle).squaredDistance);
+        }
+    }
+    return out;
 }
 
 bool fits(const TriangleMesh& body, const std::vector<JointFace>& faces, const ElementResponse& response, std::span<const std::int32_t> blocks) {
@@ -459,12 +551,23 @@ Result<BendWarp> BendWarp::build(const TriangleMesh& body, const std::vector<Joi
     std::vector<SparseEntry> entries;
     Eigen::VectorXd area = Eigen::VectorXd::Zero(s.solved);
     Points outward = Points::Zero(static_cast<Eigen::Index>(n), 3);
+    const auto distances = distanceToFaces(body, faces);
+    std::vector<double> bands;
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+        double nearest = kBand * faces[f].size;
+        for (std::size_t o = 0; o < faces.size(); ++o)
+            if (o != f) nearest = std::min(nearest, kBandShare * (faces[o].frame.origin - faces[f].frame.origin).norm());
+        bands.push_back(std::max(nearest, 1e-6 * s.size));
+    }
     for (Eigen::Index k = 0; k < body.triangles.rows(); ++k) {
         const std::array<std::int32_t, 3> v{body.triangles(k, 0), body.triangles(k, 1), body.triangles(k, 2)};
         const Vec3 e1 = point(v[1]) - point(v[0]), e2 = point(v[2]) - point(v[0]), normal = e1.cross(e2);
         const double longest = std::max({e1.squaredNorm(), e2.squaredNorm(), (e1 - e2).squaredNorm()}), twice = normal.norm();
         const bool sliver = !(twice > kSliver * longest) || !(longest > 1e-16);
-        const double over = sliver ? kSliverStiffness / std::max(longest, 1e-30) : 0.5 / twice;
+        double stiffer = 1.0;
+        for (std::size_t f = 0; f < faces.size(); ++f)
+            stiffer = std::max(stiffer, 1.0 / (1.0 / kStiffness + (1.0 - 1.0 / kStiffness) * std::pow(std::min(1.0, distances[f][k] / (kStiffBand / kBand * bands[f])), 1.5)));
+        const double over = stiffer * (sliver ? kSliverStiffness / std::max(longest, 1e-30) : 0.5 / twice);
         const double c11 = over * e2.squaredNorm(), c12 = -over * e1.dot(e2), c22 = over * e1.squaredNorm();
         const double c[3][3] = {{c11 + 2.0 * c12 + c22, -c11 - c12, -c12 - c22}, {-c11 - c12, c11, c12}, {-c12 - c22, c12, c22}};
         for (int i = 0; i < 3; ++i) {
@@ -476,8 +579,13 @@ Result<BendWarp> BendWarp::build(const TriangleMesh& body, const std::vector<Joi
         }
         s.volume += point(v[0]).dot(point(v[1]).cross(point(v[2]))) / 6.0;
         s.surface.push_back(v);
-        if (!sliver && (kind[v[0]] != 2 || kind[v[1]] != 2 || kind[v[2]] != 2))
-            s.triangles.push_back({v, static_cast<float>(c11), static_cast<float>(c12), static_cast<float>(c22)});
+        if (sliver || (kind[v[0]] == 2 && kind[v[1]] == 2 && kind[v[2]] == 2)) continue;
+        double sum = 0.0;
+        for (std::size_t f = 0; f < faces.size(); ++f) sum += follow(distances[f][k] / bands[f]);
+        for (std::size_t f = 0; f < faces.size(); ++f)
+            if (const double weight = follow(distances[f][k] / bands[f]); weight > 0.0)
+                s.near.push_back({static_cast<std::int32_t>(s.triangles.size()), static_cast<std::int32_t>(f), static_cast<float>(weight / std::max(1.0, sum))});
+        s.triangles.push_back({v, static_cast<float>(c11), static_cast<float>(c12), static_cast<float>(c22)});
     }
     if (progress.cancelled()) return fail(kCancelled, "Cancelled.");
     progress.report("warp", 0.2);
@@ -577,10 +685,11 @@ Result<BendWarp> BendWarp::build(const TriangleMesh& body, const std::vector<Joi
     s.moved = Eigen::VectorXf::Zero(3 * s.free);
     s.base = s.displacement = s.at = s.force = s.rest;
     s.wishes.resize(s.triangles.size());
+    s.strains.resize(faces.size());
     s.cost.factor = s.factor.entries();
     s.cost.bytes = s.factor.bytes() + static_cast<std::size_t>(s.response.size()) * sizeof(float) + 5 * n * sizeof(Vector4f) + 3 * s.free * sizeof(float) +
                    s.triangles.size() * (sizeof(Triangle) + sizeof(Wish)) + s.surface.size() * sizeof(s.surface[0]) + s.slot.size() * sizeof(s.slot[0]) +
-                   s.inflation.size() * sizeof(float);
+                   s.inflation.size() * sizeof(float) + s.near.size() * sizeof(State::Near);
     for (const auto& table : s.heldColumns) s.cost.bytes += static_cast<std::size_t>(table.size()) * sizeof(float);
     for (const auto& list : s.contacts) s.cost.bytes += list.size() * sizeof(State::Contact);
     s.cost.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
