@@ -134,7 +134,7 @@ TouchContact::TouchContact(const TriangleMesh& body, std::span<const JointFace> 
     gradients_ = Eigen::VectorXd::Zero(touch().gradients.rows());
     active_.reserve(kFingers);
     grip_.resize(kFingers);
-    blocks_.resize(static_cast<std::size_t>(kFingers) * kFingers);
+    compliance_.assign(static_cast<std::size_t>(kFingers) * kFingers, Eigen::Matrix3d::Zero());
     matrix_.resize(static_cast<std::size_t>(9 * kFingers) * kFingers);
     right_.resize(3 * kFingers);
     kept_.resize(kFingers);
@@ -186,20 +186,29 @@ void TouchContact::spread(Finger& finger, double radius) {
     finger.weights = spread_ / spread_.sum();
 }
 
-/// What the force of a finger does to its point and to the gradients.
-void TouchContact::measure(Finger& finger) {
+/// What the force of a finger does to the points of all, theirs to its point, and its own to the gradients.
+void TouchContact::measure(std::size_t finger) {
+    Finger& f = fingers_[finger];
     const Eigen::MatrixXd& C = touch().compliance;
     double mean = 0.0;
-    finger.compliance.setZero();
-    finger.gradients.setZero();
-    for (Eigen::Index p = 0; p < finger.weights.size(); ++p) {
-        const double w = finger.weights[p];
+    f.gradients.setZero();
+    for (Eigen::Index p = 0; p < f.weights.size(); ++p) {
+        const double w = f.weights[p];
         if (!(w > 0.0)) continue;
         mean += w * C.block<3, 3>(3 * p, 3 * p).trace() / 3.0;
-        finger.compliance += w * finger.rows.middleCols<3>(3 * p);
-        finger.gradients += w * touch().gradients.middleCols<3>(3 * p).transpose().cast<double>();
+        f.gradients += w * touch().gradients.middleCols<3>(3 * p).transpose().cast<double>();
     }
-    finger.compliance.diagonal().array() += kSoftness * mean;
+    const auto moved = [](const Finger& of, const Finger& by, Eigen::Matrix3d& out) {
+        out.setZero();
+        for (Eigen::Index p = 0; p < by.weights.size(); ++p)
+            if (by.weights[p] > 0.0) out += by.weights[p] * of.rows.middleCols<3>(3 * p);
+    };
+    for (std::size_t other = 0; other < fingers_.size(); ++other) {
+        if (!fingers_[other].down && other != finger) continue;
+        moved(f, fingers_[other], compliance(finger, other));
+        if (other != finger) moved(fingers_[other], f, compliance(other, finger));
+    }
+    compliance(finger, finger).diagonal().array() += kSoftness * mean;
 }
 
 /// The largest of the probes, Frobenius.
@@ -226,7 +235,7 @@ bool TouchContact::place(int finger, const Point& point, double radius) {
         const double part = f.point.barycentric[static_cast<Eigen::Index>(c)];
         if (row >= 0 && part > 0.0) f.rows += part * touch().displacement.middleRows<3>(row).cast<double>();
     }
-    measure(f);
+    measure(static_cast<std::size_t>(finger));
     if (!f.down) {
         f.down = true;
         f.aimed = false;
@@ -373,7 +382,7 @@ void TouchContact::advance(double seconds) {
 Vec3 TouchContact::missing(std::size_t i) const {
     Vec3 out = fingers_[active_[i]].goal;
     for (std::size_t j = 0; j < active_.size(); ++j)
-        if (j != i) out -= blocks_[i * active_.size() + j] * fingers_[active_[j]].force;
+        if (j != i) out -= compliance(active_[i], active_[j]) * fingers_[active_[j]].force;
     return out;
 }
 
@@ -399,7 +408,7 @@ void TouchContact::grip(const Eigen::Matrix3d& D, const Vec3& gap, Finger& f, Gr
 
 /// One finger, with the others as they are.
 void TouchContact::sweep() {
-    for (std::size_t i = 0; i < active_.size(); ++i) grip(blocks_[i * active_.size() + i], missing(i), fingers_[active_[i]], grip_[i]);
+    for (std::size_t i = 0; i < active_.size(); ++i) grip(compliance(active_[i], active_[i]), missing(i), fingers_[active_[i]], grip_[i]);
 }
 
 /// Solves the equations of all fingers that stick and slip at once. False, with the forces as they were: then others would stick or slip.
@@ -415,7 +424,7 @@ bool TouchContact::polish() {
         const bool sticks = grip_[i] == Grip::Stick;
         if (at[i + 1] == at[i]) continue;
         for (std::size_t j = 0; j < count; ++j) {
-            const Eigen::Matrix3d& D = blocks_[i * count + j];
+            const Eigen::Matrix3d& D = compliance(active_[i], active_[j]);
             const Finger& other = fingers_[active_[j]];
             if (at[j + 1] == at[j]) continue;
             if (grip_[j] == Grip::Stick) {
@@ -483,7 +492,7 @@ void TouchContact::solve() {
         // Alone it would press no deeper than the largest gradient.
         const Vec3 before = f.force;
         Grip how{};
-        grip(f.compliance, f.goal, f, how);
+        grip(compliance(i, i), f.goal, f, how);
         gradients_.noalias() = f.gradients.transpose() * f.force;
         if (const double most = largestGradient(gradients_); most > settings_.mostStrain) {
             f.goal *= settings_.mostStrain / most;
@@ -494,16 +503,6 @@ void TouchContact::solve() {
         active_.push_back(i);
     }
     const std::size_t count = active_.size();
-    for (std::size_t i = 0; i < count; ++i)
-        for (std::size_t j = 0; j < count; ++j) {
-            const Finger &f = fingers_[active_[i]], &by = fingers_[active_[j]];
-            Eigen::Matrix3d& D = blocks_[i * count + j];
-            D = f.compliance;
-            if (i == j) continue;
-            D.setZero();
-            for (Eigen::Index p = 0; p < by.weights.size(); ++p)
-                if (by.weights[p] > 0.0) D += by.weights[p] * f.rows.middleCols<3>(3 * p);
-        }
     if (count == 1) {
         sweep();
     } else if (count > 1) {

@@ -110,7 +110,6 @@ private:
         Eigen::VectorXd weights;  // P, sum 1
         Row3 rows;                // 3 x 3 P: displacement of its point by patch forces
         Row3 gradients;           // 3 x 9 #probes: of the displacement by its force
-        Eigen::Matrix3d compliance = Eigen::Matrix3d::Identity();  // of its point by its force
         Vec3 wanted = Vec3::Zero(), normal = Vec3::UnitZ();
         double behind = 1.0, behindRate = 0.0;  // what is left of the way of coming in, 1 ... 0
         Vec3 force = Vec3::Zero(), slip = Vec3::Zero(), moved = Vec3::Zero();
@@ -121,7 +120,9 @@ private:
     TouchContact(const TriangleMesh& body, std::span<const JointFace> faces, std::shared_ptr<const ElementResponse> response, const TouchSettings& settings);
     [[nodiscard]] const TouchResponse& touch() const { return response_->touch; }
     void spread(Finger& finger, double radius);
-    void measure(Finger& finger);
+    void measure(std::size_t finger);
+    [[nodiscard]] Eigen::Matrix3d& compliance(std::size_t of, std::size_t by) { return compliance_[of * kFingers + by]; }
+    [[nodiscard]] const Eigen::Matrix3d& compliance(std::size_t of, std::size_t by) const { return compliance_[of * kFingers + by]; }
     [[nodiscard]] double largestGradient(const Eigen::VectorXd& gradients) const;
     void grip(const Eigen::Matrix3d& compliance, const Vec3& gap, Finger& finger, Grip& how) const;
     void leave(Finger& finger);
@@ -149,7 +150,7 @@ private:
     Eigen::VectorXd gradients_;                         // 9 #probes
     std::vector<std::size_t> active_;                   // fingers that are inside
     std::vector<Grip> grip_;                            // of active_
-    std::vector<Eigen::Matrix3d> blocks_;               // of active_ x active_
+    std::vector<Eigen::Matrix3d> compliance_;           // kFingers x kFingers: displacement of a finger's point by the force of another, of those that are down
     std::vector<double> matrix_, right_;
     std::vector<Vec3> kept_;
     bool idle_ = true, resting_ = true;                 // resting_: no dents of fingers that are gone
