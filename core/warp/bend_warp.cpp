@@ -17,7 +17,6 @@ namespace imomushi {
 
 using Eigen::Matrix3d;
 using Eigen::Matrix3f;
-using Eigen::Vector3f;
 using Eigen::Vector4f;
 
 namespace {
@@ -26,10 +25,13 @@ namespace {
 constexpr double kSliver = 1e-4, kSliverStiffness = 1e-3;
 // Stretches beyond these are treated as these.
 constexpr double kLeastStretch = 0.1, kMostStretch = 10.0;
-// A difference of principal strains d (half of it) counts as asinh(k d) / k: exact to second order, .44 instead of .6 (a stretch of 1.8 along, 1/1.8 across).
-constexpr float kSoftening = 4.0f;
-// Mean principal strains stay below this, approached smoothly: a factor of 20.
+// A difference of principal strains d (half of it) counts as d / (1 + k d^2)^(1/4): exact to second order, .40 instead of .6 (a stretch of 1.8 along,
+// 1/1.8 across), and as asinh(4 d) / 4 up to there.
+constexpr float kSoftening = 32.0f / 3.0f;
+// Mean principal strains stay below this, approached smoothly, and differences at it: a factor of 20.
 constexpr float kMostStrain = 3.0f;
+// Rotations do not go farther (radians).
+constexpr float kMostAngle = 7.0f;
 // The fit of rotations sees the rotation that the response says as this part of what it fits to: without it collapsed triangles would have none.
 constexpr float kGuess = 0.05f;
 // Within this many sizes of a face (at most this part of the way to the next one) triangles follow the face more and more: linear elasticity with a rigid
@@ -55,7 +57,29 @@ constexpr double kLeastStiffness = 1e-7;
 /// Vectors of the frame: x y z and nothing.
 using Vectors = std::vector<Vector4f, Eigen::aligned_allocator<Vector4f>>;
 
-Vector3f three(const Vector4f& v) { return v.head<3>(); }
+/// Three numbers that compilers keep in registers: half the time of Eigen's.
+struct Three {
+    float x = 0.0f, y = 0.0f, z = 0.0f;
+    Three() = default;
+    Three(float x_, float y_, float z_) : x(x_), y(y_), z(z_) {}
+    explicit Three(const Eigen::Vector3f& v) : x(v.x()), y(v.y()), z(v.z()) {}
+    explicit Three(const Vec3& v) : Three(Eigen::Vector3f(v.cast<float>())) {}
+    explicit Three(const Vector4f& v) : x(v[0]), y(v[1]), z(v[2]) {}
+    [[nodiscard]] float dot(const Three& o) const { return x * o.x + y * o.y + z * o.z; }
+    [[nodiscard]] Three cross(const Three& o) const { return {y * o.z - z * o.y, z * o.x - x * o.z, x * o.y - y * o.x}; }
+    [[nodiscard]] float squaredNorm() const { return dot(*this); }
+    [[nodiscard]] float norm() const { return std::sqrt(squaredNorm()); }
+    Three& operator+=(const Three& o) { return x += o.x, y += o.y, z += o.z, *this; }
+    friend Three operator+(Three a, const Three& b) { return a += b; }
+    friend Three operator-(const Three& a, const Three& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+    friend Three operator*(float s, const Three& a) { return {s * a.x, s * a.y, s * a.z}; }
+    friend Three operator/(const Three& a, float s) { return (1.0f / s) * a; }
+    friend Three operator*(const Matrix3f& m, const Three& a) {
+        return {m(0, 0) * a.x + m(0, 1) * a.y + m(0, 2) * a.z, m(1, 0) * a.x + m(1, 1) * a.y + m(1, 2) * a.z, m(2, 0) * a.x + m(2, 1) * a.y + m(2, 2) * a.z};
+    }
+};
+Three three(const Vector4f& v) { return Three(v); }
+Vector4f four(const Three& v) { return {v.x, v.y, v.z, 0.0f}; }
 
 struct Triangle {
     std::array<std::int32_t, 3> v;
@@ -65,29 +89,29 @@ struct Triangle {
 // What a triangle wants to be: its two sides at rest after strains, in its plane, and the plane's axes after rotations.
 struct Wish {
     float p1x, p1y, p2x, p2y;
-    Vector3f x, y;
+    Three x, y;
 };
 
 struct Gradient {
-    Vector3f w;           // rotation vector
+    Three w;           // rotation vector
     float e11, e12, e22;  // strain in the axes below
-    Vector3f t1, t2;
+    Three t1, t2;
     float l, p, q;        // sides: l t1 and p t1 + q t2
 };
 
 /// Of displacement u over a triangle with sides e1, e2, on a free surface.
-Gradient gradientOf(const Vector3f& e1, const Vector3f& e2, const Vector3f& u1, const Vector3f& u2) {
+Gradient gradientOf(const Three& e1, const Three& e2, const Three& u1, const Three& u2) {
     constexpr float kTiny = 1e-12f;
     Gradient g;
-    const Vector3f cross = e1.cross(e2);
+    const Three cross = e1.cross(e2);
     const float area = std::max(cross.norm(), kTiny * kTiny);
     g.l = std::max(e1.norm(), kTiny);
     g.t1 = e1 / g.l;
-    const Vector3f n = cross / area;
+    const Three n = cross / area;
     g.t2 = n.cross(g.t1);
     g.p = g.t1.dot(e2);
     g.q = std::max(area / g.l, kTiny);
-    const Vector3f d1 = u1 / g.l, d2 = (u2 - g.p * d1) / g.q;
+    const Three d1 = u1 / g.l, d2 = (u2 - g.p * d1) / g.q;
     g.e11 = g.t1.dot(d1);
     g.e22 = g.t2.dot(d2);
     const float a = g.t1.dot(d2), b = g.t2.dot(d1);
@@ -96,26 +120,31 @@ Gradient gradientOf(const Vector3f& e1, const Vector3f& e2, const Vector3f& u1, 
     return g;
 }
 
-/// Turns a and b by rotation vector w.
-void turn(const Vector3f& w, Vector3f& a, Vector3f& b) {
-    const float squared = w.squaredNorm(), angle = std::sqrt(squared);
-    float s, c;  // sin / angle, (1 - cos) / angle^2
-    if (angle < 1e-2f)
-        s = 1.0f - squared / 6.0f, c = 0.5f - squared / 24.0f;
-    else {
-        const float half = std::sin(0.5f * angle);
-        s = std::sin(angle) / angle, c = 2.0f * half * half / squared;
-    }
-    const Vector3f wa = w.cross(a), wb = w.cross(b);
-    a += s * wa + c * w.cross(wa);
-    b += s * wb + c * w.cross(wb);
+/// Turns a and b by rotation vector w; beyond kMostAngle as by that. From an eighth of the angle by doubling, to 1e-5: no library function is as fast.
+void turn(const Three& w, Three& a, Three& b) {
+    const float squared = w.squaredNorm(), part = squared > kMostAngle * kMostAngle ? kMostAngle / std::sqrt(squared) : 1.0f;
+    const float x = squared * part * part / 64.0f;
+    float s = 1.0f - x * (1.0f / 6.0f - x * (1.0f / 120.0f - x / 5040.0f));  // sin / angle
+    float c = 1.0f - x * (0.5f - x * (1.0f / 24.0f - x * (1.0f / 720.0f - x / 40320.0f)));
+    float half = s;
+    for (int doubling = 0; doubling < 3; ++doubling) half = s, s *= c, c = 2.0f * c * c - 1.0f;
+    const float first = s * part, second = 0.5f * half * half * part * part;  // sin / angle, (1 - cos) / angle^2
+    const Three wa = w.cross(a), wb = w.cross(b);
+    a += first * wa + second * w.cross(wa);
+    b += first * wb + second * w.cross(wb);
+}
+
+/// exp for |x| <= kMostStrain, to 1e-3 there and 1e-6 for |x| <= 1.
+float quickExp(float x) {
+    const float y = 0.25f * x, even = 1.0f + y * y / 12.0f, odd = 0.5f * y, part = (even + odd) / (even - odd), twice = part * part;
+    return twice * twice;
 }
 
 /// How a face turns and strains, beyond the base.
 struct FaceStrain {
-    Vector3f w = Vector3f::Zero();
+    Three w;
     Matrix3f e = Matrix3f::Zero();
-    Vector3f normal = Vector3f::UnitZ();
+    Three normal;
     float weight = 0.0f;  // by its size
 };
 
@@ -123,8 +152,8 @@ Wish wishOf(const Gradient& g) {
     // exp of the strain, in two dimensions: exp(mean) (cosh d + sinh d / d deviation).
     const float sum = 0.5f * (g.e11 + g.e22), mean = sum / std::sqrt(1.0f + (sum / kMostStrain) * (sum / kMostStrain));
     const float half = 0.5f * (g.e11 - g.e22), d = std::sqrt(half * half + g.e12 * g.e12);
-    const float softer = std::asinh(kSoftening * d) / kSoftening;
-    const float grown = std::exp(softer), size = std::exp(mean);
+    const float softer = std::min(kMostStrain, d / std::sqrt(std::sqrt(1.0f + kSoftening * d * d)));
+    const float grown = quickExp(softer), size = quickExp(mean);
     const float c = 0.5f * size * (grown + 1.0f / grown);
     const float s = d > 1e-6f ? 0.5f * size * (grown - 1.0f / grown) / d : size;
     const float a11 = c + s * half, a22 = c - s * half, a12 = s * g.e12;
@@ -224,7 +253,7 @@ struct BendWarp::State {
         solve(false);
         inflate();
         keepInside(motions, carried);
-        const Vector3f shown = ((place - middle)).cast<float>();
+        const Eigen::Vector3f shown = (place - middle).cast<float>();
         const auto unit = static_cast<float>(size);
         for (int i = 0; i < free; ++i)
             for (int axis = 0; axis < 3; ++axis) local[slot[i] + axis * kBlock] = unit * at[i][axis] + shown[axis];
@@ -261,7 +290,7 @@ struct BendWarp::State {
             const Matrix3d plane = Matrix3d::Identity() - n * n.transpose();
             const Matrix3d e = plane * (logarithm(0.5 * (s + s.transpose())) - stretch) * plane;
             const double squared = w.squaredNorm() + e.squaredNorm();
-            strains[f] = {w.cast<float>(), e.cast<float>(), n.cast<float>(), static_cast<float>(squared / (squared + kBandMotion * kBandMotion))};
+            strains[f] = {Three(w), e.cast<float>(), Three(n), static_cast<float>(squared / (squared + kBandMotion * kBandMotion))};
         }
     }
 
@@ -293,30 +322,30 @@ struct BendWarp::State {
                 displacement[indexOfHeld[h]].head<3>() = heldColumns[f].middleRows<3>(3 * i).lazyProduct(part);
         }
         for (int i = 0; i < vertices; ++i) {
-            const Vector3f x = three(rest[i]);
-            const Vector3f u = grow * (three(displacement[i]) - linear * x), b = grow * x;
-            base[i].head<3>() = b;
-            displacement[i].head<3>() = u;
-            at[i].head<3>() = b + u;
+            const Three x = three(rest[i]);
+            const Three u = grow * (three(displacement[i]) - linear * x), b = grow * x;
+            base[i] = four(b);
+            displacement[i] = four(u);
+            at[i] = four(b + u);
         }
     }
 
     [[nodiscard]] Gradient gradient(const Triangle& t) const {
-        const Vector3f b = three(base[t.v[0]]), u = three(displacement[t.v[0]]);
+        const Three b = three(base[t.v[0]]), u = three(displacement[t.v[0]]);
         return gradientOf(three(base[t.v[1]]) - b, three(base[t.v[2]]) - b, three(displacement[t.v[1]]) - u, three(displacement[t.v[2]]) - u);
     }
 
     // A shell that no face holds goes where a body with its mean rotation and displacement goes: the displacement turns while it grows.
     void placeFloating() {
         for (const auto& shell : floating) {
-            Vector3f w = Vector3f::Zero(), u = Vector3f::Zero();
+            Three w, u;
             for (const auto t : shell.triangles) w += gradient(triangles[t]).w / static_cast<float>(shell.triangles.size());
             for (const auto i : shell.vertices) u += three(displacement[i]) / static_cast<float>(shell.vertices.size());
             const float squared = w.squaredNorm(), angle = std::sqrt(squared);
             const float a = angle < 1e-2f ? 0.5f : (1.0f - std::cos(angle)) / squared;
             const float b = angle < 1e-2f ? 1.0f / 6.0f : (angle - std::sin(angle)) / (squared * angle);
-            const Vector3f wu = w.cross(u), shift = a * wu + b * w.cross(wu);
-            for (const auto i : shell.vertices) at[i].head<3>() += shift;
+            const Three wu = w.cross(u), shift = a * wu + b * w.cross(wu);
+            for (const auto i : shell.vertices) at[i] += four(shift);
         }
     }
 
@@ -326,17 +355,17 @@ struct BendWarp::State {
         std::size_t next = 0;  // of near
         for (std::size_t k = 0; k < triangles.size(); ++k) {
             const auto& t = triangles[k];
-            const Vector3f x0 = three(at[t.v[0]]), x1 = three(at[t.v[1]]) - x0, x2 = three(at[t.v[2]]) - x0;
+            const Three x0 = three(at[t.v[0]]), x1 = three(at[t.v[1]]) - x0, x2 = three(at[t.v[2]]) - x0;
             auto& wish = wishes[k];
             if (first)
                 wish = wishOf(followFaces(gradient(t), k, next));
             else
                 fit(t, x1, x2, wish);
-            const Vector3f d1 = wish.p1x * wish.x + wish.p1y * wish.y - x1, d2 = wish.p2x * wish.x + wish.p2y * wish.y - x2;
-            const Vector3f f1 = t.c11 * d1 + t.c12 * d2, f2 = t.c12 * d1 + t.c22 * d2;
-            force[t.v[0]].head<3>() -= f1 + f2;
-            force[t.v[1]].head<3>() += f1;
-            force[t.v[2]].head<3>() += f2;
+            const Three d1 = wish.p1x * wish.x + wish.p1y * wish.y - x1, d2 = wish.p2x * wish.x + wish.p2y * wish.y - x2;
+            const Three f1 = t.c11 * d1 + t.c12 * d2, f2 = t.c12 * d1 + t.c22 * d2;
+            force[t.v[0]] -= four(f1 + f2);
+            force[t.v[1]] += four(f1);
+            force[t.v[2]] += four(f2);
         }
         factor.solve(force.data());
         for (int i = solved; i < vertices; ++i) force[i].setZero();
@@ -355,9 +384,9 @@ struct BendWarp::State {
             const auto& face = strains[near[next].face];
             const float part = near[next].weight * face.weight;
             // Twist about the normal of the face and the shear with it make no crease: they stay.
-            const Vector3f w = face.w - own.w;
+            const Three w = face.w - own.w;
             g.w += part * (w - w.dot(face.normal) * face.normal);
-            const Vector3f a = face.e * own.t1, b = face.e * own.t2;
+            const Three a = face.e * own.t1, b = face.e * own.t2;
             float d11 = own.t1.dot(a) - own.e11, d22 = own.t2.dot(b) - own.e22, d12 = own.t1.dot(b) - own.e12;
             const float x = face.normal.dot(own.t1), y = face.normal.dot(own.t2), squared = x * x + y * y;  // across the rim
             if (squared > 1e-3f) {
@@ -374,11 +403,11 @@ struct BendWarp::State {
     }
 
     // The rotation that brings the wish nearest to sides x1, x2: a polar decomposition of 3 x 2.
-    static void fit(const Triangle& t, const Vector3f& x1, const Vector3f& x2, Wish& wish) {
+    static void fit(const Triangle& t, const Three& x1, const Three& x2, Wish& wish) {
         const float size = std::max(0.5f * (t.c11 * (wish.p1x * wish.p1x + wish.p1y * wish.p1y) + t.c22 * (wish.p2x * wish.p2x + wish.p2y * wish.p2y)) +
                                         t.c12 * (wish.p1x * wish.p2x + wish.p1y * wish.p2y), 1e-30f);
-        const Vector3f f1 = (t.c11 * x1 + t.c12 * x2) / size, f2 = (t.c12 * x1 + t.c22 * x2) / size;
-        const Vector3f a = wish.p1x * f1 + wish.p2x * f2 + kGuess * wish.x, b = wish.p1y * f1 + wish.p2y * f2 + kGuess * wish.y;
+        const Three f1 = (t.c11 * x1 + t.c12 * x2) / size, f2 = (t.c12 * x1 + t.c22 * x2) / size;
+        const Three a = wish.p1x * f1 + wish.p2x * f2 + kGuess * wish.x, b = wish.p1y * f1 + wish.p2y * f2 + kGuess * wish.y;
         const float aa = a.squaredNorm(), bb = b.squaredNorm(), ab = a.dot(b);
         const float root = std::sqrt(std::max(aa * bb - ab * ab, 1e-4f * kGuess * kGuess)), trace = std::sqrt(aa + bb + 2.0f * root);
         const float over = 1.0f / (root * trace);
@@ -392,9 +421,10 @@ struct BendWarp::State {
         const double wanted = volume * std::exp(std::clamp(volumeChange.dot(v) / volume, -1.0, 1.0));
         std::fill(force.begin(), force.end(), Vector4f::Zero());
         for (const auto& t : surface) {
-            const Vector3f x0 = three(at[t[0]]);
-            const Vector3f n = (three(at[t[1]]) - x0).cross(three(at[t[2]]) - x0);
-            for (const auto i : t) force[i].head<3>() += n;
+            const Three x0 = three(at[t[0]]);
+            const Three n = (three(at[t[1]]) - x0).cross(three(at[t[2]]) - x0);
+            const Vector4f normal = four(n);
+            for (const auto i : t) force[i] += normal;
         }
         double now = 0.0, slope = 0.0;
         for (int i = 0; i < vertices; ++i) {
@@ -428,11 +458,11 @@ struct BendWarp::State {
             Vec3 normal = (motions[f].linear * frame.axes.col(0)).cross(motions[f].linear * frame.axes.col(1));
             const double length = normal.norm();
             normal = length > 1e-6 ? Vec3(normal / (normal.dot(turned) < 0.0 ? -length : length)) : turned;
-            const Vector3f n = normal.cast<float>();
-            const Vector3f place = ((motions[f].linear * frame.origin + motions[f].shift - origin - carried) / size).cast<float>();
+            const Three n(normal);
+            const Three place(Vec3((motions[f].linear * frame.origin + motions[f].shift - origin - carried) / size));
             for (const auto& c : contacts[f]) {
                 const float depth = n.dot(place - three(at[c.vertex]));
-                if (depth < c.depth) at[c.vertex].head<3>() -= c.weight * (c.depth / (2.0f - depth / c.depth) - depth) * n;
+                if (depth < c.depth) at[c.vertex] -= four(c.weight * (c.depth / (2.0f - depth / c.depth) - depth) * n);
             }
         }
     }
@@ -621,11 +651,12 @@ Result<BendWarp> BendWarp::build(const TriangleMesh& body, const std::vector<Joi
     for (const auto& face : faces) range = std::max(range, kInflationRange * face.size / s.size);
     if (s.volume > 1e-9 && range > 1e-6) {
         for (int i = 0; i < s.solved; ++i) entries.push_back({i, i, area[i] / (range * range)});
-        if (const auto x = solveSparse(entries, area); x && x->maxCoeff() > 0.0) {
+        const auto x = solveSparse(entries, area);
+        if (const double most = x ? x->maxCoeff() : 0.0; most > 0.0) {
             s.inflation.assign(n, 0.0f);
             for (std::size_t v = 0; v < n; ++v)
                 if (row[v] >= 0 && holds[shells.find(static_cast<std::int32_t>(v))])
-                    s.inflation[index[v]] = static_cast<float>(std::max(0.0, (*x)[row[v]] / x->maxCoeff()));
+                    s.inflation[index[v]] = static_cast<float>(std::max(0.0, (*x)[row[v]] / most));
         }
     }
     if (progress.cancelled()) return fail(kCancelled, "Cancelled.");

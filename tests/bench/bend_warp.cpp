@@ -2,16 +2,18 @@
 // What the bend warp makes of large motions beside the plain linear response, and what it costs:
 //   poses: the capped cylinder of tests/data/reference in two halves, nu = .49, and a body of three faces; volume, worst quality relative to rest, folds
 //          (edges where the surface turns back by more than 150 degrees), self-intersections, creases (largest normal jump) at the seam and in rows beside it;
-//   speed: milliseconds per frame at three sizes, one thread, beside the product A' v of the same element in the same run.
+//   speed: milliseconds of processor time per frame at three sizes, one thread, beside the product A' v of the same element in the same run.
 // The first argument chooses a part; the second is a folder that poses are written to as OBJ files.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <fstream>
 #include <functional>
 #include <map>
+#include <tuple>
 
+#include "core/character/response_blocks.h"
 #include "core/mesh/cgal/intersections.h"
 #include "core/mesh/topology.h"
 #include "tests/support/shapes.h"
@@ -225,11 +227,88 @@ void poses() {
     one("half: shear by its length", {motion(right.input.faces[0], Vec3::Zero(), Vec3::Zero()), motion(right.input.faces[1], Vec3::Zero(), Vec3(0, 4, 0))});
 }
 
+// One face of a body turned by `turn`, the others at rest; or all but one.
+void branch() {
+    std::printf("\na bend beside a branch: e_body_coarse (three faces), nu = .49, each face in turn at half of a bend of 90 and of 150 degrees\n");
+    head();
+    auto mesh = readObj(kReference + "e_body_coarse.obj");
+    ResponseInput in;
+    in.mesh = mesh;
+    in.nu = 0.49;
+    in.solverMesh = {SolverMeshSetting::Kind::Default, 0};
+    std::ifstream file(kReference + "e_body_coarse.faces.json");
+    const std::string text((std::istreambuf_iterator<char>(file)), {});
+    for (std::size_t at = 0; (at = text.find("\"vertices\": [", at)) != std::string::npos;) {
+        at = text.find('[', at);
+        const auto end = text.find(']', at);
+        std::istringstream numbers(text.substr(at + 1, end - at - 1));
+        std::vector<std::int32_t> vertices;
+        for (std::string number; std::getline(numbers, number, ',');) vertices.push_back(std::stoi(number));
+        if (const auto face = jointFaceByVertices(mesh->body, vertices)) in.faces.push_back(*face);
+        at = end;
+    }
+    Element e(in);
+    const Whole whole({&e.body()});
+    for (const double angle : {45.0, 75.0})
+        for (std::size_t f = 0; f < in.faces.size(); ++f) {
+            std::vector<FaceMotion> m;
+            for (std::size_t o = 0; o < in.faces.size(); ++o)
+                m.push_back(motion(in.faces[o], o == f ? Vec3(angle * kDegree * in.faces[o].frame.axes.col(0)) : Vec3(Vec3::Zero()), Vec3::Zero()));
+            char name[40];
+            std::snprintf(name, sizeof name, "body: face %zu turned by %.0f", f, angle);
+            report(name, "linear", whole, e.linear(m), 0.0, false);
+            report(name, "warp", whole, e.bend(m), 0.0, false);
+        }
+}
+
+// Of this thread, in seconds: other programs do not count.
+double processorTime() {
+    std::timespec t{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+void speed() {
+    std::printf("\n%10s %8s %10s %12s %12s %8s %12s %12s %12s %10s\n", "vertices", "free", "g", "product ms", "warp ms", "ratio", "product MB", "warp MB", "factor", "build s");
+    for (const auto& [around, along, solver] : {std::tuple{20, 22, SolverMeshSetting{SolverMeshSetting::Kind::AsIs, 0}}, std::tuple{40, 46, SolverMeshSetting{SolverMeshSetting::Kind::Decimated, 500}},
+                                                std::tuple{150, 180, SolverMeshSetting{SolverMeshSetting::Kind::Decimated, 500}}}) {
+        auto mesh = std::make_shared<ElementMesh>();
+        mesh->body = shapes::cylinder(1.0, 4.0, around, along).mesh;
+        Element e(between(mesh, 2, 0.49, solver));
+        ResponseBlocks blocks(e.body().vertices, e.response->freeVertices, Vec3::Zero(), e.response->response, ResponseFormat::Float);
+        std::vector<float> shown(3 * static_cast<std::size_t>(e.body().vertices.rows() + BendWarp::kBlock));
+        const std::vector<FaceMotion> m{motion(e.input.faces[0], Vec3(0.8, 0, 0.3), Vec3::Zero()), motion(e.input.faces[1], Vec3(0, -0.2, -0.3), Vec3(0, 0, 0.5))};
+        const Points held = e.heldPlaces(m);
+        const Eigen::VectorXd none = Eigen::VectorXd::Zero(e.response->columns()), v = Eigen::VectorXd::Constant(e.response->columns(), 0.1);
+        constexpr AffineFloat kInPlace = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+        std::vector<double> product, warp;
+        for (int round = 0; round < 41; ++round) {
+            const auto start = processorTime();
+            blocks.weigh(v);
+            evaluateAndPlace(blocks.view(), blocks.weights(), kInPlace, 0, blocks.count(), nullptr, shown.data());
+            const auto middle = processorTime();
+            e.warp->evaluate(m, none, held, e.local.data());
+            const auto end = processorTime();
+            product.push_back(1e3 * (middle - start));
+            warp.push_back(1e3 * (end - middle));
+        }
+        std::sort(product.begin(), product.end());
+        std::sort(warp.begin(), warp.end());
+        const double p = product[product.size() / 2], w = warp[warp.size() / 2];
+        const auto cost = e.warp->cost();
+        std::printf("%10td %8zu %10d %12.4f %12.4f %8.1f %12.2f %12.2f %12zu %10.3f\n", e.body().vertices.rows(), e.response->freeVertices.size(), e.response->columns(), p, w, w / p,
+                    static_cast<double>(blocks.count() * blocks.bytesPerBlock()) / 1e6, static_cast<double>(cost.bytes) / 1e6, cost.factor, cost.seconds);
+        std::fflush(stdout);
+    }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
     const std::string part = argc > 1 ? argv[1] : "";
     if (argc > 2) folder = argv[2];
     if (part.empty() || part == "poses") poses();
+    if (part.empty() || part == "branch") branch();
+    if (part.empty() || part == "speed") speed();
     return 0;
 }
