@@ -147,6 +147,8 @@ constexpr double kAssemblyOverhead = 1.3;
 constexpr double kFactorOverhead = 1.3;
 /// Seeing a triangle with its tractions, in pairs of the assembly.
 constexpr double kTractionPairs = 2.0;
+/// Solving and refining one of many columns, by the square of the unknowns: three rounds of two products, the one of double precision twice as long.
+constexpr double kTractionFlops = 18.0;
 /// Joint faces hold about this share of an element's vertices.
 constexpr double kUsualHeldShare = 0.15;
 
@@ -505,14 +507,13 @@ Result<Eigen::MatrixXd> BoundaryProblem::State::solveDense(const Eigen::MatrixXd
 BoundaryProblem::Estimate BoundaryProblem::estimate(int nodes, int triangles, int columns, int threads, int tractions) {
     Estimate out;
     if (nodes <= 0) return out;
-    columns += tractions;
     const MachineRates rates = machineRates();
     const double n = 3.0 * nodes, crew = std::clamp(threads, 1, hardwareThreads());
     if (nodes > kDenseNodes) {
         const double times = nodes / kMeasuredNodes;
         out.seconds = rates.secondsPerPair * kMeasuredPairs * std::pow(times, kTimeExponent) / crew;
         if (tractions > 0) out.seconds += rates.secondsPerPair * kTractionPairs * static_cast<double>(nodes) * triangles / crew;
-        out.bytes = static_cast<std::size_t>(kMeasuredBytes * std::pow(times, kMemoryExponent) + 40.0 * n * columns);
+        out.bytes = static_cast<std::size_t>(kMeasuredBytes * std::pow(times, kMemoryExponent) + 40.0 * n * (columns + tractions));
         return out;
     }
     const double pairs = static_cast<double>(nodes) * triangles;
@@ -520,9 +521,9 @@ BoundaryProblem::Estimate BoundaryProblem::estimate(int nodes, int triangles, in
     if (tractions > 0) out.seconds += rates.secondsPerPair * kTractionPairs * pairs / crew;
     // Estimating the condition (about ten triangles with one column), then solving and refining (three rounds), all bound by memory.
     const double passes = 10.0 * 2.0 * n * n + 3.0 * (4.0 + 8.0) * n * n;
-    out.seconds += passes / rates.bytesPerSecond + 8.0 * 4.0 * n * n * columns / (rates.flops * crew);
+    out.seconds += passes / rates.bytesPerSecond + (8.0 * 4.0 * columns + kTractionFlops * tractions) * n * n / (rates.flops * crew);
     const auto held = static_cast<std::size_t>(kUsualHeldShare * nodes);
-    out.bytes = matrixBytes(static_cast<std::size_t>(nodes) - held, held) + 40 * static_cast<std::size_t>(n) * static_cast<std::size_t>(columns);
+    out.bytes = matrixBytes(static_cast<std::size_t>(nodes) - held, held) + 40 * static_cast<std::size_t>(n) * static_cast<std::size_t>(columns + tractions);
     return out;
 }
 

@@ -12,6 +12,7 @@
 #include "core/elasticity/boundary_problem.h"
 #include "core/mesh/topology.h"
 #include "core/reduction/congruence.h"
+#include "tests/support/voxels.h"
 #include "tests/touch/bodies.h"
 
 using namespace imomushi;
@@ -299,4 +300,42 @@ TEST_CASE("touch response: other solver meshes give nearly the same dents") {
     MESSAGE("decimated: " << difference);
     // The plain mesh is wrong by a few percent (solved_body.h), the decimated body by a few percent of its thickness.
     CHECK(difference <= 0.1);
+}
+
+TEST_CASE("touch response: a finger at the tip of a horn bends it like a cantilever, and moves the body it stands on") {
+    using shapes::block;
+    using shapes::operator+;
+    // A bar of 1 x 1 x 2 m held at both ends; a horn of 0.25 x 0.25 x 1.25 m on its side y = 1, which is cut off for the joint modes.
+    constexpr double kSide = 0.25, kLength = 1.25, kNu = 0.3;
+    const TriangleMesh mesh = shapes::surfaceOf(block({0, 0, 0}, {4, 4, 8}) + block({1, 4, 3}, {2, 9, 4}), kSide);
+    const std::vector<shapes::Patch> ends{shapes::patchWhere(mesh, [](const Vec3& p) { return p.z() < 1e-9; }),
+                                          shapes::patchWhere(mesh, [](const Vec3& p) { return p.z() > 2.0 - 1e-9; })};
+    const Touched body = precompute(inputOf(mesh, ends, 24, kNu, {SolverMeshSetting::Kind::Refined, 800}));
+    const TouchPatches& patches = body.response->touch.patches;
+    int tip = 0;
+    for (int p = 0; p < patches.count(); ++p)
+        if (mesh.vertices(patches.centre[static_cast<std::size_t>(p)], 1) > mesh.vertices(patches.centre[static_cast<std::size_t>(tip)], 1)) tip = p;
+    // By the same force per length, as slender beams bend: y^2 (3 x - y) / (6 E I) at x beyond y.
+    const Eigen::MatrixXd weights = patches.dense();
+    const double EI = 2.0 * (1.0 + kNu) * std::pow(kSide, 4) / 12.0;
+    double expected = 0.0, sum = 0.0;
+    for (std::int32_t f = 0; f < mesh.triangles.rows(); ++f)
+        for (int c = 0; c < 3; ++c) {
+            const double share = areaVector(mesh, f).norm() * weights(mesh.triangles(f, c), tip), y = std::max(0.0, mesh.vertices(mesh.triangles(f, c), 1) - 1.0);
+            expected += share * y * y * (3.0 * kLength - y) / (6.0 * EI);
+            sum += share;
+        }
+    expected /= sum;
+    double found = 0.0;
+    int count = 0;
+    for (std::size_t i = 0; i < body.response->freeVertices.size(); ++i)
+        if (mesh.vertices(body.response->freeVertices[i], 1) > 1.0 + kLength - 1e-9) {
+            found += static_cast<double>(body.response->touch.displacement(3 * static_cast<Eigen::Index>(i) + 2, 3 * tip + 2));
+            ++count;
+        }
+    found /= count;
+    MESSAGE("tip " << found << ", a beam " << expected);
+    // Shear and the foot, which gives way, add to the beam; four elements along it take some away.
+    CHECK(found >= 0.9 * expected);
+    CHECK(found <= 1.5 * expected);
 }
