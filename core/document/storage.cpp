@@ -487,7 +487,7 @@ TouchResponse readTouch(RowReader& rows, const std::vector<std::int32_t>& freeVe
             "touch is broken");
     require(within(t.patches.centre, vertices) && within(t.patches.patch, static_cast<std::int64_t>(count)) && within(t.probes, vertices) && within(freeVertices, vertices),
             "touch names what is not there");
-    require(std::all_of(t.patches.weight.begin(), t.patches.weight.end(), [](float w) { return w >= 0.0f && w <= 1.0f; }), "touch has a broken weight");
+    require(std::all_of(t.patches.weight.begin(), t.patches.weight.end(), [](float w) { return std::isfinite(w) && w >= 0.0f && w <= 1.0f; }), "touch has a broken weight");
     require(displacement.size() == 3 * freeVertices.size() * columns && forces.size() == g * columns && compliance.size() == columns * columns &&
                 gradients.size() == 9 * t.probes.size() * columns,
             "touch has a broken size");
