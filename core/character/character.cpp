@@ -9,9 +9,11 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "core/base/parallel.h"
 #include "core/character/aligned_buffer.h"
+#include "core/character/felt_acceleration.h"
 #include "core/character/frame_crew.h"
 #include "core/character/joint_equilibrium.h"
 #include "core/character/normal_stencils.h"
@@ -29,8 +31,11 @@ namespace {
 
 // Twist in radians or shift in face sizes that the basis cannot say and an artist would see.
 constexpr double kVisibleLoss = 1e-3;
+constexpr double kTurn = 2.0 * std::numbers::pi;
 // A change of v that moves no vertex by more than this part of the element is below single precision: the product is not computed again.
 constexpr double kSameShape = 1e-8;
+// Body loads deform no element by more than this part of its size, approached smoothly: they are linear, and more would fold it.
+constexpr double kMostLoaded = 0.25;
 // In-plane stretches stay within these, approached smoothly.
 constexpr double kLeastStretch = 0.3, kMostStretch = 3.0;
 // A vertex at the rim of a joined face that has no partner takes the normal of the nearest place on the other rim within this many face sizes.
@@ -115,12 +120,15 @@ Result<void> check(const CharacterInput& input) {
         }
         for (const int b : element.bones)
             if (!in(b, bones)) return bad("an element names a bone that is not there");
+        if (!(element.density > 0.0) || !std::isfinite(element.density)) return bad("an element has no density");
         if (!element.response) continue;
         const auto& r = *element.response;
         bool fits = r.bases.size() == element.faces.size() && r.firstColumn.size() == element.faces.size() + 1;
         for (std::size_t f = 0; fits && f < r.bases.size(); ++f) fits = r.firstColumn[f + 1] - r.firstColumn[f] == r.bases[f].columns();
         fits = fits && r.response.rows() == 3 * static_cast<Eigen::Index>(r.freeVertices.size()) && r.response.cols() == r.columns() &&
                r.stiffness.rows() == r.columns() && r.stiffness.cols() == r.columns() && allFinite(r.response) && allFinite(r.stiffness);
+        fits = fits && (r.loads.size() == 0 || (r.loads.rows() == r.response.rows() && r.loads.cols() == 4 && allFinite(r.loads) &&
+                                           r.loadForces.rows() == r.columns() && r.loadForces.cols() == 4 && allFinite(r.loadForces)));
         std::size_t held = 0;
         for (const auto& face : element.faces) held += face.vertices.size();
         fits = fits && r.freeVertices.size() + held == static_cast<std::size_t>(vertices);
@@ -181,6 +189,14 @@ struct Character::State {
         Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();
     };
     enum class Work { None, Place, Evaluate, EvaluateAndKeep };
+    // What body loads do to an element: columns after those of the joints.
+    struct BodyLoads {
+        bool gravity = false, inflated = false;
+        FeltAcceleration felt;
+        Eigen::VectorXd all;     // v, then loads
+        Eigen::VectorXd forces;  // that they put on the joints, see ElementResponse::loadForces
+        [[nodiscard]] Eigen::Index first() const { return all.size() - (gravity ? 3 : 0) - (inflated ? 1 : 0); }
+    };
     struct ElementState {
         std::size_t vertices = 0;
         Vec3 middle = Vec3::Zero();
@@ -194,6 +210,8 @@ struct Character::State {
         Quaterniond rotation = Quaterniond::Identity();
         AffineMap frame, shownFrame;
         Eigen::VectorXd v, shownV, columnSize;
+        std::optional<BodyLoads> loads;
+        [[nodiscard]] const Eigen::VectorXd& weights() const { return loads ? loads->all : v; }
         std::vector<AffineMap> shownJoints;  // per face
         std::vector<Eigen::Matrix3Xd> shownWarping;  // per face, with smooth joints
         Eigen::MatrixXd heldShapes;          // #shapes x #held, with smooth joints: warping shapes of the joint, m
@@ -239,7 +257,7 @@ struct Character::State {
         std::size_t bytes = 0;
         for (const auto& e : elements) bytes += e.blocks.count() * e.blocks.bytesPerBlock();
         if (threads > 1 && bytes >= kBytesWorthThreads) crew = std::make_unique<FrameCrew>(threads);
-        update(pose);
+        update(pose, 0.0);
     }
 
     void buildEquilibrium() {
@@ -312,7 +330,7 @@ struct Character::State {
         }
 
         const int columns = given.response ? given.response->columns() : 0;
-        out.v = out.shownV = Eigen::VectorXd::Zero(columns);
+        out.v = Eigen::VectorXd::Zero(columns);
         out.columnSize = Eigen::VectorXd::Constant(columns, out.size);
         for (std::size_t f = 0; columns > 0 && f < given.faces.size(); ++f) {
             const int first = given.response->firstColumn[f];
@@ -344,8 +362,10 @@ struct Character::State {
         else
             for (std::size_t v = 0; v < out.vertices; ++v)
                 if (!onFace[v]) out.free.push_back(static_cast<std::int32_t>(v));
-        out.blocks = ResponseBlocks(body.vertices, out.free, out.middle, given.response ? given.response->response : Eigen::MatrixXd(3 * out.free.size(), 0),
-                                    input.format);
+        Eigen::MatrixXd response = given.response ? given.response->response : Eigen::MatrixXd(3 * out.free.size(), 0);
+        addLoads(given, out, response);
+        out.shownV = out.weights();
+        out.blocks = ResponseBlocks(body.vertices, out.free, out.middle, response, input.format);
         out.local = AlignedBuffer<float>(out.blocks.rest().size());
         const std::size_t padded = (out.vertices + kVertexBlock - 1) / kVertexBlock * kVertexBlock + kVertexBlock;
         out.positions = AlignedBuffer<float>(3 * padded);
@@ -359,6 +379,31 @@ struct Character::State {
         };
         split(productPieces, out.blocks.count(), out.blocks.bytesPerBlock(), 1);
         split(normalPieces, out.vertices, sizeof(NormalStencil) + 6 * sizeof(float), kVertexBlock);
+    }
+
+    void addLoads(const CharacterInput::Element& given, ElementState& out, Eigen::MatrixXd& response) const {
+        if (!given.response || given.response->loads.size() == 0) return;
+        BodyLoads loads;
+        loads.gravity = effects.gravity && given.heavy;
+        loads.inflated = effects.inflate && given.inflated;
+        if (!loads.gravity && !loads.inflated) return;
+        std::vector<Eigen::Index> columns;
+        if (loads.gravity) columns = {0, 1, 2};
+        if (loads.inflated) columns.push_back(3);
+        const Eigen::Index first = response.cols(), count = static_cast<Eigen::Index>(columns.size());
+        response.conservativeResize(Eigen::NoChange, first + count);
+        out.columnSize.conservativeResize(first + count);
+        for (Eigen::Index i = 0; i < count; ++i) {
+            const auto column = given.response->loads.col(columns[static_cast<std::size_t>(i)]);
+            response.col(first + i) = column;
+            double largest = 0.0;
+            for (Eigen::Index p = 0; p < column.size(); p += 3) largest = std::max(largest, column.segment<3>(p).norm());
+            out.columnSize[first + i] = largest;
+        }
+        loads.all = Eigen::VectorXd::Zero(first + count);
+        loads.forces = Eigen::VectorXd::Zero(first);
+        loads.felt.reset(out.middle);
+        out.loads = std::move(loads);
     }
 
     // Which vertices of two joined rims share normals.
@@ -504,11 +549,18 @@ struct Character::State {
         }
     }
 
+    // What acts on the joints of an element besides its stiffness.
+    [[nodiscard]] static std::span<const double> forcesOn(const ElementState& e) {
+        if (!e.loads) return {};
+        return {e.loads->forces.data(), static_cast<std::size_t>(e.loads->forces.size())};
+    }
+
     // The shapes of all joints, from rigid ones.
     void relax() {
         for (std::size_t j = 0; j < joints.size(); ++j) equilibrium->setJoint(static_cast<int>(j), joints[j].rotation);
         for (std::size_t e = 0; e < elements.size(); ++e)
-            if (input.elements[e].response) equilibrium->setElement(static_cast<int>(e), elements[e].frame.linear, elements[e].v);
+            if (input.elements[e].response)
+                equilibrium->setElement(static_cast<int>(e), elements[e].frame.linear, elements[e].v, forcesOn(elements[e]));
         equilibrium->solve();
         for (std::size_t j = 0; j < joints.size(); ++j) {
             auto& out = joints[j];
@@ -521,7 +573,48 @@ struct Character::State {
             if (elements[e].v.size() > 0) elements[e].v = equilibrium->parameters(static_cast<int>(e));
     }
 
-    void update(const Pose& wanted) {
+    // Force per volume and pressure in the frame of the element. What would deform it too much is felt less, all alike.
+    void load(std::size_t e, double seconds) {
+        auto& out = elements[e];
+        if (!out.loads) return;
+        auto& loads = *out.loads;
+        const auto& given = input.elements[e];
+        const Eigen::Index first = loads.first(), count = loads.all.size() - first;
+        if (loads.gravity) {
+            const Vec3 place = out.frame(out.middle);
+            if (seconds > 0.0)
+                loads.felt.step(seconds, place);
+            else
+                loads.felt.reset(place);
+            const auto& gravity = *effects.gravity;
+            const double softness = given.density / (gravity.shearModulus * given.stiffness);
+            loads.all.segment<3>(first) = softness * (out.frame.linear.transpose() * (gravity.acceleration - gravity.inertia * loads.felt.value()));
+        }
+        if (loads.inflated) {
+            const auto& inflate = *effects.inflate;
+            loads.all[first + count - 1] = (inflate.pressure + inflate.breath * std::sin(breath)) / given.stiffness;
+        }
+        const double wanted = loads.all.tail(count).cwiseAbs().dot(out.columnSize.tail(count)), most = kMostLoaded * out.size;
+        if (wanted <= 0.0) return;
+        loads.all.tail(count) *= most * std::tanh(wanted / most) / wanted;
+        if (wanted > most) updateWarnings |= static_cast<unsigned>(FrameWarning::LoadsBounded);
+        if (!equilibrium) return;
+        loads.forces.setZero();
+        if (loads.gravity) loads.forces.noalias() += given.response->loadForces.leftCols<3>() * loads.all.segment<3>(first);
+        if (loads.inflated) loads.forces.noalias() += given.response->loadForces.col(3) * loads.all[first + count - 1];
+    }
+
+    // Whether time alone changes what is shown.
+    [[nodiscard]] bool resting() const {
+        if (effects.inflate && effects.inflate->breath > 0.0 && effects.inflate->breathHertz > 0.0)
+            for (const auto& e : elements)
+                if (e.loads && e.loads->inflated) return false;
+        for (const auto& e : elements)
+            if (e.loads && e.loads->gravity && !e.loads->felt.resting()) return false;
+        return true;
+    }
+
+    void update(const Pose& wanted, double seconds) {
         const auto start = std::chrono::steady_clock::now();
         updateWarnings = 0;
         stats.evaluatedElements = stats.evaluatedVertices = 0;
@@ -534,11 +627,20 @@ struct Character::State {
         for (std::size_t e = 0; e < elements.size(); ++e) placeElement(e);
         for (std::size_t j = 0; j < joints.size(); ++j) placeJoint(j);
         for (std::size_t e = 0; e < elements.size(); ++e) measure(e);
+        double loadMs = 0.0;
+        if (effects.gravity || effects.inflate) {
+            const auto begun = std::chrono::steady_clock::now();
+            if (effects.inflate) breath = seconds > 0.0 && effects.inflate->breath > 0.0 ? std::fmod(breath + kTurn * effects.inflate->breathHertz * seconds, kTurn) : 0.0;
+            for (std::size_t e = 0; e < elements.size(); ++e) load(e, seconds);
+            loadMs = milliseconds(begun, std::chrono::steady_clock::now());
+        }
         if (equilibrium) {
             const auto rigid = std::chrono::steady_clock::now();
             relax();
             stats.equilibriumMs = milliseconds(rigid, std::chrono::steady_clock::now());
         }
+        for (auto& e : elements)
+            if (e.loads) e.loads->all.head(e.v.size()) = e.v;
         const auto measured = std::chrono::steady_clock::now();
         std::size_t bytes = 0;
         for (std::size_t e = 0; e < elements.size(); ++e) {
@@ -560,6 +662,23 @@ struct Character::State {
         stats.productMs = milliseconds(measured, placed);
         stats.normalsMs = milliseconds(placed, done);
         stats.warnings = solveWarnings | updateWarnings;
+        if (effects.gravity || effects.inflate) shareLoadTime(loadMs);
+    }
+
+    // The time of body loads: their own and that of their columns in the product.
+    void shareLoadTime(double loadMs) {
+        double columns = 0.0, gravity = 0.0, inflated = 0.0;
+        for (const auto& e : elements) {
+            if (e.work != Work::Evaluate && e.work != Work::EvaluateAndKeep) continue;
+            const auto vertices = static_cast<double>(e.free.size());
+            columns += vertices * static_cast<double>(e.weights().size());
+            if (e.loads && e.loads->gravity) gravity += 3.0 * vertices;
+            if (e.loads && e.loads->inflated) inflated += vertices;
+        }
+        const double share = columns > 0.0 ? stats.productMs / columns : 0.0;
+        const double own = effects.gravity && effects.inflate ? 0.5 * loadMs : loadMs;
+        stats.gravityMs = effects.gravity ? own + share * gravity : 0.0;
+        stats.inflateMs = effects.inflate ? own + share * inflated : 0.0;
     }
 
     void assign(const Pose& p) {
@@ -578,7 +697,7 @@ struct Character::State {
 
     void decideWork(std::size_t e) {
         auto& out = elements[e];
-        const bool sameShape = out.shown && ((out.v - out.shownV).cwiseAbs().cwiseProduct(out.columnSize).array() <= kSameShape * out.size).all();
+        const bool sameShape = out.shown && ((out.weights() - out.shownV).cwiseAbs().cwiseProduct(out.columnSize).array() <= kSameShape * out.size).all();
         out.moved = !sameShape || !(out.frame == out.shownFrame);
         for (std::size_t f = 0; f < out.jointOf.size(); ++f) {
             out.moved = out.moved || !(joints[out.jointOf[f]].map == out.shownJoints[f]);
@@ -605,7 +724,7 @@ struct Character::State {
         // Who bends goes on bending, mostly: the bent shape is kept when it moves as it is, and at the start.
         out.localShown = sameShape || !out.shown;
         out.work = out.localShown ? Work::EvaluateAndKeep : Work::Evaluate;
-        if (!sameShape) out.shownV = out.v;
+        if (!sameShape) out.shownV = out.weights();
         out.blocks.weigh(out.shownV);
         out.shown = true;
         ++stats.evaluatedElements;
@@ -677,6 +796,8 @@ struct Character::State {
     }
 
     const CharacterInput input;
+    CharacterEffects effects = input.effects;  // with their numbers of now
+    double breath = 0.0;                       // phase, radians
     const BoneTree tree;
     const Pose poseOfRest = restPose(input.skeleton);
     InverseKinematics kinematics;
@@ -715,7 +836,16 @@ InverseKinematics::Report Character::solvePose(const std::vector<Hold>& holds, P
     return report;
 }
 
-void Character::update(const Pose& pose) { state_->update(pose); }
+void Character::update(const Pose& pose, double seconds) { state_->update(pose, seconds); }
+
+void Character::tune(const CharacterEffects& effects) {
+    auto& now = state_->effects;
+    if (now.gravity && effects.gravity) now.gravity = effects.gravity;
+    if (now.inflate && effects.inflate) now.inflate = effects.inflate;
+    if (now.jointDynamics && effects.jointDynamics) now.jointDynamics = effects.jointDynamics;
+}
+
+bool Character::resting() const { return state_->resting(); }
 
 Character::Surface Character::surface(int element) const {
     const auto& e = state_->elements[element];
@@ -729,6 +859,11 @@ Points Character::positions(int element) const {
     std::vector<double> displacement(3 * e.free.size(), 0.0);
     Eigen::Map<Eigen::VectorXd> x(displacement.data(), static_cast<Eigen::Index>(displacement.size()));
     if (given.response && given.response->columns() > 0) x.noalias() = given.response->response * e.v;
+    if (e.loads) {
+        const Eigen::Index first = e.loads->first();
+        if (e.loads->gravity) x.noalias() += given.response->loads.leftCols<3>() * e.loads->all.segment<3>(first);
+        if (e.loads->inflated) x.noalias() += given.response->loads.col(3) * e.loads->all[e.loads->all.size() - 1];
+    }
     for (std::size_t i = 0; i < e.free.size(); ++i) {
         const Vec3 rest = given.mesh->body.vertices.row(e.free[i]).transpose();
         out.row(e.free[i]) = e.frame(rest + x.segment<3>(3 * static_cast<Eigen::Index>(i))).transpose();

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/character/character_effects.h"
 #include "core/character/response_format.h"
 #include "core/joints/joint_face.h"
 #include "core/reduction/element_response.h"
@@ -22,6 +23,9 @@ struct CharacterInput {
         std::vector<JointFace> faces;
         std::shared_ptr<const ElementResponse> response;  ///< null: not precomputed, the element follows its bones rigidly
         double stiffness = 1.0;                           ///< relative shear modulus
+        double density = 1000.0;                          ///< kg/m^3
+        bool heavy = false;                               ///< `gravity` acts here
+        bool inflated = false;                            ///< `inflate` acts here
         std::vector<int> bones;                           ///< bones that run through it; empty: it stays at rest
         /// True: joint planes at its faces are not bisected, they turn with this element (model.md section 4, free ends).
         bool leadsJointPlanes = false;
@@ -42,6 +46,7 @@ struct CharacterInput {
     std::vector<Joint> joints;  ///< every joint face belongs to exactly one joint
     BasisChoice basis;
     bool smoothJoints = false;  ///< joints take the shape that balances their elements (joint_equilibrium.h) instead of a = b = 1 + c s
+    CharacterEffects effects;
     ResponseFormat format = ResponseFormat::Float;
     int threads = 1;  ///< of a frame, 0: all of this machine; large characters only. They change no byte of what is shown
 };
@@ -51,6 +56,7 @@ enum class FrameWarning : unsigned {
     BasisLosesTwist = 1,   ///< the pose twists or shifts a face in its plane and the basis "paper" cannot: choose "affine"
     TargetOutOfReach = 2,
     PoseRefused = 4,       ///< a pose came out non-finite; the last good one stays
+    LoadsBounded = 8,      ///< gravity or pressure would deform an element beyond what is linear: it feels less of them
 };
 
 /// A character that is performed: pose -> joint maps -> v -> A' v -> world positions and normals (model.md section 1, steps 1 and 3).
@@ -69,8 +75,14 @@ public:
     InverseKinematics::Report solvePose(const std::vector<Hold>& holds, Pose& pose);
 
     /// Deforms all elements to `pose`. Elements whose v did not change are moved as they are (evaluated once more when that begins); those that
-    /// did not move either are left alone.
-    void update(const Pose& pose);
+    /// did not move either are left alone. `seconds` passed since the last update(), for effects that have a past; 0: the character jumps there and all it
+    /// remembers of motion is gone.
+    void update(const Pose& pose, double seconds = 0.0);
+
+    /// New numbers for the effects that it has; others are ignored. Seen in the next update().
+    void tune(const CharacterEffects& effects);
+    /// No effect goes on by itself: the next update() of the same pose changes nothing.
+    [[nodiscard]] bool resting() const;
 
     /// What the last update() left, single precision, ready for display. Memory stays where it is for the character's life.
     struct Surface {
@@ -93,6 +105,8 @@ public:
         int evaluatedElements = 0;      ///< whose product was computed in the last update()
         int evaluatedVertices = 0;
         double poseMs = 0, jointsMs = 0, productMs = 0, normalsMs = 0;  ///< wall time by stage of the last solvePose() and update()
+        /// Of effects, within those stages; body loads with their share of the product by columns.
+        double gravityMs = 0, inflateMs = 0;
         double equilibriumMs = 0;       ///< of jointsMs, with smooth joints
     };
     [[nodiscard]] const Stats& stats() const;

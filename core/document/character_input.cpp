@@ -144,6 +144,17 @@ Result<Vec3> restPosition(const Document& document, const Bone::Place& start) {
     return fail("bad-place", "The ends of bones refer to each other in a circle: place one of them at a face or a point.");
 }
 
+CharacterEffects characterEffects(const Effects& effects) {
+    CharacterEffects made;
+    if (effects.has(EffectKind::Gravity))
+        made.gravity = {effects.vector(EffectKind::Gravity, "acceleration"), effects.number(EffectKind::Gravity, "inertia"),
+                        effects.number(EffectKind::Gravity, "shear-modulus")};
+    if (effects.has(EffectKind::Inflate))
+        made.inflate = {effects.number(EffectKind::Inflate, "pressure"), effects.number(EffectKind::Inflate, "breath"),
+                        effects.number(EffectKind::Inflate, "breath-hertz")};
+    return made;
+}
+
 Result<CharacterPlan> planCharacter(const Document& document) {
     CharacterPlan plan;
     const Nodes nodes(document);
@@ -232,11 +243,16 @@ Result<CharacterPlan> planCharacter(const Document& document) {
     plan.input.basis = document.settings.basis;
     plan.input.format = document.settings.format;
     plan.input.threads = document.settings.threads;
+    plan.input.effects = characterEffects(document.effects);
+    plan.input.smoothJoints = document.effects.has(EffectKind::SmoothJoints);
     for (const auto& [id, element] : document.elements) {
         CharacterInput::Element made;
         made.mesh = element->mesh;
         made.faces = element->faces;
         made.stiffness = element->stiffness;
+        made.density = element->density;
+        made.heavy = document.effects.has(EffectKind::Gravity, id);
+        made.inflated = document.effects.has(EffectKind::Inflate, id);
         for (std::size_t b = 0; b < plan.bones.size(); ++b)
             if (document.bones.at(plan.bones[b])->element == id) made.bones.push_back(static_cast<int>(b));
         plan.elements.push_back(id);

@@ -31,6 +31,7 @@ std::string formatted(const char* format, double value) {
 
 Result<std::shared_ptr<const ElementResponse>> solved(const ResponseCache& cache, ResponseInput in, BasisKind basis, const std::string& name, const Progress& progress) {
     in.basis = basis;
+    in.loads = false;
     if (auto known = cache.find(responseKey(in))) return known;
     auto built = buildResponse(in, progress);
     if (!built) return fail(built.error().code, "\"" + name + "\": " + built.error().message);
@@ -43,7 +44,6 @@ Result<ComparedModels> modelsOf(Session::State& s, const Progress& progress) {
     if (!plan) return tl::unexpected(plan.error());
     ComparedModels out;
     out.input = std::move(plan->input);
-    out.input.basis = BasisKind::Paper;
     if (out.input.skeleton.bones.empty()) return fail("no-bone", "There is no bone to move the character by: add bones first.");
     std::size_t faces = 0;
     double kept = 0.0, peak = 0.0;

@@ -47,12 +47,13 @@ bool touchesSkeleton(const DocumentChange& change, const Document& after) {
     });
 }
 
-/// Whether all effects but those between poses (see Performance) are the same.
-bool samePerCharacter(const Effects& a, const Effects& b) {
+/// Whether the same effects act on the same elements: numbers alone change while a character moves.
+bool sameOnCharacter(const Effects& a, const Effects& b) {
     for (std::size_t k = 0; k < kEffects; ++k) {
         const auto kind = static_cast<EffectKind>(k);
         if (kind == EffectKind::BoneDynamics || kind == EffectKind::Ground) continue;
-        if (!(a[kind] == b[kind]) && (a.has(kind) || b.has(kind))) return false;
+        if (a.has(kind) != b.has(kind) || (a.has(kind) && a[kind].elements != b[kind].elements)) return false;
+        if (kind == EffectKind::Touch && a.has(kind) && a.number(kind, "patches") != b.number(kind, "patches")) return false;
     }
     return true;
 }
@@ -61,7 +62,7 @@ bool samePerCharacter(const Effects& a, const Effects& b) {
 bool touchesCharacter(const DocumentChange& change, const Document& after) {
     if (touchesSkeleton(change, after)) return true;
     if (change.settings && !(*change.settings == after.settings)) return true;
-    if (change.effects && !samePerCharacter(*change.effects, after.effects)) return true;
+    if (change.effects && !sameOnCharacter(*change.effects, after.effects)) return true;
     return std::any_of(change.elements.begin(), change.elements.end(), [&](const auto& part) {
         const Element& was = *part.second;
         const Element& is = *after.elements.at(part.first);
@@ -260,6 +261,7 @@ void Session::State::trimPose() {
 
 Result<void> Session::State::prepare() {
     performanceValid = true;
+    if (character) character->tune(characterEffects(document.effects));
     if (!Performance::wanted(document.effects)) {
         performance.reset();
         return {};
@@ -345,6 +347,8 @@ std::vector<std::string> Session::State::warningTexts(unsigned warnings) const {
         texts.emplace_back("The pose twists or shifts a joint face in its plane, which the basis \"paper\" cannot follow: set the character's basis to \"affine\".");
     if (has(FrameWarning::TargetOutOfReach))
         texts.emplace_back("A target is out of reach; the endpoint stays as near as its bones can stretch (max-stretch).");
+    if (has(FrameWarning::LoadsBounded))
+        texts.emplace_back("Gravity or pressure is stronger than flesh so soft can show without folding, and acts less than asked for: raise its shear-modulus, or lower the pressure.");
     if (has(FrameWarning::PoseRefused))
         texts.emplace_back("A pose was not finite and was refused; the last good pose stays: release the endpoints or return to rest.");
     return texts;
@@ -594,7 +598,7 @@ bool Session::moving() {
     State& s = *state_;
     if (!s.live()) return false;
     const auto& held = s.document.held;
-    return (s.performance && s.performance->isDynamic() && s.stirred) || std::any_of(held.begin(), held.end(), [](const auto& h) { return h.second.elapsed < h.second.seconds; });
+    return (s.stirred && (!s.character->resting() || (s.performance && s.performance->isDynamic()))) || std::any_of(held.begin(), held.end(), [](const auto& h) { return h.second.elapsed < h.second.seconds; });
 }
 
 std::optional<double> Session::effectMilliseconds(EffectKind effect) const {
@@ -636,12 +640,18 @@ void Session::stepFrame(double dt) {
     if (s.performance) {
         if (s.document.pose.points.empty()) s.document.pose = restPose(s.plan.input.skeleton);
         s.performance->step(dt, s.document.pose, s.holds);
-        s.character->update(s.performance->pose());
+        s.character->update(s.performance->pose(), dt);
         s.effectMs[static_cast<std::size_t>(s.performance->isDynamic() ? EffectKind::BoneDynamics : EffectKind::Ground)] = s.performance->milliseconds();
-        s.stirred = !settled || !s.performance->resting();
-    } else if (!s.document.pose.points.empty()) {
-        s.character->update(s.document.pose);
+    } else if (!s.document.pose.points.empty() || s.stirred || !s.character->resting()) {
+        if (s.document.pose.points.empty()) s.document.pose = restPose(s.plan.input.skeleton);
+        s.character->update(s.document.pose, dt);
     }
+    const auto& effects = s.document.effects;
+    const auto& stats = s.character->stats();
+    if (effects.has(EffectKind::SmoothJoints)) s.effectMs[static_cast<std::size_t>(EffectKind::SmoothJoints)] = stats.equilibriumMs;
+    if (effects.has(EffectKind::Gravity)) s.effectMs[static_cast<std::size_t>(EffectKind::Gravity)] = stats.gravityMs;
+    if (effects.has(EffectKind::Inflate)) s.effectMs[static_cast<std::size_t>(EffectKind::Inflate)] = stats.inflateMs;
+    s.stirred = !settled || (s.performance && !s.performance->resting()) || !s.character->resting();
 }
 
 Session::ResponseState Session::responseState(PartId element) const {

@@ -168,3 +168,102 @@ TEST_CASE("ground: what is held is lifted out of it, and what floats falls on it
     CHECK(tip(w).y() == doctest::Approx(-3.0 + radius).epsilon(1e-6));
     CHECK_FALSE(w.session.moving());
 }
+
+TEST_CASE("gravity: flesh sags down wherever down is, more where it is softer, and needs a precompute first") {
+    Workbench w;
+    w.buildChain();
+    w.good({{"do", "precompute"}});
+    const Json cost = w.good(enable("gravity"));
+    CHECK(cost["precompute"] == true);
+    CHECK(cost["columns"] == 6);
+    CHECK(cost["bytes"].get<std::int64_t>() > 0);
+    CHECK(w.session.responseState(w.session.document().elementNamed("A")->id) == Session::ResponseState::Stale);
+    w.good({{"do", "precompute"}});
+    const auto middleOfA = [&] {
+        const int e = w.session.elementIndex(w.session.document().elementNamed("A")->id);
+        return Vec3(w.session.character()->positions(e).colwise().mean().transpose());
+    };
+    const Vec3 atRest(0.0, 0.0, 1.5);
+    const auto sag = [&](const Vec3& g) {
+        w.good(set("gravity", "acceleration", {g.x(), g.y(), g.z()}));
+        w.good({{"do", "step"}, {"frames", 1}});
+        return Vec3(middleOfA() - atRest);
+    };
+    w.good(set("gravity", "shear-modulus", 1e6));
+    const Vec3 down = sag({0.0, -9.81, 0.0});
+    CHECK(down.y() < -1e-4);
+    CHECK(std::abs(down.x()) < 1e-3 * std::abs(down.y()));
+    CHECK((sag({0.0, 9.81, 0.0}) + down).norm() < 1e-9);
+    CHECK(sag({9.81, 0.0, 0.0}).x() == doctest::Approx(-down.y()).epsilon(0.02));  // square bars
+    CHECK(sag({0.0, 0.0, 0.0}).norm() < 1e-12);
+    // Twice as soft sags twice as far, until flesh would fold.
+    w.good(set("gravity", "shear-modulus", 5e5));
+    CHECK(sag({0.0, -9.81, 0.0}).y() == doctest::Approx(2.0 * down.y()).epsilon(0.05));
+    w.good(set("gravity", "shear-modulus", 1.0));
+    const Json bounded = w.good({{"do", "step"}, {"frames", 1}});
+    CHECK(bounded["warnings"].dump().find("shear-modulus") != std::string::npos);
+    CHECK(bounded["effects"].contains("gravity"));
+    CHECK(std::abs(sag({0.0, -9.81, 0.0}).y()) < 0.3 * std::sqrt(11.0));
+}
+
+TEST_CASE("gravity: flesh feels the acceleration of its own bones and comes back to rest") {
+    Workbench w;
+    w.buildChain();
+    w.good(enable("gravity"));
+    w.good(set("gravity", "acceleration", {0.0, 0.0, 0.0}));
+    w.good(set("gravity", "shear-modulus", 1e5));
+    w.good({{"do", "precompute"}});
+    w.good({{"do", "step"}, {"frames", 2}});
+    CHECK_FALSE(w.session.moving());
+    // The whole chain is moved along: nothing but inertia deforms it.
+    for (const char* end : {"a/start", "a/end", "b/end"}) {
+        const double z = end[0] == 'b' ? 6.0 : end[2] == 's' ? 0.0 : 3.0;
+        w.good({{"do", "drag"}, {"endpoint", end}, {"to", {2.0, 0.0, z}}, {"seconds", 0.25}});
+    }
+    const int e = w.session.elementIndex(w.session.document().elementNamed("A")->id);
+    const auto lag = [&] {
+        const auto frame = w.session.character()->frame(e);
+        const Vec3 mean = w.session.character()->positions(e).colwise().mean().transpose();
+        return (mean - frame * Vec3(0.0, 0.0, 1.5)).x();
+    };
+    double behind = 0.0, ahead = 0.0;
+    for (int frame = 0; frame < 60; ++frame) {
+        w.good({{"do", "step"}, {"frames", 1}});
+        behind = std::min(behind, lag());
+        ahead = std::max(ahead, lag());
+    }
+    CHECK(behind < -1e-3);  // it starts
+    CHECK(ahead > 1e-3);    // it stops
+    CHECK(std::abs(lag()) < 1e-6);
+    CHECK_FALSE(w.session.moving());
+}
+
+TEST_CASE("inflate: a body puffs up by its pressure, and breathes until it is turned off") {
+    Workbench w;
+    w.buildChain();
+    w.good(enable("inflate"));
+    w.good({{"do", "precompute"}});
+    const auto volume = [&] { return w.good({{"do", "measure"}, {"element", "B"}, {"what", "volume"}})["value"].get<double>(); };
+    const auto at = [&](double pressure) {
+        w.good(set("inflate", "pressure", pressure));
+        w.good({{"do", "step"}, {"frames", 1}});
+        return volume() - 3.0;
+    };
+    const double more = at(0.05);
+    CHECK(more > 0.01);
+    CHECK(at(-0.05) == doctest::Approx(-more).epsilon(0.1));
+    CHECK(std::abs(at(0.0)) < 1e-9);
+    CHECK_FALSE(w.session.moving());
+    w.good(set("inflate", "breath", 0.05));
+    w.good(set("inflate", "breath-hertz", 1.0));
+    double least = 3.0, most = 3.0;
+    for (int frame = 0; frame < 60; ++frame) {
+        CHECK(w.session.moving());
+        w.good({{"do", "step"}, {"frames", 1}});
+        least = std::min(least, volume());
+        most = std::max(most, volume());
+    }
+    CHECK(most - 3.0 == doctest::Approx(more).epsilon(0.02));
+    CHECK(least < 3.0 - 0.8 * more);
+    CHECK(std::abs(volume() - 3.0) < 1e-6);
+}
