@@ -30,6 +30,10 @@ vec4 floorColor(vec2 p, vec2 perPixel, float grazing) {
     pool *= pool * grazing * frame.ground.y * (above ? 1.0 : 0.0);
     color = vec4(dark ? vec3(0.115, 0.125, 0.150) : vec3(0.97, 0.975, 0.985), 1.0) * pool * (dark ? 0.55 : 0.6);
 
+    if (frame.right.w > 0.5) {
+        float sheet = (above ? 0.62 : 0.3) * fade;
+        color = over(vec4((dark ? vec3(0.105, 0.114, 0.138) : vec3(0.93, 0.94, 0.96)) * sheet, sheet), color);
+    }
     if (frame.ground.y > 0.5) {
         float width = frame.forward.w, next = frame.lines.z, spacing = frame.lines.y, density = 1.0 / spacing;
         vec2 pixels = 1.0 / perPixel;

@@ -13,7 +13,7 @@ layout(std140) uniform Frame {
     vec4 patchArea;      // ground area the shadow texture covers: centre x, centre z, half width; w: height above which nothing darkens
     vec4 lines;          // spacing of fine and of middling grid lines, how far zoomed out towards the next decade, radius where the ground has faded
     vec4 projection;     // x, y: view-space slope (or half extent) at the edge of the picture; z: offset along normals for shadows in m; w: unused
-    vec4 right;          // of the camera, unit; w: unused
+    vec4 right;          // of the camera, unit; w: the ground is a plane that bodies rest on
     vec4 above;          // of the camera, unit; w: unused
 } frame;
 

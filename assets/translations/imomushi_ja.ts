@@ -179,6 +179,280 @@
             <source>&amp;About Imomushi</source>
             <translation>Imomushi について(&amp;A)</translation>
         </message>
+        <message>
+            <source>&amp;Touch</source>
+            <translation>タッチ(&amp;T)</translation>
+        </message>
+    </context>
+    <context>
+        <name>EffectTexts</name>
+        <message>
+            <source>below %1 ms</source>
+            <translation>%1 ms 未満</translation>
+        </message>
+        <message>
+            <source>%1 ms</source>
+            <translation>%1 ms</translation>
+        </message>
+    </context>
+    <context>
+        <name>Effects</name>
+        <message>
+            <source>Bone dynamics</source>
+            <translation>ボーンの揺れ</translation>
+        </message>
+        <message>
+            <source>Bones swing, stretch and settle after each move.</source>
+            <translation>動かしたあと、ボーンが揺れ、伸び縮みして落ち着きます。</translation>
+        </message>
+        <message>
+            <source>Smooth joints</source>
+            <translation>滑らかな関節</translation>
+        </message>
+        <message>
+            <source>Joints take the shape of least energy: bends without a crease.</source>
+            <translation>関節面が弾性エネルギー最小の形になり、折り目なく曲がります。</translation>
+        </message>
+        <message>
+            <source>Bend warp</source>
+            <translation>大変形の補正</translation>
+        </message>
+        <message>
+            <source>Strong bends and twists keep their volume and do not fold.</source>
+            <translation>大きく曲げたりねじったりしても、体積を保ち、折れ込みません。</translation>
+        </message>
+        <message>
+            <source>Joint dynamics</source>
+            <translation>関節の揺れ</translation>
+        </message>
+        <message>
+            <source>Joints jiggle softly after each move.</source>
+            <translation>動かしたあと、関節が柔らかく揺れます。</translation>
+        </message>
+        <message>
+            <source>Previous model</source>
+            <translation>従来モデル</translation>
+        </message>
+        <message>
+            <source>Joint faces move by the explicit dynamics of the paper’s previous model. For comparison: it is slow and may diverge.</source>
+            <translation>論文の従来モデルの陽解法で関節面を動かします。比較用です。遅く、発散することがあります。</translation>
+        </message>
+        <message>
+            <source>Gravity and inertia</source>
+            <translation>重力と慣性</translation>
+        </message>
+        <message>
+            <source>Flesh sags under its weight and lags behind when it is moved.</source>
+            <translation>重みで垂れ下がり、動かすと遅れてついてきます。</translation>
+        </message>
+        <message>
+            <source>Inflate</source>
+            <translation>膨らみ</translation>
+        </message>
+        <message>
+            <source>Pressure inside puffs the body up, and lets it breathe.</source>
+            <translation>内側の圧力で体を膨らませます。呼吸もできます。</translation>
+        </message>
+        <message>
+            <source>Touch</source>
+            <translation>タッチ</translation>
+        </message>
+        <message>
+            <source>Fingers press dents into the surface (touch tool, T).</source>
+            <translation>指で表面を押してへこませます（タッチツール、T）。</translation>
+        </message>
+        <message>
+            <source>Ground</source>
+            <translation>床</translation>
+        </message>
+        <message>
+            <source>Bodies rest on a plane and do not sink through it.</source>
+            <translation>体が平面の上にとどまり、下に沈みません。</translation>
+        </message>
+        <message>
+            <source>Stretch</source>
+            <translation>伸縮</translation>
+        </message>
+        <message>
+            <source>How fast bones swing in their length.</source>
+            <translation>ボーンが長さの方向に揺れる速さ。</translation>
+        </message>
+        <message>
+            <source>Stretch damping</source>
+            <translation>伸縮の減衰比</translation>
+        </message>
+        <message>
+            <source>Damping ratio of the length. 0: it never stops; 1: no swing.</source>
+            <translation>長さの減衰比。0：止まらない、1：揺れない。</translation>
+        </message>
+        <message>
+            <source>Swing</source>
+            <translation>曲げ</translation>
+        </message>
+        <message>
+            <source>How fast the angles between bones swing.</source>
+            <translation>ボーンの間の角度が揺れる速さ。</translation>
+        </message>
+        <message>
+            <source>Swing damping</source>
+            <translation>曲げの減衰比</translation>
+        </message>
+        <message>
+            <source>Damping ratio of the angles. 0: they never stop; 1: no swing.</source>
+            <translation>角度の減衰比。0：止まらない、1：揺れない。</translation>
+        </message>
+        <message>
+            <source>Roll</source>
+            <translation>ロール</translation>
+        </message>
+        <message>
+            <source>How fast bones swing about themselves.</source>
+            <translation>ボーンが自身の軸まわりに揺れる速さ。</translation>
+        </message>
+        <message>
+            <source>Roll damping</source>
+            <translation>ロールの減衰比</translation>
+        </message>
+        <message>
+            <source>Damping ratio of the roll. 0: it never stops; 1: no swing.</source>
+            <translation>ロールの減衰比。0：止まらない、1：揺れない。</translation>
+        </message>
+        <message>
+            <source>Return</source>
+            <translation>戻り</translation>
+        </message>
+        <message>
+            <source>How fast a body that nothing holds comes back. 0: it floats and falls, as it always does above the ground.</source>
+            <translation>何も保持していない体が元の位置に戻る速さ。0：浮かび、落ちる（床があるときは常に落ちる）。</translation>
+        </message>
+        <message>
+            <source>Jiggle</source>
+            <translation>揺れ</translation>
+        </message>
+        <message>
+            <source>How fast the softest part of a joint jiggles.</source>
+            <translation>関節の最も柔らかい動きが揺れる速さ。</translation>
+        </message>
+        <message>
+            <source>Damping</source>
+            <translation>減衰</translation>
+        </message>
+        <message>
+            <source>Damping ratio. 0: it never stops; 1: no jiggle.</source>
+            <translation>減衰比。0：止まらない、1：揺れない。</translation>
+        </message>
+        <message>
+            <source>Time step</source>
+            <translation>時間刻み</translation>
+        </message>
+        <message>
+            <source>Time step of the explicit integration. Longer ones diverge.</source>
+            <translation>陽解法の時間刻み。長いと発散します。</translation>
+        </message>
+        <message>
+            <source>Damping of the velocities of joint-face vertices.</source>
+            <translation>関節面の頂点の速度の減衰。</translation>
+        </message>
+        <message>
+            <source>Shear modulus</source>
+            <translation>せん断弾性率</translation>
+        </message>
+        <message>
+            <source>Shear modulus of elements with stiffness 1.</source>
+            <translation>硬さ 1 の要素のせん断弾性率。</translation>
+        </message>
+        <message>
+            <source>Gravity</source>
+            <translation>重力</translation>
+        </message>
+        <message>
+            <source>Acceleration of free fall, in the world.</source>
+            <translation>自由落下の加速度（世界座標）。</translation>
+        </message>
+        <message>
+            <source>Shear modulus of elements with stiffness 1: softer flesh sags more.</source>
+            <translation>硬さ 1 の要素のせん断弾性率。小さいほど大きく垂れ下がります。</translation>
+        </message>
+        <message>
+            <source>Inertia</source>
+            <translation>慣性</translation>
+        </message>
+        <message>
+            <source>How much of its own acceleration the flesh feels. 0: none.</source>
+            <translation>体が自身の加速度を受ける割合。0：受けない。</translation>
+        </message>
+        <message>
+            <source>Pressure</source>
+            <translation>圧力</translation>
+        </message>
+        <message>
+            <source>Pressure over the shear modulus. Above 0 it puffs up, below it shrivels.</source>
+            <translation>せん断弾性率に対する圧力。正で膨らみ、負でしぼみます。</translation>
+        </message>
+        <message>
+            <source>Breath</source>
+            <translation>呼吸の深さ</translation>
+        </message>
+        <message>
+            <source>How much the pressure rises and falls with each breath. 0: none.</source>
+            <translation>呼吸のたびに圧力が上下する大きさ。0：呼吸しない。</translation>
+        </message>
+        <message>
+            <source>Breathing</source>
+            <translation>呼吸の速さ</translation>
+        </message>
+        <message>
+            <source>Breaths per second.</source>
+            <translation>1 秒あたりの呼吸の回数。</translation>
+        </message>
+        <message>
+            <source>Patches</source>
+            <translation>パッチ数</translation>
+        </message>
+        <message>
+            <source>How many patches of a surface fingers act on. More of them make finer dents, and a longer precompute.</source>
+            <translation>指が働く表面のパッチの数。多いほどへこみが細かく、前計算が長くなります。</translation>
+        </message>
+        <message>
+            <source>Friction</source>
+            <translation>摩擦係数</translation>
+        </message>
+        <message>
+            <source>Coulomb’s coefficient between a finger and the surface. 0: it only pushes straight in.</source>
+            <translation>指と表面の間のクーロンの摩擦係数。0：まっすぐ押すだけ。</translation>
+        </message>
+        <message>
+            <source>Release</source>
+            <translation>戻る時間</translation>
+        </message>
+        <message>
+            <source>In this time a dent goes back after its finger lifts.</source>
+            <translation>指を離したあと、へこみが戻るまでの時間。</translation>
+        </message>
+        <message>
+            <source>Height</source>
+            <translation>高さ</translation>
+        </message>
+        <message>
+            <source>Height of the plane.</source>
+            <translation>平面の高さ。</translation>
+        </message>
+        <message>
+            <source>Coulomb’s coefficient between bodies and the ground, with bone dynamics.</source>
+            <translation>体と床の間のクーロンの摩擦係数（「ボーンの揺れ」がオンのとき）。</translation>
+        </message>
+        <message>
+            <source>A pose was not finite; the last good one stays. Go back to rest.</source>
+            <translation>ポーズが有限の値になりませんでした。最後の正しいポーズを保ちます。静止姿勢に戻してください。</translation>
+        </message>
+        <message>
+            <source>The pose twists a joint face, which the joint modes “Paper” cannot follow: choose “Affine”.</source>
+            <translation>関節面がねじれていますが、関節モード「論文」では表せません。「アフィン」を選んでください。</translation>
+        </message>
+        <message>
+            <source>Out of reach: the bones stretch no farther.</source>
+            <translation>届きません。ボーンがこれ以上伸びません。</translation>
+        </message>
     </context>
     <context>
         <name>Errors</name>
@@ -341,6 +615,22 @@
         <message>
             <source>OpenGL 3.3 is not available on this machine.</source>
             <translation>この環境では OpenGL 3.3 を使えません。</translation>
+        </message>
+        <message>
+            <source>There is no effect of that name.</source>
+            <translation>その名前のエフェクトはありません。</translation>
+        </message>
+        <message>
+            <source>The effect is not turned on.</source>
+            <translation>そのエフェクトはオンになっていません。</translation>
+        </message>
+        <message>
+            <source>This effect is not available in this version.</source>
+            <translation>このエフェクトはこの版ではまだ使えません。</translation>
+        </message>
+        <message>
+            <source>This effect works on the whole character, not on a single element.</source>
+            <translation>このエフェクトはキャラクター全体に働き、要素ごとには選べません。</translation>
         </message>
     </context>
     <context>
@@ -535,6 +825,18 @@
             <source>Precompute</source>
             <translation>前計算</translation>
         </message>
+        <message>
+            <source>Turn on</source>
+            <translation>オン</translation>
+        </message>
+        <message>
+            <source>Turn off</source>
+            <translation>オフ</translation>
+        </message>
+        <message>
+            <source>Touch</source>
+            <translation>タッチ</translation>
+        </message>
     </context>
     <context>
         <name>Texts</name>
@@ -645,6 +947,38 @@
             <source>Click: select · Drag: pose</source>
             <translation>クリック：選択 · ドラッグ：ポーズ</translation>
         </message>
+        <message>
+            <source>Fingers need the effect “Touch”.</source>
+            <translation>指で押すにはエフェクト「タッチ」が必要です。</translation>
+        </message>
+        <message>
+            <source>The effect “Touch” is off on “%1”.</source>
+            <translation>エフェクト「タッチ」は「%1」ではオフです。</translation>
+        </message>
+        <message>
+            <source>Turn on</source>
+            <translation>オンにする</translation>
+        </message>
+        <message>
+            <source>Fingers need a precompute first, about %1.</source>
+            <translation>指で押すには先に前計算が必要です（約 %1）。</translation>
+        </message>
+        <message>
+            <source>Precompute</source>
+            <translation>前計算</translation>
+        </message>
+        <message>
+            <source>Move: push along · Wheel or Ctrl+drag: deeper or less deep · Shift: fine · Esc: take back</source>
+            <translation>動かす：押しずらす · ホイールか Ctrl+ドラッグ：深く・浅く · Shift：細かく · Esc：取り消し</translation>
+        </message>
+        <message>
+            <source>The effect “Touch” is off. Click the surface to be asked about it</source>
+            <translation>エフェクト「タッチ」はオフです。表面をクリックするとオンにできます</translation>
+        </message>
+        <message>
+            <source>Press and hold: poke a finger into the surface</source>
+            <translation>押し続ける：指で表面をへこませる</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::CommandSearch</name>
@@ -655,6 +989,61 @@
         <message>
             <source>Commands</source>
             <translation>コマンド</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::EffectsPanel</name>
+        <message>
+            <source>Effects</source>
+            <translation>エフェクト</translation>
+        </message>
+        <message>
+            <source>All effects</source>
+            <translation>エフェクト全体</translation>
+        </message>
+        <message>
+            <source>Processor time of what is on, of a whole frame without drawing. Nothing is computed while everything rests.</source>
+            <translation>オンのエフェクトの処理時間と、描画を除くフレーム全体の処理時間。すべてが静止している間は何も計算しません。</translation>
+        </message>
+        <message>
+            <source>Precompute</source>
+            <translation>前計算</translation>
+        </message>
+        <message>
+            <source>Measured: per frame while it moves</source>
+            <translation>実測：動いている間の 1 フレームあたり</translation>
+        </message>
+        <message>
+            <source>about %1</source>
+            <translation>約 %1</translation>
+        </message>
+        <message>
+            <source>Predicted: per frame</source>
+            <translation>予測：1 フレームあたり</translation>
+        </message>
+        <message>
+            <source>Needs precompute, about %1</source>
+            <translation>前計算が必要（約 %1）</translation>
+        </message>
+        <message>
+            <source>%1 of %2</source>
+            <translation>%1 / %2</translation>
+        </message>
+        <message>
+            <source>at rest · %1</source>
+            <translation>静止中 · %1</translation>
+        </message>
+        <message>
+            <source>Works on</source>
+            <translation>対象</translation>
+        </message>
+        <message>
+            <source>All elements</source>
+            <translation>すべての要素</translation>
+        </message>
+        <message>
+            <source>%1 of %2 elements</source>
+            <translation>%1 / %2 要素</translation>
         </message>
     </context>
     <context>
@@ -1299,6 +1688,14 @@
             <source>known afterwards</source>
             <translation>計算後に判明</translation>
         </message>
+        <message>
+            <source>Effects here</source>
+            <translation>この要素のエフェクト</translation>
+        </message>
+        <message>
+            <source>Now (m)</source>
+            <translation>現在位置 (m)</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::IssueModel</name>
@@ -1536,6 +1933,10 @@
         <message>
             <source>Panels</source>
             <translation>パネル</translation>
+        </message>
+        <message>
+            <source>Effects</source>
+            <translation>エフェクト</translation>
         </message>
     </context>
     <context>

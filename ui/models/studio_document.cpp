@@ -1,18 +1,30 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/models/studio_document.h"
 
+#include <QElapsedTimer>
 #include <algorithm>
 
 #include "ui/models/texts.h"
 
 namespace imomushi {
+namespace {
+
+/// Weight of a new frame in the smoothed times.
+constexpr double kNewFrame = 0.08;
+
+void smooth(double& mean, double value) { mean = mean < 0.0 ? value : mean + kNewFrame * (value - mean); }
+
+}  // namespace
 
 StudioDocument::StudioDocument(const CommandRegistry& registry, QObject* parent) : QObject(parent), session_(registry) {
+    effectMs_.fill(-1.0);
     session_.setListener([this](const Session::Change& change) {
         if (change.structure) {
             // What is gone cannot stay selected; listeners of structureChanged() may already rely on that.
             std::erase_if(selection_, [this](const SelectionItem& item) { return !exists(item); });
             if (hovered_ && !exists(*hovered_)) hovered_.reset();
+            for (std::size_t k = 0; k < kEffects; ++k)
+                if (!document().effects.has(EffectKind(k))) effectMs_[k] = -1.0;
             Q_EMIT structureChanged();
             Q_EMIT selectionChanged();
         }
@@ -43,6 +55,28 @@ Result<Json> StudioDocument::execute(const Json& command, bool quiet) {
     Q_EMIT historyChanged();
     if (!answer && !quiet) Q_EMIT failed(errorText(answer.error()));
     return answer;
+}
+
+void StudioDocument::stepFrame(double seconds) {
+    QElapsedTimer work;
+    work.start();
+    session_.stepFrame(seconds);
+    smooth(frameMs_, double(work.nsecsElapsed()) * 1e-6);
+    for (std::size_t k = 0; k < kEffects; ++k)
+        if (const auto ms = session_.effectMilliseconds(EffectKind(k))) smooth(effectMs_[k], *ms);
+    Q_EMIT frameStepped();
+}
+
+std::optional<double> StudioDocument::effectMilliseconds(EffectKind effect) const {
+    const double ms = effectMs_[std::size_t(effect)];
+    return ms < 0.0 ? std::nullopt : std::optional(ms);
+}
+
+std::optional<double> StudioDocument::frameMilliseconds() const { return frameMs_ < 0.0 ? std::nullopt : std::optional(frameMs_); }
+
+unsigned StudioDocument::warnings() {
+    const Character* character = session_.character();
+    return character ? character->stats().warnings : 0;
 }
 
 void StudioDocument::select(std::vector<SelectionItem> items) {

@@ -3,6 +3,7 @@
 
 #include <QObject>
 #include <QString>
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -32,6 +33,16 @@ public:
     /// Runs one command on this thread. On failure emits failed() unless `quiet`.
     Result<Json> execute(const Json& command, bool quiet = false);
 
+    /// One frame of what goes on by itself: steps the session by `seconds` and measures it.
+    void stepFrame(double seconds);
+    /// Milliseconds that an effect, and stepping altogether, take in a frame: smoothed over some frames, those of the last ones where nothing moves now.
+    /// None: not measured since it was turned on.
+    [[nodiscard]] std::optional<double> effectMilliseconds(EffectKind effect) const;
+    [[nodiscard]] std::optional<double> frameMilliseconds() const;
+
+    /// Bits of FrameWarning: what the last frame or pose had to say.
+    [[nodiscard]] unsigned warnings();
+
     [[nodiscard]] const std::vector<SelectionItem>& selection() const { return selection_; }
     void select(std::vector<SelectionItem> items);
     [[nodiscard]] bool isSelected(const SelectionItem& item) const;
@@ -46,12 +57,17 @@ Q_SIGNALS:
     void fileChanged();        ///< path or saved state
     void selectionChanged();
     void hoverChanged();
+    void frameStepped();       ///< stepFrame() is done
+    /// Something that was tried needs this command first; it is worth one click.
+    void offered(const QString& text, const QString& label, const imomushi::Json& command);
     void failed(const QString& message);  ///< a command was refused: one translated sentence
 
 private:
     [[nodiscard]] bool exists(const SelectionItem& item) const;
 
     Session session_;
+    std::array<double, kEffects> effectMs_;  ///< negative: none
+    double frameMs_ = -1.0;
     std::vector<SelectionItem> selection_;
     std::optional<SelectionItem> hovered_;
 };

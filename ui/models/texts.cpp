@@ -7,6 +7,8 @@
 #include <cmath>
 #include <map>
 
+#include "ui/models/effect_texts.h"
+
 namespace imomushi {
 namespace {
 
@@ -60,6 +62,10 @@ const std::map<std::string, const char*> kErrors = {
     {"nothing-to-redo", QT_TRANSLATE_NOOP("Errors", "There is nothing to redo.")},
     {"gap", QT_TRANSLATE_NOOP("Errors", "The faces are too far apart to be joined.")},
     {"no-path", QT_TRANSLATE_NOOP("Errors", "The project has no file yet. Choose one.")},
+    {"no-such-effect", QT_TRANSLATE_NOOP("Errors", "There is no effect of that name.")},
+    {"not-enabled", QT_TRANSLATE_NOOP("Errors", "The effect is not turned on.")},
+    {"not-available", QT_TRANSLATE_NOOP("Errors", "This effect is not available in this version.")},
+    {"bad-target", QT_TRANSLATE_NOOP("Errors", "This effect works on the whole character, not on a single element.")},
     {"no-opengl", QT_TRANSLATE_NOOP("Errors", "OpenGL 3.3 is not available on this machine.")},
 };
 
@@ -86,6 +92,9 @@ const std::map<std::string, const char*> kSteps = {
     {"release", QT_TRANSLATE_NOOP("Steps", "Release")},
     {"rest", QT_TRANSLATE_NOOP("Steps", "Rest pose")},
     {"precompute", QT_TRANSLATE_NOOP("Steps", "Precompute")},
+    {"enable", QT_TRANSLATE_NOOP("Steps", "Turn on")},
+    {"disable", QT_TRANSLATE_NOOP("Steps", "Turn off")},
+    {"touch", QT_TRANSLATE_NOOP("Steps", "Touch")},
 };
 
 const std::map<std::string, const char*> kIssues = {
@@ -139,6 +148,7 @@ QString stepText(const std::string& command, const std::string& subject) {
     QString name = named(kSteps, "Steps", command);
     if (name.isEmpty()) name = QString::fromStdString(command);
     QString what = QString::fromStdString(subject);
+    if (const auto effect = effectNamed(subject)) what = effectTitle(*effect);
     if (command == "import-element") what = what.section(u'/', -1);  // the file, not its folders
     return what.isEmpty() ? name : Texts::tr("%1: %2", "undo step: what was done, to what").arg(name, what);
 }

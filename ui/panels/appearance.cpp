@@ -120,7 +120,6 @@ QToolButton[link="true"] { color: @muted; padding: 3px 8px; border-radius: 5px; 
 QToolButton[link="true"]:hover { color: @text; }
 
 QDockWidget { titlebar-close-icon: none; color: @muted; }
-#dockTitle { background: @window; color: @muted; }
 QDockWidget > QWidget { background: @panel; }
 QTabBar { background: transparent; qproperty-drawBase: 0; }
 QTabBar::tab { background: transparent; color: @muted; padding: 7px 13px; border: none; border-bottom: 2px solid transparent; }
@@ -165,6 +164,11 @@ QPushButton[primary="true"], QDialog QPushButton:default { background: @accent; 
 QPushButton[primary="true"]:hover, QDialog QPushButton:default:hover { background: @accenthover; }
 QPushButton[primary="true"]:focus, QDialog QPushButton:default:focus { border: 1px solid @text; }
 QPushButton[primary="true"]:disabled, QDialog QPushButton:default:disabled { background: @field; border-color: @fieldline; color: @faint; }
+QPushButton[field="true"] { border-radius: 6px; padding: 4px 24px 4px 8px; text-align: left; }
+QPushButton[flat="true"] { border: none; background: transparent; color: @accent; padding: 2px 6px; border-radius: 5px; }
+QPushButton[flat="true"]:hover { background: @hover; }
+QPushButton[flat="true"]:focus { background: @hover; }
+QPushButton::menu-indicator { image: url(@down-icon); width: 13px; height: 13px; subcontrol-origin: border; subcontrol-position: right center; right: 6px; }
 
 QCheckBox { spacing: 8px; background: transparent; }
 QCheckBox::indicator { width: 16px; height: 16px; border: 1px solid @hoverline; border-radius: 4px; background: @field; }

@@ -18,13 +18,17 @@
 #include <tuple>
 
 #include "core/base/parallel.h"
+#include "ui/models/effect_texts.h"
 #include "ui/models/texts.h"
 #include "ui/panels/appearance.h"
+#include "ui/panels/switch.h"
+#include "ui/tools/picking.h"
 
 namespace imomushi {
 namespace {
 
 using Kind = SelectionItem::Kind;
+constexpr int kLiveMs = 120;
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 // Linear light to what colour dialogs and style sheets speak (IEC 61966-2-1).
@@ -56,6 +60,13 @@ InspectorPanel::InspectorPanel(StudioDocument& document, QWidget* parent) : QScr
     connect(&document, &StudioDocument::poseChanged, this, soon);
     connect(&document, &StudioDocument::responsesChanged, this, soon);
     connect(&document, &StudioDocument::fileChanged, this, soon);
+    // Positions that change with every frame are told a few times a second.
+    live_.setSingleShot(true);
+    live_.setInterval(kLiveMs);
+    connect(&live_, &QTimer::timeout, this, &InspectorPanel::update);
+    connect(&document, &StudioDocument::frameStepped, this, [this] {
+        if (!live_.isActive() && isVisible() && !shown_.empty() && shown_.back().kind == Kind::Endpoint) live_.start();
+    });
     connect(&Appearance::instance(), &Appearance::changed, this, [this, soon] {
         built_ = false;
         soon();
@@ -434,6 +445,8 @@ void InspectorPanel::buildElements(const Items& items) {
                   gesture.commit();
               });
 
+    buildEffects(items);
+
     section(tr("Mesh"));
     const auto sum = [this, items](auto count) {
         qlonglong n = 0;
@@ -457,6 +470,31 @@ void InspectorPanel::buildElements(const Items& items) {
         addFact(tr("Volume"), [facts] { return volumeText(facts.volume); });
     }
     buildPrecompute(one);
+}
+
+void InspectorPanel::buildEffects(const Items& items) {
+    section(tr("Effects here"));
+    for (std::size_t k = 0; k < kEffects; ++k) {
+        const auto effect = EffectKind(k);
+        if (!isOfElements(effect)) continue;
+        auto* button = new Switch(body_);
+        addRow(effectTitle(effect), button);
+        button->setSizePolicy(QSizePolicy::Fixed, QSizePolicy::Fixed);
+        button->setToolTip(effectHelp(effect));
+        const auto everywhere = [this, items, effect] {
+            return std::all_of(items.begin(), items.end(), [&](const SelectionItem& item) { return document_.document().effects.has(effect, item.part); });
+        };
+        connect(button, &Switch::clicked, this, [this, items, effect, everywhere] {
+            const bool on = !everywhere();
+            Gesture gesture(document_);
+            for (const SelectionItem& item : items) {
+                if (!element(item) || document_.document().effects.has(effect, item.part) == on) continue;
+                if (!document_.execute({{"do", on ? "enable" : "disable"}, {"effect", std::string(effectName(effect))}, {"target", target(item)}})) return;
+            }
+            gesture.commit();
+        });
+        refreshers_.push_back([button, everywhere] { button->setChecked(everywhere()); });
+    }
 }
 
 void InspectorPanel::buildSolverMesh(const Items& items) {
@@ -716,14 +754,12 @@ void InspectorPanel::buildEndpoint(const SelectionItem& item) {
         const auto p = b ? at(item.atEnd ? b->end : b->start) : std::nullopt;
         return p ? vector(*p) : QStringLiteral("–");
     });
+    const auto shown = [this, item] { return endpointPosition(document_.session(), {item.part, item.atEnd}); };
+    addFact(tr("Now (m)"), [shown] { return shown() ? vector(*shown()) : QStringLiteral("–"); });
     section(tr("Target"));
-    const auto now = [this, item, held]() -> std::optional<Vec3> {
-        if (const Held* h = held()) return h->target;
-        const int point = document_.session().pointIndex({item.part, item.atEnd});
-        const auto& points = document_.document().pose.points;
-        if (point >= 0 && point < int(points.size())) return points[std::size_t(point)];
-        const Bone* b = bone(item);
-        return b ? at(item.atEnd ? b->end : b->start) : std::nullopt;
+    const auto now = [held, shown]() -> std::optional<Vec3> {
+        const Held* h = held();
+        return h ? std::optional(h->target) : shown();
     };
     static constexpr const char* kAxes[] = {"X", "Y", "Z"};
     for (int axis = 0; axis < 3; ++axis) {

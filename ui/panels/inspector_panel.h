@@ -2,6 +2,7 @@
 #pragma once
 
 #include <QScrollArea>
+#include <QTimer>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -40,6 +41,7 @@ private:
     void rebuildSoon();  ///< what is shown is no longer made of the same rows
     void buildCharacter();
     void buildElements(const Items& items);
+    void buildEffects(const Items& items);
     void buildSolverMesh(const Items& items);
     void buildPrecompute(const SelectionItem& item);
     void buildFace(const SelectionItem& item);
@@ -71,6 +73,7 @@ private:
     std::vector<std::function<void()>> refreshers_;
     std::unique_ptr<Gesture> gesture_;
     bool scheduled_ = false;
+    QTimer live_;  ///< runs while frames move what is shown
 };
 
 }  // namespace imomushi

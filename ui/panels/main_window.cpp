@@ -23,9 +23,11 @@
 #include <set>
 
 #include "core/document/version.h"
+#include "ui/models/effect_texts.h"
 #include "ui/models/texts.h"
 #include "ui/panels/appearance.h"
 #include "ui/panels/command_search.h"
+#include "ui/panels/effects_panel.h"
 #include "ui/panels/file_flow.h"
 #include "ui/panels/inspector_panel.h"
 #include "ui/panels/list_panels.h"
@@ -43,10 +45,11 @@ namespace {
 
 using Kind = SelectionItem::Kind;
 constexpr double kInspectorShare = 0.6;  // of the height, at first
-constexpr int kStateVersion = 1;  // of the arrangement of docks in QSettings
+constexpr int kWarnAgainMs = 5000;
+constexpr int kStateVersion = 2;  // of the arrangement of docks in QSettings
 
 constexpr std::pair<const char*, ToolKind> kTools[] = {
-    {"tool-select", ToolKind::Select}, {"tool-face", ToolKind::Face}, {"tool-bone", ToolKind::Bone}, {"tool-pose", ToolKind::Pose}};
+    {"tool-select", ToolKind::Select}, {"tool-face", ToolKind::Face}, {"tool-bone", ToolKind::Bone}, {"tool-pose", ToolKind::Pose}, {"tool-touch", ToolKind::Touch}};
 
 }  // namespace
 
@@ -101,6 +104,15 @@ MainWindow::MainWindow(const CommandRegistry& registry) : document_(registry) {
     connect(&document_, &StudioDocument::responsesChanged, this, soon);
     connect(&document_, &StudioDocument::fileChanged, this, soon);
     connect(&document_, &StudioDocument::failed, this, [this](const QString& text) { message_->say(text, MessageBar::Tone::Warning); });
+    connect(&document_, &StudioDocument::frameStepped, this, &MainWindow::warn);
+    connect(&document_, &StudioDocument::offered, this, [this](const QString& text, const QString& label, const Json& command) {
+        message_->offer(text, label, [this, command] {
+            if (command.at("do") == "precompute") return startPrecompute();
+            settle();
+            // What was turned on may need a precompute, which the tool then offers.
+            if (document_.execute(command)) viewport_->beginTool();
+        });
+    });
     connect(files_, &FileFlow::said, this, [this](const QString& text) { message_->say(text, MessageBar::Tone::Good); });
     connect(files_, &FileFlow::opened, this, [this] {
         precompute_->cancel();
@@ -154,7 +166,7 @@ MainWindow::MainWindow(const CommandRegistry& registry) : document_(registry) {
 MainWindow::~MainWindow() {
     // Panels hear the document; they go before it does.
     delete takeCentralWidget();
-    for (QDockWidget* dock : {outlinerDock_, historyDock_, issuesDock_, inspectorDock_}) delete dock;
+    for (QDockWidget* dock : {outlinerDock_, historyDock_, issuesDock_, inspectorDock_, effectsDock_}) delete dock;
     delete precompute_;
     delete files_;
     delete statusBar();
@@ -168,6 +180,7 @@ void MainWindow::buildDocks() {
     history_ = new HistoryPanel(document_, this);
     issues_ = new IssuesPanel(document_, this);
     inspector_ = new InspectorPanel(document_, this);
+    effects_ = new EffectsPanel(document_, this);
     const auto dock = [this](const char* name, QWidget* panel) {
         auto* d = new QDockWidget(this);
         d->setObjectName(QLatin1String(name));
@@ -180,19 +193,20 @@ void MainWindow::buildDocks() {
     historyDock_ = dock("historyDock", history_);
     issuesDock_ = dock("issuesDock", issues_);
     inspectorDock_ = dock("inspectorDock", inspector_);
+    effectsDock_ = dock("effectsDock", effects_);
     // The tabs say the names; a title below them would say them twice.
-    for (QDockWidget* d : {outlinerDock_, historyDock_, issuesDock_}) d->setTitleBarWidget(new QWidget(d));
-    inspectorTitle_ = new QLabel(inspectorDock_);
-    inspectorTitle_->setObjectName(QStringLiteral("dockTitle"));
-    inspectorDock_->setTitleBarWidget(inspectorTitle_);
+    for (QDockWidget* d : {outlinerDock_, historyDock_, issuesDock_, inspectorDock_, effectsDock_}) d->setTitleBarWidget(new QWidget(d));
     // Split first: a dock that is split off a tab only becomes another tab.
     splitDockWidget(outlinerDock_, inspectorDock_, Qt::Vertical);
     tabifyDockWidget(outlinerDock_, historyDock_);
     tabifyDockWidget(historyDock_, issuesDock_);
+    tabifyDockWidget(inspectorDock_, effectsDock_);
     resizeDocks({outlinerDock_, inspectorDock_}, {px(340), px(340)}, Qt::Horizontal);
     outlinerDock_->raise();
+    inspectorDock_->raise();
     connect(outliner_, &OutlinerPanel::contextMenuWanted, this, &MainWindow::contextMenu);
     connect(inspector_, &InspectorPanel::precomputeWanted, this, &MainWindow::startPrecompute);
+    connect(effects_, &EffectsPanel::precomputeWanted, this, &MainWindow::startPrecompute);
     connect(status_, &StatusStrip::precomputeWanted, this, &MainWindow::startPrecompute);
     connect(issues_, &IssuesPanel::frameWanted, this, [this] { viewport_->frameSelection(); });
     connect(issues_, &IssuesPanel::markWanted, viewport_, &ViewportWidget::setMarkedTriangles);
@@ -301,11 +315,11 @@ void MainWindow::buildMenus() {
     QMenu* edit = menu(nullptr, QT_TR_NOOP("&Edit"));
     fill(edit, {"undo", "redo", "", "rename", "delete", "", "select-all", "select-none", "", "search", "preferences"});
     QMenu* character = menu(nullptr, QT_TR_NOOP("&Character"));
-    fill(character, {"tool-select", "tool-face", "tool-bone", "tool-pose", "", "join", "", "precompute", "", "pin", "release", "rest"});
+    fill(character, {"tool-select", "tool-face", "tool-bone", "tool-pose", "tool-touch", "", "join", "", "precompute", "", "pin", "release", "rest"});
     QMenu* view = menu(nullptr, QT_TR_NOOP("&View"));
     fill(view, {"frame-all", "frame-selection", "", "view-front", "view-right", "view-top", "orthographic", "", "bones", "grid", "xray", "", "hide", "show-all", ""});
     panelsMenu_ = menu(view, QT_TR_NOOP("&Panels"));
-    for (QDockWidget* d : {outlinerDock_, inspectorDock_, historyDock_, issuesDock_}) panelsMenu_->addAction(d->toggleViewAction());
+    for (QDockWidget* d : {outlinerDock_, inspectorDock_, effectsDock_, historyDock_, issuesDock_}) panelsMenu_->addAction(d->toggleViewAction());
     fill(menu(view, QT_TR_NOOP("&Theme")), {"theme-dark", "theme-light", "theme-contrast"});
     fill(menu(view, QT_TR_NOOP("&Language")), {"language-en", "language-ja"});
     fill(view, {"", "full-screen"});
@@ -359,7 +373,7 @@ void MainWindow::retranslate() {
     outlinerDock_->setWindowTitle(tr("Outliner"));
     historyDock_->setWindowTitle(tr("History"));
     inspectorDock_->setWindowTitle(tr("Properties"));
-    inspectorTitle_->setText(tr("Properties"));
+    effectsDock_->setWindowTitle(tr("Effects"));
     issuesDock_->setWindowTitle(issues_->worth() > 0 ? tr("Issues (%1)").arg(issues_->worth()) : tr("Issues"));
     tools_->setWindowTitle(tr("Tools"));
     tools_->setAccessibleName(tr("Tools"));
@@ -381,9 +395,9 @@ void MainWindow::changeEvent(QEvent* event) {
 
 void MainWindow::takeSizes() {
     tools_->setIconSize(QSize(px(22), px(22)));
-    inspectorTitle_->setContentsMargins(px(14), px(8), px(8), px(8));
     outlinerDock_->setMinimumWidth(px(300));
     inspectorDock_->setMinimumWidth(px(300));
+    effectsDock_->setMinimumWidth(px(300));
     placeOverlays();
     updateActions();
 }
@@ -462,7 +476,7 @@ bool MainWindow::startShown() const { return stack_->currentWidget() == start_; 
 void MainWindow::showStart(bool show) {
     if (show && viewport_->busy()) viewport_->cancel();
     stack_->setCurrentWidget(show ? static_cast<QWidget*>(start_) : viewHost_);
-    for (QDockWidget* d : {outlinerDock_, historyDock_, issuesDock_, inspectorDock_}) d->setEnabled(true);
+    for (QDockWidget* d : {outlinerDock_, historyDock_, issuesDock_, inspectorDock_, effectsDock_}) d->setEnabled(true);
     if (!show) viewport_->setFocus();
 }
 
@@ -476,7 +490,10 @@ void MainWindow::keepPicture() {
     });
 }
 
-double MainWindow::inspectorShare() const { return double(inspectorDock_->height()) / std::max(stage_->height(), 1); }
+double MainWindow::inspectorShare() const {
+    const QDockWidget* inFront = effectsDock_->visibleRegion().isEmpty() ? inspectorDock_ : effectsDock_;
+    return double(inFront->height()) / std::max(stage_->height(), 1);
+}
 
 void MainWindow::shareHeight(double inspector) {
     inspector = std::clamp(inspector, 0.1, 0.9);
@@ -512,7 +529,7 @@ void MainWindow::placeOverlays() {
 }
 
 bool MainWindow::eventFilter(QObject* watched, QEvent* event) {
-    if (event->type() == QEvent::Resize || event->type() == QEvent::Show || event->type() == QEvent::Hide)
+    if (event->type() == QEvent::Resize || event->type() == QEvent::Show || event->type() == QEvent::Hide || event->type() == QEvent::LayoutRequest)
         if (watched == stage_ || event->type() != QEvent::Resize) QMetaObject::invokeMethod(this, &MainWindow::placeOverlays, Qt::QueuedConnection);
     return QMainWindow::eventFilter(watched, event);
 }
@@ -550,6 +567,16 @@ void MainWindow::dropEvent(QDropEvent* event) {
 }
 
 // ---- commands ------------------------------------------------------------------------------------------------------------
+
+void MainWindow::warn() {
+    for (const WarningText& text : warningTexts(document_.warnings())) {
+        if (!text.severe) continue;
+        QElapsedTimer& since = warned_[text.warning];
+        const bool anew = !since.isValid() || since.elapsed() > kWarnAgainMs;
+        since.start();  // what goes on and on is said once; the status line keeps it
+        if (anew) message_->say(text.text, MessageBar::Tone::Warning);
+    }
+}
 
 void MainWindow::startPrecompute() {
     settle();
@@ -635,7 +662,7 @@ void MainWindow::showControls() {
         {tr("Take back what is unfinished"), tr("Esc or right mouse button")},
         {tr("Frame all, frame the selection"), QStringLiteral("Home, F")},
         {tr("Views along the axes"), QStringLiteral("1, 3, 7, 5")},
-        {tr("Tools"), QStringLiteral("Q, J, B, D")},
+        {tr("Tools"), QStringLiteral("Q, J, B, D, T")},
         {tr("Precompute"), QStringLiteral("P")},
         {tr("Search commands"), QStringLiteral("F3")},
     };

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <QElapsedTimer>
 #include <QMainWindow>
+#include <map>
 #include <vector>
 
 #include "ui/jobs/precompute_job.h"
@@ -9,13 +11,13 @@
 #include "ui/panels/message_bar.h"
 
 class QDockWidget;
-class QLabel;
 class QStackedLayout;
 class QToolBar;
 
 namespace imomushi {
 
 class CommandSearch;
+class EffectsPanel;
 class FileFlow;
 class HistoryPanel;
 class InspectorPanel;
@@ -39,6 +41,7 @@ public:
     [[nodiscard]] StudioActions& actions() { return *actions_; }
     [[nodiscard]] OutlinerPanel& outliner() { return *outliner_; }
     [[nodiscard]] InspectorPanel& inspector() { return *inspector_; }
+    [[nodiscard]] EffectsPanel& effects() { return *effects_; }
     [[nodiscard]] HistoryPanel& history() { return *history_; }
     [[nodiscard]] PrecomputeJob& precomputeJob() { return *precompute_; }
     [[nodiscard]] StatusStrip& status() { return *status_; }
@@ -72,6 +75,7 @@ private:
     void showControls();
     void showAbout();
 
+    void warn();           ///< says what the last frame warns of, not every time
     void startPrecompute();
     void undo(int count);
     void hideSelected();
@@ -98,6 +102,7 @@ private:
     JobCard* job_ = nullptr;
     OutlinerPanel* outliner_ = nullptr;
     InspectorPanel* inspector_ = nullptr;
+    EffectsPanel* effects_ = nullptr;
     HistoryPanel* history_ = nullptr;
     IssuesPanel* issues_ = nullptr;
     StatusStrip* status_ = nullptr;
@@ -109,9 +114,10 @@ private:
     QDockWidget* historyDock_ = nullptr;
     QDockWidget* issuesDock_ = nullptr;
     QDockWidget* inspectorDock_ = nullptr;
-    QLabel* inspectorTitle_ = nullptr;
+    QDockWidget* effectsDock_ = nullptr;
     std::vector<std::pair<QMenu*, const char*>> menus_;  ///< with their titles in this class's context
     bool updateScheduled_ = false;
+    std::map<FrameWarning, QElapsedTimer> warned_;  ///< since each was last said
     bool precomputeFailed_ = false;
     bool shown_ = false;
 };

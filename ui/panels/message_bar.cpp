@@ -5,6 +5,7 @@
 #include <QHBoxLayout>
 #include <QLabel>
 #include <QProgressBar>
+#include <QPushButton>
 #include <QToolButton>
 #include <QVBoxLayout>
 
@@ -21,6 +22,9 @@ MessageBar::MessageBar(QWidget* parent) : QFrame(parent) {
     text_->setWordWrap(true);
     text_->setTextInteractionFlags(Qt::TextSelectableByMouse);
     text_->setMinimumWidth(px(300));
+    action_ = new QPushButton(this);
+    action_->setObjectName(QStringLiteral("offer"));
+    action_->hide();
     close_ = new QToolButton(this);
     close_->setProperty("small", true);
     close_->setIcon(themedIcon(QStringLiteral("close"), Appearance::Role::Muted));
@@ -31,7 +35,12 @@ MessageBar::MessageBar(QWidget* parent) : QFrame(parent) {
     layout->setSpacing(px(10));
     layout->addWidget(icon_);
     layout->addWidget(text_, 1);
+    layout->addWidget(action_);
     layout->addWidget(close_);
+    connect(action_, &QPushButton::clicked, this, [this] {
+        hide();
+        if (act_) act_();
+    });
     connect(close_, &QToolButton::clicked, this, &QWidget::hide);
     timer_.setSingleShot(true);
     connect(&timer_, &QTimer::timeout, this, &QWidget::hide);
@@ -44,11 +53,22 @@ void MessageBar::say(const QString& text, Tone tone) {
     icon_->setPixmap(themedIcon(QLatin1String(kIcons[int(tone)]), kRoles[int(tone)]).pixmap(QSize(px(20), px(20)), devicePixelRatioF()));
     text_->setText(text);
     setAccessibleName(text);
+    action_->hide();
+    act_ = {};
     show();
     raise();
     updateGeometry();
     // Long enough to read: about 15 characters a second.
     timer_.start(tone == Tone::Warning ? int(5000 + 70 * text.size()) : 4000);
+}
+
+void MessageBar::offer(const QString& text, const QString& label, std::function<void()> action) {
+    say(text, Tone::Info);
+    action_->setText(label);
+    action_->show();
+    act_ = std::move(action);
+    updateGeometry();
+    timer_.start(int(8000 + 70 * text.size()));
 }
 
 QString MessageBar::text() const { return text_->text(); }

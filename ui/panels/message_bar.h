@@ -7,6 +7,7 @@
 
 class QLabel;
 class QProgressBar;
+class QPushButton;
 class QToolButton;
 
 namespace imomushi {
@@ -20,6 +21,8 @@ public:
     enum class Tone { Info, Good, Warning };
     explicit MessageBar(QWidget* parent);
     void say(const QString& text, Tone tone);
+    /// With one thing to do about it, at a click.
+    void offer(const QString& text, const QString& label, std::function<void()> action);
     [[nodiscard]] QString text() const;
 
 protected:
@@ -30,7 +33,9 @@ protected:
 private:
     QLabel* icon_;
     QLabel* text_;
+    QPushButton* action_;
     QToolButton* close_;
+    std::function<void()> act_;
     QTimer timer_;
 };
 

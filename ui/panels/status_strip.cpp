@@ -7,10 +7,14 @@
 #include <QLocale>
 #include <QToolButton>
 
+#include "ui/models/effect_texts.h"
 #include "ui/models/texts.h"
 #include "ui/panels/appearance.h"
 
 namespace imomushi {
+namespace {
+constexpr int kWarnedMs = 1500;
+}
 
 StatusStrip::StatusStrip(StudioDocument& document, std::function<PrecomputeEstimate()> estimate, QWidget* parent)
     : QWidget(parent), document_(document), estimate_(std::move(estimate)) {
@@ -21,6 +25,11 @@ StatusStrip::StatusStrip(StudioDocument& document, std::function<PrecomputeEstim
     hint_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
     state_ = new QToolButton(this);
     state_->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
+    warning_ = new QToolButton(this);
+    warning_->setObjectName(QStringLiteral("frameWarning"));
+    warning_->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
+    warning_->setFocusPolicy(Qt::NoFocus);
+    warning_->hide();
     vertices_ = new QLabel(this);
     ms_ = new QLabel(this);
     fps_ = new QLabel(this);
@@ -30,6 +39,7 @@ StatusStrip::StatusStrip(StudioDocument& document, std::function<PrecomputeEstim
     layout->setSpacing(8);
     layout->addWidget(mouse_);
     layout->addWidget(hint_, 1);
+    layout->addWidget(warning_);
     layout->addWidget(state_);
     for (QLabel* label : {vertices_, ms_, fps_}) layout->addWidget(label);
     connect(state_, &QToolButton::clicked, this, &StatusStrip::precomputeWanted);
@@ -38,6 +48,13 @@ StatusStrip::StatusStrip(StudioDocument& document, std::function<PrecomputeEstim
         scheduled_ = true;
         QMetaObject::invokeMethod(this, &StatusStrip::update, Qt::QueuedConnection);
     };
+    warned_.setSingleShot(true);
+    warned_.setInterval(kWarnedMs);
+    connect(&warned_, &QTimer::timeout, this, [this] {
+        if (document_.warnings() != warnings_) showWarnings();
+    });
+    connect(&document, &StudioDocument::frameStepped, this, &StatusStrip::showWarnings);
+    connect(&document, &StudioDocument::poseChanged, this, &StatusStrip::showWarnings);
     connect(&document, &StudioDocument::structureChanged, this, soon);
     connect(&document, &StudioDocument::responsesChanged, this, soon);
     connect(&document, &StudioDocument::fileChanged, this, soon);
@@ -71,6 +88,27 @@ void StatusStrip::showFrame() {
     vertices_->setText(tr("%1 vertices").arg(locale.toString(lastVertices_)));
     ms_->setText(lastMs_ < 0.0 ? QStringLiteral("– ms") : QStringLiteral("%1 ms").arg(locale.toString(lastMs_, 'f', lastMs_ < 10.0 ? 2 : 1)));
     fps_->setText(lastMs_ < 0.0 || lastFps_ <= 0.0 ? QStringLiteral("– fps") : QStringLiteral("%1 fps").arg(locale.toString(lastFps_, 'f', 0)));
+}
+
+void StatusStrip::showWarnings() {
+    const unsigned now = document_.warnings();
+    if ((now | warnings_) != warnings_ || now == warnings_) {
+        if (now) warned_.start();
+    } else if (warned_.isActive()) {
+        return;  // some of them are gone, which can wait
+    }
+    if (now == warnings_) return;
+    warnings_ = now;
+    const auto texts = warningTexts(now);
+    warning_->setVisible(!texts.empty());
+    if (texts.empty()) return;
+    QStringList lines;
+    for (const WarningText& text : texts) lines << text.text;
+    warning_->setIcon(themedIcon(QStringLiteral("warning"), Appearance::Role::Warning));
+    warning_->setIconSize(QSize(px(16), px(16)));
+    warning_->setText(fontMetrics().elidedText(lines.front(), Qt::ElideRight, px(430)));
+    warning_->setToolTip(lines.join(u'\n'));
+    warning_->setAccessibleName(lines.join(u' '));
 }
 
 void StatusStrip::setBusy(const QString& text) {
@@ -114,7 +152,10 @@ void StatusStrip::update() {
 
 void StatusStrip::changeEvent(QEvent* event) {
     QWidget::changeEvent(event);
-    if (event->type() == QEvent::LanguageChange) update();
+    if (event->type() != QEvent::LanguageChange) return;
+    warnings_ = 0;
+    showWarnings();
+    update();
 }
 
 }  // namespace imomushi

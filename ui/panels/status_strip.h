@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <QTimer>
 #include <QWidget>
 #include <functional>
 
@@ -12,7 +13,7 @@ class QToolButton;
 
 namespace imomushi {
 
-/// The line at the foot: left what the mouse does now, right the state of the precompute, vertices, milliseconds and frames per second.
+/// The line at the foot: left what the mouse does now, right what the last frame warns of, the state of the precompute, vertices, milliseconds and frames per second.
 class StatusStrip : public QWidget {
     Q_OBJECT
 public:
@@ -32,10 +33,12 @@ protected:
 private:
     void update();
     void showFrame();
+    void showWarnings();
     StudioDocument& document_;
     std::function<PrecomputeEstimate()> estimate_;
     QLabel* mouse_;
     QLabel* hint_;
+    QToolButton* warning_;
     QToolButton* state_;
     QLabel* vertices_;
     QLabel* ms_;
@@ -44,6 +47,8 @@ private:
     double lastMs_ = -1.0, lastFps_ = 0.0;
     int lastVertices_ = 0;
     bool scheduled_ = false;
+    unsigned warnings_ = 0;  ///< shown
+    QTimer warned_;          ///< a warning stays as long as it takes to read it
 };
 
 }  // namespace imomushi

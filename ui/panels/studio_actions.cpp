@@ -39,6 +39,7 @@ constexpr Row kRows[] = {
     {"tool-face", "face", QT_TRANSLATE_NOOP("Actions", "Joint &face"), "J", true},
     {"tool-bone", "bone", QT_TRANSLATE_NOOP("Actions", "&Bone"), "B", true},
     {"tool-pose", "pose", QT_TRANSLATE_NOOP("Actions", "&Drag"), "D", true},
+    {"tool-touch", "touch", QT_TRANSLATE_NOOP("Actions", "&Touch"), "T", true},
     {"precompute", "precompute", QT_TRANSLATE_NOOP("Actions", "&Precompute"), "P"},
     {"join", "joint", QT_TRANSLATE_NOOP("Actions", "&Join the selected faces"), "Ctrl+J"},
     {"pin", "pin", QT_TRANSLATE_NOOP("Actions", "P&in or unpin"), "Shift+P"},

@@ -406,7 +406,7 @@ void Renderer::setFrame(const Scene& scene, int width, int height) {
     const double h = camera.orthographic ? 0.5 * camera.orthoHeight : std::tan(0.5 * camera.fov);
     b.projection << static_cast<float>(h * aspect), static_cast<float>(h), static_cast<float>(kShadowOffset * radius_), 0.0f;
 
-    b.right << view.block<1, 3>(0, 0).transpose().cast<float>(), 0.0f;
+    b.right << view.block<1, 3>(0, 0).transpose().cast<float>(), scene.solidGround ? 1.0f : 0.0f;
     b.above << view.block<1, 3>(1, 0).transpose().cast<float>(), 0.0f;
 
     box_.setEmpty();

@@ -70,6 +70,7 @@ struct Scene {
     bool grid = true;
     bool groundShadow = true;         ///< soft shadow on the ground, also without the grid
     double ground = 0.0;              ///< m, world height of grid and shadow
+    bool solidGround = false;         ///< bodies rest on it: a calm plane under its grid, also where the grid is off
     bool darkTheme = true;
     bool transparentBackground = false;
     float pixelRatio = 1.0f;  ///< device pixels per logical pixel

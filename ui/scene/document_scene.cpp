@@ -144,6 +144,8 @@ void DocumentScene::update(Session& session, const SceneOptions& options, render
         body.revision = content.key().low;
         scene.bodies.push_back(std::move(body));
     }
+    scene.solidGround = document.effects.has(EffectKind::Ground);
+    if (scene.solidGround) scene.ground = document.effects.number(EffectKind::Ground, "height");
     addSeams(document, scene);
     if (options.faces) addFaces(document, options, scene);
     if (options.bones) addBones(session, options, scene);
@@ -206,9 +208,10 @@ void DocumentScene::addFaces(const Document& document, const SceneOptions& optio
 void DocumentScene::addBones(Session& session, const SceneOptions& options, render::Scene& scene) const {
     const Document& document = session.document();
     const Character* character = session.character();
+    const Pose& pose = session.shownPose();
     const auto position = [&](const Bone& bone, bool atEnd) -> std::optional<Vec3> {
         const int point = character ? session.pointIndex({bone.id, atEnd}) : -1;
-        if (point >= 0 && point < static_cast<int>(document.pose.points.size())) return document.pose.points[point];
+        if (point >= 0 && point < static_cast<int>(pose.points.size())) return pose.points[point];
         if (point >= 0 && point < static_cast<int>(character->input().skeleton.points.size())) return character->input().skeleton.points[point];
         const auto rest = restPosition(document, atEnd ? bone.end : bone.start);
         return rest ? std::optional(*rest) : std::nullopt;

@@ -37,7 +37,7 @@ const Vec3* skeletonPoint(Session& session, const EndpointRef& end) {
     Character* character = session.character();
     const int index = session.pointIndex(end);
     if (!character || index < 0) return nullptr;
-    const auto& posed = session.document().pose.points;
+    const auto& posed = session.shownPose().points;
     const auto& rest = character->input().skeleton.points;
     if (index >= int(rest.size())) return nullptr;
     return posed.size() == rest.size() ? &posed[std::size_t(index)] : &rest[std::size_t(index)];
@@ -90,6 +90,7 @@ std::vector<RayHit> rayHits(Session& session, const Vec3& rayOrigin, const Vec3&
             hit.distance = distance;
             hit.entering = determinant > 0.0;
             hit.point = rayOrigin + distance * rayDirection;
+            hit.normal = ab.cross(ac).normalized();
             const auto corner = [&](int c) -> Vec3 { return element->mesh->body.vertices.row(triangles(t, c)); };
             hit.rest = (1.0 - u - v) * corner(0) + u * corner(1) + v * corner(2);
             hits.push_back(hit);

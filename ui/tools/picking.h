@@ -21,6 +21,7 @@ struct RayHit {
     double distance = 0.0;       ///< m along the ray
     bool entering = true;        ///< from outside to inside
     Vec3 point = Vec3::Zero();   ///< world, posed
+    Vec3 normal = Vec3::UnitZ(); ///< of the triangle there, outward, unit
     Vec3 rest = Vec3::Zero();    ///< the same surface point at rest
 };
 

@@ -34,7 +34,7 @@ struct PointerEvent {
     }
 };
 
-/// What the user does with the pointer in the viewport: select, place a joint face, place bones, pose. No widgets, no OpenGL: tools can be tested
+/// What the user does with the pointer in the viewport: select, place a joint face, place bones, pose, touch. No widgets, no OpenGL: tools can be tested
 /// without a display. A tool changes the document through commands only; a drag is one gesture (one undo step), cancelled by Esc or the right button.
 class Tool {
 public:
@@ -43,6 +43,7 @@ public:
     Tool(const Tool&) = delete;
     Tool& operator=(const Tool&) = delete;
 
+    virtual void begin() {}                       ///< the user chose it
     virtual void press(const PointerEvent&) {}
     virtual void move(const PointerEvent&) {}     ///< also without a button: hover
     virtual void release(const PointerEvent&) {}

@@ -3,7 +3,7 @@
 
 namespace imomushi {
 
-/// The tools of the viewport: select; joint faces; bones; pose (drag endpoints).
-enum class ToolKind { Select, Face, Bone, Pose };
+/// The tools of the viewport: select; joint faces; bones; pose (drag endpoints); touch (fingers on the surface).
+enum class ToolKind { Select, Face, Bone, Pose, Touch };
 
 }  // namespace imomushi

@@ -29,8 +29,8 @@ namespace imomushi {
 namespace {
 
 constexpr int kFrameMs = 16;
-/// A frame that took longer than this (a stall, a sleep) moves the scene by no more than this.
-constexpr double kLongestStep = 0.05;
+/// A frame that took longer than this (a stall, a sleep) moves the scene by no more than this: the most that bone dynamics take in one step.
+constexpr double kLongestStep = 0.25;
 /// The camera keeps to the clock also where drawing is slow, but a view never changes in less than two pictures.
 constexpr double kLongestTurn = 0.12;
 /// A pose whose points move less than this part of the scene in a frame has come to rest.
@@ -122,7 +122,10 @@ ViewportWidget::ViewportWidget(StudioDocument& document, QWidget* parent)
         redraw();
         updateHint();
     };
-    connect(&document_, &StudioDocument::responsesChanged, this, changed);
+    connect(&document_, &StudioDocument::responsesChanged, this, [this] {
+        animate();
+        updateHint();
+    });
     connect(&document_, &StudioDocument::selectionChanged, this, changed);
     connect(&document_, &StudioDocument::hoverChanged, this, &ViewportWidget::redraw);
     empty_ = document_.document().elements.empty();
@@ -151,6 +154,7 @@ void ViewportWidget::setTool(ToolKind kind) {
     redraw();
     updateHint();
     Q_EMIT toolChanged(kind);
+    tool_->begin();
 }
 
 bool ViewportWidget::busy() const { return tool_->busy(); }
@@ -308,15 +312,16 @@ void ViewportWidget::structureChanged() {
 }
 
 void ViewportWidget::poseChanged() {
-    redraw();
-    if (stepping_ || document_.document().held.empty()) return;
-    relaxing_ = true;
+    if (stepping_) return redraw();
+    relaxing_ = !document_.document().held.empty();
     animate();
 }
 
+bool ViewportWidget::posing() const { return relaxing_ || document_.session().moving(); }
+
 void ViewportWidget::animate() {
     redraw();
-    if (timer_.isActive() || (!relaxing_ && !camera_.moving())) return;
+    if (timer_.isActive() || !isVisible() || (!camera_.moving() && !posing())) return;
     clock_.start();
     timer_.start();
 }
@@ -325,13 +330,12 @@ void ViewportWidget::tick() {
     const double passed = double(clock_.nsecsElapsed()) * 1e-9, seconds = std::min(kLongestStep, passed);
     clock_.start();
     camera_.advance(std::min(kLongestTurn, passed));
-    if (relaxing_) {
+    if (posing()) {
         QElapsedTimer work;
         work.start();
-        Session& session = document_.session();
         before_ = document_.document().pose.points;
         stepping_ = true;
-        session.stepFrame(seconds);
+        document_.stepFrame(seconds);
         stepping_ = false;
         const auto& now = document_.document().pose.points;
         double moved = before_.size() == now.size() ? 0.0 : 1.0, size = 0.0;
@@ -339,13 +343,11 @@ void ViewportWidget::tick() {
             moved = std::max(moved, (now[i] - before_[i]).norm());
             size = std::max(size, (now[i] - now[0]).norm());
         }
-        const auto& held = document_.document().held;
-        const bool gliding = std::any_of(held.begin(), held.end(), [](const auto& h) { return h.second.elapsed < h.second.seconds; });
-        relaxing_ = gliding || !(moved <= kAtRest * size);
+        relaxing_ = relaxing_ && !(moved <= kAtRest * size);
         workMs_ += double(work.nsecsElapsed()) * 1e-6;
     }
     redraw();
-    if (!relaxing_ && !camera_.moving()) timer_.stop();
+    if (!camera_.moving() && !posing()) timer_.stop();
 }
 
 // ---- drawing -----------------------------------------------------------------------------------------------------------
@@ -735,8 +737,14 @@ void ViewportWidget::leaveEvent(QEvent* e) {
     QWidget::leaveEvent(e);
 }
 
+void ViewportWidget::showEvent(QShowEvent* e) {
+    QWidget::showEvent(e);
+    animate();  // what was to move while nobody looked
+}
+
 void ViewportWidget::hideEvent(QHideEvent* e) {
     if (tool_->busy()) cancel();
+    timer_.stop();
     navigation_ = Navigation::None;
     ballPressed_ = false;
     QWidget::hideEvent(e);

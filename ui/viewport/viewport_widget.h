@@ -27,6 +27,8 @@ public:
     ~ViewportWidget() override;
 
     void setTool(ToolKind kind);
+    /// Lets the tool say again what it needs.
+    void beginTool() { tool_->begin(); }
     [[nodiscard]] ToolKind tool() const { return kind_; }
     /// What the mouse does now, translated.
     [[nodiscard]] QString hint() const;
@@ -85,6 +87,7 @@ protected:
     void leaveEvent(QEvent* e) override;
     void resizeEvent(QResizeEvent* e) override;
     void hideEvent(QHideEvent* e) override;
+    void showEvent(QShowEvent* e) override;
 
 private:
     class Canvas;
@@ -98,7 +101,8 @@ private:
     [[nodiscard]] bool dark() const;
     void paintOver();
     void tick();
-    void animate();               ///< starts the frame timer
+    void animate();               ///< starts the frame timer where something moves
+    [[nodiscard]] bool posing() const;  ///< frames must be stepped
     void toolActed(const QElapsedTimer& since);
     void structureChanged();
     void poseChanged();
@@ -132,7 +136,7 @@ private:
 
     QTimer timer_;
     QElapsedTimer clock_;         ///< since the last tick
-    bool relaxing_ = false;       ///< the pose still moves by itself
+    bool relaxing_ = false;       ///< the kinematic pose still moves towards what is held
     bool stepping_ = false;
     std::vector<Vec3> before_;
     double workMs_ = 0.0;         ///< of commands and solving since the last painting

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <QDockWidget>
+#include <QMenu>
+#include <QSignalSpy>
+
+#include "tests/studio/window.h"
+#include "ui/models/effect_texts.h"
+#include "ui/models/recent_files.h"
+#include "ui/models/texts.h"
+#include "ui/panels/appearance.h"
+#include "ui/panels/effects_panel.h"
+#include "ui/panels/inspector_panel.h"
+#include "ui/panels/number_field.h"
+#include "ui/panels/status_strip.h"
+#include "ui/panels/switch.h"
+
+using namespace imomushi;
+
+namespace {
+
+/// The caterpillar, with the effects in front, in the drag tool.
+struct Effective : Window {
+    explicit Effective(int sample = 0) {
+        window().files().open(samples()[sample].path);
+        settle(400);
+        window().findChild<QDockWidget*>(QStringLiteral("effectsDock"))->raise();
+        trigger("tool-pose");
+        view().setFocus();
+        settle(500);
+    }
+    ~Effective() { document().session().execute({{"do", "new"}}); }
+
+    Switch& button(const char* effect) {
+        auto* found = window().effects().findChild<Switch*>(QLatin1String(effect));
+        REQUIRE(found);
+        return *found;
+    }
+    void flip(const char* effect) {
+        Switch& s = button(effect);
+        window().effects().ensureWidgetVisible(&s);
+        QTest::mouseClick(&s, Qt::LeftButton, {}, s.rect().center());
+        settle(100);
+    }
+    NumberField* field(const char* property) {
+        for (auto* f : window().effects().findChildren<NumberField*>(QLatin1String(property)))
+            if (f->isVisible()) return f;
+        return nullptr;
+    }
+    EndpointRef lastEnd() { return {now().bones.rbegin()->first, true}; }
+    /// Drags an end by so many pixels, in steps, and lets go of the button.
+    void drag(const EndpointRef& end, QPoint by) {
+        const QPoint from = view().onScreen(end)->toPoint();
+        QTest::mouseMove(&view(), from);
+        settle();
+        QTest::mousePress(&view(), Qt::LeftButton, {}, from);
+        for (int i = 1; i <= 6; ++i) {
+            QTest::mouseMove(&view(), from + by * i / 6);
+            settle(20);
+        }
+        QTest::mouseRelease(&view(), Qt::LeftButton, {}, from + by);
+    }
+};
+
+}  // namespace
+
+TEST_CASE("effects: a switch turns one on with its settings and its price, as one step that bears its name") {
+    Effective w;
+    const int before = w.document().session().position();
+    CHECK(w.field("swing-hertz") == nullptr);
+    w.shoot("effects-off");
+    w.flip("bone-dynamics");
+    CHECK(w.now().effects.has(EffectKind::BoneDynamics));
+    CHECK(w.button("bone-dynamics").isChecked());
+    REQUIRE(w.field("swing-hertz"));
+    CHECK(w.field("swing-hertz")->value() == doctest::Approx(2.5));
+    REQUIRE(w.document().session().position() == before + 1);
+    const auto& step = w.document().session().steps().back();
+    CHECK(stepText(step.name, step.subject) == QStringLiteral("Turn on: Bone dynamics"));
+    w.shoot("effects-on");
+
+    NumberField* field = w.field("swing-hertz");
+    const QPoint middle = field->rect().center();
+    QTest::mousePress(field, Qt::LeftButton, {}, middle);
+    for (int i = 1; i <= 5; ++i) {
+        QTest::mouseMove(field, middle + QPoint(6 * i, 0));
+        w.settle(20);
+    }
+    QTest::mouseRelease(field, Qt::LeftButton, {}, middle + QPoint(30, 0));
+    w.settle(100);
+    CHECK(w.now().effects.number(EffectKind::BoneDynamics, "swing-hertz") > 3.0);
+    CHECK(w.document().session().position() == before + 2);
+
+    w.trigger("undo");
+    CHECK(w.field("swing-hertz")->value() == doctest::Approx(2.5));
+    w.trigger("undo");
+    CHECK(!w.button("bone-dynamics").isChecked());
+    CHECK(w.field("swing-hertz") == nullptr);
+    w.trigger("redo");
+    CHECK(w.button("bone-dynamics").isChecked());
+    CHECK(w.field("swing-hertz") != nullptr);
+}
+
+TEST_CASE("effects: with bone dynamics the body goes on by itself after the drag, is drawn where it is, and everything stops when it rests") {
+    Effective w;
+    w.run({{"do", "enable"}, {"effect", "bone-dynamics"}});
+    w.settle(200);
+    REQUIRE(QTest::qWaitFor([&] { return !w.document().session().moving(); }, 30000));
+    const EndpointRef end = w.lastEnd();
+    const QPointF rest = *w.view().onScreen(end);
+    w.drag(end, {30, -110});
+    REQUIRE(w.now().held.contains(end));
+    CHECK(w.document().session().moving());
+    QSignalSpy steps(&w.document(), &StudioDocument::frameStepped);
+    w.settle(400);
+    CHECK(!steps.isEmpty());
+    CHECK(w.document().effectMilliseconds(EffectKind::BoneDynamics).has_value());
+    w.shoot("effects-moving");
+    w.trigger("release");
+    const QPointF released = *w.view().onScreen(end);
+    REQUIRE(QTest::qWaitFor([&] { return (*w.view().onScreen(end) - released).manhattanLength() > 20.0; }, 20000));
+    REQUIRE(QTest::qWaitFor([&] { return !w.document().session().moving(); }, 60000));
+    CHECK((*w.view().onScreen(end) - rest).manhattanLength() < 4.0);
+    w.settle(900);
+    QSignalSpy frames(&w.view(), &ViewportWidget::frameMeasured);
+    steps.clear();
+    w.settle(600);
+    CHECK(frames.isEmpty());
+    CHECK(steps.isEmpty());
+    w.shoot("effects-rest");
+}
+
+TEST_CASE("effects: nothing is stepped while the start page hides the view, and it goes on afterwards") {
+    Effective w;
+    w.run({{"do", "enable"}, {"effect", "bone-dynamics"}});
+    w.drag(w.lastEnd(), {0, -90});
+    w.window().showStart(true);
+    w.settle(100);
+    QSignalSpy steps(&w.document(), &StudioDocument::frameStepped);
+    w.settle(400);
+    CHECK(steps.isEmpty());
+    w.window().showStart(false);
+    w.settle(400);
+    CHECK(!steps.isEmpty());
+}
+
+TEST_CASE("effects: an effect is turned on for one element where that is selected, and the panel says on how many it works") {
+    Effective w;
+    REQUIRE(w.now().elements.size() > 1);
+    const PartId first = w.now().elements.begin()->first;
+    w.document().select({{SelectionItem::Kind::Element, first, {}, false}});
+    w.window().findChild<QDockWidget*>(QStringLiteral("inspectorDock"))->raise();
+    w.settle(200);
+    Switch* here = nullptr;
+    for (auto* s : w.window().inspector().findChildren<Switch*>())
+        if (s->accessibleName() == QStringLiteral("Gravity and inertia")) here = s;
+    REQUIRE(here);
+    w.window().inspector().ensureWidgetVisible(here);
+    QTest::mouseClick(here, Qt::LeftButton, {}, here->rect().center());
+    w.settle(200);
+    CHECK(w.now().effects.has(EffectKind::Gravity, first));
+    CHECK(!w.now().effects.has(EffectKind::Gravity, w.now().elements.rbegin()->first));
+    CHECK(here->isChecked());
+    w.shoot("effects-here");
+    w.window().findChild<QDockWidget*>(QStringLiteral("effectsDock"))->raise();
+    w.settle(600);
+    bool said = false;
+    for (auto* b : w.window().effects().findChildren<QPushButton*>())
+        said = said || (b->isVisible() && b->text() == QStringLiteral("1 of %1 elements").arg(w.now().elements.size()));
+    CHECK(said);
+    w.shoot("effects-gravity");
+    w.trigger("undo");
+    CHECK(!w.now().effects.has(EffectKind::Gravity));
+}
+
+TEST_CASE("effects: the ground is a plane in the view, and all of it reads in Japanese and in light colours") {
+    Effective w;
+    w.run({{"do", "enable"}, {"effect", "ground"}});
+    w.run({{"do", "enable"}, {"effect", "bone-dynamics"}});
+    w.run({{"do", "enable"}, {"effect", "gravity"}});
+    w.settle(1500);
+    w.shoot("ground");
+    Appearance::instance().setTheme(Appearance::Theme::Light);
+    w.settle(200);
+    w.shoot("ground-light");
+    Appearance::instance().setLanguage(QStringLiteral("ja"));
+    w.settle(400);
+    CHECK(w.button("ground").accessibleName() == QStringLiteral("床"));
+    w.shoot("effects-japanese");
+    Appearance::instance().setTheme(Appearance::Theme::HighContrast);
+    w.settle(200);
+    w.shoot("effects-contrast");
+    Appearance::instance().setTheme(Appearance::Theme::Dark);
+    Appearance::instance().setLanguage(QStringLiteral("en"));
+    w.settle(200);
+}
+
+TEST_CASE("effects: every effect and every setting has its words in the studio") {
+    for (std::size_t k = 0; k < kEffects; ++k) {
+        const auto effect = EffectKind(k);
+        CHECK(!effectTitle(effect).isEmpty());
+        CHECK(effectHelp(effect).endsWith(u'.'));
+        for (const EffectProperty& property : effectProperties(effect)) {
+            CAPTURE(std::string(property.name));
+            CHECK(effectPropertyTitle(effect, property) != QString::fromUtf8(property.name.data(), qsizetype(property.name.size())));
+            CHECK(effectPropertyHelp(effect, property).endsWith(u'.'));
+        }
+    }
+}

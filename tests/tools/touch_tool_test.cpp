@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/tools/touch_tool.h"
+
+#include "tests/tools/stage.h"
+
+using namespace imomushi;
+
+namespace {
+
+/// One bar with a joint face at each end, looked at from the front, and what the tool offered.
+struct Touching : Stage {
+    TouchTool tool{document()};
+    std::vector<Json> offers;
+    Touching() {
+        add("bar", shapes::box(Vec3(-3, -0.5, -0.5), Vec3(3, 0.5, 0.5), 12, 3, 3).mesh);
+        run({{"do", "add-joint-face"}, {"element", "bar"}, {"name", "tail"}, {"plane", {{"origin", {-3, 0, 0}}, {"normal", {-1, 0, 0}}}}});
+        run({{"do", "add-joint-face"}, {"element", "bar"}, {"name", "tip"}, {"plane", {{"origin", {3, 0, 0}}, {"normal", {1, 0, 0}}}}});
+        QObject::connect(&document(), &StudioDocument::offered, [this](const QString&, const QString&, const Json& command) { offers.push_back(command); });
+        look(ViewAxis::Front);
+    }
+};
+
+}  // namespace
+
+TEST_CASE("touch tool: where the effect is off a press offers it and does not turn it on") {
+    Touching stage;
+    const int before = stage.steps();
+    stage.click(stage.tool, Vec3(0.2, 0.1, 0.5));
+    REQUIRE(stage.offers.size() == 1);
+    CHECK(stage.offers[0] == Json{{"do", "enable"}, {"effect", "touch"}});
+    CHECK(!stage.now().effects.has(EffectKind::Touch));
+    CHECK(!stage.tool.busy());
+    CHECK(stage.steps() == before);
+    stage.tool.begin();
+    CHECK(stage.offers.size() == 2);
+}
+
+TEST_CASE("touch tool: beside the bodies there is nothing to touch or to offer") {
+    Touching stage;
+    stage.click(stage.tool, Vec3(0.0, 2.0, 0.5));
+    CHECK(stage.offers.empty());
+    CHECK(!stage.tool.busy());
+}

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <QString>
+#include <string_view>
+#include <vector>
+
+#include "core/character/character.h"
+#include "core/document/effects.h"
+
+namespace imomushi {
+
+/// What an effect is called, and what it does in one sentence, translated.
+QString effectTitle(EffectKind effect);
+QString effectHelp(EffectKind effect);
+
+/// The same of a setting of an effect; in English from core where there is no translation.
+QString effectPropertyTitle(EffectKind effect, const EffectProperty& property);
+QString effectPropertyHelp(EffectKind effect, const EffectProperty& property);
+
+/// What frames have to say, by FrameWarning.
+struct WarningText {
+    FrameWarning warning;
+    bool severe = false;  ///< the character is not where it should be, or something must be changed
+    QString text;         ///< translated, one sentence
+};
+/// Of those whose bit is set, the worst first.
+std::vector<WarningText> warningTexts(unsigned warnings);
+
+/// 0.0421 -> "0.04 ms": of a frame.
+QString frameTimeText(double milliseconds);
+
+}  // namespace imomushi

@@ -1,0 +1,336 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/panels/effects_panel.h"
+
+#include <QEvent>
+#include <QGridLayout>
+#include <QLabel>
+#include <QLocale>
+#include <QMenu>
+#include <QPushButton>
+#include <QToolButton>
+#include <QVBoxLayout>
+#include <algorithm>
+#include <cmath>
+
+#include "ui/models/effect_texts.h"
+#include "ui/models/texts.h"
+#include "ui/panels/appearance.h"
+#include "ui/panels/switch.h"
+
+namespace imomushi {
+namespace {
+
+/// Measured times are told so often: numbers that change faster cannot be read.
+constexpr int kTellMs = 350;
+/// Estimating tries some effects out: not while changes follow each other.
+constexpr int kEstimateMs = 250;
+
+/// How a setting is shown and dragged: times below a second in ms, steps of a twentieth of the default's power of ten.
+NumberField::Spec specOf(const EffectProperty& property, int part) {
+    NumberField::Spec spec;
+    spec.low = property.low;
+    spec.high = property.high;
+    spec.standard = property.initial[std::size_t(part)];
+    double size = 0.0;
+    for (const double value : property.initial) size = std::max(size, std::abs(value));
+    if (size == 0.0) size = 0.2;
+    if (property.unit == "s" && size < 1.0) {
+        spec.factor = 1000.0;
+        spec.unit = QStringLiteral("ms");
+    } else if (property.unit == "m/s^2") {
+        spec.unit = QStringLiteral("m/s²");
+    } else {
+        spec.unit = QString::fromUtf8(property.unit.data(), qsizetype(property.unit.size()));
+    }
+    const double power = std::pow(10.0, std::floor(std::log10(size * spec.factor)));
+    spec.step = power / 20.0;
+    spec.decimals = std::max(0, 2 - int(std::lround(std::log10(power))));
+    if (property.name == "patches") {
+        spec.step = 1.0;
+        spec.decimals = 0;
+    }
+    return spec;
+}
+
+}  // namespace
+
+EffectsPanel::EffectsPanel(StudioDocument& document, QWidget* parent) : QScrollArea(parent), document_(document) {
+    setWidgetResizable(true);
+    setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+    setFrameShape(QFrame::NoFrame);
+    const auto soon = [this] {
+        if (scheduled_) return;
+        scheduled_ = true;
+        QMetaObject::invokeMethod(this, &EffectsPanel::refresh, Qt::QueuedConnection);
+    };
+    const auto asked = [this, soon] {
+        soon();
+        askPrices();
+    };
+    connect(&document, &StudioDocument::structureChanged, this, asked);
+    connect(&document, &StudioDocument::responsesChanged, this, asked);
+    connect(&document, &StudioDocument::fileChanged, this, soon);
+    connect(&document, &StudioDocument::frameStepped, this, [this] {
+        stepped_.start();
+        if (!tell_.isActive() && isVisible()) tell_.start();
+    });
+    connect(&Appearance::instance(), &Appearance::changed, this, &EffectsPanel::rebuild);
+    estimate_.setSingleShot(true);
+    estimate_.setInterval(kEstimateMs);
+    connect(&estimate_, &QTimer::timeout, this, [this] {
+        if (gesture_) return;  // the end of the gesture asks again
+        for (std::size_t k = 0; k < kEffects; ++k) costs_[k] = document_.session().effectCost(EffectKind(k));
+        known_ = true;
+        showPrices();
+    });
+    tell_.setInterval(kTellMs);
+    connect(&tell_, &QTimer::timeout, this, [this] {
+        showPrices();
+        if (stepped_.elapsed() > kTellMs) tell_.stop();
+    });
+    rebuild();
+}
+
+EffectsPanel::~EffectsPanel() = default;
+
+void EffectsPanel::changeEvent(QEvent* event) {
+    QScrollArea::changeEvent(event);
+    if (event->type() == QEvent::LanguageChange) rebuild();
+}
+
+void EffectsPanel::showEvent(QShowEvent* event) {
+    QScrollArea::showEvent(event);
+    askPrices();
+}
+
+void EffectsPanel::askPrices() {
+    if (isVisible()) estimate_.start();
+}
+
+void EffectsPanel::rebuild() {
+    gesture_.reset();
+    auto* old = takeWidget();
+    if (old) old->deleteLater();
+    auto* body = new QWidget;
+    body->setObjectName(QStringLiteral("panel"));
+    body->setAttribute(Qt::WA_StyledBackground);
+    setAccessibleName(tr("Effects"));
+    auto* all = new QVBoxLayout(body);
+    all->setContentsMargins(px(14), px(12), px(12), px(14));
+    all->setSpacing(px(4));
+
+    auto* head = new QHBoxLayout;
+    auto* title = new QLabel(tr("All effects"), body);
+    title->setProperty("role", "section");
+    sum_ = new FigureLabel(body);
+    sum_->setObjectName(QStringLiteral("effectSum"));
+    sum_->setToolTip(tr("Processor time of what is on, of a whole frame without drawing. Nothing is computed while everything rests."));
+    head->addWidget(title);
+    head->addStretch(1);
+    head->addWidget(sum_);
+    all->addLayout(head);
+    auto* rule = new QFrame(body);
+    rule->setObjectName(QStringLiteral("rule"));
+    all->addSpacing(px(2));
+    all->addWidget(rule);
+    all->addSpacing(px(2));
+
+    for (std::size_t k = 0; k < kEffects; ++k) {
+        const auto effect = EffectKind(k);
+        const QString name = QString::fromUtf8(effectName(effect).data(), qsizetype(effectName(effect).size()));
+        Row& r = rows_[k];
+        r = {};
+        auto* holder = new QWidget(body);
+        r.layout = new QVBoxLayout(holder);
+        r.layout->setContentsMargins(0, px(3), 0, px(3));
+        r.layout->setSpacing(px(3));
+        auto* line = new QHBoxLayout;
+        line->setSpacing(px(9));
+        r.button = new Switch(holder);
+        r.button->setObjectName(name);
+        r.button->setAccessibleName(effectTitle(effect));
+        r.button->setAccessibleDescription(effectHelp(effect));
+        auto* text = new QLabel(effectTitle(effect), holder);
+        r.price = new FigureLabel(holder);
+        for (QWidget* w : {static_cast<QWidget*>(r.button), static_cast<QWidget*>(text)}) w->setToolTip(effectHelp(effect));
+        line->addWidget(r.button);
+        line->addWidget(text);
+        line->addStretch(1);
+        line->addWidget(r.price);
+        r.layout->addLayout(line);
+
+        r.needs = new QWidget(holder);
+        auto* needs = new QHBoxLayout(r.needs);
+        needs->setContentsMargins(r.button->sizeHint().width() + px(9), 0, 0, 0);
+        r.needsText = new QLabel(r.needs);
+        r.needsText->setProperty("role", "muted");
+        auto* button = new QPushButton(tr("Precompute"), r.needs);
+        button->setProperty("flat", true);
+        connect(button, &QPushButton::clicked, this, &EffectsPanel::precomputeWanted);
+        r.precompute = button;
+        needs->addWidget(r.needsText, 1);
+        needs->addWidget(button);
+        r.needs->hide();
+        r.layout->addWidget(r.needs);
+        all->addWidget(holder);
+        connect(r.button, &Switch::clicked, this, [this, effect] { turn(effect, !document_.document().effects.has(effect)); });
+    }
+    all->addStretch(1);
+    setWidget(body);
+    refresh();
+}
+
+void EffectsPanel::turn(EffectKind effect, bool on) {
+    document_.execute({{"do", on ? "enable" : "disable"}, {"effect", std::string(effectName(effect))}});
+    refresh();
+}
+
+void EffectsPanel::refresh() {
+    scheduled_ = false;
+    for (std::size_t k = 0; k < kEffects; ++k) {
+        const auto effect = EffectKind(k);
+        Row& r = rows_[k];
+        const bool on = document_.document().effects.has(effect);
+        r.button->setChecked(on);
+        if (on && !r.settings && (!effectProperties(effect).empty() || isOfElements(effect))) buildSettings(effect);
+        if (!on && r.settings) {
+            gesture_.reset();
+            r.refreshers.clear();
+            r.settings->hide();
+            r.settings->deleteLater();
+            r.settings = nullptr;
+        }
+        for (const auto& f : r.refreshers) f();
+    }
+    showPrices();
+}
+
+void EffectsPanel::showPrices() {
+    double together = 0.0;
+    bool any = false;
+    for (std::size_t k = 0; k < kEffects; ++k) {
+        const auto effect = EffectKind(k);
+        const Row& r = rows_[k];
+        const bool on = document_.document().effects.has(effect);
+        const auto measured = on ? document_.effectMilliseconds(effect) : std::nullopt;
+        if (measured) {
+            together += *measured;
+            any = true;
+            r.price->setText(frameTimeText(*measured));
+            r.price->setToolTip(tr("Measured: per frame while it moves"));
+        } else {
+            r.price->setText(known_ ? tr("about %1").arg(frameTimeText(costs_[k].milliseconds)) : QString());
+            r.price->setToolTip(tr("Predicted: per frame"));
+        }
+        r.price->setRole(measured ? Appearance::Role::Text : Appearance::Role::Muted);
+        const bool needs = known_ && costs_[k].precompute;
+        if (needs) r.needsText->setText(tr("Needs precompute, about %1").arg(durationText(costs_[k].seconds)));
+        r.precompute->setVisible(on);
+        r.needs->setVisible(needs);
+    }
+    const auto frame = document_.frameMilliseconds();
+    const bool moving = stepped_.isValid() && stepped_.elapsed() <= kTellMs;
+    QString text;
+    if (any && frame) {
+        const QLocale locale;
+        text = tr("%1 of %2").arg(locale.toString(together, 'f', 2), frameTimeText(*frame));
+        if (!moving) text = tr("at rest · %1").arg(text);
+    }
+    sum_->setText(text);
+    sum_->setRole(moving ? Appearance::Role::Text : Appearance::Role::Muted);
+}
+
+void EffectsPanel::buildSettings(EffectKind effect) {
+    Row& r = row(effect);
+    r.settings = new QWidget(r.layout->parentWidget());
+    auto* grid = new QGridLayout(r.settings);
+    grid->setContentsMargins(r.button->sizeHint().width() + px(9), px(2), 0, px(6));
+    grid->setHorizontalSpacing(px(10));
+    grid->setVerticalSpacing(px(5));
+    grid->setColumnMinimumWidth(0, px(104));
+    grid->setColumnStretch(1, 1);
+    if (isOfElements(effect)) addElements(r, *grid, effect);
+    for (const EffectProperty& property : effectProperties(effect))
+        for (int part = 0; part < property.size; ++part) addNumber(r, *grid, effect, property, part);
+    r.layout->addWidget(r.settings);
+}
+
+void EffectsPanel::addNumber(Row& r, QGridLayout& grid, EffectKind effect, const EffectProperty& property, int part) {
+    static constexpr const char* kAxes[] = {"X", "Y", "Z"};
+    QString title = effectPropertyTitle(effect, property);
+    if (property.size > 1) title += QStringLiteral(" %1").arg(QLatin1String(kAxes[part]));
+    auto* label = new QLabel(title, r.settings);
+    label->setProperty("role", "muted");
+    auto* field = new NumberField(specOf(property, part), r.settings);
+    field->setObjectName(QString::fromUtf8(property.name.data(), qsizetype(property.name.size())));
+    field->setAccessibleName(title);
+    label->setToolTip(effectPropertyHelp(effect, property));
+    field->setAccessibleDescription(effectPropertyHelp(effect, property));
+    field->setSizePolicy(QSizePolicy::Ignored, field->sizePolicy().verticalPolicy());
+    label->setBuddy(field);
+    const int line = grid.rowCount();
+    grid.addWidget(label, line, 0);
+    grid.addWidget(field, line, 1);
+
+    const std::string name(effectName(effect)), key(property.name);
+    const auto at = std::size_t(Effects::place(effect, property.name));
+    connect(field, &NumberField::editStarted, this, [this] { gesture_ = std::make_unique<Gesture>(document_); });
+    connect(field, &NumberField::valueEdited, this, [this, effect, name, key, at, part, size = property.size](double value) {
+        Json json = value;
+        if (size > 1) {
+            json = Json::array();
+            for (int i = 0; i < size; ++i) json.push_back(i == part ? value : document_.document().effects[effect].values[at + std::size_t(i)]);
+        }
+        document_.execute({{"do", "set"}, {"target", name}, {"property", key}, {"value", json}});
+    });
+    connect(field, &NumberField::editEnded, this, [this](bool keep) {
+        if (keep && gesture_) gesture_->commit();
+        gesture_.reset();
+        refresh();
+        askPrices();
+    });
+    r.refreshers.push_back([this, field, effect, at, part] { field->setValue(document_.document().effects[effect].values[at + std::size_t(part)]); });
+}
+
+void EffectsPanel::addElements(Row& r, QGridLayout& grid, EffectKind effect) {
+    auto* label = new QLabel(tr("Works on"), r.settings);
+    label->setProperty("role", "muted");
+    auto* button = new QPushButton(r.settings);
+    button->setProperty("field", true);
+    button->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Fixed);
+    button->setAccessibleName(tr("Works on"));
+    label->setBuddy(button);
+    const int line = grid.rowCount();
+    grid.addWidget(label, line, 0);
+    grid.addWidget(button, line, 1);
+    auto* menu = new QMenu(button);
+    menu->setWindowFlag(Qt::NoDropShadowWindowHint);
+    button->setMenu(menu);
+    connect(menu, &QMenu::aboutToShow, this, [this, menu, effect] {
+        menu->clear();
+        const Document& d = document_.document();
+        const std::string name(effectName(effect));
+        QAction* everywhere = menu->addAction(tr("All elements"), this, [this, name] { document_.execute({{"do", "enable"}, {"effect", name}}); });
+        everywhere->setCheckable(true);
+        everywhere->setChecked(d.effects[effect].elements.empty());
+        menu->addSeparator();
+        for (const auto& [id, element] : d.elements) {
+            const bool has = d.effects.has(effect, id);
+            QString text = QString::fromStdString(element->name);
+            text.replace(u'&', QStringLiteral("&&"));
+            QAction* action = menu->addAction(text, this, [this, name, has, target = element->name] {
+                document_.execute({{"do", has ? "disable" : "enable"}, {"effect", name}, {"target", target}});
+            });
+            action->setCheckable(true);
+            action->setChecked(has);
+        }
+    });
+    r.refreshers.push_back([this, button, effect] {
+        const Document& d = document_.document();
+        const auto& chosen = d.effects[effect].elements;
+        const auto some = std::count_if(d.elements.begin(), d.elements.end(), [&](const auto& e) { return chosen.contains(e.first); });
+        button->setText(chosen.empty() ? tr("All elements") : tr("%1 of %2 elements").arg(some).arg(d.elements.size()));
+    });
+}
+
+}  // namespace imomushi

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <QElapsedTimer>
+#include <QScrollArea>
+#include <QTimer>
+#include <array>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "ui/models/studio_document.h"
+#include "ui/panels/number_field.h"
+#include "ui/tools/gesture.h"
+
+class QGridLayout;
+class QLabel;
+class QVBoxLayout;
+
+namespace imomushi {
+
+class FigureLabel;
+class Switch;
+
+/// What the scene asks for beyond the static pose: one row per effect with its switch and its price, predicted while it is off and measured while frames
+/// pass; settings of what is on.
+class EffectsPanel : public QScrollArea {
+    Q_OBJECT
+public:
+    explicit EffectsPanel(StudioDocument& document, QWidget* parent = nullptr);
+    ~EffectsPanel() override;
+
+signals:
+    void precomputeWanted();
+
+protected:
+    void changeEvent(QEvent* event) override;
+    void showEvent(QShowEvent* event) override;
+
+private:
+    struct Row {
+        Switch* button = nullptr;
+        FigureLabel* price = nullptr;
+        QWidget* needs = nullptr;      ///< the line that says that a precompute is needed
+        QLabel* needsText = nullptr;
+        QWidget* precompute = nullptr;
+        QVBoxLayout* layout = nullptr;
+        QWidget* settings = nullptr;   ///< null: off, or there are none
+        std::vector<std::function<void()>> refreshers;
+    };
+
+    void rebuild();
+    void refresh();        ///< takes over what the document says
+    void showPrices();
+    void askPrices();      ///< estimates what effects cost, soon
+    void buildSettings(EffectKind effect);
+    void addNumber(Row& row, QGridLayout& grid, EffectKind effect, const EffectProperty& property, int part);
+    void addElements(Row& row, QGridLayout& grid, EffectKind effect);
+    void turn(EffectKind effect, bool on);
+    [[nodiscard]] Row& row(EffectKind effect) { return rows_[std::size_t(effect)]; }
+
+    StudioDocument& document_;
+    std::array<Row, kEffects> rows_;
+    std::array<EffectCost, kEffects> costs_;
+    FigureLabel* sum_ = nullptr;
+    std::unique_ptr<Gesture> gesture_;
+    QTimer estimate_, tell_;
+    QElapsedTimer stepped_;            ///< since the last frame
+    bool scheduled_ = false, known_ = false;
+};
+
+}  // namespace imomushi

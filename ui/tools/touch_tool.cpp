@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/tools/touch_tool.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ui/models/texts.h"
+#include "ui/tools/tool_texts.h"
+
+namespace imomushi {
+namespace {
+
+// Logical pixels: how deep a press goes at once, and how much deeper each notch of the wheel. The flesh gives way as far as it can, whatever is asked.
+constexpr double kPokePixels = 12.0, kNotchPixels = 6.0;
+/// Fingers are not pulled farther out of the surface than this: pushing in again should not take long.
+constexpr double kOutsidePixels = 6.0;
+constexpr double kFine = 0.1;
+
+Vec3 onPlane(const PointerEvent& e, const Vec3& point, const Vec3& normal) {
+    const double slope = normal.dot(e.rayDirection);
+    const double t = std::abs(slope) < 1e-6 ? 0.0 : normal.dot(point - e.rayOrigin) / slope;
+    return t > 0.0 ? Vec3(e.rayOrigin + t * e.rayDirection) : point;
+}
+
+std::optional<RayHit> surfaceUnder(Session& session, const PointerEvent& e) {
+    const auto hits = rayHits(session, e.rayOrigin, e.rayDirection);
+    const auto first = std::find_if(hits.begin(), hits.end(), [](const RayHit& hit) { return hit.entering; });
+    return first == hits.end() ? std::nullopt : std::optional(*first);
+}
+
+}  // namespace
+
+void TouchTool::begin() {
+    if (!document_.document().elements.empty()) offer(0);
+}
+
+bool TouchTool::offer(PartId element) {
+    const Document& d = document_.document();
+    const bool on = element ? d.effects.has(EffectKind::Touch, element) : d.effects.has(EffectKind::Touch);
+    if (!on) {
+        Json command = {{"do", "enable"}, {"effect", "touch"}};
+        QString text = ToolTexts::tr("Fingers need the effect “Touch”.");
+        if (d.effects.has(EffectKind::Touch)) {
+            const std::string& name = d.elements.at(element)->name;
+            command["target"] = name;
+            text = ToolTexts::tr("The effect “Touch” is off on “%1”.").arg(QString::fromStdString(name));
+        }
+        Q_EMIT document_.offered(text, ToolTexts::tr("Turn on"), command);
+        return true;
+    }
+    const auto waits = [&](PartId id) {
+        return d.effects.has(EffectKind::Touch, id) && !d.elements.at(id)->faces.empty() &&
+               document_.session().responseState(id) != Session::ResponseState::Fresh;
+    };
+    const bool waiting = element ? waits(element) : std::any_of(d.elements.begin(), d.elements.end(), [&](const auto& e) { return waits(e.first); });
+    if (waiting) Q_EMIT document_.offered(ToolTexts::tr("Fingers need a precompute first, about %1.").arg(durationText(document_.session().effectCost(EffectKind::Touch).seconds)), ToolTexts::tr("Precompute"), {{"do", "precompute"}});
+    return waiting;
+}
+
+void TouchTool::press(const PointerEvent& e) {
+    if (finger_ || e.button != Qt::LeftButton) return;
+    const auto hit = surfaceUnder(document_.session(), e);
+    if (!hit || offer(hit->element)) return;
+    Finger finger;
+    finger.gesture = std::make_unique<Gesture>(document_);
+    finger.element = hit->element;
+    finger.rest = hit->rest;
+    finger.surface = finger.grip = hit->point;
+    finger.inward = -hit->normal;
+    finger.across = e.viewForward;
+    finger.pixel = e.pixelAt(hit->point);
+    finger.depth = kPokePixels * finger.pixel;
+    finger.lastY = e.y;
+    finger_ = std::move(finger);
+    hovered_.reset();
+    issue();
+}
+
+bool TouchTool::issue() {
+    const auto element = document_.document().elements.find(finger_->element);
+    if (element != document_.document().elements.end() && finger_->tip().allFinite() &&
+        document_.execute({{"do", "touch"}, {"element", element->second->name}, {"point", jsonOf(finger_->rest)}, {"to", jsonOf(finger_->tip())}}))
+        return true;
+    cancel();
+    return false;
+}
+
+void TouchTool::move(const PointerEvent& e) {
+    if (!finger_) {
+        document_.setHovered(std::nullopt);
+        hovered_ = surfaceUnder(document_.session(), e);
+        return;
+    }
+    Finger& finger = *finger_;
+    const double pace = (e.modifiers & Qt::ShiftModifier) ? kFine : 1.0;
+    const Vec3 under = onPlane(e, finger.grip, finger.across);
+    if (e.modifiers & Qt::ControlModifier)
+        finger.depth = std::max(-kOutsidePixels * finger.pixel, finger.depth + pace * (e.y - finger.lastY) * finger.pixel);
+    else
+        finger.surface += pace * (under - finger.grip);
+    finger.grip = under;
+    finger.lastY = e.y;
+    issue();
+}
+
+bool TouchTool::wheel(double notches, const PointerEvent& e) {
+    if (!finger_) return false;
+    const double pace = (e.modifiers & Qt::ShiftModifier) ? kFine : 1.0;
+    finger_->depth = std::max(-kOutsidePixels * finger_->pixel, finger_->depth + pace * notches * kNotchPixels * finger_->pixel);
+    issue();
+    return true;
+}
+
+void TouchTool::release(const PointerEvent& e) {
+    if (!finger_ || e.button != Qt::LeftButton) return;
+    const auto element = document_.document().elements.find(finger_->element);
+    if (element != document_.document().elements.end())
+        document_.execute({{"do", "touch"}, {"element", element->second->name}, {"point", jsonOf(finger_->rest)}, {"to", nullptr}});
+    finger_->gesture->commit();
+    finger_.reset();
+}
+
+void TouchTool::cancel() { finger_.reset(); }  // its gesture takes the commands back
+
+QString TouchTool::hint() const {
+    if (finger_) return ToolTexts::tr("Move: push along · Wheel or Ctrl+drag: deeper or less deep · Shift: fine · Esc: take back");
+    const Document& d = document_.document();
+    if (d.elements.empty()) return {};
+    if (!d.effects.has(EffectKind::Touch)) return ToolTexts::tr("The effect “Touch” is off. Click the surface to be asked about it");
+    return ToolTexts::tr("Press and hold: poke a finger into the surface");
+}
+
+void TouchTool::decorate(render::Scene& scene) const {
+    if (!finger_ && !hovered_) return;
+    render::Marker marker;
+    marker.shape = finger_ ? render::Marker::Shape::HeldPoint : render::Marker::Shape::JointPoint;
+    marker.from = marker.to = finger_ ? finger_->tip() : hovered_->point;
+    marker.hovered = !finger_;
+    scene.markers.push_back(std::move(marker));
+}
+
+}  // namespace imomushi

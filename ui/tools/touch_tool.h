@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+
+#include "ui/tools/gesture.h"
+#include "ui/tools/picking.h"
+#include "ui/tools/tool.h"
+
+namespace imomushi {
+
+/// Pokes fingers into the surface: a press dents it, moving pushes the dent along the screen, the wheel or Ctrl presses deeper, releasing lifts. One poke is
+/// one undo step. Where the effect is off, or not precomputed, it offers what is missing.
+class TouchTool : public Tool {
+public:
+    using Tool::Tool;
+    void begin() override;
+    void press(const PointerEvent& e) override;
+    void move(const PointerEvent& e) override;
+    void release(const PointerEvent& e) override;
+    void leave() override { hovered_.reset(); }
+    bool wheel(double notches, const PointerEvent& e) override;
+    void cancel() override;
+    [[nodiscard]] bool busy() const override { return finger_.has_value(); }
+    [[nodiscard]] QString hint() const override;
+    void decorate(render::Scene& scene) const override;
+
+private:
+    struct Finger {
+        std::unique_ptr<Gesture> gesture;
+        PartId element = 0;
+        Vec3 rest = Vec3::Zero();     ///< the point of the flesh, at rest
+        Vec3 surface = Vec3::Zero();  ///< where it was when it was pressed, moved along with the pointer
+        Vec3 inward = Vec3::UnitZ();  ///< unit
+        Vec3 across = Vec3::UnitZ();  ///< normal of the plane in which the pointer moves
+        Vec3 grip = Vec3::Zero();     ///< point of that plane under the pointer at the last move
+        double depth = 0.0;           ///< m
+        double pixel = 0.0;           ///< m that a logical pixel covers at the surface
+        double lastY = 0.0;
+        [[nodiscard]] Vec3 tip() const { return surface + depth * inward; }
+    };
+
+    /// Offers what fingers on an element (0: any) still need. False: nothing, they work.
+    bool offer(PartId element);
+    bool issue();
+
+    std::optional<RayHit> hovered_;
+    std::optional<Finger> finger_;
+};
+
+}  // namespace imomushi
