@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Inside, lengths are in sizes of the element, positions are about the mean of its faces' origins, and vertices are in the order of elimination: those
+// Inside, lengths are in sizes of the element, positions are about the mean of its faces' origins, and vertices are in the order of elimination:
+// those
 // that the system solves for, one of each shell that no face holds, then the held ones.
 #include "core/warp/bend_warp.h"
 
@@ -34,18 +35,22 @@ constexpr float kMostStrain = 3.0f;
 constexpr float kMostAngle = 7.0f;
 // The fit of rotations sees the rotation that the response says as this part of what it fits to: without it collapsed triangles would have none.
 constexpr float kGuess = 0.05f;
-// Within this many sizes of a face (at most this part of the way to the next one) triangles follow the face more and more: linear elasticity with a rigid
-// rim has a singular crease there, that nobody wants to see of a large bend. It counts by the square of the motion of the face, half at this one (radians).
+// Within this many sizes of a face (at most this part of the way to the next one) triangles follow the face more and more: linear elasticity with a
+// rigid
+// rim has a singular crease there, that nobody wants to see of a large bend. It counts by the square of the motion of the face, half at this one
+// (radians).
 constexpr double kBand = 2.0, kBandShare = 0.5, kFollowWholly = 0.2;
 constexpr float kBandMotion = 0.04f;
-// Nearer than this many sizes they are stiffer, up to this many times at the rim; softness grows evenly from there. What shapes cannot agree on is settled
+// Nearer than this many sizes they are stiffer, up to this many times at the rim; softness grows evenly from there. What shapes cannot agree on is
+// settled
 // farther away, and slopes that are left at the rim are as small as they change from row to row beside it.
 constexpr double kStiffBand = 0.8, kStiffness = 50.0;
-// The inflation falls off towards faces over this many times the size of the largest one, and moves nothing by more than this part of the element's width.
+// The inflation falls off towards faces over this many times the size of the largest one, and moves nothing by more than this part of the element's
+// width.
+constexpr double kInflationRange = 0.5, kMostInflation = 0.25;
 // Its amount is found in so many steps of Newton's method with the first slope, or until the volume is as near as this.
 constexpr int kVolumeSteps = 4;
 constexpr double kVolumeError = 1e-4;
-constexpr double kInflationRange = 0.5, kMostInflation = 0.25;
 // Beside a face, up to this many sizes of it from its middle: vertices closer to its plane than this many sizes, or than at rest, stop before they
 // cross it. They begin to be stopped at half of that.
 constexpr double kContactInside = 1.0, kContactOutside = 1.5, kContactDepth = 0.25;
@@ -75,7 +80,8 @@ struct Three {
     friend Three operator*(float s, const Three& a) { return {s * a.x, s * a.y, s * a.z}; }
     friend Three operator/(const Three& a, float s) { return (1.0f / s) * a; }
     friend Three operator*(const Matrix3f& m, const Three& a) {
-        return {m(0, 0) * a.x + m(0, 1) * a.y + m(0, 2) * a.z, m(1, 0) * a.x + m(1, 1) * a.y + m(1, 2) * a.z, m(2, 0) * a.x + m(2, 1) * a.y + m(2, 2) * a.z};
+        return {m(0, 0) * a.x + m(0, 1) * a.y + m(0, 2) * a.z, m(1, 0) * a.x + m(1, 1) * a.y + m(1, 2) * a.z,
+                m(2, 0) * a.x + m(2, 1) * a.y + m(2, 2) * a.z};
     }
 };
 Three three(const Vector4f& v) { return Three(v); }
@@ -83,7 +89,8 @@ Vector4f four(const Three& v) { return {v.x, v.y, v.z, 0.0f}; }
 
 struct Triangle {
     std::array<std::int32_t, 3> v;
-    float c11, c12, c22;  // energy of two sides d1, d2 from corner 0: 1/2 (c11 d1.d1 + 2 c12 d1.d2 + c22 d2.d2), the integral of |gradient|^2 / 2
+    float c11, c12,
+        c22;  // energy of two sides d1, d2 from corner 0: 1/2 (c11 d1.d1 + 2 c12 d1.d2 + c22 d2.d2), the integral of |gradient|^2 / 2
 };
 
 // What a triangle wants to be: its two sides at rest after strains, in its plane, and the plane's axes after rotations.
@@ -93,10 +100,10 @@ struct Wish {
 };
 
 struct Gradient {
-    Three w;           // rotation vector
+    Three w;              // rotation vector
     float e11, e12, e22;  // strain in the axes below
     Three t1, t2;
-    float l, p, q;        // sides: l t1 and p t1 + q t2
+    float l, p, q;  // sides: l t1 and p t1 + q t2
 };
 
 /// Of displacement u over a triangle with sides e1, e2, on a free surface.
@@ -120,7 +127,8 @@ Gradient gradientOf(const Three& e1, const Three& e2, const Three& u1, const Thr
     return g;
 }
 
-/// Turns a and b by rotation vector w; beyond kMostAngle as by that. From an eighth of the angle by doubling, to 1e-5: no library function is as fast.
+/// Turns a and b by rotation vector w; beyond kMostAngle as by that. From an eighth of the angle by doubling, to 1e-5: no library function is as
+/// fast.
 void turn(const Three& w, Three& a, Three& b) {
     const float squared = w.squaredNorm(), part = squared > kMostAngle * kMostAngle ? kMostAngle / std::sqrt(squared) : 1.0f;
     const float x = squared * part * part / 64.0f;
@@ -182,10 +190,10 @@ Matrix3d logarithm(const Matrix3d& symmetric) {
     return eigen.eigenvectors() * l.asDiagonal() * eigen.eigenvectors().transpose();
 }
 
-// s d + w x d = log of what turns d into e, by the nearest way.
-Vec3 logarithmicMove(const Vec3& d, const Vec3& e) {
+// s d + w x d for the stretch exp(s) and the rotation w, by the nearest way, that turn d into e. size: of the element.
+Vec3 logarithmicMove(const Vec3& d, const Vec3& e, double size) {
     const double from = d.norm(), to = e.norm();
-    if (!(from > 1e-9)) return e - d;
+    if (!(from > 1e-9 * size)) return e - d;
     const double stretch = std::clamp(to / from, kLeastStretch, kMostStretch);
     const Vec3 cross = d.cross(e);
     const double sine = cross.norm();
@@ -204,8 +212,8 @@ struct BendWarp::State {
     std::vector<JointFace> faces;
     std::vector<FaceBasis> bases;
     std::vector<int> firstColumn;
-    std::vector<Points> restOfFace;            // in its axes, m
-    std::vector<std::int32_t> held;            // body vertices
+    std::vector<Points> restOfFace;  // in its axes, m
+    std::vector<std::int32_t> held;  // body vertices
     std::vector<std::int32_t> indexOfHeld;
     std::vector<std::int64_t> slot;            // of free vertices: their x in `local`
     Eigen::MatrixXf response;                  // 3 free x g, in sizes
@@ -213,9 +221,9 @@ struct BendWarp::State {
     Eigen::VectorXd volumeChange;              // per column, in sizes^3
     double volume = 0.0;
     Vectors rest;
-    std::vector<Triangle> triangles;                           // that count
-    std::vector<std::array<std::int32_t, 3>> surface;          // all
-    std::vector<float> inflation;                              // per vertex, 0...1
+    std::vector<Triangle> triangles;                   // that count
+    std::vector<std::array<std::int32_t, 3>> surface;  // all
+    std::vector<float> inflation;                      // per vertex, 0...1
     SparseFactor factor;
     struct Shell {
         std::vector<std::int32_t> vertices, triangles;
@@ -267,15 +275,17 @@ struct BendWarp::State {
         const double angle = mean.norm();
         const Matrix3d back = Eigen::AngleAxisd(-angle, angle > 0.0 ? Vec3(mean / angle) : Vec3(Vec3::UnitX())).toRotationMatrix();
         for (std::size_t f = 0; f < faces.size(); ++f)
-            carried += (motions[f].linear * faces[f].frame.origin + motions[f].shift - faces[f].frame.origin) / static_cast<double>(faces.size());
+            carried +=
+                (motions[f].linear * faces[f].frame.origin + motions[f].shift - faces[f].frame.origin) / static_cast<double>(faces.size());
         for (std::size_t f = 0; f < faces.size(); ++f) {
             const auto& m = motions[f];
             const auto& frame = faces[f].frame;
             const Vec3 d = frame.origin - origin, e = m.linear * frame.origin + m.shift - origin - carried;
             const Matrix3d r = m.rotation.normalized().toRotationMatrix(), s = r.transpose() * m.linear;
             JointMap map;
-            map.linear = Matrix3d::Identity() + frame.axes.transpose() * (skew(rotationVector(m.rotation)) + logarithm(0.5 * (s + s.transpose()))) * frame.axes;
-            map.shift = frame.axes.transpose() * (mean.cross(d) + logarithmicMove(d, back * e));
+            map.linear = Matrix3d::Identity() +
+                         frame.axes.transpose() * (skew(rotationVector(m.rotation)) + logarithm(0.5 * (s + s.transpose()))) * frame.axes;
+            map.shift = frame.axes.transpose() * (mean.cross(d) + logarithmicMove(d, back * e, size));
             double lost = 0.0;
             bases[f].coefficients(map, restOfFace[f], faces[f].size, v.data() + firstColumn[f], lost);
         }
@@ -297,9 +307,9 @@ struct BendWarp::State {
     // Logarithm of the stretch that two faces give the whole body.
     [[nodiscard]] Matrix3d baseStretch(std::span<const FaceMotion> motions) const {
         if (faces.size() != 2) return Matrix3d::Zero();
-        const auto moved_ = [&](std::size_t f) -> Vec3 { return motions[f].linear * faces[f].frame.origin + motions[f].shift; };
+        const auto placed = [&](std::size_t f) -> Vec3 { return motions[f].linear * faces[f].frame.origin + motions[f].shift; };
         const Vec3 d = faces[1].frame.origin - faces[0].frame.origin;
-        const double from = d.norm(), to = (moved_(1) - moved_(0)).norm();
+        const double from = d.norm(), to = (placed(1) - placed(0)).norm();
         if (!(from > 1e-6 * size)) return Matrix3d::Zero();
         const double s = std::log(std::clamp(to / from, kLeastStretch, kMostStretch));
         const Matrix3d along = d * d.transpose() / (from * from);
@@ -312,7 +322,9 @@ struct BendWarp::State {
         if (v.size() > 0) moved.noalias() = response * weights;
         Eigen::SelfAdjointEigenSolver<Matrix3d> eigen;
         eigen.compute(logStretch);
-        const Matrix3f grow = (eigen.eigenvectors() * eigen.eigenvalues().array().exp().matrix().asDiagonal() * eigen.eigenvectors().transpose()).cast<float>();
+        const Matrix3f grow =
+            (eigen.eigenvectors() * eigen.eigenvalues().array().exp().matrix().asDiagonal() * eigen.eigenvectors().transpose())
+                .cast<float>();
         const Matrix3f linear = logStretch.cast<float>();
         for (int i = 0; i < free; ++i) displacement[i].head<3>() = moved.segment<3>(3 * i);
         std::size_t h = 0;
@@ -332,7 +344,8 @@ struct BendWarp::State {
 
     [[nodiscard]] Gradient gradient(const Triangle& t) const {
         const Three b = three(base[t.v[0]]), u = three(displacement[t.v[0]]);
-        return gradientOf(three(base[t.v[1]]) - b, three(base[t.v[2]]) - b, three(displacement[t.v[1]]) - u, three(displacement[t.v[2]]) - u);
+        return gradientOf(three(base[t.v[1]]) - b, three(base[t.v[2]]) - b, three(displacement[t.v[1]]) - u,
+                          three(displacement[t.v[2]]) - u);
     }
 
     // A shell that no face holds goes where a body with its mean rotation and displacement goes: the displacement turns while it grows.
@@ -404,8 +417,10 @@ struct BendWarp::State {
 
     // The rotation that brings the wish nearest to sides x1, x2: a polar decomposition of 3 x 2.
     static void fit(const Triangle& t, const Three& x1, const Three& x2, Wish& wish) {
-        const float size = std::max(0.5f * (t.c11 * (wish.p1x * wish.p1x + wish.p1y * wish.p1y) + t.c22 * (wish.p2x * wish.p2x + wish.p2y * wish.p2y)) +
-                                        t.c12 * (wish.p1x * wish.p2x + wish.p1y * wish.p2y), 1e-30f);
+        const float size =
+            std::max(0.5f * (t.c11 * (wish.p1x * wish.p1x + wish.p1y * wish.p1y) + t.c22 * (wish.p2x * wish.p2x + wish.p2y * wish.p2y)) +
+                         t.c12 * (wish.p1x * wish.p2x + wish.p1y * wish.p2y),
+                     1e-30f);
         const Three f1 = (t.c11 * x1 + t.c12 * x2) / size, f2 = (t.c12 * x1 + t.c22 * x2) / size;
         const Three a = wish.p1x * f1 + wish.p2x * f2 + kGuess * wish.x, b = wish.p1y * f1 + wish.p2y * f2 + kGuess * wish.y;
         const float aa = a.squaredNorm(), bb = b.squaredNorm(), ab = a.dot(b);
@@ -511,9 +526,12 @@ std::vector<std::vector<double>> distanceToFaces(const TriangleMesh& body, const
     return out;
 }
 
-bool fits(const TriangleMesh& body, const std::vector<JointFace>& faces, const ElementResponse& response, std::span<const std::int32_t> blocks) {
+bool fits(const TriangleMesh& body, const std::vector<JointFace>& faces, const ElementResponse& response,
+          std::span<const std::int32_t> blocks) {
     const auto vertices = body.vertices.rows();
-    if (!body.vertices.allFinite() || (body.triangles.size() > 0 && (body.triangles.minCoeff() < 0 || body.triangles.maxCoeff() >= vertices))) return false;
+    if (!body.vertices.allFinite() ||
+        (body.triangles.size() > 0 && (body.triangles.minCoeff() < 0 || body.triangles.maxCoeff() >= vertices)))
+        return false;
     if (response.bases.size() != faces.size() || response.firstColumn.size() != faces.size() + 1) return false;
     std::vector<char> seen(static_cast<std::size_t>(vertices), 0);
     std::size_t count = response.freeVertices.size();
@@ -529,7 +547,8 @@ bool fits(const TriangleMesh& body, const std::vector<JointFace>& faces, const E
         while (block < blocks.size() && blocks[block] + BendWarp::kBlock <= v) ++block;
         if (block == blocks.size() || blocks[block] > v) return false;
     }
-    return count == static_cast<std::size_t>(vertices) && response.response.rows() == 3 * static_cast<Eigen::Index>(response.freeVertices.size()) &&
+    return count == static_cast<std::size_t>(vertices) &&
+           response.response.rows() == 3 * static_cast<Eigen::Index>(response.freeVertices.size()) &&
            response.response.cols() == response.columns() && response.response.allFinite();
 }
 
@@ -596,7 +615,9 @@ Result<BendWarp> BendWarp::build(const TriangleMesh& body, const std::vector<Joi
         const bool sliver = !(twice > kSliver * longest) || !(longest > 1e-16);
         double stiffer = 1.0;
         for (std::size_t f = 0; f < faces.size(); ++f)
-            stiffer = std::max(stiffer, 1.0 / (1.0 / kStiffness + (1.0 - 1.0 / kStiffness) * std::pow(std::min(1.0, distances[f][k] / (kStiffBand / kBand * bands[f])), 1.5)));
+            stiffer = std::max(
+                stiffer, 1.0 / (1.0 / kStiffness + (1.0 - 1.0 / kStiffness) *
+                                                       std::pow(std::min(1.0, distances[f][k] / (kStiffBand / kBand * bands[f])), 1.5)));
         const double over = stiffer * (sliver ? kSliverStiffness / std::max(longest, 1e-30) : 0.5 / twice);
         const double c11 = over * e2.squaredNorm(), c12 = -over * e1.dot(e2), c22 = over * e1.squaredNorm();
         const double c[3][3] = {{c11 + 2.0 * c12 + c22, -c11 - c12, -c12 - c22}, {-c11 - c12, c11, c12}, {-c12 - c22, c12, c22}};
@@ -614,7 +635,8 @@ Result<BendWarp> BendWarp::build(const TriangleMesh& body, const std::vector<Joi
         for (std::size_t f = 0; f < faces.size(); ++f) sum += follow(distances[f][k] / bands[f]);
         for (std::size_t f = 0; f < faces.size(); ++f)
             if (const double weight = follow(distances[f][k] / bands[f]); weight > 0.0)
-                s.near.push_back({static_cast<std::int32_t>(s.triangles.size()), static_cast<std::int32_t>(f), static_cast<float>(weight / std::max(1.0, sum))});
+                s.near.push_back({static_cast<std::int32_t>(s.triangles.size()), static_cast<std::int32_t>(f),
+                                  static_cast<float>(weight / std::max(1.0, sum))});
         s.triangles.push_back({v, static_cast<float>(c11), static_cast<float>(c12), static_cast<float>(c22)});
     }
     if (progress.cancelled()) return fail(kCancelled, "Cancelled.");
@@ -622,7 +644,8 @@ Result<BendWarp> BendWarp::build(const TriangleMesh& body, const std::vector<Joi
     // Vertices of slivers alone hang on this, and rounding of the others is far below.
     for (int i = 0; i < s.solved; ++i) entries.push_back({i, i, kLeastStiffness});
     auto factor = SparseFactor::build(s.solved, entries);
-    if (!factor) return fail("bad-value", "The triangles of an element are too extreme to warp it; mend its mesh or leave the bend warp off.");
+    if (!factor)
+        return fail("bad-value", "The triangles of an element are too extreme to warp it; mend its mesh or leave the bend warp off.");
     s.factor = std::move(*factor);
     if (progress.cancelled()) return fail(kCancelled, "Cancelled.");
     progress.report("warp", 0.6);
@@ -695,10 +718,11 @@ Result<BendWarp> BendWarp::build(const TriangleMesh& body, const std::vector<Joi
             if (shellOf[root] < 0) shellOf[root] = static_cast<int>(s.floating.size()), s.floating.emplace_back();
             s.floating[shellOf[root]].vertices.push_back(index[v]);
         }
-    std::vector<std::int32_t> body_(n);
-    for (std::size_t v = 0; v < n; ++v) body_[index[v]] = static_cast<std::int32_t>(v);
+    std::vector<std::int32_t> bodyVertex(n);
+    for (std::size_t v = 0; v < n; ++v) bodyVertex[index[v]] = static_cast<std::int32_t>(v);
     for (std::size_t t = 0; t < s.triangles.size(); ++t)
-        if (const auto shell = shellOf[shells.find(body_[s.triangles[t].v[0]])]; shell >= 0) s.floating[shell].triangles.push_back(static_cast<std::int32_t>(t));
+        if (const auto shell = shellOf[shells.find(bodyVertex[s.triangles[t].v[0]])]; shell >= 0)
+            s.floating[shell].triangles.push_back(static_cast<std::int32_t>(t));
 
     for (const auto& face : faces) {
         auto& list = s.contacts.emplace_back();
@@ -707,7 +731,8 @@ Result<BendWarp> BendWarp::build(const TriangleMesh& body, const std::vector<Joi
             const double depth = -p.z(), aside = p.head<2>().norm();
             const double weight = fade((aside - kContactInside) / (kContactOutside - kContactInside)) * fade(depth - 1.0);
             if (depth > kLeastDepth && weight > 0.0)
-                list.push_back({index[v], static_cast<float>(0.5 * std::min(depth, kContactDepth) * face.size / s.size), static_cast<float>(weight)});
+                list.push_back(
+                    {index[v], static_cast<float>(0.5 * std::min(depth, kContactDepth) * face.size / s.size), static_cast<float>(weight)});
         }
     }
 
@@ -718,9 +743,10 @@ Result<BendWarp> BendWarp::build(const TriangleMesh& body, const std::vector<Joi
     s.wishes.resize(s.triangles.size());
     s.strains.resize(faces.size());
     s.cost.factor = s.factor.entries();
-    s.cost.bytes = s.factor.bytes() + static_cast<std::size_t>(s.response.size()) * sizeof(float) + 5 * n * sizeof(Vector4f) + 3 * s.free * sizeof(float) +
-                   s.triangles.size() * (sizeof(Triangle) + sizeof(Wish)) + s.surface.size() * sizeof(s.surface[0]) + s.slot.size() * sizeof(s.slot[0]) +
-                   s.inflation.size() * sizeof(float) + s.near.size() * sizeof(State::Near);
+    s.cost.bytes = s.factor.bytes() + static_cast<std::size_t>(s.response.size()) * sizeof(float) + 5 * n * sizeof(Vector4f) +
+                   3 * s.free * sizeof(float) + s.triangles.size() * (sizeof(Triangle) + sizeof(Wish)) +
+                   s.surface.size() * sizeof(s.surface[0]) + s.slot.size() * sizeof(s.slot[0]) + s.inflation.size() * sizeof(float) +
+                   s.near.size() * sizeof(State::Near);
     for (const auto& table : s.heldColumns) s.cost.bytes += static_cast<std::size_t>(table.size()) * sizeof(float);
     for (const auto& list : s.contacts) s.cost.bytes += list.size() * sizeof(State::Contact);
     s.cost.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -26,7 +26,9 @@ public:
     /// Replaces b (size() vectors in the order of elimination, 16-byte aligned) by the solution. Does not allocate.
     void solve(Eigen::Vector4f* b) const;
     [[nodiscard]] std::size_t entries() const { return values_.size() + inverse_.size(); }
-    [[nodiscard]] std::size_t bytes() const { return values_.size() * (sizeof(float) + sizeof(std::int32_t)) + inverse_.size() * (sizeof(float) + sizeof(std::int32_t)); }
+    [[nodiscard]] std::size_t bytes() const {
+        return values_.size() * (sizeof(float) + sizeof(std::int32_t)) + inverse_.size() * (sizeof(float) + sizeof(std::int32_t));
+    }
 
 private:
     std::vector<std::int32_t> order_, first_, rows_;  // columns of L below the diagonal

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the bend warp makes of large motions beside the plain linear response, and what it costs:
-//   poses: the capped cylinder of tests/data/reference in two halves, nu = .49, and a body of three faces; volume, worst quality relative to rest, folds
-//          (edges where the surface turns back by more than 150 degrees), self-intersections, creases (largest normal jump) at the seam and in rows beside it;
+//   poses: the capped cylinder of tests/data/reference in two halves, nu = .49, and a body of three faces; volume, worst quality relative to rest,
+//   folds
+//          (edges where the surface turns back by more than 150 degrees), self-intersections, creases (largest normal jump) at the seam and in rows
+//          beside it;
 //   speed: milliseconds of processor time per frame at three sizes, one thread, beside the product A' v of the same element in the same run.
 // The first argument chooses a part; the second is a folder that poses are written to as OBJ files.
 #include <algorithm>
@@ -32,7 +34,8 @@ void writeObj(const std::string& name, const TriangleMesh& mesh) {
     if (folder.empty()) return;
     std::ofstream out(folder + "/" + name + ".obj");
     for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) out << "v " << mesh.vertices.row(v) << "\n";
-    for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) out << "f " << mesh.triangles(t, 0) + 1 << " " << mesh.triangles(t, 1) + 1 << " " << mesh.triangles(t, 2) + 1 << "\n";
+    for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t)
+        out << "f " << mesh.triangles(t, 0) + 1 << " " << mesh.triangles(t, 1) + 1 << " " << mesh.triangles(t, 2) + 1 << "\n";
 }
 
 /// One surface of several bodies, welded where vertices are at the same place at rest; triangles that two bodies share are inside and left out.
@@ -68,7 +71,8 @@ struct Whole {
             for (Eigen::Index t = 0; t < bodies[b]->triangles.rows(); ++t) {
                 const auto k = sorted(b, t);
                 if (in[k[0]] > 1 && in[k[1]] > 1 && in[k[2]] > 1) continue;
-                triangles.push_back({index[b][bodies[b]->triangles(t, 0)], index[b][bodies[b]->triangles(t, 1)], index[b][bodies[b]->triangles(t, 2)]});
+                triangles.push_back(
+                    {index[b][bodies[b]->triangles(t, 0)], index[b][bodies[b]->triangles(t, 1)], index[b][bodies[b]->triangles(t, 2)]});
             }
         rest = shapes::detail::meshOf(points, {});
         rest.triangles.resize(static_cast<Eigen::Index>(triangles.size()), 3);
@@ -104,7 +108,8 @@ void report(const std::string& name, const std::string& how, const Whole& whole,
     }
     const double change = 100.0 * (volume(x, mesh.triangles) / volume(whole.rest.vertices, mesh.triangles) - 1.0);
     const auto pairs = selfIntersections(mesh, 10000);
-    std::printf("%-34s %-12s %+8.2f %% %8.2f %8.3f %5d %7zu", name.c_str(), how.c_str(), change, wantedVolume, worstQuality(whole.rest.vertices, x, mesh.triangles), folds, pairs.size());
+    std::printf("%-34s %-12s %+8.2f %% %8.2f %8.3f %5d %7zu", name.c_str(), how.c_str(), change, wantedVolume,
+                worstQuality(whole.rest.vertices, x, mesh.triangles), folds, pairs.size());
     if (seam) std::printf("   %5.1f | %5.1f %5.1f %5.1f", crease[0], crease[1], crease[2], crease[3]);
     std::printf("\n");
     std::fflush(stdout);
@@ -114,7 +119,8 @@ void report(const std::string& name, const std::string& how, const Whole& whole,
 }
 
 void head() {
-    std::printf("%-34s %-12s %10s %8s %7s %6s %7s   %s\n", "pose", "", "volume", "", "quality", "folds", "pairs", "crease at the seam | rows beside it (degrees)");
+    std::printf("%-34s %-12s %10s %8s %7s %6s %7s   %s\n", "pose", "", "volume", "", "quality", "folds", "pairs",
+                "crease at the seam | rows beside it (degrees)");
 }
 
 /// In-plane stretches and warping of the joint face (0) that take the least energy, with everything else given; v, and the motion by them.
@@ -161,7 +167,10 @@ Smooth smooth(const Element& e, const std::vector<FaceMotion>& motions, const Ve
     out.held = e.heldPlaces(all);
     const Points local = localVertices(e.body(), face);
     for (Eigen::Index i = 0; i < local.rows(); ++i)
-        out.held.row(i) += (out.face.rotation * (face.frame.axes * (r.bases[0].at(local.row(i).transpose(), static_cast<int>(i)) * out.warping.head(r.firstColumn[1])))).transpose();
+        out.held.row(i) +=
+            (out.face.rotation *
+             (face.frame.axes * (r.bases[0].at(local.row(i).transpose(), static_cast<int>(i)) * out.warping.head(r.firstColumn[1]))))
+                .transpose();
     return out;
 }
 
@@ -172,13 +181,15 @@ Points turned(const Points& x, const Vec3& about, double angle) {
 
 void poses() {
     const SolverMeshSetting solver{SolverMeshSetting::Kind::Default, 0};
-    auto leftInput = between(readObj(kReference + "bend_cylinder_left.obj"), 0, 0.49, solver), rightInput = between(readObj(kReference + "bend_cylinder_right.obj"), 0, 0.49, solver);
+    auto leftInput = between(readObj(kReference + "bend_cylinder_left.obj"), 0, 0.49, solver),
+         rightInput = between(readObj(kReference + "bend_cylinder_right.obj"), 0, 0.49, solver);
     std::swap(leftInput.faces[0], leftInput.faces[1]);  // face 0: the joint
     for (auto* in : {&leftInput, &rightInput}) in->basis = {BasisKind::Modes, 12};
     Element left(leftInput), right(rightInput);
     const Whole whole({&left.body(), &right.body()}), half({&right.body()});
     using Motions = std::vector<FaceMotion>;
-    const auto both = [&](const std::string& name, const Motions& l, const Motions& r, const std::function<Points(const Points&, bool)>& place, double wanted) {
+    const auto both = [&](const std::string& name, const Motions& l, const Motions& r,
+                          const std::function<Points(const Points&, bool)>& place, double wanted) {
         report(name, "linear", whole, whole.join({place(left.linear(l), true), place(right.linear(r), false)}), wanted, true);
         report(name, "warp", whole, whole.join({place(left.bend(l), true), place(right.bend(r), false)}), wanted, true);
     };
@@ -186,30 +197,40 @@ void poses() {
     for (const double angle : {45.0, 90.0, 120.0, 150.0}) {
         const double a = 0.5 * angle * kDegree;
         const Motions l{motion(left.input.faces[0], Vec3(0, 0, a), Vec3::Zero()), motion(left.input.faces[1], Vec3::Zero(), Vec3::Zero())};
-        const Motions r{motion(right.input.faces[0], Vec3(0, 0, -a), Vec3::Zero()), motion(right.input.faces[1], Vec3::Zero(), Vec3::Zero())};
+        const Motions r{motion(right.input.faces[0], Vec3(0, 0, -a), Vec3::Zero()),
+                        motion(right.input.faces[1], Vec3::Zero(), Vec3::Zero())};
         const auto place = [&](const Points& x, bool isLeft) { return turned(x, Vec3::UnitZ(), isLeft ? -a : a); };
         char name[32];
         std::snprintf(name, sizeof name, "bend %.0f", angle);
         both(name, l, r, place, 0.0);
         const auto sl = smooth(left, l, Vec3(0, 0, a)), sr = smooth(right, r, Vec3(0, 0, -a));
-        report(name, "warp, modes", whole, whole.join({place(left.bend({sl.face, l[1]}, sl.warping, sl.held), true), place(right.bend({sr.face, r[1]}, sr.warping, sr.held), false)}), 0.0, true);
+        report(name, "warp, modes", whole,
+               whole.join({place(left.bend({sl.face, l[1]}, sl.warping, sl.held), true),
+                           place(right.bend({sr.face, r[1]}, sr.warping, sr.held), false)}),
+               0.0, true);
     }
     {
         const double a = 45.0 * kDegree;
-        const Motions l{motion(left.input.faces[0], Vec3(a, 0, 0), Vec3::Zero()), motion(left.input.faces[1], Vec3(-a, 0, 0), Vec3::Zero())};
-        const Motions r{motion(right.input.faces[0], Vec3(-a, 0, 0), Vec3::Zero()), motion(right.input.faces[1], Vec3(a, 0, 0), Vec3::Zero())};
-        both("twist 180", l, r, [&](const Points& x, bool isLeft) { return turned(x, Vec3::UnitX(), isLeft ? -a : a); }, 0.0);
+        const Motions l{motion(left.input.faces[0], Vec3(a, 0, 0), Vec3::Zero()),
+                        motion(left.input.faces[1], Vec3(-a, 0, 0), Vec3::Zero())};
+        const Motions r{motion(right.input.faces[0], Vec3(-a, 0, 0), Vec3::Zero()),
+                        motion(right.input.faces[1], Vec3(a, 0, 0), Vec3::Zero())};
+        both(
+            "twist 180", l, r, [&](const Points& x, bool isLeft) { return turned(x, Vec3::UnitX(), isLeft ? -a : a); }, 0.0);
     }
     for (const bool shrink : {true, false})
         for (const double s : {2.5, 0.4}) {
             const double c = shrink ? 1.0 / std::sqrt(s) : 1.0;
             const Eigen::Matrix3d across = Vec3(1, c, c).asDiagonal();
             const Vec3 far(4.0 * (s - 1.0), 0, 0);
-            const Motions l{motion(left.input.faces[0], Vec3::Zero(), Vec3::Zero(), across), motion(left.input.faces[1], Vec3::Zero(), -far, across)};
-            const Motions r{motion(right.input.faces[0], Vec3::Zero(), Vec3::Zero(), across), motion(right.input.faces[1], Vec3::Zero(), far, across)};
+            const Motions l{motion(left.input.faces[0], Vec3::Zero(), Vec3::Zero(), across),
+                            motion(left.input.faces[1], Vec3::Zero(), -far, across)};
+            const Motions r{motion(right.input.faces[0], Vec3::Zero(), Vec3::Zero(), across),
+                            motion(right.input.faces[1], Vec3::Zero(), far, across)};
             char name[40];
             std::snprintf(name, sizeof name, "%s %.0f %%%s", s > 1 ? "stretch" : "squash", 100 * s, shrink ? "" : ", rigid faces");
-            both(name, l, r, [](const Points& x, bool) { return x; }, 100 * (std::pow(s, 0.02) - 1));
+            both(
+                name, l, r, [](const Points& x, bool) { return x; }, 100 * (std::pow(s, 0.02) - 1));
         }
     const auto one = [&](const std::string& name, const Motions& m) {
         report(name, "linear", half, right.linear(m), 0.0, false);
@@ -224,12 +245,14 @@ void poses() {
         std::snprintf(name, sizeof name, "half: C-bend +%.0f -%.0f", angle, angle);
         one(name, {motion(f[0], Vec3(0, 0, -a), Vec3::Zero()), motion(f[1], Vec3(0, 0, a), Vec3::Zero())});
     }
-    one("half: shear by its length", {motion(right.input.faces[0], Vec3::Zero(), Vec3::Zero()), motion(right.input.faces[1], Vec3::Zero(), Vec3(0, 4, 0))});
+    one("half: shear by its length",
+        {motion(right.input.faces[0], Vec3::Zero(), Vec3::Zero()), motion(right.input.faces[1], Vec3::Zero(), Vec3(0, 4, 0))});
 }
 
 // One face of a body turned by `turn`, the others at rest; or all but one.
 void branch() {
-    std::printf("\na bend beside a branch: e_body_coarse (three faces), nu = .49, each face in turn at half of a bend of 90 and of 150 degrees\n");
+    std::printf(
+        "\na bend beside a branch: e_body_coarse (three faces), nu = .49, each face in turn at half of a bend of 90 and of 150 degrees\n");
     head();
     auto mesh = readObj(kReference + "e_body_coarse.obj");
     ResponseInput in;
@@ -253,7 +276,8 @@ void branch() {
         for (std::size_t f = 0; f < in.faces.size(); ++f) {
             std::vector<FaceMotion> m;
             for (std::size_t o = 0; o < in.faces.size(); ++o)
-                m.push_back(motion(in.faces[o], o == f ? Vec3(angle * kDegree * in.faces[o].frame.axes.col(0)) : Vec3(Vec3::Zero()), Vec3::Zero()));
+                m.push_back(
+                    motion(in.faces[o], o == f ? Vec3(angle * kDegree * in.faces[o].frame.axes.col(0)) : Vec3(Vec3::Zero()), Vec3::Zero()));
             char name[40];
             std::snprintf(name, sizeof name, "body: face %zu turned by %.0f", f, angle);
             report(name, "linear", whole, e.linear(m), 0.0, false);
@@ -269,17 +293,21 @@ double processorTime() {
 }
 
 void speed() {
-    std::printf("\n%10s %8s %10s %12s %12s %8s %12s %12s %12s %10s\n", "vertices", "free", "g", "product ms", "warp ms", "ratio", "product MB", "warp MB", "factor", "build s");
-    for (const auto& [around, along, solver] : {std::tuple{20, 22, SolverMeshSetting{SolverMeshSetting::Kind::AsIs, 0}}, std::tuple{40, 46, SolverMeshSetting{SolverMeshSetting::Kind::Decimated, 500}},
+    std::printf("\n%10s %8s %10s %12s %12s %8s %12s %12s %12s %10s\n", "vertices", "free", "g", "product ms", "warp ms", "ratio",
+                "product MB", "warp MB", "factor", "build s");
+    for (const auto& [around, along, solver] : {std::tuple{20, 22, SolverMeshSetting{SolverMeshSetting::Kind::AsIs, 0}},
+                                                std::tuple{40, 46, SolverMeshSetting{SolverMeshSetting::Kind::Decimated, 500}},
                                                 std::tuple{150, 180, SolverMeshSetting{SolverMeshSetting::Kind::Decimated, 500}}}) {
         auto mesh = std::make_shared<ElementMesh>();
         mesh->body = shapes::cylinder(1.0, 4.0, around, along).mesh;
         Element e(between(mesh, 2, 0.49, solver));
         ResponseBlocks blocks(e.body().vertices, e.response->freeVertices, Vec3::Zero(), e.response->response, ResponseFormat::Float);
         std::vector<float> shown(3 * static_cast<std::size_t>(e.body().vertices.rows() + BendWarp::kBlock));
-        const std::vector<FaceMotion> m{motion(e.input.faces[0], Vec3(0.8, 0, 0.3), Vec3::Zero()), motion(e.input.faces[1], Vec3(0, -0.2, -0.3), Vec3(0, 0, 0.5))};
+        const std::vector<FaceMotion> m{motion(e.input.faces[0], Vec3(0.8, 0, 0.3), Vec3::Zero()),
+                                        motion(e.input.faces[1], Vec3(0, -0.2, -0.3), Vec3(0, 0, 0.5))};
         const Points held = e.heldPlaces(m);
-        const Eigen::VectorXd none = Eigen::VectorXd::Zero(e.response->columns()), v = Eigen::VectorXd::Constant(e.response->columns(), 0.1);
+        const Eigen::VectorXd none = Eigen::VectorXd::Zero(e.response->columns()),
+                              v = Eigen::VectorXd::Constant(e.response->columns(), 0.1);
         constexpr AffineFloat kInPlace = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
         std::vector<double> product, warp;
         for (int round = 0; round < 41; ++round) {
@@ -296,8 +324,10 @@ void speed() {
         std::sort(warp.begin(), warp.end());
         const double p = product[product.size() / 2], w = warp[warp.size() / 2];
         const auto cost = e.warp->cost();
-        std::printf("%10td %8zu %10d %12.4f %12.4f %8.1f %12.2f %12.2f %12zu %10.3f\n", e.body().vertices.rows(), e.response->freeVertices.size(), e.response->columns(), p, w, w / p,
-                    static_cast<double>(blocks.count() * blocks.bytesPerBlock()) / 1e6, static_cast<double>(cost.bytes) / 1e6, cost.factor, cost.seconds);
+        std::printf("%10td %8zu %10d %12.4f %12.4f %8.1f %12.2f %12.2f %12zu %10.3f\n", e.body().vertices.rows(),
+                    e.response->freeVertices.size(), e.response->columns(), p, w, w / p,
+                    static_cast<double>(blocks.count() * blocks.bytesPerBlock()) / 1e6, static_cast<double>(cost.bytes) / 1e6, cost.factor,
+                    cost.seconds);
         std::fflush(stdout);
     }
 }

@@ -28,7 +28,8 @@ Element& rightHalf() {
 TEST_CASE("bend warp: half of a cylinder bent by 45 and 75 degrees at its joint keeps its volume and its triangles") {
     auto& e = rightHalf();
     for (const auto& [angle, quality] : {std::pair{45.0, 0.70}, std::pair{75.0, 0.50}}) {
-        const std::vector<FaceMotion> m{motion(e.input.faces[0], Vec3(0, 0, -angle * kDegree), Vec3::Zero()), motion(e.input.faces[1], Vec3::Zero(), Vec3::Zero())};
+        const std::vector<FaceMotion> m{motion(e.input.faces[0], Vec3(0, 0, -angle * kDegree), Vec3::Zero()),
+                                        motion(e.input.faces[1], Vec3::Zero(), Vec3::Zero())};
         const Points x = e.bend(m);
         CHECK(std::abs(volume(x, e.body().triangles) / volume(e.body().vertices, e.body().triangles) - 1.0) < 0.01);
         CHECK(worstQuality(e.body().vertices, x, e.body().triangles) >= quality);
@@ -41,7 +42,8 @@ TEST_CASE("bend warp: half of a cylinder bent by 45 and 75 degrees at its joint 
 
 TEST_CASE("bend warp: 90 degrees of twist in half of a cylinder keep its volume and its triangles") {
     auto& e = rightHalf();
-    const Points x = e.bend({motion(e.input.faces[0], Vec3(-45 * kDegree, 0, 0), Vec3::Zero()), motion(e.input.faces[1], Vec3(45 * kDegree, 0, 0), Vec3::Zero())});
+    const Points x = e.bend({motion(e.input.faces[0], Vec3(-45 * kDegree, 0, 0), Vec3::Zero()),
+                             motion(e.input.faces[1], Vec3(45 * kDegree, 0, 0), Vec3::Zero())});
     CHECK(std::abs(volume(x, e.body().triangles) / volume(e.body().vertices, e.body().triangles) - 1.0) < 0.005);
     CHECK(worstQuality(e.body().vertices, x, e.body().triangles) >= 0.75);
 }
@@ -61,7 +63,8 @@ TEST_CASE("bend warp: small motions give the linear response to second order") {
         std::vector<double> error;
         for (const double size : {0.04, 0.02, 0.01}) {
             std::vector<FaceMotion> m;
-            for (int f = 0; f < 2; ++f) m.push_back(motion(e.input.faces[f], size * turn[f], size * shift[f], Eigen::Matrix3d::Identity() + size * stretch[f]));
+            for (int f = 0; f < 2; ++f)
+                m.push_back(motion(e.input.faces[f], size * turn[f], size * shift[f], Eigen::Matrix3d::Identity() + size * stretch[f]));
             error.push_back((e.bend(m) - e.linear(m)).norm() / (e.linear(m) - e.body().vertices).norm());
         }
         // Relative errors fall like the size; rounding of single precision is far below.
@@ -90,7 +93,8 @@ TEST_CASE("bend warp: a uniform stretch is uniform") {
     auto& e = rightHalf();
     const double s = 2.0, c = std::pow(s, -e.input.nu);
     const Eigen::Matrix3d across = Vec3(1, c, c).asDiagonal();
-    const Points x = e.bend({motion(e.input.faces[0], Vec3::Zero(), Vec3::Zero(), across), motion(e.input.faces[1], Vec3::Zero(), Vec3(4 * (s - 1), 0, 0), across)});
+    const Points x = e.bend({motion(e.input.faces[0], Vec3::Zero(), Vec3::Zero(), across),
+                             motion(e.input.faces[1], Vec3::Zero(), Vec3(4 * (s - 1), 0, 0), across)});
     const Eigen::Matrix3d all = Vec3(s, c, c).asDiagonal();
     CHECK((x - e.body().vertices * all).rowwise().norm().maxCoeff() < 0.01);
 }
@@ -100,7 +104,8 @@ TEST_CASE("bend warp: shapes change smoothly as a twist passes half a turn") {
     Points last;
     double largest = 0.0, smallest = 1e9;
     for (double angle = 150; angle <= 210; angle += 2) {
-        const Points x = e.bend({motion(e.input.faces[0], Vec3(-angle * kDegree, 0.1, 0), Vec3::Zero()), motion(e.input.faces[1], Vec3(angle * kDegree, 0, 0.1), Vec3::Zero())});
+        const Points x = e.bend({motion(e.input.faces[0], Vec3(-angle * kDegree, 0.1, 0), Vec3::Zero()),
+                                 motion(e.input.faces[1], Vec3(angle * kDegree, 0, 0.1), Vec3::Zero())});
         if (last.size() > 0) {
             const double step = (x - last).rowwise().norm().maxCoeff();
             largest = std::max(largest, step), smallest = std::min(smallest, step);
@@ -112,7 +117,8 @@ TEST_CASE("bend warp: shapes change smoothly as a twist passes half a turn") {
 
 TEST_CASE("bend warp: a frame does not allocate and gives the same bytes again") {
     auto& e = rightHalf();
-    const std::vector<FaceMotion> m{motion(e.input.faces[0], Vec3(0.3, 0.5, -1), Vec3(0.1, 0, 0)), motion(e.input.faces[1], Vec3(0, 1, 0), Vec3(0, 1, 0))};
+    const std::vector<FaceMotion> m{motion(e.input.faces[0], Vec3(0.3, 0.5, -1), Vec3(0.1, 0, 0)),
+                                    motion(e.input.faces[1], Vec3(0, 1, 0), Vec3(0, 1, 0))};
     const Points held = e.heldPlaces(m);
     const Eigen::VectorXd none = Eigen::VectorXd::Zero(e.response->columns());
     e.warp->evaluate(m, none, held, e.local.data());
@@ -189,7 +195,7 @@ TEST_CASE("bend warp: any motion of any faces of any body gives finite shapes") 
         TriangleMesh body = shapes::sphere(1.0, 1 + round % 3).mesh;
         for (Eigen::Index v = 0; v < body.vertices.rows(); ++v) body.vertices.row(v) *= 1.0 + 0.1 * d(random);
         if (round % 4 == 1) body = together(body, shapes::sphere(0.4, 1).mesh);  // a second shell
-        if (round % 4 == 2) body.vertices.row(3) = body.vertices.row(4);                                    // slivers and a lost vertex
+        if (round % 4 == 2) body.vertices.row(3) = body.vertices.row(4);         // slivers and a lost vertex
         if (round % 4 == 3) body.vertices.col(2) *= 1e-6;
         if (round % 5 == 0) body.vertices *= round % 2 ? 1e7 : 1e-7;
         const double size = body.vertices.rowwise().norm().maxCoeff();
@@ -207,13 +213,15 @@ TEST_CASE("bend warp: any motion of any faces of any body gives finite shapes") 
                 Eigen::Matrix3d stretch = Eigen::Matrix3d::Identity();
                 for (int i = 0; i < 3; ++i) stretch(i, i) = std::pow(10.0, d(random)) * (pose % 5 == 4 && d(random) < 0 ? -1.0 : 1.0);
                 if (pose % 7 == 6) stretch.setZero();
-                motions.push_back(motion(face, 2.0 * std::numbers::pi * Vec3(d(random), d(random), d(random)), std::pow(10.0, 2 * d(random)) * size * Vec3(d(random), d(random), d(random)), stretch));
+                motions.push_back(motion(face, 2.0 * std::numbers::pi * Vec3(d(random), d(random), d(random)),
+                                         std::pow(10.0, 2 * d(random)) * size * Vec3(d(random), d(random), d(random)), stretch));
                 if (pose % 9 == 8) motions.back() = motion(face, Vec3::Zero(), -face.frame.origin);  // all faces in one place
             }
             Points held(static_cast<Eigen::Index>(warp->heldVertices().size()), 3);
             Eigen::Index row = 0;
             for (std::size_t f = 0; f < faces.size(); ++f)
-                for (const auto v : faces[f].vertices) held.row(row++) = (motions[f].linear * body.vertices.row(v).transpose() + motions[f].shift).transpose();
+                for (const auto v : faces[f].vertices)
+                    held.row(row++) = (motions[f].linear * body.vertices.row(v).transpose() + motions[f].shift).transpose();
             warp->evaluate(motions, Eigen::VectorXd::Zero(response.columns()), held, local.data());
             for (const float x : local) REQUIRE(std::isfinite(x));
         }
@@ -230,11 +238,13 @@ TEST_CASE("bend warp: a body without faces stays at rest, and a cavity moves wit
     Element e(between(mesh, 2, 0.49));
     const Points rest = e.bend({FaceMotion{}, FaceMotion{}});
     CHECK((rest - mesh->body.vertices).cwiseAbs().maxCoeff() < 1e-5);
-    const Points x = e.bend({motion(e.input.faces[0], Vec3(0.6, 0, 0), Vec3::Zero()), motion(e.input.faces[1], Vec3(-0.6, 0, 0), Vec3::Zero())});
+    const Points x =
+        e.bend({motion(e.input.faces[0], Vec3(0.6, 0, 0), Vec3::Zero()), motion(e.input.faces[1], Vec3(-0.6, 0, 0), Vec3::Zero())});
     CHECK(selfIntersections({x, mesh->body.triangles}, 1).empty());
     std::vector<std::int32_t> triangles(static_cast<std::size_t>(outer.mesh.triangles.rows()));
     std::iota(triangles.begin(), triangles.end(), 0);
-    for (auto v = outer.mesh.vertices.rows(); v < x.rows(); ++v) CHECK(windingNumber({x, mesh->body.triangles}, triangles, x.row(v).transpose()) > 0.5);
+    for (auto v = outer.mesh.vertices.rows(); v < x.rows(); ++v)
+        CHECK(windingNumber({x, mesh->body.triangles}, triangles, x.row(v).transpose()) > 0.5);
 }
 
 TEST_CASE("bend warp: a response of another body is refused") {
@@ -246,5 +256,7 @@ TEST_CASE("bend warp: a response of another body is refused") {
     CHECK(BendWarp::build(e.body(), e.input.faces, *e.response, 0.49, {}, Vec3::Zero(), {}).error().code == "bad-value");
     std::stop_source stop;
     stop.request_stop();
-    CHECK(BendWarp::build(e.body(), e.input.faces, *e.response, 0.49, e.blocks, Vec3::Zero(), Progress({}, stop.get_token())).error().code == kCancelled);
+    CHECK(
+        BendWarp::build(e.body(), e.input.faces, *e.response, 0.49, e.blocks, Vec3::Zero(), Progress({}, stop.get_token())).error().code ==
+        kCancelled);
 }

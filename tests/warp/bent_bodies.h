@@ -67,12 +67,16 @@ struct Element {
         std::size_t k = 0;
         for (const auto v : response->freeVertices) {
             while (blocks[k] + BendWarp::kBlock <= v) ++k;
-            for (int axis = 0; axis < 3; ++axis) out(v, axis) = static_cast<double>(local[(3 * k + axis) * BendWarp::kBlock + (v - blocks[k])]);
+            for (int axis = 0; axis < 3; ++axis)
+                out(v, axis) = static_cast<double>(local[(3 * k + axis) * BendWarp::kBlock + (v - blocks[k])]);
         }
-        for (std::size_t i = 0; i < warp->heldVertices().size(); ++i) out.row(warp->heldVertices()[i]) = held.row(static_cast<Eigen::Index>(i));
+        for (std::size_t i = 0; i < warp->heldVertices().size(); ++i)
+            out.row(warp->heldVertices()[i]) = held.row(static_cast<Eigen::Index>(i));
         return out;
     }
-    Points bend(const std::vector<FaceMotion>& motions) { return bend(motions, Eigen::VectorXd::Zero(response->columns()), heldPlaces(motions)); }
+    Points bend(const std::vector<FaceMotion>& motions) {
+        return bend(motions, Eigen::VectorXd::Zero(response->columns()), heldPlaces(motions));
+    }
 
     /// All vertices by A' v, with the true positions of the faces.
     [[nodiscard]] Points linear(const std::vector<FaceMotion>& motions) const {
@@ -83,20 +87,23 @@ struct Element {
             map.linear = frame.axes.transpose() * motions[f].linear * frame.axes;
             map.shift = frame.axes.transpose() * (motions[f].linear * frame.origin + motions[f].shift - frame.origin);
             double lost = 0.0;
-            response->bases[f].coefficients(map, localVertices(body(), input.faces[f]), input.faces[f].size, v.data() + response->firstColumn[f], lost);
+            response->bases[f].coefficients(map, localVertices(body(), input.faces[f]), input.faces[f].size,
+                                            v.data() + response->firstColumn[f], lost);
         }
         const Eigen::VectorXd u = response->response * v;
         Points out = body().vertices;
         for (std::size_t i = 0; i < response->freeVertices.size(); ++i)
             out.row(response->freeVertices[i]) += u.segment<3>(3 * static_cast<Eigen::Index>(i)).transpose();
         const Points held = heldPlaces(motions);
-        for (std::size_t i = 0; i < warp->heldVertices().size(); ++i) out.row(warp->heldVertices()[i]) = held.row(static_cast<Eigen::Index>(i));
+        for (std::size_t i = 0; i < warp->heldVertices().size(); ++i)
+            out.row(warp->heldVertices()[i]) = held.row(static_cast<Eigen::Index>(i));
         return out;
     }
 };
 
 /// Turns a face by a rotation vector about its origin, after stretching it, and shifts it.
-inline FaceMotion motion(const JointFace& face, const Vec3& turn, const Vec3& shift, const Eigen::Matrix3d& stretch = Eigen::Matrix3d::Identity()) {
+inline FaceMotion motion(const JointFace& face, const Vec3& turn, const Vec3& shift,
+                         const Eigen::Matrix3d& stretch = Eigen::Matrix3d::Identity()) {
     const double angle = turn.norm();
     FaceMotion m;
     if (angle > 0.0) m.rotation = Eigen::Quaterniond(std::cos(angle / 2), 0, 0, 0), m.rotation.vec() = std::sin(angle / 2) / angle * turn;
@@ -105,7 +112,8 @@ inline FaceMotion motion(const JointFace& face, const Vec3& turn, const Vec3& sh
     return m;
 }
 
-inline ResponseInput between(std::shared_ptr<ElementMesh> mesh, int axis, double nu, const SolverMeshSetting& solver = {SolverMeshSetting::Kind::AsIs, 0}) {
+inline ResponseInput between(std::shared_ptr<ElementMesh> mesh, int axis, double nu,
+                             const SolverMeshSetting& solver = {SolverMeshSetting::Kind::AsIs, 0}) {
     ResponseInput in;
     const auto& x = mesh->body.vertices;
     const double low = x.col(axis).minCoeff(), high = x.col(axis).maxCoeff();
