@@ -17,8 +17,8 @@ namespace imomushi {
 namespace {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
-/// Bumps reach this many times as far as the farthest place is from its nearest centre: four or five overlap, and where the most distant two meet both
-/// still have half of their height.
+/// Bumps reach this many times as far as the farthest place is from its nearest centre: four or five overlap, and where the most distant two meet
+/// both still have half of their height.
 constexpr double kOverlap = 1.8;
 /// Fewer vertices to a bump would make it as pointed as a single one.
 constexpr std::size_t kVerticesPerPatch = 4;
@@ -75,7 +75,8 @@ public:
 private:
     [[nodiscard]] Vec3 at(std::int32_t v) const { return mesh_.vertices.row(v).transpose(); }
     [[nodiscard]] double length(std::int32_t a, std::int32_t b) const { return (at(a) - at(b)).norm(); }
-    /// The distance of c straight through triangle a b c, from a source beyond side a b with these distances in its plane; infinite where there is none.
+    /// The distance of c straight through triangle a b c, from a source beyond side a b with these distances in its plane; infinite where there is
+    /// none.
     [[nodiscard]] double across(std::int32_t a, std::int32_t b, std::int32_t c) const {
         const double da = distance_[static_cast<std::size_t>(a)], db = distance_[static_cast<std::size_t>(b)];
         if (db == kFar) return kFar;
@@ -105,7 +106,8 @@ std::vector<char> touchableTriangles(const TriangleMesh& mesh, std::span<const s
     const Vec3 origin = mesh.vertices.colwise().mean().transpose();
     std::vector<double> volume(static_cast<std::size_t>(count));
     for (std::int32_t f = 0; f < mesh.triangles.rows(); ++f)
-        volume[static_cast<std::size_t>(component[static_cast<std::size_t>(f)])] += areaVector(mesh, f).dot(Vec3(mesh.vertices.row(mesh.triangles(f, 0)).transpose()) - origin);
+        volume[static_cast<std::size_t>(component[static_cast<std::size_t>(f)])] +=
+            areaVector(mesh, f).dot(Vec3(mesh.vertices.row(mesh.triangles(f, 0)).transpose()) - origin);
     std::vector<char> out(static_cast<std::size_t>(mesh.triangles.rows()));
     for (std::size_t f = 0; f < out.size(); ++f) out[f] = volume[static_cast<std::size_t>(component[f])] > 0.0;
     for (const std::int32_t f : held) out[static_cast<std::size_t>(f)] = 0;
@@ -115,7 +117,8 @@ std::vector<char> touchableTriangles(const TriangleMesh& mesh, std::span<const s
 Eigen::MatrixXd TouchPatches::dense() const {
     Eigen::MatrixXd out = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(first.size()) - 1, count());
     for (std::size_t v = 0; v + 1 < first.size(); ++v)
-        for (auto i = static_cast<std::size_t>(first[v]); i < static_cast<std::size_t>(first[v + 1]); ++i) out(static_cast<Eigen::Index>(v), patch[i]) = weight[i];
+        for (auto i = static_cast<std::size_t>(first[v]); i < static_cast<std::size_t>(first[v + 1]); ++i)
+            out(static_cast<Eigen::Index>(v), patch[i]) = weight[i];
     return out;
 }
 

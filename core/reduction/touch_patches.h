@@ -11,8 +11,8 @@
 
 namespace imomushi {
 
-/// Where a finger can press: smooth bumps that cover the surface of an element but its joint faces and cavities. Their weights add up to 1 everywhere, each
-/// falls from its centre along the surface, so that a bump on one side of a thin fin never reaches through it.
+/// Where a finger can press: smooth bumps that cover the surface of an element but its joint faces and cavities. Their weights add up to 1
+/// everywhere, each falls from its centre along the surface, so that a bump on one side of a thin fin never reaches through it.
 struct TouchPatches {
     std::vector<std::int32_t> centre;  ///< body vertex in the middle of each
     double reach = 0.0;                ///< m, along the surface: beyond it a bump vanishes. Its width at half height is about as much
@@ -25,9 +25,9 @@ struct TouchPatches {
     [[nodiscard]] Eigen::MatrixXd dense() const;
 };
 
-/// About `count` bumps at places as far from each other as can be (farthest-point sampling); at least one on each connected part of the free surface, at
-/// most one for four vertices. None without a joint face, as nothing holds the element then. Distances run along the surface (unfolded triangle by triangle, Novotni and
-/// Klein 2002). Independent of unit and place up to rounding; deterministic, one thread, about count^(1/2) n log n.
+/// About `count` bumps at places as far from each other as can be (farthest-point sampling); at least one on each connected part of the free surface,
+/// at most one for four vertices. None without a joint face, as nothing holds the element then. Distances run along the surface (unfolded triangle by
+/// triangle, Novotni and Klein 2002). Independent of unit and place up to rounding; deterministic, one thread, about count^(1/2) n log n.
 TouchPatches touchPatches(const TriangleMesh& body, std::span<const JointFace> faces, int count);
 
 /// Per triangle, 1: it belongs neither to a face (`held`: its triangles) nor to a shell that winds inward.

@@ -79,8 +79,10 @@ Eigen::Matrix3d gradientOf(const TriangleFrame& frame, const std::array<Vec3, 3>
 }  // namespace
 
 std::size_t TouchResponse::bytes() const {
-    return sizeof(float) * static_cast<std::size_t>(displacement.size() + gradients.size()) + sizeof(double) * static_cast<std::size_t>(forces.size() + compliance.size()) +
-           sizeof(std::int32_t) * (probes.size() + patches.centre.size() + patches.first.size() + patches.patch.size()) + sizeof(float) * patches.weight.size();
+    return sizeof(float) * static_cast<std::size_t>(displacement.size() + gradients.size()) +
+           sizeof(double) * static_cast<std::size_t>(forces.size() + compliance.size()) +
+           sizeof(std::int32_t) * (probes.size() + patches.centre.size() + patches.first.size() + patches.patch.size()) +
+           sizeof(float) * patches.weight.size();
 }
 
 Eigen::MatrixXd patchTractions(const TouchPatches& patches, const TriangleMesh& body, std::span<const JointFace> faces, const SolvedBody& solved) {
@@ -143,7 +145,8 @@ Eigen::MatrixXd patchCompliance(const SolverMesh& mesh, const Eigen::MatrixXd& t
                                 const BoundaryProblem::Solution& solution) {
     const Eigen::Index patches = tractions.cols(), columns = 3 * patches;
     // Integrals of tractions times the hat of a vertex, and times the bubble of an edge.
-    Eigen::MatrixXd hats = Eigen::MatrixXd::Zero(tractions.rows(), patches), bubbles = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(mesh.bubbles.size()), patches);
+    Eigen::MatrixXd hats = Eigen::MatrixXd::Zero(tractions.rows(), patches),
+                    bubbles = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(mesh.bubbles.size()), patches);
     eachTouchable(mesh.mesh, heldTriangles(mesh), [&](std::int32_t f, double area) {
         std::array<std::int32_t, 3> v{mesh.mesh.triangles(f, 0), mesh.mesh.triangles(f, 1), mesh.mesh.triangles(f, 2)};
         const Eigen::RowVectorXd sum = tractions.row(v[0]) + tractions.row(v[1]) + tractions.row(v[2]);
@@ -151,14 +154,17 @@ Eigen::MatrixXd patchCompliance(const SolverMesh& mesh, const Eigen::MatrixXd& t
             hats.row(v[c]) += area / 12.0 * (sum + tractions.row(v[c]));
             const std::array<std::int32_t, 2> edge{std::min(v[c], v[(c + 1) % 3]), std::max(v[c], v[(c + 1) % 3])};
             const auto at = std::lower_bound(mesh.bubbles.begin(), mesh.bubbles.end(), edge);
-            if (at != mesh.bubbles.end() && *at == edge) bubbles.row(at - mesh.bubbles.begin()) += area / 15.0 * (2.0 * sum - tractions.row(v[(c + 2) % 3]));
+            if (at != mesh.bubbles.end() && *at == edge)
+                bubbles.row(at - mesh.bubbles.begin()) += area / 15.0 * (2.0 * sum - tractions.row(v[(c + 2) % 3]));
         }
     });
     Eigen::MatrixXd hatsOfFree(static_cast<Eigen::Index>(freeVertices.size()), patches);
     for (std::size_t i = 0; i < freeVertices.size(); ++i) hatsOfFree.row(static_cast<Eigen::Index>(i)) = hats.row(freeVertices[i]);
     Eigen::MatrixXd out(columns, columns);
     for (int axis = 0; axis < 3; ++axis) {
-        const auto ofAxis = [&](const Eigen::MatrixXd& u) -> Eigen::MatrixXd { return u.rightCols(columns)(Eigen::seq(axis, Eigen::indexing::last, 3), Eigen::indexing::all); };
+        const auto ofAxis = [&](const Eigen::MatrixXd& u) -> Eigen::MatrixXd {
+            return u.rightCols(columns)(Eigen::seq(axis, Eigen::indexing::last, 3), Eigen::indexing::all);
+        };
         Eigen::MatrixXd rows = hatsOfFree.transpose() * ofAxis(solution.displacement);
         if (bubbles.rows() > 0) rows += bubbles.transpose() * ofAxis(solution.bubbles);
         out(Eigen::seq(axis, Eigen::indexing::last, 3), Eigen::indexing::all) = rows;
@@ -166,8 +172,8 @@ Eigen::MatrixXd patchCompliance(const SolverMesh& mesh, const Eigen::MatrixXd& t
     return out;
 }
 
-Result<void> finishTouch(const TriangleMesh& body, std::span<const JointFace> faces, const std::vector<std::int32_t>& free, double nu, int threads, TouchResponse& response,
-                         const Progress& progress) {
+Result<void> finishTouch(const TriangleMesh& body, std::span<const JointFace> faces, const std::vector<std::int32_t>& free, double nu, int threads,
+                         TouchResponse& response, const Progress& progress) {
     Eigen::MatrixXd& C = response.compliance;
     const double symmetricNorm = (C + C.transpose()).norm();
     response.asymmetry = symmetricNorm > 0.0 ? (C - C.transpose()).norm() / symmetricNorm : 0.0;

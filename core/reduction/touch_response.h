@@ -14,18 +14,18 @@
 
 namespace imomushi {
 
-/// How an element answers to fingers, all joint faces at rest, for shear modulus 1. Column 3 p + axis is a force along that axis of the element rest axes,
-/// spread over patch p as its bump is: a displacement per force over the shear modulus, m / m^2. Empty where it was not asked for.
+/// How an element answers to fingers, all joint faces at rest, for shear modulus 1. Column 3 p + axis is a force along that axis of the element rest
+/// axes, spread over patch p as its bump is: a displacement per force over the shear modulus, m / m^2. Empty where it was not asked for.
 struct TouchResponse {
     TouchPatches patches;
     Eigen::MatrixXf displacement;  ///< 3 * #free x 3 P, rows as those of ElementResponse::response
     Eigen::MatrixXd forces;        ///< g x 3 P: with patch forces f and joint parameters v the faces are held by K v + forces f
     /// 3 P x 3 P: displacement of patch p, as the mean with its bump for a weight, by a force on patch q. Symmetric, positive semi-definite.
     Eigen::MatrixXd compliance;
-    /// Vertices where the displacement gradient gets largest, within the surface or into it: for every patch where it does so by a force on that patch, and by one
-    /// on any other. While gradients (largest singular value) stay below 1, nothing is turned inside out.
+    /// Vertices where the displacement gradient gets largest, within the surface or into it: for every patch where it does so by a force on that
+    /// patch, and by one on any other. While gradients (largest singular value) stay below 1, nothing is turned inside out.
     std::vector<std::int32_t> probes;
-    Eigen::MatrixXf gradients;  ///< 9 #probes x 3 P: 3 i + j of each is d u_i / d x_j per force over the shear modulus, 1/m^2
+    Eigen::MatrixXf gradients;    ///< 9 #probes x 3 P: 3 i + j of each is d u_i / d x_j per force over the shear modulus, 1/m^2
     double asymmetry = 0.0;       ///< |C - C^T| / |C + C^T| (Frobenius) of the raw compliance C: of reciprocity
     double negativeEnergy = 0.0;  ///< most negative eigenvalue of C over the largest, before it was set to zero
 
@@ -43,9 +43,9 @@ Eigen::MatrixXd wholeTractions(const SolverMesh& mesh, const Eigen::MatrixXd& tr
 Eigen::MatrixXd patchCompliance(const SolverMesh& mesh, const Eigen::MatrixXd& tractions, const std::vector<std::int32_t>& freeVertices,
                                 const BoundaryProblem::Solution& solution);
 
-/// Cleans the compliance and finds the gradients; `response` has patches, displacement, forces and the compliance as it was solved. `free`: rows of displacement.
-/// Errors: "cancelled"; "singular" (not finite).
-Result<void> finishTouch(const TriangleMesh& body, std::span<const JointFace> faces, const std::vector<std::int32_t>& free, double nu, int threads, TouchResponse& response,
-                         const Progress& progress);
+/// Cleans the compliance and finds the gradients; `response` has patches, displacement, forces and the compliance as it was solved. `free`: rows of
+/// displacement. Errors: "cancelled"; "singular" (not finite).
+Result<void> finishTouch(const TriangleMesh& body, std::span<const JointFace> faces, const std::vector<std::int32_t>& free, double nu, int threads,
+                         TouchResponse& response, const Progress& progress);
 
 }  // namespace imomushi

@@ -19,7 +19,8 @@ TouchBlocks::TouchBlocks(const ElementResponse& response, std::span<const std::i
         for (; i < static_cast<std::ptrdiff_t>(free.size()) && free[static_cast<std::size_t>(i)] < first[b] + kBlock; ++i)
             for (int c = 0; c < columns_; ++c)
                 for (int axis = 0; axis < 3; ++axis)
-                    data_[(b * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(c)) * kEntries + static_cast<std::size_t>(axis * kBlock + free[static_cast<std::size_t>(i)] - first[b])] =
+                    data_[(b * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(c)) * kEntries +
+                          static_cast<std::size_t>(axis * kBlock + free[static_cast<std::size_t>(i)] - first[b])] =
                         response.touch.displacement(3 * i + axis, c);
     }
 }
@@ -39,7 +40,8 @@ void TouchBlocks::add(std::size_t begin, std::size_t end, float* local) const {
         const float* data = data_.data() + b * static_cast<std::size_t>(columns_) * kEntries;
         Eigen::Map<Block, Eigen::Aligned16> to(local + b * kEntries);
         Block sum = to;
-        for (std::size_t k = 0; k < which_.size(); ++k) sum += weights_[k] * Eigen::Map<const Block, Eigen::Aligned16>(data + static_cast<std::size_t>(which_[k]) * kEntries);
+        for (std::size_t k = 0; k < which_.size(); ++k)
+            sum += weights_[k] * Eigen::Map<const Block, Eigen::Aligned16>(data + static_cast<std::size_t>(which_[k]) * kEntries);
         to = sum;
     }
 }

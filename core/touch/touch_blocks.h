@@ -11,8 +11,8 @@
 
 namespace imomushi {
 
-/// The displacement of touch as the frame adds it: blocks of vertices that follow each other in the body's order, x of all, y of all, z of all, single
-/// precision. Only patches that are pressed are read.
+/// The displacement of touch as the frame adds it: blocks of vertices that follow each other in the body's order, x of all, y of all, z of all,
+/// single precision. Only patches that are pressed are read.
 class TouchBlocks {
 public:
     static constexpr int kBlock = 16;  ///< vertices of a block
@@ -26,7 +26,8 @@ public:
     [[nodiscard]] bool idle() const { return weights_.empty(); }
     [[nodiscard]] int activeColumns() const { return static_cast<int>(weights_.size()); }
 
-    /// Adds the displacement to blocks [begin, end) of `local` (3 kBlock per block, m), which is aligned to 16 bytes. Blocks are independent: threads share them.
+    /// Adds the displacement to blocks [begin, end) of `local` (3 kBlock per block, m), which is aligned to 16 bytes. Blocks are independent: threads
+    /// share them.
     void add(std::size_t begin, std::size_t end, float* local) const;
 
     [[nodiscard]] std::size_t count() const { return columns_ > 0 ? data_.size() / (static_cast<std::size_t>(columns_) * 3 * kBlock) : 0; }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Contact of a few fingers by the elastic response (James and Pai 1999): unknown forces at the pressed points, their compliance from the precomputed patches.
-// Gauss-Seidel over the fingers finds which stick, slip or leave (each alone is solved exactly); the equations of those then are solved at once.
+// Contact of a few fingers by the elastic response (James and Pai 1999): unknown forces at the pressed points, their compliance from the precomputed
+// patches. Gauss-Seidel over the fingers finds which stick, slip or leave (each alone is solved exactly); the equations of those then are solved at
+// once.
 #include "core/touch/touch_contact.h"
 
 #include <Eigen/Geometry>
@@ -31,7 +32,8 @@ constexpr double kMostCoupling = 0.9;
 constexpr int kSweeps = 4, kRounds = 6;
 /// Slack in the tests whether solved forces are within their cones.
 constexpr double kSlack = 1e-9;
-/// Mean squared distance of the force of one bump from its centre, and of bumps mixed by their weights, in squared reaches; what each further mixing adds.
+/// Mean squared distance of the force of one bump from its centre, and of bumps mixed by their weights, in squared reaches; what each further mixing
+/// adds.
 constexpr double kOfBump = 0.25, kOfMixed = 0.42, kOfOverlap = 0.34;
 /// Weights to this power are narrowest without jumping from bump to bump.
 constexpr double kSharpest = 3.0;
@@ -71,11 +73,12 @@ Result<TouchContact> TouchContact::build(const TriangleMesh& body, std::span<con
     const TouchResponse& touch = response->touch;
     const Eigen::Index columns = 3 * touch.patches.count();
     const auto& p = touch.patches;
-    bool fits = p.first.size() == static_cast<std::size_t>(body.vertices.rows()) + 1 && p.patch.size() == p.weight.size() && touch.displacement.cols() == columns &&
-                touch.displacement.rows() == 3 * static_cast<Eigen::Index>(response->freeVertices.size()) && touch.compliance.rows() == columns &&
-                touch.compliance.cols() == columns && touch.forces.cols() == columns && touch.gradients.cols() == columns &&
-                touch.gradients.rows() == 9 * static_cast<Eigen::Index>(touch.probes.size());
-    fits = fits && p.first.front() == 0 && static_cast<std::size_t>(p.first.back()) == p.patch.size() && std::is_sorted(p.first.begin(), p.first.end());
+    bool fits = p.first.size() == static_cast<std::size_t>(body.vertices.rows()) + 1 && p.patch.size() == p.weight.size() &&
+                touch.displacement.cols() == columns && touch.displacement.rows() == 3 * static_cast<Eigen::Index>(response->freeVertices.size()) &&
+                touch.compliance.rows() == columns && touch.compliance.cols() == columns && touch.forces.cols() == columns &&
+                touch.gradients.cols() == columns && touch.gradients.rows() == 9 * static_cast<Eigen::Index>(touch.probes.size());
+    fits =
+        fits && p.first.front() == 0 && static_cast<std::size_t>(p.first.back()) == p.patch.size() && std::is_sorted(p.first.begin(), p.first.end());
     for (const std::int32_t i : p.patch) fits = fits && i >= 0 && i < p.count();
     for (const std::int32_t v : response->freeVertices) fits = fits && v >= 0 && v < body.vertices.rows();
     for (const JointFace& face : faces)
@@ -84,13 +87,15 @@ Result<TouchContact> TouchContact::build(const TriangleMesh& body, std::span<con
     return TouchContact(body, faces, std::move(response), settings);
 }
 
-TouchContact::TouchContact(const TriangleMesh& body, std::span<const JointFace> faces, std::shared_ptr<const ElementResponse> response, const TouchSettings& settings)
+TouchContact::TouchContact(const TriangleMesh& body, std::span<const JointFace> faces, std::shared_ptr<const ElementResponse> response,
+                           const TouchSettings& settings)
     : response_(std::move(response)), settings_(settings), body_(body), normals_(vertexNormals(body)) {
     const TouchPatches& patches = touch().patches;
     const Eigen::Index count = patches.count(), columns = 3 * count;
     size_ = (body.vertices.colwise().maxCoeff() - body.vertices.colwise().minCoeff()).norm();
     row_.assign(static_cast<std::size_t>(body.vertices.rows()), -1);
-    for (std::size_t i = 0; i < response_->freeVertices.size(); ++i) row_[static_cast<std::size_t>(response_->freeVertices[i])] = static_cast<std::int32_t>(3 * i);
+    for (std::size_t i = 0; i < response_->freeVertices.size(); ++i)
+        row_[static_cast<std::size_t>(response_->freeVertices[i])] = static_cast<std::int32_t>(3 * i);
 
     std::vector<std::int32_t> held, which;
     for (const JointFace& face : faces) held.insert(held.end(), face.triangles.begin(), face.triangles.end());
@@ -105,8 +110,9 @@ TouchContact::TouchContact(const TriangleMesh& body, std::span<const JointFace> 
             const std::int32_t v = body.triangles(f, a);
             for (auto i = patches.first[static_cast<std::size_t>(v)]; i < patches.first[static_cast<std::size_t>(v) + 1]; ++i)
                 for (int b = 0; b < 3; ++b)
-                    overlap_.row(patches.patch[static_cast<std::size_t>(i)]) +=
-                        area * (a == b ? 2.0 : 1.0) * static_cast<double>(patches.weight[static_cast<std::size_t>(i)]) * weights.row(body.triangles(f, b));
+                    overlap_.row(patches.patch[static_cast<std::size_t>(i)]) += area * (a == b ? 2.0 : 1.0) *
+                                                                                static_cast<double>(patches.weight[static_cast<std::size_t>(i)]) *
+                                                                                weights.row(body.triangles(f, b));
         }
     }
     for (Eigen::Index p = 0; p < count; ++p) {
@@ -120,7 +126,8 @@ TouchContact::TouchContact(const TriangleMesh& body, std::span<const JointFace> 
     largest_ = Eigen::VectorXd::Zero(count);
     for (Eigen::Index c = 0; c < columns; ++c) {
         double most = 0.0;
-        for (Eigen::Index i = 0; i < touch().displacement.rows(); i += 3) most = std::max(most, static_cast<double>(touch().displacement.block<3, 1>(i, c).squaredNorm()));
+        for (Eigen::Index i = 0; i < touch().displacement.rows(); i += 3)
+            most = std::max(most, static_cast<double>(touch().displacement.block<3, 1>(i, c).squaredNorm()));
         largest_[c / 3] += std::sqrt(most);
     }
 
@@ -160,7 +167,8 @@ TouchContact::Point TouchContact::nearestFacing(const Vec3& rest, const Vec3& di
 
 double TouchContact::narrowest() const { return std::sqrt(kOfBump) * touch().patches.reach; }
 
-/// Which patches a finger presses: those around its point by their weights there, sharpened for a small finger, mixed with their neighbours for a large one.
+/// Which patches a finger presses: those around its point by their weights there, sharpened for a small finger, mixed with their neighbours for a
+/// large one.
 void TouchContact::spread(Finger& finger, double radius) {
     const TouchPatches& patches = touch().patches;
     spread_.setZero();
@@ -219,8 +227,8 @@ double TouchContact::largestGradient(const Eigen::VectorXd& gradients) const {
 }
 
 bool TouchContact::place(int finger, const Point& point, double radius) {
-    if (finger < 0 || finger >= kFingers || point.triangle < 0 || point.triangle >= body_.triangles.rows() || !finite(point.barycentric) || !std::isfinite(radius) ||
-        radius < 0.0 || point.barycentric.minCoeff() < -kSlack || std::abs(point.barycentric.sum() - 1.0) > 1e-6)
+    if (finger < 0 || finger >= kFingers || point.triangle < 0 || point.triangle >= body_.triangles.rows() || !finite(point.barycentric) ||
+        !std::isfinite(radius) || radius < 0.0 || point.barycentric.minCoeff() < -kSlack || std::abs(point.barycentric.sum() - 1.0) > 1e-6)
         return false;
     if (!touchable_[static_cast<std::size_t>(point.triangle)]) return false;
     Finger& f = fingers_[static_cast<std::size_t>(finger)];
@@ -261,7 +269,8 @@ bool TouchContact::aim(int finger, const Vec3& wanted, const Vec3& normal) {
 }
 
 bool TouchContact::aim(int finger, const std::array<Vec3, 3>& corners, const Vec3& target, const Eigen::Matrix3d& axes) {
-    if (finger < 0 || finger >= kFingers || !fingers_[static_cast<std::size_t>(finger)].down || !finite(target) || !axes.array().isFinite().all()) return false;
+    if (finger < 0 || finger >= kFingers || !fingers_[static_cast<std::size_t>(finger)].down || !finite(target) || !axes.array().isFinite().all())
+        return false;
     for (const Vec3& corner : corners)
         if (!finite(corner)) return false;
     const Finger& f = fingers_[static_cast<std::size_t>(finger)];
@@ -339,8 +348,10 @@ void TouchContact::settle() {
     leftRate_.setZero();
     resting_ = true;
     for (Finger& finger : fingers_) {
-        if (finger.wanted.dot(finger.normal) < 0.0) finger.behind = finger.behindRate = 0.0;
-        else finger.force.setZero();
+        if (finger.wanted.dot(finger.normal) < 0.0)
+            finger.behind = finger.behindRate = 0.0;
+        else
+            finger.force.setZero();
     }
     solve();
     addUp();
@@ -561,7 +572,8 @@ void TouchContact::addJointForces(double shear, Eigen::VectorXd& forces) const {
 
 std::size_t TouchContact::bytes() const {
     const auto doubles = static_cast<std::size_t>(overlap_.size() + largest_.size() + normals_.size() + body_.vertices.size() + 4 * left_.size()) +
-                         static_cast<std::size_t>(kFingers) * static_cast<std::size_t>(fingers_[0].weights.size() + fingers_[0].rows.size() + fingers_[0].gradients.size());
+                         static_cast<std::size_t>(kFingers) *
+                             static_cast<std::size_t>(fingers_[0].weights.size() + fingers_[0].rows.size() + fingers_[0].gradients.size());
     return doubles * sizeof(double) + row_.size() * sizeof(std::int32_t) + static_cast<std::size_t>(body_.triangles.size()) * sizeof(std::int32_t);
 }
 

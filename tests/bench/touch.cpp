@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Touch: what its columns add to the precompute, and what fingers cost in a frame. `bench_touch 2` precomputes on two threads, `bench_touch 0` only times frames.
+// Touch: what its columns add to the precompute, and what fingers cost in a frame. `bench_touch 2` precomputes on two threads, `bench_touch 0` only
+// times frames.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -32,15 +33,16 @@ void precomputes(const char* name, const shapes::Body& body, const SolverMeshSet
             plain = seconds;
             plainBytes = response.bytes();
         }
-        std::printf("%-26s %6td %6d %6d %8.2f %8.2f %7.2f %9.2f %8.1f %9.4f %9.4f\n", name, body.mesh.vertices.rows(), response.quality.solverNodes, response.touch.patches.count(),
-                    seconds, estimated, seconds / plain, static_cast<double>(response.bytes()) / 1e6, static_cast<double>(response.bytes()) / static_cast<double>(plainBytes),
-                    response.touch.asymmetry, response.touch.negativeEnergy);
+        std::printf("%-26s %6td %6d %6d %8.2f %8.2f %7.2f %9.2f %8.1f %9.4f %9.4f\n", name, body.mesh.vertices.rows(), response.quality.solverNodes,
+                    response.touch.patches.count(), seconds, estimated, seconds / plain, static_cast<double>(response.bytes()) / 1e6,
+                    static_cast<double>(response.bytes()) / static_cast<double>(plainBytes), response.touch.asymmetry, response.touch.negativeEnergy);
     }
 }
 
 void frames() {
     const auto shape = shapes::cylinder(0.5, 2.0, 48, 36);
-    std::printf("\nframe of %td vertices, one thread, us: fingers that slide, hold, and their displacement added to all vertices\n", shape.mesh.vertices.rows());
+    std::printf("\nframe of %td vertices, one thread, us: fingers that slide, hold, and their displacement added to all vertices\n",
+                shape.mesh.vertices.rows());
     std::printf("%8s %8s %10s %10s %10s %10s %10s\n", "patches", "fingers", "columns", "placing", "contact", "adding", "in all");
     for (const int touch : {24, 48, 96}) {
         const Touched body = precompute(inputOf(shape.mesh, shape.ends, touch));
@@ -72,10 +74,11 @@ void frames() {
                 blocks.add(0, blocks.count(), local.data());
                 if (frame > 30) adding = std::min(adding, 1e6 * secondsSince(start));
             }
-            std::printf("%8d %8d %10d %10.1f %10.1f %10.1f %10.1f\n", body.response->touch.patches.count(), fingers, blocks.activeColumns(), placing, solving, adding,
-                        placing + solving + adding);
+            std::printf("%8d %8d %10d %10.1f %10.1f %10.1f %10.1f\n", body.response->touch.patches.count(), fingers, blocks.activeColumns(), placing,
+                        solving, adding, placing + solving + adding);
         }
-        std::printf("%8s contact %.2f MB, blocks %.2f MB\n", "", static_cast<double>(body.contact().bytes()) / 1e6, static_cast<double>(blocks.bytes()) / 1e6);
+        std::printf("%8s contact %.2f MB, blocks %.2f MB\n", "", static_cast<double>(body.contact().bytes()) / 1e6,
+                    static_cast<double>(blocks.bytes()) / 1e6);
     }
 }
 
@@ -84,7 +87,8 @@ void frames() {
 int main(int argc, char** argv) {
     const int threads = argc > 1 ? std::stoi(argv[1]) : 1;
     if (threads <= 0) return frames(), 0;
-    std::printf("%-26s %6s %6s %6s %8s %8s %7s %9s %8s %9s %9s\n", "precompute", "verts", "nodes", "patch", "s", "estimate", "ratio", "MB", "ratio", "asymmetry", "negative");
+    std::printf("%-26s %6s %6s %6s %8s %8s %7s %9s %8s %9s %9s\n", "precompute", "verts", "nodes", "patch", "s", "estimate", "ratio", "MB", "ratio",
+                "asymmetry", "negative");
     precomputes("cylinder, as it is", shapes::cylinder(0.5, 1.5, 32, 24), {SolverMeshSetting::Kind::AsIs, 0}, threads);
     precomputes("cylinder, default", shapes::cylinder(0.5, 1.5, 32, 24), {SolverMeshSetting::Kind::Default, 0}, threads);
     precomputes("cylinder, decimated", shapes::cylinder(0.5, 1.5, 96, 96), {SolverMeshSetting::Kind::Default, 0}, threads);

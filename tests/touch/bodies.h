@@ -18,7 +18,9 @@ struct Touched {
     std::shared_ptr<const ElementResponse> response;
 
     [[nodiscard]] double size() const { return (mesh.vertices.colwise().maxCoeff() - mesh.vertices.colwise().minCoeff()).norm(); }
-    [[nodiscard]] TouchContact contact(const TouchSettings& settings = {}) const { return TouchContact::build(mesh, faces, response, settings).value(); }
+    [[nodiscard]] TouchContact contact(const TouchSettings& settings = {}) const {
+        return TouchContact::build(mesh, faces, response, settings).value();
+    }
     [[nodiscard]] std::array<Vec3, 3> corners(std::int32_t triangle) const {
         std::array<Vec3, 3> out;
         for (int c = 0; c < 3; ++c) out[static_cast<std::size_t>(c)] = mesh.vertices.row(mesh.triangles(triangle, c)).transpose();
@@ -28,7 +30,8 @@ struct Touched {
     [[nodiscard]] Points displacement(const TouchContact& contact) const {
         const Eigen::VectorXd u = response->touch.displacement.cast<double>() * contact.patchForces();
         Points out = Points::Zero(mesh.vertices.rows(), 3);
-        for (std::size_t i = 0; i < response->freeVertices.size(); ++i) out.row(response->freeVertices[i]) = u.segment<3>(3 * static_cast<Eigen::Index>(i)).transpose();
+        for (std::size_t i = 0; i < response->freeVertices.size(); ++i)
+            out.row(response->freeVertices[i]) = u.segment<3>(3 * static_cast<Eigen::Index>(i)).transpose();
         return out;
     }
     [[nodiscard]] Vec3 at(const TouchContact::Point& p, const Points& vertices) const {
@@ -107,6 +110,8 @@ inline const Touched& shell() {
     return out;
 }
 
-inline std::vector<std::pair<std::string, const Touched*>> all() { return {{"segment", &segment()}, {"ball", &ball()}, {"fin", &fin()}, {"shell", &shell()}}; }
+inline std::vector<std::pair<std::string, const Touched*>> all() {
+    return {{"segment", &segment()}, {"ball", &ball()}, {"fin", &fin()}, {"shell", &shell()}};
+}
 
 }  // namespace imomushi::touching

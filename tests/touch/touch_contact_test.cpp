@@ -50,7 +50,8 @@ TEST_CASE("touch: the pressed point meets its target") {
             contact.settle();
             CHECK(contact.state(0) == TouchContact::State::Sticks);
             CHECK_FALSE(contact.clamped(0));
-            const Vec3 target = body->at(p, body->mesh.vertices) - depth * body->size() * normalAt(*body, p) + 0.3 * depth * body->size() * Vec3(0.1, 0.0, 0.2);
+            const Vec3 target =
+                body->at(p, body->mesh.vertices) - depth * body->size() * normalAt(*body, p) + 0.3 * depth * body->size() * Vec3(0.1, 0.0, 0.2);
             const Points moved = body->mesh.vertices + body->displacement(contact);
             CHECK((body->at(p, moved) - target).norm() <= 1e-6 * body->size());
         }
@@ -99,7 +100,9 @@ TEST_CASE("touch: the frame adds the displacement to all vertices, and nothing w
             for (int axis = 0; axis < 3; ++axis) {
                 const std::int32_t v = first[b] + lane;
                 const double expected = 0.25 + (v < u.rows() ? u(v, axis) : 0.0);
-                CHECK(std::abs(static_cast<double>(local[(b * 3 + static_cast<std::size_t>(axis)) * TouchBlocks::kBlock + static_cast<std::size_t>(lane)]) - expected) <= 1e-6);
+                CHECK(std::abs(static_cast<double>(
+                                   local[(b * 3 + static_cast<std::size_t>(axis)) * TouchBlocks::kBlock + static_cast<std::size_t>(lane)]) -
+                               expected) <= 1e-6);
             }
 }
 
@@ -124,7 +127,8 @@ TEST_CASE("touch: two fingers pinch from both sides, and many fingers all meet t
     for (const int i : {0, 1}) push(body, contact, i, 0.08);
     contact.settle();
     const Points moved = body.mesh.vertices + body.displacement(contact);
-    const double before = (body.at(a, body.mesh.vertices) - body.at(b, body.mesh.vertices)).norm(), after = (body.at(a, moved) - body.at(b, moved)).norm();
+    const double before = (body.at(a, body.mesh.vertices) - body.at(b, body.mesh.vertices)).norm(),
+                 after = (body.at(a, moved) - body.at(b, moved)).norm();
     CHECK(after == doctest::Approx(before - 0.16).epsilon(1e-3));
     CHECK(contact.force(0).x() < 0.0);
     CHECK(contact.force(1).x() > 0.0);
@@ -231,7 +235,8 @@ TEST_CASE("touch: however deep fingers go, no triangle turns over and no gradien
             const int fingers = 1 + scene % 5;
             for (int i = 0; i < fingers; ++i) {
                 const auto p = put(contact, i, 2.0 * Vec3(d(random), d(random), d(random)), scene % 2 ? 0.0 : 0.3);
-                REQUIRE(contact.aim(i, -(scene % 3 ? 10.0 : 0.3) * normalAt(*body, p) + 0.2 * Vec3(d(random), d(random), d(random)), normalAt(*body, p)));
+                REQUIRE(
+                    contact.aim(i, -(scene % 3 ? 10.0 : 0.3) * normalAt(*body, p) + 0.2 * Vec3(d(random), d(random), d(random)), normalAt(*body, p)));
             }
             contact.settle();
             for (int i = 0; i < fingers; ++i) clamped += contact.clamped(i);

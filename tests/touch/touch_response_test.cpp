@@ -52,7 +52,8 @@ Eigen::MatrixXd patchMeans(const Touched& body) {
         if (!touchable[static_cast<std::size_t>(f)]) continue;
         for (int a = 0; a < 3; ++a)
             for (int b = 0; b < 3; ++b)
-                mass.col(body.mesh.triangles(f, a)) += areaVector(body.mesh, f).norm() / 24.0 * (a == b ? 2.0 : 1.0) * weights.row(body.mesh.triangles(f, b)).transpose();
+                mass.col(body.mesh.triangles(f, a)) +=
+                    areaVector(body.mesh, f).norm() / 24.0 * (a == b ? 2.0 : 1.0) * weights.row(body.mesh.triangles(f, b)).transpose();
     }
     mass.array().colwise() /= mass.rowwise().sum().array();
     Eigen::MatrixXd out = Eigen::MatrixXd::Zero(3 * mass.rows(), 3 * mass.cols());
@@ -75,9 +76,11 @@ TEST_CASE("touch patches: bumps cover what is free and visible, and add up to 1"
         for (std::int32_t f = 0; f < body->mesh.triangles.rows(); ++f)
             for (int c = 0; c < 3 && touchable[static_cast<std::size_t>(f)]; ++c) wanted[static_cast<std::size_t>(body->mesh.triangles(f, c))] = 1;
         const Eigen::MatrixXd weights = patches.dense();
-        for (Eigen::Index v = 0; v < weights.rows(); ++v) CHECK(weights.row(v).sum() == doctest::Approx(wanted[static_cast<std::size_t>(v)] ? 1.0 : 0.0).epsilon(1e-6));
+        for (Eigen::Index v = 0; v < weights.rows(); ++v)
+            CHECK(weights.row(v).sum() == doctest::Approx(wanted[static_cast<std::size_t>(v)] ? 1.0 : 0.0).epsilon(1e-6));
         CHECK(weights.minCoeff() >= 0.0);
-        for (int p = 0; p < patches.count(); ++p) CHECK(weights(patches.centre[static_cast<std::size_t>(p)], p) >= 0.3);  // the largest there, among four or five
+        for (int p = 0; p < patches.count(); ++p)
+            CHECK(weights(patches.centre[static_cast<std::size_t>(p)], p) >= 0.3);  // the largest there, among four or five
     }
     // The cavity of the shell: vertices after those of the outer sphere.
     const TouchPatches& patches = shell().response->touch.patches;
@@ -114,7 +117,8 @@ TEST_CASE("touch patches: there are no more than vertices carry, one at least on
     CHECK(touchPatches(coarse.mesh, input.faces, 1).count() == 1);
     // A ring of a face cuts the surface of a bar in two.
     const auto bar = shapes::box(Vec3(0, 0, 0), Vec3(1, 1, 4), 2, 2, 8);
-    const auto ring = shapes::patchWhere(bar.mesh, [](const Vec3& p) { return p.z() >= 1.5 && p.z() <= 2.5 && (p.x() == 0.0 || p.x() == 1.0 || p.y() == 0.0 || p.y() == 1.0); });
+    const auto ring = shapes::patchWhere(
+        bar.mesh, [](const Vec3& p) { return p.z() >= 1.5 && p.z() <= 2.5 && (p.x() == 0.0 || p.x() == 1.0 || p.y() == 0.0 || p.y() == 1.0); });
     JointFace face;
     face.vertices = ring.vertices;
     face.triangles = ring.triangles;
@@ -126,8 +130,10 @@ TEST_CASE("touch response: the compliance is symmetric, positive, and was so bef
         CAPTURE(name);
         const TouchResponse& t = body->response->touch;
         CHECK((t.compliance == t.compliance.transpose()));
-        CHECK(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(t.compliance, Eigen::EigenvaluesOnly).eigenvalues().minCoeff() >= -1e-12 * t.compliance.norm());
-        MESSAGE(name << ": " << t.patches.count() << " patches of reach " << t.patches.reach << ", asymmetry " << t.asymmetry << ", negative " << t.negativeEnergy);
+        CHECK(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(t.compliance, Eigen::EigenvaluesOnly).eigenvalues().minCoeff() >=
+              -1e-12 * t.compliance.norm());
+        MESSAGE(name << ": " << t.patches.count() << " patches of reach " << t.patches.reach << ", asymmetry " << t.asymmetry << ", negative "
+                     << t.negativeEnergy);
         // Collocation on the plain mesh: as for stiffnesses, about 1 % on compact bodies and 6 to 36 % on thin plates (model.md section 5).
         CHECK(t.asymmetry <= (name == "fin" ? 0.36 : 0.02));
         CHECK(t.negativeEnergy >= -0.01);
@@ -151,7 +157,8 @@ TEST_CASE("touch response: what a patch does to joint parameters is what joint p
         CAPTURE(name);
         const ElementResponse& r = *body->response;
         Eigen::MatrixXd u = Eigen::MatrixXd::Zero(3 * body->mesh.vertices.rows(), r.columns());
-        for (std::size_t i = 0; i < r.freeVertices.size(); ++i) u.middleRows<3>(3 * r.freeVertices[i]) = r.response.middleRows<3>(3 * static_cast<Eigen::Index>(i));
+        for (std::size_t i = 0; i < r.freeVertices.size(); ++i)
+            u.middleRows<3>(3 * r.freeVertices[i]) = r.response.middleRows<3>(3 * static_cast<Eigen::Index>(i));
         for (std::size_t f = 0; f < body->faces.size(); ++f)
             for (std::size_t i = 0; i < body->faces[f].vertices.size(); ++i) {
                 const std::int32_t v = body->faces[f].vertices[i];
@@ -180,8 +187,9 @@ TEST_CASE("touch response: the joint faces carry the force and the moment of a f
 }
 
 TEST_CASE("touch response: the dent of a Gaussian pressure on a large flat face is that of an elastic half space") {
-    // Boussinesq: u_z(x) = (1 - nu) / (2 pi mu) int p / r dS (Johnson 1985, section 3.2), here of the same pressure, linear on the triangles, in closed form. A
-    // cylinder of nearly ten times its width: how it gives way as a whole is left out by looking at differences from a point beside the dent.
+    // Boussinesq: u_z(x) = (1 - nu) / (2 pi mu) int p / r dS (Johnson 1985, section 3.2), here of the same pressure, linear on the triangles, in
+    // closed form. A cylinder of nearly ten times its width: how it gives way as a whole is left out by looking at differences from a point beside
+    // the dent.
     constexpr double kRadius = 1.0, kWidth = 0.12, kNu = 0.3;
     auto body = shapes::cylinder(kRadius, 1.0, 60, 6);
     for (Eigen::Index v = 0; v < body.mesh.vertices.rows(); ++v) {
@@ -224,7 +232,8 @@ TEST_CASE("touch response: the dent of a Gaussian pressure on a large flat face 
     std::vector<Seen> seen;
     for (std::size_t i = 0; i < problem->freeVertices().size(); ++i) {
         const Vec3 p = body.mesh.vertices.row(problem->freeVertices()[i]).transpose();
-        if (p.z() == 1.0 && std::hypot(p.x(), p.y()) < 0.3) seen.push_back({std::hypot(p.x(), p.y()), solution->displacement(3 * static_cast<Eigen::Index>(i) + 2, 2), boussinesq(p)});
+        if (p.z() == 1.0 && std::hypot(p.x(), p.y()) < 0.3)
+            seen.push_back({std::hypot(p.x(), p.y()), solution->displacement(3 * static_cast<Eigen::Index>(i) + 2, 2), boussinesq(p)});
     }
     std::sort(seen.begin(), seen.end(), [](const Seen& a, const Seen& b) { return a.radius < b.radius; });
     REQUIRE(seen.size() > 200);
@@ -233,7 +242,8 @@ TEST_CASE("touch response: the dent of a Gaussian pressure on a large flat face 
     double worst = 0.0;
     for (const Seen& s : seen) worst = std::max(worst, std::abs((s.found - seen.back().found) - (s.expected - seen.back().expected)));
     MESSAGE("worst " << worst / seen.front().expected << " of the dent");
-    // Linear displacement on rings of a third of the width misses its curvature by h^2 / (8 a^2), 2 %; the finite body bends the rest by (r / R)^2 a / R, 1 %.
+    // Linear displacement on rings of a third of the width misses its curvature by h^2 / (8 a^2), 2 %; the finite body bends the rest by (r / R)^2 a
+    // / R, 1 %.
     CHECK(worst <= 0.04 * seen.front().expected);
 }
 
@@ -321,7 +331,8 @@ TEST_CASE("touch response: a finger at the tip of a horn bends it like a cantile
     double expected = 0.0, sum = 0.0;
     for (std::int32_t f = 0; f < mesh.triangles.rows(); ++f)
         for (int c = 0; c < 3; ++c) {
-            const double share = areaVector(mesh, f).norm() * weights(mesh.triangles(f, c), tip), y = std::max(0.0, mesh.vertices(mesh.triangles(f, c), 1) - 1.0);
+            const double share = areaVector(mesh, f).norm() * weights(mesh.triangles(f, c), tip),
+                         y = std::max(0.0, mesh.vertices(mesh.triangles(f, c), 1) - 1.0);
             expected += share * y * y * (3.0 * kLength - y) / (6.0 * EI);
             sum += share;
         }
