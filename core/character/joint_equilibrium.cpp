@@ -129,8 +129,8 @@ private:
 }  // namespace
 
 struct JointEquilibrium::State {
-    // Free parameters of a joint: S as xx, xy, yy, then w as far as the modes go, all in the axes of its first face. Each is one or two entries of the table
-    // of vectors, one per scalar shape x, y, phi_1 ..., that the joint's displacement is made of.
+    // Free parameters of a joint: S as xx, xy, yy, then those of warping columns, all in the axes of its first face. Each is one or two entries of the
+    // table of vectors, one per scalar shape x, y, phi_1 ..., that the joint's displacement is made of.
     struct Joint {
         Matrix3d axes = Matrix3d::Identity();  // of the first face
         Vec3 origin = Vec3::Zero(), place = Vec3::Zero();
@@ -159,17 +159,13 @@ struct JointEquilibrium::State {
 
     explicit State(const CharacterInput& given) : input(given) {
         modes = input.basis.kind == BasisKind::Modes ? input.basis.modes : input.basis.kind == BasisKind::Full ? BasisChoice::kMostModes : 0;
-        shapes = (modes + 2) / 3;
+        shapes = warpShapes(modes);
         scalars = 2 + shapes;
-        for (int a = 0; a < scalars; ++a)
-            for (int d = 0; d < 3; ++d) {
-                int to = -1;
-                if (a < 2 && d < 2)
-                    to = a + d;
-                else if (a >= 2 && 3 * (a - 2) + d < modes)
-                    to = 3 + 3 * (a - 2) + d;
-                parameter.push_back(to);
-            }
+        terms.resize(3 * static_cast<std::size_t>(scalars));
+        for (int a = 0; a < 2; ++a)
+            for (int d = 0; d < 2; ++d) terms[static_cast<std::size_t>(3 * a + d)].push_back({a + d, 1.0});
+        for (int i = 0; i < modes; ++i)
+            for (const auto& t : warpColumn(i)) terms[static_cast<std::size_t>(3 * (2 + t.shape) + t.axis)].push_back({3 + i, t.share});
         std::vector<char> free(input.joints.size(), 0);
         for (std::size_t j = 0; j < input.joints.size(); ++j) {
             joints.push_back(buildJoint(input.joints[j]));
@@ -308,7 +304,8 @@ struct JointEquilibrium::State {
             }
             if (curved)
                 for (int axis = 0; axis < 3; ++axis) add(next + axis, axis, parts(3, a));
-            for (int i = 0; i < basis.modes; ++i) add(basis.plainColumns() + i, i % 3, parts(3 + curved + i / 3, a));
+            for (int i = 0; i < basis.modes; ++i)
+                for (const auto& t : warpColumn(i)) add(basis.plainColumns() + i, t.axis, t.share * parts(3 + curved + t.shape, a));
         }
         return out;
     }
@@ -336,7 +333,7 @@ struct JointEquilibrium::State {
             for (int a = 0; a < scalars; ++a) {
                 const Vec3 t = f.turn.transpose() * f.force.segment<3>(3 * a);
                 for (int d = 0; d < 3; ++d)
-                    if (const int to = parameter[3 * a + d]; to >= 0) r[to] -= t[d];
+                    for (const auto& [to, share] : terms[static_cast<std::size_t>(3 * a + d)]) r[to] -= share * t[d];
             }
         }
     }
@@ -349,19 +346,17 @@ struct JointEquilibrium::State {
             for (int a = 0; a < scalars; ++a) {
                 Matrix3d block;
                 block.noalias() = f.turn.transpose() * (between.block<3, 3>(3 * a, 3 * b) * g.turn).eval();
-                for (int q = 0; q < 3; ++q) {
-                    const int column = parameter[3 * b + q];
-                    if (column < 0) continue;
-                    for (int p = 0; p < 3; ++p) {
-                        const int row = parameter[3 * a + p];
-                        if (row < 0) continue;
-                        if (transposed)
-                            to(column, row) += block(p, q);
-                        else
-                            to(row, column) += block(p, q);
-                        if (twice) to(column, row) += block(p, q);
-                    }
-                }
+                for (int q = 0; q < 3; ++q)
+                    for (const auto& [column, columnShare] : terms[static_cast<std::size_t>(3 * b + q)])
+                        for (int p = 0; p < 3; ++p)
+                            for (const auto& [row, rowShare] : terms[static_cast<std::size_t>(3 * a + p)]) {
+                                const double part = rowShare * columnShare * block(p, q);
+                                if (transposed)
+                                    to(column, row) += part;
+                                else
+                                    to(row, column) += part;
+                                if (twice) to(column, row) += part;
+                            }
             }
     }
 
@@ -414,7 +409,8 @@ struct JointEquilibrium::State {
         local.topLeftCorner<2, 2>() += joint.table.topLeftCorner<2, 2>();
         joint.stretch.noalias() = joint.axes * local * joint.axes.transpose();
         if (shapes == 0) return;
-        for (int i = 0; i < modes; ++i) joint.table(i % 3, 2 + i / 3) = q[3 + i];
+        for (int i = 0; i < modes; ++i)
+            for (const auto& t : warpColumn(i)) joint.table(t.axis, 2 + t.shape) += t.share * q[3 + i];
         auto warped = joint.table.rightCols(shapes);
         double worst = 0.0;
         for (const auto& slope : joint.slopes) {
@@ -441,7 +437,11 @@ struct JointEquilibrium::State {
 
     const CharacterInput& input;
     int modes = 0, shapes = 0, scalars = 2;
-    std::vector<int> parameter;  // of each entry of a joint's table, -1: none
+    struct Term {
+        int parameter;
+        double share;
+    };
+    std::vector<std::vector<Term>> terms;  // of each entry of a joint's table, column by column
     std::vector<Joint> joints;
     std::vector<Element> elements;
     BlockSystem system;

@@ -26,7 +26,7 @@ JointMap jointMap(const PaperParameters& p) {
 
 FaceBasis FaceBasis::on(const TriangleMesh& body, const JointFace& face, const BasisChoice& choice) {
     if (choice.kind == BasisKind::Full) return {choice.kind, true, static_cast<int>(face.vertices.size()), 0, {}};
-    return {choice.kind, face.flat(), 0, choice.modes, Warping(body, face, (choice.modes + 2) / 3)};
+    return {choice.kind, face.flat(), 0, choice.modes, Warping(body, face, warpShapes(choice.modes))};
 }
 
 Eigen::Matrix<double, 3, Eigen::Dynamic> FaceBasis::at(const Vec3& p) const {
@@ -51,7 +51,8 @@ Eigen::Matrix<double, 3, Eigen::Dynamic> FaceBasis::at(const Vec3& p) const {
     if (modes > 0) {
         std::array<double, Warping::kMost> shape;
         warping.at(x, y, shape.data());
-        for (int i = 0; i < modes; ++i) u(i % 3, plainColumns() + i) = shape[static_cast<std::size_t>(i / 3)];
+        for (int i = 0; i < modes; ++i)
+            for (const WarpTerm& term : warpColumn(i)) u(term.axis, plainColumns() + i) = term.share * shape[static_cast<std::size_t>(term.shape)];
     }
     return u;
 }

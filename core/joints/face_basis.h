@@ -44,14 +44,14 @@ struct BasisChoice {
 ///   0 ux = x     1 ux = y, uy = x     2 uy = y     3 uz = x     4 uz = y     5 uz = 1          (paper, eq. (5))
 ///   6 ux = 1     7 uy = 1     8 ux = -y, uy = x                                                (affine adds these)
 ///   then, on faces that are not flat, three more: ux = z, uy = z, uz = z
-/// Columns of modes: those of affine, then the warping of the face: each of its scalar shapes (see Warping) along x, y, z, as far as the count goes.
+/// Columns of modes: those of affine, then those of warpColumn(), as far as the count goes.
 /// Columns of full: the displacement (m) of each vertex of the face, 3 i + axis for the i-th one, linear on the triangles in between.
 struct FaceBasis {
     BasisKind kind = BasisKind::Affine;
     bool flat = true;  ///< of the others
     int vertices = 0;  ///< of the face, in full; else 0
     int modes = 0;     ///< warping columns, in modes; else 0
-    Warping warping;   ///< of ceil(modes / 3) shapes
+    Warping warping;   ///< of warpShapes(modes) shapes
 
     /// The basis of `choice` on a face of `body`.
     static FaceBasis on(const TriangleMesh& body, const JointFace& face, const BasisChoice& choice);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 #include <vector>
 
 #include "core/joints/joint_face.h"
@@ -9,11 +10,12 @@
 
 namespace imomushi {
 
-/// The scalar shapes that warp a joint face: polynomials in its plane of rising degree,
-///   x^2 + y^2, x^2 - y^2, x y | r^2 x, r^2 y, x^3 - 3 x y^2, 3 x^2 y - y^3 | r^4, r^2 (x^2 - y^2), r^2 x y, x^4 - 6 x^2 y^2 + y^4, x y (x^2 - y^2),
-/// each made orthogonal, in the face's area integral, to 1, x, y and those before it. The first ones span the same shapes whatever the triangles of a
-/// face, so that two faces of a joint can say the same. Their root mean square over the face is that of x and y together over sqrt(2):
-/// metres, as large as what a unit of stretch does, so that coefficients are of the order of strains.
+/// The scalar shapes that warp a joint face: all polynomials in its plane of degrees 2, 3 and 4,
+///   r^2, x^2 - y^2, x y, r^2 x, r^2 y, r^4, r^2 (x^2 - y^2), r^2 x y, x^3 - 3 x y^2, 3 x^2 y - y^3, x^4 - 6 x^2 y^2 + y^4, x y (x^2 - y^2),
+/// each made orthogonal to 1, x, y and those before it, in the area integral of what is linear on the triangles of the face, so that a warped face keeps
+/// its mean place and rotation exactly. With 1, x and y the first ones span the same shapes whatever the triangles, so that two faces of a joint
+/// can say the same. Their root mean square over the face is that of x and y together over sqrt(2): metres, as large as what a unit of stretch
+/// does, so that coefficients are of the order of strains. Shapes that the vertices of a face cannot tell from those before them are zero.
 class Warping {
 public:
     static constexpr int kMost = 12;  ///< all of degrees 2, 3 and 4
@@ -32,6 +34,19 @@ private:
     double unit_ = 0.0;                 // m
     std::vector<double> coefficients_;  // per shape: of 1, x, y and all shapes of the list above up to itself, in units
 };
+
+/// One term of a warping column: `share` times a shape along an axis of the face.
+struct WarpTerm {
+    int shape, axis;
+    double share;
+};
+/// The i-th warping column of a face, 0...3 Warping::kMost - 1: one shape along z, or two in the plane that together turn with it. They are ordered by what
+/// they contribute where round bodies stretch (u = r^2 (x, y), and r^2 along z), twist (r^2 (-y, x)), bend and shear (r^2, and x^2 - y^2 with 2 x y, in the
+/// plane; r^2 x and r^2 y along z); then ovals and what is left. All 36 are every shape along every axis, so that they are closed under
+/// rotations; fewer are nearly so for those that matter.
+std::span<const WarpTerm> warpColumn(int i);
+/// Shapes that the first `columns` columns are made of.
+int warpShapes(int columns);
 
 /// A point of a face with its share of the area, for integrals that are exact up to degree 8 on flat faces.
 struct AreaPoint {
