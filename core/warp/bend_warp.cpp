@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Inside, lengths are in sizes of the element, positions are about the mean of its faces' origins, and vertices are in the order of elimination:
-// those
-// that the system solves for, one of each shell that no face holds, then the held ones.
+// those that the system solves for, one of each shell that no face holds, then the held ones.
 #include "core/warp/bend_warp.h"
 
 #include <Eigen/Eigenvalues>
@@ -36,14 +35,12 @@ constexpr float kMostAngle = 7.0f;
 // The fit of rotations sees the rotation that the response says as this part of what it fits to: without it collapsed triangles would have none.
 constexpr float kGuess = 0.05f;
 // Within this many sizes of a face (at most this part of the way to the next one) triangles follow the face more and more: linear elasticity with a
-// rigid
-// rim has a singular crease there, that nobody wants to see of a large bend. It counts by the square of the motion of the face, half at this one
-// (radians).
+// rigid rim has a singular crease there, that nobody wants to see of a large bend. It counts by the square of the motion of the face, half at
+// this one (radians).
 constexpr double kBand = 2.0, kBandShare = 0.5, kFollowWholly = 0.2;
 constexpr float kBandMotion = 0.04f;
 // Nearer than this many sizes they are stiffer, up to this many times at the rim; softness grows evenly from there. What shapes cannot agree on is
-// settled
-// farther away, and slopes that are left at the rim are as small as they change from row to row beside it.
+// settled farther away, and slopes that are left at the rim are as small as they change from row to row beside it.
 constexpr double kStiffBand = 0.8, kStiffness = 50.0;
 // The inflation falls off towards faces over this many times the size of the largest one, and moves nothing by more than this part of the element's
 // width.

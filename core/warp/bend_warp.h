@@ -29,21 +29,18 @@ struct FaceMotion {
 ///
 ///   1  v is the logarithm of the motions of the faces: rotation vectors, logarithmic stretches.
 ///   2  What two faces stretch along the line between them is done to the whole body first, with the contraction across it of a free bar. The rest
-///      of A' v is
-///      carried along.
+///      of A' v is carried along.
 ///   3  Its gradient on each triangle gives a rotation vector w and a strain e (the normal follows from the free surface: no shear there). The
 ///      triangle wants to become R(w) exp(e) of itself; differences of principal strains are softened where they are large. Towards a face, triangles
 ///      take its rotation and stretch instead (but not its twist): two bodies that meet smoothly at rest go on doing so when their joint bends,
-///      where linear
-///      elasticity has a singular crease along a rigid rim.
+///      where linear elasticity has a singular crease along a rigid rim.
 ///   4  Vertices follow by least squares over the surface, with a prefactorised system; rotations are fitted to the result and it is solved again
 ///      (Sorkine & Alexa 2007), which spreads what w and e cannot agree on.
 ///   5  An inflation restores the volume, to what the linear response says it is: exp(its relative change) of the volume at rest.
 ///   6  Near a face nothing crosses the plane of the face: it lays itself against it, as flesh against the neighbour's.
 ///
-/// Faces of a joint should keep their shape, or warp little: what a bend of 90 degrees or more warps by linear elasticity is too much
-/// (tests/bench/bend_warp.cpp).
-/// A frame takes about 60 (28,000 vertices) to 120 times (2,000) as long as the product A' v, and six times its memory.
+/// Faces of a joint should keep their shape, or warp little: what a bend of 90 degrees or more warps by linear elasticity is too much.
+/// A frame takes about 60 (28,000 vertices) to 120 times (2,000) as long as the product A' v, and six times its memory (tests/bench/bend_warp.cpp).
 /// Built once, then evaluate() is the per-frame job of one thread: it neither allocates, locks nor fails.
 class BendWarp {
 public:
