@@ -39,6 +39,24 @@ struct Swing {
     }
 };
 
+/// The character alone, on one thread: the paper's models have no effects.
+CharacterInput withoutEffects(const CharacterInput& given) {
+    CharacterInput out;
+    out.skeleton = given.skeleton;
+    for (const auto& e : given.elements) {
+        auto& to = out.elements.emplace_back();
+        to.mesh = e.mesh;
+        to.faces = e.faces;
+        to.response = e.response;
+        to.stiffness = e.stiffness;
+        to.bones = e.bones;
+        to.leadsJointPlanes = e.leadsJointPlanes;
+    }
+    out.joints = given.joints;
+    out.basis = BasisKind::Paper;
+    return out;
+}
+
 /// Vertices that are not hidden inside a joint, per element.
 std::vector<std::vector<char>> seenVertices(const CharacterInput& input) {
     std::vector<std::vector<char>> seen, covered;
@@ -61,9 +79,7 @@ std::vector<std::vector<char>> seenVertices(const CharacterInput& input) {
 Result<ModelTable> compareModels(const ComparedModels& models, const Progress& progress) {
     const CharacterInput& given = models.input;
     if (given.skeleton.bones.empty()) return fail("no-bone", "There is no bone to move the character by: add bones first.");
-    CharacterInput input = given;
-    input.format = ResponseFormat::Float;
-    input.threads = 1;
+    CharacterInput input = withoutEffects(given);
     CharacterInput old = input;
     ModelTable table;
     auto &proposed = table.proposed, &previous = table.previous;

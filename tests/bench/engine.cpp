@@ -21,6 +21,7 @@
 #include "core/character/normal_stencils.h"
 #include "core/character/response_blocks.h"
 #include "core/comparison/paper_caterpillar.h"
+#include "core/comparison/skin_kernels.h"
 #include "core/comparison/timing.h"
 #include "tests/bench/reference_loops.h"
 #include "tests/character/caterpillar.h"
@@ -257,9 +258,9 @@ struct Skinned {
                 ++v;
             }
     }
-    void byMatrix() { reference::skinByMatrix({matrices.data(), rest.data(), weights.data(), offsets.data()}, 0, vertices, positions.data()); }
+    void byMatrix() { skinByMatrix({matrices.data(), rest.data(), weights.data(), offsets.data()}, 0, vertices, positions.data()); }
     void byGather() {
-        reference::skinByGather({matrices.data(), blockRest.data(), blockWeights.data(), blockOffsets.data()}, (vertices + 15) / 16, positions.data());
+        skinByGather({matrices.data(), blockRest.data(), blockWeights.data(), blockOffsets.data()}, (vertices + 15) / 16, positions.data());
     }
 };
 

@@ -24,83 +24,6 @@ void triad(float* a, const float* b, const float* c, float s, std::size_t count)
     for (std::size_t i = 0; i < count; i += hn::Lanes(d)) hn::Store(hn::MulAdd(hn::Load(d, c + i), factor, hn::Load(d, b + i)), d, a + i);
 }
 
-#if HWY_TARGET == HWY_SCALAR
-void skinByMatrix(const Skin& skin, std::size_t begin, std::size_t end, float* positions) {
-    for (std::size_t v = begin; v < end; ++v)
-        for (int row = 0; row < 3; ++row) {
-            float sum = 0.0f;
-            for (int k = 0; k < 4; ++k)
-                for (int c = 0; c < 4; ++c) sum += skin.weights[4 * v + k] * skin.matrices[skin.offsets[4 * v + k] + 4 * c + row] * skin.rest[4 * v + c];
-            positions[3 * v + row] = sum;
-        }
-}
-#else
-template <int kRegisters>
-HWY_INLINE void skinVertex(const Skin& skin, std::size_t v, float* positions) {
-    const D d;
-    const std::uint16_t* offset = skin.offsets + 4 * v;
-    const float* weight = skin.weights + 4 * v;
-    // Written out: the compiler would keep a loop of four.
-    const auto matrix = [&](int k) { return skin.matrices + offset[k]; };
-    const float *m0 = matrix(0), *m1 = matrix(1), *m2 = matrix(2), *m3 = matrix(3);
-    const V w0 = hn::Set(d, weight[0]), w1 = hn::Set(d, weight[1]), w2 = hn::Set(d, weight[2]), w3 = hn::Set(d, weight[3]);
-    const auto blend = [&](int r) HWY_ATTR {
-        const int at = 16 / kRegisters * r;
-        return hn::MulAdd(hn::Load(d, m0 + at), w0, hn::MulAdd(hn::Load(d, m1 + at), w1, hn::MulAdd(hn::Load(d, m2 + at), w2, hn::Mul(hn::Load(d, m3 + at), w3))));
-    };
-    if constexpr (kRegisters == 1) {
-        // x x x x y y y y z z z z 1 1 1 1
-        HWY_ALIGN static constexpr std::int32_t kSpread[16] = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
-        const hn::RebindToSigned<D> di;
-        const V point = hn::TableLookupLanes(hn::LoadDup128(d, skin.rest + 4 * v), hn::IndicesFromVec(d, hn::Load(di, kSpread)));
-        const V all = hn::Mul(blend(0), point);
-        const hn::Half<D> half;
-        const auto two = hn::Add(hn::LowerHalf(half, all), hn::UpperHalf(half, all));
-        const hn::Half<decltype(half)> quarter;
-        hn::StoreU(hn::Add(hn::LowerHalf(quarter, two), hn::UpperHalf(quarter, two)), quarter, positions + 3 * v);
-    } else if constexpr (kRegisters == 2) {
-        const hn::RebindToSigned<D> di;
-        HWY_ALIGN static constexpr std::int32_t kLow[8] = {0, 0, 0, 0, 1, 1, 1, 1}, kHigh[8] = {2, 2, 2, 2, 3, 3, 3, 3};
-        const V point = hn::LoadDup128(d, skin.rest + 4 * v);
-        const V all = hn::MulAdd(blend(0), hn::TableLookupLanes(point, hn::IndicesFromVec(d, hn::Load(di, kLow))),
-                                 hn::Mul(blend(1), hn::TableLookupLanes(point, hn::IndicesFromVec(d, hn::Load(di, kHigh)))));
-        const hn::Half<D> half;
-        hn::StoreU(hn::Add(hn::LowerHalf(half, all), hn::UpperHalf(half, all)), half, positions + 3 * v);
-    } else {
-        const float* p = skin.rest + 4 * v;
-        hn::StoreU(hn::MulAdd(blend(0), hn::Set(d, p[0]), hn::MulAdd(blend(1), hn::Set(d, p[1]), hn::MulAdd(blend(2), hn::Set(d, p[2]), blend(3)))), d,
-                   positions + 3 * v);
-    }
-}
-
-// The fourth lane that is stored belongs to the next vertex, which comes later.
-void skinByMatrix(const Skin& given, std::size_t begin, std::size_t end, float* positions) {
-    const Skin skin = given;  // kept in registers: positions could be part of it otherwise
-    for (std::size_t v = begin; v < end; ++v) skinVertex<16 / static_cast<int>(hn::MaxLanes(D()))>(skin, v, positions);
-}
-#endif
-
-void skinByGather(const SkinBlocks& skin, std::size_t blocks, float* positions) {
-    const D d;
-    const hn::RebindToSigned<D> di;
-    for (std::size_t b = 0; b < blocks; ++b)
-        for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
-            const float* rest = skin.rest + 48 * b + i;
-            const V x = hn::Load(d, rest), y = hn::Load(d, rest + 16), z = hn::Load(d, rest + 32);
-            const auto weighted = [&](int k, int row) HWY_ATTR {
-                const auto at = hn::Load(di, skin.offsets + 64 * b + 16 * k + i);
-                const float* m = skin.matrices + row;
-                return hn::Mul(hn::Load(d, skin.weights + 64 * b + 16 * k + i),
-                               hn::MulAdd(hn::GatherIndex(d, m, at), x,
-                                          hn::MulAdd(hn::GatherIndex(d, m + 4, at), y, hn::MulAdd(hn::GatherIndex(d, m + 8, at), z, hn::GatherIndex(d, m + 12, at)))));
-            };
-            const auto sum = [&](int row) HWY_ATTR {
-                return hn::Add(hn::Add(weighted(0, row), weighted(1, row)), hn::Add(weighted(2, row), weighted(3, row)));
-            };
-            hn::StoreInterleaved3(sum(0), sum(1), sum(2), d, positions + 3 * (16 * b + i));
-        }
-}
-
 HWY_INLINE void unit(V& x, V& y, V& z) {
     const D d;
     const V square = hn::MulAdd(x, x, hn::MulAdd(y, y, hn::Mul(z, z)));
@@ -160,16 +83,10 @@ HWY_AFTER_NAMESPACE();
 namespace imomushi::reference {
 
 HWY_EXPORT(triad);
-HWY_EXPORT(skinByMatrix);
-HWY_EXPORT(skinByGather);
 HWY_EXPORT(normalsOfTriangles);
 HWY_EXPORT(normalise);
 
 void triad(float* a, const float* b, const float* c, float s, std::size_t count) { HWY_DYNAMIC_DISPATCH(triad)(a, b, c, s, count); }
-void skinByMatrix(const Skin& skin, std::size_t begin, std::size_t end, float* positions) {
-    HWY_DYNAMIC_DISPATCH(skinByMatrix)(skin, begin, end, positions);
-}
-void skinByGather(const SkinBlocks& skin, std::size_t blocks, float* positions) { HWY_DYNAMIC_DISPATCH(skinByGather)(skin, blocks, positions); }
 void normalsOfTriangles(const float* positions, const std::int32_t* triangles, std::size_t count, float* sums, float* normals, std::size_t vertices) {
     HWY_DYNAMIC_DISPATCH(normalsOfTriangles)(positions, triangles, count, sums, normals, vertices);
 }

@@ -4,8 +4,9 @@
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <stdexcept>
+
+#include "tests/support/obj.h"
 
 namespace imomushi {
 namespace {
@@ -33,23 +34,10 @@ ReferenceBody readReferenceBody(const std::string& folder, const std::string& na
     ReferenceBody body;
     body.name = name;
     body.mesh = std::make_shared<ElementMesh>();
-    std::ifstream obj = open(folder, name + ".obj");
-    std::vector<double> points;
-    std::vector<std::int32_t> corners;
-    for (std::string line; std::getline(obj, line);) {
-        std::istringstream words(line);
-        std::string key;
-        words >> key;
-        if (key == "v")
-            for (double x; words >> x;) points.push_back(x);
-        if (key == "f")
-            for (std::string corner; words >> corner;) corners.push_back(std::stoi(corner) - 1);
-    }
-    body.mesh->body.vertices = Eigen::Map<const Points>(points.data(), static_cast<Eigen::Index>(points.size() / 3), 3);
-    body.mesh->body.triangles = Eigen::Map<const Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
+    body.mesh->body = readObj(folder + "/" + name + ".obj");
 
     const json facts = readJson(folder, name + ".faces.json");
-    std::vector<bool> held(points.size() / 3, false);
+    std::vector<bool> held(static_cast<std::size_t>(body.mesh->body.vertices.rows()), false);
     for (const json& fact : facts["faces"]) {
         auto face = jointFaceByVertices(body.mesh->body, fact["vertices"].get<std::vector<std::int32_t>>());
         if (!face) throw std::runtime_error(name + ": " + face.error().message);

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "core/character/character.h"
+
+namespace imomushi {
+
+/// The surface of a character as a skin covers it: one surface over all elements, open where joined faces are not welded.
+struct SkinBody {
+    Points vertices;                  ///< body vertices of all elements, one element after another, rest, m
+    std::vector<int> first;           ///< per element: its first vertex; one more entry
+    std::vector<std::int32_t> same;   ///< per vertex: the lowest of those welded to it, itself included
+    Triangles triangles;              ///< those that are seen (not inside a joint); corners are lowest vertices
+    /// Per vertex: the vertex of `triangles` whose weights it takes: `same` of it, or the nearest one where it is inside a joint.
+    std::vector<std::int32_t> weightOf;
+};
+
+SkinBody skinBody(const CharacterInput& input);
+
+}  // namespace imomushi
