@@ -3,11 +3,14 @@
 #include <rapidcheck.h>
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cmath>
 #include <numbers>
 
 #include "core/joints/face_basis.h"
 #include "core/joints/joint_face.h"
+#include "core/mesh/topology.h"
+#include "tests/support/shapes.h"
 
 using namespace imomushi;
 
@@ -128,6 +131,25 @@ TEST_CASE("paper basis: a twist is left out and told, and the plane neither shri
     basis.coefficients({tilt, Vec3::Zero()}, 2.0, without.data(), none);
     CHECK(none <= 1e-15);
     CHECK((v - without).norm() <= 1e-14);
+}
+
+TEST_CASE("warping: no mode moves, tilts, twists or stretches a face in the mean, and all of them move it about as far as a unit of stretch") {
+    const auto body = shapes::cylinder(0.3, 1.0, 24, 4);
+    const JointFace face = jointFaceByVertices(body.mesh, body.ends[1].vertices).value();
+    const FaceBasis basis = FaceBasis::on(body.mesh, face, {BasisKind::Modes, 36});
+    REQUIRE(basis.columns() == 45);
+    // Integrals of what is linear on triangles.
+    Eigen::MatrixXd products = Eigen::MatrixXd::Zero(45, 45);
+    for (const auto t : face.triangles) {
+        std::array<Eigen::MatrixXd, 3> u;
+        for (int c = 0; c < 3; ++c) u[c] = basis.at(face.frame.toLocal(body.mesh.vertices.row(body.mesh.triangles(t, c)).transpose()));
+        const double share = areaVector(body.mesh, t).norm() / (24.0 * face.area);
+        for (int a = 0; a < 3; ++a)
+            for (int b = 0; b < 3; ++b) products += (a == b ? 2.0 : 1.0) * share * u[a].transpose() * u[b];
+    }
+    const double unit = products(0, 0);
+    CHECK(products.block(0, 9, 9, 36).cwiseAbs().maxCoeff() < 1e-12 * 9);
+    for (int i = 9; i < 45; ++i) CHECK((products(i, i) == 0.0 || std::abs(products(i, i) / unit - 1.0) < 0.1));
 }
 
 TEST_CASE("basis names: known ones go both ways, others are refused with the ones there are") {
