@@ -21,7 +21,7 @@ namespace imomushi {
 /// A frame does not allocate. In the basis "full" joints have the most modes that there are.
 class JointEquilibrium {
 public:
-    explicit JointEquilibrium(const CharacterInput& input);
+    explicit JointEquilibrium(const CharacterInput& input);  ///< which must outlive this
     JointEquilibrium(JointEquilibrium&&) noexcept;
     JointEquilibrium& operator=(JointEquilibrium&&) noexcept;
     ~JointEquilibrium();
