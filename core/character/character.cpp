@@ -6,6 +6,7 @@
 #include "core/character/character.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -16,11 +17,15 @@
 #include "core/character/felt_acceleration.h"
 #include "core/character/frame_crew.h"
 #include "core/character/joint_equilibrium.h"
+#include "core/character/joint_jiggle.h"
 #include "core/character/normal_stencils.h"
 #include "core/character/response_blocks.h"
 #include "core/character/shrink.h"
 #include "core/character/vertex_kernels.h"
 #include "core/skeleton/bone_tree.h"
+#include "core/touch/touch_blocks.h"
+#include "core/touch/touch_contact.h"
+#include "core/warp/bend_warp.h"
 
 namespace imomushi {
 
@@ -36,6 +41,8 @@ constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kSameShape = 1e-8;
 // Body loads deform no element by more than this part of its size, approached smoothly: they are linear, and more would fold it.
 constexpr double kMostLoaded = 0.25;
+// Radians between an element and its joint at which the shapes of smooth joints have gone, where elements are warped.
+constexpr double kFadedAngle = 0.6;
 // In-plane stretches stay within these, approached smoothly.
 constexpr double kLeastStretch = 0.3, kMostStretch = 3.0;
 // A vertex at the rim of a joined face that has no partner takes the normal of the nearest place on the other rim within this many face sizes.
@@ -79,6 +86,12 @@ double milliseconds(std::chrono::steady_clock::time_point from, std::chrono::ste
 double boundedStretch(double x) {
     const double room = x < 0.0 ? 1.0 - kLeastStretch : kMostStretch - 1.0;
     return 1.0 + room * std::tanh(x / room);
+}
+
+// The same to first order, as a free bar of Poisson ratio nu contracts when it is stretched by far: (length)^-nu.
+double freeStretch(double x, double nu) {
+    if (nu < 1e-3) return boundedStretch(x);
+    return std::clamp(std::pow(std::max(1.0 - x / nu, 1e-3), -nu), kLeastStretch, kMostStretch);
 }
 
 /// x -> linear * x + shift, rest to world.
@@ -167,9 +180,14 @@ struct Character::State {
         double shrink = 0.0;
         bool led = false;
         AffineMap map;
+        Quaterniond turn = Quaterniond::Identity();  // of the map; its sign says which way a bend went round
+        std::optional<JointJiggle> jiggle;
+        bool warped = false;  // an element keeps its volume here
+        double nu = 0.45;     // of that element
         // With smooth joints only.
         Matrix3d rotation = Matrix3d::Identity();
         Eigen::Matrix3Xd warping;  // world, per scalar shape
+        double part = 1.0;         // of its shape that is shown: less where it turns far and elements are warped
     };
     // A vertex that its joint places, and the rest position that it is placed from.
     struct HeldVertex {
@@ -197,6 +215,32 @@ struct Character::State {
         Eigen::VectorXd forces;  // that they put on the joints, see ElementResponse::loadForces
         [[nodiscard]] Eigen::Index first() const { return all.size() - (gravity ? 3 : 0) - (inflated ? 1 : 0); }
     };
+    // Large motions of an element.
+    struct Warped {
+        BendWarp warp;
+        std::vector<FaceMotion> motions;  // per face
+        Eigen::VectorXd warping;          // what smooth joints add to motions, see BendWarp::evaluate()
+        Points held;                      // of warp.heldVertices()
+        std::vector<std::size_t> heldOf;  // where they are in ElementState::held
+        AlignedBuffer<float> loaded;      // with body loads: local positions under these alone
+    };
+    // Fingers on an element.
+    struct Touched {
+        struct Finger {
+            Vec3 rest, target;  // m, rest and world
+            double radius = 0.0;
+        };
+        TouchContact contact;
+        TouchBlocks blocks;
+        std::array<Finger, TouchContact::kFingers> fingers;
+        AlignedBuffer<float> dented;
+        bool wasDented = false;
+        [[nodiscard]] bool active() const {
+            bool down = !contact.idle() || wasDented;
+            for (int i = 0; i < TouchContact::kFingers; ++i) down = down || contact.down(i);
+            return down;
+        }
+    };
     struct ElementState {
         std::size_t vertices = 0;
         Vec3 middle = Vec3::Zero();
@@ -212,6 +256,9 @@ struct Character::State {
         Eigen::VectorXd v, shownV, columnSize;
         std::optional<BodyLoads> loads;
         [[nodiscard]] const Eigen::VectorXd& weights() const { return loads ? loads->all : v; }
+        std::optional<Warped> warped;
+        std::vector<char> sameTree;  // per face, where it is warped: signs of rotations agree
+        std::optional<Touched> touched;
         std::vector<AffineMap> shownJoints;  // per face
         std::vector<Eigen::Matrix3Xd> shownWarping;  // per face, with smooth joints
         Eigen::MatrixXd heldShapes;          // #shapes x #held, with smooth joints: warping shapes of the joint, m
@@ -252,12 +299,57 @@ struct Character::State {
         elements.resize(input.elements.size());
         for (std::size_t e = 0; e < elements.size(); ++e) buildElement(static_cast<int>(e));
         if (input.smoothJoints) buildEquilibrium();
+        for (std::size_t e = 0; e < elements.size() && !failure; ++e) buildWarpAndTouch(e);
+        for (std::size_t j = 0; effects.jointDynamics && j < joints.size() && !failure; ++j) {
+            auto jiggle = JointJiggle::build(input, input.joints[j], *effects.jointDynamics);
+            if (jiggle)
+                joints[j].jiggle = std::move(*jiggle);
+            else
+                failure = jiggle.error();
+        }
+        if (failure) return;
         for (std::size_t j = 0; j < input.joints.size(); ++j) buildSeam(input.joints[j]);
         const int threads = input.threads > 0 ? input.threads : hardwareThreads();
         std::size_t bytes = 0;
         for (const auto& e : elements) bytes += e.blocks.count() * e.blocks.bytesPerBlock();
         if (threads > 1 && bytes >= kBytesWorthThreads) crew = std::make_unique<FrameCrew>(threads);
         update(pose, 0.0);
+    }
+
+    void buildWarpAndTouch(std::size_t e) {
+        const auto& given = input.elements[e];
+        auto& out = elements[e];
+        if (!given.response || given.faces.empty()) return;
+        if (given.warped) {
+            out.sameTree.resize(given.faces.size());
+            for (std::size_t f = 0; f < given.faces.size(); ++f) {
+                auto& joint = joints[static_cast<std::size_t>(out.jointOf[f])];
+                joint.warped = true;
+                joint.nu = given.nu;
+                const int bone = input.joints[static_cast<std::size_t>(out.jointOf[f])].faces[0].bone;
+                out.sameTree[f] = !given.bones.empty() && bone >= 0 && tree.tree[bone] == tree.tree[given.bones[0]];
+            }
+            auto warp = BendWarp::build(given.mesh->body, given.faces, *given.response, given.nu, {out.blocks.first(), out.blocks.count()}, out.middle, {});
+            if (!warp) {
+                failure = warp.error();
+                return;
+            }
+            const auto& held = warp->heldVertices();
+            Warped made{std::move(*warp), std::vector<FaceMotion>(given.faces.size()), Eigen::VectorXd::Zero(given.response->columns()),
+                        Points(static_cast<Eigen::Index>(held.size()), 3), {}, AlignedBuffer<float>(out.loads ? out.local.size() : 0)};
+            for (const auto v : made.warp.heldVertices())
+                made.heldOf.push_back(static_cast<std::size_t>(
+                    std::find_if(out.held.begin(), out.held.end(), [v](const HeldVertex& h) { return h.vertex == v; }) - out.held.begin()));
+            out.warped = std::move(made);
+        }
+        if (given.touched && effects.touch && given.response->touch.columns() > 0) {
+            auto contact = TouchContact::build(given.mesh->body, given.faces, given.response, *effects.touch);
+            if (!contact) {
+                failure = contact.error();
+                return;
+            }
+            out.touched = Touched{std::move(*contact), TouchBlocks(*given.response, {out.blocks.first(), out.blocks.count()}), {}, AlignedBuffer<float>(out.local.size()), false};
+        }
     }
 
     void buildEquilibrium() {
@@ -508,7 +600,7 @@ struct Character::State {
                 mean.add(element.rotation, 1.0, alone);
             }
         }
-        const Vec3 at = given.point >= 0 ? pose.points[given.point] : carried;
+        Vec3 at = given.point >= 0 ? pose.points[given.point] : carried;
         for (const auto& f : given.faces) {
             if (f.bone < 0) continue;
             const auto& element = elements[f.element];
@@ -519,15 +611,33 @@ struct Character::State {
         Quaterniond rotation = mean.get();
         if (!out.led && given.point >= 0 && pose.roll[given.point] != 0.0 && out.restTangent != Vec3::Zero())
             rotation = Quaterniond(Eigen::AngleAxisd(pose.roll[given.point], rotation * out.restTangent)) * rotation;
+        out.turn = rotation.normalized();
+        double stretch = 1.0;
+        if (shifted && !equilibrium)
+            stretch = out.warped ? freeStretch(out.shrink * outward / shifted, out.nu) : boundedStretch(out.shrink * outward / shifted);
+        Matrix3d turned = out.turn.toRotationMatrix(), swollen = Matrix3d::Identity();
+        if (out.jiggle) {
+            JointJiggle::Place place{turned, at, stretch};
+            if (frameSeconds > 0.0)
+                out.jiggle->step(frameSeconds, place, swollen);
+            else
+                out.jiggle->reset(place);
+            if (!(place.rotation == turned)) {
+                const Quaterniond jiggled(place.rotation);
+                out.turn = jiggled.dot(out.turn) < 0.0 ? Quaterniond(-jiggled.coeffs()) : jiggled;
+            }
+            turned = place.rotation;
+            at = place.at;
+        }
         if (equilibrium) {
-            out.rotation = out.map.linear = rotation.normalized().toRotationMatrix();
+            out.rotation = out.map.linear = turned;
             out.map.shift = at - out.map.linear * out.restPlace;
             return;
         }
-        const double stretch = shifted ? boundedStretch(out.shrink * outward / shifted) : 1.0;
         const Vec3& n = out.restNormal;
         const Matrix3d across = n * n.transpose();
-        out.map.linear = rotation.normalized().toRotationMatrix() * (across + stretch * (Matrix3d::Identity() - across));
+        out.map.linear = turned * (across + stretch * (Matrix3d::Identity() - across));
+        if (out.jiggle) out.map.linear = out.map.linear * swollen;
         out.map.shift = at - out.map.linear * out.restPlace;
     }
 
@@ -549,6 +659,16 @@ struct Character::State {
         }
     }
 
+    // The shape of a joint is of small motions. Where elements are warped it fades while the joint turns away from them: they keep their volume with rigid
+    // joints, and creases would come back.
+    [[nodiscard]] double shownPart(std::size_t j) const {
+        double angle = 0.0;
+        for (const auto& f : input.joints[j].faces)
+            angle = std::max(angle, joints[j].turn.angularDistance(elements[static_cast<std::size_t>(f.element)].rotation));
+        const double part = 1.0 - std::min(1.0, angle * angle / (kFadedAngle * kFadedAngle));
+        return part * part;
+    }
+
     // What acts on the joints of an element besides its stiffness.
     [[nodiscard]] static std::span<const double> forcesOn(const ElementState& e) {
         if (!e.loads) return {};
@@ -565,9 +685,13 @@ struct Character::State {
         for (std::size_t j = 0; j < joints.size(); ++j) {
             auto& out = joints[j];
             const Vec3 at = out.map(out.restPlace);
-            out.map.linear = out.rotation * equilibrium->stretch(static_cast<int>(j));
+            out.part = out.warped ? shownPart(j) : 1.0;
+            Matrix3d stretch = equilibrium->stretch(static_cast<int>(j));
+            if (out.warped) stretch = (Matrix3d::Identity() + out.part * (stretch - Matrix3d::Identity())).eval();
+            out.map.linear = out.rotation * stretch;
             out.map.shift = at - out.map.linear * out.restPlace;
             out.warping.noalias() = out.rotation * equilibrium->warping(static_cast<int>(j));
+            if (out.warped) out.warping *= out.part;
         }
         for (std::size_t e = 0; e < elements.size(); ++e)
             if (elements[e].v.size() > 0) elements[e].v = equilibrium->parameters(static_cast<int>(e));
@@ -609,8 +733,12 @@ struct Character::State {
         if (effects.inflate && effects.inflate->breath > 0.0 && effects.inflate->breathHertz > 0.0)
             for (const auto& e : elements)
                 if (e.loads && e.loads->inflated) return false;
-        for (const auto& e : elements)
+        for (const auto& e : elements) {
             if (e.loads && e.loads->gravity && !e.loads->felt.resting()) return false;
+            if (e.touched && e.touched->active()) return false;
+        }
+        for (const auto& j : joints)
+            if (j.jiggle && !j.jiggle->resting()) return false;
         return true;
     }
 
@@ -618,6 +746,7 @@ struct Character::State {
         const auto start = std::chrono::steady_clock::now();
         updateWarnings = 0;
         stats.evaluatedElements = stats.evaluatedVertices = 0;
+        frameSeconds = seconds;
         if (wanted.points.empty() && !pose.points.empty())
             assign(poseOfRest);
         else if (fits(input.skeleton, wanted))
@@ -625,7 +754,9 @@ struct Character::State {
         else
             updateWarnings |= static_cast<unsigned>(FrameWarning::PoseRefused);
         for (std::size_t e = 0; e < elements.size(); ++e) placeElement(e);
+        const auto placing = std::chrono::steady_clock::now();
         for (std::size_t j = 0; j < joints.size(); ++j) placeJoint(j);
+        if (effects.jointDynamics) stats.jointDynamicsMs = milliseconds(placing, std::chrono::steady_clock::now());
         for (std::size_t e = 0; e < elements.size(); ++e) measure(e);
         double loadMs = 0.0;
         if (effects.gravity || effects.inflate) {
@@ -643,11 +774,15 @@ struct Character::State {
             if (e.loads) e.loads->all.head(e.v.size()) = e.v;
         const auto measured = std::chrono::steady_clock::now();
         std::size_t bytes = 0;
+        stats.bendWarpMs = stats.touchMs = 0.0;
         for (std::size_t e = 0; e < elements.size(); ++e) {
             decideWork(e);
+            if (elements[e].warped) bend(elements[e], input.elements[e]);
             if (elements[e].moved) bytes += elements[e].blocks.count() * elements[e].blocks.bytesPerBlock();
         }
         share(bytes, productPieces, [this](const Piece& p) { showPositions(elements[p.element], p.begin, p.end); });
+        for (std::size_t e = 0; e < elements.size(); ++e)
+            if (elements[e].touched) press(elements[e], input.elements[e]);
         for (auto& e : elements) holdVertices(e);
         const auto placed = std::chrono::steady_clock::now();
         share(bytes, normalPieces, [this](const Piece& p) {
@@ -707,6 +842,8 @@ struct Character::State {
             out.moved = out.moved || joints[out.jointOf[f]].warping != out.shownWarping[f];
             out.shownWarping[f] = joints[out.jointOf[f]].warping;
         }
+        const bool touched = out.touched && out.touched->active();
+        out.moved = out.moved || touched;
         out.work = Work::None;
         if (!out.moved) return;
         out.shownFrame = out.frame;
@@ -722,13 +859,90 @@ struct Character::State {
             return;
         }
         // Who bends goes on bending, mostly: the bent shape is kept when it moves as it is, and at the start.
-        out.localShown = sameShape || !out.shown;
+        out.localShown = sameShape || !out.shown || touched;
         out.work = out.localShown ? Work::EvaluateAndKeep : Work::Evaluate;
         if (!sameShape) out.shownV = out.weights();
         out.blocks.weigh(out.shownV);
         out.shown = true;
         ++stats.evaluatedElements;
         stats.evaluatedVertices += static_cast<int>(out.free.size());
+    }
+
+    // The shape under large motions instead of the product, into `local`.
+    void bend(ElementState& out, const CharacterInput::Element& given) {
+        if (out.work != Work::Evaluate && out.work != Work::EvaluateAndKeep) return;
+        const auto start = std::chrono::steady_clock::now();
+        auto& w = *out.warped;
+        const Matrix3d toElement = out.frame.linear.transpose();
+        for (std::size_t f = 0; f < w.motions.size(); ++f) {
+            const auto& joint = joints[static_cast<std::size_t>(out.jointOf[f])];
+            auto& motion = w.motions[f];
+            motion.linear = toElement * joint.map.linear;
+            motion.shift = toElement * (joint.map.shift - out.frame.shift);
+            motion.rotation = out.rotation.conjugate() * joint.turn;
+            if (!out.sameTree[f] && motion.rotation.w() < 0.0) motion.rotation.coeffs() = -motion.rotation.coeffs();
+            if (const int modes = given.response->bases[f].modes; equilibrium && modes > 0) {
+                const int first = given.response->firstColumn[f] + given.response->bases[f].plainColumns();
+                w.warping.segment(first, modes) = joint.part * out.v.segment(first, modes);
+            }
+        }
+        for (std::size_t i = 0; i < w.heldOf.size(); ++i)
+            w.held.row(static_cast<Eigen::Index>(i)) = (toElement * (heldAt(out, w.heldOf[i]) - out.frame.shift)).transpose();
+        w.warp.evaluate(w.motions, w.warping, w.held, out.local.data());
+        if (out.loads) {
+            // What loads do to the shape at rest is added; `weights` without its joints is what they do alone.
+            out.loads->all.head(out.v.size()).setZero();
+            out.blocks.weigh(out.loads->all);
+            evaluateAndPlace(out.blocks.view(), out.blocks.weights(), out.placement, 0, out.blocks.count(), w.loaded.data(), out.positions.data());
+            out.loads->all.head(out.v.size()) = out.v;
+            const float* rest = out.blocks.rest().data();
+            for (std::size_t i = 0; i < out.local.size(); ++i) out.local[i] += w.loaded[i] - rest[i];
+        }
+        out.localShown = true;
+        out.work = Work::Place;
+        stats.bendWarpMs += milliseconds(start, std::chrono::steady_clock::now());
+    }
+
+    // Fingers: after the pose alone is in `local`, before it is shown.
+    void press(ElementState& out, const CharacterInput::Element& given) {
+        auto& t = *out.touched;
+        if (!t.active()) return;
+        const auto start = std::chrono::steady_clock::now();
+        const Matrix3d toElement = out.frame.linear.transpose();
+        for (int i = 0; i < TouchContact::kFingers; ++i) {
+            if (!t.contact.down(i)) continue;
+            std::array<Vec3, 3> corners;
+            for (int c = 0; c < 3; ++c) corners[static_cast<std::size_t>(c)] = poseAt(out, given.mesh->body.triangles(t.contact.triangle(i), c));
+            const Vec3 target = toElement * (t.fingers[static_cast<std::size_t>(i)].target - out.frame.shift);
+            t.contact.aim(i, corners, target);
+        }
+        if (frameSeconds > 0.0)
+            t.contact.step(frameSeconds);
+        else
+            t.contact.settle();
+        t.wasDented = !t.contact.idle();
+        if (t.wasDented) {
+            t.blocks.weigh(t.contact.patchForces());
+            std::copy_n(out.local.data(), out.local.size(), t.dented.data());
+            t.blocks.add(0, out.blocks.count(), t.dented.data());
+            place(t.dented.data(), out.blocks.first(), out.placement, 0, out.blocks.count(), out.positions.data());
+        }
+        stats.touchMs += milliseconds(start, std::chrono::steady_clock::now());
+    }
+
+    // Where the pose alone has a body vertex in the frame of its element.
+    [[nodiscard]] Vec3 poseAt(const ElementState& e, std::int32_t vertex) const {
+        const auto held = std::find_if(e.held.begin(), e.held.end(), [vertex](const HeldVertex& h) { return h.vertex == vertex; });
+        if (held != e.held.end()) return e.frame.linear.transpose() * (heldAt(e, static_cast<std::size_t>(held - e.held.begin())) - e.frame.shift);
+        return localAt(e, vertex, false);
+    }
+
+    // The same of a free one, with or without dents.
+    [[nodiscard]] static Vec3 localAt(const ElementState& e, std::int32_t vertex, bool dented) {
+        const std::int32_t* first = e.blocks.first();
+        const std::size_t block = static_cast<std::size_t>(std::upper_bound(first, first + e.blocks.count(), vertex) - first) - 1;
+        const float* at = (dented ? e.touched->dented : e.local).data() + block * 3 * kVertexBlock + (vertex - first[block]);
+        return e.middle + Vec3(at[0], at[kVertexBlock], at[2 * kVertexBlock]);
     }
 
     static void showPositions(ElementState& out, std::size_t begin, std::size_t end) {
@@ -796,6 +1010,8 @@ struct Character::State {
     }
 
     const CharacterInput input;
+    std::optional<Error> failure;              // of the constructor
+    double frameSeconds = 0.0;                 // of the update() that runs
     CharacterEffects effects = input.effects;  // with their numbers of now
     double breath = 0.0;                       // phase, radians
     const BoneTree tree;
@@ -821,7 +1037,9 @@ Character::~Character() = default;
 
 Result<Character> Character::build(CharacterInput input) {
     if (auto ok = check(input); !ok) return tl::unexpected(ok.error());
-    return Character(std::make_unique<State>(std::move(input)));
+    auto state = std::make_unique<State>(std::move(input));
+    if (state->failure) return tl::unexpected(*state->failure);
+    return Character(std::move(state));
 }
 
 const CharacterInput& Character::input() const { return state_->input; }
@@ -842,7 +1060,33 @@ void Character::tune(const CharacterEffects& effects) {
     auto& now = state_->effects;
     if (now.gravity && effects.gravity) now.gravity = effects.gravity;
     if (now.inflate && effects.inflate) now.inflate = effects.inflate;
-    if (now.jointDynamics && effects.jointDynamics) now.jointDynamics = effects.jointDynamics;
+    if (now.jointDynamics && effects.jointDynamics &&
+        (now.jointDynamics->hertz != effects.jointDynamics->hertz || now.jointDynamics->damping != effects.jointDynamics->damping)) {
+        now.jointDynamics = effects.jointDynamics;
+        for (auto& joint : state_->joints)
+            if (joint.jiggle) (void)joint.jiggle->set(*now.jointDynamics);  // refused numbers leave it as it is
+    }
+    if (now.touch && effects.touch) {
+        now.touch = effects.touch;
+        for (auto& e : state_->elements)
+            if (e.touched) (void)e.touched->contact.set(*now.touch);
+    }
+}
+
+bool Character::setFinger(int element, int finger, const Vec3& rest, const Vec3& target, double radius) {
+    auto& e = state_->elements[static_cast<std::size_t>(element)];
+    if (!e.touched || !allFinite(target)) return false;
+    auto& t = *e.touched;
+    auto& known = t.fingers[static_cast<std::size_t>(finger)];
+    // A finger that only moves keeps its place: finding it again costs more than a frame.
+    if (!t.contact.down(finger) || rest != known.rest || radius != known.radius)
+        if (!t.contact.place(finger, t.contact.nearest(rest), radius)) return false;
+    known = {rest, target, radius};
+    return true;
+}
+
+void Character::liftFinger(int element, int finger) {
+    if (auto& touched = state_->elements[static_cast<std::size_t>(element)].touched) touched->contact.lift(finger);
 }
 
 bool Character::resting() const { return state_->resting(); }
@@ -868,6 +1112,9 @@ Points Character::positions(int element) const {
         const Vec3 rest = given.mesh->body.vertices.row(e.free[i]).transpose();
         out.row(e.free[i]) = e.frame(rest + x.segment<3>(3 * static_cast<Eigen::Index>(i))).transpose();
     }
+    // What only a frame knows is as precise as it is shown.
+    if (e.warped || (e.touched && e.touched->wasDented))
+        for (const auto v : e.free) out.row(v) = e.frame(state_->localAt(e, v, e.touched && e.touched->wasDented)).transpose();
     for (std::size_t i = 0; i < e.held.size(); ++i) out.row(e.held[i].vertex) = state_->heldAt(e, i).transpose();
     return out;
 }

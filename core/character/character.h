@@ -26,6 +26,9 @@ struct CharacterInput {
         double density = 1000.0;                          ///< kg/m^3
         bool heavy = false;                               ///< `gravity` acts here
         bool inflated = false;                            ///< `inflate` acts here
+        bool warped = false;                              ///< keeps its volume under large motions (bend_warp.h)
+        double nu = 0.45;                                 ///< Poisson ratio; for that
+        bool touched = false;                             ///< `touch` acts here
         std::vector<int> bones;                           ///< bones that run through it; empty: it stays at rest
         /// True: joint planes at its faces are not bisected, they turn with this element (model.md section 4, free ends).
         bool leadsJointPlanes = false;
@@ -81,6 +84,11 @@ public:
 
     /// New numbers for the effects that it has; others are ignored. Seen in the next update().
     void tune(const CharacterEffects& effects);
+    /// A finger (0 ... TouchContact::kFingers - 1) on an element: at the surface point nearest to `rest` (m, rest pose) it pushes towards `target` (m, world).
+    /// radius: m, 0: as small as can be. Or moves one that is there. False: the element feels no touch, or the point is not a number.
+    bool setFinger(int element, int finger, const Vec3& rest, const Vec3& target, double radius);
+    void liftFinger(int element, int finger);
+
     /// No effect goes on by itself: the next update() of the same pose changes nothing.
     [[nodiscard]] bool resting() const;
 
@@ -106,7 +114,7 @@ public:
         int evaluatedVertices = 0;
         double poseMs = 0, jointsMs = 0, productMs = 0, normalsMs = 0;  ///< wall time by stage of the last solvePose() and update()
         /// Of effects, within those stages; body loads with their share of the product by columns.
-        double gravityMs = 0, inflateMs = 0;
+        double gravityMs = 0, inflateMs = 0, jointDynamicsMs = 0, bendWarpMs = 0, touchMs = 0;
         double equilibriumMs = 0;       ///< of jointsMs, with smooth joints
     };
     [[nodiscard]] const Stats& stats() const;

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "core/mesh/mesh.h"
+#include "core/touch/touch_contact.h"
 
 namespace imomushi {
 
@@ -27,6 +28,7 @@ struct CharacterEffects {
     std::optional<Gravity> gravity;
     std::optional<Inflate> inflate;
     std::optional<JointDynamics> jointDynamics;
+    std::optional<TouchSettings> touch;
 };
 
 }  // namespace imomushi

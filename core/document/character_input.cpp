@@ -152,6 +152,13 @@ CharacterEffects characterEffects(const Effects& effects) {
     if (effects.has(EffectKind::Inflate))
         made.inflate = {effects.number(EffectKind::Inflate, "pressure"), effects.number(EffectKind::Inflate, "breath"),
                         effects.number(EffectKind::Inflate, "breath-hertz")};
+    if (effects.has(EffectKind::JointDynamics))
+        made.jointDynamics = {effects.number(EffectKind::JointDynamics, "hertz"), effects.number(EffectKind::JointDynamics, "damping")};
+    if (effects.has(EffectKind::Touch)) {
+        made.touch.emplace();
+        made.touch->friction = effects.number(EffectKind::Touch, "friction");
+        made.touch->releaseSeconds = effects.number(EffectKind::Touch, "release");
+    }
     return made;
 }
 
@@ -253,6 +260,9 @@ Result<CharacterPlan> planCharacter(const Document& document) {
         made.density = element->density;
         made.heavy = document.effects.has(EffectKind::Gravity, id);
         made.inflated = document.effects.has(EffectKind::Inflate, id);
+        made.warped = document.effects.has(EffectKind::BendWarp, id);
+        made.touched = document.effects.has(EffectKind::Touch, id);
+        made.nu = element->nu;
         for (std::size_t b = 0; b < plan.bones.size(); ++b)
             if (document.bones.at(plan.bones[b])->element == id) made.bones.push_back(static_cast<int>(b));
         plan.elements.push_back(id);

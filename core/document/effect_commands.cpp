@@ -28,7 +28,7 @@ Result<PartId> targetOf(const Document& document, EffectKind kind, const Json& a
     return (*element)->id;
 }
 
-bool isAvailable(EffectKind kind) { return kind != EffectKind::BendWarp && kind != EffectKind::JointDynamics && kind != EffectKind::PreviousModel && kind != EffectKind::Touch; }
+bool isAvailable(EffectKind kind) { return kind != EffectKind::PreviousModel; }
 
 Json names(const Document& document, const Effect& effect) {
     if (effect.elements.empty()) return "character";

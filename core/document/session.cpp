@@ -649,6 +649,9 @@ void Session::stepFrame(double dt) {
     const auto& effects = s.document.effects;
     const auto& stats = s.character->stats();
     if (effects.has(EffectKind::SmoothJoints)) s.effectMs[static_cast<std::size_t>(EffectKind::SmoothJoints)] = stats.equilibriumMs;
+    if (effects.has(EffectKind::BendWarp)) s.effectMs[static_cast<std::size_t>(EffectKind::BendWarp)] = stats.bendWarpMs;
+    if (effects.has(EffectKind::JointDynamics)) s.effectMs[static_cast<std::size_t>(EffectKind::JointDynamics)] = stats.jointDynamicsMs;
+    if (effects.has(EffectKind::Touch)) s.effectMs[static_cast<std::size_t>(EffectKind::Touch)] = stats.touchMs;
     if (effects.has(EffectKind::Gravity)) s.effectMs[static_cast<std::size_t>(EffectKind::Gravity)] = stats.gravityMs;
     if (effects.has(EffectKind::Inflate)) s.effectMs[static_cast<std::size_t>(EffectKind::Inflate)] = stats.inflateMs;
     s.stirred = !settled || (s.performance && !s.performance->resting()) || !s.character->resting();

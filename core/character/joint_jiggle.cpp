@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/character/joint_jiggle.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace imomushi {
+
+using Eigen::Matrix3d;
+
+namespace {
+
+constexpr int kParameters = 9;
+// Bounds, approached smoothly: shifts in face sizes, tilts and twist in radians, stretch.
+constexpr double kMostShift = 0.5, kMostTurn = 0.7, kMostStretch = 0.4;
+
+/// The affine motion x -> x + linear x + shift of parameter k, in the axes of a face and about its origin; to first order.
+void motion(int k, Matrix3d& linear, Vec3& shift) {
+    linear.setZero();
+    shift.setZero();
+    switch (k) {
+        case 0: linear(0, 0) = 1.0; break;
+        case 1: linear(0, 1) = linear(1, 0) = 1.0; break;
+        case 2: linear(1, 1) = 1.0; break;
+        case 3: linear(2, 0) = 1.0, linear(0, 2) = -1.0; break;  // tilts turn the normal, too
+        case 4: linear(2, 1) = 1.0, linear(1, 2) = -1.0; break;
+        case 5: shift.z() = 1.0; break;
+        case 6: shift.x() = 1.0; break;
+        case 7: shift.y() = 1.0; break;
+        default: linear(0, 1) = -1.0, linear(1, 0) = 1.0; break;
+    }
+}
+
+/// Volume of a closed body, m^3, and the share of it of each vertex by its triangles' areas.
+Eigen::VectorXd vertexVolumes(const TriangleMesh& body) {
+    Eigen::VectorXd share = Eigen::VectorXd::Zero(body.vertices.rows());
+    double six = 0.0, area = 0.0;
+    for (Eigen::Index t = 0; t < body.triangles.rows(); ++t) {
+        const Vec3 a = body.vertices.row(body.triangles(t, 0)).transpose(), b = body.vertices.row(body.triangles(t, 1)).transpose(),
+                   c = body.vertices.row(body.triangles(t, 2)).transpose();
+        const double part = (b - a).cross(c - a).norm();
+        six += a.dot(b.cross(c));
+        area += part;
+        for (int k = 0; k < 3; ++k) share[body.triangles(t, k)] += part / 3.0;
+    }
+    if (area > 0.0) share *= std::abs(six) / 6.0 / area;
+    return share;
+}
+
+double bounded(double x, double most) { return most * std::tanh(x / most); }
+
+Vec3 bounded(const Vec3& x, double most) {
+    const double n = x.norm();
+    return n > 0.0 ? Vec3(bounded(n, most) / n * x) : x;
+}
+
+}  // namespace
+
+Result<std::optional<JointJiggle>> JointJiggle::build(const CharacterInput& input, const CharacterInput::Joint& joint,
+                                                      const CharacterEffects::JointDynamics& settings) {
+    Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(kParameters, kParameters), stiffness = mass;
+    const auto& firstFace = input.elements[static_cast<std::size_t>(joint.faces[0].element)].faces[static_cast<std::size_t>(joint.faces[0].face)];
+    double size = 0.0;
+    bool any = false;
+    for (const auto& f : joint.faces) {
+        const auto& element = input.elements[static_cast<std::size_t>(f.element)];
+        const auto& face = element.faces[static_cast<std::size_t>(f.face)];
+        size = std::max(size, face.size);
+        if (!element.response) continue;
+        any = true;
+        const auto& response = *element.response;
+        const FaceBasis& basis = response.bases[static_cast<std::size_t>(f.face)];
+        const int first = response.firstColumn[static_cast<std::size_t>(f.face)], columns = basis.columns();
+        const Points rest = localVertices(element.mesh->body, face);
+
+        // Columns of this face per parameter of the joint; by a small step, as coefficients() takes motions.
+        constexpr double kStep = 1e-4;
+        Eigen::MatrixXd T(columns, kParameters);
+        for (int k = 0; k < kParameters; ++k) {
+            Matrix3d linear;
+            Vec3 shift;
+            motion(k, linear, shift);
+            const Matrix3d world = firstFace.frame.axes * linear * firstFace.frame.axes.transpose();
+            JointMap map;
+            map.linear = Matrix3d::Identity() + kStep * face.frame.axes.transpose() * world * face.frame.axes;
+            map.shift = kStep * face.frame.axes.transpose() * (world * (face.frame.origin - firstFace.frame.origin) + firstFace.frame.axes * shift);
+            double lost = 0.0;
+            Eigen::VectorXd v = Eigen::VectorXd::Zero(columns);
+            basis.coefficients(map, rest, face.size, v.data(), lost);
+            T.col(k) = v / kStep;
+        }
+        stiffness += element.stiffness * T.transpose() * response.stiffness.block(first, first, columns, columns) * T;
+
+        const Eigen::VectorXd volume = vertexVolumes(element.mesh->body);
+        const Eigen::MatrixXd A = response.response.middleCols(first, columns) * T;
+        for (std::size_t i = 0; i < response.freeVertices.size(); ++i) {
+            const auto rows = A.middleRows<3>(3 * static_cast<Eigen::Index>(i));
+            mass += element.density * volume[response.freeVertices[i]] * (rows.transpose() * rows);
+        }
+        for (std::size_t i = 0; i < face.vertices.size(); ++i) {
+            const Eigen::MatrixXd rows = basis.at(rest.row(static_cast<Eigen::Index>(i)).transpose(), static_cast<int>(i)) * T;
+            mass += element.density * volume[face.vertices[i]] * (rows.transpose() * rows);
+        }
+    }
+    if (!any) return std::optional<JointJiggle>();
+    // What the basis cannot say (the twist of "paper") neither weighs nor resists: it is given a little mass, and follows.
+    mass.diagonal().array() += 1e-9 * std::max(mass.diagonal().maxCoeff(), 1e-300);
+    mass = (0.5 * (mass + mass.transpose())).eval();
+    stiffness = (0.5 * (stiffness + stiffness.transpose())).eval();
+    auto dynamics = JointDynamics::build({mass, stiffness, settings.hertz, settings.damping});
+    if (!dynamics) return tl::unexpected(dynamics.error());
+    JointJiggle made(std::move(*dynamics), std::move(mass), std::move(stiffness));
+    made.axes_ = firstFace.frame.axes;
+    made.size_ = size;
+    return std::optional<JointJiggle>(std::move(made));
+}
+
+Result<void> JointJiggle::set(const CharacterEffects::JointDynamics& settings) {
+    auto dynamics = JointDynamics::build({mass_, stiffness_, settings.hertz, settings.damping});
+    if (!dynamics) return tl::unexpected(dynamics.error());
+    dynamics_ = std::move(*dynamics);
+    dynamics_.reset(target_);
+    return {};
+}
+
+void JointJiggle::reset(const Place& wanted) {
+    last_ = wanted;
+    target_.setZero();
+    dynamics_.reset(target_);
+}
+
+void JointJiggle::step(double seconds, Place& wanted, Matrix3d& stretch) {
+    const Matrix3d turned = axes_.transpose() * last_.rotation.transpose() * wanted.rotation * axes_;
+    const Vec3 shift = axes_.transpose() * (last_.rotation.transpose() * (wanted.at - last_.at));
+    const Eigen::AngleAxisd turn(turned);
+    const Vec3 angle = turn.angle() * turn.axis();
+    const double grown = wanted.stretch - last_.stretch;
+    target_[0] += grown;
+    target_[2] += grown;
+    target_[3] -= angle.y();
+    target_[4] += angle.x();
+    target_[5] += shift.z();
+    target_[6] += shift.x();
+    target_[7] += shift.y();
+    target_[8] += angle.z();
+    last_ = wanted;
+    dynamics_.step(seconds, target_);
+    stretch.setIdentity();
+    if (dynamics_.resting()) return;
+    const auto away = [this](int k) { return dynamics_.parameters()[k] - target_[k]; };
+    const Vec3 tilt = bounded(Vec3(away(4), -away(3), away(8)), kMostTurn);
+    wanted.at += wanted.rotation * (axes_ * bounded(Vec3(away(6), away(7), away(5)), kMostShift * size_));
+    const double angleOfTilt = tilt.norm();
+    if (angleOfTilt > 0.0) wanted.rotation = wanted.rotation * axes_ * Eigen::AngleAxisd(angleOfTilt, tilt / angleOfTilt).toRotationMatrix() * axes_.transpose();
+    Matrix3d inPlane = Matrix3d::Identity();
+    inPlane(0, 0) += bounded(away(0), kMostStretch);
+    inPlane(1, 1) += bounded(away(2), kMostStretch);
+    inPlane(0, 1) = inPlane(1, 0) = bounded(away(1), 0.5 * kMostStretch);
+    stretch = axes_ * inPlane * axes_.transpose();
+}
+
+}  // namespace imomushi
