@@ -132,8 +132,9 @@ void JointJiggle::reset(const Place& wanted) {
 void JointJiggle::step(double seconds, Place& wanted, Matrix3d& stretch) {
     const Matrix3d turned = axes_.transpose() * last_.rotation.transpose() * wanted.rotation * axes_;
     const Vec3 shift = axes_.transpose() * (last_.rotation.transpose() * (wanted.at - last_.at));
+    // A joint at rest must not turn by rounding.
     const Eigen::AngleAxisd turn(turned);
-    const Vec3 angle = turn.angle() * turn.axis();
+    const Vec3 angle = wanted.rotation == last_.rotation ? Vec3(Vec3::Zero()) : Vec3(turn.angle() * turn.axis());
     const double grown = wanted.stretch - last_.stretch;
     target_[0] += grown;
     target_[2] += grown;

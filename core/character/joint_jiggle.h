@@ -27,7 +27,7 @@ public:
         double stretch = 1.0;
     };
     void reset(const Place& wanted);
-    /// One frame of `seconds` > 0; `wanted` is changed to where the joint is. `shear`: in-plane stretch about 1 that comes with it, rest axes. Neither allocates,
+    /// One frame of `seconds` > 0; `wanted` is changed to where the joint is. `stretch`: how its face stretches besides, in its plane, about 1, rest axes. Neither allocates,
     /// locks nor fails.
     void step(double seconds, Place& wanted, Eigen::Matrix3d& stretch);
 

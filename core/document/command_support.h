@@ -78,7 +78,7 @@ void addBoneCommands(CommandRegistry& registry);      // add-bone, edit-bone, re
 void addPropertyCommands(CommandRegistry& registry);  // set, rename
 void addEffectCommands(CommandRegistry& registry);    // enable, disable
 void addSolveCommands(CommandRegistry& registry);     // estimate, precompute, deform-element
-void addPoseCommands(CommandRegistry& registry);      // pin, unpin, drag, release, rest, step
+void addPoseCommands(CommandRegistry& registry);      // pin, unpin, drag, release, touch, rest, step
 void addHistoryCommands(CommandRegistry& registry);   // undo, redo
 void addMeasureCommands(CommandRegistry& registry);   // measure, write-mesh
 void addPaperCommand(CommandRegistry& registry);      // paper

@@ -87,6 +87,16 @@ struct Held {
     bool operator==(const Held&) const = default;
 };
 
+/// A finger on an element.
+struct Touch {
+    PartId element = 0;
+    int finger = 0;              ///< of that element, the smallest that is free when it is put down
+    Vec3 point = Vec3::Zero();   ///< of the surface at rest, m
+    Vec3 to = Vec3::Zero();      ///< where it pushes that point, m, world
+    double radius = 0.0;         ///< m; 0: as small as can be
+    bool operator==(const Touch&) const = default;
+};
+
 struct CharacterSettings {
     BasisChoice basis;
     ResponseFormat format = ResponseFormat::Float;
@@ -102,6 +112,7 @@ struct Document {
     CharacterSettings settings;
     Effects effects;
     std::map<EndpointRef, Held> held;  ///< targets of drags, and pins
+    std::vector<Touch> touches;        ///< fingers that are down
     Pose pose;                         ///< empty: at rest
     PartId nextId = 1;
 

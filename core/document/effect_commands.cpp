@@ -83,6 +83,8 @@ Result<Json> disable(Session& session, const Json& arguments, const Progress&) {
         effect.elements.clear();
         effect.enabled = false;
     }
+    if (*kind == EffectKind::Touch)
+        std::erase_if(session.edit().touches, [&](const Touch& touch) { return !s.document.effects.has(EffectKind::Touch, touch.element); });
     return Json{{"on", effect.enabled ? names(s.document, effect) : Json::array()}};
 }
 

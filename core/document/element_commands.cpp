@@ -234,6 +234,7 @@ Result<Json> removeElement(Session& session, const Json& arguments, const Progre
         Effect& effect = document.effects[static_cast<EffectKind>(k)];
         if (effect.elements.erase(gone) > 0 && effect.elements.empty()) effect.enabled = false;
     }
+    std::erase_if(document.touches, [gone](const Touch& touch) { return touch.element == gone; });
     document.elements.erase(gone);
     session.state().results.erase(gone);
     return Json::object();

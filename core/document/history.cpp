@@ -33,7 +33,7 @@ void exchangeParts(Map& document, Map& change) {
 
 }  // namespace
 
-bool DocumentChange::empty() const { return !structure() && held.empty() && !pose; }
+bool DocumentChange::empty() const { return !structure() && held.empty() && !touches && !pose; }
 bool DocumentChange::structure() const { return !elements.empty() || !joints.empty() || !bones.empty() || settings || effects; }
 
 DocumentChange difference(const Document& before, const Document& after, bool withPose) {
@@ -49,6 +49,7 @@ DocumentChange difference(const Document& before, const Document& after, bool wi
         if (!before.held.contains(end)) change.held.emplace(end, std::nullopt);
     if (!(before.settings == after.settings)) change.settings = before.settings;
     if (!(before.effects == after.effects)) change.effects = before.effects;
+    if (!(before.touches == after.touches)) change.touches = before.touches;
     if (withPose || !samePose(before.pose, after.pose)) change.pose = before.pose;
     return change;
 }
@@ -69,6 +70,7 @@ void exchange(Document& document, DocumentChange& change) {
     }
     if (change.settings) std::swap(document.settings, *change.settings);
     if (change.effects) std::swap(document.effects, *change.effects);
+    if (change.touches) std::swap(document.touches, *change.touches);
     if (change.pose) std::swap(document.pose, *change.pose);
 }
 

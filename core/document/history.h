@@ -21,6 +21,7 @@ struct DocumentChange {
     std::map<EndpointRef, std::optional<Held>> held;
     std::optional<CharacterSettings> settings;
     std::optional<Effects> effects;
+    std::optional<std::vector<Touch>> touches;
     std::optional<Pose> pose;
 
     [[nodiscard]] bool empty() const;

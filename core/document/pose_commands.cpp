@@ -154,6 +154,7 @@ Result<Json> rest(Session& session, const Json&, const Progress&) {
     if (auto alive = s.live(); !alive) return tl::unexpected(alive.error());
     Document& document = session.edit();
     document.pose = {};
+    document.touches.clear();
     std::erase_if(document.held, [](const auto& held) { return !held.second.pinned; });
     for (auto& [end, held] : document.held) {
         held = {};
@@ -163,6 +164,59 @@ Result<Json> rest(Session& session, const Json&, const Progress&) {
     s.results.clear();
     s.showPose();
     return Json::object();
+}
+
+Result<Json> touch(Session& session, const Json& arguments, const Progress&) {
+    Session::State& s = session.state();
+    const auto element = elementOf(s.document, text(arguments, "element"));
+    if (!element) return tl::unexpected(element.error());
+    const PartId id = (*element)->id;
+    const Vec3 point = *vector3(arguments.at("point"));
+    const Json& to = arguments.at("to");
+    const auto target = to.is_null() ? std::optional(Vec3(Vec3::Zero())) : vector3(to);
+    if (!target) return fail("bad-type", "\"to\" must be three numbers [x,y,z], or null to lift the finger.");
+    double radius = 0.0;
+    if (const Json* given = find(arguments, "radius")) {
+        const auto value = numberWithin(*given, "radius", 0.0, kLargestCoordinate);
+        if (!value) return tl::unexpected(value.error());
+        radius = *value;
+    }
+    auto& touches = session.edit().touches;
+    const auto known = std::find_if(touches.begin(), touches.end(), [&](const Touch& t) { return t.element == id && t.point == point; });
+    if (to.is_null()) {
+        if (known == touches.end()) return fail("not-touched", "No finger is at that point of \"" + (*element)->name + "\": lift it by the point where it was put down.");
+        const int finger = known->finger;
+        touches.erase(known);
+        if (auto alive = s.live(); !alive) return tl::unexpected(alive.error());
+        return Json{{"finger", finger}};
+    }
+    if (!s.document.effects.has(EffectKind::Touch, id))
+        return fail("not-enabled", "Fingers need the effect \"touch\" on \"" + (*element)->name + "\": enable it, and precompute.");
+    const auto alive = s.live();
+    if (!alive) return tl::unexpected(alive.error());
+    const auto response = s.responseOf(id, true);
+    if (!response || response->touch.columns() == 0)
+        return fail("not-precomputed", "\"" + (*element)->name + "\" is not precomputed for fingers: precompute it (it needs a joint face that holds it).");
+    Touch made{id, 0, point, *target, radius};
+    if (known != touches.end()) {
+        made.finger = known->finger;
+    } else {
+        const auto taken = [&](int finger) {
+            return std::any_of(touches.begin(), touches.end(), [&](const Touch& t) { return t.element == id && t.finger == finger; });
+        };
+        while (made.finger < TouchContact::kFingers && taken(made.finger)) ++made.finger;
+        if (made.finger == TouchContact::kFingers)
+            return fail("too-many-fingers", "\"" + (*element)->name + "\" has " + std::to_string(TouchContact::kFingers) + " fingers already: lift one.");
+    }
+    if (!s.character->setFinger(s.plan.elementIndex(id), made.finger, point, *target, radius))
+        return fail("not-touchable", "That point of \"" + (*element)->name + "\" cannot be touched: choose one of its free surface.");
+    if (known != touches.end())
+        *known = made;
+    else
+        touches.push_back(made);
+    // Where nothing moves by itself the dent is there at once; else it comes as frames pass.
+    if (!s.performance && !s.document.effects.has(EffectKind::JointDynamics)) s.showPose();
+    return Json{{"finger", made.finger}};
 }
 
 /// Median, 99th percentile and maximum, by nearest rank.
@@ -262,6 +316,13 @@ void addPoseCommands(CommandRegistry& registry) {
                   "Lets dragged endpoints go; the pose stays. A pin that was dragged stays a pin where it is now.",
                   {{"endpoint", Type::Text, false, "\"bone/start\" or \"bone/end\" (all unless given)."}},
                   true, release});
+    registry.add({"touch",
+                  "Presses a finger into the surface, or moves or lifts one. It pushes, never pulls, and comes and goes smoothly as frames pass. Needs the effect \"touch\".",
+                  {{"element", Type::Text, true, "The element."},
+                   {"point", Type::Vector3, true, "Where on its surface, metres, in the rest pose; also names the finger afterwards."},
+                   {"to", Type::Any, true, "Where that point is pushed, metres, in the world; null lifts the finger."},
+                   {"radius", Type::Number, false, "Of the finger tip, metres (as small as the patches allow)."}},
+                  true, touch});
     registry.add({"rest", "The rest pose: all dragged endpoints released, pins back at rest, all velocities zero.", {}, true, rest});
     registry.add({"step",
                   "Performs frames: glides, poses, deformation.",

@@ -284,7 +284,23 @@ void Session::State::showPose() {
     if (!character) return;
     const Pose pose = document.pose.points.empty() ? restPose(plan.input.skeleton) : document.pose;
     if (performance) performance->reset(pose);
+    applyTouches();
     character->update(performance ? performance->pose() : pose);
+}
+
+void Session::State::applyTouches() {
+    if (!document.effects.has(EffectKind::Touch)) return;
+    for (std::size_t e = 0; e < plan.elements.size(); ++e) {
+        const int element = static_cast<int>(e);
+        std::array<const Touch*, TouchContact::kFingers> down = {};
+        for (const Touch& touch : document.touches)
+            if (touch.element == plan.elements[e]) down[static_cast<std::size_t>(touch.finger)] = &touch;
+        for (int i = 0; i < TouchContact::kFingers; ++i)
+            if (const Touch* touch = down[static_cast<std::size_t>(i)])
+                character->setFinger(element, i, touch->point, touch->to, touch->radius);
+            else
+                character->liftFinger(element, i);
+    }
 }
 
 void Session::State::relax() {
@@ -380,7 +396,7 @@ void Session::State::afterExchange(const DocumentChange& change) {
         if (touchesCharacter(change, document)) invalidateCharacter();
         if (change.effects) performanceValid = false;
     }
-    if (change.pose || !change.held.empty()) pending.pose = true;
+    if (change.pose || change.touches || !change.held.empty()) pending.pose = true;
     scriptValid = false;
 }
 
@@ -535,7 +551,7 @@ Result<Json> Session::execute(const Json& command, const Progress& progress) {
         DocumentChange change = difference(before, s.document, false);
         if (!change.pose && (!change.held.empty() || touchesSkeleton(change, s.document))) change.pose = before.pose;
         s.pending.structure = s.pending.structure || change.structure();
-        s.pending.pose = s.pending.pose || change.pose || !change.held.empty() || s.pending.structure;
+        s.pending.pose = s.pending.pose || change.pose || change.touches || !change.held.empty() || s.pending.structure;
         if (s.gesture) {
             s.gesture->step = {what->name, subjectOf(command)};
             s.gesture->lines.push_back(command);
@@ -637,6 +653,7 @@ void Session::stepFrame(double dt) {
     }
     if (!s.results.empty()) s.results.clear();
     s.effectMs.fill(-1.0);
+    s.applyTouches();
     if (s.performance) {
         if (s.document.pose.points.empty()) s.document.pose = restPose(s.plan.input.skeleton);
         s.performance->step(dt, s.document.pose, s.holds);

@@ -121,6 +121,8 @@ struct Session::State {
     Result<Settled> settle();
     /// The rest pose, as far as what is held allows: where bone dynamics take a body that is let go.
     void relax();
+    /// Puts the fingers of the character where the document has them.
+    void applyTouches();
     /// Deforms the character to the document's pose, at once.
     void showPose();
     /// Where an endpoint is now, m.

@@ -267,3 +267,98 @@ TEST_CASE("inflate: a body puffs up by its pressure, and breathes until it is tu
     CHECK(least < 3.0 - 0.8 * more);
     CHECK(std::abs(volume() - 3.0) < 1e-6);
 }
+
+TEST_CASE("touch: fingers press, never pull, are taken back by undo, and their dents go when they lift") {
+    Workbench w;
+    w.buildChain();
+    const Json side = {0.5, 0.0, 1.5}, in = {0.4, 0.0, 1.5}, out = {0.7, 0.0, 1.5};
+    const auto touch = [](const Json& point, const Json& to) { return Json{{"do", "touch"}, {"element", "A"}, {"point", point}, {"to", to}}; };
+    CHECK(w.code(touch(side, in)) == "not-enabled");
+    CHECK(w.good({{"do", "enable"}, {"effect", "touch"}, {"target", "A"}})["columns"].get<int>() > 0);
+    CHECK(w.code(touch(side, in)) == "not-precomputed");
+    w.good({{"do", "precompute"}});
+    CHECK(w.code(touch(side, "in")) == "bad-type");
+    CHECK(w.code(touch(side, nullptr)) == "not-touched");
+    CHECK(w.code({{"do", "touch"}, {"element", "B"}, {"point", side}, {"to", in}}) == "not-enabled");
+    const auto volume = [&] { return w.good({{"do", "measure"}, {"element", "A"}, {"what", "volume"}})["value"].get<double>(); };
+    const auto dent = [&] {
+        const int e = w.session.elementIndex(w.session.document().elementNamed("A")->id);
+        const Points now = w.session.character()->positions(e);
+        const Points& rest = w.session.document().elementNamed("A")->mesh->body.vertices;
+        return (now - rest).rowwise().norm().maxCoeff();
+    };
+    CHECK(w.good(touch(side, in))["finger"] == 0);
+    const double deep = dent();
+    CHECK(deep > 0.05);
+    CHECK(deep < 0.12);
+    CHECK(std::abs(volume() - 3.0) < 0.03);  // flesh goes aside
+    CHECK(w.good(touch({-0.5, 0.0, 1.5}, {-0.4, 0.0, 1.5}))["finger"] == 1);
+    w.good({{"do", "undo"}});
+    CHECK(w.session.document().touches.size() == 1);
+    const Json stepped = w.good({{"do", "step"}, {"frames", 60}});
+    CHECK(stepped["effects"].contains("touch"));
+    CHECK(dent() == doctest::Approx(deep).epsilon(1e-3));
+
+    w.good(touch(side, nullptr));
+    double last = dent();
+    CHECK(last > 0.5 * deep);  // not at once
+    for (int frame = 0; frame < 60; ++frame) {
+        w.good({{"do", "step"}, {"frames", 1}});
+        CHECK(dent() <= last + 1e-9);
+        last = dent();
+    }
+    CHECK(last < 1e-5);
+    w.good(touch(side, out));
+    w.good({{"do", "step"}, {"frames", 30}});
+    CHECK(dent() < 1e-6);
+    w.good({{"do", "rest"}});
+    CHECK(w.session.document().touches.empty());
+    w.good({{"do", "step"}, {"frames", 60}});
+    CHECK_FALSE(w.session.moving());
+}
+
+TEST_CASE("joint dynamics: flesh at a joint lags behind a quick turn, jiggles and comes to rest, at any frame rate the same") {
+    const auto perform = [](double hertz) {
+        Workbench w;
+        w.buildChain();
+        w.good({{"do", "precompute"}});
+        w.good(enable("joint-dynamics"));
+        w.good({{"do", "pin"}, {"endpoint", "a/start"}});
+        w.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {1.0, 0.0, 5.6}}, {"seconds", 0.2}});
+        const int frames = static_cast<int>(0.4 * hertz);
+        const Json answer = w.good({{"do", "step"}, {"frames", frames}, {"dt", 0.4 / frames}});
+        CHECK(answer["effects"].contains("joint-dynamics"));
+        const int e = w.session.elementIndex(w.session.document().elementNamed("B")->id);
+        const Points moving = w.session.character()->positions(e);
+        CHECK(w.session.moving());
+        w.good({{"do", "step"}, {"frames", static_cast<int>(10 * hertz)}, {"dt", 1.0 / hertz}});
+        CHECK_FALSE(w.session.moving());
+        const Points settled = w.session.character()->positions(e);
+        w.good({{"do", "disable"}, {"effect", "joint-dynamics"}});
+        const Points plain = w.session.character()->positions(w.session.elementIndex(w.session.document().elementNamed("B")->id));
+        CHECK((settled - plain).cwiseAbs().maxCoeff() < 1e-6);
+        CHECK((moving - settled).rowwise().norm().maxCoeff() > 1e-3);
+        return Points(moving - settled);
+    };
+    const Points at60 = perform(60.0);
+    const double amplitude = at60.rowwise().norm().maxCoeff();
+    CHECK((perform(240.0) - at60).rowwise().norm().maxCoeff() < 0.1 * amplitude);
+}
+
+TEST_CASE("bend warp: a bent body keeps its volume, a body at rest its bytes") {
+    Workbench w;
+    w.buildChain();
+    w.good({{"do", "precompute"}});
+    const auto volumes = [&] { return w.good({{"do", "measure"}, {"what", "volume"}})["value"].get<double>(); };
+    w.good({{"do", "pin"}, {"endpoint", "a/start"}});
+    w.good({{"do", "pin"}, {"endpoint", "a/end"}});
+    w.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {3.0, 0.0, 3.0}}});
+    const double plain = volumes();
+    CHECK(w.good(enable("bend-warp"))["ms_per_frame"].get<double>() >= 0.0);
+    const double warped = volumes();
+    CHECK(std::abs(warped - 6.0) < 0.25 * std::abs(plain - 6.0));
+    CHECK(w.good({{"do", "step"}, {"frames", 2}})["effects"].contains("bend-warp"));
+    CHECK(w.good({{"do", "measure"}, {"what", "gap"}})["value"] == 0.0);
+    w.good({{"do", "rest"}});
+    CHECK(volumes() == doctest::Approx(6.0).epsilon(1e-6));
+}
