@@ -14,6 +14,9 @@ constexpr int kParameters = 9;
 // Bounds, approached smoothly: shifts in face sizes, tilts and twist in radians, stretch.
 constexpr double kMostShift = 0.5, kMostTurn = 0.7, kMostStretch = 0.4;
 
+// Radians, face sizes and parts of the stretch: smaller moves are none.
+constexpr double kUnmoved = 1e-9;
+
 /// The affine motion x -> x + linear x + shift of parameter k, in the axes of a face and about its origin; to first order.
 void motion(int k, Matrix3d& linear, Vec3& shift) {
     linear.setZero();
@@ -131,11 +134,18 @@ void JointJiggle::reset(const Place& wanted) {
 
 void JointJiggle::step(double seconds, Place& wanted, Matrix3d& stretch) {
     const Matrix3d turned = axes_.transpose() * last_.rotation.transpose() * wanted.rotation * axes_;
-    const Vec3 shift = axes_.transpose() * (last_.rotation.transpose() * (wanted.at - last_.at));
-    // A joint at rest must not turn by rounding.
+    Vec3 shift = axes_.transpose() * (last_.rotation.transpose() * (wanted.at - last_.at));
     const Eigen::AngleAxisd turn(turned);
-    const Vec3 angle = wanted.rotation == last_.rotation ? Vec3(Vec3::Zero()) : Vec3(turn.angle() * turn.axis());
-    const double grown = wanted.stretch - last_.stretch;
+    Vec3 angle = turn.angle() * turn.axis();
+    double grown = wanted.stretch - last_.stretch;
+    // A pose at rest goes on changing by rounding: what is that small waits until it adds up.
+    if (angle.norm() < kUnmoved && shift.norm() < kUnmoved * size_ && std::abs(grown) < kUnmoved) {
+        angle.setZero();
+        shift.setZero();
+        grown = 0.0;
+    } else {
+        last_ = wanted;
+    }
     target_[0] += grown;
     target_[2] += grown;
     target_[3] -= angle.y();
@@ -144,7 +154,6 @@ void JointJiggle::step(double seconds, Place& wanted, Matrix3d& stretch) {
     target_[6] += shift.x();
     target_[7] += shift.y();
     target_[8] += angle.z();
-    last_ = wanted;
     dynamics_.step(seconds, target_);
     stretch.setIdentity();
     if (dynamics_.resting()) return;
