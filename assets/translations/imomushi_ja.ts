@@ -1006,10 +1006,6 @@
             <translation>オンのエフェクトの処理時間と、描画を除くフレーム全体の処理時間。すべてが静止している間は何も計算しません。</translation>
         </message>
         <message>
-            <source>Precompute</source>
-            <translation>前計算</translation>
-        </message>
-        <message>
             <source>Measured: per frame while it moves</source>
             <translation>実測：動いている間の 1 フレームあたり</translation>
         </message>

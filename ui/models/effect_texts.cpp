@@ -111,7 +111,7 @@ std::vector<WarningText> warningTexts(unsigned warnings) {
 
 QString frameTimeText(double milliseconds) {
     const QLocale locale;
-    if (milliseconds < 0.005) return Texts::tr("below %1 ms").arg(locale.toString(0.01, 'f', 2));
+    if (milliseconds < kShownMs) return Texts::tr("below %1 ms").arg(locale.toString(0.01, 'f', 2));
     return Texts::tr("%1 ms").arg(locale.toString(milliseconds, 'f', milliseconds < 10.0 ? 2 : milliseconds < 100.0 ? 1 : 0));
 }
 

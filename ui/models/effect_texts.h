@@ -27,6 +27,8 @@ struct WarningText {
 /// Of those whose bit is set, the worst first.
 std::vector<WarningText> warningTexts(unsigned warnings);
 
+/// ms: less than this is told as below 0.01.
+inline constexpr double kShownMs = 0.005;
 /// 0.0421 -> "0.04 ms": of a frame.
 QString frameTimeText(double milliseconds);
 

@@ -23,8 +23,13 @@ StudioDocument::StudioDocument(const CommandRegistry& registry, QObject* parent)
             // What is gone cannot stay selected; listeners of structureChanged() may already rely on that.
             std::erase_if(selection_, [this](const SelectionItem& item) { return !exists(item); });
             if (hovered_ && !exists(*hovered_)) hovered_.reset();
-            for (std::size_t k = 0; k < kEffects; ++k)
-                if (!document().effects.has(EffectKind(k))) effectMs_[k] = -1.0;
+            std::array<bool, kEffects> effects;
+            for (std::size_t k = 0; k < kEffects; ++k) effects[k] = document().effects.has(EffectKind(k));
+            if (effects != measured_) {  // frames of another price
+                measured_ = effects;
+                effectMs_.fill(-1.0);
+                frameMs_ = -1.0;
+            }
             Q_EMIT structureChanged();
             Q_EMIT selectionChanged();
         }

@@ -68,6 +68,7 @@ private:
     Session session_;
     std::array<double, kEffects> effectMs_;  ///< negative: none
     double frameMs_ = -1.0;
+    std::array<bool, kEffects> measured_ = {};  ///< the effects that frames were measured with
     std::vector<SelectionItem> selection_;
     std::optional<SelectionItem> hovered_;
 };

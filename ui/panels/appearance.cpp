@@ -165,9 +165,8 @@ QPushButton[primary="true"]:hover, QDialog QPushButton:default:hover { backgroun
 QPushButton[primary="true"]:focus, QDialog QPushButton:default:focus { border: 1px solid @text; }
 QPushButton[primary="true"]:disabled, QDialog QPushButton:default:disabled { background: @field; border-color: @fieldline; color: @faint; }
 QPushButton[field="true"] { border-radius: 6px; padding: 4px 24px 4px 8px; text-align: left; }
-QPushButton[flat="true"] { border: none; background: transparent; color: @accent; padding: 2px 6px; border-radius: 5px; }
-QPushButton[flat="true"]:hover { background: @hover; }
-QPushButton[flat="true"]:focus { background: @hover; }
+QPushButton[flat="true"] { border: none; background: transparent; color: @accent; padding: 1px 0px; text-align: left; }
+QPushButton[flat="true"]:hover, QPushButton[flat="true"]:focus { text-decoration: underline; }
 QPushButton::menu-indicator { image: url(@down-icon); width: 13px; height: 13px; subcontrol-origin: border; subcontrol-position: right center; right: 6px; }
 
 QCheckBox { spacing: 8px; background: transparent; }

@@ -164,12 +164,13 @@ void EffectsPanel::rebuild() {
         needs->setContentsMargins(r.button->sizeHint().width() + px(9), 0, 0, 0);
         r.needsText = new QLabel(r.needs);
         r.needsText->setProperty("role", "muted");
-        auto* button = new QPushButton(tr("Precompute"), r.needs);
+        auto* button = new QPushButton(r.needs);
         button->setProperty("flat", true);
         connect(button, &QPushButton::clicked, this, &EffectsPanel::precomputeWanted);
         r.precompute = button;
-        needs->addWidget(r.needsText, 1);
+        needs->addWidget(r.needsText);
         needs->addWidget(button);
+        needs->addStretch(1);
         r.needs->hide();
         r.layout->addWidget(r.needs);
         all->addWidget(holder);
@@ -219,13 +220,19 @@ void EffectsPanel::showPrices() {
             r.price->setText(frameTimeText(*measured));
             r.price->setToolTip(tr("Measured: per frame while it moves"));
         } else {
-            r.price->setText(known_ ? tr("about %1").arg(frameTimeText(costs_[k].milliseconds)) : QString());
+            const QString time = frameTimeText(costs_[k].milliseconds);
+            r.price->setText(!known_ ? QString() : costs_[k].milliseconds < kShownMs ? time : tr("about %1").arg(time));
             r.price->setToolTip(tr("Predicted: per frame"));
         }
         r.price->setRole(measured ? Appearance::Role::Text : Appearance::Role::Muted);
         const bool needs = known_ && costs_[k].precompute;
-        if (needs) r.needsText->setText(tr("Needs precompute, about %1").arg(durationText(costs_[k].seconds)));
-        r.precompute->setVisible(on);
+        if (needs) {
+            const QString text = tr("Needs precompute, about %1").arg(durationText(std::max(0.1, costs_[k].seconds)));
+            r.needsText->setText(text);
+            r.precompute->setText(text);
+        }
+        r.needsText->setVisible(!on);
+        r.precompute->setVisible(on);  // what is on offers it
         r.needs->setVisible(needs);
     }
     const auto frame = document_.frameMilliseconds();

@@ -15,6 +15,7 @@
 
 class QGridLayout;
 class QLabel;
+class QPushButton;
 class QVBoxLayout;
 
 namespace imomushi {
@@ -43,7 +44,7 @@ private:
         FigureLabel* price = nullptr;
         QWidget* needs = nullptr;      ///< the line that says that a precompute is needed
         QLabel* needsText = nullptr;
-        QWidget* precompute = nullptr;
+        QPushButton* precompute = nullptr;  ///< the same line, to be clicked
         QVBoxLayout* layout = nullptr;
         QWidget* settings = nullptr;   ///< null: off, or there are none
         std::vector<std::function<void()>> refreshers;

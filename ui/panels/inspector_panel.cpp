@@ -480,6 +480,7 @@ void InspectorPanel::buildEffects(const Items& items) {
         auto* button = new Switch(body_);
         addRow(effectTitle(effect), button);
         button->setSizePolicy(QSizePolicy::Fixed, QSizePolicy::Fixed);
+        grid_->setAlignment(button, Qt::AlignLeft | Qt::AlignVCenter);
         button->setToolTip(effectHelp(effect));
         const auto everywhere = [this, items, effect] {
             return std::all_of(items.begin(), items.end(), [&](const SelectionItem& item) { return document_.document().effects.has(effect, item.part); });
