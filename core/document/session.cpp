@@ -246,6 +246,7 @@ Result<Character*> Session::State::live() {
     }
     character.emplace(std::move(*built));
     trimPose();
+    poseSettled = false;
     if (auto ok = prepare(); !ok) return tl::unexpected(ok.error());
     showPose();
     return &*character;
@@ -559,6 +560,7 @@ Result<Json> Session::execute(const Json& command, const Progress& progress) {
             s.push({what->name, subjectOf(command)}, std::move(change), {command});
         }
     }
+    if (what->changesDocument || s.position != positionBefore) s.poseSettled = false;
     s.stirred = s.stirred || what->changesDocument || s.position != positionBefore || s.pending.structure || s.pending.responses;
     const Change told = s.pending;
     s.pending = {};
@@ -598,6 +600,8 @@ void Session::cancelGesture() {
     s.gesture.reset();
     exchange(s.document, change);
     s.pending = {};
+    s.poseSettled = false;
+    s.stirred = true;
     s.afterExchange(change);
     if (s.live()) s.showPose();
     const Change told = s.pending;
@@ -647,9 +651,11 @@ void Session::stepFrame(double dt) {
         if (held.elapsed < held.seconds) held.elapsed = std::min(held.seconds, held.elapsed + dt);
     s.collectHolds();
     bool settled = true;
-    if (!s.holds.empty()) {
+    // What is settled is not solved again: it would go on changing by rounding, and nothing would ever rest.
+    if (!s.holds.empty() && !(s.poseSettled && s.holds == s.settledHolds)) {
         if (s.document.pose.points.empty()) s.document.pose = restPose(s.plan.input.skeleton);
-        settled = s.character->solvePose(s.holds, s.document.pose).settled;
+        settled = s.poseSettled = s.character->solvePose(s.holds, s.document.pose).settled;
+        s.settledHolds = s.holds;
     }
     if (!s.results.empty()) s.results.clear();
     s.effectMs.fill(-1.0);

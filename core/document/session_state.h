@@ -61,6 +61,8 @@ struct Session::State {
     std::optional<Performance> performance;  ///< where effects want one
     bool performanceValid = false;
     std::array<double, kEffects> effectMs = {};  ///< of the last frame; negative: it had no such effect
+    std::vector<Hold> settledHolds;  ///< of which the pose is the last word of inverse kinematics, while `poseSettled`
+    bool poseSettled = false;
     bool stirred = false;           ///< poses or targets changed since everything came to rest
     struct LastResponse {
         ContentKey key;

@@ -33,6 +33,7 @@ struct Hold {
     Vec3 target = Vec3::Zero();
     bool hasRoll = false;
     double roll = 0.0;  ///< radians about the bone's axis, relative to rest
+    bool operator==(const Hold&) const = default;
 };
 
 /// A pose: everything that the joint points and bones need to be drawn, and the state from which the next pose follows.

@@ -97,9 +97,18 @@ std::vector<Deformer> deformers() {
     for (const auto& [name, kind] : kinds)
         for (const bool automatic : {false, true})
             out.push_back({std::string(name) + (automatic ? ", auto" : ", ramp"), [kind = kind, automatic](const DeformerCase& c) { return bySkin(c, kind, automatic); }});
-    // The character's own: effects (bend warp) join here, a line each.
+    const auto warped = [](CharacterInput& input) {
+        for (auto& element : input.elements) element.warped = true, element.nu = kNu;
+    };
     out.push_back({"character, plain linear", [](const DeformerCase& c) { return byCharacter(c, [](CharacterInput&) {}); }});
     out.push_back({"character, smooth joints", [](const DeformerCase& c) { return byCharacter(c, [](CharacterInput& input) { input.smoothJoints = true; }); }});
+    out.push_back({"character, bend warp", [warped](const DeformerCase& c) { return byCharacter(c, warped); }});
+    out.push_back({"character, warp + smooth", [warped](const DeformerCase& c) {
+                       return byCharacter(c, [warped](CharacterInput& input) {
+                           warped(input);
+                           input.smoothJoints = true;
+                       });
+                   }});
     return out;
 }
 

@@ -121,6 +121,21 @@ TEST_CASE("bone dynamics: a dragged body follows through, its row is in the stat
     CHECK_FALSE(w.session.moving());
 }
 
+TEST_CASE("bone dynamics: a body that nothing holds any more comes back, and all is still at any frame rate") {
+    for (const double hertz : {60.0, 144.0}) {
+        Workbench w;
+        w.buildChain();
+        w.good(enable("bone-dynamics"));
+        w.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {1.5, 0.0, 5.5}}});
+        w.good({{"do", "step"}, {"frames", 10 * hertz}, {"dt", 1.0 / hertz}});
+        CHECK_FALSE(w.session.moving());
+        w.good({{"do", "release"}});
+        w.good({{"do", "step"}, {"frames", 10 * hertz}, {"dt", 1.0 / hertz}});
+        CHECK((tip(w) - kTip).norm() < 1e-4);
+        CHECK_FALSE(w.session.moving());
+    }
+}
+
 TEST_CASE("bone dynamics: rest and undo stop at once, and settings change while it swings") {
     Workbench w;
     w.buildChain();
