@@ -450,6 +450,10 @@
             <translation>関節面がねじれていますが、関節モード「論文」では表せません。「アフィン」を選んでください。</translation>
         </message>
         <message>
+            <source>Gravity or pressure is too strong for flesh so soft: it acts less than asked for.</source>
+            <translation>重力または圧力が、この柔らかさの体には強すぎます。指定より弱く働いています。</translation>
+        </message>
+        <message>
             <source>Out of reach: the bones stretch no farther.</source>
             <translation>届きません。ボーンがこれ以上伸びません。</translation>
         </message>
