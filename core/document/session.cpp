@@ -616,7 +616,8 @@ const Pose& Session::shownPose() {
 
 bool Session::moving() {
     State& s = *state_;
-    if (!s.live()) return false;
+    const auto alive = s.live();
+    if (!alive || !*alive) return false;
     const auto& held = s.document.held;
     return (s.stirred && (!s.character->resting() || (s.performance && s.performance->isDynamic()))) || std::any_of(held.begin(), held.end(), [](const auto& h) { return h.second.elapsed < h.second.seconds; });
 }

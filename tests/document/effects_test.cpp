@@ -24,6 +24,16 @@ Json set(const char* effect, const char* property, const Json& value) {
 
 }  // namespace
 
+TEST_CASE("effects: an empty document has none that moves") {
+    Workbench w;
+    CHECK_FALSE(w.session.moving());
+    w.good(enable("bone-dynamics"));
+    w.good(enable("inflate"));
+    w.good({{"do", "step"}, {"frames", 1}});
+    CHECK_FALSE(w.session.moving());
+    CHECK(w.session.shownPose().points.empty());
+}
+
 TEST_CASE("effects: names, targets and settings are checked, and each answer says what is wrong") {
     Workbench w;
     w.buildChain();
