@@ -40,13 +40,14 @@ struct Column {
 };
 constexpr Column along(int shape, int axis) { return {1, {{{shape, axis, 1.0}, {shape, axis, 0.0}}}}; }
 constexpr Column plane(int x, double sign, int y) { return {2, {{{x, 0, kHalf}, {y, 1, sign * kHalf}}}}; }
+// Pure shapes, not mixtures: the best twelve mixtures for cylinders halve the error there, but make it a third larger on other bodies.
 constexpr std::array<Column, 3 * Warping::kMost> kColumns = {
-    along(kR2, 0),          along(kR2, 1),          along(kR2, 2),          plane(kC2, 1, kS2),     plane(kS2, -1, kC2),    plane(kR2X, 1, kR2Y),
-    plane(kR2Y, -1, kR2X),  along(kR2X, 2),         along(kR2Y, 2),         along(kC2, 2),          along(kS2, 2),          along(kR4, 2),
-    plane(kC2, -1, kS2),    plane(kS2, 1, kC2),     plane(kR2X, -1, kR2Y),  plane(kR2Y, 1, kR2X),   along(kR4, 0),          along(kR4, 1),
-    plane(kR2C2, 1, kR2S2), plane(kR2S2, -1, kR2C2), along(kR2C2, 2),       along(kR2S2, 2),        along(kC3, 2),          along(kS3, 2),
-    plane(kC3, 1, kS3),     plane(kS3, -1, kC3),    plane(kC3, -1, kS3),    plane(kS3, 1, kC3),     plane(kR2C2, -1, kR2S2), plane(kR2S2, 1, kR2C2),
-    along(kC4, 2),          along(kS4, 2),          plane(kC4, 1, kS4),     plane(kS4, -1, kC4),    plane(kC4, -1, kS4),    plane(kS4, 1, kC4)};
+    plane(kC2, 1, kS2),     plane(kS2, -1, kC2),     along(kR2, 2),           along(kR2X, 2),         along(kR2Y, 2),          along(kC2, 2),
+    along(kS2, 2),          along(kR2, 0),           along(kR2, 1),           plane(kC2, -1, kS2),    plane(kS2, 1, kC2),      plane(kR2X, 1, kR2Y),
+    plane(kR2Y, -1, kR2X),  plane(kR2C2, 1, kR2S2),  plane(kR2S2, -1, kR2C2), along(kR4, 2),          plane(kR2X, -1, kR2Y),   plane(kR2Y, 1, kR2X),
+    plane(kC3, 1, kS3),     plane(kS3, -1, kC3),     plane(kC3, -1, kS3),     plane(kS3, 1, kC3),     along(kR2C2, 2),         along(kR2S2, 2),
+    plane(kC4, -1, kS4),    plane(kS4, 1, kC4),      along(kC4, 2),           along(kS4, 2),          along(kR4, 0),           along(kR4, 1),
+    plane(kC4, 1, kS4),     plane(kS4, -1, kC4),     plane(kR2C2, -1, kR2S2), plane(kR2S2, 1, kR2C2), along(kC3, 2),           along(kS3, 2)};
 
 }  // namespace
 

@@ -40,10 +40,12 @@ struct WarpTerm {
     int shape, axis;
     double share;
 };
-/// The i-th warping column of a face, 0...3 Warping::kMost - 1: one shape along z, or two in the plane that together turn with it. They are ordered by what
-/// they contribute where round bodies stretch (u = r^2 (x, y), and r^2 along z), twist (r^2 (-y, x)), bend and shear (r^2, and x^2 - y^2 with 2 x y, in the
-/// plane; r^2 x and r^2 y along z); then ovals and what is left. All 36 are every shape along every axis, so that they are closed under
-/// rotations; fewer are nearly so for those that matter.
+/// The i-th warping column of a face, 0...3 Warping::kMost - 1: one shape along z, or two in the plane that together turn with it. They are ordered by how much
+/// of the error against free faces each takes away beside those before it, per column, over stretch, bends, twist and random poses of chains of round, oval,
+/// short and long cylinders and of the sample "caterpillar". Columns that turn into each other about z stay together, so that what the axes of a face happen to
+/// be matters little: after 2, 3, 5, 7, 9, 11, 12, 13, 15, 16, 18 ... columns. The first eleven are all quadratic shapes in the plane (x^2, y^2 and x y along x
+/// and y) and along z, and r^2 x and r^2 y along z: bends and shear; the next two stretch and twist, r^2 (x, y) and r^2 (-y, x). All 36 are every shape along
+/// every axis.
 std::span<const WarpTerm> warpColumn(int i);
 /// Shapes that the first `columns` columns are made of.
 int warpShapes(int columns);

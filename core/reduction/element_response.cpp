@@ -28,6 +28,9 @@ namespace {
 /// Changes whenever the same input gives other numbers: cached answers of an older solver are then computed again.
 constexpr int kSolverVersion = 3;
 
+/// The same for warped faces: what their columns are.
+constexpr int kModesVersion = 2;
+
 /// The same for touch.
 constexpr int kTouchVersion = 1;
 
@@ -549,7 +552,10 @@ ContentKey responseKey(const ResponseInput& input) {
     hasher.number(kSolverVersion);
     hasher.number(input.nu);
     hasher.number(static_cast<int>(input.basis.kind));
-    if (input.basis.kind == BasisKind::Modes) hasher.number(input.basis.modes);
+    if (input.basis.kind == BasisKind::Modes) {
+        hasher.number(input.basis.modes);
+        hasher.number(kModesVersion);
+    }
     hasher.number(static_cast<int>(input.solverMesh.kind));
     hasher.number(input.solverMesh.count);
     const TriangleMesh& body = input.mesh->body;

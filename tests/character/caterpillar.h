@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/character/character.h"
@@ -19,6 +20,8 @@ struct Shape {
     bool tips = false;                  ///< faces at the two far ends, held by their bones
     BasisChoice basis;
     bool precomputed = true;
+    bool mirrored = false;      ///< every second element is, so that faces that meet have the same triangles
+    double dome = 0.0;          ///< everything is shifted along z by this times the squared distance from the axis, 1/m: faces are not flat
 };
 
 inline JointFace faceOf(const TriangleMesh& mesh, const shapes::Patch& patch, const std::string& name) {
@@ -56,9 +59,15 @@ inline CharacterInput make(const Shape& shape) {
     for (int i = 0; i <= n; ++i) input.skeleton.points.emplace_back(0, 0, i * shape.length);
     for (int i = 0; i < n; ++i) {
         input.skeleton.bones.push_back({i, i + 1, i - 1, shape.length});
-        const auto body = shapes::moved(shapes::cylinder(shape.radius, shape.length, shape.around[i % shape.around.size()],
-                                                         shape.along[i % shape.along.size()]),
-                                        Eigen::Matrix3d::Identity(), Vec3(0, 0, i * shape.length));
+        auto body = shapes::moved(shapes::cylinder(shape.radius, shape.length, shape.around[i % shape.around.size()],
+                                                   shape.along[i % shape.along.size()]),
+                                  Eigen::Matrix3d::Identity(), Vec3(0, 0, i * shape.length));
+        if (shape.mirrored && i % 2 == 1) {
+            body.mesh.vertices.col(2) = ((2 * i + 1) * shape.length - body.mesh.vertices.col(2).array()).matrix().eval();
+            body.mesh.triangles.col(1).swap(body.mesh.triangles.col(2));
+            std::swap(body.ends[0], body.ends[1]);
+        }
+        body.mesh.vertices.col(2) += shape.dome * body.mesh.vertices.leftCols<2>().rowwise().squaredNorm();
         CharacterInput::Element element;
         auto mesh = std::make_shared<ElementMesh>();
         mesh->body = body.mesh;

@@ -17,7 +17,9 @@
 #include "core/mesh/topology.h"
 
 /// What smooth joints are measured against: all degrees of freedom of all joint faces in equilibrium, with the same rigid part of every joint. For
-/// characters whose joints weld every vertex of two faces, or have one face.
+/// characters whose joints weld every vertex of two flat faces with the same triangles, or have one face: where triangles differ, the vertices of one face carry
+/// other shares of a uniform traction than those of the other, and the full model answers with a zigzag. Elements must be solved as they are ("as-is"): on finer
+/// meshes the full basis is still linear on the triangles of the body, and others are not.
 namespace imomushi::full_joints {
 
 /// The same character with responses of another basis, and smooth joints.
@@ -232,12 +234,15 @@ private:
     Eigen::Index unknowns_ = 0;
 };
 
-/// Error on visible vertices: relative to the displacement in moving frames (root mean squares), and the largest in diagonals of its element.
+/// Error on visible vertices: relative to the displacement in moving frames, which leaves out the rigid motion of elements; relative to the whole displacement
+/// from rest, in the world (both root mean squares); and the largest in diagonals of its element.
 struct Difference {
-    double error = 0.0, whole = 0.0, largest = 0.0;
+    double error = 0.0, inFrames = 0.0, whole = 0.0, largest = 0.0;
+    [[nodiscard]] double strict() const { return inFrames > 0.0 ? std::sqrt(error / inFrames) : 0.0; }
     [[nodiscard]] double relative() const { return whole > 0.0 ? std::sqrt(error / whole) : 0.0; }
     void add(const Difference& o) {
         error += o.error;
+        inFrames += o.inFrames;
         whole += o.whole;
         largest = std::max(largest, o.largest);
     }
@@ -260,7 +265,8 @@ inline Difference difference(const Character& c, const std::vector<Points>& full
         for (Eigen::Index v = 0; v < rest.rows(); ++v) {
             if (!visible[static_cast<std::size_t>(v)]) continue;
             out.error += (shown.row(v) - full[e].row(v)).squaredNorm();
-            out.whole += full[e].row(v).squaredNorm();
+            out.inFrames += full[e].row(v).squaredNorm();
+            out.whole += (c.frame(static_cast<int>(e)) * Vec3((rest.row(v) + full[e].row(v)).transpose()) - Vec3(rest.row(v).transpose())).squaredNorm();
             out.largest = std::max(out.largest, (shown.row(v) - full[e].row(v)).norm() / diagonal);
         }
     }

@@ -3,6 +3,7 @@
 #include <rapidcheck.h>
 
 #include <Eigen/Geometry>
+#include <Eigen/QR>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -150,6 +151,21 @@ TEST_CASE("warping: no mode moves, tilts, twists or stretches a face in the mean
     const double unit = products(0, 0);
     CHECK(products.block(0, 9, 9, 36).cwiseAbs().maxCoeff() < 1e-12 * 9);
     for (int i = 9; i < 45; ++i) CHECK((products(i, i) == 0.0 || std::abs(products(i, i) / unit - 1.0) < 0.1));
+}
+
+TEST_CASE("warping: two tessellations of one face say the same eleven columns' displacements") {
+    const auto body = shapes::box(Vec3::Zero(), Vec3(1.0, 0.6, 1.0), 4, 3, 2), other = shapes::box(Vec3::Zero(), Vec3(1.0, 0.6, 1.0), 5, 4, 2);
+    const FaceBasis a = FaceBasis::on(body.mesh, jointFaceByVertices(body.mesh, body.ends[1].vertices).value(), {BasisKind::Modes, 11});
+    const FaceBasis b = FaceBasis::on(other.mesh, jointFaceByVertices(other.mesh, other.ends[1].vertices).value(), {BasisKind::Modes, 11});
+    Eigen::MatrixXd atA(3 * 49, 20), atB(3 * 49, 20);
+    for (int i = 0; i < 7; ++i)
+        for (int k = 0; k < 7; ++k) {
+            const Vec3 p((i - 3) / 6.0, 0.6 * (k - 3) / 6.0, 0.0);
+            atA.middleRows<3>(3 * (7 * i + k)) = a.at(p);
+            atB.middleRows<3>(3 * (7 * i + k)) = b.at(p);
+        }
+    CHECK((atA * atA.colPivHouseholderQr().solve(atB) - atB).norm() < 1e-10 * atB.norm());
+    CHECK((atB * atB.colPivHouseholderQr().solve(atA) - atA).norm() < 1e-10 * atA.norm());
 }
 
 TEST_CASE("basis names: known ones go both ways, others are refused with the ones there are") {
