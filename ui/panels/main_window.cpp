@@ -367,6 +367,12 @@ void MainWindow::connectView() {
     viewport_->setNavigationPreset(NavigationPreset(std::clamp(QSettings().value(QStringLiteral("view/navigation"), 0).toInt(), 0, 1)));
 }
 
+// Docks get their tab bars when they are laid out, and again when they move.
+void MainWindow::childEvent(QChildEvent* event) {
+    QMainWindow::childEvent(event);
+    if (auto* tabs = event->type() == QEvent::ChildPolished ? qobject_cast<QTabBar*>(event->child()) : nullptr) tabs->setAccessibleName(tr("Panels"));
+}
+
 void MainWindow::retranslate() {
     for (const auto& [menu, title] : menus_) menu->setTitle(tr(title));
     actions_->retranslate();
