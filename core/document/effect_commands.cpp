@@ -131,10 +131,11 @@ EffectCost Session::State::costOf(EffectKind kind) const {
             continue;
         }
         const ResponseEstimate more = estimateResponse(with), less = estimateResponse(without);
-        cost.precompute = cost.precompute || !responses.find(responseKey(with));
+        const bool known = responses.find(responseKey(with)) != nullptr;
+        cost.precompute = cost.precompute || !known;
         cost.columns += columns;
         cost.bytes += static_cast<std::size_t>(columns) * static_cast<std::size_t>(3 * element->mesh->body.vertices.rows()) * sizeof(float);
-        cost.seconds += std::max(0.0, more.seconds - less.seconds);
+        if (!known && !sharedOf(id)) cost.seconds += more.seconds;
         // Fingers read the columns of the patches around them, about a dozen; the others are read in every frame.
         const int read = kind == EffectKind::Touch ? std::min(columns, 36) : columns;
         if (more.columns > 0) cost.milliseconds += less.frameMilliseconds * read / std::max(1, less.columns);

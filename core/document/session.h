@@ -41,7 +41,7 @@ struct EffectCost {
     int columns = 0;            ///< of A' that it adds, all elements together
     std::size_t bytes = 0;      ///< that a frame reads for it
     double milliseconds = 0.0;  ///< per frame
-    double seconds = 0.0;       ///< of precompute that it adds
+    double seconds = 0.0;       ///< of the precompute that it waits for
     bool precompute = false;    ///< an element must be precomputed for it first
 };
 
