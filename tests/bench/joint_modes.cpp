@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Smooth joints against the full model (all degrees of freedom of all joint faces in equilibrium, the same rigid parts): the sample "caterpillar" in
-// standard poses, visible vertices. Errors by pose are relative to displacements in the moving frames of elements, and so is "frames"; "whole" is relative to the
-// displacement from rest, "largest" is in diagonals of an element. Beside them: microseconds of the equilibrium in a frame.
+// standard poses, visible vertices. Errors by pose are relative to displacements in the moving frames of elements, and so is "frames"; "whole" is
+// relative to the displacement from rest, "largest" is in diagonals of an element. Beside them: microseconds of the equilibrium in a frame.
 // Then a bend of 90 degrees at one joint: volume and crease with a = b = 1 + c s and with smooth joints. Then microseconds of the sample "octopus".
 // Arguments: more basis names to try.
 #include <algorithm>
@@ -117,11 +117,12 @@ int main(int count, char** arguments) {
         const double restCrease = crease(c, c.input().joints[1]);
         c.update(full_joints::poseOf(base.skeleton, bent));
         constexpr double kDegrees = 180.0 / std::numbers::pi;
-        std::printf("%-38s %9.3f %21.2f (rest %.2f)\n", name, 100.0 * (volume(c) / rest - 1.0), kDegrees * crease(c, c.input().joints[1]), kDegrees * restCrease);
+        const double bentCrease = crease(c, c.input().joints[1]);
+        std::printf("%-38s %9.3f %21.2f (rest %.2f)\n", name, 100.0 * (volume(c) / rest - 1.0), kDegrees * bentCrease, kDegrees * restCrease);
     }
 
     CharacterInput octopus = sample(IMOMUSHI_SAMPLES "/octopus.imomushi");
-    std::printf("\noctopus, %zu elements, %zu joints, microseconds of the equilibrium in a frame:", octopus.elements.size(), octopus.joints.size());
+    std::printf("\noctopus, %zu elements, %zu joints, microseconds of the equilibrium:", octopus.elements.size(), octopus.joints.size());
     std::vector<Pose> waves;
     for (int k = 0; k < 10; ++k) {
         Pose pose = restPose(octopus.skeleton);
@@ -129,7 +130,7 @@ int main(int count, char** arguments) {
         waves.push_back(pose);
     }
     for (const char* name : {"affine", "modes:5", "modes:12"}) {
-        auto c = Character::build(full_joints::smooth(octopus, parseBasis(name).value(), parseSolverMesh("decimated:150").value())).value();
+        auto c = Character::build(full_joints::smooth(octopus, parseBasis(name).value(), mesh)).value();
         std::printf(" %s %.0f", name, microseconds(c, waves));
     }
     std::printf("\n");

@@ -17,9 +17,9 @@
 #include "core/mesh/topology.h"
 
 /// What smooth joints are measured against: all degrees of freedom of all joint faces in equilibrium, with the same rigid part of every joint. For
-/// characters whose joints weld every vertex of two flat faces with the same triangles, or have one face: where triangles differ, the vertices of one face carry
-/// other shares of a uniform traction than those of the other, and the full model answers with a zigzag. Elements must be solved as they are ("as-is"): on finer
-/// meshes the full basis is still linear on the triangles of the body, and others are not.
+/// characters whose joints weld every vertex of two flat faces with the same triangles, or have one face: where triangles differ, the vertices of one
+/// face carry other shares of a uniform traction than those of the other, and the full model answers with a zigzag. Elements must be solved as they
+/// are ("as-is"): on finer meshes the full basis is still linear on the triangles of the body, and others are not.
 namespace imomushi::full_joints {
 
 /// The same character with responses of another basis, and smooth joints.
@@ -266,7 +266,8 @@ inline Difference difference(const Character& c, const std::vector<Points>& full
             if (!visible[static_cast<std::size_t>(v)]) continue;
             out.error += (shown.row(v) - full[e].row(v)).squaredNorm();
             out.inFrames += full[e].row(v).squaredNorm();
-            out.whole += (c.frame(static_cast<int>(e)) * Vec3((rest.row(v) + full[e].row(v)).transpose()) - Vec3(rest.row(v).transpose())).squaredNorm();
+            const Vec3 before = rest.row(v).transpose(), after = before + full[e].row(v).transpose();
+            out.whole += (c.frame(static_cast<int>(e)) * after - before).squaredNorm();
             out.largest = std::max(out.largest, (shown.row(v) - full[e].row(v)).norm() / diagonal);
         }
     }

@@ -126,7 +126,8 @@ TEST_CASE("smooth joints: the error against the full model falls with the number
             c.update(pose);
             all.add(full_joints::difference(c, model.solve(affine)));
         }
-        MESSAGE(std::string(name) << ": " << 100.0 * all.relative() << " % (" << 100.0 * all.strict() << " % in moving frames), largest " << 100.0 * all.largest << " %");
+        MESSAGE(std::string(name) << ": " << 100.0 * all.relative() << " % (" << 100.0 * all.strict() << " % in moving frames), largest "
+                                  << 100.0 * all.largest << " %");
         CHECK(all.strict() < strict);
         CHECK(all.relative() < relative);
         if (c.input().basis.modes >= 12) CHECK(all.relative() < 0.01);
@@ -197,7 +198,8 @@ TEST_CASE("smooth joints: where a trunk meets two branches in one joint of three
         const int start = parent < 0 ? 0 : 1;
         input.skeleton.bones.push_back({start, end, parent, (input.skeleton.points[end] - input.skeleton.points[start]).norm()});
     }
-    const std::vector<shapes::Body> bodies = {shapes::box(Vec3(-0.5, -0.5, 0), Vec3(0.5, 0.5, 1), 4, 4, 3), shapes::box(Vec3(-0.5, -0.5, 1), Vec3(0, 0.5, 2), 2, 4, 3),
+    const std::vector<shapes::Body> bodies = {shapes::box(Vec3(-0.5, -0.5, 0), Vec3(0.5, 0.5, 1), 4, 4, 3),
+                                              shapes::box(Vec3(-0.5, -0.5, 1), Vec3(0, 0.5, 2), 2, 4, 3),
                                               shapes::box(Vec3(0, -0.5, 1), Vec3(0.5, 0.5, 2), 2, 4, 3)};
     CharacterInput::Joint joint;
     joint.point = 1;
