@@ -450,6 +450,10 @@
             <translation>関節面がねじれていますが、関節モード「論文」では表せません。「アフィン」を選んでください。</translation>
         </message>
         <message>
+            <source>The previous model diverged: its joints stand still. Choose a smaller step or softer flesh.</source>
+            <translation>従来モデルが発散しました。関節は止まっています。ステップを小さくするか、体を柔らかくしてください。</translation>
+        </message>
+        <message>
             <source>Gravity or pressure is too strong for flesh so soft: it acts less than asked for.</source>
             <translation>重力または圧力が、この柔らかさの体には強すぎます。指定より弱く働いています。</translation>
         </message>

@@ -14,6 +14,7 @@
 
 #include "core/base/parallel.h"
 #include "core/character/aligned_buffer.h"
+#include "core/character/explicit_joints.h"
 #include "core/character/felt_acceleration.h"
 #include "core/character/frame_crew.h"
 #include "core/character/joint_equilibrium.h"
@@ -194,6 +195,7 @@ struct Character::State {
         std::int32_t vertex = 0;
         int joint = 0;
         Vec3 rest = Vec3::Zero();
+        int node = 0;  // of explicit joints, where there are any
     };
     // Vertices whose triangles are all inside the joint have no normal of their own.
     struct HiddenVertex {
@@ -298,7 +300,8 @@ struct Character::State {
         for (std::size_t j = 0; j < input.joints.size(); ++j) joints.push_back(buildJoint(input.joints[j], shrinks[j]));
         elements.resize(input.elements.size());
         for (std::size_t e = 0; e < elements.size(); ++e) buildElement(static_cast<int>(e));
-        if (input.smoothJoints) buildEquilibrium();
+        // The previous model shapes joints itself.
+        if (input.smoothJoints && !effects.previousModel) buildEquilibrium();
         for (std::size_t e = 0; e < elements.size() && !failure; ++e) buildWarpAndTouch(e);
         for (std::size_t j = 0; effects.jointDynamics && j < joints.size() && !failure; ++j) {
             auto jiggle = JointJiggle::build(input, input.joints[j], *effects.jointDynamics);
@@ -307,6 +310,7 @@ struct Character::State {
             else
                 failure = jiggle.error();
         }
+        if (effects.previousModel && input.basis == BasisKind::Full && !failure) buildExplicitJoints();
         if (failure) return;
         for (std::size_t j = 0; j < input.joints.size(); ++j) buildSeam(input.joints[j]);
         const int threads = input.threads > 0 ? input.threads : hardwareThreads();
@@ -314,6 +318,36 @@ struct Character::State {
         for (const auto& e : elements) bytes += e.blocks.count() * e.blocks.bytesPerBlock();
         if (threads > 1 && bytes >= kBytesWorthThreads) crew = std::make_unique<FrameCrew>(threads);
         update(pose, 0.0);
+    }
+
+    // Until all elements are precomputed for it the character does without.
+    void buildExplicitJoints() {
+        for (const auto& e : input.elements)
+            if (!e.faces.empty() && (!e.response || e.response->tractions.size() == 0)) return;
+        auto made = ExplicitJoints::build(input, *effects.previousModel);
+        if (!made) {
+            failure = made.error();
+            return;
+        }
+        explicitJoints.emplace(std::move(*made));
+        for (std::size_t e = 0; e < elements.size(); ++e)
+            for (std::size_t f = 0; f < input.elements[e].faces.size(); ++f)
+                for (std::size_t i = 0; i < input.elements[e].faces[f].vertices.size(); ++i)
+                    for (auto& h : elements[e].held)
+                        if (h.vertex == input.elements[e].faces[f].vertices[i]) h.node = explicitJoints->nodeOf(static_cast<int>(e), static_cast<int>(f), i);
+    }
+
+    // What joint faces do by themselves in the previous model, on top of where the bones have them.
+    void stepExplicitJoints() {
+        const auto start = std::chrono::steady_clock::now();
+        for (std::size_t j = 0; j < joints.size(); ++j) explicitJoints->setJoint(static_cast<int>(j), joints[j].turn.toRotationMatrix());
+        for (std::size_t e = 0; e < elements.size(); ++e) explicitJoints->setElement(static_cast<int>(e), elements[e].frame.linear, elements[e].v);
+        if (!(frameSeconds > 0.0))
+            explicitJoints->reset();
+        else if (!explicitJoints->step(frameSeconds))
+            updateWarnings |= static_cast<unsigned>(FrameWarning::Diverged);
+        for (std::size_t e = 0; e < elements.size(); ++e) explicitJoints->addTo(static_cast<int>(e), elements[e].v);
+        stats.previousModelMs = milliseconds(start, std::chrono::steady_clock::now());
     }
 
     void buildWarpAndTouch(std::size_t e) {
@@ -739,6 +773,7 @@ struct Character::State {
         }
         for (const auto& j : joints)
             if (j.jiggle && !j.jiggle->resting()) return false;
+        if (explicitJoints && !explicitJoints->resting()) return false;
         return true;
     }
 
@@ -765,6 +800,7 @@ struct Character::State {
             for (std::size_t e = 0; e < elements.size(); ++e) load(e, seconds);
             loadMs = milliseconds(begun, std::chrono::steady_clock::now());
         }
+        if (explicitJoints) stepExplicitJoints();
         if (equilibrium) {
             const auto rigid = std::chrono::steady_clock::now();
             relax();
@@ -956,7 +992,7 @@ struct Character::State {
 
     void holdVertices(ElementState& out) const {
         if (!out.moved) return;
-        if (equilibrium) return holdWarped(out);
+        if (equilibrium || explicitJoints) return holdWarped(out);
         for (const auto& h : out.held) {
             const Vec3 p = joints[h.joint].map(h.rest);
             for (int i = 0; i < 3; ++i) out.positions[3 * static_cast<std::size_t>(h.vertex) + i] = static_cast<float>(p[i]);
@@ -969,6 +1005,7 @@ struct Character::State {
         const auto& joint = joints[h.joint];
         Vec3 p = joint.map(h.rest);
         if (equilibrium) p.noalias() += joint.warping * element.heldShapes.col(static_cast<Eigen::Index>(i));
+        if (explicitJoints) p += joint.turn * explicitJoints->offset(h.node);
         return p;
     }
 
@@ -1011,6 +1048,7 @@ struct Character::State {
 
     const CharacterInput input;
     std::optional<Error> failure;              // of the constructor
+    std::optional<ExplicitJoints> explicitJoints;
     double frameSeconds = 0.0;                 // of the update() that runs
     CharacterEffects effects = input.effects;  // with their numbers of now
     double breath = 0.0;                       // phase, radians
@@ -1065,6 +1103,12 @@ void Character::tune(const CharacterEffects& effects) {
         now.jointDynamics = effects.jointDynamics;
         for (auto& joint : state_->joints)
             if (joint.jiggle) (void)joint.jiggle->set(*now.jointDynamics);  // refused numbers leave it as it is
+    }
+    if (now.previousModel && effects.previousModel) {
+        const auto &was = *now.previousModel, &is = *effects.previousModel;
+        const bool same = was.step == is.step && was.damping == is.damping && was.shearModulus == is.shearModulus;
+        now.previousModel = is;
+        if (!same && state_->explicitJoints) (void)state_->explicitJoints->set(is);
     }
     if (now.touch && effects.touch) {
         now.touch = effects.touch;

@@ -59,6 +59,7 @@ enum class FrameWarning : unsigned {
     BasisLosesTwist = 1,   ///< the pose twists or shifts a face in its plane and the basis "paper" cannot: choose "affine"
     TargetOutOfReach = 2,
     PoseRefused = 4,       ///< a pose came out non-finite; the last good one stays
+    Diverged = 16,         ///< the explicit dynamics of the previous model diverged; its joints stand still at their last good place
     LoadsBounded = 8,      ///< gravity or pressure would deform an element beyond what is linear: it feels less of them
 };
 
@@ -114,7 +115,7 @@ public:
         int evaluatedVertices = 0;
         double poseMs = 0, jointsMs = 0, productMs = 0, normalsMs = 0;  ///< wall time by stage of the last solvePose() and update()
         /// Of effects, within those stages; body loads with their share of the product by columns.
-        double gravityMs = 0, inflateMs = 0, jointDynamicsMs = 0, bendWarpMs = 0, touchMs = 0;
+        double gravityMs = 0, inflateMs = 0, jointDynamicsMs = 0, previousModelMs = 0, bendWarpMs = 0, touchMs = 0;
         double equilibriumMs = 0;       ///< of jointsMs, with smooth joints
     };
     [[nodiscard]] const Stats& stats() const;

@@ -25,9 +25,16 @@ struct CharacterEffects {
         double hertz = 4.0;         ///< of the softest way in which a joint jiggles
         double damping = 0.2;       ///< ratio
     };
+    /// Of the paper's previous model, in the basis "full".
+    struct PreviousModel {
+        double step = 1.0 / 600.0;  ///< of the explicit integration, s
+        double damping = 4.0;       ///< of velocities, 1/s
+        double shearModulus = 3000.0;  ///< of stiffness 1, Pa
+    };
     std::optional<Gravity> gravity;
     std::optional<Inflate> inflate;
     std::optional<JointDynamics> jointDynamics;
+    std::optional<PreviousModel> previousModel;
     std::optional<TouchSettings> touch;
 };
 

@@ -154,6 +154,9 @@ CharacterEffects characterEffects(const Effects& effects) {
                         effects.number(EffectKind::Inflate, "breath-hertz")};
     if (effects.has(EffectKind::JointDynamics))
         made.jointDynamics = {effects.number(EffectKind::JointDynamics, "hertz"), effects.number(EffectKind::JointDynamics, "damping")};
+    if (effects.has(EffectKind::PreviousModel))
+        made.previousModel = {effects.number(EffectKind::PreviousModel, "step"), effects.number(EffectKind::PreviousModel, "damping"),
+                              effects.number(EffectKind::PreviousModel, "shear-modulus")};
     if (effects.has(EffectKind::Touch)) {
         made.touch.emplace();
         made.touch->friction = effects.number(EffectKind::Touch, "friction");

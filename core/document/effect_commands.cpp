@@ -11,8 +11,9 @@ namespace imomushi {
 namespace {
 
 // Milliseconds on a desktop core of 2023: of a joint with its in-plane stretch alone, per warping mode and its square (smooth joints); of a joint that jiggles; of
-// a warped vertex. Predictions are replaced by what is measured once frames pass.
-constexpr double kJointMs = 7e-4, kModeMs = 1.6e-4, kModesMs = 2.5e-5, kJiggleMs = 1e-3, kWarpMs = 4e-4;
+// a warped vertex; of an entry of a matrix of tractions. Predictions are replaced by what is measured once frames pass.
+constexpr double kJointMs = 7e-4, kModeMs = 1.6e-4, kModesMs = 2.5e-5, kJiggleMs = 1e-3, kWarpMs = 4e-4,
+                 kTractionMs = 4e-7;
 
 Result<EffectKind> effectOf(const Json& arguments) {
     const std::string& name = text(arguments, "effect");
@@ -32,8 +33,6 @@ Result<PartId> targetOf(const Document& document, EffectKind kind, const Json& a
     return (*element)->id;
 }
 
-bool isAvailable(EffectKind kind) { return kind != EffectKind::PreviousModel; }
-
 Json names(const Document& document, const Effect& effect) {
     if (effect.elements.empty()) return "character";
     Json list = Json::array();
@@ -48,8 +47,6 @@ Result<Json> enable(Session& session, const Json& arguments, const Progress&) {
     if (!kind) return tl::unexpected(kind.error());
     const auto target = targetOf(s.document, *kind, arguments);
     if (!target) return tl::unexpected(target.error());
-    if (!isAvailable(*kind))
-        return fail("not-available", "The effect \"" + std::string(effectName(*kind)) + "\" is not available in this version.");
     Effect& effect = session.edit().effects[*kind];
     if (*target == 0)
         effect.elements.clear();
@@ -109,6 +106,17 @@ EffectCost Session::State::costOf(EffectKind kind) const {
         const double joints = static_cast<double>(planned->joints.size());
         const double modes = document.settings.basis == BasisKind::Full ? BasisChoice::kMostModes : document.settings.basis.modes;
         cost.milliseconds = joints * (kind == EffectKind::JointDynamics ? kJiggleMs : kJointMs + modes * (kModeMs + modes * kModesMs));
+        return cost;
+    }
+    if (kind == EffectKind::PreviousModel) {
+        const double stepsPerFrame = 1.0 / (60.0 * document.effects.number(kind, "step"));
+        for (const auto& [id, element] : document.elements) {
+            double columns = 0.0;
+            for (const JointFace& face : element->faces) columns += 3.0 * static_cast<double>(face.vertices.size());
+            cost.milliseconds += kTractionMs * stepsPerFrame * columns * columns;
+            cost.bytes += static_cast<std::size_t>(columns * columns) * sizeof(double);
+            cost.precompute = cost.precompute || (columns > 0.0 && (document.settings.basis != BasisKind::Full || !responseOf(id, false)));
+        }
         return cost;
     }
     if (!isOfElements(kind)) return cost;

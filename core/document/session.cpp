@@ -364,6 +364,10 @@ std::vector<std::string> Session::State::warningTexts(unsigned warnings) const {
         texts.emplace_back("The pose twists or shifts a joint face in its plane, which the basis \"paper\" cannot follow: set the character's basis to \"affine\".");
     if (has(FrameWarning::TargetOutOfReach))
         texts.emplace_back("A target is out of reach; the endpoint stays as near as its bones can stretch (max-stretch).");
+    if (document.effects.has(EffectKind::PreviousModel) && document.settings.basis != BasisKind::Full)
+        texts.emplace_back("The previous model works in the basis \"full\" alone and does nothing now: set the character's basis to \"full\", and precompute.");
+    if (has(FrameWarning::Diverged))
+        texts.emplace_back("The explicit dynamics of the previous model diverged; its joint faces stand still at their last good place: choose a smaller step or a softer shear-modulus.");
     if (has(FrameWarning::LoadsBounded))
         texts.emplace_back("Gravity or pressure is stronger than flesh so soft can show without folding, and acts less than asked for: raise its shear-modulus, or lower the pressure.");
     if (has(FrameWarning::PoseRefused))
@@ -676,6 +680,7 @@ void Session::stepFrame(double dt) {
     if (effects.has(EffectKind::BendWarp)) s.effectMs[static_cast<std::size_t>(EffectKind::BendWarp)] = stats.bendWarpMs;
     if (effects.has(EffectKind::JointDynamics)) s.effectMs[static_cast<std::size_t>(EffectKind::JointDynamics)] = stats.jointDynamicsMs;
     if (effects.has(EffectKind::Touch)) s.effectMs[static_cast<std::size_t>(EffectKind::Touch)] = stats.touchMs;
+    if (effects.has(EffectKind::PreviousModel)) s.effectMs[static_cast<std::size_t>(EffectKind::PreviousModel)] = stats.previousModelMs;
     if (effects.has(EffectKind::Gravity)) s.effectMs[static_cast<std::size_t>(EffectKind::Gravity)] = stats.gravityMs;
     if (effects.has(EffectKind::Inflate)) s.effectMs[static_cast<std::size_t>(EffectKind::Inflate)] = stats.inflateMs;
     s.stirred = !settled || (s.performance && !s.performance->resting()) || !s.character->resting();

@@ -387,3 +387,43 @@ TEST_CASE("bend warp: a bent body keeps its volume, a body at rest its bytes") {
     w.good({{"do", "rest"}});
     CHECK(volumes() == doctest::Approx(6.0).epsilon(1e-6));
 }
+
+TEST_CASE("previous model: joint faces move by themselves in the full basis, and their divergence is said and survived") {
+    Workbench w;
+    w.buildChain();
+    w.good({{"do", "precompute"}});
+    w.good(enable("previous-model"));
+    CHECK(w.good({{"do", "step"}, {"frames", 1}})["warnings"].dump().find("basis") != std::string::npos);
+    w.good({{"do", "set"}, {"target", "character"}, {"property", "basis"}, {"value", "full"}});
+    w.good({{"do", "precompute"}});
+    w.good({{"do", "pin"}, {"endpoint", "a/start"}});
+    w.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {2.0, 0.0, 5.0}}, {"seconds", 0.2}});
+    const Json moving = w.good({{"do", "step"}, {"frames", 12}});
+    CHECK(moving["effects"]["previous-model"]["median"].get<double>() > 0.0);
+    CHECK(moving["finite"] == true);
+    CHECK(w.session.moving());
+    const int b = w.session.elementIndex(w.session.document().elementNamed("B")->id);
+    CHECK(w.good({{"do", "step"}, {"frames", 1200}})["warnings"].empty());
+    CHECK_FALSE(w.session.moving());
+    CHECK(w.good({{"do", "measure"}, {"what", "gap"}})["value"] == 0.0);
+    // It comes to rest where the faces are free of what the bones do not hold: not where they are rigid.
+    const Points settled = w.session.character()->positions(b);
+    w.good({{"do", "disable"}, {"effect", "previous-model"}});
+    w.good({{"do", "step"}, {"frames", 1}});
+    const Points rigid = w.session.character()->positions(w.session.elementIndex(w.session.document().elementNamed("B")->id));
+    const double beyond = (settled - rigid).rowwise().norm().maxCoeff();
+    CHECK(beyond > 1e-3);
+    CHECK(beyond < 0.5);
+
+    w.good(enable("previous-model"));
+    w.good(set("previous-model", "step", 0.02));
+    w.good(set("previous-model", "shear-modulus", 1e9));
+    w.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {-2.0, 0.0, 5.0}}, {"seconds", 0.2}});
+    const Json diverged = w.good({{"do", "step"}, {"frames", 120}});
+    CHECK(diverged["finite"] == true);
+    CHECK(diverged["warnings"].dump().find("diverged") != std::string::npos);
+    w.good(set("previous-model", "step", 1e-3));
+    w.good(set("previous-model", "shear-modulus", 3000.0));
+    w.good({{"do", "rest"}});
+    CHECK(w.good({{"do", "step"}, {"frames", 60}})["warnings"].empty());
+}
