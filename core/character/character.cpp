@@ -342,9 +342,8 @@ struct Character::State {
         const auto start = std::chrono::steady_clock::now();
         for (std::size_t j = 0; j < joints.size(); ++j) explicitJoints->setJoint(static_cast<int>(j), joints[j].turn.toRotationMatrix());
         for (std::size_t e = 0; e < elements.size(); ++e) explicitJoints->setElement(static_cast<int>(e), elements[e].frame.linear, elements[e].v);
-        if (!(frameSeconds > 0.0))
-            explicitJoints->reset();
-        else if (!explicitJoints->step(frameSeconds))
+        if (stopped) explicitJoints->reset();
+        if (frameSeconds > 0.0 && !explicitJoints->step(frameSeconds))
             updateWarnings |= static_cast<unsigned>(FrameWarning::Diverged);
         for (std::size_t e = 0; e < elements.size(); ++e) explicitJoints->addTo(static_cast<int>(e), elements[e].v);
         stats.previousModelMs = milliseconds(start, std::chrono::steady_clock::now());
@@ -652,10 +651,8 @@ struct Character::State {
         Matrix3d turned = out.turn.toRotationMatrix(), swollen = Matrix3d::Identity();
         if (out.jiggle) {
             JointJiggle::Place place{turned, at, stretch};
-            if (frameSeconds > 0.0)
-                out.jiggle->step(frameSeconds, place, swollen);
-            else
-                out.jiggle->reset(place);
+            if (stopped) out.jiggle->reset(place);
+            out.jiggle->step(frameSeconds, place, swollen);
             if (!(place.rotation == turned)) {
                 const Quaterniond jiggled(place.rotation);
                 out.turn = jiggled.dot(out.turn) < 0.0 ? Quaterniond(-jiggled.coeffs()) : jiggled;
@@ -740,10 +737,8 @@ struct Character::State {
         const Eigen::Index first = loads.first(), count = loads.all.size() - first;
         if (loads.gravity) {
             const Vec3 place = out.frame(out.middle);
-            if (seconds > 0.0)
-                loads.felt.step(seconds, place);
-            else
-                loads.felt.reset(place);
+            if (stopped) loads.felt.reset(place);
+            loads.felt.step(seconds, place);
             const auto& gravity = *effects.gravity;
             const double softness = given.density / (gravity.shearModulus * given.stiffness);
             loads.all.segment<3>(first) = softness * (out.frame.linear.transpose() * (gravity.acceleration - gravity.inertia * loads.felt.value()));
@@ -796,7 +791,8 @@ struct Character::State {
         double loadMs = 0.0;
         if (effects.gravity || effects.inflate) {
             const auto begun = std::chrono::steady_clock::now();
-            if (effects.inflate) breath = seconds > 0.0 && effects.inflate->breath > 0.0 ? std::fmod(breath + kTurn * effects.inflate->breathHertz * seconds, kTurn) : 0.0;
+            if (effects.inflate)
+                breath = !stopped && effects.inflate->breath > 0.0 ? std::fmod(breath + kTurn * effects.inflate->breathHertz * seconds, kTurn) : 0.0;
             for (std::size_t e = 0; e < elements.size(); ++e) load(e, seconds);
             loadMs = milliseconds(begun, std::chrono::steady_clock::now());
         }
@@ -834,6 +830,7 @@ struct Character::State {
         stats.normalsMs = milliseconds(placed, done);
         stats.warnings = solveWarnings | updateWarnings;
         if (effects.gravity || effects.inflate) shareLoadTime(loadMs);
+        stopped = false;
     }
 
     // The time of body loads: their own and that of their columns in the product.
@@ -868,8 +865,7 @@ struct Character::State {
 
     void decideWork(std::size_t e) {
         auto& out = elements[e];
-        const bool sameShape = out.shown && ((out.weights() - out.shownV).cwiseAbs().cwiseProduct(out.columnSize).array() <= kSameShape * out.size).all();
-        out.moved = !sameShape || !(out.frame == out.shownFrame);
+        out.moved = !out.shown || !(out.frame == out.shownFrame);
         for (std::size_t f = 0; f < out.jointOf.size(); ++f) {
             out.moved = out.moved || !(joints[out.jointOf[f]].map == out.shownJoints[f]);
             out.shownJoints[f] = joints[out.jointOf[f]].map;
@@ -878,8 +874,11 @@ struct Character::State {
             out.moved = out.moved || joints[out.jointOf[f]].warping != out.shownWarping[f];
             out.shownWarping[f] = joints[out.jointOf[f]].warping;
         }
+        bool sameShape = out.shown && ((out.weights() - out.shownV).cwiseAbs().cwiseProduct(out.columnSize).array() <= kSameShape * out.size).all();
+        // The bend warp bends by more than v says where the basis loses twist.
+        if (out.warped && out.moved && input.basis == BasisKind::Paper) sameShape = false;
         const bool touched = out.touched && out.touched->active();
-        out.moved = out.moved || touched;
+        out.moved = out.moved || !sameShape || touched;
         out.work = Work::None;
         if (!out.moved) return;
         out.shownFrame = out.frame;
@@ -1049,6 +1048,7 @@ struct Character::State {
     const CharacterInput input;
     std::optional<Error> failure;              // of the constructor
     std::optional<ExplicitJoints> explicitJoints;
+    bool stopped = true;                       // the next update() starts from rest
     double frameSeconds = 0.0;                 // of the update() that runs
     CharacterEffects effects = input.effects;  // with their numbers of now
     double breath = 0.0;                       // phase, radians
@@ -1093,6 +1093,8 @@ InverseKinematics::Report Character::solvePose(const std::vector<Hold>& holds, P
 }
 
 void Character::update(const Pose& pose, double seconds) { state_->update(pose, seconds); }
+
+void Character::stop() { state_->stopped = true; }
 
 void Character::tune(const CharacterEffects& effects) {
     auto& now = state_->effects;

@@ -79,9 +79,11 @@ public:
     InverseKinematics::Report solvePose(const std::vector<Hold>& holds, Pose& pose);
 
     /// Deforms all elements to `pose`. Elements whose v did not change are moved as they are (evaluated once more when that begins); those that
-    /// did not move either are left alone. `seconds` passed since the last update(), for effects that have a past; 0: the character jumps there and all it
-    /// remembers of motion is gone.
+    /// did not move either are left alone. `seconds` passed since the last update(), for effects that have a past; 0: none, what
+    /// swings stays where it swings.
     void update(const Pose& pose, double seconds = 0.0);
+    /// Forgets all motion: the next update() jumps to its pose, at rest.
+    void stop();
 
     /// New numbers for the effects that it has; others are ignored. Seen in the next update().
     void tune(const CharacterEffects& effects);

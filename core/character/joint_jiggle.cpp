@@ -132,20 +132,15 @@ void JointJiggle::reset(const Place& wanted) {
     dynamics_.reset(target_);
 }
 
-void JointJiggle::step(double seconds, Place& wanted, Matrix3d& stretch) {
+void JointJiggle::follow(const Place& wanted) {
     const Matrix3d turned = axes_.transpose() * last_.rotation.transpose() * wanted.rotation * axes_;
-    Vec3 shift = axes_.transpose() * (last_.rotation.transpose() * (wanted.at - last_.at));
+    const Vec3 shift = axes_.transpose() * (last_.rotation.transpose() * (wanted.at - last_.at));
     const Eigen::AngleAxisd turn(turned);
-    Vec3 angle = turn.angle() * turn.axis();
-    double grown = wanted.stretch - last_.stretch;
+    const Vec3 angle = turn.angle() * turn.axis();
+    const double grown = wanted.stretch - last_.stretch;
     // A pose at rest goes on changing by rounding: what is that small waits until it adds up.
-    if (angle.norm() < kUnmoved && shift.norm() < kUnmoved * size_ && std::abs(grown) < kUnmoved) {
-        angle.setZero();
-        shift.setZero();
-        grown = 0.0;
-    } else {
-        last_ = wanted;
-    }
+    if (angle.norm() < kUnmoved && shift.norm() < kUnmoved * size_ && std::abs(grown) < kUnmoved) return;
+    last_ = wanted;
     target_[0] += grown;
     target_[2] += grown;
     target_[3] -= angle.y();
@@ -154,6 +149,10 @@ void JointJiggle::step(double seconds, Place& wanted, Matrix3d& stretch) {
     target_[6] += shift.x();
     target_[7] += shift.y();
     target_[8] += angle.z();
+}
+
+void JointJiggle::step(double seconds, Place& wanted, Matrix3d& stretch) {
+    if (seconds > 0.0) follow(wanted);
     dynamics_.step(seconds, target_);
     stretch.setIdentity();
     if (dynamics_.resting()) return;

@@ -27,7 +27,7 @@ public:
         double stretch = 1.0;
     };
     void reset(const Place& wanted);
-    /// One frame of `seconds` > 0; `wanted` is changed to where the joint is. `stretch`: how its face stretches besides, in its plane, about 1, rest axes. Neither allocates,
+    /// One frame: `seconds` pass (>= 0; none: the joint stays as far from the pose as it is); `wanted` is changed to where the joint is. `stretch`: how its face stretches besides, in its plane, about 1, rest axes. Neither allocates,
     /// locks nor fails.
     void step(double seconds, Place& wanted, Eigen::Matrix3d& stretch);
 
@@ -36,6 +36,8 @@ public:
 private:
     JointJiggle(JointDynamics dynamics, Eigen::MatrixXd mass, Eigen::MatrixXd stiffness)
         : dynamics_(std::move(dynamics)), mass_(std::move(mass)), stiffness_(std::move(stiffness)) {}
+
+    void follow(const Place& wanted);
 
     JointDynamics dynamics_;
     Eigen::MatrixXd mass_, stiffness_;

@@ -162,7 +162,7 @@ Result<Json> rest(Session& session, const Json&, const Progress&) {
         held.target = s.plan.input.skeleton.points[static_cast<std::size_t>(s.plan.pointIndex(end))];
     }
     s.results.clear();
-    s.showPose();
+    s.jumpToPose();
     return Json::object();
 }
 
@@ -214,8 +214,7 @@ Result<Json> touch(Session& session, const Json& arguments, const Progress&) {
         *known = made;
     else
         touches.push_back(made);
-    // Where nothing moves by itself the dent is there at once; else it comes as frames pass.
-    if (!s.performance && !s.document.effects.has(EffectKind::JointDynamics)) s.showPose();
+    s.showPose();
     return Json{{"finger", made.finger}};
 }
 

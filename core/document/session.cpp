@@ -284,9 +284,16 @@ Result<void> Session::State::prepare() {
 void Session::State::showPose() {
     if (!character) return;
     const Pose pose = document.pose.points.empty() ? restPose(plan.input.skeleton) : document.pose;
-    if (performance) performance->reset(pose);
+    if (performance && !performance->isDynamic()) performance->reset(pose);
     applyTouches();
     character->update(performance ? performance->pose() : pose);
+}
+
+void Session::State::jumpToPose() {
+    if (!character) return;
+    if (performance) performance->reset(document.pose.points.empty() ? restPose(plan.input.skeleton) : document.pose);
+    character->stop();
+    showPose();
 }
 
 void Session::State::applyTouches() {
@@ -344,7 +351,7 @@ Result<Session::State::Settled> Session::State::settle() {
         settled.settled = report.settled;
         if (!report.finite) break;
     }
-    if (!performance || !performance->isDynamic()) showPose();
+    showPose();
     settled.warnings = character->stats().warnings;
     settled.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return settled;
@@ -416,7 +423,7 @@ Result<std::vector<Session::Step>> Session::State::undo(int count) {
         afterExchange(entry.change);
         done.push_back(entry.step);
     }
-    if (live()) showPose();
+    if (live()) jumpToPose();
     return done;
 }
 
@@ -432,7 +439,7 @@ Result<std::vector<Session::Step>> Session::State::redo(int count) {
         afterExchange(entry.change);
         done.push_back(entry.step);
     }
-    if (live()) showPose();
+    if (live()) jumpToPose();
     return done;
 }
 
@@ -607,7 +614,7 @@ void Session::cancelGesture() {
     s.poseSettled = false;
     s.stirred = true;
     s.afterExchange(change);
-    if (s.live()) s.showPose();
+    if (s.live()) s.jumpToPose();
     const Change told = s.pending;
     s.pending = {};
     if (s.listener) s.listener(told);

@@ -125,8 +125,10 @@ struct Session::State {
     void relax();
     /// Puts the fingers of the character where the document has them.
     void applyTouches();
-    /// Deforms the character to the document's pose, at once.
+    /// Deforms the character to the document's pose; no time passes, and what swings goes on swinging.
     void showPose();
+    /// The same, and nothing moves any more.
+    void jumpToPose();
     /// Where an endpoint is now, m.
     Result<Vec3> positionOf(const EndpointRef& end);
     /// One sentence for each bit of FrameWarning, and what the plan says.
