@@ -55,7 +55,7 @@ void Character::State::update(const Pose& wanted, double seconds) {
     for (std::size_t e = 0; e < elements.size(); ++e) {
         decideWork(e);
         if (elements[e].warped) bend(elements[e], input.elements[e]);
-        if (elements[e].moved) bytes += elements[e].blocks.count() * elements[e].blocks.bytesPerBlock();
+        if (elements[e].moved && !elements[e].pending) bytes += elements[e].blocks.count() * elements[e].blocks.bytesPerBlock();
     }
     share(bytes, productPieces, [this](const Piece& p) { showPositions(elements[p.element], p.begin, p.end); });
     for (std::size_t e = 0; e < elements.size(); ++e)
@@ -64,11 +64,12 @@ void Character::State::update(const Pose& wanted, double seconds) {
     const auto placed = std::chrono::steady_clock::now();
     share(bytes, normalPieces, [this](const Piece& p) {
         auto& out = elements[p.element];
-        if (out.moved)
+        if (out.moved && !out.pending)
             findNormals(out.positions.data(), out.stencils.data(), static_cast<float>(out.scale()), p.begin, p.end, out.normals.data());
     });
     for (auto& e : elements) holdNormals(e);
     closeSeams();
+    for (std::size_t e = 0; recipe && e < elements.size(); ++e) fillRecipe(e);
     const auto done = std::chrono::steady_clock::now();
     stats.jointsMs = milliseconds(start, measured);
     stats.productMs = milliseconds(measured, placed);
@@ -170,6 +171,7 @@ bool Character::resting() const { return state_->resting(); }
 
 Character::Surface Character::surface(int element) const {
     const auto& e = state_->elements[element];
+    if (e.pending || e.seamsOpen) state_->catchUp(static_cast<std::size_t>(element));
     return {e.positions.data(), e.normals.data(), static_cast<int>(e.vertices), e.revision};
 }
 

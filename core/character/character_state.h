@@ -17,6 +17,7 @@
 #include "core/character/joint_jiggle.h"
 #include "core/character/normal_stencils.h"
 #include "core/character/response_blocks.h"
+#include "core/character/surface_recipe.h"
 #include "core/character/vertex_kernels.h"
 #include "core/skeleton/bone_tree.h"
 #include "core/touch/touch_blocks.h"
@@ -140,6 +141,10 @@ struct Character::State {
         std::vector<Eigen::Matrix3Xd> shownWarping;  // per face, with smooth joints
         Eigen::MatrixXd heldShapes;          // #shapes x #held, with smooth joints: warping shapes of the joint, m
         bool shown = false, moved = false;
+        bool elsewhere = false;      // somebody wants to make the surface from the recipe
+        bool madeElsewhere = false;  // and does, since the last update()
+        bool pending = false;        // positions and normals here are not those of the last update()
+        bool seamsOpen = false;      // normals on seams are not
         [[nodiscard]] double scale() const { return size > 0.0 ? 1.0 / size : 1.0; }
 
         std::vector<HeldVertex> held;
@@ -231,6 +236,16 @@ struct Character::State {
     void holdWarped(ElementState& out) const;
     void holdNormals(ElementState& out) const;
     void closeSeams();
+    // True: the normal changed.
+    bool closeSeam(const SeamNormal& s);
+
+    // Surfaces that are made elsewhere (surface_recipe.cpp).
+    void buildRecipe();
+    void fillRecipe(std::size_t e);
+    // Positions and normals of an element as of the last update().
+    void catchUp(std::size_t e);
+    // The same without normals on seams.
+    void evaluateHere(std::size_t e);
 
     const CharacterInput input;
     std::optional<Error> failure;              // of the constructor
@@ -250,6 +265,7 @@ struct Character::State {
     std::vector<Piece> productPieces, normalPieces;
     std::unique_ptr<FrameCrew> crew;
     std::unique_ptr<JointEquilibrium> equilibrium;  // null: joints are not smooth
+    std::unique_ptr<SurfaceRecipe> recipe;          // null: nobody asked for it
     std::vector<char> seamOnly = std::vector<char>(input.elements.size(), 0);
     unsigned solveWarnings = 0, updateWarnings = 0;
     Stats stats;

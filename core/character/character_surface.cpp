@@ -32,7 +32,9 @@ void Character::State::decideWork(std::size_t e) {
     // The bend warp bends by more than v says where the basis loses twist.
     if (out.warped && out.moved && input.basis == BasisKind::Paper) sameShape = false;
     const bool touched = out.touched && out.touched->active();
-    out.moved = out.moved || !sameShape || touched;
+    const bool elsewhere = out.elsewhere && !touched;
+    out.moved = out.moved || !sameShape || touched || elsewhere != out.madeElsewhere;
+    out.madeElsewhere = elsewhere;
     out.work = Work::None;
     if (!out.moved) return;
     out.shownFrame = out.frame;
@@ -43,8 +45,16 @@ void Character::State::decideWork(std::size_t e) {
         out.placement.shift[i] = static_cast<float>(shift[i]);
         for (int k = 0; k < 3; ++k) out.placement.linear[3 * i + k] = static_cast<float>(out.frame.linear(i, k));
     }
+    out.pending = elsewhere;
     if (sameShape && out.localShown) {
-        out.work = Work::Place;
+        out.work = elsewhere ? Work::None : Work::Place;
+        return;
+    }
+    if (elsewhere) {
+        out.localShown = false;
+        if (!sameShape) out.shownV = out.weights();
+        out.blocks.weigh(out.shownV);
+        out.shown = true;
         return;
     }
     // Who bends goes on bending, mostly: the bent shape is kept when it moves as it is, and at the start.
@@ -142,7 +152,7 @@ void Character::State::showPositions(ElementState& out, std::size_t begin, std::
 }
 
 void Character::State::holdVertices(ElementState& out) const {
-    if (!out.moved) return;
+    if (!out.moved || out.pending) return;
     if (equilibrium || explicitJoints) return holdWarped(out);
     for (const auto& h : out.held) {
         const Vec3 p = joints[h.joint].map(h.rest);
@@ -167,7 +177,7 @@ void Character::State::holdWarped(ElementState& out) const {
 }
 
 void Character::State::holdNormals(ElementState& out) const {
-    if (!out.moved) return;
+    if (!out.moved || out.pending) return;
     for (const auto& h : out.hidden) {
         const Vec3 n = (joints[h.joint].map.linear * h.normal).normalized();
         for (int i = 0; i < 3; ++i) out.normals[3 * static_cast<std::size_t>(h.vertex) + i] = static_cast<float>(n[i]);
@@ -179,21 +189,30 @@ void Character::State::closeSeams() {
     for (const auto& s : seams) {
         auto& out = elements[s.element];
         if (!out.moved && !elements[s.other].moved) continue;
-        const auto& rim = elements[s.other].rim;
-        const Eigen::Vector3f own = out.rim[s.own].normal;
-        const Eigen::Vector3f across = (1.0f - s.part) * rim[s.from].normal + s.part * rim[s.to].normal;
-        const Eigen::Vector3f sum = own + across;
-        const float length = sum.norm();
-        const Eigen::Vector3f n = length > 1e-3f ? Eigen::Vector3f(sum / length) : own;
-        float* to = out.normals.data() + 3 * static_cast<std::ptrdiff_t>(s.vertex);
-        if (std::equal(n.data(), n.data() + 3, to)) continue;
-        std::copy_n(n.data(), 3, to);
+        if (out.pending || elements[s.other].pending)
+            out.seamsOpen = true;
+        else if (!closeSeam(s))
+            continue;
         if (!out.moved) seamOnly[s.element] = 1;
     }
     for (std::size_t e = 0; e < elements.size(); ++e) {
         if (seamOnly[e]) ++elements[e].revision;
         seamOnly[e] = 0;
     }
+}
+
+bool Character::State::closeSeam(const SeamNormal& s) {
+    auto& out = elements[s.element];
+    const auto& rim = elements[s.other].rim;
+    const Eigen::Vector3f own = out.rim[s.own].normal;
+    const Eigen::Vector3f across = (1.0f - s.part) * rim[s.from].normal + s.part * rim[s.to].normal;
+    const Eigen::Vector3f sum = own + across;
+    const float length = sum.norm();
+    const Eigen::Vector3f n = length > SurfaceRecipe::kNoSeamNormal ? Eigen::Vector3f(sum / length) : own;
+    float* to = out.normals.data() + 3 * static_cast<std::ptrdiff_t>(s.vertex);
+    if (std::equal(n.data(), n.data() + 3, to)) return false;
+    std::copy_n(n.data(), 3, to);
+    return true;
 }
 
 }  // namespace imomushi
