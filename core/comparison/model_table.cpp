@@ -7,6 +7,7 @@
 #include "core/character/response_blocks.h"
 #include "core/comparison/previous_model.h"
 #include "core/comparison/standard_poses.h"
+#include "core/comparison/swing.h"
 #include "core/comparison/timing.h"
 
 namespace imomushi {
@@ -18,28 +19,8 @@ constexpr double kSeconds = 2.0;  // for each of two measurements: a hundred rou
 
 tl::unexpected<Error> cancelled() { return fail(kCancelled, "The comparison was cancelled."); }
 
-/// Joint points that are moved about: the far ends of bones; roots stay.
-struct Swing {
-    std::vector<Hold> holds;
-    std::vector<Vec3> middle;
-    double size = 0.0;
+}  // namespace
 
-    explicit Swing(const Skeleton& skeleton) {
-        std::vector<int> uses(skeleton.points.size(), 0);
-        for (const auto& b : skeleton.bones) {
-            ++uses[b.start], ++uses[b.end];
-            size += 0.3 * b.length / static_cast<double>(skeleton.bones.size());
-        }
-        for (std::size_t p = 0; p < uses.size(); ++p)
-            if (uses[p] == 1) holds.push_back({static_cast<int>(p), skeleton.points[p]}), middle.push_back(skeleton.points[p]);
-    }
-    void move(double t) {
-        for (std::size_t i = 1; i < holds.size(); ++i)
-            holds[i].target = middle[i] + size * Vec3(std::sin(t + static_cast<double>(i)), std::sin(0.7 * t), std::sin(0.31 * t));
-    }
-};
-
-/// The character alone, on one thread: the paper's models have no effects.
 CharacterInput withoutEffects(const CharacterInput& given) {
     CharacterInput out;
     out.skeleton = given.skeleton;
@@ -57,7 +38,6 @@ CharacterInput withoutEffects(const CharacterInput& given) {
     return out;
 }
 
-/// Vertices that are not hidden inside a joint, per element.
 std::vector<std::vector<char>> seenVertices(const CharacterInput& input) {
     std::vector<std::vector<char>> seen, covered;
     for (const auto& e : input.elements) {
@@ -73,8 +53,6 @@ std::vector<std::vector<char>> seenVertices(const CharacterInput& input) {
             for (int c = 0; c < 3 && !covered[e][t]; ++c) seen[e][input.elements[e].mesh->body.triangles(static_cast<Eigen::Index>(t), c)] = 1;
     return seen;
 }
-
-}  // namespace
 
 Result<ModelTable> compareModels(const ComparedModels& models, const Progress& progress) {
     const CharacterInput& given = models.input;

@@ -42,6 +42,11 @@ struct ComparedModels {
     std::vector<std::shared_ptr<const ElementResponse>> full;  ///< per element the same of basis "full", null without joint faces
 };
 
+/// Vertices that are not hidden inside a joint, per element #body vertices.
+std::vector<std::vector<char>> seenVertices(const CharacterInput& input);
+/// The character without its effects and on one thread, in the basis "paper", as the paper's models are. Responses stay.
+CharacterInput withoutEffects(const CharacterInput& given);
+
 /// Both run in float on one thread, in turn. Errors: those of PreviousModel, "no-face", "no-bone", "cancelled".
 Result<ModelTable> compareModels(const ComparedModels& models, const Progress& progress);
 

@@ -10,7 +10,7 @@ namespace {
 constexpr int kLeastRounds = 5, kWarmRounds = 2;
 }
 
-std::vector<double> mediansInTurn(int rounds, double seconds, const std::vector<std::function<void()>>& loops, const Progress& progress) {
+std::vector<Spread> spreadsInTurn(int rounds, double seconds, const std::vector<std::function<void()>>& loops, const Progress& progress) {
     using Clock = std::chrono::steady_clock;
     const auto since = [](Clock::time_point from) { return std::chrono::duration<double>(Clock::now() - from).count(); };
     std::vector<std::vector<double>> times(loops.size());
@@ -24,12 +24,18 @@ std::vector<double> mediansInTurn(int rounds, double seconds, const std::vector<
             if (r >= kWarmRounds) times[i].push_back(1e3 * since(start));
         }
     }
-    std::vector<double> out;
+    std::vector<Spread> out;
     for (auto& t : times) {
         if (t.empty()) t.push_back(0.0);
-        std::nth_element(t.begin(), t.begin() + static_cast<std::ptrdiff_t>(t.size() / 2), t.end());
-        out.push_back(t[t.size() / 2]);
+        std::sort(t.begin(), t.end());
+        out.push_back({t[t.size() / 2], t[(99 * (t.size() - 1) + 50) / 100]});
     }
+    return out;
+}
+
+std::vector<double> mediansInTurn(int rounds, double seconds, const std::vector<std::function<void()>>& loops, const Progress& progress) {
+    std::vector<double> out;
+    for (const Spread& s : spreadsInTurn(rounds, seconds, loops, progress)) out.push_back(s.median);
     return out;
 }
 

@@ -13,4 +13,10 @@ namespace imomushi {
 /// `rounds` are done, `seconds` are over, or nobody wants the result.
 std::vector<double> mediansInTurn(int rounds, double seconds, const std::vector<std::function<void()>>& loops, const Progress& progress = {});
 
+/// The same with the 99th percentile of each loop beside its median.
+struct Spread {
+    double median = 0.0, p99 = 0.0;  ///< ms
+};
+std::vector<Spread> spreadsInTurn(int rounds, double seconds, const std::vector<std::function<void()>>& loops, const Progress& progress = {});
+
 }  // namespace imomushi

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/accuracy/reference.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <optional>
+
+#include "core/comparison/model_table.h"
+#include "core/comparison/previous_model.h"
+#include "core/reduction/congruence.h"
+
+namespace imomushi {
+
+namespace {
+
+using Kind = SolverMeshSetting::Kind;
+
+/// Strips and bubbles leave a tenth of the error of the plain mesh (solved_body.h: measured on 24 bodies, 0.3 to 2.5 times the estimate).
+constexpr double kErrorLeft = 0.1;
+
+tl::unexpected<Error> cancelled() { return fail(kCancelled, "The study was cancelled."); }
+
+std::vector<ResponseInput> asked(const std::vector<ResponseInput>& elements, const BasisChoice& basis, Kind mesh) {
+    auto out = elements;
+    for (auto& in : out) {
+        in.basis = basis;
+        in.solverMesh = {mesh, 0};
+        in.loads = false;
+        in.touch = 0;
+    }
+    return out;
+}
+
+/// Both as positions in the world; `frames` of a character in the same pose.
+ErrorSum difference(const std::vector<Points>& shown, const std::vector<Points>& wanted, const Reference& reference, const Character& frames) {
+    ErrorSum sum;
+    for (std::size_t e = 0; e < wanted.size(); ++e) {
+        const Points& rest = frames.input().elements[e].mesh->body.vertices;
+        const auto frame = frames.frame(static_cast<int>(e));
+        const double diagonal = rest.rows() ? (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm() : 0.0;
+        double largest = 0.0;
+        for (Eigen::Index v = 0; v < rest.rows(); ++v) {
+            if (!reference.seen[e][static_cast<std::size_t>(v)]) continue;
+            const double miss = (shown[e].row(v) - wanted[e].row(v)).squaredNorm();
+            sum.wrong += miss;
+            sum.all += (wanted[e].row(v).transpose() - frame * Vec3(rest.row(v).transpose())).squaredNorm();
+            largest = std::max(largest, miss);
+        }
+        if (diagonal > 0.0) sum.percent = std::max(sum.percent, 100.0 * std::sqrt(largest) / diagonal);
+    }
+    return sum;
+}
+
+std::vector<Points> shownBy(const Character& character) {
+    std::vector<Points> out;
+    for (std::size_t e = 0; e < character.input().elements.size(); ++e) {
+        const auto surface = character.surface(static_cast<int>(e));
+        out.push_back(Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(surface.positions, surface.vertices, 3).cast<double>());
+    }
+    return out;
+}
+
+Result<std::vector<std::vector<Points>>> statics(CharacterInput character, std::vector<std::shared_ptr<const ElementResponse>> full, const std::vector<StandardPose>& poses,
+                                                 const Progress& progress) {
+    for (std::size_t e = 0; e < full.size(); ++e) character.elements[e].response = std::move(full[e]);
+    auto model = PreviousModel::build(std::move(character), progress);
+    if (!model) return tl::unexpected(model.error());
+    std::vector<std::vector<Points>> out;
+    for (const auto& pose : poses) {
+        auto solved = model->statics(pose.pose, progress);
+        if (!solved) return tl::unexpected(solved.error());
+        out.push_back(std::move(*solved));
+    }
+    return out;
+}
+
+/// What faces that are linear on their triangles lose of the smooth part of their motion, on the same solver mesh.
+Result<ErrorSum> faceError(const ReferenceInput& input, const Reference& reference, const std::vector<std::shared_ptr<const ElementResponse>>& full,
+                           const std::vector<std::shared_ptr<const ElementResponse>>& smooth, const Progress& progress) {
+    CharacterInput given = withoutEffects(input.character);
+    given.basis = BasisChoice(BasisKind::Modes, BasisChoice::kMostModes);
+    given.smoothJoints = true;
+    for (std::size_t e = 0; e < smooth.size(); ++e) given.elements[e].response = smooth[e];
+    auto character = Character::build(std::move(given));
+    if (!character) return tl::unexpected(character.error());
+    ErrorSum sum;
+    for (std::size_t i = 0; i < input.poses.size(); ++i) {
+        if (progress.cancelled()) return cancelled();
+        character->update(input.poses[i].pose);
+        std::vector<Points> exact, linear;
+        for (std::size_t e = 0; e < smooth.size(); ++e) {
+            exact.push_back(character->positions(static_cast<int>(e)));
+            linear.push_back(exact.back());
+            if (!smooth[e]) continue;
+            const auto& element = input.character.elements[e];
+            const auto& v = character->jointParameters(static_cast<int>(e));
+            Eigen::VectorXd u = Eigen::VectorXd::Zero(full[e]->columns());
+            for (std::size_t f = 0; f < element.faces.size(); ++f) {
+                const FaceBasis& basis = smooth[e]->bases[f];
+                const Points local = localVertices(element.mesh->body, element.faces[f]);
+                for (Eigen::Index k = 0; k < local.rows(); ++k)
+                    u.segment<3>(full[e]->firstColumn[f] + 3 * k) = basis.at(local.row(k).transpose()) * v.segment(smooth[e]->firstColumn[f], basis.columns());
+            }
+            const Eigen::VectorXd x = full[e]->response * u;
+            for (std::size_t k = 0; k < full[e]->freeVertices.size(); ++k) {
+                const auto vertex = full[e]->freeVertices[k];
+                const Vec3 p = element.mesh->body.vertices.row(vertex).transpose();
+                linear.back().row(vertex) = (character->frame(static_cast<int>(e)) * Vec3(p + x.segment<3>(3 * static_cast<Eigen::Index>(k)))).transpose();
+            }
+        }
+        sum.add(difference(linear, exact, reference, *character));
+    }
+    return sum;
+}
+
+}  // namespace
+
+void ErrorSum::add(const ErrorSum& other) {
+    wrong += other.wrong;
+    all += other.all;
+    percent = std::max(percent, other.percent);
+}
+
+PoseError ErrorSum::error() const { return {all > 0.0 ? std::sqrt(wrong / all) : 0.0, percent}; }
+
+ErrorSum errorOf(const Character& character, const Reference& reference, std::size_t which) {
+    return difference(shownBy(character), reference.positions[which], reference, character);
+}
+
+Result<SolvedElements> solveElements(const std::vector<ResponseInput>& elements, const Progress& progress) {
+    SolvedElements out;
+    const double count = static_cast<double>(elements.size());
+    for (std::size_t e = 0; e < elements.size(); ++e) {
+        out.responses.push_back(nullptr);
+        out.seconds.push_back(0.0);
+        if (elements[e].faces.empty()) continue;
+        if (progress.cancelled()) return cancelled();
+        const auto start = std::chrono::steady_clock::now();
+        Result<ElementResponse> built;
+        bool carried = false;
+        for (std::size_t k = 0; k < e && !carried; ++k)
+            if (out.responses[k])
+                if (const auto how = findCongruence(elements[k], elements[e])) built = how->carry(*out.responses[k]), carried = true;
+        if (!carried) {
+            const double at = static_cast<double>(e);
+            built = buildResponse(elements[e], progress.part(at / count, (at + 1.0) / count));
+        }
+        if (!built) return tl::unexpected(built.error());
+        out.responses.back() = std::make_shared<const ElementResponse>(std::move(*built));
+        out.seconds.back() = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    }
+    out.peakBytes = estimateElements(elements).bytes;
+    return out;
+}
+
+ResponseEstimate estimateElements(const std::vector<ResponseInput>& elements) {
+    ResponseEstimate sum;
+    for (std::size_t e = 0; e < elements.size(); ++e) {
+        if (elements[e].faces.empty()) continue;
+        const bool shared = std::any_of(elements.begin(), elements.begin() + static_cast<std::ptrdiff_t>(e), [&](const ResponseInput& other) {
+            return !other.faces.empty() && other.mesh->body.vertices.rows() == elements[e].mesh->body.vertices.rows() && findCongruence(other, elements[e]);
+        });
+        const ResponseEstimate one = estimateResponse(elements[e]);
+        if (!shared) sum.seconds += one.seconds;
+        sum.bytes = std::max(sum.bytes, one.bytes);
+        sum.frameMilliseconds += one.frameMilliseconds;
+        sum.columns += one.columns;
+    }
+    return sum;
+}
+
+Result<Reference> buildReference(const ReferenceInput& input, const Progress& progress) {
+    const bool any = std::any_of(input.elements.begin(), input.elements.end(), [](const ResponseInput& e) { return !e.faces.empty(); });
+    if (!any) return fail("no-face", "No element has a joint face: there is nothing to compare before faces are added.");
+    const auto start = std::chrono::steady_clock::now();
+    std::optional<Kind> finest;
+    for (const Kind mesh : {Kind::Best, Kind::Default, Kind::AsIs}) {
+        const auto elements = asked(input.elements, BasisKind::Full, mesh);
+        const ResponseEstimate cost = estimateElements(elements);
+        double kept = 0.0;
+        for (const auto& e : elements) {
+            double m = 0.0;
+            for (const auto& face : e.faces) m += 3.0 * static_cast<double>(face.vertices.size());
+            kept += (2.0 * sizeof(double) + sizeof(float)) * (3.0 * static_cast<double>(e.mesh->body.vertices.rows()) + m) * m;
+        }
+        if (static_cast<double>(cost.bytes) + kept > input.bytes || (input.seconds > 0.0 && cost.seconds > input.seconds && mesh != Kind::AsIs)) continue;
+        finest = mesh;
+        break;
+    }
+    if (!finest) return fail("too-large", "The full solution of this character needs more memory than there is for it: errors stay unknown. Use coarser elements.");
+
+    Reference out;
+    out.seen = seenVertices(input.character);
+    out.mesh = solverMeshName({*finest, 0});
+    const CharacterInput plain = withoutEffects(input.character);
+    auto fine = solveElements(asked(input.elements, BasisKind::Full, *finest), progress.part(0.0, 0.6));
+    if (!fine) return tl::unexpected(fine.error());
+    auto solved = statics(plain, fine->responses, input.poses, progress);
+    if (!solved) return tl::unexpected(solved.error());
+    out.positions = std::move(*solved);
+
+    auto frames = Character::build(plain);
+    if (!frames) return tl::unexpected(frames.error());
+    if (*finest != Kind::AsIs) {
+        auto coarse = solveElements(asked(input.elements, BasisKind::Full, Kind::AsIs), progress.part(0.6, 0.7));
+        if (!coarse) return tl::unexpected(coarse.error());
+        const auto coarser = statics(plain, std::move(coarse->responses), input.poses, progress);
+        if (!coarser) return tl::unexpected(coarser.error());
+        ErrorSum sum;
+        for (std::size_t i = 0; i < input.poses.size(); ++i) {
+            frames->update(input.poses[i].pose);
+            sum.add(difference((*coarser)[i], out.positions[i], out, *frames));
+        }
+        out.relative = kErrorLeft * sum.error().relative;
+        out.percent = kErrorLeft * sum.error().percent;
+        out.how = "A tenth of the difference from the same solution on the bodies as they are, which is what strips and quadratic displacement leave of the "
+                  "error of a plain mesh.";
+    } else {
+        double most = -1.0;
+        bool known = true;
+        for (const auto& r : fine->responses)
+            if (r) known = known && r->quality.error >= 0.0, most = std::max(most, r->quality.error);
+        out.relative = known ? most : -1.0;
+        out.how = known ? "Solved on the bodies as they are, since finer meshes would take too long: the error of the worst element against a coarser mesh; its largest "
+                          "error at one vertex is unknown."
+                        : "Solved on the bodies as they are, since finer meshes would take too long, and there is no coarser mesh to compare with: its error is unknown.";
+    }
+    auto smooth = solveElements(asked(input.elements, BasisChoice(BasisKind::Modes, BasisChoice::kMostModes), *finest), progress.part(0.7, 1.0));
+    if (!smooth) return tl::unexpected(smooth.error());
+    const auto faces = faceError(input, out, fine->responses, smooth->responses, progress);
+    if (!faces) return tl::unexpected(faces.error());
+    out.faceRelative = faces->error().relative;
+    out.facePercent = faces->error().percent;
+    out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return out;
+}
+
+}  // namespace imomushi

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/character/character.h"
+#include "core/comparison/standard_poses.h"
+
+namespace imomushi {
+
+/// A difference of two solutions on the vertices that are seen: of displacements in the frames of the elements, so that rigid motion hides nothing.
+struct PoseError {
+    double relative = 0.0;  ///< L2, 1: as large as the displacements of the reference
+    double percent = 0.0;   ///< largest, % of the bounding-box diagonal of its element
+};
+
+/// Sums of squares behind PoseError, so that poses can be put together.
+struct ErrorSum {
+    double wrong = 0.0, all = 0.0, percent = 0.0;
+    void add(const ErrorSum& other);
+    [[nodiscard]] PoseError error() const;
+};
+
+/// The full solution of a character in some poses: every vertex of every joint face in equilibrium, while bones hold each face as a whole
+/// (PreviousModel::statics), on the finest solver mesh that is affordable.
+struct Reference {
+    std::vector<std::vector<Points>> positions;  ///< per pose and element #body vertices x 3, world, m
+    std::vector<std::vector<char>> seen;         ///< per element and vertex
+    std::string mesh;                            ///< solver mesh, as settings name it
+    double seconds = 0.0;                        ///< it took
+    /// Its own error, over all poses: what its solver mesh leaves, estimated by the difference from a coarser level. Negative: unknown.
+    double relative = -1.0, percent = -1.0;
+    /// The same for what is left because its joint faces are linear on the triangles of the body: the smooth part of their motion, said exactly and on those
+    /// triangles. Part of the difference between any basis and the reference. Negative: unknown.
+    double faceRelative = -1.0, facePercent = -1.0;
+    std::string how;                             ///< one sentence: by what the error was estimated, or why it is unknown
+};
+
+struct ReferenceInput {
+    CharacterInput character;             ///< responses are not looked at
+    std::vector<ResponseInput> elements;  ///< as the document has them; basis, solver mesh and loads are not looked at
+    std::vector<StandardPose> poses;
+    double seconds = 0.0;                 ///< that it may take by estimate, 0: any
+    double bytes = 4e9;                   ///< of memory, at most
+};
+
+/// Errors: "no-face", "too-large" (not even the bodies as they are can be solved within limits), those of buildResponse() and PreviousModel, "cancelled".
+Result<Reference> buildReference(const ReferenceInput& input, const Progress& progress);
+
+/// Of a character that shows `pose` number `which` of the reference. Displacements are measured in the character's frames.
+ErrorSum errorOf(const Character& character, const Reference& reference, std::size_t which);
+
+/// The responses of all elements that have joint faces; of congruent elements only the first is solved. `seconds`: what each took, 0 without faces.
+struct SolvedElements {
+    std::vector<std::shared_ptr<const ElementResponse>> responses;
+    std::vector<double> seconds;
+    std::size_t peakBytes = 0;  ///< estimated
+};
+Result<SolvedElements> solveElements(const std::vector<ResponseInput>& elements, const Progress& progress);
+/// What that would cost: the sum of seconds and the largest of bytes.
+ResponseEstimate estimateElements(const std::vector<ResponseInput>& elements);
+
+}  // namespace imomushi

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/accuracy/stand_in.h"
+
+#include <cmath>
+
+#include "core/comparison/swing.h"
+#include "core/comparison/timing.h"
+#include "core/elasticity/boundary_equation.h"
+
+namespace imomushi {
+
+namespace {
+
+constexpr int kFrames = 40;
+constexpr double kSeconds = 0.15;
+
+}  // namespace
+
+std::shared_ptr<const ElementResponse> standInResponse(const ElementMesh& mesh, const std::vector<JointFace>& faces, const BasisChoice& basis, bool loads) {
+    auto out = std::make_shared<ElementResponse>();
+    const Points& rest = mesh.body.vertices;
+    std::vector<char> held(static_cast<std::size_t>(rest.rows()), 0);
+    out->firstColumn = {0};
+    for (const JointFace& face : faces) {
+        for (const auto v : face.vertices) held[static_cast<std::size_t>(v)] = 1;
+        out->bases.push_back(FaceBasis::on(mesh.body, face, basis));
+        out->firstColumn.push_back(out->firstColumn.back() + out->bases.back().columns());
+    }
+    for (std::size_t v = 0; v < held.size(); ++v)
+        if (!held[v]) out->freeVertices.push_back(static_cast<std::int32_t>(v));
+    const Eigen::Index columns = out->columns(), count = static_cast<Eigen::Index>(out->freeVertices.size());
+    out->response = Eigen::MatrixXd::Zero(3 * count, columns);
+    out->stiffness = Eigen::MatrixXd::Identity(columns, columns);
+    if (basis == BasisKind::Full) out->tractions = Eigen::MatrixXd::Identity(columns, columns);
+    if (loads) {
+        out->loads = Eigen::MatrixXd::Constant(3 * count, BoundaryEquation::kLoads, 1e-3);
+        for (Eigen::Index i = 0; i < count; ++i) out->loads.middleRows<3>(3 * i) *= std::sin(static_cast<double>(i));
+        out->loadForces = Eigen::MatrixXd::Zero(columns, BoundaryEquation::kLoads);
+    }
+    for (Eigen::Index i = 0; i < count; ++i) {
+        const Vec3 x = rest.row(out->freeVertices[static_cast<std::size_t>(i)]).transpose();
+        // A motion of all faces together moves every vertex along: as in true responses, that is no mode of its own.
+        std::vector<double> near;
+        double all = 0.0;
+        for (const JointFace& face : faces) all += near.emplace_back(1.0 / (std::abs(face.frame.toLocal(x).z()) + 1e-3 * face.size));
+        for (std::size_t f = 0; f < faces.size(); ++f) {
+            const FaceBasis& b = out->bases[f];
+            auto part = out->response.block(3 * i, out->firstColumn[f], 3, b.columns());
+            if (b.kind == BasisKind::Full)
+                for (int k = 0; k < b.vertices; ++k) part.middleCols<3>(3 * k) = faces[f].frame.axes * (std::cos(static_cast<double>(i + k)) * near[f] / all / b.vertices);
+            else
+                part = near[f] / all * (faces[f].frame.axes * b.at(faces[f].frame.toLocal(x)));
+        }
+    }
+    return out;
+}
+
+CharacterInput withStandIns(CharacterInput input) {
+    for (auto& e : input.elements)
+        e.response = e.faces.empty() ? nullptr : standInResponse(*e.mesh, e.faces, input.basis, e.heavy || e.inflated);
+    return input;
+}
+
+Result<double> predictFrame(const CharacterInput& input, const Progress& progress) {
+    CharacterInput stand = withStandIns(input);
+    stand.effects.touch.reset();
+    for (auto& e : stand.elements) e.touched = false;
+    auto character = Character::build(std::move(stand));
+    if (!character) return tl::unexpected(character.error());
+    Swing swing(input.skeleton);
+    Pose pose = restPose(input.skeleton);
+    double at = 0.0;
+    const double ms = mediansInTurn(kFrames, kSeconds,
+                                    {[&] {
+                                        swing.move(at += 0.013);
+                                        character->solvePose(swing.holds, pose);
+                                        character->update(pose, 1.0 / 60.0);
+                                    }},
+                                    progress)[0];
+    if (progress.cancelled()) return fail(kCancelled, "The prediction was cancelled.");
+    return ms;
+}
+
+}  // namespace imomushi
