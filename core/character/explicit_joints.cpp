@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/mesh/topology.h"
+
 namespace imomushi {
 
 using Eigen::Matrix3d;
@@ -30,14 +32,7 @@ Result<ExplicitJoints> ExplicitJoints::build(const CharacterInput& input, const 
         elements[e].stiffness = given.stiffness;
         elements[e].wanted = elements[e].v = elements[e].traction = Eigen::VectorXd::Zero(given.response->columns());
         const auto& body = given.mesh->body;
-        double six = 0.0, twice = 0.0;
-        for (Eigen::Index t = 0; t < body.triangles.rows(); ++t) {
-            const Vec3 a = body.vertices.row(body.triangles(t, 0)).transpose(), b = body.vertices.row(body.triangles(t, 1)).transpose(),
-                       c = body.vertices.row(body.triangles(t, 2)).transpose();
-            six += a.dot(b.cross(c));
-            twice += (b - a).cross(c - a).norm();
-        }
-        depth[e] = std::abs(six) / 3.0 / std::max(twice, 1e-300);
+        depth[e] = std::abs(enclosedVolume(body.vertices, body.triangles)) / std::max(surfaceArea(body), 1e-300);
         low = low.cwiseMin(body.vertices.colwise().minCoeff().transpose());
         high = high.cwiseMax(body.vertices.colwise().maxCoeff().transpose());
         for (const auto& face : given.faces) {

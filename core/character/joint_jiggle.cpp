@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/mesh/topology.h"
+
 namespace imomushi {
 
 using Eigen::Matrix3d;
@@ -37,16 +39,9 @@ void motion(int k, Matrix3d& linear, Vec3& shift) {
 /// Volume of a closed body, m^3, and the share of it of each vertex by its triangles' areas.
 Eigen::VectorXd vertexVolumes(const TriangleMesh& body) {
     Eigen::VectorXd share = Eigen::VectorXd::Zero(body.vertices.rows());
-    double six = 0.0, area = 0.0;
-    for (Eigen::Index t = 0; t < body.triangles.rows(); ++t) {
-        const Vec3 a = body.vertices.row(body.triangles(t, 0)).transpose(), b = body.vertices.row(body.triangles(t, 1)).transpose(),
-                   c = body.vertices.row(body.triangles(t, 2)).transpose();
-        const double part = (b - a).cross(c - a).norm();
-        six += a.dot(b.cross(c));
-        area += part;
-        for (int k = 0; k < 3; ++k) share[body.triangles(t, k)] += part / 3.0;
-    }
-    if (area > 0.0) share *= std::abs(six) / 6.0 / area;
+    for (std::int32_t t = 0; t < body.triangles.rows(); ++t)
+        for (int k = 0; k < 3; ++k) share[body.triangles(t, k)] += areaVector(body, t).norm() / 6.0;
+    if (const double area = share.sum(); area > 0.0) share *= std::abs(enclosedVolume(body.vertices, body.triangles)) / area;
     return share;
 }
 

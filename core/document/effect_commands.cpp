@@ -22,15 +22,22 @@ Result<EffectKind> effectOf(const Json& arguments) {
     return fail("no-such-effect", "There is no effect \"" + name + "\": " + listNames(names) + ".");
 }
 
-/// The element that "target" names, 0: all. Errors: "no-such-element", "bad-target".
-Result<PartId> targetOf(const Document& document, EffectKind kind, const Json& arguments) {
+struct Wanted {
+    EffectKind kind;
+    PartId target = 0;  // an element, 0: all
+};
+
+/// What "effect" and "target" name. Errors: "no-such-effect", "no-such-element", "bad-target".
+Result<Wanted> wantedOf(const Document& document, const Json& arguments) {
+    const auto kind = effectOf(arguments);
+    if (!kind) return tl::unexpected(kind.error());
     const Json* target = find(arguments, "target");
-    if (!target || *target == "character") return PartId{0};
+    if (!target || *target == "character") return Wanted{*kind};
     const auto element = elementOf(document, target->get_ref<const std::string&>());
     if (!element) return tl::unexpected(element.error());
-    if (!isOfElements(kind))
-        return fail("bad-target", "\"" + std::string(effectName(kind)) + "\" works on the whole character: leave \"target\" out.");
-    return (*element)->id;
+    if (!isOfElements(*kind))
+        return fail("bad-target", "\"" + std::string(effectName(*kind)) + "\" works on the whole character: leave \"target\" out.");
+    return Wanted{*kind, (*element)->id};
 }
 
 Json names(const Document& document, const Effect& effect) {
@@ -43,21 +50,20 @@ Json names(const Document& document, const Effect& effect) {
 
 Result<Json> enable(Session& session, const Json& arguments, const Progress&) {
     Session::State& s = session.state();
-    const auto kind = effectOf(arguments);
-    if (!kind) return tl::unexpected(kind.error());
-    const auto target = targetOf(s.document, *kind, arguments);
-    if (!target) return tl::unexpected(target.error());
-    Effect& effect = session.edit().effects[*kind];
-    if (*target == 0)
+    const auto wanted = wantedOf(s.document, arguments);
+    if (!wanted) return tl::unexpected(wanted.error());
+    const auto [kind, target] = *wanted;
+    Effect& effect = session.edit().effects[kind];
+    if (target == 0)
         effect.elements.clear();
     else if (!effect.enabled)
-        effect.elements = {*target};
+        effect.elements = {target};
     else if (!effect.elements.empty())
-        effect.elements.insert(*target);
+        effect.elements.insert(target);
     effect.enabled = true;
     Json answer;
     answer["on"] = names(s.document, effect);
-    const EffectCost cost = s.costOf(*kind);
+    const EffectCost cost = s.costOf(kind);
     answer["columns"] = cost.columns;
     answer["bytes"] = cost.bytes;
     answer["ms_per_frame"] = cost.milliseconds;
@@ -68,23 +74,22 @@ Result<Json> enable(Session& session, const Json& arguments, const Progress&) {
 
 Result<Json> disable(Session& session, const Json& arguments, const Progress&) {
     Session::State& s = session.state();
-    const auto kind = effectOf(arguments);
-    if (!kind) return tl::unexpected(kind.error());
-    const auto target = targetOf(s.document, *kind, arguments);
-    if (!target) return tl::unexpected(target.error());
-    Effect& effect = session.edit().effects[*kind];
-    if (!s.document.effects.has(*kind) || (*target != 0 && !s.document.effects.has(*kind, *target)))
-        return fail("not-enabled", "\"" + std::string(effectName(*kind)) + "\" is not enabled" + (*target ? " there." : "."));
-    if (*target != 0) {
+    const auto wanted = wantedOf(s.document, arguments);
+    if (!wanted) return tl::unexpected(wanted.error());
+    const auto [kind, target] = *wanted;
+    Effect& effect = session.edit().effects[kind];
+    if (!s.document.effects.has(kind) || (target != 0 && !s.document.effects.has(kind, target)))
+        return fail("not-enabled", "\"" + std::string(effectName(kind)) + "\" is not enabled" + (target ? " there." : "."));
+    if (target != 0) {
         if (effect.elements.empty())
             for (const auto& [id, element] : s.document.elements) effect.elements.insert(id);
-        effect.elements.erase(*target);
+        effect.elements.erase(target);
     }
-    if (*target == 0 || effect.elements.empty()) {
+    if (target == 0 || effect.elements.empty()) {
         effect.elements.clear();
         effect.enabled = false;
     }
-    if (*kind == EffectKind::Touch)
+    if (kind == EffectKind::Touch)
         std::erase_if(session.edit().touches, [&](const Touch& touch) { return !s.document.effects.has(EffectKind::Touch, touch.element); });
     return Json{{"on", effect.enabled ? names(s.document, effect) : Json::array()}};
 }
@@ -138,7 +143,7 @@ EffectCost Session::State::costOf(EffectKind kind) const {
             cost.milliseconds += kWarpMs * static_cast<double>(element->mesh->body.vertices.rows());
             continue;
         }
-        const ResponseEstimate more = estimateResponse(with), less = estimateResponse(without);
+        const ResponseEstimate more = estimateOf(with), less = estimateOf(without);
         const bool known = responses.find(responseKey(with)) != nullptr;
         cost.precompute = cost.precompute || !known;
         cost.columns += columns;

@@ -8,24 +8,11 @@
 #include "core/document/seam.h"
 #include "core/document/session_state.h"
 #include "core/io/write_mesh.h"
+#include "core/mesh/topology.h"
 
 namespace imomushi {
 
 namespace {
-
-/// Signed volume inside the surface, m^3, about its own middle so that nothing cancels far from the origin.
-double volume(const Points& vertices, const Triangles& triangles) {
-    if (vertices.rows() == 0) return 0.0;
-    const Vec3 middle = vertices.colwise().mean().transpose();
-    double six = 0.0;
-    for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-        const Vec3 a = vertices.row(triangles(t, 0)).transpose() - middle;
-        const Vec3 b = vertices.row(triangles(t, 1)).transpose() - middle;
-        const Vec3 c = vertices.row(triangles(t, 2)).transpose() - middle;
-        six += a.dot(b.cross(c));
-    }
-    return six / 6.0;
-}
 
 std::vector<PartId> elementsOf(const Document& document, const std::shared_ptr<const Element>& only) {
     if (only) return {only->id};
@@ -72,7 +59,7 @@ Result<Json> measure(Session& session, const Json& arguments, const Progress&) {
             const Triangles& triangles = s.document.elements.at(id)->mesh->body.triangles;
             const Points points = s.currentPositions(id);
             if (what == "volume") {
-                sum += volume(points, triangles);
+                sum += enclosedVolume(points, triangles);
                 continue;
             }
             for (Eigen::Index t = 0; t < triangles.rows(); ++t) {

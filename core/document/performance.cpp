@@ -6,19 +6,11 @@
 #include <chrono>
 #include <cmath>
 
+#include "core/mesh/topology.h"
+
 namespace imomushi {
 
 namespace {
-
-double volumeOf(const TriangleMesh& body) {
-    double six = 0.0;
-    for (Eigen::Index t = 0; t < body.triangles.rows(); ++t) {
-        const Vec3 a = body.vertices.row(body.triangles(t, 0)).transpose(), b = body.vertices.row(body.triangles(t, 1)).transpose(),
-                   c = body.vertices.row(body.triangles(t, 2)).transpose();
-        six += a.dot(b.cross(c));
-    }
-    return std::abs(six) / 6.0;
-}
 
 /// kg per joint point: each element's mass on its bones by their lengths, half to each end. Bones through nothing are as heavy per length as the
 /// others are on average.
@@ -32,7 +24,7 @@ std::vector<double> massesOf(const Document& document, const CharacterPlan& plan
         for (const int b : bones) length += skeleton.bones[static_cast<std::size_t>(b)].length;
         if (bones.empty()) continue;
         const Element& element = *document.elements.at(plan.elements[e]);
-        const double all = element.density * volumeOf(element.mesh->body);
+        const double all = element.density * std::abs(enclosedVolume(element.mesh->body.vertices, element.mesh->body.triangles));
         for (const int b : bones) boneMass[static_cast<std::size_t>(b)] += all * skeleton.bones[static_cast<std::size_t>(b)].length / length;
         massive += length;
         mass += all;

@@ -191,12 +191,15 @@ ResponseEstimate Session::State::estimateOf(PartId element) const {
     if (document.elements.at(element)->faces.empty()) return {};
     const ResponseInput input = inputOf(element);
     if (const SharedResponse* shared = sharedOf(element)) return carryEstimate(estimateOf(shared->from), input);
-    KnownKey& known = keysOf(element);
-    if (!known.estimate || known.threads != input.threads) {
-        known.estimate = estimateResponse(input);
-        known.threads = input.threads;
-    }
-    return *known.estimate;
+    return estimateOf(input);
+}
+
+ResponseEstimate Session::State::estimateOf(const ResponseInput& input) const {
+    constexpr std::size_t kMost = 4096;  // then old answers are not worth their memory
+    const std::pair key(responseKey(input), input.threads);
+    if (const auto known = estimates.find(key); known != estimates.end()) return known->second;
+    if (estimates.size() >= kMost) estimates.clear();
+    return estimates[key] = estimateResponse(input);
 }
 
 std::shared_ptr<const ElementResponse> Session::State::responseOf(PartId element, bool lastToo) const {

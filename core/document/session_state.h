@@ -83,8 +83,6 @@ struct Session::State {
         Asked asked;
         ContentKey key, shape;
         std::shared_ptr<const ElementResponse> fitting = {};  ///< the last response that was found to fit
-        std::optional<ResponseEstimate> estimate = {};        ///< of solving it with so many threads
-        int threads = 0;
     };
     mutable std::map<PartId, KnownKey> keys;
     /// Which elements are congruent, as of `elements` and `asked`. Pairs are remembered by content, so that changing one element compares only that one again.
@@ -103,6 +101,9 @@ struct Session::State {
     /// See Session::sharedResponse() and responseEstimate().
     const SharedResponse* sharedOf(PartId element) const;
     ResponseEstimate estimateOf(PartId element) const;
+    /// estimateResponse(), each answer remembered: it takes part of a second for many elements, and panels ask for every effect again and again.
+    ResponseEstimate estimateOf(const ResponseInput& input) const;
+    mutable std::map<std::pair<ContentKey, int>, ResponseEstimate> estimates;  ///< by key and threads
     /// The response of an element as it is now, null: none. `lastToo`: also the last one of another nu, where it still fits.
     std::shared_ptr<const ElementResponse> responseOf(PartId element, bool lastToo) const;
 

@@ -162,6 +162,25 @@ Vec3 areaVector(const TriangleMesh& mesh, std::int32_t f) {
     return (b - a).cross(c - a);
 }
 
+double surfaceArea(const TriangleMesh& mesh) {
+    double twice = 0.0;
+    for (std::int32_t f = 0; f < mesh.triangles.rows(); ++f) twice += areaVector(mesh, f).norm();
+    return 0.5 * twice;
+}
+
+double enclosedVolume(const Points& vertices, const Triangles& triangles) {
+    if (vertices.rows() == 0) return 0.0;
+    const Vec3 middle = vertices.colwise().mean().transpose();
+    double six = 0.0;
+    for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+        const Vec3 a = vertices.row(triangles(t, 0)).transpose() - middle;
+        const Vec3 b = vertices.row(triangles(t, 1)).transpose() - middle;
+        const Vec3 c = vertices.row(triangles(t, 2)).transpose() - middle;
+        six += a.dot(b.cross(c));
+    }
+    return six / 6.0;
+}
+
 bool degenerate(const TriangleMesh& mesh, std::int32_t f) {
     const std::int32_t i = mesh.triangles(f, 0), j = mesh.triangles(f, 1), k = mesh.triangles(f, 2);
     if (i == j || j == k || k == i) return true;

@@ -55,6 +55,11 @@ std::vector<std::int32_t> duplicateTriangles(const Triangles& triangles);
 /// Twice the area vector of triangle f: (b - a) x (c - a).
 Vec3 areaVector(const TriangleMesh& mesh, std::int32_t f);
 
+/// Of all triangles, m^2.
+double surfaceArea(const TriangleMesh& mesh);
+/// Signed volume inside a closed surface, m^3: positive when its triangles look outward. About its own middle, so that nothing cancels far from the origin.
+double enclosedVolume(const Points& vertices, const Triangles& triangles);
+
 /// True for a triangle that is flatter than single precision can express: its height is below kFlat times its longest side, or two
 /// corners are the same.
 bool degenerate(const TriangleMesh& mesh, std::int32_t f);

@@ -106,7 +106,7 @@ void report(const std::string& name, const std::string& how, const Whole& whole,
         const long row = std::lround(8.0 * from);
         if (seam && std::abs(from - to) < 1e-6 && row < 5) crease[row] = std::max(crease[row], now);
     }
-    const double change = 100.0 * (volume(x, mesh.triangles) / volume(whole.rest.vertices, mesh.triangles) - 1.0);
+    const double change = 100.0 * (enclosedVolume(x, mesh.triangles) / enclosedVolume(whole.rest.vertices, mesh.triangles) - 1.0);
     const auto pairs = selfIntersections(mesh, 10000);
     std::printf("%-34s %-12s %+8.2f %% %8.2f %8.3f %5d %7zu", name.c_str(), how.c_str(), change, wantedVolume,
                 worstQuality(whole.rest.vertices, x, mesh.triangles), folds, pairs.size());

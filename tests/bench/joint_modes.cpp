@@ -16,6 +16,7 @@
 #include "core/document/command_support.h"
 #include "core/document/seam.h"
 #include "core/document/session.h"
+#include "core/mesh/topology.h"
 #include "tests/character/full_joints.h"
 
 using namespace imomushi;
@@ -38,9 +39,7 @@ double volume(const Character& c) {
     double sum = 0.0;
     for (std::size_t e = 0; e < c.input().elements.size(); ++e) {
         const Points p = c.positions(static_cast<int>(e));
-        const auto& t = c.input().elements[e].mesh->body.triangles;
-        for (Eigen::Index f = 0; f < t.rows(); ++f)
-            sum += Vec3(p.row(t(f, 0)).transpose()).dot(Vec3(p.row(t(f, 1)).transpose()).cross(Vec3(p.row(t(f, 2)).transpose()))) / 6.0;
+        sum += enclosedVolume(p, c.input().elements[e].mesh->body.triangles);
     }
     return sum;
 }

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "core/character/character.h"
+#include "core/mesh/topology.h"
 #include "tests/character/caterpillar.h"
 #include "tests/support/allocations.h"
 
@@ -77,15 +78,6 @@ Pose bentPose(const Skeleton& skeleton) {
     const Vec3 tip = skeleton.points.back();
     for (int i = 1; i <= 40; ++i) ik.solve({{0, Vec3::Zero()}, {static_cast<int>(skeleton.points.size()) - 1, tip + i * Vec3(0.05, 0.02, 0.01), true, 0.01 * i}}, pose);
     return pose;
-}
-
-double volume(const Points& p, const Triangles& t) {
-    double v = 0;
-    for (Eigen::Index f = 0; f < t.rows(); ++f) {
-        const Vec3 a = p.row(t(f, 0)).transpose(), b = p.row(t(f, 1)).transpose(), c = p.row(t(f, 2)).transpose();
-        v += a.dot(b.cross(c)) / 6;
-    }
-    return v;
 }
 
 }  // namespace
@@ -254,7 +246,7 @@ TEST_CASE("character: a stretched body gets thinner and nearly keeps its volume"
     Pose pose = restPose(c.input().skeleton);
     const auto total = [&c] {
         double sum = 0;
-        for (int e = 0; e < 5; ++e) sum += volume(c.positions(e), c.input().elements[e].mesh->body.triangles);
+        for (int e = 0; e < 5; ++e) sum += enclosedVolume(c.positions(e), c.input().elements[e].mesh->body.triangles);
         return sum;
     };
     const double rest = total();

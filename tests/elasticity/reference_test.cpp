@@ -10,6 +10,7 @@
 #include <string>
 
 #include "core/reduction/element_response.h"
+#include "tests/support/obj.h"
 
 using namespace imomushi;
 using nlohmann::json;
@@ -22,26 +23,6 @@ json readJson(const std::string& name) {
     std::ifstream file(kFolder + name);
     REQUIRE_MESSAGE(file, name);
     return json::parse(file);
-}
-
-std::shared_ptr<ElementMesh> readObj(const std::string& name) {
-    std::ifstream file(kFolder + name);
-    REQUIRE_MESSAGE(file, name);
-    std::vector<double> points;
-    std::vector<std::int32_t> corners;
-    for (std::string line; std::getline(file, line);) {
-        std::istringstream words(line);
-        std::string key;
-        words >> key;
-        if (key == "v")
-            for (double x; words >> x;) points.push_back(x);
-        if (key == "f")
-            for (std::string corner; words >> corner;) corners.push_back(std::stoi(corner) - 1);
-    }
-    auto mesh = std::make_shared<ElementMesh>();
-    mesh->body.vertices = Eigen::Map<const Points>(points.data(), static_cast<Eigen::Index>(points.size() / 3), 3);
-    mesh->body.triangles = Eigen::Map<const Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
-    return mesh;
 }
 
 /// Relative L2 errors over the free vertices. Those of "as-is" are what a straightforward vertex collocation reaches (the table of the README, two
@@ -57,7 +38,8 @@ struct Bound {
 /// Checks every case of the Poisson ratios that `bounds` has. asym, whose free vertices hardly move, is measured against all vertices' motion.
 void compare(const std::string& name, const std::string& solverMesh, const std::map<double, Bound>& bounds) {
     const json facts = readJson(name + ".faces.json"), answers = readJson(name + ".json");
-    const auto mesh = readObj(name + ".obj");
+    const auto mesh = std::make_shared<ElementMesh>();
+    mesh->body = readObj(kFolder + name + ".obj");
     ResponseInput input;
     input.mesh = mesh;
     input.basis = BasisKind::Paper;

@@ -120,6 +120,12 @@ TEST_CASE("effects: with bone dynamics the body goes on by itself after the drag
     REQUIRE(QTest::qWaitFor([&] { return (*w.view().onScreen(end) - released).manhattanLength() > 20.0; }, 20000));
     REQUIRE(QTest::qWaitFor([&] { return (*w.view().onScreen(end) - rest).manhattanLength() < 2.0; }, 30000));
     w.shoot("effects-rest");
+    // At rest nothing is computed any more.
+    REQUIRE(QTest::qWaitFor([&] { return !w.document().session().moving(); }, 60000));
+    w.settle(100);
+    steps.clear();
+    w.settle(300);
+    CHECK(steps.isEmpty());
 }
 
 TEST_CASE("effects: nothing is stepped while the start page hides the view, and it goes on afterwards") {

@@ -117,15 +117,6 @@ double quality(const Points& p, const Triangles& triangles, Eigen::Index t) {
     return 2.0 * std::sqrt(3.0) * (b - a).cross(c - a).norm() / ((b - a).squaredNorm() + (c - b).squaredNorm() + (a - c).squaredNorm());
 }
 
-double volume(const Points& p, const Triangles& triangles) {
-    double sum = 0.0;
-    for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-        const Vec3 a = p.row(triangles(t, 0)).transpose(), b = p.row(triangles(t, 1)).transpose(), c = p.row(triangles(t, 2)).transpose();
-        sum += a.dot(b.cross(c)) / 6.0;
-    }
-    return sum;
-}
-
 }  // namespace
 
 std::vector<DeformerCase> deformerCases(const std::string& folder) {
@@ -159,7 +150,7 @@ DeformationMeasures measureDeformation(const DeformerCase& which, const Points& 
     const Points& rest = which.surface.vertices;
     const Triangles& triangles = which.surface.triangles;
     DeformationMeasures out;
-    out.volumeChange = volume(deformed, triangles) / volume(rest, triangles) - 1.0;
+    out.volumeChange = enclosedVolume(deformed, triangles) / enclosedVolume(rest, triangles) - 1.0;
     for (Eigen::Index t = 0; t < triangles.rows(); ++t) out.worstQuality = std::min(out.worstQuality, quality(deformed, triangles, t) / quality(rest, triangles, t));
     const TriangleMesh before{rest, triangles}, after{deformed, triangles};
     out.intersections = static_cast<int>(selfIntersections(after, kMostPairs).size());

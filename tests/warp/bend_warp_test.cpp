@@ -31,7 +31,7 @@ TEST_CASE("bend warp: half of a cylinder bent by 45 and 75 degrees at its joint 
         const std::vector<FaceMotion> m{motion(e.input.faces[0], Vec3(0, 0, -angle * kDegree), Vec3::Zero()),
                                         motion(e.input.faces[1], Vec3::Zero(), Vec3::Zero())};
         const Points x = e.bend(m);
-        CHECK(std::abs(volume(x, e.body().triangles) / volume(e.body().vertices, e.body().triangles) - 1.0) < 0.01);
+        CHECK(std::abs(enclosedVolume(x, e.body().triangles) / enclosedVolume(e.body().vertices, e.body().triangles) - 1.0) < 0.01);
         CHECK(worstQuality(e.body().vertices, x, e.body().triangles) >= quality);
         CHECK(selfIntersections({x, e.body().triangles}, 1).empty());
         // The neighbour is this half's mirror image beyond the plane of the joint.
@@ -44,7 +44,7 @@ TEST_CASE("bend warp: 90 degrees of twist in half of a cylinder keep its volume 
     auto& e = rightHalf();
     const Points x = e.bend({motion(e.input.faces[0], Vec3(-45 * kDegree, 0, 0), Vec3::Zero()),
                              motion(e.input.faces[1], Vec3(45 * kDegree, 0, 0), Vec3::Zero())});
-    CHECK(std::abs(volume(x, e.body().triangles) / volume(e.body().vertices, e.body().triangles) - 1.0) < 0.005);
+    CHECK(std::abs(enclosedVolume(x, e.body().triangles) / enclosedVolume(e.body().vertices, e.body().triangles) - 1.0) < 0.005);
     CHECK(worstQuality(e.body().vertices, x, e.body().triangles) >= 0.75);
 }
 

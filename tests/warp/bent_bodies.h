@@ -129,15 +129,6 @@ inline ResponseInput between(std::shared_ptr<ElementMesh> mesh, int axis, double
     return in;
 }
 
-inline double volume(const Points& x, const Triangles& triangles) {
-    double sum = 0.0;
-    for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-        const Vec3 a = x.row(triangles(t, 0)).transpose(), b = x.row(triangles(t, 1)).transpose(), c = x.row(triangles(t, 2)).transpose();
-        sum += a.dot(b.cross(c)) / 6.0;
-    }
-    return sum;
-}
-
 /// 4 sqrt(3) area / sum of squared edges of a triangle.
 inline double quality(const Points& x, const Triangles& triangles, Eigen::Index t) {
     const Vec3 a = x.row(triangles(t, 0)).transpose(), b = x.row(triangles(t, 1)).transpose(), c = x.row(triangles(t, 2)).transpose();
