@@ -29,6 +29,7 @@ void Character::State::buildRecipe() {
     for (std::size_t e = 0; e < elements.size(); ++e) {
         const auto& from = elements[e];
         auto& out = recipe->elements[e];
+        out.possible = !from.warped && !explicitJoints;
         out.positions = from.positions.data();
         out.vertices = static_cast<int>(from.vertices);
         out.faces = static_cast<int>(from.jointOf.size());

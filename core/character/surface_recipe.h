@@ -35,6 +35,7 @@ struct SurfaceRecipe {
         std::vector<Eigen::Vector3f> faceNormals; ///< per face: unit, world, of hidden vertices
     };
     struct Element {
+        bool possible = false;                ///< Character::showElsewhere() is not refused
         bool elsewhere = false;               ///< in this frame; else `positions` are up to date
         const float* positions = nullptr;     ///< #vertices x 3, m, world
         int vertices = 0, faces = 0;

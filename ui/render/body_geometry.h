@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "core/mesh/mesh.h"
@@ -42,6 +43,12 @@ public:
 
     /// Area-weighted sums of the groups that are not whole, from positions (#body vertices x 3). Allocates nothing.
     void sumNormals(const float* positions);
+    /// The group of a display vertex that is not whole (-1: it is), and its triangles.
+    [[nodiscard]] int group(int displayVertex) const { return group_[displayVertex]; }
+    [[nodiscard]] std::span<const std::int32_t> groupTriangles(int group) const {
+        return {groupTriangles_.data() + groupStart_[group], groupTriangles_.data() + groupStart_[group + 1]};
+    }
+    [[nodiscard]] const Triangles& triangles() const { return triangles_; }
     /// The group of a rim vertex where a seam may be welded: the only group there that is not whole; -1: none or several.
     [[nodiscard]] int seamGroup(std::int32_t bodyVertex) const { return seamGroup_.empty() ? -1 : seamGroup_[bodyVertex]; }
     [[nodiscard]] const Eigen::Vector3f& sum(int group) const { return sums_[group]; }

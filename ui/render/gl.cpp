@@ -81,6 +81,27 @@ Result<Program> Program::link(const char* vertex, const char* fragment) {
     return p;
 }
 
+Result<Program> Program::feedback(const char* vertex, const std::vector<const char*>& outputs) {
+    const auto v = compile(GL_VERTEX_SHADER, vertex);
+    if (!v) return tl::unexpected(v.error());
+    Program p;
+    p.name_ = Name<deleteProgram>(glCreateProgram());
+    glAttachShader(p.name_, *v);
+    glTransformFeedbackVaryings(p.name_, static_cast<GLsizei>(outputs.size()), outputs.data(), GL_INTERLEAVED_ATTRIBS);
+    glLinkProgram(p.name_);
+    glDeleteShader(*v);
+    GLint good = 0;
+    glGetProgramiv(p.name_, GL_LINK_STATUS, &good);
+    if (!good) {
+        char log[2000] = "";
+        glGetProgramInfoLog(p.name_, sizeof log, nullptr, log);
+        return fail("bad-shader", std::string("The graphics driver cannot link ") + vertex + ": " + log);
+    }
+    const GLuint block = glGetUniformBlockIndex(p.name_, "Drive");
+    if (block != GL_INVALID_INDEX) glUniformBlockBinding(p.name_, block, 1);
+    return p;
+}
+
 namespace {
 
 bool isDepth(GLenum format) { return format == GL_DEPTH_COMPONENT24 || format == GL_DEPTH_COMPONENT32F; }

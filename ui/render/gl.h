@@ -7,6 +7,7 @@
 #include <cfenv>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/base/result.h"
 
@@ -53,6 +54,8 @@ public:
     Program() = default;
     /// Errors: "bad-shader" with the compiler's log.
     static Result<Program> link(const char* vertex, const char* fragment);
+    /// A vertex shader alone, whose outputs of these names go one after the other into the transform feedback buffer. The uniform block Drive is bound to 1.
+    static Result<Program> feedback(const char* vertex, const std::vector<const char*>& outputs);
 
     void use() const { glUseProgram(name_); }
     // The program must be in use.

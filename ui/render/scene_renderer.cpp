@@ -12,6 +12,7 @@
 #include <map>
 
 #include "ui/render/body_geometry.h"
+#include "ui/render/card_deformer.h"
 #include "ui/render/gl.h"
 #include "ui/render/image.h"
 #include "ui/render/marker_geometry.h"
@@ -55,6 +56,12 @@ struct GpuBody {
     std::uint64_t revision = 0;
     const float* positions = nullptr;
     Vector3f low = Vector3f::Zero(), high = Vector3f::Zero();
+    Eigen::AlignedBox3d about;  ///< the same box; of the card's bodies, whose `low` and `high` lie a little outside, a closer one
+    int element = -1;           ///< of the recipe, where the card makes it
+    std::uint64_t recipe = 0, version = 0;
+    CardDeformer::Dress dress;
+    /// What the dress was made for.
+    std::vector<std::pair<const void*, const BodyGeometry*>> seams;
     bool fresh = true;    ///< never filled
     bool changed = false; ///< in this frame
     bool welded = false;  ///< a seam touches it
@@ -81,10 +88,14 @@ public:
     Result<void> prepare();
     void draw(const Scene& scene, unsigned target, int width, int height) override;
     Pick pick(const Scene& scene, int width, int height, int x, int y) override;
+    bool canDeform(const SurfaceRecipe& recipe, int element) override;
+    bool software() const override { return software_; }
     void forget() override;
 
 private:
     void takeBodies(const Scene& scene);
+    void dressBodies(const Scene& scene);
+    void dressBody(const Scene& scene, std::size_t i);
     void makeBody(const Body& body, GpuBody& gpu);
     void fillBody(const Body& body, GpuBody& gpu);
     void setFrame(const Scene& scene, int width, int height);
@@ -118,6 +129,7 @@ private:
     GLuint compareSampler_ = 0, rawSampler_ = 0;
     Target picture_, resolved_, shadowMap_, shade_, shadeSwap_, surfaceMap_, occlusionMap_, occlusionSwap_, maskSamples_, maskMap_, pickTarget_;
 
+    CardDeformer deformer_;
     std::map<std::pair<std::uint64_t, int>, GpuBody> bodies_;
     std::vector<GpuBody*> drawn_;  ///< of scene.bodies; null: nothing to draw
     MarkerGeometry markers_;
@@ -171,6 +183,8 @@ Result<void> Renderer::prepare() {
         if (!program) return tl::unexpected(program.error());
         *w.program = std::move(*program);
     }
+
+    if (auto ready = deformer_.prepare(); !ready) return ready;
 
     frame_ = makeBuffer();
     glBindBuffer(GL_UNIFORM_BUFFER, frame_);
@@ -280,7 +294,71 @@ void Renderer::fillBody(const Body& body, GpuBody& gpu) {
     if (all.rows() > 0) {
         gpu.low = all.leftCols<3>().colwise().minCoeff().transpose();
         gpu.high = all.leftCols<3>().colwise().maxCoeff().transpose();
+        gpu.about = Eigen::AlignedBox3d(gpu.low.cast<double>(), gpu.high.cast<double>());
     }
+}
+
+bool Renderer::canDeform(const SurfaceRecipe& recipe, int element) {
+    const NoFloatingPointTraps quiet;
+    return deformer_.take(recipe) && deformer_.fits(element);
+}
+
+/// Bodies that the card makes.
+void Renderer::dressBodies(const Scene& scene) {
+    if (!scene.recipe || deformer_.id() != scene.recipe->id) return;
+    deformer_.deform(*scene.recipe);
+    for (std::size_t i = 0; i < drawn_.size(); ++i) {
+        if (!drawn_[i] || drawn_[i]->element < 0) continue;
+        GpuBody& gpu = *drawn_[i];
+        const std::uint64_t version = deformer_.version(gpu.element);
+        gpu.changed = gpu.fresh || gpu.recipe != scene.recipe->id || gpu.version != version;
+        if (gpu.fresh || gpu.recipe != scene.recipe->id) gpu.dress = {};
+        gpu.recipe = scene.recipe->id;
+        gpu.version = version;
+        dressBody(scene, i);
+        const auto& bounds = deformer_.bounds(gpu.element);
+        gpu.low = bounds.holds.min();
+        gpu.high = bounds.holds.max();
+        gpu.about = bounds.about.cast<double>();
+        gpu.fresh = false;
+    }
+}
+
+void Renderer::dressBody(const Scene& scene, std::size_t i) {
+    GpuBody& gpu = *drawn_[i];
+    const auto bodyAt = [&](int b) { return b >= 0 && b < static_cast<int>(drawn_.size()) ? drawn_[static_cast<std::size_t>(b)] : nullptr; };
+    // The normals of hard edges depend on the bodies that are welded to it, and these are few: made anew when one is another than before.
+    const auto eachSeam = [&](const auto& act) {
+        for (const Seam& seam : scene.seams)
+            for (const bool first : {true, false}) {
+                if (static_cast<std::size_t>(first ? seam.a : seam.b) != i || !seam.welded) continue;
+                const GpuBody* other = bodyAt(first ? seam.b : seam.a);
+                if (other && other->element >= 0) act(seam, *other, first);
+            }
+    };
+    std::size_t n = 0;
+    bool same = gpu.dress.count > 0;
+    eachSeam([&](const Seam& seam, const GpuBody& other, bool) {
+        same = same && n < gpu.seams.size() && gpu.seams[n] == std::pair(static_cast<const void*>(seam.welded.get()), static_cast<const BodyGeometry*>(other.geometry.get()));
+        ++n;
+    });
+    if (!same || n != gpu.seams.size()) {
+        gpu.seams.clear();
+        std::vector<CardDeformer::Neighbour> neighbours;
+        eachSeam([&](const Seam& seam, const GpuBody& other, bool first) {
+            gpu.seams.emplace_back(seam.welded.get(), other.geometry.get());
+            neighbours.push_back({other.geometry.get(), other.element, *seam.welded});
+            if (!first)
+                for (auto& [own, its] : neighbours.back().welded) std::swap(own, its);
+        });
+        gpu.dress = deformer_.makeDress(gpu.element, *gpu.geometry, neighbours);
+        gpu.changed = true;
+    }
+    if (!gpu.changed) return;
+    glBindBuffer(GL_ARRAY_BUFFER, gpu.vertices);
+    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(gpu.staging.size() * sizeof(float)), nullptr, GL_DYNAMIC_COPY);
+    glBindBuffer(GL_ARRAY_BUFFER, 0);
+    deformer_.dress(gpu.element, gpu.dress, gpu.vertices);
 }
 
 void Renderer::takeBodies(const Scene& scene) {
@@ -288,7 +366,8 @@ void Renderer::takeBodies(const Scene& scene) {
     drawn_.clear();
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
         const Body& body = scene.bodies[i];
-        if (!body.mesh || !body.positions || body.mesh->body.triangles.rows() == 0) {
+        const int element = scene.recipe && deformer_.id() == scene.recipe->id ? body.recipeElement : -1;
+        if (!body.mesh || (!body.positions && element < 0) || body.mesh->body.triangles.rows() == 0) {
             drawn_.push_back(nullptr);
             continue;
         }
@@ -297,21 +376,24 @@ void Renderer::takeBodies(const Scene& scene) {
         GpuBody& gpu = bodies_[{body.id, copies}];
         if (gpu.mesh != body.mesh || gpu.covered != body.coveredTriangles) makeBody(body, gpu);
         gpu.used = true;
+        if (gpu.element != element) gpu.fresh = true;
+        gpu.element = element;
         gpu.changed = gpu.fresh || gpu.revision != body.revision || gpu.positions != body.positions;
         gpu.revision = body.revision;
         gpu.positions = body.positions;
         drawn_.push_back(&gpu);
     }
     std::erase_if(bodies_, [](const auto& entry) { return !entry.second.used; });
+    dressBodies(scene);
 
     // Normals across a seam depend on both sides, so a body is filled again when a neighbour changed.
-    const auto bodyAt = [&](int i) { return i >= 0 && i < static_cast<int>(drawn_.size()) ? drawn_[i] : nullptr; };
+    const auto bodyAt = [&](int i) { return i >= 0 && i < static_cast<int>(drawn_.size()) && drawn_[i] && drawn_[i]->element < 0 ? drawn_[i] : nullptr; };
     for (const Seam& seam : scene.seams) {
         GpuBody *a = bodyAt(seam.a), *b = bodyAt(seam.b);
         if (a && b && (a->changed || b->changed)) a->welded = b->welded = true;
     }
     for (std::size_t i = 0; i < drawn_.size(); ++i)
-        if (drawn_[i] && (drawn_[i]->changed || drawn_[i]->welded)) drawn_[i]->geometry->sumNormals(scene.bodies[i].positions);
+        if (drawn_[i] && drawn_[i]->element < 0 && (drawn_[i]->changed || drawn_[i]->welded)) drawn_[i]->geometry->sumNormals(scene.bodies[i].positions);
     for (const Seam& seam : scene.seams) {
         GpuBody *a = bodyAt(seam.a), *b = bodyAt(seam.b);
         if (!a || !b || !seam.welded) continue;
@@ -325,7 +407,7 @@ void Renderer::takeBodies(const Scene& scene) {
         }
     }
     for (std::size_t i = 0; i < drawn_.size(); ++i)
-        if (drawn_[i] && (drawn_[i]->changed || drawn_[i]->welded)) {
+        if (drawn_[i] && drawn_[i]->element < 0 && (drawn_[i]->changed || drawn_[i]->welded)) {
             fillBody(scene.bodies[i], *drawn_[i]);
             drawn_[i]->fresh = false;
         }
@@ -361,10 +443,7 @@ Matrix4f orthographic(const Vec3& centre, const Vec3& towardsLight, const Vec3& 
 void Renderer::setFrame(const Scene& scene, int width, int height) {
     Eigen::AlignedBox3d box;
     for (const GpuBody* gpu : drawn_)
-        if (gpu) {
-            box.extend(gpu->low.cast<double>());
-            box.extend(gpu->high.cast<double>());
-        }
+        if (gpu) box.extend(gpu->about);
     if (box.isEmpty())
         for (const Marker& m : scene.markers) box.extend(m.from);
     if (box.isEmpty()) box = Eigen::AlignedBox3d(Vec3(-1, scene.ground, -1), Vec3(1, scene.ground + 1, 1));
@@ -378,6 +457,8 @@ void Renderer::setFrame(const Scene& scene, int width, int height) {
     const Eigen::Matrix4d view = camera.view();
     const double aspect = static_cast<double>(width) / height;
     double held = radius_;
+    for (const GpuBody* gpu : drawn_)
+        if (gpu && gpu->element >= 0) held = std::max(held, (gpu->high.cast<double>() - centre_).cwiseMax(centre_ - gpu->low.cast<double>()).norm());
     for (const Marker& m : scene.markers) held = std::max({held, (m.from - centre_).norm() * 1.2, (m.to - centre_).norm() * 1.2});
     const Eigen::Matrix4d projection = camera.projection(aspect, centre_, held);
 
@@ -802,6 +883,7 @@ void Renderer::draw(const Scene& scene, unsigned target, int width, int height) 
 void Renderer::forget() {
     bodies_.clear();
     drawn_.clear();
+    deformer_.forget();
     for (Target* target : {&picture_, &resolved_, &shadowMap_, &shade_, &shadeSwap_, &surfaceMap_, &occlusionMap_, &occlusionSwap_, &maskSamples_, &maskMap_})
         *target = {};
     shadowStamp_ = 0;
@@ -853,8 +935,15 @@ SceneRenderer::Pick Renderer::pick(const Scene& scene, int width, int height, in
             const Vec3 origin = camera.orthographic ? Vec3(camera.eye + axes * Vec3(px, py, 0.0)) : camera.eye;
             const Vec3 ray = camera.orthographic ? Vec3(-axes.col(2)) : Vec3(axes * Vec3(px, py, -1.0));
             Vec3 corner[3];
-            for (int c = 0; c < 3; ++c)
-                corner[c] = Eigen::Map<const Vector3f>(body.positions + 3 * body.mesh->body.triangles(answer.triangle, c)).cast<double>();
+            for (int c = 0; c < 3; ++c) {
+                const std::int32_t v = body.mesh->body.triangles(answer.triangle, c);
+                Vector3f p;
+                if (drawn_[found[0] - 1]->element >= 0)
+                    deformer_.read(drawn_[found[0] - 1]->element, v, 1, p.data());
+                else
+                    p = Eigen::Map<const Vector3f>(body.positions + 3 * v);
+                corner[c] = p.cast<double>();
+            }
             const Vec3 n = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
             const double slope = n.dot(ray);
             answer.point = std::abs(slope) > 1e-12 * n.norm() * ray.norm() ? Vec3(origin + n.dot(corner[0] - origin) / slope * ray)

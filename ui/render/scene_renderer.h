@@ -12,6 +12,10 @@
 #include "core/base/result.h"
 #include "core/mesh/mesh.h"
 
+namespace imomushi {
+struct SurfaceRecipe;
+}
+
 namespace imomushi::render {
 
 /// Where the scene is seen from. Right-handed, looks from eye to target.
@@ -31,6 +35,7 @@ struct Body {
     std::shared_ptr<const ElementMesh> mesh;    ///< topology and look
     const float* positions = nullptr;           ///< #body vertices x 3, world
     const float* normals = nullptr;
+    int recipeElement = -1;                     ///< of Scene::recipe, where the card deforms it: positions and normals may be null. -1: none
     std::uint64_t revision = 0;
     Eigen::Vector3f color = Eigen::Vector3f::Constant(0.7f);  ///< linear; where the look has none
     bool selected = false, hovered = false;
@@ -67,6 +72,8 @@ struct Scene {
     std::vector<Body> bodies;
     std::vector<Seam> seams;
     std::vector<Marker> markers;
+    /// What bodies with a recipeElement are made from (core/character/surface_recipe.h), after SceneRenderer::canDeform() said so.
+    const SurfaceRecipe* recipe = nullptr;
     bool grid = true;
     bool groundShadow = true;         ///< soft shadow on the ground, also without the grid
     double ground = 0.0;              ///< m, world height of grid and shadow
@@ -97,6 +104,11 @@ public:
         bool marker = false;
     };
     virtual Pick pick(const Scene& scene, int width, int height, int x, int y) = 0;
+
+    /// Whether the graphics card can make this element of a character; the first time this takes what never changes into its memory.
+    virtual bool canDeform(const SurfaceRecipe& recipe, int element) = 0;
+    /// OpenGL without a graphics card: deforming with it would cost more than without.
+    [[nodiscard]] virtual bool software() const = 0;
 
     /// Gives back all memory of bodies and pictures; the next draw() makes it anew.
     virtual void forget() = 0;
