@@ -47,8 +47,17 @@ void Character::State::update(const Pose& wanted, double seconds) {
         relax();
         stats.equilibriumMs = milliseconds(rigid, std::chrono::steady_clock::now());
     }
-    for (auto& e : elements)
+    for (auto& e : elements) {
         if (e.loads) e.loads->all.head(e.v.size()) = e.v;
+        if (e.touched) e.touched->replayed = false;
+    }
+    replaying = false;
+    showShape(start);
+    if (effects.gravity || effects.inflate) shareLoadTime();
+    stopped = false;
+}
+
+void Character::State::showShape(std::chrono::steady_clock::time_point start) {
     const auto measured = std::chrono::steady_clock::now();
     std::size_t bytes = 0;
     stats.bendWarpMs = stats.touchMs = 0.0;
@@ -75,8 +84,6 @@ void Character::State::update(const Pose& wanted, double seconds) {
     stats.productMs = milliseconds(measured, placed);
     stats.normalsMs = milliseconds(placed, done);
     stats.warnings = solveWarnings | updateWarnings;
-    if (effects.gravity || effects.inflate) shareLoadTime();
-    stopped = false;
 }
 
 void Character::State::shareLoadTime() {

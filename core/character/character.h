@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/character/character_effects.h"
+#include "core/character/character_shape.h"
 #include "core/character/response_format.h"
 #include "core/joints/joint_face.h"
 #include "core/reduction/element_response.h"
@@ -120,6 +121,24 @@ public:
     /// Joint parameters v of an element as last updated (all faces, see ElementResponse), and the rigid motion of its frame.
     [[nodiscard]] const Eigen::VectorXd& jointParameters(int element) const;
     [[nodiscard]] Eigen::Isometry3d frame(int element) const;  ///< rest -> world
+
+    /// All that the vertices of a frame follow from, as shapeLayout().size() numbers (character_shape.h): what takes keep. show() of it gives the bytes that
+    /// were seen, whatever effects had a part in them, if keepExact() was on. Neither allocates.
+    [[nodiscard]] ShapeLayout shapeLayout() const;
+    void shape(double* numbers) const;
+    /// Between the effects of two updates; the next update() goes on as if nothing had been shown.
+    void show(const double* numbers);
+    /// Between two shapes, `part` 0...1 of the way: rigid motions turn and move evenly, parameters are linear.
+    void between(const double* from, const double* to, double part, double* numbers) const;
+    /// Vertices follow even changes that single precision hardly shows (off by default).
+    void keepExact(bool exact);
+
+    /// Where body vertices are at rest as they are shown: welded ones at the place of their partner. m
+    [[nodiscard]] Points restPositions(int element) const;
+    /// Columns of ElementResponse::loads that follow v in the weights of a shape.
+    [[nodiscard]] std::vector<int> loadColumns(int element) const;
+    /// Its vertices are more than v and loads: bend warp.
+    [[nodiscard]] bool isWarped(int element) const;
 
     struct Stats {
         unsigned warnings = 0;          ///< of FrameWarning

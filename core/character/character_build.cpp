@@ -58,7 +58,10 @@ void Character::State::buildExplicitJoints() {
         for (std::size_t f = 0; f < input.elements[e].faces.size(); ++f)
             for (std::size_t i = 0; i < input.elements[e].faces[f].vertices.size(); ++i)
                 for (auto& h : elements[e].held)
-                    if (h.vertex == input.elements[e].faces[f].vertices[i]) h.node = explicitJoints->nodeOf(static_cast<int>(e), static_cast<int>(f), i);
+                    if (h.vertex == input.elements[e].faces[f].vertices[i]) {
+                        h.node = explicitJoints->nodeOf(static_cast<int>(e), static_cast<int>(f), i);
+                        shownOffsets.resize(std::max(shownOffsets.size(), static_cast<std::size_t>(h.node) + 1), Vec3::Zero());
+                    }
 }
 
 void Character::State::buildWarpAndTouch(std::size_t e) {
@@ -93,7 +96,8 @@ void Character::State::buildWarpAndTouch(std::size_t e) {
             failure = contact.error();
             return;
         }
-        out.touched = Touched{std::move(*contact), TouchBlocks(*given.response, {out.blocks.first(), out.blocks.count()}), {}, AlignedBuffer<float>(out.local.size()), false};
+        out.touched = Touched{std::move(*contact), TouchBlocks(*given.response, {out.blocks.first(), out.blocks.count()}), {}, AlignedBuffer<float>(out.local.size())};
+        out.touched->shownForces = Eigen::VectorXd::Zero(out.touched->contact.patchForces().size());
     }
 }
 

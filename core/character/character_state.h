@@ -113,7 +113,11 @@ struct Character::State {
         std::array<Finger, TouchContact::kFingers> fingers;
         AlignedBuffer<float> dented;
         bool wasDented = false;
+        bool replayed = false;        // of a shape that is shown: forces are these
+        Eigen::VectorXd shownForces = {};
+        [[nodiscard]] const Eigen::VectorXd& forces() const { return replayed ? shownForces : contact.patchForces(); }
         [[nodiscard]] bool active() const {
+            if (replayed) return wasDented || (shownForces.array() != 0.0).any();
             bool down = !contact.idle() || wasDented;
             for (int i = 0; i < TouchContact::kFingers; ++i) down = down || contact.down(i);
             return down;
@@ -188,6 +192,8 @@ struct Character::State {
 
     // Each frame (character.cpp).
     void update(const Pose& wanted, double seconds);
+    // Its second half: what vertices do.
+    void showShape(std::chrono::steady_clock::time_point start);
     // The time of body loads: their own and that of their columns in the product.
     void shareLoadTime();
     void assign(const Pose& p);
@@ -225,6 +231,7 @@ struct Character::State {
     void bend(ElementState& out, const CharacterInput::Element& given);
     // Fingers: after the pose alone is in `local`, before it is shown.
     void press(ElementState& out, const CharacterInput::Element& given);
+    void aimFingers(ElementState& out, const CharacterInput::Element& given);
     // Where the pose alone has a body vertex in the frame of its element.
     [[nodiscard]] Vec3 poseAt(const ElementState& e, std::int32_t vertex) const;
     // The same of a free one, with or without dents.
@@ -246,11 +253,16 @@ struct Character::State {
     void catchUp(std::size_t e);
     // The same without normals on seams.
     void evaluateHere(std::size_t e);
+    // Of a node of explicit joints, in the rest axes of its joint.
+    [[nodiscard]] Vec3 offset(int node) const { return replaying ? shownOffsets[static_cast<std::size_t>(node)] : explicitJoints->offset(node); }
 
     const CharacterInput input;
     std::optional<Error> failure;              // of the constructor
     std::optional<ExplicitJoints> explicitJoints;
     bool stopped = true;                       // the next update() starts from rest
+    bool exact = false;                        // see keepExact()
+    bool replaying = false;                    // the last frame was a shape, with these offsets of nodes
+    std::vector<Vec3> shownOffsets;
     double frameSeconds = 0.0;                 // of the update() that runs
     double loadMs = 0.0;                       // of its body loads alone
     CharacterEffects effects = input.effects;  // with their numbers of now

@@ -31,6 +31,7 @@ void Character::State::decideWork(std::size_t e) {
     bool sameShape = out.shown && ((out.weights() - out.shownV).cwiseAbs().cwiseProduct(out.columnSize).array() <= kSameShape * out.size).all();
     // The bend warp bends by more than v says where the basis loses twist.
     if (out.warped && out.moved && input.basis == BasisKind::Paper) sameShape = false;
+    if (exact || replaying) sameShape = sameShape && out.weights() == out.shownV && !(out.warped && out.moved);
     const bool touched = out.touched && out.touched->active();
     const bool elsewhere = out.elsewhere && !touched;
     out.moved = out.moved || !sameShape || touched || elsewhere != out.madeElsewhere;
@@ -107,6 +108,19 @@ void Character::State::press(ElementState& out, const CharacterInput::Element& g
     auto& t = *out.touched;
     if (!t.active()) return;
     const auto start = std::chrono::steady_clock::now();
+    if (!t.replayed) aimFingers(out, given);
+    t.wasDented = t.replayed ? (t.shownForces.array() != 0.0).any() : !t.contact.idle();
+    if (t.wasDented) {
+        t.blocks.weigh(t.forces());
+        std::copy_n(out.local.data(), out.local.size(), t.dented.data());
+        t.blocks.add(0, out.blocks.count(), t.dented.data());
+        place(t.dented.data(), out.blocks.first(), out.placement, 0, out.blocks.count(), out.positions.data());
+    }
+    stats.touchMs += milliseconds(start, std::chrono::steady_clock::now());
+}
+
+void Character::State::aimFingers(ElementState& out, const CharacterInput::Element& given) {
+    auto& t = *out.touched;
     const Matrix3d toElement = out.frame.linear.transpose();
     for (int i = 0; i < TouchContact::kFingers; ++i) {
         if (!t.contact.down(i)) continue;
@@ -119,14 +133,6 @@ void Character::State::press(ElementState& out, const CharacterInput::Element& g
         t.contact.step(frameSeconds);
     else
         t.contact.settle();
-    t.wasDented = !t.contact.idle();
-    if (t.wasDented) {
-        t.blocks.weigh(t.contact.patchForces());
-        std::copy_n(out.local.data(), out.local.size(), t.dented.data());
-        t.blocks.add(0, out.blocks.count(), t.dented.data());
-        place(t.dented.data(), out.blocks.first(), out.placement, 0, out.blocks.count(), out.positions.data());
-    }
-    stats.touchMs += milliseconds(start, std::chrono::steady_clock::now());
 }
 
 Vec3 Character::State::poseAt(const ElementState& e, std::int32_t vertex) const {
@@ -165,7 +171,7 @@ Vec3 Character::State::heldAt(const ElementState& element, std::size_t i) const 
     const auto& joint = joints[h.joint];
     Vec3 p = joint.map(h.rest);
     if (equilibrium) p.noalias() += joint.warping * element.heldShapes.col(static_cast<Eigen::Index>(i));
-    if (explicitJoints) p += joint.turn * explicitJoints->offset(h.node);
+    if (explicitJoints) p += joint.turn * offset(h.node);
     return p;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/document/command_support.h"
 
+#include <algorithm>
 #include <cstdio>
 
 #include "core/document/names.h"
@@ -44,6 +45,20 @@ Result<std::shared_ptr<const Bone>> boneOf(const Document& document, std::string
     return partNamed(document.bones, name, "no-such-bone", "bone");
 }
 
+Result<std::shared_ptr<const Take>> takeOf(const Document& document, std::string_view name) {
+    return partNamed(document.takes, name, "no-such-take", "take");
+}
+
+Json summary(std::vector<double> values) {
+    if (values.empty()) return Json{{"median", 0.0}, {"p99", 0.0}, {"max", 0.0}};
+    std::sort(values.begin(), values.end());
+    const auto rank = [&](double part) {
+        const auto n = static_cast<std::size_t>(std::ceil(part * static_cast<double>(values.size())));
+        return values[std::clamp<std::size_t>(n, 1, values.size()) - 1];
+    };
+    return Json{{"median", rank(0.5)}, {"p99", rank(0.99)}, {"max", values.back()}};
+}
+
 Json placeJson(const Document& document, const Bone::Place& place) {
     if (const auto* face = std::get_if<FaceRef>(&place)) return faceText(document, *face);
     if (const auto* end = std::get_if<EndpointRef>(&place)) return endpointText(document, *end);
@@ -58,6 +73,7 @@ void addCoreCommands(CommandRegistry& registry) {
     addEffectCommands(registry);
     addSolveCommands(registry);
     addPoseCommands(registry);
+    addTakeCommands(registry);
     addHistoryCommands(registry);
     addMeasureCommands(registry);
     addPaperCommand(registry);

@@ -52,6 +52,12 @@ Result<double> numberWithin(const Json& value, std::string_view name, double low
 Result<std::shared_ptr<const Element>> elementOf(const Document& document, std::string_view name);
 Result<std::shared_ptr<const Bone>> boneOf(const Document& document, std::string_view name);
 
+/// The take of that name. Errors: "no-such-take" with the names there are.
+Result<std::shared_ptr<const Take>> takeOf(const Document& document, std::string_view name);
+
+/// Median, 99th percentile and maximum, by nearest rank.
+Json summary(std::vector<double> values);
+
 /// How a script writes a place: "element/face", "bone/end" or [x,y,z].
 Json placeJson(const Document& document, const Bone::Place& place);
 
@@ -79,6 +85,7 @@ void addPropertyCommands(CommandRegistry& registry);  // set, rename
 void addEffectCommands(CommandRegistry& registry);    // enable, disable
 void addSolveCommands(CommandRegistry& registry);     // estimate, precompute, deform-element
 void addPoseCommands(CommandRegistry& registry);      // pin, unpin, drag, release, touch, rest, step
+void addTakeCommands(CommandRegistry& registry);      // record, play, rename-take, remove-take
 void addHistoryCommands(CommandRegistry& registry);   // undo, redo
 void addMeasureCommands(CommandRegistry& registry);   // measure, write-mesh
 void addPaperCommand(CommandRegistry& registry);      // paper

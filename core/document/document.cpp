@@ -40,6 +40,7 @@ int Element::faceIndex(std::string_view face) const {
 
 const Element* Document::elementNamed(std::string_view name) const { return named(elements, name); }
 const Bone* Document::boneNamed(std::string_view name) const { return named(bones, name); }
+const Take* Document::takeNamed(std::string_view name) const { return named(takes, name); }
 
 const Joint* Document::jointOf(const FaceRef& face) const {
     for (const auto& [id, joint] : joints)

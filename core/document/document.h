@@ -13,6 +13,7 @@
 #include "core/base/result.h"
 #include "core/character/response_format.h"
 #include "core/document/effects.h"
+#include "core/document/take.h"
 #include "core/joints/face_basis.h"
 #include "core/joints/joint_face.h"
 #include "core/mesh/health.h"
@@ -111,6 +112,7 @@ struct Document {
     std::map<PartId, std::shared_ptr<const Bone>> bones;
     CharacterSettings settings;
     Effects effects;
+    std::map<PartId, std::shared_ptr<const Take>> takes;
     std::map<EndpointRef, Held> held;  ///< targets of drags, and pins
     std::vector<Touch> touches;        ///< fingers that are down
     Pose pose;                         ///< empty: at rest
@@ -118,6 +120,8 @@ struct Document {
 
     [[nodiscard]] const Element* elementNamed(std::string_view name) const;
     [[nodiscard]] const Bone* boneNamed(std::string_view name) const;
+    /// Takes have names of their own: one may be called like an element.
+    [[nodiscard]] const Take* takeNamed(std::string_view name) const;
     /// The joint that `face` belongs to, null: none.
     [[nodiscard]] const Joint* jointOf(const FaceRef& face) const;
     /// "element/face". Errors: "no-such-element", "no-such-face", with the names there are.

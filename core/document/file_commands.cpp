@@ -54,6 +54,7 @@ Json contents(const Session& session) {
     answer["joints"] = std::move(joints);
     answer["effects"] = effectsJson(document, false);
     answer["takes"] = Json::array();
+    for (const auto& [id, take] : document.takes) answer["takes"].push_back(take->name);
     answer["held"] = std::move(held);
     answer["basis"] = basisName(document.settings.basis);
     return answer;

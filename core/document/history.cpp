@@ -34,13 +34,14 @@ void exchangeParts(Map& document, Map& change) {
 }  // namespace
 
 bool DocumentChange::empty() const { return !structure() && held.empty() && !touches && !pose; }
-bool DocumentChange::structure() const { return !elements.empty() || !joints.empty() || !bones.empty() || settings || effects; }
+bool DocumentChange::structure() const { return !elements.empty() || !joints.empty() || !bones.empty() || !takes.empty() || settings || effects; }
 
 DocumentChange difference(const Document& before, const Document& after, bool withPose) {
     DocumentChange change;
     change.elements = partsThatDiffer(before.elements, after.elements);
     change.joints = partsThatDiffer(before.joints, after.joints);
     change.bones = partsThatDiffer(before.bones, after.bones);
+    change.takes = partsThatDiffer(before.takes, after.takes);
     for (const auto& [end, held] : before.held) {
         const auto now = after.held.find(end);
         if (now == after.held.end() || !(now->second == held)) change.held.emplace(end, held);
@@ -58,6 +59,7 @@ void exchange(Document& document, DocumentChange& change) {
     exchangeParts(document.elements, change.elements);
     exchangeParts(document.joints, change.joints);
     exchangeParts(document.bones, change.bones);
+    exchangeParts(document.takes, change.takes);
     for (auto& [end, held] : change.held) {
         const auto found = document.held.find(end);
         std::optional<Held> was;

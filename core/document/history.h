@@ -21,11 +21,12 @@ struct DocumentChange {
     std::map<EndpointRef, std::optional<Held>> held;
     std::optional<CharacterSettings> settings;
     std::optional<Effects> effects;
+    std::map<PartId, std::shared_ptr<const Take>> takes;
     std::optional<std::vector<Touch>> touches;
     std::optional<Pose> pose;
 
     [[nodiscard]] bool empty() const;
-    /// Elements, joints, bones, settings or effects differ.
+    /// Elements, joints, bones, settings, effects or takes differ.
     [[nodiscard]] bool structure() const;
 };
 

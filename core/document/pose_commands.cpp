@@ -218,17 +218,6 @@ Result<Json> touch(Session& session, const Json& arguments, const Progress&) {
     return Json{{"finger", made.finger}};
 }
 
-/// Median, 99th percentile and maximum, by nearest rank.
-Json summary(std::vector<double> values) {
-    if (values.empty()) return Json{{"median", 0.0}, {"p99", 0.0}, {"max", 0.0}};
-    std::sort(values.begin(), values.end());
-    const auto rank = [&](double part) {
-        const auto n = static_cast<std::size_t>(std::ceil(part * static_cast<double>(values.size())));
-        return values[std::clamp<std::size_t>(n, 1, values.size()) - 1];
-    };
-    return Json{{"median", rank(0.5)}, {"p99", rank(0.99)}, {"max", values.back()}};
-}
-
 bool isFinite(const Character& character, const Pose& pose, std::size_t elements) {
     for (const Vec3& p : pose.points)
         if (!p.allFinite()) return false;

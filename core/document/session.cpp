@@ -226,6 +226,7 @@ Result<Character*> Session::State::live() {
     characterValid = true;
     responsesSeen = responses.revision();
     character.reset();
+    shownTake.reset();
     performance.reset();
     characterError.reset();
     auto planned = planCharacter(document);
@@ -248,6 +249,7 @@ Result<Character*> Session::State::live() {
         return tl::unexpected(*characterError);
     }
     character.emplace(std::move(*built));
+    character->keepExact(recording.has_value());
     trimPose();
     poseSettled = false;
     if (auto ok = prepare(); !ok) return tl::unexpected(ok.error());
@@ -286,6 +288,7 @@ Result<void> Session::State::prepare() {
 
 void Session::State::showPose() {
     if (!character) return;
+    shownTake.reset();
     const Pose pose = document.pose.points.empty() ? restPose(plan.input.skeleton) : document.pose;
     if (performance && !performance->isDynamic()) performance->reset(pose);
     applyTouches();
@@ -363,6 +366,7 @@ Result<Session::State::Settled> Session::State::settle() {
 Result<Vec3> Session::State::positionOf(const EndpointRef& end) {
     if (auto alive = live(); !alive) return tl::unexpected(alive.error());
     const auto point = static_cast<std::size_t>(plan.pointIndex(end));
+    if (shownTake) return shownTake->points[point];
     if (performance) return performance->pose().points[point];
     return document.pose.points.empty() ? plan.input.skeleton.points[point] : document.pose.points[point];
 }
@@ -479,6 +483,7 @@ void Session::State::replaceDocument(Document fresh, std::filesystem::path file,
     lastResponses.clear();
     keys.clear();
     results.clear();
+    recording.reset();
     invalidateCharacter();
     pending = {true, true, true, true};
 }
@@ -562,8 +567,10 @@ Result<Json> Session::execute(const Json& command, const Progress& progress) {
         return answer;
     }
 
+    bool posed = false;
     if (what->changesDocument) {
         DocumentChange change = difference(before, s.document, false);
+        posed = change.pose || change.touches || !change.held.empty() || change.effects;
         if (!change.pose && (!change.held.empty() || touchesSkeleton(change, s.document))) change.pose = before.pose;
         s.pending.structure = s.pending.structure || change.structure();
         s.pending.pose = s.pending.pose || change.pose || change.touches || !change.held.empty() || s.pending.structure;
@@ -575,6 +582,7 @@ Result<Json> Session::execute(const Json& command, const Progress& progress) {
         }
     }
     if (what->changesDocument || s.position != positionBefore) s.poseSettled = false;
+    if (what->changesDocument && posed) s.leaveTake();
     s.stirred = s.stirred || what->changesDocument || s.position != positionBefore || s.pending.structure || s.pending.responses;
     const Change told = s.pending;
     s.pending = {};
@@ -625,13 +633,14 @@ void Session::cancelGesture() {
 
 const Pose& Session::shownPose() {
     State& s = *state_;
-    return s.live() && s.performance ? s.performance->pose() : s.document.pose;
+    if (!s.live()) return s.document.pose;
+    return s.shownTake ? *s.shownTake : s.performance ? s.performance->pose() : s.document.pose;
 }
 
 bool Session::moving() {
     State& s = *state_;
     const auto alive = s.live();
-    if (!alive || !*alive) return false;
+    if (!alive || !*alive || s.shownTake) return false;
     const auto& held = s.document.held;
     return (s.stirred && (!s.character->resting() || (s.performance && s.performance->isDynamic()))) || std::any_of(held.begin(), held.end(), [](const auto& h) { return h.second.elapsed < h.second.seconds; });
 }
@@ -662,6 +671,8 @@ void Session::stepFrame(double dt) {
     State& s = *state_;
     const auto alive = s.live();
     if (!alive || !*alive) return;
+    const bool wasTake = s.shownTake.has_value();
+    s.shownTake.reset();
     for (auto& [end, held] : s.document.held)
         if (held.elapsed < held.seconds) held.elapsed = std::min(held.seconds, held.elapsed + dt);
     s.collectHolds();
@@ -680,7 +691,7 @@ void Session::stepFrame(double dt) {
         s.performance->step(dt, s.document.pose, s.holds);
         s.character->update(s.performance->pose(), dt);
         s.effectMs[static_cast<std::size_t>(s.performance->isDynamic() ? EffectKind::BoneDynamics : EffectKind::Ground)] = s.performance->milliseconds();
-    } else if (!s.document.pose.points.empty() || s.stirred || !s.character->resting()) {
+    } else if (!s.document.pose.points.empty() || s.stirred || wasTake || !s.character->resting()) {
         if (s.document.pose.points.empty()) s.document.pose = restPose(s.plan.input.skeleton);
         s.character->update(s.document.pose, dt);
     }
@@ -694,7 +705,16 @@ void Session::stepFrame(double dt) {
     if (effects.has(EffectKind::Gravity)) s.effectMs[static_cast<std::size_t>(EffectKind::Gravity)] = stats.gravityMs;
     if (effects.has(EffectKind::Inflate)) s.effectMs[static_cast<std::size_t>(EffectKind::Inflate)] = stats.inflateMs;
     s.stirred = !settled || (s.performance && !s.performance->resting()) || !s.character->resting();
+    s.recordFrame(dt);
 }
+
+std::optional<Session::Recording> Session::recording() const {
+    const auto& recorded = state_->recording;
+    if (!recorded) return std::nullopt;
+    return Recording{recorded->take.name, recorded->take.times.size(), recorded->take.duration()};
+}
+
+bool Session::showsTake() const { return state_->shownTake.has_value(); }
 
 Session::ResponseState Session::responseState(PartId element) const {
     const State& s = *state_;

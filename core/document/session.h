@@ -83,12 +83,22 @@ public:
     Character* character();
     [[nodiscard]] int elementIndex(PartId element) const;      ///< in character(), -1: none
     [[nodiscard]] int pointIndex(const EndpointRef& end) const;  ///< joint point in the skeleton, -1: none
-    /// The pose that the character shows: the document's, or where effects have taken it. Empty: at rest.
+    /// The pose that the character shows: the document's, or where effects have taken it, or that of a take. Empty: at rest.
     const Pose& shownPose();
     /// Something goes on by itself: frames must be stepped to see it.
     bool moving();
     /// Advances glides, poses and effects by one frame and updates the character. What "step" does `frames` times.
     void stepFrame(double dt);
+
+    /// What is being recorded (the command "record"); none: nothing.
+    struct Recording {
+        std::string take;
+        std::size_t frames = 0;
+        double seconds = 0.0;
+    };
+    [[nodiscard]] std::optional<Recording> recording() const;
+    /// A take is what is seen (the command "play"), not the pose of the document.
+    [[nodiscard]] bool showsTake() const;
 
     /// Milliseconds that an effect took in the last frame; none: the frame did without it.
     [[nodiscard]] std::optional<double> effectMilliseconds(EffectKind effect) const;

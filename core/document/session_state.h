@@ -93,6 +93,15 @@ struct Session::State {
         std::map<std::pair<ContentKey, ContentKey>, std::shared_ptr<const Congruence>> pairs;  ///< null: not congruent
     };
     mutable Sharing sharing;
+    struct RecordedTake {
+        Take take;
+        std::vector<std::vector<double>> poses, shapes;
+        std::map<EndpointRef, Held> held;  ///< as of the last frame
+        bool going = true;                 ///< false: it ended, as the character is another one or the take is full
+        Json start;                        ///< the command
+    };
+    std::optional<RecordedTake> recording;
+    std::optional<Pose> shownTake;  ///< the pose of a take that is shown instead of the document's
     Change pending;                 ///< of the command that runs
 
     /// The key of an element's response as it is now, and of its shape: what decides whether the response of another nu still fits.
@@ -126,6 +135,16 @@ struct Session::State {
     void relax();
     /// Puts the fingers of the character where the document has them.
     void applyTouches();
+    /// Begins a take with what is shown. Errors: those of live(), "no-element".
+    Result<void> startRecording(const std::string& name, const Json& line);
+    /// Adds what is shown now, `seconds` after the last frame, to the take that is being recorded.
+    void recordFrame(double seconds);
+    /// Makes it a part of the document, as one step of the history.
+    std::shared_ptr<const Take> stopRecording(const Json& line);
+    /// Shows a take at a time (s). False: its poses alone, as the character is another one. Errors: those of live().
+    Result<bool> showTake(const Take& take, double time);
+    /// Shows the document again.
+    void leaveTake();
     /// Deforms the character to the document's pose; no time passes, and what swings goes on swinging.
     void showPose();
     /// The same, and nothing moves any more.

@@ -28,14 +28,15 @@ struct Project {
 /// "IMOM": SQLite's application id of a .imomushi file.
 inline constexpr int kProjectApplicationId = 0x494d4f4d;
 /// Version of the tables. A file of a newer one is refused.
-inline constexpr int kProjectVersion = 4;
+inline constexpr int kProjectVersion = 5;
 
-/// All tables that hold the project; "info" holds their digest. Effects and touch came with version 4.
-inline constexpr std::array<const char*, 18> kProjectTables = {"settings", "meshes", "materials", "textures",    "elements", "issues",    "faces",
+/// All tables that hold the project; "info" holds their digest. Effects and touch came with version 4, takes with 5.
+inline constexpr std::array<const char*, 20> kProjectTables = {"settings", "meshes", "materials", "textures",    "elements", "issues",    "faces",
                                                                "joints",   "joint_faces", "bones",  "held", "pose",  "responses", "element_responses",
-                                                               "effects",  "effect_elements", "effect_settings", "touch_responses"};
+                                                               "effects",  "effect_elements", "effect_settings", "touch_responses",
+                                                               "takes",    "take_targets"};
 [[nodiscard]] inline std::span<const char* const> projectTables(std::int64_t version) {
-    return std::span<const char* const>(kProjectTables).first(version >= 4 ? kProjectTables.size() : kProjectTables.size() - 4);
+    return std::span<const char* const>(kProjectTables).first(version >= 5 ? kProjectTables.size() : version == 4 ? kProjectTables.size() - 2 : kProjectTables.size() - 6);
 }
 
 /// Writes one self-contained SQLite file: beside its place first, on disk, then renamed, so that there is always a whole file. Nothing of an old

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The numbers between the two halves of a frame: what pose and effects decide, and vertices follow.
+#include <algorithm>
+
+#include "core/character/character_state.h"
+
+namespace imomushi {
+
+using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+
+namespace {
+
+double* put(double* to, const double* from, Eigen::Index count) { return std::copy_n(from, count, to); }
+
+Vec3 mixed(const Vec3& a, const Vec3& b, double part) { return a + part * (b - a); }
+
+/// The short way round; the sign follows the first.
+Quaterniond turned(const double* a, const double* b, double part) {
+    const Eigen::Map<const Quaterniond> from(a), to(b);
+    return from.slerp(part, to).normalized();
+}
+
+}  // namespace
+
+ShapeLayout Character::shapeLayout() const {
+    ShapeLayout layout;
+    for (const auto& e : state_->elements)
+        layout.elements.push_back({static_cast<int>(e.weights().size()), e.touched ? static_cast<int>(e.touched->shownForces.size()) : 0});
+    layout.joints = static_cast<int>(state_->joints.size());
+    layout.warping = state_->equilibrium ? state_->equilibrium->warpingShapes() : 0;
+    layout.nodes = static_cast<int>(state_->shownOffsets.size());
+    return layout;
+}
+
+void Character::shape(double* to) const {
+    const State& s = *state_;
+    for (const auto& e : s.elements) {
+        to = put(to, e.rotation.coeffs().data(), 4);
+        to = put(to, e.frame.shift.data(), 3);
+        to = put(to, e.weights().data(), e.weights().size());
+        if (e.touched) to = put(to, e.touched->forces().data(), e.touched->forces().size());
+    }
+    for (const auto& j : s.joints) {
+        to = put(to, j.turn.coeffs().data(), 4);
+        to = put(to, j.map.linear.data(), 9);
+        to = put(to, j.map.shift.data(), 3);
+        *to++ = j.part;
+        if (s.equilibrium) to = put(to, j.warping.data(), j.warping.size());
+    }
+    for (std::size_t i = 0; i < s.shownOffsets.size(); ++i) to = put(to, s.offset(static_cast<int>(i)).data(), 3);
+}
+
+void Character::show(const double* from) {
+    State& s = *state_;
+    const auto start = std::chrono::steady_clock::now();
+    s.stats.evaluatedElements = s.stats.evaluatedVertices = 0;
+    s.updateWarnings = 0;
+    const auto take = [&from](double* to, Eigen::Index count) {
+        std::copy_n(from, count, to);
+        from += count;
+    };
+    for (auto& e : s.elements) {
+        take(e.rotation.coeffs().data(), 4);
+        e.frame.linear = e.rotation.toRotationMatrix();
+        take(e.frame.shift.data(), 3);
+        if (e.loads) {
+            take(e.loads->all.data(), e.loads->all.size());
+            e.v = e.loads->all.head(e.v.size());
+        } else {
+            take(e.v.data(), e.v.size());
+        }
+        if (!e.touched) continue;
+        e.touched->replayed = true;
+        take(e.touched->shownForces.data(), e.touched->shownForces.size());
+    }
+    for (auto& j : s.joints) {
+        take(j.turn.coeffs().data(), 4);
+        take(j.map.linear.data(), 9);
+        take(j.map.shift.data(), 3);
+        take(&j.part, 1);
+        if (s.equilibrium) take(j.warping.data(), j.warping.size());
+    }
+    for (auto& offset : s.shownOffsets) take(offset.data(), 3);
+    s.replaying = true;
+    s.showShape(start);
+}
+
+void Character::between(const double* a, const double* b, double part, double* to) const {
+    const State& s = *state_;
+    const auto mix = [&](Eigen::Index count) {
+        for (; count > 0; --count, ++a, ++b) *to++ = *a + part * (*b - *a);
+    };
+    const auto turn = [&] {
+        const Quaterniond q = turned(a, b, part);
+        to = put(to, q.coeffs().data(), 4);
+        a += 4, b += 4;
+        return q;
+    };
+    for (const auto& e : s.elements) {
+        // About the middle of the element, as its box would move.
+        const Matrix3d fromLinear = Eigen::Map<const Quaterniond>(a).toRotationMatrix(), toLinear = Eigen::Map<const Quaterniond>(b).toRotationMatrix();
+        const Quaterniond q = turn();
+        const Vec3 place = mixed(fromLinear * e.middle + Eigen::Map<const Vec3>(a), toLinear * e.middle + Eigen::Map<const Vec3>(b), part);
+        const Vec3 shift = place - q.toRotationMatrix() * e.middle;
+        to = put(to, shift.data(), 3);
+        a += 3, b += 3;
+        mix(e.weights().size() + (e.touched ? e.touched->shownForces.size() : 0));
+    }
+    for (const auto& j : s.joints) {
+        const Matrix3d fromTurn = Eigen::Map<const Quaterniond>(a).toRotationMatrix(), toTurn = Eigen::Map<const Quaterniond>(b).toRotationMatrix();
+        const Matrix3d now = turn().toRotationMatrix();
+        const Eigen::Map<const Matrix3d> fromLinear(a), toLinear(b);
+        const Matrix3d linear = now * (fromTurn.transpose() * fromLinear + part * (toTurn.transpose() * toLinear - fromTurn.transpose() * fromLinear));
+        const Vec3 place = mixed(fromLinear * j.restPlace + Eigen::Map<const Vec3>(a + 9), toLinear * j.restPlace + Eigen::Map<const Vec3>(b + 9), part);
+        const Vec3 shift = place - linear * j.restPlace;
+        to = put(to, linear.data(), 9);
+        to = put(to, shift.data(), 3);
+        a += 12, b += 12;
+        mix(1);
+        if (!s.equilibrium) continue;
+        for (Eigen::Index k = 0; k < j.warping.cols(); ++k, a += 3, b += 3) {
+            const Vec3 w = now * mixed(fromTurn.transpose() * Eigen::Map<const Vec3>(a), toTurn.transpose() * Eigen::Map<const Vec3>(b), part);
+            to = put(to, w.data(), 3);
+        }
+    }
+    mix(3 * static_cast<Eigen::Index>(s.shownOffsets.size()));
+}
+
+void Character::keepExact(bool exact) { state_->exact = exact; }
+
+Points Character::restPositions(int element) const {
+    Points out = state_->input.elements[static_cast<std::size_t>(element)].mesh->body.vertices;
+    for (const auto& h : state_->elements[static_cast<std::size_t>(element)].held) out.row(h.vertex) = h.rest.transpose();
+    return out;
+}
+
+std::vector<int> Character::loadColumns(int element) const {
+    const auto& loads = state_->elements[static_cast<std::size_t>(element)].loads;
+    std::vector<int> columns;
+    if (loads && loads->gravity) columns = {0, 1, 2};
+    if (loads && loads->inflated) columns.push_back(3);
+    return columns;
+}
+
+bool Character::isWarped(int element) const { return state_->elements[static_cast<std::size_t>(element)].warped.has_value(); }
+
+}  // namespace imomushi

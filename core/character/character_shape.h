@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+namespace imomushi {
+
+/// How the numbers of a character's shape are ordered (Character::shape()):
+///   per element  rotation x y z w and shift (m) of its frame, rest to world; weights: v, then body loads (ElementResponse); the forces of
+///                touch patches (over the shear modulus, m^2)
+///   per joint    rotation x y z w; the linear part of its map, rest to world, column by column, and the shift (m); the part of its shape that is shown;
+///                its warping, world, 3 per shape (JointEquilibrium)
+///   per node     the offset (m) of a face vertex of the previous model, in the rest axes of its joint
+struct ShapeLayout {
+    struct Element {
+        int weights = 0;
+        int forces = 0;
+        bool operator==(const Element&) const = default;
+    };
+    std::vector<Element> elements;
+    int joints = 0;
+    int warping = 0;  ///< shapes per joint
+    int nodes = 0;
+    bool operator==(const ShapeLayout&) const = default;
+
+    static constexpr int kFrame = 7, kJoint = 17;
+    [[nodiscard]] int element(std::size_t e) const {  ///< where its numbers begin
+        int at = 0;
+        for (std::size_t i = 0; i < e; ++i) at += kFrame + elements[i].weights + elements[i].forces;
+        return at;
+    }
+    [[nodiscard]] int jointSize() const { return kJoint + 3 * warping; }
+    [[nodiscard]] int joint(int j) const { return element(elements.size()) + j * jointSize(); }
+    [[nodiscard]] int size() const { return joint(joints) + 3 * nodes; }
+};
+
+}  // namespace imomushi

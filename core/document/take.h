@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/character/character_shape.h"
+#include "core/document/effects.h"
+#include "core/mesh/mesh.h"
+#include "core/skeleton/skeleton.h"
+
+namespace imomushi {
+
+/// Rows of numbers, one per frame; numbers that never change are kept once.
+class FrameNumbers {
+public:
+    FrameNumbers() = default;
+    /// All rows of one size.
+    explicit FrameNumbers(const std::vector<std::vector<double>>& rows);
+    /// first: of frame 0; varying: ascending places in it; values: of these, #frames x #varying, row by row.
+    FrameNumbers(std::vector<double> first, std::vector<std::int32_t> varying, std::vector<double> values)
+        : first_(std::move(first)), varying_(std::move(varying)), values_(std::move(values)) {}
+
+    [[nodiscard]] std::size_t width() const { return first_.size(); }
+    /// width() numbers.
+    void at(std::size_t frame, double* numbers) const;
+    [[nodiscard]] std::size_t bytes() const { return (first_.size() + values_.size()) * sizeof(double) + varying_.size() * sizeof(std::int32_t); }
+
+    [[nodiscard]] const std::vector<double>& first() const { return first_; }
+    [[nodiscard]] const std::vector<std::int32_t>& varying() const { return varying_; }
+    [[nodiscard]] const std::vector<double>& values() const { return values_; }
+
+private:
+    std::vector<double> first_;
+    std::vector<std::int32_t> varying_;
+    std::vector<double> values_;
+};
+
+/// A recorded performance. Per frame it keeps two things: the pose that was shown, which fits as long as its bones are there; and the shape of the
+/// character (character_shape.h), a few hundred numbers from which every vertex follows, whatever effects had a part in it. While elements, joint faces, basis
+/// and effects are those of the recording a take shows what was seen, byte for byte, at any frame and without what came before; afterwards it shows its poses, at rest
+/// in each. Simulating again from the start would show what the settings of now make of it, and only in order.
+struct Take {
+    PartId id = 0;
+    std::string name;
+    std::vector<double> times;  ///< s, of each frame: ascending from 0, when the recording began
+
+    struct Bone {
+        PartId bone = 0;
+        int start = 0, end = 0;  ///< joint points of `poses`
+    };
+    std::vector<Bone> bones;
+    int points = 0;
+    FrameNumbers poses;  ///< per frame: x y z of all points, x y z w of all bones, roll of all points
+
+    std::vector<PartId> elements;
+    ShapeLayout layout;
+    FrameNumbers shapes;  ///< per frame: layout.size()
+
+    /// What an endpoint was told, from that time on.
+    struct Target {
+        double time = 0.0;
+        PartId bone = 0;
+        bool atEnd = false;
+        bool held = false;  ///< false: let go
+        bool pinned = false;
+        Vec3 to = Vec3::Zero();
+        std::optional<double> roll;
+    };
+    std::vector<Target> targets;
+
+    [[nodiscard]] double duration() const { return times.empty() ? 0.0 : times.back(); }
+    [[nodiscard]] std::size_t bytes() const { return times.size() * sizeof(double) + poses.bytes() + shapes.bytes() + targets.size() * sizeof(Target); }
+};
+
+/// Between which frames a time is: `part` of the way from `frame` to the next one. Times outside are those of the ends.
+struct TakeMoment {
+    std::size_t frame = 0;
+    double part = 0.0;
+};
+TakeMoment momentAt(const std::vector<double>& times, double time);
+
+/// Numbers of Take::poses.
+std::vector<double> poseNumbers(const Pose& pose);
+/// The pose of a take at a moment. `bones`, `skeleton`: as the character is now; bones that the take does not know, and points of such bones alone, are at rest.
+Pose takePose(const Take& take, const TakeMoment& moment, const std::vector<PartId>& bones, const Skeleton& skeleton);
+
+}  // namespace imomushi

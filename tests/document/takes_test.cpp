@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/document/workbench.h"
+
+using namespace imomushi;
+
+namespace {
+
+/// Positions and normals of all elements as they are seen, in bytes.
+std::string seen(Session& session) {
+    std::string bytes;
+    const Character& character = *session.character();
+    for (std::size_t e = 0; e < character.input().elements.size(); ++e) {
+        const auto surface = character.surface(static_cast<int>(e));
+        for (const float* numbers : {surface.positions, surface.normals})
+            bytes.append(reinterpret_cast<const char*>(numbers), sizeof(float) * 3 * static_cast<std::size_t>(surface.vertices));
+    }
+    return bytes;
+}
+
+Points positions(Session& session, int element) { return session.character()->positions(element); }
+
+Json play(Workbench& w, double time) { return w.good({{"do", "play"}, {"take", "踊り"}, {"time", time}}); }
+
+/// Records 20 frames of a drag and a release, and what was seen in each.
+std::vector<std::string> recordDance(Workbench& w) {
+    std::vector<std::string> frames;
+    w.good({{"do", "record"}, {"take", "踊り"}, {"action", "start"}});
+    const auto step = [&](int count) {
+        for (; count > 0; --count) {
+            w.good({{"do", "step"}, {"frames", 1}, {"dt", 0.025}});
+            frames.push_back(seen(w.session));
+        }
+    };
+    w.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {1.2, 0.4, 5.2}}, {"roll", 0.4}, {"seconds", 0.2}});
+    step(10);
+    w.good({{"do", "release"}});
+    step(10);
+    w.good({{"do", "record"}, {"take", "踊り"}, {"action", "stop"}});
+    return frames;
+}
+
+void enable(Workbench& w, std::initializer_list<const char*> effects) {
+    for (const char* effect : effects) w.good({{"do", "enable"}, {"effect", effect}});
+    w.good({{"do", "precompute"}});
+}
+
+}  // namespace
+
+TEST_CASE("takes: what was seen is what a take plays, byte for byte, in any order, with any effects") {
+    const std::vector<std::vector<const char*>> scenes = {{},
+                                                          {"bone-dynamics", "joint-dynamics", "gravity", "inflate"},
+                                                          {"smooth-joints", "bone-dynamics"},
+                                                          {"bend-warp", "joint-dynamics", "gravity", "touch"}};
+    for (const auto& scene : scenes) {
+        CAPTURE(scene.size());
+        Workbench w;
+        w.buildChain();
+        if (scene.size() == 2) w.good({{"do", "set"}, {"target", "character"}, {"property", "basis"}, {"value", "modes:6"}});
+        for (const char* effect : scene) w.good({{"do", "enable"}, {"effect", effect}});
+        w.good({{"do", "precompute"}});
+        if (!scene.empty() && std::string(scene.back()) == "touch")
+            w.good({{"do", "touch"}, {"element", "A"}, {"point", {0.5, 0, 1.5}}, {"to", {0.35, 0, 1.5}}});
+        const auto frames = recordDance(w);
+        // To and fro, from a pose far away.
+        w.good({{"do", "drag"}, {"endpoint", "a/start"}, {"to", {0.3, 0.6, -1}}});
+        w.good({{"do", "step"}, {"frames", 3}});
+        int different = 0;
+        for (const std::size_t i : {19, 4, 0, 1, 2, 12, 11, 12}) {
+            const Json answer = play(w, w.session.document().takeNamed("踊り")->times[i + 1]);
+            CHECK(answer["exact"] == true);
+            different += seen(w.session) != frames[i];
+        }
+        CHECK(different == 0);
+        w.good({{"do", "play"}, {"take", "踊り"}});
+        CHECK(seen(w.session) == frames.back());
+    }
+}
+
+TEST_CASE("takes: the dynamics of the previous model are recorded too") {
+    Workbench w;
+    w.buildChain();
+    w.good({{"do", "set"}, {"target", "character"}, {"property", "basis"}, {"value", "full"}});
+    enable(w, {"previous-model"});
+    const auto frames = recordDance(w);
+    CHECK(play(w, 0.25)["exact"] == true);
+    CHECK(seen(w.session) == frames[9]);
+    CHECK(play(w, 0.5)["exact"] == true);
+    CHECK(seen(w.session) == frames[19]);
+}
+
+TEST_CASE("takes: they begin with what was shown, and times between frames move evenly") {
+    Workbench w;
+    w.buildChain();
+    w.good({{"do", "precompute"}});
+    const std::string before = seen(w.session);
+    recordDance(w);
+    const Take& take = *w.session.document().takeNamed("踊り");
+    REQUIRE(take.times.size() == 21);
+    CHECK(take.duration() == doctest::Approx(0.5));
+    play(w, 0.0);
+    CHECK(seen(w.session) == before);
+    CHECK(w.session.showsTake());
+    CHECK(!w.session.moving());
+    play(w, take.times[3]);
+    const Points from = positions(w.session, 1);
+    play(w, take.times[4]);
+    const Points to = positions(w.session, 1);
+    play(w, 0.5 * (take.times[3] + take.times[4]));
+    const Points middle = positions(w.session, 1);
+    // A chord and its arc differ by an eighth of the square of the angle, which one frame keeps below a fifth.
+    CHECK((middle - 0.5 * (from + to)).rowwise().norm().maxCoeff() < 0.04 / 8.0 * 7.0);
+    CHECK((middle - from).rowwise().norm().maxCoeff() > 0.3 * (to - from).rowwise().norm().maxCoeff());
+}
+
+TEST_CASE("takes: a take is looked at, and the pose of the document stays") {
+    Workbench w;
+    w.buildChain();
+    w.good({{"do", "precompute"}});
+    recordDance(w);
+    w.good({{"do", "rest"}});
+    const Json place{{"do", "measure"}, {"what", "position"}, {"endpoint", "b/end"}};
+    const Json rest = w.good(place);
+    const std::string before = seen(w.session);
+    play(w, 0.25);
+    CHECK(w.good(place) != rest);
+    CHECK(w.session.document().pose.points.empty());
+    w.good({{"do", "step"}, {"frames", 1}});
+    CHECK(!w.session.showsTake());
+    CHECK(w.good(place) == rest);
+    CHECK(seen(w.session) == before);
+    play(w, 0.25);
+    w.good({{"do", "rename-take"}, {"take", "踊り"}, {"name", "b"}});
+    CHECK(w.session.showsTake());
+    w.good({{"do", "pin"}, {"endpoint", "a/start"}});
+    CHECK(!w.session.showsTake());
+    CHECK(seen(w.session) == before);
+}
+
+TEST_CASE("takes: recording, renaming and removing are single steps of the history") {
+    Workbench w;
+    w.buildChain();
+    w.good({{"do", "precompute"}});
+    recordDance(w);
+    const std::string recorded = w.content();
+    const int steps = w.session.position();
+    CHECK(w.session.steps().back().name == "record");
+    CHECK(w.session.modified());
+    w.good({{"do", "rename-take"}, {"take", "踊り"}, {"name", "A"}});  // an element is called so too
+    w.good({{"do", "remove-take"}, {"take", "A"}});
+    CHECK(w.session.document().takes.empty());
+    CHECK(w.session.position() == steps + 2);
+    w.good({{"do", "undo"}, {"count", 2}});
+    CHECK(w.content() == recorded);
+    w.good({{"do", "undo"}});
+    CHECK(w.session.document().takes.empty());
+    w.good({{"do", "redo"}});
+    CHECK(w.content() == recorded);
+    CHECK(play(w, 0.1)["exact"] == true);
+}
+
+TEST_CASE("takes: they are saved with the project and play the same after opening it") {
+    Workbench w;
+    w.buildChain();
+    enable(w, {"bone-dynamics", "bend-warp"});
+    const auto frames = recordDance(w);
+    const auto path = (Workbench::folder() / "takes.imomushi").string();
+    w.good({{"do", "save"}, {"path", path}});
+    const std::string content = w.content();
+    Workbench other;
+    CHECK(other.good({{"do", "open"}, {"path", path}})["takes"] == Json::array({"踊り"}));
+    CHECK(other.content() == content);
+    CHECK(play(other, other.session.document().takeNamed("踊り")->times[13])["exact"] == true);
+    CHECK(seen(other.session) == frames[12]);
+    CHECK(other.session.document().takeNamed("踊り")->targets.size() == w.session.document().takeNamed("踊り")->targets.size());
+}
+
+TEST_CASE("takes: what endpoints were told is kept") {
+    Workbench w;
+    w.buildChain();
+    w.good({{"do", "precompute"}});
+    recordDance(w);
+    const auto& targets = w.session.document().takeNamed("踊り")->targets;
+    REQUIRE(targets.size() == 2);
+    CHECK(targets[0].held);
+    CHECK(targets[0].time == doctest::Approx(0.025));
+    CHECK(targets[0].to == Vec3(1.2, 0.4, 5.2));
+    CHECK(targets[0].roll == 0.4);
+    CHECK(!targets[1].held);
+    CHECK(targets[1].time == doctest::Approx(0.275));
+}
+
+TEST_CASE("takes: on another character a take shows its poses, and says so") {
+    Workbench w;
+    w.buildChain();
+    enable(w, {"bone-dynamics"});
+    recordDance(w);
+    play(w, 0.25);
+    const Pose shown = w.session.shownPose();
+    w.good({{"do", "set"}, {"target", "character"}, {"property", "basis"}, {"value", "paper"}});
+    w.good({{"do", "import-element"}, {"path", "bar4"}, {"name", "C"}});
+    w.good({{"do", "add-bone"}, {"name", "c"}, {"from", "a/start"}, {"to", {0, 0, -2}}});
+    w.good({{"do", "precompute"}});
+    const Json answer = play(w, 0.25);
+    CHECK(answer["exact"] == false);
+    CHECK(answer["warnings"].size() == 1);
+    for (std::size_t i = 0; i < shown.points.size(); ++i) CHECK(w.session.shownPose().points[i] == shown.points[i]);
+    w.good({{"do", "undo"}, {"count", 3}});
+    CHECK(play(w, 0.25)["exact"] == true);
+}
+
+TEST_CASE("takes: a recording ends where the character becomes another one") {
+    Workbench w;
+    w.buildChain();
+    w.good({{"do", "precompute"}});
+    w.good({{"do", "record"}, {"take", "t"}, {"action", "start"}});
+    w.good({{"do", "step"}, {"frames", 5}});
+    CHECK(w.session.recording()->frames == 6);
+    w.good({{"do", "add-bone"}, {"name", "c"}, {"from", "b/end"}, {"to", {0, 1, 7}}});
+    w.good({{"do", "step"}, {"frames", 5}});
+    const Json answer = w.good({{"do", "record"}, {"take", "t"}, {"action", "stop"}});
+    CHECK(answer["frames"] == 6);
+    CHECK(answer["whole"] == false);
+    CHECK(!w.session.recording());
+}
+
+TEST_CASE("takes: bad input is refused with a reason") {
+    Workbench w;
+    CHECK(w.code({{"do", "record"}, {"take", "t"}, {"action", "start"}}) == "no-element");
+    w.buildChain();
+    CHECK(w.code({{"do", "record"}, {"take", "t"}, {"action", "go"}}) == "bad-value");
+    CHECK(w.code({{"do", "record"}, {"take", "t"}, {"action", "stop"}}) == "not-recording");
+    CHECK(w.code({{"do", "record"}, {"take", "a/b"}, {"action", "start"}}) == "bad-name");
+    CHECK(w.code({{"do", "record"}, {"take", ""}, {"action", "start"}}) == "bad-name");
+    CHECK(w.code({{"do", "play"}, {"take", "t"}}) == "no-such-take");
+    w.good({{"do", "record"}, {"take", "t"}, {"action", "start"}});
+    const int position = w.session.position();
+    CHECK(w.code({{"do", "record"}, {"take", "u"}, {"action", "start"}}) == "already-recording");
+    CHECK(w.code({{"do", "record"}, {"take", "u"}, {"action", "stop"}}) == "not-recording");
+    CHECK(w.session.position() == position);
+    w.good({{"do", "record"}, {"take", "t"}, {"action", "stop"}});
+    CHECK(w.code({{"do", "record"}, {"take", "t"}, {"action", "start"}}) == "name-taken");
+    CHECK(w.code({{"do", "play"}, {"take", "t"}, {"time", -0.1}}) == "bad-value");
+    CHECK(w.code({{"do", "play"}, {"take", "t"}, {"time", 1.0}}) == "bad-value");
+    w.good({{"do", "play"}, {"take", "t"}, {"time", 0.0}});  // a take of one frame is a pose
+    w.good({{"do", "record"}, {"take", "u"}, {"action", "start"}});
+    CHECK(w.code({{"do", "play"}, {"take", "t"}}) == "already-recording");
+    w.good({{"do", "record"}, {"take", "u"}, {"action", "stop"}});
+    CHECK(w.code({{"do", "rename-take"}, {"take", "u"}, {"name", "t"}}) == "name-taken");
+    CHECK(w.code({{"do", "remove-take"}, {"take", "v"}}) == "no-such-take");
+}
