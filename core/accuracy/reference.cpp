@@ -129,6 +129,24 @@ ErrorSum errorOf(const Character& character, const Reference& reference, std::si
     return difference(shownBy(character), reference.positions[which], reference, character);
 }
 
+ErrorSum errorOf(const Character& frames, const std::vector<Points>& positions, const Reference& reference, std::size_t which) {
+    return difference(positions, reference.positions[which], reference, frames);
+}
+
+std::vector<std::vector<float>> errorField(const Character& character, const Reference& reference, std::size_t which) {
+    const std::vector<Points> shown = shownBy(character);
+    std::vector<std::vector<float>> out;
+    for (std::size_t e = 0; e < shown.size(); ++e) {
+        const Points& rest = character.input().elements[e].mesh->body.vertices;
+        const double diagonal = rest.rows() ? (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm() : 1.0;
+        auto& field = out.emplace_back(static_cast<std::size_t>(rest.rows()), -1.0f);
+        for (Eigen::Index v = 0; v < rest.rows(); ++v)
+            if (reference.seen[e][static_cast<std::size_t>(v)])
+                field[static_cast<std::size_t>(v)] = static_cast<float>(100.0 * (shown[e].row(v) - reference.positions[which][e].row(v)).norm() / diagonal);
+    }
+    return out;
+}
+
 Result<SolvedElements> solveElements(const std::vector<ResponseInput>& elements, const Progress& progress) {
     SolvedElements out;
     const double count = static_cast<double>(elements.size());

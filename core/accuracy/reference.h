@@ -51,6 +51,10 @@ Result<Reference> buildReference(const ReferenceInput& input, const Progress& pr
 
 /// Of a character that shows `pose` number `which` of the reference. Displacements are measured in the character's frames.
 ErrorSum errorOf(const Character& character, const Reference& reference, std::size_t which);
+/// The same of positions (per element #body vertices x 3, world), in the frames of a character in that pose.
+ErrorSum errorOf(const Character& frames, const std::vector<Points>& positions, const Reference& reference, std::size_t which);
+/// Distance of each vertex from the reference in % of the diagonal of its element; negative where it is not seen. Per element.
+std::vector<std::vector<float>> errorField(const Character& character, const Reference& reference, std::size_t which);
 
 /// The responses of all elements that have joint faces; of congruent elements only the first is solved. `seconds`: what each took, 0 without faces.
 struct SolvedElements {

@@ -1,0 +1,442 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/accuracy/study.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+
+#include "core/accuracy/pareto.h"
+#include "core/accuracy/stand_in.h"
+#include "core/accuracy/study_store.h"
+#include "core/base/parallel.h"
+#include "core/comparison/model_table.h"
+#include "core/comparison/previous_model.h"
+#include "core/comparison/swing.h"
+#include "core/comparison/timing.h"
+
+namespace imomushi {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr int kVersion = 1;          // of stored figures: whenever the same input would give others
+constexpr int kRounds = 400;
+constexpr double kSeconds = 1.2;     // of one measurement of frames
+constexpr double kQuickSeconds = 0.3;  // the same in a study of a few seconds
+constexpr double kQuickStudy = 20.0;
+/// Of the time a study may take: for the reference.
+constexpr double kReferenceShare = 0.5;
+/// A precompute that is quicker than this is done three times, and the median counts.
+constexpr double kQuickPrecompute = 0.5;
+
+tl::unexpected<Error> cancelled() { return fail(kCancelled, "The study was cancelled."); }
+double since(Clock::time_point from) { return std::chrono::duration<double>(Clock::now() - from).count(); }
+
+void flag(AccuracyStudy& study) {
+    std::vector<Trade> frame, precompute;
+    for (const auto& p : study.points) {
+        frame.push_back({p.frameMs, p.relative, p.relative >= 0.0 && p.frameMs >= 0.0});
+        precompute.push_back({p.precomputeSeconds, p.relative, p.relative >= 0.0 && p.precomputeSeconds >= 0.0});
+    }
+    const auto a = dominated(frame), b = dominated(precompute);
+    for (std::size_t i = 0; i < study.points.size(); ++i) {
+        study.points[i].dominatedPerFrame = a[i] != 0;
+        study.points[i].dominatedInPrecompute = b[i] != 0;
+    }
+}
+
+std::vector<ResponseInput> solvedAs(const StudyInput& input, const AccuracySetting& setting) {
+    auto out = input.reference.elements;
+    for (auto& in : out) {
+        in.basis = setting.previous ? BasisChoice(BasisKind::Full) : setting.basis;
+        in.solverMesh = setting.mesh.on(static_cast<int>(in.mesh->body.vertices.rows()), in.solverMesh);
+        in.loads = false;
+        in.touch = 0;
+    }
+    return out;
+}
+
+CharacterInput characterAs(const StudyInput& input, const AccuracySetting& setting) {
+    CharacterInput out = withoutEffects(input.reference.character);
+    out.threads = input.reference.character.threads;
+    out.basis = setting.basis;
+    out.smoothJoints = setting.smoothJoints;
+    out.format = setting.format;
+    for (auto& e : out.elements) e.response = nullptr;
+    return out;
+}
+
+/// Frames of one character while its bones swing.
+class Frames {
+public:
+    explicit Frames(Character& character) : character_(character), swing_(character.input().skeleton), pose_(restPose(character.input().skeleton)) {}
+    void operator()() {
+        swing_.move(at_ += 0.013);
+        character_.solvePose(swing_.holds, pose_);
+        character_.update(pose_, 1.0 / 60.0);
+    }
+
+private:
+    Character& character_;
+    Swing swing_;
+    Pose pose_;
+    double at_ = 0.0;
+};
+
+/// Runs a study: what its steps share.
+class Runner {
+public:
+    Runner(const StudyInput& input, const StudyListener& listener, const Progress& progress)
+        : input_(input), listener_(listener), progress_(progress), store_(input.store, studyKey(input)), start_(Clock::now()) {
+        study_ = knownStudy(input);
+        spentBefore_ = study_.seconds;
+    }
+
+    Result<AccuracyStudy> run() {
+        if (input_.reference.character.skeleton.bones.empty()) return fail("no-bone", "There is no bone to move the character by: add bones first.");
+        if (auto ok = predict(); !ok) return tl::unexpected(ok.error());
+        const auto waiting = [](const AccuracyPoint& p) { return !p.measured() && p.problem.empty(); };
+        const bool any = std::any_of(study_.points.begin(), study_.points.end(), waiting);
+        if (any && !study_.reference)
+            if (auto ok = refer(); !ok) return tl::unexpected(ok.error());
+        if (auto ok = yardstick(); !ok) return tl::unexpected(ok.error());
+        double done = 0.0, all = 0.0;
+        for (const auto& p : study_.points) all += waiting(p) ? std::max(0.0, p.predictedSeconds) + 1.0 : 0.0;
+        for (auto& p : study_.points) {
+            if (!waiting(p)) continue;
+            if (progress_.cancelled()) return cancelled();
+            const double cost = std::max(0.0, p.predictedSeconds);
+            if (&p != &study_.points.front() && input_.seconds > 0.0 && since(start_) + cost > input_.seconds) continue;  // stays waiting
+            const auto part = progress_.part(0.4 + 0.55 * done / all, 0.4 + 0.55 * (done + cost + 1.0) / all);
+            part.report("measure", 0.0);
+            if (auto ok = measure(p, part); !ok) {
+                if (ok.error().code == kCancelled) return tl::unexpected(ok.error());
+                p.problem = ok.error().message;
+            }
+            done += cost + 1.0;
+            tell();
+        }
+        for (const auto& effect : input_.effects) {
+            if (progress_.cancelled()) return cancelled();
+            const auto known = [&](const EffectPoint& e) { return e.effect == effect.name; };
+            if (std::any_of(study_.effects.begin(), study_.effects.end(), known)) continue;
+            if (input_.seconds > 0.0 && since(start_) > input_.seconds) break;
+            if (auto point = price(effect)) study_.effects.push_back(std::move(*point));
+            tell();
+        }
+        study_.complete = std::none_of(study_.points.begin(), study_.points.end(), waiting);
+        tell();
+        return study_;
+    }
+
+private:
+    [[nodiscard]] double frameSeconds() const { return input_.seconds > 0.0 && input_.seconds <= kQuickStudy ? kQuickSeconds : kSeconds; }
+
+    void tell() {
+        flag(study_);
+        study_.seconds = spentBefore_ + since(start_);
+        store_.save(study_);
+        if (listener_) listener_(study_);
+    }
+
+    Result<void> predict() {
+        for (auto& p : study_.points) {
+            if (progress_.cancelled()) return cancelled();
+            if (p.predictedSeconds >= 0.0) continue;
+            const auto cost = estimateElements(solvedAs(input_, p.setting));
+            p.predictedSeconds = cost.seconds;
+            p.precomputeBytes = static_cast<double>(cost.bytes);
+            if (p.setting.previous) continue;
+            const auto ms = predictFrame(characterAs(input_, p.setting), progress_);
+            if (ms) p.predictedMs = *ms;
+            if (!ms && ms.error().code == kCancelled) return tl::unexpected(ms.error());
+        }
+        tell();
+        return {};
+    }
+
+    Result<void> refer() {
+        ReferenceInput in = input_.reference;
+        if (input_.seconds > 0.0) in.seconds = kReferenceShare * input_.seconds;
+        auto made = buildReference(in, progress_.part(0.05, 0.4));
+        if (made)
+            study_.reference = std::move(*made);
+        else if (made.error().code != "too-large")
+            return tl::unexpected(made.error());
+        tell();
+        return {};
+    }
+
+    /// A character of stand-ins that costs what the present one does about.
+    Result<void> yardstick() {
+        CharacterInput c = characterAs(input_, {});
+        auto built = Character::build(withStandIns(std::move(c)));
+        if (!built) return tl::unexpected(built.error());
+        yard_.emplace(std::move(*built));
+        yardFrames_.emplace(*yard_);
+        const auto first = spreadsInTurn(kRounds, frameSeconds(), {[this] { (*yardFrames_)(); }}, progress_);
+        if (study_.yardMs <= 0.0) study_.yardMs = first[0].median;
+        return {};
+    }
+
+    /// The other loop's median and 99th percentile, as if the machine were as quick as when the study began.
+    Spread inTurn(const std::function<void()>& loop) {
+        const auto both = spreadsInTurn(kRounds, frameSeconds(), {[this] { (*yardFrames_)(); }, loop}, progress_);
+        const double steady = both[0].median > 0.0 ? study_.yardMs / both[0].median : 1.0;
+        return {both[1].median * steady, both[1].p99 * steady};
+    }
+
+    Result<void> measure(AccuracyPoint& p, const Progress& progress) {
+        const auto inputs = solvedAs(input_, p.setting);
+        if (p.precomputeBytes > input_.reference.bytes)
+            return fail("too-large", "Its precompute would need more memory than a study may take.");
+        auto solved = solutions(inputs, p, progress);
+        if (!solved) return tl::unexpected(solved.error());
+        if (p.setting.previous) return measurePrevious(p, std::move(*solved), progress);
+        CharacterInput given = characterAs(input_, p.setting);
+        for (std::size_t e = 0; e < solved->size(); ++e) given.elements[e].response = (*solved)[e];
+        auto character = Character::build(std::move(given));
+        if (!character) return tl::unexpected(character.error());
+        p.frameBytes = 0.0;
+        for (std::size_t e = 0; e < solved->size(); ++e) {
+            const auto memory = character->memory(static_cast<int>(e));
+            p.frameBytes += static_cast<double>(memory.response + memory.surface);
+        }
+        if (study_.reference) {
+            ErrorSum sum;
+            p.errors.clear();
+            for (std::size_t i = 0; i < input_.reference.poses.size(); ++i) {
+                if (progress.cancelled()) return cancelled();
+                character->update(input_.reference.poses[i].pose);
+                const ErrorSum one = errorOf(*character, *study_.reference, i);
+                p.errors.push_back(one.error());
+                sum.add(one);
+            }
+            p.relative = sum.error().relative;
+            p.percent = sum.error().percent;
+        }
+        Frames frames(*character);
+        const Spread ms = inTurn([&] { frames(); });
+        if (progress.cancelled()) return cancelled();
+        p.frameMs = ms.median;
+        p.frameP99Ms = ms.p99;
+        return {};
+    }
+
+    Result<void> measurePrevious(AccuracyPoint& p, std::vector<std::shared_ptr<const ElementResponse>> full, const Progress& progress) {
+        CharacterInput given = characterAs(input_, p.setting);
+        given.threads = 1;
+        for (std::size_t e = 0; e < full.size(); ++e) given.elements[e].response = full[e];
+        const CharacterInput plain = withoutEffects(characterAs(input_, p.setting));
+        auto model = PreviousModel::build(std::move(given), progress);
+        if (!model) return tl::unexpected(model.error());
+        p.frameBytes = static_cast<double>(model->matrixBytes());
+        if (study_.reference) {
+            auto frames = Character::build(plain);
+            if (!frames) return tl::unexpected(frames.error());
+            ErrorSum sum;
+            p.errors.clear();
+            for (std::size_t i = 0; i < input_.reference.poses.size(); ++i) {
+                const auto statics = model->statics(input_.reference.poses[i].pose, progress);
+                if (!statics) return tl::unexpected(statics.error());
+                frames->update(input_.reference.poses[i].pose);
+                const ErrorSum one = errorOf(*frames, *statics, *study_.reference, i);
+                p.errors.push_back(one.error());
+                sum.add(one);
+            }
+            p.relative = sum.error().relative;
+            p.percent = sum.error().percent;
+        }
+        Swing swing(input_.reference.character.skeleton);
+        Pose pose = restPose(input_.reference.character.skeleton);
+        double at = 0.0, overhead = 0.0;
+        int count = 0;
+        const Spread ms = inTurn([&] {
+            swing.move(at += 0.013);
+            (void)model->frame(swing.holds, pose);
+            overhead += model->overheadMs();
+            ++count;
+        });
+        if (progress.cancelled()) return cancelled();
+        p.frameMs = std::max(0.0, ms.median - overhead / std::max(1, count));
+        p.frameP99Ms = std::max(0.0, ms.p99 - overhead / std::max(1, count));
+        return {};
+    }
+
+    /// Responses are kept while the next settings may need them: formats and smooth joints change none.
+    Result<std::vector<std::shared_ptr<const ElementResponse>>> solutions(const std::vector<ResponseInput>& inputs, AccuracyPoint& p, const Progress& progress) {
+        ContentHasher hasher;
+        for (const auto& in : inputs) {
+            const ContentKey key = responseKey(in);
+            hasher.number(key.high);
+            hasher.number(key.low);
+        }
+        const ContentKey key = hasher.key();
+        auto& kept = kept_[key];
+        if (kept.responses.empty()) {
+            std::vector<double> seconds;
+            do {
+                auto solved = solveElements(inputs, progress);
+                if (!solved) {
+                    kept_.erase(key);
+                    return tl::unexpected(solved.error());
+                }
+                double sum = 0.0;
+                for (const double s : solved->seconds) sum += s;
+                seconds.push_back(sum);
+                kept.responses = std::move(solved->responses);
+            } while (seconds.size() < 3 && seconds.back() < kQuickPrecompute);
+            std::sort(seconds.begin(), seconds.end());
+            kept.seconds = seconds[seconds.size() / 2];
+        }
+        p.precomputeSeconds = kept.seconds;
+        auto out = kept.responses;
+        // Which settings still need them?
+        const bool again = std::any_of(study_.points.begin(), study_.points.end(), [&](const AccuracyPoint& other) {
+            return &other != &p && !other.measured() && other.problem.empty() && other.setting.mesh == p.setting.mesh && other.setting.previous == p.setting.previous &&
+                   (other.setting.previous || other.setting.basis == p.setting.basis);
+        });
+        if (!again) kept_.erase(key);
+        return out;
+    }
+
+    Result<EffectPoint> price(const StudyInput::Effect& effect) {
+        EffectPoint out{effect.name, effect.predictedMs, -1.0};
+        CharacterInput given = withStandIns(effect.with);
+        CharacterInput plain = characterAs(input_, input_.present);
+        plain.smoothJoints = plain.smoothJoints && effect.name != "smooth-joints";
+        auto on = Character::build(std::move(given));
+        if (!on) return tl::unexpected(on.error());
+        auto off = Character::build(withStandIns(std::move(plain)));
+        if (!off) return tl::unexpected(off.error());
+        Frames a(*on), b(*off);
+        const auto both = spreadsInTurn(kRounds, frameSeconds(), {[&] { a(); }, [&] { b(); }}, progress_);
+        out.measuredMs = std::max(0.0, both[0].median - both[1].median);
+        return out;
+    }
+
+    const StudyInput& input_;
+    const StudyListener& listener_;
+    const Progress& progress_;
+    StudyStore store_;
+    Clock::time_point start_;
+    AccuracyStudy study_;
+    double spentBefore_ = 0.0;
+    std::optional<Character> yard_;
+    std::optional<Frames> yardFrames_;
+    struct Kept {
+        std::vector<std::shared_ptr<const ElementResponse>> responses;
+        double seconds = 0.0;
+    };
+    std::map<ContentKey, Kept> kept_;
+};
+
+}  // namespace
+
+std::vector<std::size_t> AccuracyStudy::frontPerFrame() const {
+    std::vector<Trade> trades;
+    for (const auto& p : points) trades.push_back({p.frameMs, p.relative, p.relative >= 0.0 && p.frameMs >= 0.0});
+    return paretoFront(trades);
+}
+
+std::vector<std::size_t> AccuracyStudy::frontInPrecompute() const {
+    std::vector<Trade> trades;
+    for (const auto& p : points) trades.push_back({p.precomputeSeconds, p.relative, p.relative >= 0.0 && p.precomputeSeconds >= 0.0});
+    return paretoFront(trades);
+}
+
+int AccuracyStudy::best(double ms) const {
+    int out = -1;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (points[i].relative >= 0.0 && points[i].measured() && points[i].frameMs <= ms && (out < 0 || points[i].relative < points[static_cast<std::size_t>(out)].relative)) out = static_cast<int>(i);
+    return out;
+}
+
+ContentKey studyKey(const StudyInput& input) {
+    ContentHasher hasher;
+    hasher.number(kVersion);
+    hasher.text(machineName());
+    hasher.text(settingName(input.present));
+    const auto vector = [&](const Vec3& v) { hasher.array(std::span<const double>(v.data(), 3)); };
+    for (ResponseInput in : input.reference.elements) {
+        in.basis = BasisKind::Affine;
+        in.loads = false;
+        in.touch = 0;
+        const ContentKey key = responseKey(in);
+        hasher.number(key.high);
+        hasher.number(key.low);
+    }
+    const CharacterInput& c = input.reference.character;
+    hasher.number(c.threads);
+    for (const auto& e : c.elements) {
+        hasher.number(e.stiffness);
+        hasher.number(static_cast<int>(e.leadsJointPlanes));
+        hasher.array(std::span<const int>(e.bones));
+    }
+    for (const Vec3& p : c.skeleton.points) vector(p);
+    for (const auto& b : c.skeleton.bones) {
+        hasher.array(std::span<const int>(std::array{b.start, b.end, b.parent}));
+        hasher.array(std::span<const double>(std::array{b.length, b.minStretch, b.maxStretch}));
+    }
+    for (const auto& joint : c.joints) {
+        hasher.number(joint.point);
+        for (const auto& f : joint.faces) hasher.array(std::span<const int>(std::array{f.element, f.face, f.bone}));
+        for (const auto& [a, b] : joint.welded) hasher.array(std::span<const std::int32_t>(std::array{a, b}));
+    }
+    for (const auto& pose : input.reference.poses) {
+        hasher.text(pose.name);
+        for (const Vec3& p : pose.pose.points) vector(p);
+        for (const auto& q : pose.pose.frames) hasher.array(std::span<const double>(q.coeffs().data(), 4));
+        hasher.array(std::span<const double>(pose.pose.roll));
+    }
+    return hasher.key();
+}
+
+AccuracyStudy knownStudy(const StudyInput& input) {
+    AccuracyStudy study = StudyStore(input.store, studyKey(input)).load(input.reference);
+    study.machine = machineName();
+    study.poses.clear();
+    for (const auto& pose : input.reference.poses) study.poses.push_back(pose.name);
+    // The points of now, with what is known of them.
+    std::vector<AccuracyPoint> points;
+    for (const AccuracySetting& setting : studiedSettings(input.present)) {
+        AccuracyPoint point;
+        for (const auto& known : study.points)
+            if (known.setting == setting) point = known;
+        point.setting = setting;
+        points.push_back(std::move(point));
+    }
+    study.points = std::move(points);
+    study.complete = std::all_of(study.points.begin(), study.points.end(), [](const AccuracyPoint& p) { return p.measured() || !p.problem.empty(); });
+    flag(study);
+    return study;
+}
+
+Result<AccuracyStudy> runStudy(const StudyInput& input, const StudyListener& listener, const Progress& progress) {
+    return Runner(input, listener, progress).run();
+}
+
+std::string machineName() {
+    static const std::string name = [] {
+        std::ifstream file("/proc/cpuinfo");
+        for (std::string line; std::getline(file, line);)
+            if (line.starts_with("model name"))
+                if (const auto colon = line.find(": "); colon != std::string::npos) return line.substr(colon + 2) + ", " + std::to_string(hardwareThreads()) + " threads";
+        return std::to_string(hardwareThreads()) + " threads";
+    }();
+    return name;
+}
+
+std::filesystem::path studyFolder() {
+    const char* cache = std::getenv("XDG_CACHE_HOME");
+    if (cache && *cache) return std::filesystem::path(cache) / "imomushi" / "accuracy";
+    const char* home = std::getenv("HOME");
+    return home && *home ? std::filesystem::path(home) / ".cache" / "imomushi" / "accuracy" : std::filesystem::path();
+}
+
+}  // namespace imomushi

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/accuracy/reference.h"
+#include "core/accuracy/setting.h"
+#include "core/base/hash.h"
+
+namespace imomushi {
+
+/// What one setting costs and gets wrong, measured on this machine. Negative: unknown, or not measured yet.
+struct AccuracyPoint {
+    AccuracySetting setting;
+    double precomputeSeconds = -1.0;
+    double precomputeBytes = -1.0;     ///< peak, estimated
+    double frameBytes = -1.0;          ///< A' and what else a frame reads and writes, all elements
+    double frameMs = -1.0, frameP99Ms = -1.0;  ///< whole frame: inverse kinematics, joints, product, positions, normals
+    double predictedMs = -1.0;         ///< the same, before the precompute
+    double predictedSeconds = -1.0;    ///< of the precompute, before it
+    double relative = -1.0, percent = -1.0;  ///< over all poses, as in PoseError
+    std::vector<PoseError> errors;     ///< per pose
+    std::string problem;               ///< why it was not measured; empty: it was, or is waiting
+    bool dominatedPerFrame = false, dominatedInPrecompute = false;
+    [[nodiscard]] bool measured() const { return frameMs >= 0.0; }  ///< the error stays unknown where there is no reference
+};
+
+/// What an effect adds to a frame of the present setting.
+struct EffectPoint {
+    std::string effect;
+    double predictedMs = -1.0, measuredMs = -1.0;
+};
+
+/// A character for which the study is made.
+struct StudyInput {
+    ReferenceInput reference;          ///< the character with its present basis, joints and format, and how its elements are solved
+    AccuracySetting present;
+    /// Effects that act on elements and joints, each with the present character that has it alone, and what it is predicted to cost. Frames of both are measured
+    /// with stand-ins, since most effects would need a precompute of their own.
+    struct Effect {
+        std::string name;
+        double predictedMs = 0.0;
+        CharacterInput with;
+    };
+    std::vector<Effect> effects;
+    double seconds = 0.0;              ///< that the study may take about, 0: as long as it takes
+    std::filesystem::path store;       ///< folder where figures are kept, empty: nowhere
+};
+
+/// The whole table. Points stay in the order in which they were tried.
+struct AccuracyStudy {
+    std::vector<AccuracyPoint> points;
+    std::vector<EffectPoint> effects;
+    std::vector<std::string> poses;    ///< names
+    std::optional<Reference> reference;
+    std::string machine;               ///< processor and number of threads
+    bool complete = false;             ///< nothing is waiting
+    double seconds = 0.0;              ///< spent, over all runs
+    double yardMs = 0.0;               ///< of a frame of the yardstick, see runStudy()
+
+    /// Points that are not dominated, cheapest first; a known error and a known cost are needed.
+    [[nodiscard]] std::vector<std::size_t> frontPerFrame() const;
+    [[nodiscard]] std::vector<std::size_t> frontInPrecompute() const;
+    [[nodiscard]] int present() const { return points.empty() ? -1 : 0; }  ///< index of the present setting
+    /// The point of least error whose frame takes at most `ms`, -1: none.
+    [[nodiscard]] int best(double ms) const;
+};
+
+/// Everything that the figures depend on: elements, skeleton, joints, poses, present setting, machine and the version of studies.
+ContentKey studyKey(const StudyInput& input);
+
+/// What runs the study tells with every change: a point, an effect or the reference arrived.
+using StudyListener = std::function<void(const AccuracyStudy&)>;
+
+/// Measures whatever `input.store` does not know yet; what arrives is stored at once, so that a study that was cancelled goes on where it was. Every frame time is
+/// measured in turn with one yardstick, and given as its ratio to that times the yardstick's median over the study: what disturbs the machine for a while
+/// disturbs both.
+/// Errors: those of buildReference() other than "too-large" (then errors stay unknown), "no-bone", "cancelled".
+Result<AccuracyStudy> runStudy(const StudyInput& input, const StudyListener& listener, const Progress& progress);
+
+/// What is stored already, without measuring anything: all points, most of them waiting perhaps.
+AccuracyStudy knownStudy(const StudyInput& input);
+
+/// "AMD EPYC ..., 2 threads".
+std::string machineName();
+/// Where studies are kept unless told otherwise: XDG_CACHE_HOME or ~/.cache, imomushi/accuracy. A measurement belongs to a machine and not to a project, so it
+/// does not travel with the file. Empty: no home.
+std::filesystem::path studyFolder();
+
+}  // namespace imomushi
