@@ -19,7 +19,7 @@ namespace imomushi {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kFoldAngle = 120.0 * kDegree, kFoldedAtRest = 100.0 * kDegree;
+constexpr double kFoldAngle = 120.0 * kDegree;
 constexpr std::size_t kMostPairs = 10000;
 constexpr double kRow = 1e-6;  // m: vertices of a row have the same distance from the seam
 
@@ -171,7 +171,8 @@ DeformationMeasures measureDeformation(const DeformerCase& which, const Points& 
     for (int e = 0; e < edges.size(); ++e) {
         if (edges.uses(e).size() != 2) continue;
         const double angle = turn(after, e);
-        if (angle > kFoldAngle && turn(before, e) < kFoldedAtRest) ++out.folds;
+        // The rim of a cap turns by 90 degrees at rest, and bulging flesh beside it is no fold.
+        if (angle > std::max(kFoldAngle, 0.5 * (turn(before, e) + std::numbers::pi))) ++out.folds;
         const double a = distance(edges.uses(e)[0].low), b = distance(edges.uses(e)[0].high);
         if (std::abs(a - b) > kRow || a > high + kRow || a < low - kRow) continue;
         auto& to = std::abs(a) < kRow ? out.crease : out.creaseBeside;

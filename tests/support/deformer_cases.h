@@ -29,7 +29,7 @@ DeformerCase bentCylinder(const std::string& folder, double angle);
 struct DeformationMeasures {
     double volumeChange = 0.0;   ///< relative to rest
     double worstQuality = 1.0;   ///< least of 4 sqrt(3) area / sum of squared edges of a triangle, over that at rest
-    int folds = 0;               ///< edges over which normals turn by more than 120 degrees, and not by more than 100 at rest
+    int folds = 0;               ///< edges over which normals turn by more than 120 degrees, and than halfway from rest to right back
     int intersections = 0;       ///< pairs of triangles that meet where they should not, 10,000 at most
     double crease = 0.0, creaseBeside = 0.0;  ///< radians: largest turn of normals over an edge in the seam, and in the two rows on each side
 };
