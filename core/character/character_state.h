@@ -161,7 +161,7 @@ struct Character::State {
         bool localShown = false;  // local belongs to shownV
         Work work = Work::None;
         AffineFloat placement{};
-        std::uint64_t revision = 0;
+        std::uint64_t revision = 0, moves = 0;  // moves: without changes of normals on seams
     };
     // The normal of a vertex on a seam is shared with a place on an edge of the other rim.
     struct SeamNormal {

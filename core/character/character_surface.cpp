@@ -40,6 +40,7 @@ void Character::State::decideWork(std::size_t e) {
     if (!out.moved) return;
     out.shownFrame = out.frame;
     ++out.revision;
+    ++out.moves;
 
     const Vec3 shift = out.frame(out.middle);
     for (int i = 0; i < 3; ++i) {

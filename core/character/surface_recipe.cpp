@@ -62,8 +62,8 @@ void Character::State::fillRecipe(std::size_t e) {
     const auto& from = elements[e];
     auto& out = recipe->elements[e];
     auto& frame = out.frame;
-    if (frame.revision == from.revision) return;
-    frame.revision = from.revision;
+    if (frame.revision == from.moves) return;
+    frame.revision = from.moves;
     out.elsewhere = from.madeElsewhere;
     for (std::size_t f = 0; f < from.jointOf.size(); ++f)
         frame.faceNormals[f] = (joints[static_cast<std::size_t>(from.jointOf[f])].map.linear * input.elements[e].faces[f].frame.axes.col(2)).normalized().cast<float>();

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <random>
+
+#include "tests/character/caterpillar.h"
+
+/// Caterpillars of any kind: number and size of elements, bases, formats, effects, rims that do not match.
+namespace imomushi {
+
+inline CharacterInput randomCharacter(std::mt19937& random) {
+    const auto number = [&](int low, int high) { return std::uniform_int_distribution<int>(low, high)(random); };
+    const auto chance = [&](double p) { return std::bernoulli_distribution(p)(random); };
+    caterpillar::Shape shape;
+    shape.elements = number(2, 4);
+    const double size = std::pow(10.0, number(-2, 2));
+    shape.radius = 0.5 * size, shape.length = size;
+    shape.around = {number(5, 9), number(5, 9)};
+    if (chance(0.5)) shape.around = {number(5, 12)};
+    shape.along = {number(2, 4), number(2, 4)};
+    shape.tips = chance(0.5);
+    shape.mirrored = chance(0.3);
+    shape.dome = chance(0.3) ? 0.2 / size : 0.0;
+    shape.precomputed = false;
+    constexpr BasisChoice kBases[] = {BasisKind::Paper, BasisKind::Affine, BasisKind::Full, {BasisKind::Modes, 5}, {BasisKind::Modes, 12}};
+    shape.basis = kBases[number(0, 4)];
+    CharacterInput input = caterpillar::make(shape);
+    input.format = static_cast<ResponseFormat>(number(0, 2));
+    input.smoothJoints = chance(0.4) && shape.basis != BasisKind::Full;
+    if (chance(0.4)) input.effects.gravity.emplace();
+    if (chance(0.4)) input.effects.inflate.emplace();
+    if (chance(0.3)) input.effects.jointDynamics.emplace();
+    if (chance(0.4)) input.effects.touch.emplace();
+    for (auto& element : input.elements) {
+        if (chance(0.15)) continue;  // not precomputed: follows its bones rigidly
+        element.heavy = input.effects.gravity.has_value();
+        element.inflated = input.effects.inflate.has_value();
+        element.touched = input.effects.touch.has_value();
+        element.warped = chance(0.15);
+        ResponseInput in;
+        in.mesh = element.mesh;
+        in.faces = element.faces;
+        in.basis = input.basis;
+        in.solverMesh = {SolverMeshSetting::Kind::AsIs, 0};
+        in.loads = element.heavy || element.inflated;
+        in.touch = element.touched ? 6 : 0;
+        auto made = buildResponse(in, {});
+        REQUIRE_MESSAGE(made.has_value(), (made ? "" : made.error().message));
+        element.response = std::make_shared<const ElementResponse>(std::move(*made));
+    }
+    return input;
+}
+
+/// A pose on the way from `pose` towards a random place of the last joint point, the first one held.
+inline void wander(Character& character, std::mt19937& random, Pose& pose) {
+    const auto& rest = character.input().skeleton.points;
+    const double length = (rest.back() - rest.front()).norm();
+    std::uniform_real_distribution<double> d(-1.0, 1.0);
+    const Vec3 target = rest.front() + length * Vec3(0.6 * d(random), 0.6 * d(random), 0.9 + 0.4 * d(random));
+    for (int i = 0; i < 4; ++i) character.solvePose({{0, rest.front()}, {static_cast<int>(rest.size()) - 1, target}}, pose);
+}
+
+}  // namespace imomushi
