@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Joints are carried by a Character whose elements are rigid: it places joint faces as bones want them (targets). What their vertices do beyond that
-// is `offset`, in the axes of the joint's first element, one per vertex, shared by welded ones. From both follows what each element's matrix is fed with.
+// is `offset`, in the axes of the joint as bones carry it, one per vertex, shared by welded ones. From both follows what each element's matrix is fed with.
 #include "core/comparison/previous_model.h"
 
 #include <cblas.h>
 
 #include <Eigen/Geometry>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
@@ -36,8 +37,11 @@ struct PreviousModel::State {
         double area = 0.0;
     };
     struct Joint {
-        int element = 0;  // whose axes offsets are in
+        int element = 0;  // of its first face
         std::vector<Node> nodes;
+        std::vector<std::int32_t> vertices;  // of the first face, as its first nodes
+        Vec3 middle = Vec3::Zero();          // of these, at rest
+        Matrix3d axes = Matrix3d::Identity();  // rest to world, as bones carry the joint: offsets are in these
         Eigen::VectorXd force;              // of the tractions on offsets
         Eigen::MatrixXd held;               // 3 #nodes x 6, orthonormal with areas as weights
         std::vector<ExplicitJointDynamics> dynamics;  // one
@@ -69,6 +73,7 @@ struct PreviousModel::State {
     double overhead = 0.0;
 
     void prepare(const CharacterInput& input);
+    void orient();
     Result<void> weigh();
     [[nodiscard]] double fastest();
     void feed(std::size_t e, const Eigen::Isometry3d& frame, const float* targets);
@@ -102,6 +107,7 @@ void PreviousModel::State::prepare(const CharacterInput& input) {
                 if (index < 0) {
                     index = static_cast<int>(out.nodes.size());
                     out.nodes.push_back({body.vertices.row(v).transpose()});
+                    if (f == 0) out.vertices.push_back(v);
                 }
                 node[element][face].push_back(index);
             }
@@ -155,6 +161,7 @@ void PreviousModel::State::prepare(const CharacterInput& input) {
         out.stencils = normalStencils(body.vertices, {body.triangles.data(), body.triangles.data() + body.triangles.size()}, out.scale);
     }
     for (auto& joint : joints) {
+        for (std::size_t i = 0; i < joint.vertices.size(); ++i) joint.middle += joint.nodes[i].rest / static_cast<double>(joint.vertices.size());
         const auto n = static_cast<Eigen::Index>(joint.nodes.size());
         joint.force = Eigen::VectorXd::Zero(3 * n);
         Vec3 middle = Vec3::Zero();
@@ -179,6 +186,21 @@ void PreviousModel::State::prepare(const CharacterInput& input) {
             else
                 joint.held.col(k).setZero();  // vertices in a line
         }
+    }
+}
+
+// How the carrier has turned the joints: the rotation nearest to what it did with their first faces (Kabsch).
+void PreviousModel::State::orient() {
+    for (auto& joint : joints) {
+        const float* now = carrier.surface(joint.element).positions;
+        const auto at = [&](std::size_t i) -> Vec3 { return Eigen::Map<const Eigen::Vector3f>(now + 3 * static_cast<std::ptrdiff_t>(joint.vertices[i])).cast<double>(); };
+        Vec3 middle = Vec3::Zero();
+        for (std::size_t i = 0; i < joint.vertices.size(); ++i) middle += at(i) / static_cast<double>(joint.vertices.size());
+        Matrix3d along = Matrix3d::Zero();
+        for (std::size_t i = 0; i < joint.vertices.size(); ++i) along += (at(i) - middle) * (joint.nodes[i].rest - joint.middle).transpose();
+        const Eigen::JacobiSVD<Matrix3d> svd(along, Eigen::ComputeFullU | Eigen::ComputeFullV);
+        const Matrix3d u = svd.matrixU(), v = svd.matrixV();
+        joint.axes = u * Vec3(1.0, 1.0, u.determinant() * v.determinant() < 0.0 ? -1.0 : 1.0).asDiagonal() * v.transpose();
     }
 }
 
@@ -242,7 +264,7 @@ void PreviousModel::State::feed(std::size_t e, const Eigen::Isometry3d& frame, c
         const auto& h = out.held[i];
         const auto& joint = joints[h.joint];
         const Vec3 at = Eigen::Map<const Eigen::Vector3f>(targets + 3 * static_cast<std::ptrdiff_t>(h.vertex)).cast<double>() +
-                        carrier.frame(joint.element).linear() * joint.dynamics[0].displacement().segment<3>(3 * h.node);
+                        joint.axes * joint.dynamics[0].displacement().segment<3>(3 * h.node);
         const Vec3 u = back * (at - frame.translation()) - out.rest.row(h.vertex).transpose();
         if (out.x.size()) out.x.segment<3>(3 * static_cast<Eigen::Index>(i)) = u.cast<float>();
         Eigen::Map<Eigen::Vector3f>(out.positions.data() + 3 * static_cast<std::ptrdiff_t>(h.vertex)) = at.cast<float>();
@@ -270,7 +292,7 @@ void PreviousModel::State::pull(std::size_t e, const Eigen::Isometry3d& frame) {
         const auto& h = out.held[i];
         auto& joint = joints[h.joint];
         const Vec3 t = out.y.segment<3>(first + 3 * static_cast<Eigen::Index>(i)).cast<double>();
-        joint.force.segment<3>(3 * h.node) -= out.stiffness * h.area * (carrier.frame(joint.element).linear().transpose() * (frame.linear() * t));
+        joint.force.segment<3>(3 * h.node) -= out.stiffness * h.area * (joint.axes.transpose() * (frame.linear() * t));
     }
 }
 
@@ -315,6 +337,7 @@ bool PreviousModel::frame(const std::vector<Hold>& holds, Pose& pose) {
     State& s = *state_;
     s.carrier.solvePose(holds, pose);
     s.carrier.update(pose);
+    s.orient();
     s.overhead = s.carrier.stats().productMs + s.carrier.stats().normalsMs;
     for (std::size_t e = 0; e < s.elements.size(); ++e) s.feed(e, s.carrier.frame(static_cast<int>(e)), s.carrier.surface(static_cast<int>(e)).positions);
     product();
@@ -349,6 +372,7 @@ int PreviousModel::columns() const {
 Result<std::vector<Points>> PreviousModel::statics(const Pose& pose, const Progress& progress) {
     State& s = *state_;
     s.carrier.update(pose);
+    s.orient();
     const std::size_t count = s.elements.size();
     std::vector<Points> out;
     std::vector<Eigen::VectorXd> wanted(count);  // joint parameters of the faces as bones carry them
@@ -369,7 +393,7 @@ Result<std::vector<Points>> PreviousModel::statics(const Pose& pose, const Progr
         for (std::size_t i = 0; i < s.joints[j].nodes.size(); ++i)
             root.segment<3>(first[j] + 3 * static_cast<Eigen::Index>(i)).setConstant(std::sqrt(s.joints[j].nodes[i].area));
     const auto turn = [&](std::size_t e, const State::FaceVertex& h) -> Matrix3d {
-        return h.axes.transpose() * s.carrier.frame(static_cast<int>(e)).linear().transpose() * s.carrier.frame(s.joints[h.joint].element).linear();
+        return h.axes.transpose() * s.carrier.frame(static_cast<int>(e)).linear().transpose() * s.joints[h.joint].axes;
     };
     const auto parameters = [&](std::size_t e, const Eigen::VectorXd& w) {
         Eigen::VectorXd v(wanted[e].size());
@@ -430,7 +454,7 @@ Result<std::vector<Points>> PreviousModel::statics(const Pose& pose, const Progr
         const auto& element = s.elements[e];
         const auto frame = s.carrier.frame(static_cast<int>(e));
         for (const auto& h : element.held)
-            out[e].row(h.vertex) += (s.carrier.frame(s.joints[h.joint].element).linear() * w.segment<3>(first[h.joint] + 3 * h.node)).transpose();
+            out[e].row(h.vertex) += (s.joints[h.joint].axes * w.segment<3>(first[h.joint] + 3 * h.node)).transpose();
         if (!s.responses[e]) continue;
         const Eigen::VectorXd u = s.responses[e]->response * (wanted[e] + parameters(e, w));
         for (std::size_t i = 0; i < element.free.size(); ++i)
