@@ -15,7 +15,7 @@ TEST_CASE("command: what is not one is refused by its own code and changes nothi
     CHECK(w.code(Json::array()) == "bad-command");
     CHECK(w.code({{"what", "new"}}) == "bad-command");
     CHECK(w.code({{"do", 3}}) == "bad-command");
-    for (const char* later : {"repair", "cut", "export", "record", "play", "accuracy", "no such thing"})
+    for (const char* later : {"no such thing", "Open", ""})
         CHECK(w.code({{"do", later}}) == "unknown-command");
     CHECK(w.code({{"do", "rest"}, {"extra", 1}}) == "unknown-key");
     CHECK(w.code({{"do", "drag"}, {"endpoint", "b/end"}}) == "missing-key");
