@@ -134,6 +134,7 @@ Result<void> CardDeformer::prepare() {
     if (!deform) return tl::unexpected(deform.error());
     auto dress = Program::feedback("dress.vert", {"displayPosition", "displayNormal"});
     if (!dress) return tl::unexpected(dress.error());
+    if (!nowhere_.resize(1, 1, GL_RGBA8, 0)) return fail("no-opengl", "The graphics driver has no memory for a single pixel: close other programs, or restart.");
     deform_ = std::move(*deform);
     dress_ = std::move(*dress);
     deform_.use();
@@ -404,6 +405,7 @@ void CardDeformer::deform(const SurfaceRecipe& recipe) {
         glBufferSubData(GL_ARRAY_BUFFER, static_cast<GLintptr>(16 * static_cast<std::size_t>(part.first)), static_cast<GLsizeiptr>(16 * n), staging_.data());
         stats_.uploaded += 16 * n;
     }
+    nowhere_.bind();
     deform_.use();
     for (std::size_t e = 0; e < parts_.size(); ++e) {
         const Part& part = parts_[e];
@@ -479,6 +481,7 @@ CardDeformer::Dress CardDeformer::makeDress(int element, const BodyGeometry& geo
 }
 
 void CardDeformer::dress(int element, const Dress& dress, GLuint vertices) const {
+    nowhere_.bind();
     dress_.use();
     glBindBufferBase(GL_UNIFORM_BUFFER, 1, parts_[static_cast<std::size_t>(element)].drive);
     bindBufferTexture(kPoints, pointsTexture_);

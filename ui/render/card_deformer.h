@@ -20,10 +20,10 @@ namespace imomushi::render {
 /// in six passes are deformed once. Texture buffers and transform feedback are part of OpenGL 3.3: storage buffers and compute shaders (4.3) would leave out
 /// macOS and older cards, and gain nothing: every vertex reads its own A' once.
 ///
-/// A context must be current wherever it is used; binding points it touches are left at OpenGL's defaults.
+/// A context must be current wherever it is used; binding points it touches are left at OpenGL's defaults, but for the framebuffer, which is its own.
 class CardDeformer {
 public:
-    /// Errors: "bad-shader" with the compiler's log.
+    /// Errors: "bad-shader" with the compiler's log, "no-opengl" where there is no memory at all.
     Result<void> prepare();
 
     /// Takes over a character, unless it is the one it has. False: the driver has no room for it.
@@ -101,6 +101,7 @@ private:
     static void bound(const SurfaceRecipe::Element& element, Part& part);
 
     Program deform_, dress_;
+    Target nowhere_;  ///< OpenGL wants a framebuffer even where nothing is drawn
     std::uint64_t id_ = 0;
     bool taken_ = false;
     std::vector<Part> parts_;
