@@ -88,7 +88,8 @@ public:
     Result<void> prepare();
     void draw(const Scene& scene, unsigned target, int width, int height) override;
     Pick pick(const Scene& scene, int width, int height, int x, int y) override;
-    bool canDeform(const SurfaceRecipe& recipe, int element) override;
+    bool take(const SurfaceRecipe& recipe) override;
+    bool deforms(int element) const override { return deformer_.fits(element); }
     bool software() const override { return software_; }
     void forget() override;
 
@@ -298,9 +299,9 @@ void Renderer::fillBody(const Body& body, GpuBody& gpu) {
     }
 }
 
-bool Renderer::canDeform(const SurfaceRecipe& recipe, int element) {
+bool Renderer::take(const SurfaceRecipe& recipe) {
     const NoFloatingPointTraps quiet;
-    return deformer_.take(recipe) && deformer_.fits(element);
+    return deformer_.take(recipe);
 }
 
 /// Bodies that the card makes.

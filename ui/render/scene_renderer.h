@@ -35,7 +35,7 @@ struct Body {
     std::shared_ptr<const ElementMesh> mesh;    ///< topology and look
     const float* positions = nullptr;           ///< #body vertices x 3, world
     const float* normals = nullptr;
-    int recipeElement = -1;                     ///< of Scene::recipe, where the card deforms it: positions and normals may be null. -1: none
+    int recipeElement = -1;                     ///< of Scene::recipe, which it is drawn from: positions and normals are not read. -1: from these
     std::uint64_t revision = 0;
     Eigen::Vector3f color = Eigen::Vector3f::Constant(0.7f);  ///< linear; where the look has none
     bool selected = false, hovered = false;
@@ -72,7 +72,7 @@ struct Scene {
     std::vector<Body> bodies;
     std::vector<Seam> seams;
     std::vector<Marker> markers;
-    /// What bodies with a recipeElement are made from (core/character/surface_recipe.h), after SceneRenderer::canDeform() said so.
+    /// What bodies with a recipeElement are made from (core/character/surface_recipe.h): all of one character, that SceneRenderer::take() took.
     const SurfaceRecipe* recipe = nullptr;
     bool grid = true;
     bool groundShadow = true;         ///< soft shadow on the ground, also without the grid
@@ -105,8 +105,10 @@ public:
     };
     virtual Pick pick(const Scene& scene, int width, int height, int x, int y) = 0;
 
-    /// Whether the graphics card can make this element of a character; the first time this takes what never changes into its memory.
-    virtual bool canDeform(const SurfaceRecipe& recipe, int element) = 0;
+    /// Takes what never changes of a character into the memory of the graphics card, unless it is there. False: the driver has no room for it.
+    virtual bool take(const SurfaceRecipe& recipe) = 0;
+    /// Whether the card can make this element of the character that it took.
+    [[nodiscard]] virtual bool deforms(int element) const = 0;
     /// OpenGL without a graphics card: deforming with it would cost more than without.
     [[nodiscard]] virtual bool software() const = 0;
 

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "core/base/hash.h"
+#include "core/character/surface_recipe.h"
 #include "core/document/character_input.h"
 #include "core/document/seam.h"
 
@@ -114,6 +115,9 @@ void DocumentScene::update(Session& session, const SceneOptions& options, render
         }
 
     Character* character = session.character();
+    scene.recipe = character && options.card && options.card->take(character->recipe()) ? &character->recipe() : nullptr;
+    for (int i = 0; character && i < static_cast<int>(character->input().elements.size()); ++i)
+        (void)character->showElsewhere(i, scene.recipe && options.card->deforms(i));
     scene.ground = 0.0;
     for (const auto& [id, element] : document.elements) {
         if (!element->visible || !element->mesh) continue;
@@ -131,6 +135,17 @@ void DocumentScene::update(Session& session, const SceneOptions& options, render
         body.dimmed = session.responseState(id) == Session::ResponseState::Stale;
         body.positions = p.restPositions.data();
         const int index = character ? session.elementIndex(id) : -1;
+        const SurfaceRecipe::Element* made = index >= 0 && scene.recipe ? &scene.recipe->elements[static_cast<std::size_t>(index)] : nullptr;
+        ContentHasher content;
+        if (made && made->vertices == element->mesh->body.vertices.rows()) {
+            body.recipeElement = index;
+            body.positions = options.faces ? character->surface(index).positions : nullptr;  // for their outlines
+            content.number(scene.recipe->id);
+            content.number(made->frame.revision);
+            body.revision = content.key().low;
+            scene.bodies.push_back(std::move(body));
+            continue;
+        }
         if (index >= 0) {
             const Character::Surface surface = character->surface(index);
             if (surface.positions && surface.vertices == element->mesh->body.vertices.rows()) {
@@ -139,7 +154,6 @@ void DocumentScene::update(Session& session, const SceneOptions& options, render
             }
         }
         // A character that was built anew counts its revisions from the start, so the content itself is the revision.
-        ContentHasher content;
         content.array(std::span(body.positions, p.restPositions.size()));
         body.revision = content.key().low;
         scene.bodies.push_back(std::move(body));

@@ -33,13 +33,17 @@ struct SceneOptions {
     float bodyOpacity = 1.0f;   ///< < 1: x-ray
     std::vector<std::uint64_t> selected;  ///< scene ids
     std::uint64_t hovered = 0;
+    /// Draws the scene, with its context current, and deforms what its graphics card can; null: the processor deforms all, which gives the same bytes on
+    /// every machine.
+    render::SceneRenderer* card = nullptr;
 };
 
 /// The scene of a session. Keeps what does not change from frame to frame (outlines, covered triangles); one per view.
 class DocumentScene {
 public:
     /// Sets bodies, seams, markers and ground of `scene` to the session's present state; leaves camera, theme and the rest alone.
-    /// Surfaces are pointed to, not copied: draw before the session changes again.
+    /// Surfaces are pointed to, not copied: draw before the session changes again. Who deforms an element is decided here, and holds from the session's next
+    /// frame on.
     void update(Session& session, const SceneOptions& options, render::Scene& scene);
 
 private:
