@@ -2,6 +2,7 @@
 #include "core/accuracy/reference.h"
 
 #include <Eigen/Geometry>
+#include <Eigen/QR>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -76,43 +77,73 @@ Result<std::vector<std::vector<Points>>> statics(CharacterInput character, std::
     return out;
 }
 
-/// What faces that are linear on their triangles lose of the smooth part of their motion, on the same solver mesh.
-Result<ErrorSum> faceError(const ReferenceInput& input, const Reference& reference, const std::vector<std::shared_ptr<const ElementResponse>>& full,
-                           const std::vector<std::shared_ptr<const ElementResponse>>& smooth, const Progress& progress) {
+/// Displacements of free vertices (3 x #free) that joint parameters `v` of a smooth basis cause, less those of the same motion of face vertices, linear on the triangles
+/// of the body in between. Element rest axes.
+Eigen::VectorXd bulge(const CharacterInput::Element& element, const ElementResponse& smooth, const ElementResponse& full, const Eigen::VectorXd& v) {
+    Eigen::VectorXd u(full.columns());
+    for (std::size_t f = 0; f < element.faces.size(); ++f) {
+        const FaceBasis& basis = smooth.bases[f];
+        const Points local = localVertices(element.mesh->body, element.faces[f]);
+        for (Eigen::Index k = 0; k < local.rows(); ++k)
+            u.segment<3>(full.firstColumn[f] + 3 * k) = basis.at(local.row(k).transpose()) * v.segment(smooth.firstColumn[f], basis.columns());
+    }
+    return smooth.response * v - full.response * u;
+}
+
+/// The joint parameters of a smooth basis nearest to what the faces of an element do at `positions` (world).
+Eigen::VectorXd smoothPart(const CharacterInput::Element& element, const ElementResponse& smooth, const Eigen::Isometry3d& frame, const Points& positions) {
+    Eigen::VectorXd v(smooth.columns());
+    const Eigen::Isometry3d back = frame.inverse();
+    for (std::size_t f = 0; f < element.faces.size(); ++f) {
+        const JointFace& face = element.faces[f];
+        const FaceBasis& basis = smooth.bases[f];
+        const auto count = static_cast<Eigen::Index>(face.vertices.size());
+        Eigen::MatrixXd C(3 * count, basis.columns());
+        Eigen::VectorXd u(3 * count);
+        for (Eigen::Index k = 0; k < count; ++k) {
+            const auto vertex = face.vertices[static_cast<std::size_t>(k)];
+            const Vec3 rest = element.mesh->body.vertices.row(vertex).transpose();
+            C.middleRows<3>(3 * k) = basis.at(face.frame.toLocal(rest));
+            u.segment<3>(3 * k) = face.frame.axes.transpose() * (back * Vec3(positions.row(vertex).transpose()) - rest);
+        }
+        v.segment(smooth.firstColumn[f], basis.columns()) = C.completeOrthogonalDecomposition().solve(u);
+    }
+    return v;
+}
+
+/// Lets the faces of the reference bulge between their vertices as the smooth part of their motion does: on the triangles of the body alone they are faceted, which is no
+/// property of the body. What is left is estimated by doing the same with the motion of the smooth modes in equilibrium.
+Result<void> smoothFaces(const ReferenceInput& input, Reference& reference, const std::vector<std::shared_ptr<const ElementResponse>>& full,
+                         const std::vector<std::shared_ptr<const ElementResponse>>& smooth, const Progress& progress) {
     CharacterInput given = withoutEffects(input.character);
     given.basis = BasisChoice(BasisKind::Modes, BasisChoice::kMostModes);
     given.smoothJoints = true;
     for (std::size_t e = 0; e < smooth.size(); ++e) given.elements[e].response = smooth[e];
     auto character = Character::build(std::move(given));
     if (!character) return tl::unexpected(character.error());
-    ErrorSum sum;
+    ErrorSum left;
     for (std::size_t i = 0; i < input.poses.size(); ++i) {
         if (progress.cancelled()) return cancelled();
         character->update(input.poses[i].pose);
-        std::vector<Points> exact, linear;
+        std::vector<Points> other = reference.positions[i];
         for (std::size_t e = 0; e < smooth.size(); ++e) {
-            exact.push_back(character->positions(static_cast<int>(e)));
-            linear.push_back(exact.back());
             if (!smooth[e]) continue;
             const auto& element = input.character.elements[e];
-            const auto& v = character->jointParameters(static_cast<int>(e));
-            Eigen::VectorXd u = Eigen::VectorXd::Zero(full[e]->columns());
-            for (std::size_t f = 0; f < element.faces.size(); ++f) {
-                const FaceBasis& basis = smooth[e]->bases[f];
-                const Points local = localVertices(element.mesh->body, element.faces[f]);
-                for (Eigen::Index k = 0; k < local.rows(); ++k)
-                    u.segment<3>(full[e]->firstColumn[f] + 3 * k) = basis.at(local.row(k).transpose()) * v.segment(smooth[e]->firstColumn[f], basis.columns());
-            }
-            const Eigen::VectorXd x = full[e]->response * u;
+            const auto frame = character->frame(static_cast<int>(e));
+            Points& own = reference.positions[i][e];
+            const Eigen::VectorXd x = bulge(element, *smooth[e], *full[e], smoothPart(element, *smooth[e], frame, own));
+            const Eigen::VectorXd y = bulge(element, *smooth[e], *full[e], character->jointParameters(static_cast<int>(e)));
             for (std::size_t k = 0; k < full[e]->freeVertices.size(); ++k) {
                 const auto vertex = full[e]->freeVertices[k];
-                const Vec3 p = element.mesh->body.vertices.row(vertex).transpose();
-                linear.back().row(vertex) = (character->frame(static_cast<int>(e)) * Vec3(p + x.segment<3>(3 * static_cast<Eigen::Index>(k)))).transpose();
+                own.row(vertex) += (frame.linear() * x.segment<3>(3 * static_cast<Eigen::Index>(k))).transpose();
+                other[e].row(vertex) += (frame.linear() * y.segment<3>(3 * static_cast<Eigen::Index>(k))).transpose();
             }
         }
-        sum.add(difference(linear, exact, reference, *character));
+        left.add(difference(other, reference.positions[i], reference, *character));
     }
-    return sum;
+    reference.faceRelative = left.error().relative;
+    reference.facePercent = left.error().percent;
+    return {};
 }
 
 }  // namespace
@@ -189,11 +220,7 @@ ResponseEstimate estimateElements(const std::vector<ResponseInput>& elements) {
     return sum;
 }
 
-Result<Reference> buildReference(const ReferenceInput& input, const Progress& progress) {
-    const bool any = std::any_of(input.elements.begin(), input.elements.end(), [](const ResponseInput& e) { return !e.faces.empty(); });
-    if (!any) return fail("no-face", "No element has a joint face: there is nothing to compare before faces are added.");
-    const auto start = std::chrono::steady_clock::now();
-    std::optional<Kind> finest;
+std::optional<Kind> referenceMesh(const ReferenceInput& input) {
     for (const Kind mesh : {Kind::Best, Kind::Default, Kind::AsIs}) {
         const auto elements = asked(input.elements, BasisKind::Full, mesh);
         const ResponseEstimate cost = estimateElements(elements);
@@ -204,9 +231,18 @@ Result<Reference> buildReference(const ReferenceInput& input, const Progress& pr
             kept += (2.0 * sizeof(double) + sizeof(float)) * (3.0 * static_cast<double>(e.mesh->body.vertices.rows()) + m) * m;
         }
         if (static_cast<double>(cost.bytes) + kept > input.bytes || (input.seconds > 0.0 && cost.seconds > input.seconds && mesh != Kind::AsIs)) continue;
-        finest = mesh;
-        break;
+        return mesh;
     }
+    return std::nullopt;
+}
+
+int referenceRank(const std::string& mesh) { return mesh == "best" ? 2 : mesh == "default" ? 1 : 0; }
+
+Result<Reference> buildReference(const ReferenceInput& input, const Progress& progress) {
+    const bool any = std::any_of(input.elements.begin(), input.elements.end(), [](const ResponseInput& e) { return !e.faces.empty(); });
+    if (!any) return fail("no-face", "No element has a joint face: there is nothing to compare before faces are added.");
+    const auto start = std::chrono::steady_clock::now();
+    const std::optional<Kind> finest = referenceMesh(input);
     if (!finest) return fail("too-large", "The full solution of this character needs more memory than there is for it: errors stay unknown. Use coarser elements.");
 
     Reference out;
@@ -247,10 +283,7 @@ Result<Reference> buildReference(const ReferenceInput& input, const Progress& pr
     }
     auto smooth = solveElements(asked(input.elements, BasisChoice(BasisKind::Modes, BasisChoice::kMostModes), *finest), progress.part(0.7, 1.0));
     if (!smooth) return tl::unexpected(smooth.error());
-    const auto faces = faceError(input, out, fine->responses, smooth->responses, progress);
-    if (!faces) return tl::unexpected(faces.error());
-    out.faceRelative = faces->error().relative;
-    out.facePercent = faces->error().percent;
+    if (auto ok = smoothFaces(input, out, fine->responses, smooth->responses, progress); !ok) return tl::unexpected(ok.error());
     out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return out;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,8 +33,8 @@ struct Reference {
     double seconds = 0.0;                        ///< it took
     /// Its own error, over all poses: what its solver mesh leaves, estimated by the difference from a coarser level. Negative: unknown.
     double relative = -1.0, percent = -1.0;
-    /// The same for what is left because its joint faces are linear on the triangles of the body: the smooth part of their motion, said exactly and on those
-    /// triangles. Part of the difference between any basis and the reference. Negative: unknown.
+    /// The same for what is left because its joint faces have no freedom but at the vertices of the body: between them they bulge as the smooth part of their motion
+    /// (36 warping modes) does. Estimated with another such part. Negative: unknown.
     double faceRelative = -1.0, facePercent = -1.0;
     std::string how;                             ///< one sentence: by what the error was estimated, or why it is unknown
 };
@@ -45,6 +46,10 @@ struct ReferenceInput {
     double seconds = 0.0;                 ///< that it may take by estimate, 0: any
     double bytes = 4e9;                   ///< of memory, at most
 };
+
+/// The finest solver mesh within its limits; none: too large for all. Finer ones have larger ranks: 0 as-is, 1 default, 2 best.
+std::optional<SolverMeshSetting::Kind> referenceMesh(const ReferenceInput& input);
+int referenceRank(const std::string& mesh);
 
 /// Errors: "no-face", "too-large" (not even the bodies as they are can be solved within limits), those of buildResponse() and PreviousModel, "cancelled".
 Result<Reference> buildReference(const ReferenceInput& input, const Progress& progress);

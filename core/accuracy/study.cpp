@@ -99,6 +99,14 @@ public:
 
     Result<AccuracyStudy> run() {
         if (input_.reference.character.skeleton.bones.empty()) return fail("no-bone", "There is no bone to move the character by: add bones first.");
+        if (study_.reference) {
+            // With more time than before the reference can be better: then all errors are others.
+            const auto mesh = referenceMesh(referenceInput());
+            if (mesh && referenceRank(solverMeshName({*mesh, 0})) > referenceRank(study_.reference->mesh)) {
+                study_.reference.reset();
+                for (auto& p : study_.points) p = {p.setting};
+            }
+        }
         if (auto ok = predict(); !ok) return tl::unexpected(ok.error());
         const auto waiting = [](const AccuracyPoint& p) { return !p.measured() && p.problem.empty(); };
         const bool any = std::any_of(study_.points.begin(), study_.points.end(), waiting);
@@ -160,10 +168,14 @@ private:
         return {};
     }
 
-    Result<void> refer() {
+    [[nodiscard]] ReferenceInput referenceInput() const {
         ReferenceInput in = input_.reference;
         if (input_.seconds > 0.0) in.seconds = kReferenceShare * input_.seconds;
-        auto made = buildReference(in, progress_.part(0.05, 0.4));
+        return in;
+    }
+
+    Result<void> refer() {
+        auto made = buildReference(referenceInput(), progress_.part(0.05, 0.4));
         if (made)
             study_.reference = std::move(*made);
         else if (made.error().code != "too-large")

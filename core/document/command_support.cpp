@@ -77,6 +77,7 @@ void addCoreCommands(CommandRegistry& registry) {
     addHistoryCommands(registry);
     addMeasureCommands(registry);
     addPaperCommand(registry);
+    addAccuracyCommands(registry);
 }
 
 }  // namespace imomushi

@@ -89,5 +89,6 @@ void addTakeCommands(CommandRegistry& registry);      // record, play, rename-ta
 void addHistoryCommands(CommandRegistry& registry);   // undo, redo
 void addMeasureCommands(CommandRegistry& registry);   // measure, write-mesh
 void addPaperCommand(CommandRegistry& registry);      // paper
+void addAccuracyCommands(CommandRegistry& registry);  // accuracy
 
 }  // namespace imomushi
