@@ -12,6 +12,7 @@
 
 #include "core/reduction/triangle_tree.h"
 #include "core/warp/sparse_factor.h"
+#include "core/warp/triangle_kernels.h"
 
 namespace imomushi {
 
@@ -25,15 +26,6 @@ namespace {
 constexpr double kSliver = 1e-4, kSliverStiffness = 1e-3;
 // Stretches beyond these are treated as these.
 constexpr double kLeastStretch = 0.1, kMostStretch = 10.0;
-// A difference of principal strains d (half of it) counts as d / (1 + k d^2)^(1/4): exact to second order, .40 instead of .6 (a stretch of 1.8 along,
-// 1/1.8 across), and as asinh(4 d) / 4 up to there.
-constexpr float kSoftening = 32.0f / 3.0f;
-// Mean principal strains stay below this, approached smoothly, and differences at it: a factor of 20.
-constexpr float kMostStrain = 3.0f;
-// Rotations do not go farther (radians).
-constexpr float kMostAngle = 7.0f;
-// The fit of rotations sees the rotation that the response says as this part of what it fits to: without it collapsed triangles would have none.
-constexpr float kGuess = 0.05f;
 // Within this many sizes of a face (at most this part of the way to the next one) triangles follow the face more and more: linear elasticity with a
 // rigid rim has a singular crease there, that nobody wants to see of a large bend. It counts by the square of the motion of the face, half at
 // this one (radians).
@@ -58,6 +50,7 @@ constexpr double kLeastStiffness = 1e-7;
 
 /// Vectors of the frame: x y z and nothing.
 using Vectors = std::vector<Vector4f, Eigen::aligned_allocator<Vector4f>>;
+float* floats(Vectors& vectors) { return reinterpret_cast<float*>(vectors.data()); }
 
 /// Three numbers that compilers keep in registers: half the time of Eigen's.
 struct Three {
@@ -70,7 +63,6 @@ struct Three {
     [[nodiscard]] float dot(const Three& o) const { return x * o.x + y * o.y + z * o.z; }
     [[nodiscard]] Three cross(const Three& o) const { return {y * o.z - z * o.y, z * o.x - x * o.z, x * o.y - y * o.x}; }
     [[nodiscard]] float squaredNorm() const { return dot(*this); }
-    [[nodiscard]] float norm() const { return std::sqrt(squaredNorm()); }
     Three& operator+=(const Three& o) { return x += o.x, y += o.y, z += o.z, *this; }
     friend Three operator+(Three a, const Three& b) { return a += b; }
     friend Three operator-(const Three& a, const Three& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
@@ -83,89 +75,6 @@ struct Three {
 };
 Three three(const Vector4f& v) { return Three(v); }
 Vector4f four(const Three& v) { return {v.x, v.y, v.z, 0.0f}; }
-
-struct Triangle {
-    std::array<std::int32_t, 3> v;
-    float c11, c12,
-        c22;  // energy of two sides d1, d2 from corner 0: 1/2 (c11 d1.d1 + 2 c12 d1.d2 + c22 d2.d2), the integral of |gradient|^2 / 2
-};
-
-// What a triangle wants to be: its two sides at rest after strains, in its plane, and the plane's axes after rotations.
-struct Wish {
-    float p1x, p1y, p2x, p2y;
-    Three x, y;
-};
-
-struct Gradient {
-    Three w;              // rotation vector
-    float e11, e12, e22;  // strain in the axes below
-    Three t1, t2;
-    float l, p, q;  // sides: l t1 and p t1 + q t2
-};
-
-/// Of displacement u over a triangle with sides e1, e2, on a free surface.
-Gradient gradientOf(const Three& e1, const Three& e2, const Three& u1, const Three& u2) {
-    constexpr float kTiny = 1e-12f;
-    Gradient g;
-    const Three cross = e1.cross(e2);
-    const float area = std::max(cross.norm(), kTiny * kTiny);
-    g.l = std::max(e1.norm(), kTiny);
-    g.t1 = e1 / g.l;
-    const Three n = cross / area;
-    g.t2 = n.cross(g.t1);
-    g.p = g.t1.dot(e2);
-    g.q = std::max(area / g.l, kTiny);
-    const Three d1 = u1 / g.l, d2 = (u2 - g.p * d1) / g.q;
-    g.e11 = g.t1.dot(d1);
-    g.e22 = g.t2.dot(d2);
-    const float a = g.t1.dot(d2), b = g.t2.dot(d1);
-    g.e12 = 0.5f * (a + b);
-    g.w = n.dot(d2) * g.t1 - n.dot(d1) * g.t2 + 0.5f * (b - a) * n;
-    return g;
-}
-
-/// Turns a and b by rotation vector w; beyond kMostAngle as by that. From an eighth of the angle by doubling, to 1e-5: no library function is as
-/// fast.
-void turn(const Three& w, Three& a, Three& b) {
-    const float squared = w.squaredNorm(), part = squared > kMostAngle * kMostAngle ? kMostAngle / std::sqrt(squared) : 1.0f;
-    const float x = squared * part * part / 64.0f;
-    float s = 1.0f - x * (1.0f / 6.0f - x * (1.0f / 120.0f - x / 5040.0f));  // sin / angle
-    float c = 1.0f - x * (0.5f - x * (1.0f / 24.0f - x * (1.0f / 720.0f - x / 40320.0f)));
-    float half = s;
-    for (int doubling = 0; doubling < 3; ++doubling) half = s, s *= c, c = 2.0f * c * c - 1.0f;
-    const float first = s * part, second = 0.5f * half * half * part * part;  // sin / angle, (1 - cos) / angle^2
-    const Three wa = w.cross(a), wb = w.cross(b);
-    a += first * wa + second * w.cross(wa);
-    b += first * wb + second * w.cross(wb);
-}
-
-/// exp for |x| <= kMostStrain, to 1e-3 there and 1e-6 for |x| <= 1.
-float quickExp(float x) {
-    const float y = 0.25f * x, even = 1.0f + y * y / 12.0f, odd = 0.5f * y, part = (even + odd) / (even - odd), twice = part * part;
-    return twice * twice;
-}
-
-/// How a face turns and strains, beyond the base.
-struct FaceStrain {
-    Three w;
-    Matrix3f e = Matrix3f::Zero();
-    Three normal;
-    float weight = 0.0f;  // by its size
-};
-
-Wish wishOf(const Gradient& g) {
-    // exp of the strain, in two dimensions: exp(mean) (cosh d + sinh d / d deviation).
-    const float sum = 0.5f * (g.e11 + g.e22), mean = sum / std::sqrt(1.0f + (sum / kMostStrain) * (sum / kMostStrain));
-    const float half = 0.5f * (g.e11 - g.e22), d = std::sqrt(half * half + g.e12 * g.e12);
-    const float softer = std::min(kMostStrain, d / std::sqrt(std::sqrt(1.0f + kSoftening * d * d)));
-    const float grown = quickExp(softer), size = quickExp(mean);
-    const float c = 0.5f * size * (grown + 1.0f / grown);
-    const float s = d > 1e-6f ? 0.5f * size * (grown - 1.0f / grown) / d : size;
-    const float a11 = c + s * half, a22 = c - s * half, a12 = s * g.e12;
-    Wish out{a11 * g.l, a12 * g.l, a11 * g.p + a12 * g.q, a12 * g.p + a22 * g.q, g.t1, g.t2};
-    turn(g.w, out.x, out.y);
-    return out;
-}
 
 // The rotation vector of a quaternion, 0...360 degrees by its sign.
 Vec3 rotationVector(const Eigen::Quaterniond& q) {
@@ -218,12 +127,14 @@ struct BendWarp::State {
     Eigen::VectorXd volumeChange;              // per column, in sizes^3
     double volume = 0.0;
     Vectors rest;
-    std::vector<Triangle> triangles;                   // that count
+    std::vector<WarpBatch> triangles;              // that count
     std::vector<std::array<std::int32_t, 3>> surface;  // all
     std::vector<float> inflation;                      // per vertex, 0...1
     SparseFactor factor;
     struct Shell {
-        std::vector<std::int32_t> vertices, triangles;
+        std::vector<std::int32_t> vertices;
+        std::vector<WarpBatch> batches;
+        std::size_t triangles = 0;
     };
     std::vector<Shell> floating;  // shells without held vertices
     struct Contact {
@@ -231,18 +142,14 @@ struct BendWarp::State {
         float depth, weight;
     };
     std::vector<std::vector<Contact>> contacts;  // per face
-    struct Near {
-        std::int32_t triangle, face;
-        float weight;
-    };
-    std::vector<Near> near;  // triangles in the band of a face, ascending; weights of a triangle add up to 1 at most
+    std::vector<FollowBatch> follow;  // triangles in the band of a face, ascending; parts of a triangle add up to 1 at most
     Cost cost;
 
     // of a frame
     Eigen::VectorXd v;
     Eigen::VectorXf weights, moved;
     Vectors base, displacement, at, force;
-    std::vector<Wish> wishes;
+    std::vector<WishBatch> wishes;
     std::vector<FaceStrain> strains;  // per face
 
     void evaluate(std::span<const FaceMotion> motions, const Eigen::VectorXd& warping, const Points& heldAt, float* local) {
@@ -297,7 +204,11 @@ struct BendWarp::State {
             const Matrix3d plane = Matrix3d::Identity() - n * n.transpose();
             const Matrix3d e = plane * (logarithm(0.5 * (s + s.transpose())) - stretch) * plane;
             const double squared = w.squaredNorm() + e.squaredNorm();
-            strains[f] = {Three(w), e.cast<float>(), Three(n), static_cast<float>(squared / (squared + kBandMotion * kBandMotion))};
+            auto& out = strains[f];
+            Eigen::Map<Eigen::Vector3f>(out.w) = w.cast<float>();
+            Eigen::Map<Matrix3f>(out.e) = e.cast<float>();  // symmetric
+            Eigen::Map<Eigen::Vector3f>(out.normal) = n.cast<float>();
+            out.weight = static_cast<float>(squared / (squared + kBandMotion * kBandMotion));
         }
     }
 
@@ -339,17 +250,13 @@ struct BendWarp::State {
         }
     }
 
-    [[nodiscard]] Gradient gradient(const Triangle& t) const {
-        const Three b = three(base[t.v[0]]), u = three(displacement[t.v[0]]);
-        return gradientOf(three(base[t.v[1]]) - b, three(base[t.v[2]]) - b, three(displacement[t.v[1]]) - u,
-                          three(displacement[t.v[2]]) - u);
-    }
-
     // A shell that no face holds goes where a body with its mean rotation and displacement goes: the displacement turns while it grows.
     void placeFloating() {
         for (const auto& shell : floating) {
-            Three w, u;
-            for (const auto t : shell.triangles) w += gradient(triangles[t]).w / static_cast<float>(shell.triangles.size());
+            float sum[3] = {};
+            addRotations(shell.batches.data(), shell.triangles, floats(base), floats(displacement), sum);
+            const Three w = Three(sum[0], sum[1], sum[2]) / static_cast<float>(std::max<std::size_t>(shell.triangles, 1));
+            Three u;
             for (const auto i : shell.vertices) u += three(displacement[i]) / static_cast<float>(shell.vertices.size());
             const float squared = w.squaredNorm(), angle = std::sqrt(squared);
             const float a = angle < 1e-2f ? 0.5f : (1.0f - std::cos(angle)) / squared;
@@ -362,21 +269,11 @@ struct BendWarp::State {
     // Steps 3 and 4.
     void solve(bool first) {
         std::fill(force.begin(), force.end(), Vector4f::Zero());
-        std::size_t next = 0;  // of near
-        for (std::size_t k = 0; k < triangles.size(); ++k) {
-            const auto& t = triangles[k];
-            const Three x0 = three(at[t.v[0]]), x1 = three(at[t.v[1]]) - x0, x2 = three(at[t.v[2]]) - x0;
-            auto& wish = wishes[k];
-            if (first)
-                wish = wishOf(followFaces(gradient(t), k, next));
-            else
-                fit(t, x1, x2, wish);
-            const Three d1 = wish.p1x * wish.x + wish.p1y * wish.y - x1, d2 = wish.p2x * wish.x + wish.p2y * wish.y - x2;
-            const Three f1 = t.c11 * d1 + t.c12 * d2, f2 = t.c12 * d1 + t.c22 * d2;
-            force[t.v[0]] -= four(f1 + f2);
-            force[t.v[1]] += four(f1);
-            force[t.v[2]] += four(f2);
-        }
+        if (first)
+            pullToResponse(triangles.data(), triangles.size(), follow.data(), follow.size(), strains.data(), floats(base), floats(displacement),
+                           floats(at), wishes.data(), floats(force));
+        else
+            pullToFit(triangles.data(), triangles.size(), floats(at), wishes.data(), floats(force));
         factor.solve(force.data());
         for (int i = solved; i < vertices; ++i) force[i].setZero();
         for (const auto& shell : floating) {
@@ -385,46 +282,6 @@ struct BendWarp::State {
             for (const auto i : shell.vertices) force[i] -= mean;
         }
         for (int i = 0; i < free; ++i) at[i] += force[i];
-    }
-
-    // What a triangle in the bands of faces takes over from them.
-    [[nodiscard]] Gradient followFaces(Gradient g, std::size_t triangle, std::size_t& next) const {
-        const Gradient own = g;
-        for (; next < near.size() && static_cast<std::size_t>(near[next].triangle) == triangle; ++next) {
-            const auto& face = strains[near[next].face];
-            const float part = near[next].weight * face.weight;
-            // Twist about the normal of the face and the shear with it make no crease: they stay.
-            const Three w = face.w - own.w;
-            g.w += part * (w - w.dot(face.normal) * face.normal);
-            const Three a = face.e * own.t1, b = face.e * own.t2;
-            float d11 = own.t1.dot(a) - own.e11, d22 = own.t2.dot(b) - own.e22, d12 = own.t1.dot(b) - own.e12;
-            const float x = face.normal.dot(own.t1), y = face.normal.dot(own.t2), squared = x * x + y * y;  // across the rim
-            if (squared > 1e-3f) {
-                const float shear = (x * y * (d22 - d11) + (x * x - y * y) * d12) / (squared * squared);
-                d11 += 2.0f * x * y * shear;
-                d22 -= 2.0f * x * y * shear;
-                d12 -= (x * x - y * y) * shear;
-            }
-            g.e11 += part * d11;
-            g.e22 += part * d22;
-            g.e12 += part * d12;
-        }
-        return g;
-    }
-
-    // The rotation that brings the wish nearest to sides x1, x2: a polar decomposition of 3 x 2.
-    static void fit(const Triangle& t, const Three& x1, const Three& x2, Wish& wish) {
-        const float size =
-            std::max(0.5f * (t.c11 * (wish.p1x * wish.p1x + wish.p1y * wish.p1y) + t.c22 * (wish.p2x * wish.p2x + wish.p2y * wish.p2y)) +
-                         t.c12 * (wish.p1x * wish.p2x + wish.p1y * wish.p2y),
-                     1e-30f);
-        const Three f1 = (t.c11 * x1 + t.c12 * x2) / size, f2 = (t.c12 * x1 + t.c22 * x2) / size;
-        const Three a = wish.p1x * f1 + wish.p2x * f2 + kGuess * wish.x, b = wish.p1y * f1 + wish.p2y * f2 + kGuess * wish.y;
-        const float aa = a.squaredNorm(), bb = b.squaredNorm(), ab = a.dot(b);
-        const float root = std::sqrt(std::max(aa * bb - ab * ab, 1e-4f * kGuess * kGuess)), trace = std::sqrt(aa + bb + 2.0f * root);
-        const float over = 1.0f / (root * trace);
-        wish.x = over * ((bb + root) * a - ab * b);
-        wish.y = over * ((aa + root) * b - ab * a);
     }
 
     // Step 5: along normals, so that the volume is what the linear response says.
@@ -523,6 +380,24 @@ std::vector<std::vector<double>> distanceToFaces(const TriangleMesh& body, const
     return out;
 }
 
+// A triangle that counts; see WarpBatch.
+struct ElasticTriangle {
+    std::array<std::int32_t, 3> v;
+    float c11, c12, c22;
+};
+
+std::vector<WarpBatch> batchesOf(const std::vector<ElasticTriangle>& triangles) {
+    std::vector<WarpBatch> out((triangles.size() + kWarpBatch - 1) / kWarpBatch, WarpBatch{});
+    for (std::size_t i = 0; i < out.size() * kWarpBatch; ++i) {
+        const ElasticTriangle& t = triangles[std::min(i, triangles.size() - 1)];
+        const std::size_t lane = i % kWarpBatch;
+        auto& batch = out[i / kWarpBatch];
+        for (std::size_t c = 0; c < 3; ++c) batch.corner[c][lane] = 4 * t.v[c];
+        if (i < triangles.size()) batch.c11[lane] = t.c11, batch.c12[lane] = t.c12, batch.c22[lane] = t.c22;
+    }
+    return out;
+}
+
 bool fits(const TriangleMesh& body, const std::vector<JointFace>& faces, const ElementResponse& response,
           std::span<const std::int32_t> blocks) {
     const auto vertices = body.vertices.rows();
@@ -605,6 +480,8 @@ Result<BendWarp> BendWarp::build(const TriangleMesh& body, const std::vector<Joi
             if (o != f) nearest = std::min(nearest, kBandShare * (faces[o].frame.origin - faces[f].frame.origin).norm());
         bands.push_back(std::max(nearest, 1e-6 * s.size));
     }
+    std::vector<ElasticTriangle> triangles;
+    std::vector<std::vector<float>> parts(faces.size());  // of triangles, that follow each face
     for (Eigen::Index k = 0; k < body.triangles.rows(); ++k) {
         const std::array<std::int32_t, 3> v{body.triangles(k, 0), body.triangles(k, 1), body.triangles(k, 2)};
         const Vec3 e1 = point(v[1]) - point(v[0]), e2 = point(v[2]) - point(v[0]), normal = e1.cross(e2);
@@ -630,11 +507,8 @@ Result<BendWarp> BendWarp::build(const TriangleMesh& body, const std::vector<Joi
         if (sliver || (kind[v[0]] == 2 && kind[v[1]] == 2 && kind[v[2]] == 2)) continue;
         double sum = 0.0;
         for (std::size_t f = 0; f < faces.size(); ++f) sum += follow(distances[f][k] / bands[f]);
-        for (std::size_t f = 0; f < faces.size(); ++f)
-            if (const double weight = follow(distances[f][k] / bands[f]); weight > 0.0)
-                s.near.push_back({static_cast<std::int32_t>(s.triangles.size()), static_cast<std::int32_t>(f),
-                                  static_cast<float>(weight / std::max(1.0, sum))});
-        s.triangles.push_back({v, static_cast<float>(c11), static_cast<float>(c12), static_cast<float>(c22)});
+        for (std::size_t f = 0; f < faces.size(); ++f) parts[f].push_back(static_cast<float>(follow(distances[f][k] / bands[f]) / std::max(1.0, sum)));
+        triangles.push_back({v, static_cast<float>(c11), static_cast<float>(c12), static_cast<float>(c22)});
     }
     if (progress.cancelled()) return fail(kCancelled, "Cancelled.");
     progress.report("warp", 0.2);
@@ -661,8 +535,16 @@ Result<BendWarp> BendWarp::build(const TriangleMesh& body, const std::vector<Joi
         }
     for (auto& t : s.surface)
         for (auto& v : t) v = index[v];
-    for (auto& t : s.triangles)
+    for (auto& t : triangles)
         for (auto& v : t.v) v = index[v];
+    s.triangles = batchesOf(triangles);
+    for (std::size_t first = 0; first < triangles.size(); first += kWarpBatch)
+        for (std::size_t f = 0; f < faces.size(); ++f) {
+            FollowBatch batch{static_cast<std::int32_t>(first / kWarpBatch), static_cast<std::int32_t>(f), {}};
+            const auto from = parts[f].begin() + static_cast<std::ptrdiff_t>(first);
+            std::copy(from, std::min(from + kWarpBatch, parts[f].end()), batch.part);
+            if (std::any_of(batch.part, batch.part + kWarpBatch, [](float part) { return part > 0.0f; })) s.follow.push_back(batch);
+        }
     s.rest.assign(n, Vector4f::Zero());
     for (std::size_t v = 0; v < n; ++v) s.rest[index[v]].head<3>() = point(static_cast<std::int32_t>(v)).cast<float>();
 
@@ -717,9 +599,13 @@ Result<BendWarp> BendWarp::build(const TriangleMesh& body, const std::vector<Joi
         }
     std::vector<std::int32_t> bodyVertex(n);
     for (std::size_t v = 0; v < n; ++v) bodyVertex[index[v]] = static_cast<std::int32_t>(v);
-    for (std::size_t t = 0; t < s.triangles.size(); ++t)
-        if (const auto shell = shellOf[shells.find(bodyVertex[s.triangles[t].v[0]])]; shell >= 0)
-            s.floating[shell].triangles.push_back(static_cast<std::int32_t>(t));
+    std::vector<std::vector<ElasticTriangle>> ofShell(s.floating.size());
+    for (const auto& t : triangles)
+        if (const auto shell = shellOf[shells.find(bodyVertex[t.v[0]])]; shell >= 0) ofShell[shell].push_back(t);
+    for (std::size_t i = 0; i < ofShell.size(); ++i) {
+        s.floating[i].batches = batchesOf(ofShell[i]);
+        s.floating[i].triangles = ofShell[i].size();
+    }
 
     for (const auto& face : faces) {
         auto& list = s.contacts.emplace_back();
@@ -741,9 +627,9 @@ Result<BendWarp> BendWarp::build(const TriangleMesh& body, const std::vector<Joi
     s.strains.resize(faces.size());
     s.cost.factor = s.factor.entries();
     s.cost.bytes = s.factor.bytes() + static_cast<std::size_t>(s.response.size()) * sizeof(float) + 5 * n * sizeof(Vector4f) +
-                   3 * s.free * sizeof(float) + s.triangles.size() * (sizeof(Triangle) + sizeof(Wish)) +
+                   3 * s.free * sizeof(float) + s.triangles.size() * (sizeof(WarpBatch) + sizeof(WishBatch)) +
                    s.surface.size() * sizeof(s.surface[0]) + s.slot.size() * sizeof(s.slot[0]) + s.inflation.size() * sizeof(float) +
-                   s.near.size() * sizeof(State::Near);
+                   s.follow.size() * sizeof(FollowBatch);
     for (const auto& table : s.heldColumns) s.cost.bytes += static_cast<std::size_t>(table.size()) * sizeof(float);
     for (const auto& list : s.contacts) s.cost.bytes += list.size() * sizeof(State::Contact);
     s.cost.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -40,7 +40,7 @@ struct FaceMotion {
 ///   6  Near a face nothing crosses the plane of the face: it lays itself against it, as flesh against the neighbour's.
 ///
 /// Faces of a joint should keep their shape, or warp little: what a bend of 90 degrees or more warps by linear elasticity is too much.
-/// A frame takes about 60 (28,000 vertices) to 120 times (2,000) as long as the product A' v, and six times its memory (tests/bench/bend_warp.cpp).
+/// A frame takes about 25 (27,000 vertices) to 75 times (2,000) as long as the product A' v, and five times its memory (tests/bench/bend_warp.cpp).
 /// Built once, then evaluate() is the per-frame job of one thread: it neither allocates, locks nor fails.
 class BendWarp {
 public:

@@ -27,12 +27,25 @@ public:
     void solve(Eigen::Vector4f* b) const;
     [[nodiscard]] std::size_t entries() const { return values_.size() + inverse_.size(); }
     [[nodiscard]] std::size_t bytes() const {
-        return values_.size() * (sizeof(float) + sizeof(std::int32_t)) + inverse_.size() * (sizeof(float) + sizeof(std::int32_t));
+        return (values_.size() + inverse_.size()) * sizeof(float) + rows_.size() * sizeof(std::int32_t) + panels_.size() * sizeof(Panel);
     }
 
 private:
-    std::vector<std::int32_t> order_, first_, rows_;  // columns of L below the diagonal
-    std::vector<float> values_, inverse_;             // of L, of D
+    // Columns of L that follow each other and have the same rows below: their part of a vector is read and written once for all.
+    static constexpr int kPanel = 4;
+    struct Panel {
+        std::int32_t column = 0, width = 0;
+        std::int32_t firstRow = 0, rows = 0;  // in rows_: those below the last column
+        std::int64_t firstValue = 0;          // in values_: the triangle row by row, then each row
+    };
+    template <int width>
+    void forward(const Panel& panel, Eigen::Vector4f* b) const;
+    template <int width>
+    void backward(const Panel& panel, Eigen::Vector4f* b) const;
+
+    std::vector<std::int32_t> order_, rows_;
+    std::vector<Panel> panels_;
+    std::vector<float> values_, inverse_;  // of L, of D
 };
 
 /// Solves one such system in double precision. Empty: not positive definite to rounding.

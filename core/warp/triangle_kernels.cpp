@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/warp/triangle_kernels.h"
+
+#include <algorithm>
+
+// Vectors of unknown size (SVE, RISC-V) cannot be kept in structures: ARM uses NEON.
+#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "core/warp/triangle_kernels.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace imomushi {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+// A difference of principal strains d (half of it) counts as d / (1 + k d^2)^(1/4): exact to second order, .40 instead of .6 (a stretch of 1.8 along,
+// 1/1.8 across), and as asinh(4 d) / 4 up to there.
+constexpr float kSoftening = 32.0f / 3.0f;
+// Mean principal strains stay below this, approached smoothly, and differences at it: a factor of 20.
+constexpr float kMostStrain = 3.0f;
+// Rotations do not go farther (radians).
+constexpr float kMostAngle = 7.0f;
+// The fit of rotations sees the rotation that the response says as this part of what it fits to: without it collapsed triangles would have none.
+constexpr float kGuess = 0.05f;
+constexpr float kTiny = 1e-12f;
+
+using D = hn::CappedTag<float, kWarpBatch>;
+using V = hn::Vec<D>;
+using I = hn::Vec<hn::RebindToSigned<D>>;
+
+HWY_INLINE V set(float x) { return hn::Set(D(), x); }
+
+struct Three {
+    V x, y, z;
+};
+HWY_INLINE Three operator+(const Three& a, const Three& b) { return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)}; }
+HWY_INLINE Three operator-(const Three& a, const Three& b) { return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)}; }
+HWY_INLINE Three scaled(V s, const Three& a) { return {hn::Mul(s, a.x), hn::Mul(s, a.y), hn::Mul(s, a.z)}; }
+// s a + b.
+HWY_INLINE Three along(V s, const Three& a, const Three& b) { return {hn::MulAdd(s, a.x, b.x), hn::MulAdd(s, a.y, b.y), hn::MulAdd(s, a.z, b.z)}; }
+HWY_INLINE V dot(const Three& a, const Three& b) { return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z))); }
+HWY_INLINE Three cross(const Three& a, const Three& b) {
+    return {hn::MulSub(a.y, b.z, hn::Mul(a.z, b.y)), hn::MulSub(a.z, b.x, hn::Mul(a.x, b.z)), hn::MulSub(a.x, b.y, hn::Mul(a.y, b.x))};
+}
+HWY_INLINE V norm(const Three& a) { return hn::Sqrt(dot(a, a)); }
+// a b + c d.
+HWY_INLINE V twoProducts(V a, V b, V c, V d) { return hn::MulAdd(a, b, hn::Mul(c, d)); }
+
+HWY_INLINE V load(const float* from, std::size_t lane) { return hn::LoadU(D(), from + lane); }
+HWY_INLINE void store(V v, float* to, std::size_t lane) { hn::StoreU(v, D(), to + lane); }
+HWY_INLINE Three gather(const float* vectors, I at) {
+    return {hn::GatherIndex(D(), vectors, at), hn::GatherIndex(D(), vectors + 1, at), hn::GatherIndex(D(), vectors + 2, at)};
+}
+HWY_INLINE I corner(const WarpBatch& t, int c, std::size_t lane) { return hn::LoadU(hn::RebindToSigned<D>(), t.corner[c] + lane); }
+HWY_INLINE Three given(const float* from) { return {set(from[0]), set(from[1]), set(from[2])}; }
+HWY_INLINE Three times(const float* rows, const Three& a) { return {dot(given(rows), a), dot(given(rows + 3), a), dot(given(rows + 6), a)}; }
+
+struct Gradient {
+    Three w;           // rotation vector
+    V e11, e12, e22;   // strain in the axes below
+    Three t1, t2;
+    V l, p, q;         // sides: l t1 and p t1 + q t2
+};
+
+// Of displacement over a base, on a free surface: the normal follows without shear.
+HWY_INLINE Gradient gradientOf(const WarpBatch& t, std::size_t lane, const float* base, const float* displacement) {
+    const I v0 = corner(t, 0, lane), v1 = corner(t, 1, lane), v2 = corner(t, 2, lane);
+    const Three b0 = gather(base, v0), e1 = gather(base, v1) - b0, e2 = gather(base, v2) - b0;
+    const Three d0 = gather(displacement, v0), u1 = gather(displacement, v1) - d0, u2 = gather(displacement, v2) - d0;
+    const V one = set(1.0f), half = set(0.5f);
+    Gradient g;
+    const Three normal = cross(e1, e2);
+    const V area = hn::Max(norm(normal), set(kTiny * kTiny));
+    g.l = hn::Max(norm(e1), set(kTiny));
+    const V overL = hn::Div(one, g.l);
+    g.t1 = scaled(overL, e1);
+    const Three n = scaled(hn::Div(one, area), normal);
+    g.t2 = cross(n, g.t1);
+    g.p = dot(g.t1, e2);
+    g.q = hn::Max(hn::Mul(area, overL), set(kTiny));
+    const Three d1 = scaled(overL, u1), d2 = scaled(hn::Div(one, g.q), along(hn::Neg(g.p), d1, u2));
+    g.e11 = dot(g.t1, d1);
+    g.e22 = dot(g.t2, d2);
+    const V a = dot(g.t1, d2), b = dot(g.t2, d1);
+    g.e12 = hn::Mul(half, hn::Add(a, b));
+    g.w = along(dot(n, d2), g.t1, along(hn::Neg(dot(n, d1)), g.t2, scaled(hn::Mul(half, hn::Sub(b, a)), n)));
+    return g;
+}
+
+// What triangles take over from a face, `part` of them.
+HWY_INLINE void followFace(const FaceStrain& face, V part, const Gradient& own, Gradient& g) {
+    // Twist about the normal of the face and the shear with it make no crease: they stay.
+    const Three n = given(face.normal), w = given(face.w) - own.w;
+    g.w = along(part, along(hn::Neg(dot(w, n)), n, w), g.w);
+    const Three a = times(face.e, own.t1), b = times(face.e, own.t2);
+    const V d11 = hn::Sub(dot(own.t1, a), own.e11), d22 = hn::Sub(dot(own.t2, b), own.e22), d12 = hn::Sub(dot(own.t1, b), own.e12);
+    const V x = dot(n, own.t1), y = dot(n, own.t2), squared = twoProducts(x, x, y, y), least = set(1e-3f);  // across the rim
+    const V xy = hn::Mul(x, y), difference = hn::Mul(hn::Sub(x, y), hn::Add(x, y)), bounded = hn::Max(squared, least);
+    const V shear = hn::Div(twoProducts(xy, hn::Sub(d22, d11), difference, d12), hn::Mul(bounded, bounded));
+    const V kept = hn::IfThenElseZero(hn::Gt(squared, least), hn::Mul(part, shear));
+    const V twice = hn::Mul(hn::Add(xy, xy), kept);
+    g.e11 = hn::Add(g.e11, hn::MulAdd(part, d11, twice));
+    g.e22 = hn::Add(g.e22, hn::MulSub(part, d22, twice));
+    g.e12 = hn::Add(g.e12, hn::MulSub(part, d12, hn::Mul(difference, kept)));
+}
+
+// Turns a by the rotation vector w: sin / angle, (1 - cos) / angle^2.
+HWY_INLINE Three turned(const Three& w, V first, V second, const Three& a) {
+    const Three wa = cross(w, a);
+    return along(first, wa, along(second, cross(w, wa), a));
+}
+
+struct Wish {
+    V p1x, p1y, p2x, p2y;
+    Three x, y;
+};
+
+// exp for |x| <= kMostStrain, to 1e-3 there and 1e-6 for |x| <= 1.
+HWY_INLINE V quickExp(V x) {
+    const V y = hn::Mul(set(0.25f), x), even = hn::MulAdd(hn::Mul(y, y), set(1.0f / 12.0f), set(1.0f)), odd = hn::Mul(set(0.5f), y);
+    const V part = hn::Div(hn::Add(even, odd), hn::Sub(even, odd)), twice = hn::Mul(part, part);
+    return hn::Mul(twice, twice);
+}
+
+HWY_INLINE Wish wishOf(const Gradient& g) {
+    const V one = set(1.0f), half = set(0.5f);
+    // exp of the strain, in two dimensions: exp(mean) (cosh d + sinh d / d deviation).
+    const V sum = hn::Mul(half, hn::Add(g.e11, g.e22)), most = hn::Mul(sum, set(1.0f / kMostStrain));
+    const V mean = hn::Div(sum, hn::Sqrt(hn::MulAdd(most, most, one)));
+    const V deviation = hn::Mul(half, hn::Sub(g.e11, g.e22)), squared = twoProducts(deviation, deviation, g.e12, g.e12), d = hn::Sqrt(squared);
+    const V softer = hn::Min(set(kMostStrain), hn::Div(d, hn::Sqrt(hn::Sqrt(hn::MulAdd(set(kSoftening), squared, one)))));
+    const V grown = quickExp(softer), shrunk = hn::Div(one, grown), size = quickExp(mean), halfSize = hn::Mul(half, size), least = set(1e-6f);
+    const V c = hn::Mul(halfSize, hn::Add(grown, shrunk));
+    const V s = hn::IfThenElse(hn::Gt(d, least), hn::Div(hn::Mul(halfSize, hn::Sub(grown, shrunk)), hn::Max(d, least)), size);
+    const V a11 = hn::MulAdd(s, deviation, c), a22 = hn::NegMulAdd(s, deviation, c), a12 = hn::Mul(s, g.e12);
+    // The rotation, at most kMostAngle: from an eighth of the angle by doubling, to 1e-5.
+    const V angle2 = dot(g.w, g.w), limit = set(kMostAngle * kMostAngle);
+    const V part = hn::Min(one, hn::Div(set(kMostAngle), hn::Sqrt(hn::Max(angle2, limit))));
+    const V x = hn::Mul(hn::Mul(angle2, hn::Mul(part, part)), set(1.0f / 64.0f));
+    V sine = hn::NegMulAdd(x, hn::NegMulAdd(x, hn::NegMulAdd(x, set(1.0f / 5040.0f), set(1.0f / 120.0f)), set(1.0f / 6.0f)), one);
+    V cosine = hn::NegMulAdd(
+        x, hn::NegMulAdd(x, hn::NegMulAdd(x, hn::NegMulAdd(x, set(1.0f / 40320.0f), set(1.0f / 720.0f)), set(1.0f / 24.0f)), half), one);
+    V before = sine;
+    for (int doubling = 0; doubling < 3; ++doubling) {
+        before = sine;
+        sine = hn::Mul(sine, cosine);
+        cosine = hn::MulSub(hn::Add(cosine, cosine), cosine, one);
+    }
+    const V first = hn::Mul(sine, part), second = hn::Mul(half, hn::Mul(hn::Mul(before, before), hn::Mul(part, part)));
+    return {hn::Mul(a11, g.l),
+            hn::Mul(a12, g.l),
+            twoProducts(a11, g.p, a12, g.q),
+            twoProducts(a12, g.p, a22, g.q),
+            turned(g.w, first, second, g.t1),
+            turned(g.w, first, second, g.t2)};
+}
+
+// The rotation that brings the wish nearest to sides x1, x2: a polar decomposition of 3 x 2.
+HWY_INLINE void fit(V c11, V c12, V c22, const Three& x1, const Three& x2, Wish& wish) {
+    const V one = set(1.0f), guess = set(kGuess);
+    const V energy = hn::MulAdd(hn::Mul(set(0.5f), c11), twoProducts(wish.p1x, wish.p1x, wish.p1y, wish.p1y),
+                                hn::MulAdd(hn::Mul(set(0.5f), c22), twoProducts(wish.p2x, wish.p2x, wish.p2y, wish.p2y),
+                                           hn::Mul(c12, twoProducts(wish.p1x, wish.p2x, wish.p1y, wish.p2y))));
+    const V over = hn::Div(one, hn::Max(energy, set(1e-30f)));
+    const Three f1 = scaled(over, along(c11, x1, scaled(c12, x2))), f2 = scaled(over, along(c12, x1, scaled(c22, x2)));
+    const Three a = along(wish.p1x, f1, along(wish.p2x, f2, scaled(guess, wish.x))), b = along(wish.p1y, f1, along(wish.p2y, f2, scaled(guess, wish.y)));
+    const V aa = dot(a, a), bb = dot(b, b), ab = dot(a, b);
+    const V root = hn::Sqrt(hn::Max(hn::MulSub(aa, bb, hn::Mul(ab, ab)), set(1e-4f * kGuess * kGuess)));
+    const V trace = hn::Sqrt(hn::Add(hn::Add(aa, bb), hn::Add(root, root))), by = hn::Div(one, hn::Mul(root, trace)), less = hn::Neg(ab);
+    wish.x = scaled(by, along(hn::Add(bb, root), a, scaled(less, b)));
+    wish.y = scaled(by, along(hn::Add(aa, root), b, scaled(less, a)));
+}
+
+// The forces of a batch, vector after vector.
+struct Forces {
+    alignas(64) float f1[4 * kWarpBatch], f2[4 * kWarpBatch];
+};
+
+HWY_INLINE void pull(V c11, V c12, V c22, const Three& x1, const Three& x2, const Wish& wish, Forces& out, std::size_t lane) {
+    const Three d1 = along(wish.p1x, wish.x, scaled(wish.p1y, wish.y)) - x1, d2 = along(wish.p2x, wish.x, scaled(wish.p2y, wish.y)) - x2;
+    const Three f1 = along(c11, d1, scaled(c12, d2)), f2 = along(c12, d1, scaled(c22, d2));
+    const V nothing = hn::Zero(D());
+    hn::StoreInterleaved4(f1.x, f1.y, f1.z, nothing, D(), out.f1 + 4 * lane);
+    hn::StoreInterleaved4(f2.x, f2.y, f2.z, nothing, D(), out.f2 + 4 * lane);
+}
+
+// One triangle after the other: they share vertices.
+HWY_INLINE void scatter(const WarpBatch& t, const Forces& forces, float* force) {
+    for (int i = 0; i < kWarpBatch; ++i) {
+        float *v0 = force + t.corner[0][i], *v1 = force + t.corner[1][i], *v2 = force + t.corner[2][i];
+        const float *f1 = forces.f1 + 4 * i, *f2 = forces.f2 + 4 * i;
+        for (int c = 0; c < 4; ++c) v0[c] -= f1[c] + f2[c];
+        for (int c = 0; c < 4; ++c) v1[c] += f1[c];
+        for (int c = 0; c < 4; ++c) v2[c] += f2[c];
+    }
+}
+
+void pullToResponse(const WarpBatch* batches, std::size_t count, const FollowBatch* follow, std::size_t followCount, const FaceStrain* faces,
+                    const float* base, const float* displacement, const float* at, WishBatch* wishes, float* force) {
+    Forces forces;
+    std::size_t first = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+        const WarpBatch& t = batches[k];
+        std::size_t last = first;
+        while (last < followCount && static_cast<std::size_t>(follow[last].batch) == k) ++last;
+        for (std::size_t lane = 0; lane < kWarpBatch; lane += hn::Lanes(D())) {
+            const Gradient own = gradientOf(t, lane, base, displacement);
+            Gradient g = own;
+            for (std::size_t f = first; f < last; ++f)
+                followFace(faces[follow[f].face], hn::Mul(load(follow[f].part, lane), set(faces[follow[f].face].weight)), own, g);
+            const Wish wish = wishOf(g);
+            const Three x0 = gather(at, corner(t, 0, lane)), x1 = gather(at, corner(t, 1, lane)) - x0, x2 = gather(at, corner(t, 2, lane)) - x0;
+            pull(load(t.c11, lane), load(t.c12, lane), load(t.c22, lane), x1, x2, wish, forces, lane);
+            WishBatch& to = wishes[k];
+            store(wish.p1x, to.p1x, lane), store(wish.p1y, to.p1y, lane), store(wish.p2x, to.p2x, lane), store(wish.p2y, to.p2y, lane);
+            store(wish.x.x, to.x[0], lane), store(wish.x.y, to.x[1], lane), store(wish.x.z, to.x[2], lane);
+            store(wish.y.x, to.y[0], lane), store(wish.y.y, to.y[1], lane), store(wish.y.z, to.y[2], lane);
+        }
+        scatter(t, forces, force);
+        first = last;
+    }
+}
+
+void pullToFit(const WarpBatch* batches, std::size_t count, const float* at, const WishBatch* wishes, float* force) {
+    Forces forces;
+    for (std::size_t k = 0; k < count; ++k) {
+        const WarpBatch& t = batches[k];
+        const WishBatch& from = wishes[k];
+        for (std::size_t lane = 0; lane < kWarpBatch; lane += hn::Lanes(D())) {
+            Wish wish{load(from.p1x, lane), load(from.p1y, lane), load(from.p2x, lane), load(from.p2y, lane),
+                      {load(from.x[0], lane), load(from.x[1], lane), load(from.x[2], lane)},
+                      {load(from.y[0], lane), load(from.y[1], lane), load(from.y[2], lane)}};
+            const V c11 = load(t.c11, lane), c12 = load(t.c12, lane), c22 = load(t.c22, lane);
+            const Three x0 = gather(at, corner(t, 0, lane)), x1 = gather(at, corner(t, 1, lane)) - x0, x2 = gather(at, corner(t, 2, lane)) - x0;
+            fit(c11, c12, c22, x1, x2, wish);
+            pull(c11, c12, c22, x1, x2, wish, forces, lane);
+        }
+        scatter(t, forces, force);
+    }
+}
+
+void addRotations(const WarpBatch* batches, std::size_t triangles, const float* base, const float* displacement, float* sum) {
+    for (std::size_t k = 0; k * kWarpBatch < triangles; ++k)
+        for (std::size_t lane = 0; lane < kWarpBatch; lane += hn::Lanes(D())) {
+            const Gradient g = gradientOf(batches[k], lane, base, displacement);
+            float w[4 * kWarpBatch];
+            hn::StoreInterleaved4(g.w.x, g.w.y, g.w.z, hn::Zero(D()), D(), w);
+            const std::size_t from = k * kWarpBatch + lane, count = std::min(hn::Lanes(D()), triangles > from ? triangles - from : 0);
+            for (std::size_t i = 0; i < count; ++i)
+                for (int c = 0; c < 3; ++c) sum[c] += w[4 * i + static_cast<std::size_t>(c)];
+        }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace imomushi
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace imomushi {
+
+HWY_EXPORT(pullToResponse);
+HWY_EXPORT(pullToFit);
+HWY_EXPORT(addRotations);
+
+void pullToResponse(const WarpBatch* batches, std::size_t count, const FollowBatch* follow, std::size_t followCount, const FaceStrain* faces,
+                    const float* base, const float* displacement, const float* at, WishBatch* wishes, float* force) {
+    HWY_DYNAMIC_DISPATCH(pullToResponse)(batches, count, follow, followCount, faces, base, displacement, at, wishes, force);
+}
+
+void pullToFit(const WarpBatch* batches, std::size_t count, const float* at, const WishBatch* wishes, float* force) {
+    HWY_DYNAMIC_DISPATCH(pullToFit)(batches, count, at, wishes, force);
+}
+
+void addRotations(const WarpBatch* batches, std::size_t triangles, const float* base, const float* displacement, float* sum) {
+    HWY_DYNAMIC_DISPATCH(addRotations)(batches, triangles, base, displacement, sum);
+}
+
+}  // namespace imomushi
+#endif
