@@ -61,9 +61,9 @@ void Character::State::showShape(std::chrono::steady_clock::time_point start) {
     const auto measured = std::chrono::steady_clock::now();
     std::size_t bytes = 0;
     stats.bendWarpMs = stats.touchMs = 0.0;
+    for (std::size_t e = 0; e < elements.size(); ++e) decideWork(e);
+    bendElements();
     for (std::size_t e = 0; e < elements.size(); ++e) {
-        decideWork(e);
-        if (elements[e].warped) bend(elements[e], input.elements[e]);
         if (elements[e].moved && !elements[e].pending) bytes += elements[e].blocks.count() * elements[e].blocks.bytesPerBlock();
     }
     share(bytes, productPieces, [this](const Piece& p) { showPositions(elements[p.element], p.begin, p.end); });

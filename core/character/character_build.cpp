@@ -40,7 +40,11 @@ Character::State::State(CharacterInput given)
     for (std::size_t j = 0; j < input.joints.size(); ++j) buildSeam(input.joints[j]);
     const int threads = input.threads > 0 ? input.threads : hardwareThreads();
     std::size_t bytes = 0;
-    for (const auto& e : elements) bytes += e.blocks.count() * e.blocks.bytesPerBlock();
+    for (const auto& e : elements) {
+        bytes += e.blocks.count() * e.blocks.bytesPerBlock();
+        if (e.warped) bytes += e.warped->warp.cost().bytes;
+    }
+    bent.reserve(elements.size());
     if (threads > 1 && bytes >= kBytesWorthThreads) crew = std::make_unique<FrameCrew>(threads);
     update(pose, 0.0);
 }

@@ -101,6 +101,7 @@ struct Character::State {
         Points held;                      // of warp.heldVertices()
         std::vector<std::size_t> heldOf;  // where they are in ElementState::held
         AlignedBuffer<float> loaded;      // with body loads: local positions under these alone
+        double bendMs = 0.0, loadMs = 0.0;  // of the last bend
     };
     // Fingers on an element.
     struct Touched {
@@ -197,8 +198,8 @@ struct Character::State {
     // The time of body loads: their own and that of their columns in the product.
     void shareLoadTime();
     void assign(const Pose& p);
-    template <class Body>
-    void share(std::size_t bytes, const std::vector<Piece>& pieces, const Body& body) {
+    template <class Part, class Body>
+    void share(std::size_t bytes, const std::vector<Part>& pieces, const Body& body) {
         if (crew && bytes >= kBytesWorthThreads)
             crew->run(pieces.size(), [&](std::size_t i) { body(pieces[i]); });
         else
@@ -227,8 +228,9 @@ struct Character::State {
 
     // v -> vertices (character_surface.cpp).
     void decideWork(std::size_t e);
-    // The shape under large motions instead of the product, into `local`.
-    void bend(ElementState& out, const CharacterInput::Element& given);
+    // The shapes under large motions instead of products, into `local`: of all elements that want one, side by side; of one.
+    void bendElements();
+    void bend(ElementState& out, const CharacterInput::Element& given) const;
     // Fingers: after the pose alone is in `local`, before it is shown.
     void press(ElementState& out, const CharacterInput::Element& given);
     void aimFingers(ElementState& out, const CharacterInput::Element& given);
@@ -275,6 +277,7 @@ struct Character::State {
     std::vector<ElementState> elements;
     std::vector<SeamNormal> seams;
     std::vector<Piece> productPieces, normalPieces;
+    std::vector<std::size_t> bent;  // elements that are bent in this frame
     std::unique_ptr<FrameCrew> crew;
     std::unique_ptr<JointEquilibrium> equilibrium;  // null: joints are not smooth
     std::unique_ptr<SurfaceRecipe> recipe;          // null: nobody asked for it

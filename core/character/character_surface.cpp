@@ -69,8 +69,27 @@ void Character::State::decideWork(std::size_t e) {
     stats.evaluatedVertices += static_cast<int>(out.free.size());
 }
 
-void Character::State::bend(ElementState& out, const CharacterInput::Element& given) {
-    if (out.work != Work::Evaluate && out.work != Work::EvaluateAndKeep) return;
+void Character::State::bendElements() {
+    bent.clear();
+    std::size_t bytes = 0;
+    for (std::size_t e = 0; e < elements.size(); ++e) {
+        auto& out = elements[e];
+        if (!out.warped || (out.work != Work::Evaluate && out.work != Work::EvaluateAndKeep)) continue;
+        bent.push_back(e);
+        bytes += out.warped->warp.cost().bytes;
+    }
+    if (bent.empty()) return;
+    const auto start = std::chrono::steady_clock::now();
+    share(bytes, bent, [this](std::size_t e) { bend(elements[e], input.elements[e]); });
+    // Of the wall time, loads have what they have of the work.
+    double all = 0.0, loaded = 0.0;
+    for (const auto e : bent) all += elements[e].warped->bendMs + elements[e].warped->loadMs, loaded += elements[e].warped->loadMs;
+    const double wall = milliseconds(start, std::chrono::steady_clock::now()), ofLoads = all > 0.0 ? wall * loaded / all : 0.0;
+    loadMs += ofLoads;
+    stats.bendWarpMs = wall - ofLoads;
+}
+
+void Character::State::bend(ElementState& out, const CharacterInput::Element& given) const {
     const auto start = std::chrono::steady_clock::now();
     auto& w = *out.warped;
     const Matrix3d toElement = out.frame.linear.transpose();
@@ -90,7 +109,8 @@ void Character::State::bend(ElementState& out, const CharacterInput::Element& gi
         w.held.row(static_cast<Eigen::Index>(i)) = (toElement * (heldAt(out, w.heldOf[i]) - out.frame.shift)).transpose();
     w.warp.evaluate(w.motions, w.warping, w.held, out.local.data());
     const auto warped = std::chrono::steady_clock::now();
-    stats.bendWarpMs += milliseconds(start, warped);
+    w.bendMs = milliseconds(start, warped);
+    w.loadMs = 0.0;
     if (out.loads) {
         // What loads do to the shape at rest is added; `weights` without its joints is what they do alone.
         out.loads->all.head(out.v.size()).setZero();
@@ -99,7 +119,7 @@ void Character::State::bend(ElementState& out, const CharacterInput::Element& gi
         out.loads->all.head(out.v.size()) = out.v;
         const float* rest = out.blocks.rest().data();
         for (std::size_t i = 0; i < out.local.size(); ++i) out.local[i] += w.loaded[i] - rest[i];
-        loadMs += milliseconds(warped, std::chrono::steady_clock::now());
+        w.loadMs = milliseconds(warped, std::chrono::steady_clock::now());
     }
     out.localShown = true;
     out.work = Work::Place;

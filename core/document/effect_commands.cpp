@@ -12,7 +12,7 @@ namespace {
 
 // Milliseconds on a desktop core of 2023: of a joint with its in-plane stretch alone, per warping mode and its square (smooth joints); of a joint that jiggles; of
 // a warped vertex; of an entry of a matrix of tractions. Predictions are replaced by what is measured once frames pass.
-constexpr double kJointMs = 7e-4, kModeMs = 1.6e-4, kModesMs = 2.5e-5, kJiggleMs = 1e-3, kWarpMs = 2.2e-4,
+constexpr double kJointMs = 7e-4, kModeMs = 1.6e-4, kModesMs = 2.5e-5, kJiggleMs = 1e-3, kWarpMs = 1.4e-4,
                  kTractionMs = 4e-7;
 
 Result<EffectKind> effectOf(const Json& arguments) {
