@@ -2073,6 +2073,22 @@
             <translation>Maya 風（Alt とボタン）</translation>
         </message>
         <message>
+            <source>Deform on</source>
+            <translation>変形の計算</translation>
+        </message>
+        <message>
+            <source>Automatic</source>
+            <translation>自動</translation>
+        </message>
+        <message>
+            <source>Processor</source>
+            <translation>プロセッサー</translation>
+        </message>
+        <message>
+            <source>Graphics card</source>
+            <translation>グラフィックカード</translation>
+        </message>
+        <message>
             <source>General</source>
             <translation>一般</translation>
         </message>

@@ -247,6 +247,7 @@ void MainWindow::buildActions() {
     on("preferences", [this] {
         PreferencesDialog dialog(*actions_, this);
         connect(&dialog, &PreferencesDialog::navigationChanged, this, [this](int preset) { viewport_->setNavigationPreset(NavigationPreset(preset)); });
+        connect(&dialog, &PreferencesDialog::deformOnChanged, this, [this](int where) { viewport_->setDeformOn(ViewportWidget::DeformOn(where)); });
         dialog.exec();
     });
     auto* tools = new QActionGroup(this);
@@ -365,6 +366,7 @@ void MainWindow::connectView() {
     (*actions_)["tool-select"]->setChecked(true);
     status_->setHint(viewport_->hint());
     viewport_->setNavigationPreset(NavigationPreset(std::clamp(QSettings().value(QStringLiteral("view/navigation"), 0).toInt(), 0, 1)));
+    viewport_->setDeformOn(ViewportWidget::DeformOn(std::clamp(QSettings().value(QStringLiteral("view/deform-on"), 0).toInt(), 0, 2)));
 }
 
 // Docks get their tab bars when they are laid out, and again when they move.

@@ -92,6 +92,10 @@ void PreferencesDialog::rebuild() {
         QSettings().setValue(QStringLiteral("view/navigation"), i);
         Q_EMIT navigationChanged(i);
     });
+    row(tr("Deform on"), {tr("Automatic"), tr("Processor"), tr("Graphics card")}, QSettings().value(QStringLiteral("view/deform-on"), 0).toInt(), [this](int i) {
+        QSettings().setValue(QStringLiteral("view/deform-on"), i);
+        Q_EMIT deformOnChanged(i);
+    });
     tabs_->addTab(look, tr("General"));
 
     auto* keys = new QWidget;

@@ -12,7 +12,7 @@ namespace imomushi {
 
 class StudioActions;
 
-/// Look, language, navigation and shortcuts. Everything takes effect at once.
+/// Look, language, navigation, who deforms, and shortcuts. Everything takes effect at once.
 class PreferencesDialog : public QDialog {
     Q_OBJECT
 public:
@@ -20,6 +20,7 @@ public:
 
 signals:
     void navigationChanged(int preset);
+    void deformOnChanged(int where);  ///< of ViewportWidget::DeformOn
 
 protected:
     void changeEvent(QEvent* event) override;

@@ -376,6 +376,11 @@ void ViewportWidget::redraw() {
     if (canvas_) canvas_->update();
 }
 
+void ViewportWidget::setDeformOn(DeformOn where) {
+    deformOn_ = where;
+    redraw();
+}
+
 QImage ViewportWidget::grabFramebuffer() { return canvas_ ? canvas_->grabFramebuffer() : QImage(); }
 
 void ViewportWidget::resizeEvent(QResizeEvent* e) {
@@ -404,7 +409,9 @@ void ViewportWidget::paint() {
     QElapsedTimer drawing;
     drawing.start();
     camera_.setViewport(width(), height());
-    documentScene_.update(document_.session(), sceneOptions(), scene_);
+    SceneOptions options = sceneOptions();
+    if (deformOn_ == DeformOn::Card || (deformOn_ == DeformOn::Automatic && !renderer_->software())) options.card = renderer_.get();
+    documentScene_.update(document_.session(), options, scene_);
     scene_.camera = camera_.camera();
     scene_.grid = grid_;
     scene_.darkTheme = dark();

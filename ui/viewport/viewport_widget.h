@@ -38,6 +38,9 @@ public:
     void frameSelection(bool animate = true);
     void setNavigationPreset(NavigationPreset preset);
     [[nodiscard]] NavigationPreset navigationPreset() const { return preset_; }
+    /// Who makes vertices: the graphics card what it can, the processor the rest or all. Automatic: the card, unless OpenGL is software.
+    enum class DeformOn { Automatic, Processor, Card };
+    void setDeformOn(DeformOn where);
     void setViewAxis(ViewAxis axis);
     void setOrthographic(bool on);
     [[nodiscard]] bool orthographic() const { return camera_.orthographic(); }
@@ -116,6 +119,7 @@ private:
     std::unique_ptr<Tool> tool_;
     CameraController camera_;
     NavigationPreset preset_ = NavigationPreset::Blender;
+    DeformOn deformOn_ = DeformOn::Automatic;
     Navigation navigation_ = Navigation::None;
     Qt::MouseButton navigationButton_ = Qt::NoButton;
     bool ballPressed_ = false, ballMoved_ = false, overBall_ = false;
