@@ -1738,6 +1738,10 @@
     <context>
         <name>imomushi::MainWindow</name>
         <message>
+            <source>Accuracy and cost</source>
+            <translation>精度とコスト</translation>
+        </message>
+        <message>
             <source>Precomputing %1</source>
             <translation>%1 を前計算中</translation>
         </message>
@@ -2267,6 +2271,337 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         <message>
             <source>Remove</source>
             <translation>削除</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::AccuracyPanel</name>
+        <message>
+            <source>What accuracy costs</source>
+            <translation>精度にかかる時間</translation>
+        </message>
+        <message>
+            <source>faster</source>
+            <translation>速い</translation>
+        </message>
+        <message>
+            <source>truer</source>
+            <translation>正確</translation>
+        </message>
+        <message>
+            <source>Faster to truer, along the front</source>
+            <translation>最良の線に沿って、速いものから正確なものへ</translation>
+        </message>
+        <message>
+            <source>Use this setting</source>
+            <translation>この設定を使う</translation>
+        </message>
+        <message>
+            <source>Sets basis, solver meshes, number format and smooth joints of the character, as one step that can be undone</source>
+            <translation>キャラクターの基底、計算用メッシュ、数値形式、滑らかな関節をまとめて設定します。一手で元に戻せます</translation>
+        </message>
+        <message>
+            <source>Budget per frame</source>
+            <translation>1フレームの予算</translation>
+        </message>
+        <message>
+            <source>60 frames per second leave 16.7 ms for all that a program does in a frame</source>
+            <translation>毎秒60フレームでは、プログラム全体で1フレームに16.7 msを使えます</translation>
+        </message>
+        <message>
+            <source>Choose</source>
+            <translation>選ぶ</translation>
+        </message>
+        <message>
+            <source>Progress of the measurements</source>
+            <translation>測定の進み具合</translation>
+        </message>
+        <message>
+            <source>Error against time per frame</source>
+            <translation>フレーム時間と誤差</translation>
+        </message>
+        <message>
+            <source>ms per frame</source>
+            <translation>1フレームのms</translation>
+        </message>
+        <message>
+            <source>error, %</source>
+            <translation>誤差 %</translation>
+        </message>
+        <message>
+            <source>Error against precompute</source>
+            <translation>事前計算と誤差</translation>
+        </message>
+        <message>
+            <source>s of precompute</source>
+            <translation>事前計算の秒数</translation>
+        </message>
+        <message>
+            <source>Table</source>
+            <translation>表</translation>
+        </message>
+        <message>
+            <source>Error on the body</source>
+            <translation>体の上の誤差</translation>
+        </message>
+        <message>
+            <source>Cost of a frame</source>
+            <translation>フレームの内訳</translation>
+        </message>
+        <message>
+            <source>Measured settings</source>
+            <translation>測定した設定</translation>
+        </message>
+        <message>
+            <source>Setting</source>
+            <translation>設定</translation>
+        </message>
+        <message>
+            <source>Error</source>
+            <translation>誤差</translation>
+        </message>
+        <message>
+            <source>Largest</source>
+            <translation>最大</translation>
+        </message>
+        <message>
+            <source>Frame</source>
+            <translation>フレーム</translation>
+        </message>
+        <message>
+            <source>Predicted</source>
+            <translation>予測</translation>
+        </message>
+        <message>
+            <source>Precompute</source>
+            <translation>事前計算</translation>
+        </message>
+        <message>
+            <source>Memory</source>
+            <translation>メモリ</translation>
+        </message>
+        <message>
+            <source>Pose</source>
+            <translation>ポーズ</translation>
+        </message>
+        <message>
+            <source>As it is set now, error in colours</source>
+            <translation>今の設定（色は誤差）</translation>
+        </message>
+        <message>
+            <source>Full solution</source>
+            <translation>完全な解</translation>
+        </message>
+        <message>
+            <source>% of the diagonal</source>
+            <translation>%（対角線比）</translation>
+        </message>
+        <message>
+            <source>stretch</source>
+            <translation>伸び</translation>
+        </message>
+        <message>
+            <source>bend</source>
+            <translation>曲げ</translation>
+        </message>
+        <message>
+            <source>twist</source>
+            <translation>ねじり</translation>
+        </message>
+        <message>
+            <source>random 1</source>
+            <translation>でたらめ 1</translation>
+        </message>
+        <message>
+            <source>random 2</source>
+            <translation>でたらめ 2</translation>
+        </message>
+        <message>
+            <source>random 3</source>
+            <translation>でたらめ 3</translation>
+        </message>
+        <message>
+            <source>error %1 (largest %2 of the diagonal)</source>
+            <translation>誤差 %1（最大は対角線の %2）</translation>
+        </message>
+        <message>
+            <source>frame %1 (99 of 100 within %2), predicted %3</source>
+            <translation>フレーム %1（100回中99回は %2 以内）、予測 %3</translation>
+        </message>
+        <message>
+            <source>precompute %1, predicted %2</source>
+            <translation>事前計算 %1、予測 %2</translation>
+        </message>
+        <message>
+            <source>memory of a frame %1</source>
+            <translation>フレームのメモリ %1</translation>
+        </message>
+        <message>
+            <source>another setting is at least as good in all</source>
+            <translation>他の設定がすべての点で同等以上です</translation>
+        </message>
+        <message>
+            <source>below the error of the reference itself</source>
+            <translation>基準そのものの誤差より小さい値です</translation>
+        </message>
+        <message>
+            <source>the present setting</source>
+            <translation>現在の設定</translation>
+        </message>
+        <message>
+            <source>Stop</source>
+            <translation>止める</translation>
+        </message>
+        <message>
+            <source>Measured</source>
+            <translation>測定済み</translation>
+        </message>
+        <message>
+            <source>Measure</source>
+            <translation>測定する</translation>
+        </message>
+        <message>
+            <source>%1 of %2 settings measured · about %3 left</source>
+            <translation>%2 設定中 %1 を測定 · 残り約 %3</translation>
+        </message>
+        <message>
+            <source>%1 of %2 settings measured</source>
+            <translation>%2 設定中 %1 を測定</translation>
+        </message>
+        <message>
+            <source>%1 of %2 settings measured on this machine</source>
+            <translation>このコンピューターで %2 設定中 %1 を測定済み</translation>
+        </message>
+        <message>
+            <source>The character changed since this was measured.</source>
+            <translation>測定した後でキャラクターが変わりました。</translation>
+        </message>
+        <message>
+            <source>Not measured yet: it takes some minutes in the background, and can be stopped and continued.</source>
+            <translation>まだ測定していません。裏で数分かかり、途中で止めて続けることもできます。</translation>
+        </message>
+        <message>
+            <source>Errors are against the full solution on the mesh &quot;%1&quot;. Its own error: %2 (largest %3), and %4 of its joint faces.</source>
+            <translation>誤差はメッシュ「%1」での完全な解との差です。その解自身の誤差は %2（最大 %3）、関節面によるものは %4 です。</translation>
+        </message>
+        <message>
+            <source>unknown</source>
+            <translation>不明</translation>
+        </message>
+        <message>
+            <source>Best within it: %1</source>
+            <translation>予算内の最良：%1</translation>
+        </message>
+        <message>
+            <source>Nothing that was measured is within it.</source>
+            <translation>測定した設定で予算に収まるものはありません。</translation>
+        </message>
+        <message>
+            <source>%1 per frame (prediction off by × %2), %3 of precompute</source>
+            <translation>1フレーム %1（予測とのずれ × %2）、事前計算 %3</translation>
+        </message>
+        <message>
+            <source>predicted: %1 per frame, %2 of precompute</source>
+            <translation>予測：1フレーム %1、事前計算 %2</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::CostBar</name>
+        <message>
+            <source>What a frame costs (click for more)</source>
+            <translation>1フレームの内訳（クリックで詳細）</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::CostList</name>
+        <message>
+            <source>Of it, by effect</source>
+            <translation>うち効果ごと</translation>
+        </message>
+        <message>
+            <source>predicted %1, off by × %2</source>
+            <translation>予測 %1、ずれ × %2</translation>
+        </message>
+        <message>
+            <source>predicted %1</source>
+            <translation>予測 %1</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::FrameCostMeter</name>
+        <message>
+            <source>Bones (inverse kinematics)</source>
+            <translation>ボーン（IK）</translation>
+        </message>
+        <message>
+            <source>Joints</source>
+            <translation>関節</translation>
+        </message>
+        <message>
+            <source>Equilibrium of joints</source>
+            <translation>関節の釣り合い</translation>
+        </message>
+        <message>
+            <source>Surfaces (product)</source>
+            <translation>表面（積）</translation>
+        </message>
+        <message>
+            <source>Normals</source>
+            <translation>法線</translation>
+        </message>
+        <message>
+            <source>Upload and drawing</source>
+            <translation>転送と描画</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::settingText</name>
+        <message>
+            <source>own meshes</source>
+            <translation>要素ごとのメッシュ</translation>
+        </message>
+        <message>
+            <source>mesh as it is</source>
+            <translation>元のメッシュ</translation>
+        </message>
+        <message>
+            <source>refined × %1</source>
+            <translation>細分 × %1</translation>
+        </message>
+        <message>
+            <source>decimated × %1</source>
+            <translation>間引き × %1</translation>
+        </message>
+        <message>
+            <source>best mesh</source>
+            <translation>最良メッシュ</translation>
+        </message>
+        <message>
+            <source>default mesh</source>
+            <translation>標準メッシュ</translation>
+        </message>
+        <message>
+            <source>previous model</source>
+            <translation>以前のモデル</translation>
+        </message>
+        <message>
+            <source>paper</source>
+            <translation>論文</translation>
+        </message>
+        <message>
+            <source>affine</source>
+            <translation>アフィン</translation>
+        </message>
+        <message>
+            <source>full</source>
+            <translation>完全</translation>
+        </message>
+        <message>
+            <source>%1 modes</source>
+            <translation>%1 モード</translation>
+        </message>
+        <message>
+            <source>%1, smooth joints</source>
+            <translation>%1、滑らかな関節</translation>
         </message>
     </context>
 </TS>

@@ -25,6 +25,7 @@
 #include "core/document/version.h"
 #include "ui/models/effect_texts.h"
 #include "ui/models/texts.h"
+#include "ui/panels/accuracy_panel.h"
 #include "ui/panels/appearance.h"
 #include "ui/panels/command_search.h"
 #include "ui/panels/effects_panel.h"
@@ -85,6 +86,14 @@ MainWindow::MainWindow(const CommandRegistry& registry) : document_(registry) {
     bar->setStyleSheet(QStringLiteral("QStatusBar::item { border: none; } QStatusBar { border: none; }"));
     bar->setContentsMargins(0, 0, 0, 0);
     bar->addWidget(status_, 1);
+    costs_ = new FrameCostMeter(document_, this);
+    auto* costBar = new CostBar(*costs_, this);
+    connect(costBar, &CostBar::clicked, this, [this] {
+        accuracyDock_->show();
+        accuracyDock_->raise();
+        accuracy_->showCosts();
+    });
+    bar->addPermanentWidget(costBar);
     setStatusBar(bar);
 
     buildDocks();
@@ -166,7 +175,7 @@ MainWindow::MainWindow(const CommandRegistry& registry) : document_(registry) {
 MainWindow::~MainWindow() {
     // Panels hear the document; they go before it does.
     delete takeCentralWidget();
-    for (QDockWidget* dock : {outlinerDock_, historyDock_, issuesDock_, inspectorDock_, effectsDock_}) delete dock;
+    for (QDockWidget* dock : {outlinerDock_, historyDock_, issuesDock_, inspectorDock_, effectsDock_, accuracyDock_}) delete dock;
     delete precompute_;
     delete files_;
     delete statusBar();
@@ -194,6 +203,10 @@ void MainWindow::buildDocks() {
     issuesDock_ = dock("issuesDock", issues_);
     inspectorDock_ = dock("inspectorDock", inspector_);
     effectsDock_ = dock("effectsDock", effects_);
+    accuracy_ = new AccuracyPanel(document_, *costs_, this);
+    accuracyDock_ = dock("accuracyDock", accuracy_);
+    addDockWidget(Qt::BottomDockWidgetArea, accuracyDock_);
+    accuracyDock_->hide();
     // The tabs say the names; a title below them would say them twice.
     for (QDockWidget* d : {outlinerDock_, historyDock_, issuesDock_, inspectorDock_, effectsDock_}) d->setTitleBarWidget(new QWidget(d));
     // Split first: a dock that is split off a tab only becomes another tab.
@@ -320,7 +333,7 @@ void MainWindow::buildMenus() {
     QMenu* view = menu(nullptr, QT_TR_NOOP("&View"));
     fill(view, {"frame-all", "frame-selection", "", "view-front", "view-right", "view-top", "orthographic", "", "bones", "grid", "xray", "", "hide", "show-all", ""});
     panelsMenu_ = menu(view, QT_TR_NOOP("&Panels"));
-    for (QDockWidget* d : {outlinerDock_, inspectorDock_, effectsDock_, historyDock_, issuesDock_}) panelsMenu_->addAction(d->toggleViewAction());
+    for (QDockWidget* d : {outlinerDock_, inspectorDock_, effectsDock_, accuracyDock_, historyDock_, issuesDock_}) panelsMenu_->addAction(d->toggleViewAction());
     fill(menu(view, QT_TR_NOOP("&Theme")), {"theme-dark", "theme-light", "theme-contrast"});
     fill(menu(view, QT_TR_NOOP("&Language")), {"language-en", "language-ja"});
     fill(view, {"", "full-screen"});
@@ -351,6 +364,7 @@ void MainWindow::buildToolBar() {
 void MainWindow::connectView() {
     connect(viewport_, &ViewportWidget::hintChanged, status_, &StatusStrip::setHint);
     connect(viewport_, &ViewportWidget::frameMeasured, status_, &StatusStrip::setFrame);
+    connect(viewport_, &ViewportWidget::frameMeasured, costs_, &FrameCostMeter::take);
     connect(viewport_, &ViewportWidget::toolChanged, this, [this](ToolKind kind) {
         for (const auto& [id, tool] : kTools)
             if (tool == kind) (*actions_)[id]->setChecked(true);
@@ -382,6 +396,7 @@ void MainWindow::retranslate() {
     historyDock_->setWindowTitle(tr("History"));
     inspectorDock_->setWindowTitle(tr("Properties"));
     effectsDock_->setWindowTitle(tr("Effects"));
+    accuracyDock_->setWindowTitle(tr("Accuracy and cost"));
     issuesDock_->setWindowTitle(issues_->worth() > 0 ? tr("Issues (%1)").arg(issues_->worth()) : tr("Issues"));
     tools_->setWindowTitle(tr("Tools"));
     tools_->setAccessibleName(tr("Tools"));

@@ -17,7 +17,9 @@ class QToolBar;
 namespace imomushi {
 
 class CommandSearch;
+class AccuracyPanel;
 class EffectsPanel;
+class FrameCostMeter;
 class FileFlow;
 class HistoryPanel;
 class InspectorPanel;
@@ -42,6 +44,7 @@ public:
     [[nodiscard]] OutlinerPanel& outliner() { return *outliner_; }
     [[nodiscard]] InspectorPanel& inspector() { return *inspector_; }
     [[nodiscard]] EffectsPanel& effects() { return *effects_; }
+    [[nodiscard]] AccuracyPanel& accuracy() { return *accuracy_; }
     [[nodiscard]] HistoryPanel& history() { return *history_; }
     [[nodiscard]] PrecomputeJob& precomputeJob() { return *precompute_; }
     [[nodiscard]] StatusStrip& status() { return *status_; }
@@ -104,6 +107,8 @@ private:
     OutlinerPanel* outliner_ = nullptr;
     InspectorPanel* inspector_ = nullptr;
     EffectsPanel* effects_ = nullptr;
+    FrameCostMeter* costs_ = nullptr;
+    AccuracyPanel* accuracy_ = nullptr;
     HistoryPanel* history_ = nullptr;
     IssuesPanel* issues_ = nullptr;
     StatusStrip* status_ = nullptr;
@@ -116,6 +121,7 @@ private:
     QDockWidget* issuesDock_ = nullptr;
     QDockWidget* inspectorDock_ = nullptr;
     QDockWidget* effectsDock_ = nullptr;
+    QDockWidget* accuracyDock_ = nullptr;
     std::vector<std::pair<QMenu*, const char*>> menus_;  ///< with their titles in this class's context
     bool updateScheduled_ = false;
     std::map<FrameWarning, QElapsedTimer> warned_;  ///< since each was last said

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <QDockWidget>
+#include <QDoubleSpinBox>
+#include <QSignalSpy>
+#include <QSlider>
+#include <QTabWidget>
+#include <QTableWidget>
+#include <cmath>
+
+#include "core/document/accuracy_commands.h"
+#include "tests/studio/window.h"
+#include "ui/models/recent_files.h"
+#include "ui/panels/accuracy_panel.h"
+#include "ui/panels/accuracy_plot.h"
+#include "ui/panels/appearance.h"
+
+using namespace imomushi;
+
+namespace {
+
+/// The caterpillar with the accuracy panel open, and a study whose figures are made up: settings further down the list are slower and truer.
+struct Studied : Window {
+    AccuracyStudy study;
+
+    explicit Studied(QSize size = {1560, 960}) : Window(size) {
+        qputenv("XDG_CACHE_HOME", folder.path().toUtf8());
+        window().files().open(samples()[0].path);
+        settle(400);
+        auto* dock = window().findChild<QDockWidget*>(QStringLiteral("accuracyDock"));
+        REQUIRE(dock);
+        dock->show();
+        settle(700);
+        const auto input = studyInput(document().session());
+        REQUIRE(input.has_value());
+        study = knownStudy(*input);
+        REQUIRE(study.points.size() > 10);
+        for (std::size_t i = 0; i < study.points.size(); ++i) {
+            AccuracyPoint& p = study.points[i];
+            const double step = static_cast<double>(i);
+            p.frameMs = p.predictedMs = 0.03 * std::pow(1.12, step);
+            p.frameP99Ms = 1.5 * p.frameMs;
+            p.precomputeSeconds = p.predictedSeconds = 0.2 * std::pow(1.2, (i * 7) % 13);
+            p.relative = 0.4 * std::pow(0.8, step) * (i % 3 == 1 ? 3.0 : 1.0);
+            p.percent = 10.0 * p.relative;
+            p.frameBytes = 1e5 * (1.0 + step);
+        }
+        study.poses = {"stretch", "bend"};
+        Reference& r = study.reference.emplace();
+        r.mesh = "best";
+        r.relative = 0.005;
+        r.percent = 0.1;
+        r.faceRelative = 0.004;
+        r.facePercent = 0.1;
+        for (std::size_t i = 0; i < 2; ++i) {
+            auto& pose = r.positions.emplace_back();
+            auto character = Character::build(input->reference.character).value();
+            character.update(input->reference.poses[i].pose);
+            for (std::size_t e = 0; e < input->reference.elements.size(); ++e) pose.push_back(character.positions(static_cast<int>(e)));
+        }
+        for (const auto& e : input->reference.elements) r.seen.emplace_back(static_cast<std::size_t>(e.mesh->body.vertices.rows()), 1);
+        study.complete = true;
+        panel().show(study);
+        settle(100);
+    }
+    ~Studied() { document().session().execute({{"do", "new"}}); }
+    AccuracyPanel& panel() { return window().accuracy(); }
+};
+
+}  // namespace
+
+TEST_CASE("accuracy: the slider walks along the front, from the fastest to the truest") {
+    Studied w;
+    auto* slider = w.panel().findChild<QSlider*>(QStringLiteral("accuracySlider"));
+    REQUIRE(slider);
+    const auto front = w.panel().study().frontPerFrame();
+    REQUIRE(front.size() > 3);
+    CHECK(slider->maximum() == int(front.size()) - 1);
+    double slower = 0.0, worse = 1e9;
+    for (int i = 1; i <= slider->maximum(); ++i) {
+        slider->setValue(i);
+        CHECK(w.panel().chosen() == int(front[std::size_t(i)]));
+        const auto& p = w.panel().study().points[std::size_t(w.panel().chosen())];
+        CHECK(p.frameMs > slower);
+        CHECK(p.relative < worse);
+        slower = p.frameMs;
+        worse = p.relative;
+    }
+    w.shoot("accuracy");
+    w.panel().findChild<QTabWidget*>()->setCurrentIndex(1);
+    w.shoot("accuracy-body");
+    w.panel().findChild<QTabWidget*>()->setCurrentIndex(2);
+    w.shoot("accuracy-costs");
+}
+
+TEST_CASE("accuracy: one click takes a setting over as one step, and undo takes it back") {
+    Studied w;
+    const int before = w.document().session().position();
+    const CharacterSettings settings = w.now().settings;
+    const AccuracySetting wanted{false, {BasisKind::Modes, 12}, true, {}, ResponseFormat::Int16};
+    int point = -1;
+    for (std::size_t i = 0; i < w.study.points.size(); ++i)
+        if (w.study.points[i].setting == wanted) point = int(i);
+    REQUIRE(point > 0);
+    w.panel().choose(point);
+    QTest::mouseClick(w.panel().findChild<QPushButton*>(QStringLiteral("accuracyApply")), Qt::LeftButton);
+    w.settle();
+    CHECK(presentSetting(w.now()) == wanted);
+    CHECK(w.document().session().position() == before + 1);
+    w.document().session().execute({{"do", "undo"}});
+    CHECK(w.now().settings == settings);
+    CHECK_FALSE(w.now().effects.has(EffectKind::SmoothJoints));
+}
+
+TEST_CASE("accuracy: a point of a plot tells about itself and is chosen by a click, as a row of the table is") {
+    Studied w;
+    auto* plot = w.panel().findChild<AccuracyPlot*>(QStringLiteral("accuracyPerFrame"));
+    REQUIRE(plot);
+    QSignalSpy hovered(plot, &AccuracyPlot::hovered);
+    const QPoint at = plot->place(9).toPoint();
+    QTest::mouseMove(plot, at);
+    w.settle();
+    CHECK(hovered.count() >= 1);
+    QTest::mouseClick(plot, Qt::LeftButton, {}, at);
+    CHECK(w.panel().chosen() == 9);
+    auto* table = w.panel().findChild<QTableWidget*>(QStringLiteral("accuracyTable"));
+    REQUIRE(table->rowCount() == int(w.study.points.size()));
+    table->selectRow(3);
+    CHECK(w.panel().chosen() == table->item(3, 0)->data(Qt::UserRole).toInt());
+}
+
+TEST_CASE("accuracy: a budget finds the truest setting within it") {
+    Studied w;
+    const double budget = 0.1;
+    w.panel().findChild<QDoubleSpinBox*>(QStringLiteral("accuracyBudget"))->setValue(budget);
+    const int best = w.panel().study().best(budget);
+    REQUIRE(best >= 0);
+    for (const auto& p : w.study.points) {
+        const bool truer = p.frameMs <= budget && p.relative < w.study.points[std::size_t(best)].relative;
+        CHECK_FALSE(truer);
+    }
+}
+
+TEST_CASE("accuracy: a study runs in the background, can be stopped, and keeps what arrived") {
+    Studied w;
+    auto input = studyInput(w.document().session()).value();
+    input.seconds = 2.0;
+    QSignalSpy arrived(&w.panel().job(), &AccuracyJob::arrived), finished(&w.panel().job(), &BackgroundJob::finished);
+    w.panel().job().start(input);
+    REQUIRE(QTest::qWaitFor([&] { return arrived.count() > 0; }, 60000));
+    CHECK(w.panel().job().running());
+    w.panel().job().cancel();
+    CHECK(finished.count() == 1);
+    CHECK_FALSE(w.panel().job().running());
+    CHECK(w.panel().study().points.size() == w.study.points.size());
+}
+
+TEST_CASE("accuracy: readable in both themes, in Japanese and at 125 %") {
+    Studied w;
+    Appearance& look = Appearance::instance();
+    look.setTheme(Appearance::Theme::Light);
+    w.shoot("accuracy-light");
+    look.setLanguage(QStringLiteral("ja"));
+    look.setScale(1.25);
+    w.shoot("accuracy-ja-125");
+    look.setTheme(Appearance::Theme::Dark);
+    w.panel().findChild<QTabWidget*>()->setCurrentIndex(1);
+    w.shoot("accuracy-ja-125-body");
+    look.setScale(1.0);
+    look.setLanguage(QStringLiteral("en"));
+    for (QWidget* child : w.panel().findChildren<QWidget*>())
+        if (child->focusPolicy() != Qt::NoFocus && child->isVisible() && (qobject_cast<AccuracyPlot*>(child) || qobject_cast<QSlider*>(child) || qobject_cast<QTableWidget*>(child)))
+            CHECK_MESSAGE(!child->accessibleName().isEmpty(), child->objectName().toStdString());
+}

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <QTimer>
+#include <QWidget>
+#include <array>
+#include <vector>
+
+#include "ui/models/studio_document.h"
+
+namespace imomushi {
+
+/// Where the milliseconds of a frame go.
+struct FrameCosts {
+    struct Row {
+        QString name;
+        double ms = -1.0;          ///< smoothed; negative: not measured
+        double predicted = -1.0;   ///< negative: there is none
+        bool effect = false;       ///< within the stages above it
+        bool part = false;         ///< of the bar
+    };
+    std::vector<Row> rows;
+    double total = -1.0;           ///< ms
+};
+
+/// Takes the costs of frames as they pass and smooths them, for whoever shows them.
+class FrameCostMeter : public QObject {
+    Q_OBJECT
+public:
+    explicit FrameCostMeter(StudioDocument& document, QObject* parent = nullptr);
+    /// cpuMs: of the frame altogether, drawing included.
+    void take(double cpuMs);
+    [[nodiscard]] FrameCosts costs() const;
+
+signals:
+    void changed();  ///< about three times a second
+
+private:
+    StudioDocument& document_;
+    enum Stage { Bones, Joints, Equilibrium, Surfaces, Normals, Drawing, Stages };
+    std::array<double, Stages> ms_;
+    std::array<double, kEffects> predicted_;
+    bool known_ = false;
+    QTimer tell_, predict_;
+};
+
+/// One stacked bar of the stages, small enough for a status line; the tooltip lists them.
+class CostBar : public QWidget {
+    Q_OBJECT
+public:
+    explicit CostBar(FrameCostMeter& meter, QWidget* parent = nullptr);
+    [[nodiscard]] QSize sizeHint() const override;
+
+signals:
+    void clicked();
+
+protected:
+    void paintEvent(QPaintEvent* event) override;
+    void mousePressEvent(QMouseEvent* event) override;
+
+private:
+    FrameCostMeter& meter_;
+};
+
+/// The same as a list: a bar per stage and per effect, with what was predicted and how far that was off.
+class CostList : public QWidget {
+    Q_OBJECT
+public:
+    explicit CostList(FrameCostMeter& meter, QWidget* parent = nullptr);
+    [[nodiscard]] QSize sizeHint() const override;
+
+protected:
+    void paintEvent(QPaintEvent* event) override;
+
+private:
+    FrameCostMeter& meter_;
+};
+
+}  // namespace imomushi
