@@ -135,6 +135,9 @@ public:
 
     /// Where body vertices are at rest as they are shown: welded ones at the place of their partner. m
     [[nodiscard]] Points restPositions(int element) const;
+    /// The body vertices that joints place, and where they are, m, world: at once, when others are not asked for.
+    [[nodiscard]] std::vector<std::int32_t> heldVertices(int element) const;
+    [[nodiscard]] Points heldPositions(int element) const;
     /// Columns of ElementResponse::loads that follow v in the weights of a shape.
     [[nodiscard]] std::vector<int> loadColumns(int element) const;
     /// Its vertices are more than v and loads: bend warp.

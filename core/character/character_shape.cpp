@@ -135,6 +135,19 @@ Points Character::restPositions(int element) const {
     return out;
 }
 
+std::vector<std::int32_t> Character::heldVertices(int element) const {
+    std::vector<std::int32_t> out;
+    for (const auto& h : state_->elements[static_cast<std::size_t>(element)].held) out.push_back(h.vertex);
+    return out;
+}
+
+Points Character::heldPositions(int element) const {
+    const auto& e = state_->elements[static_cast<std::size_t>(element)];
+    Points out(static_cast<Eigen::Index>(e.held.size()), 3);
+    for (std::size_t i = 0; i < e.held.size(); ++i) out.row(static_cast<Eigen::Index>(i)) = state_->heldAt(e, i).transpose();
+    return out;
+}
+
 std::vector<int> Character::loadColumns(int element) const {
     const auto& loads = state_->elements[static_cast<std::size_t>(element)].loads;
     std::vector<int> columns;

@@ -74,6 +74,7 @@ void addCoreCommands(CommandRegistry& registry) {
     addSolveCommands(registry);
     addPoseCommands(registry);
     addTakeCommands(registry);
+    addExportCommands(registry);
     addHistoryCommands(registry);
     addMeasureCommands(registry);
     addPaperCommand(registry);

@@ -12,42 +12,61 @@
 
 namespace imomushi {
 
-Result<void> writeFileAtomically(const std::filesystem::path& path, std::string_view bytes) {
-    const auto failed = [&](int reason) {
-        return fail("not-writable", "Cannot write '" + path.string() + "' (" + std::strerror(reason) + "): choose another place for it.");
-    };
+AtomicFile::AtomicFile(const std::filesystem::path& path) : path_(path), target_(path) {
     std::error_code error;
-    if (path.filename().empty() || std::filesystem::is_directory(path, error)) return failed(EISDIR);
+    if (path.filename().empty() || std::filesystem::is_directory(path, error)) {
+        error_ = EISDIR;
+        return;
+    }
     // A link is followed, so that the file it points to is replaced and the link stays.
-    std::filesystem::path target = path;
     if (std::filesystem::is_symlink(path, error))
-        if (auto real = std::filesystem::weakly_canonical(path, error); !error) target = std::move(real);
+        if (auto real = std::filesystem::weakly_canonical(path, error); !error) target_ = std::move(real);
     struct stat old {};
-    const bool replaces = ::stat(target.c_str(), &old) == 0;
-    if (replaces && ::access(target.c_str(), W_OK) != 0) return failed(errno);  // a rename alone would replace a protected file
-    std::string temporary;
-    int file = -1;
-    for (int attempt = 0; file < 0; ++attempt) {
-        temporary = target.string() + "." + std::to_string(::getpid()) + "-" + std::to_string(attempt) + ".part";
-        file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (file < 0 && (errno != EEXIST || attempt == 100)) return failed(errno);
+    replaces_ = ::stat(target_.c_str(), &old) == 0;
+    mode_ = old.st_mode;
+    if (replaces_ && ::access(target_.c_str(), W_OK) != 0) {
+        error_ = errno;  // a rename alone would replace a protected file
+        return;
     }
-    const auto undo = [&](int reason) {
-        ::close(file);
-        ::unlink(temporary.c_str());
-        return failed(reason);
-    };
-    while (!bytes.empty()) {
-        const ssize_t n = ::write(file, bytes.data(), bytes.size());
-        if (n < 0 && errno == EINTR) continue;
-        if (n < 0) return undo(errno);
-        bytes.remove_prefix(static_cast<std::size_t>(n));
+    for (int attempt = 0; file_ < 0; ++attempt) {
+        temporary_ = target_.string() + "." + std::to_string(::getpid()) + "-" + std::to_string(attempt) + ".part";
+        file_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (file_ < 0 && (errno != EEXIST || attempt == 100)) {
+            error_ = errno;
+            return;
+        }
     }
-    if (replaces && ::fchmod(file, old.st_mode & 07777) != 0) return undo(errno);
-    if (::fsync(file) != 0) return undo(errno);
-    if (::rename(temporary.c_str(), target.c_str()) != 0) return undo(errno);
-    ::close(file);
+}
+
+AtomicFile::~AtomicFile() {
+    if (file_ < 0) return;
+    ::close(file_);
+    ::unlink(temporary_.c_str());
+}
+
+void AtomicFile::write(std::string_view bytes) {
+    while (error_ == 0 && !bytes.empty()) {
+        const ssize_t n = ::write(file_, bytes.data(), bytes.size());
+        if (n >= 0)
+            bytes.remove_prefix(static_cast<std::size_t>(n));
+        else if (errno != EINTR)
+            error_ = errno;
+    }
+}
+
+Result<void> AtomicFile::finish() {
+    if (error_ == 0 && ((replaces_ && ::fchmod(file_, mode_ & 07777) != 0) || ::fsync(file_) != 0 || ::rename(temporary_.c_str(), target_.c_str()) != 0))
+        error_ = errno;
+    if (error_ != 0) return fail("not-writable", "Cannot write '" + path_.string() + "' (" + std::strerror(error_) + "): choose another place for it.");
+    ::close(file_);
+    file_ = -1;
     return {};
+}
+
+Result<void> writeFileAtomically(const std::filesystem::path& path, std::string_view bytes) {
+    AtomicFile file(path);
+    file.write(bytes);
+    return file.finish();
 }
 
 }  // namespace imomushi

@@ -2,11 +2,32 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 #include "core/base/result.h"
 
 namespace imomushi {
+
+/// A file that is written piece by piece beside its place, flushed to the disk and renamed by finish(): it appears whole or not at all.
+class AtomicFile {
+public:
+    explicit AtomicFile(const std::filesystem::path& path);
+    ~AtomicFile();  ///< unfinished: leaves nothing
+    AtomicFile(const AtomicFile&) = delete;
+    AtomicFile& operator=(const AtomicFile&) = delete;
+
+    void write(std::string_view bytes);
+    /// Errors: "not-writable", for whatever went wrong since the beginning.
+    Result<void> finish();
+
+private:
+    std::filesystem::path path_, target_;
+    std::string temporary_;
+    int file_ = -1, error_ = 0;
+    unsigned mode_ = 0;
+    bool replaces_ = false;
+};
 
 /// Replaces the file at `path` by `bytes`, or leaves it as it was: writes a file beside it, flushes it to the disk and renames it.
 /// Errors: "not-writable".

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/document/export_commands.h"
+
+#include <algorithm>
+#include <array>
+
+#include "core/document/command_support.h"
+#include "core/document/names.h"
+#include "core/document/session_state.h"
+
+namespace imomushi {
+
+namespace {
+
+constexpr double kFastest = 1000.0;  // frames per second
+constexpr int kMostTargetsAsked = 1000;
+
+constexpr std::array<std::pair<const char*, ExportLayout>, 4> kLayouts = {
+    {{"baked", ExportLayout::Baked}, {"rigged", ExportLayout::Rigged}, {"skinned", ExportLayout::Skinned}, {"cache", ExportLayout::Cache}}};
+
+ExportOptions options(bool split, bool quantised, double fps) {
+    ExportOptions out;
+    out.split = split;
+    out.quantised = quantised;
+    out.fps = fps;
+    return out;
+}
+
+template <class List>
+std::string namesOf(const List& list) {
+    std::string names;
+    for (const auto& item : list) names += std::string(names.empty() ? "\"" : ", \"") + std::get<0>(item) + "\"";
+    return names;
+}
+
+Json errorJson(const ExportError& error) { return Json{{"max_percent", 100.0 * error.largest}, {"rms_percent", 100.0 * error.rms}}; }
+
+/// Takes as clips. One that was recorded on another character is its poses.
+ExportClip clipOf(const std::shared_ptr<const Take>& take, Session::State& s, std::vector<std::string>& warnings) {
+    ExportClip clip{take->name, take->times, {}, {}};
+    if (take->elements == s.plan.elements && take->layout == s.character->shapeLayout()) {
+        clip.shape = [take](std::size_t frame, double* numbers) { take->shapes.at(frame, numbers); };
+        return clip;
+    }
+    warnings.push_back("The character is not what it was when \"" + take->name + "\" was recorded: its poses are written without what effects added.");
+    for (std::size_t f = 0; f < take->times.size(); ++f) clip.poses.push_back(takePose(*take, {f, 0.0}, s.plan.bones, s.plan.input.skeleton));
+    return clip;
+}
+
+/// What became of an effect.
+Json effectJson(const ExportPlan& plan, const ExportReport& report, EffectKind kind) {
+    const auto told = [&](const char* result) { return Json{{"effect", effectName(kind)}, {"result", result}}; };
+    const auto fitted = [&](const ExportError& error) {
+        Json answer = told("fitted");
+        answer["error"] = errorJson(error);
+        return answer;
+    };
+    const bool inTime = kind == EffectKind::BoneDynamics || kind == EffectKind::JointDynamics || kind == EffectKind::PreviousModel;
+    if (inTime && !plan.performed) return told("dropped");
+    if (plan.options.layout == ExportLayout::Cache) return told("exact");
+    const bool ofBones = kind == EffectKind::BoneDynamics || kind == EffectKind::Ground;
+    if (plan.options.layout == ExportLayout::Skinned) return ofBones ? told("exact") : fitted(report.skinned);
+    if (kind == EffectKind::BendWarp) return fitted(report.warped);
+    if (kind == EffectKind::Touch && report.touched.largest > 0.0) return fitted(report.touched);
+    if (!ofBones && report.dropped.largest > 0.0) return fitted(report.dropped);
+    return told("exact");
+}
+
+Result<Json> exportCommand(Session& session, const Json& arguments, const Progress& progress) {
+    const auto plan = planExport(session, arguments);
+    if (!plan) return tl::unexpected(plan.error());
+    return runExport(*plan, progress);
+}
+
+}  // namespace
+
+std::span<const ExportPreset> exportPresets() {
+    static const std::array<ExportPreset, 6> presets = {{
+        {"exact", "all targets, keys as recorded", options(false, false, 0.0)},
+        {"blender", "as exact, at 60 frames per second", options(false, false, 60.0)},
+        {"godot", "as exact, at 60 frames per second", options(false, false, 60.0)},
+        {"unity", "weights of 0 to 1, which Unity clamps to, at 60 frames per second", options(true, false, 60.0)},
+        {"unreal", "weights of 0 to 1, at 30 frames per second", options(true, false, 30.0)},
+        {"threejs", "16-bit coordinates, for small files", options(false, true, 0.0)},
+    }};
+    return presets;
+}
+
+Result<ExportPlan> planExport(Session& session, const Json& arguments) {
+    Session::State& s = session.state();
+    ExportPlan plan;
+    if (const Json* name = find(arguments, "preset")) {
+        const auto presets = exportPresets();
+        const auto preset = std::find_if(presets.begin(), presets.end(), [&](const ExportPreset& p) { return *name == p.name; });
+        if (preset == presets.end()) {
+            std::string names;
+            for (const auto& p : presets) names += std::string(names.empty() ? "\"" : ", \"") + p.name + "\"";
+            return fail("bad-value", "\"preset\" must be one of " + names + ".");
+        }
+        plan.options = preset->options;
+    }
+    const auto layout = std::find_if(kLayouts.begin(), kLayouts.end(), [&](const auto& l) { return text(arguments, "layout") == l.first; });
+    if (layout == kLayouts.end()) return fail("bad-value", "\"layout\" must be one of " + namesOf(kLayouts) + ".");
+    plan.options.layout = layout->second;
+    if (const Json* fps = find(arguments, "fps")) {
+        const auto given = numberWithin(*fps, "fps", 0.0, kFastest);
+        if (!given) return tl::unexpected(given.error());
+        plan.options.fps = *given;
+    }
+    if (const Json* targets = find(arguments, "targets")) {
+        if (*targets == "all") {
+            plan.options.targets = 0;
+        } else {
+            const auto given = numberWithin(*targets, "targets", 1, kMostTargetsAsked);
+            if (!given) return tl::unexpected(given.error());
+            plan.options.targets = static_cast<int>(*given);
+        }
+    }
+    if (const Json* tolerance = find(arguments, "tolerance")) {
+        const auto given = numberWithin(*tolerance, "tolerance", 0.0, 1.0);
+        if (!given) return tl::unexpected(given.error());
+        plan.options.tolerance = *given;
+    }
+    plan.options.split = arguments.value("split", plan.options.split);
+    plan.options.quantised = arguments.value("quantise", plan.options.quantised);
+    plan.options.normals = arguments.value("normals", plan.options.normals);
+    const std::string& path = text(arguments, "path");
+    if (path.empty() || path.find('\0') != std::string::npos) return fail("bad-value", "\"path\" is empty or holds a zero byte.");
+    plan.path = path;
+
+    const auto alive = s.live();
+    if (!alive) return tl::unexpected(alive.error());
+    if (!*alive || s.document.elements.empty()) return fail("no-element", "There is nothing to export: import an element first.");
+    plan.scene.name = plan.path.stem().string();
+    plan.scene.character = s.character->input();
+    for (const PartId id : s.plan.elements) {
+        const Element& element = *s.document.elements.at(id);
+        plan.scene.elements.push_back(element.name);
+        plan.scene.colors.push_back(element.color);
+        if (!element.faces.empty() && !s.responseOf(id, true))
+            plan.warnings.push_back("\"" + element.name + "\" is not precomputed and follows its bones rigidly: precompute it first.");
+    }
+    for (const PartId id : s.plan.bones) plan.scene.bones.push_back(s.document.bones.at(id)->name);
+    plan.scene.points.resize(s.plan.input.skeleton.points.size());
+    for (const auto& [end, point] : s.plan.points)
+        if (auto& name = plan.scene.points[static_cast<std::size_t>(point)]; name.empty()) name = endpointText(s.document, end);
+
+    if (arguments.contains("take")) {
+        const auto take = takeOf(s.document, text(arguments, "take"));
+        if (!take) return tl::unexpected(take.error());
+        plan.scene.clips.push_back(clipOf(*take, s, plan.warnings));
+    } else {
+        for (const auto& [id, take] : s.document.takes) plan.scene.clips.push_back(clipOf(take, s, plan.warnings));
+    }
+    plan.performed = !plan.scene.clips.empty();
+    if (!plan.performed) {
+        std::vector<double> shape(static_cast<std::size_t>(s.character->shapeLayout().size()));
+        s.character->shape(shape.data());
+        plan.scene.clips.push_back({"pose", {0.0}, [shape](std::size_t, double* numbers) { std::copy(shape.begin(), shape.end(), numbers); }, {}});
+    }
+    for (std::size_t k = 0; k < kEffects; ++k)
+        if (const auto kind = static_cast<EffectKind>(k); s.document.effects.has(kind)) plan.effects.push_back(kind);
+    return plan;
+}
+
+Result<Json> runExport(const ExportPlan& plan, const Progress& progress) {
+    const auto report = exportScene(plan.scene, plan.options, plan.path, progress);
+    if (!report) return tl::unexpected(report.error());
+    Json answer;
+    answer["bytes"] = report->bytes;
+    answer["files"] = report->files.size();
+    answer["path"] = report->files.front().string();
+    answer["vertices"] = report->vertices;
+    answer["triangles"] = report->triangles;
+    answer["targets"] = report->targets;
+    answer["keys"] = report->keys;
+    answer["clips"] = Json::array();
+    for (const auto& clip : report->clips) answer["clips"].push_back({{"name", clip.name}, {"frames", clip.frames}, {"seconds", clip.seconds}});
+    answer["effects"] = Json::array();
+    for (const EffectKind kind : plan.effects) answer["effects"].push_back(effectJson(plan, *report, kind));
+    // By design, and as the file was read back.
+    if (plan.options.layout == ExportLayout::Skinned) answer["skin"] = errorJson(report->skinned);
+    if (report->dropped.largest > 0.0) answer["dropped_targets"] = errorJson(report->dropped);
+    answer["check"] = errorJson(report->check);
+    answer["check"]["frames"] = report->checked;
+    answer["warnings"] = Json::array();
+    for (const auto& list : {plan.warnings, report->warnings})
+        for (const std::string& warning : list) answer["warnings"].push_back(warning);
+    return answer;
+}
+
+void addExportCommands(CommandRegistry& registry) {
+    using Type = CommandKey::Type;
+    std::string presets;
+    for (const auto& preset : exportPresets()) presets += std::string(presets.empty() ? "\"" : "; \"") + preset.name + "\": " + preset.help;
+    registry.add({"export",
+                  "Writes the character with its takes for other programs, reads the file back and compares it. Errors are distances over the bounding-box "
+                  "diagonal of the character. Metres, +Y up, times from 0.",
+                  {{"path", Type::Text, true, "A file that ends in .glb; for caches in .pc2, .mdd, .obj or .ply (a file per frame, numbered)."},
+                   {"layout", Type::Text, true,
+                    "\"baked\": a node and morph targets per element; \"rigged\": the same in one skeleton, with what drives it live; \"skinned\": weights "
+                    "of four joints per vertex, no morph targets; \"cache\": all vertices in all frames."},
+                   {"take", Type::Text, false, "The take (all takes unless given; the pose as it is where there is none)."},
+                   {"fps", Type::Number, false, "Keys per second, up to 1000 (the frames of the take)."},
+                   {"preset", Type::Text, false, presets + "."},
+                   {"targets", Type::Any, false, "Morph targets per element: a number (4 or 8 for phones), or \"all\". What is dropped is said."},
+                   {"split", Type::Boolean, false, "A target for each sign of a weight, for programs that clamp weights to 0 ... 1 (false)."},
+                   {"quantise", Type::Boolean, false, "16 bits per coordinate, by KHR_mesh_quantization (false)."},
+                   {"normals", Type::Boolean, false, "Morph targets move normals too (false: engines find them, or leave them)."},
+                   {"tolerance", Type::Number, false, "Keys are left out where the others say the same within this part of the diagonal (0)."}},
+                  false, exportCommand});
+}
+
+}  // namespace imomushi

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/export/driver.h"
+
+#include "core/character/shrink.h"
+#include "core/skeleton/bone_tree.h"
+
+namespace imomushi {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+template <class Dense>
+Json numbers(const Dense& values) {
+    Json out = Json::array();
+    for (Eigen::Index i = 0; i < values.size(); ++i) out.push_back(values.data()[i]);
+    return out;
+}
+
+}  // namespace
+
+Json driverData(const GltfContent& content) {
+    const CharacterInput& input = content.scene.character;
+    const Skeleton& skeleton = input.skeleton;
+    const BoneTree tree = boneTree(skeleton);
+    Json out{{"version", 1}, {"points", Json::array()}, {"bones", Json::array()}, {"elements", Json::array()}, {"joints", Json::array()}};
+    for (std::size_t p = 0; p < skeleton.points.size(); ++p) out["points"].push_back({{"name", content.scene.points[p]}, {"rest", numbers(skeleton.points[p])}});
+    for (std::size_t b = 0; b < skeleton.bones.size(); ++b) {
+        const auto& bone = skeleton.bones[b];
+        out["bones"].push_back({{"name", content.scene.bones[b]}, {"start", bone.start}, {"end", bone.end}, {"parent", tree.parent[b]}, {"tree", tree.tree[b]},
+                                {"direction", numbers(tree.restDirection[b])}, {"rollSign", tree.rollSign[b]}, {"length", bone.length}});
+    }
+    for (std::size_t e = 0; e < input.elements.size(); ++e) {
+        const auto& element = input.elements[e];
+        Json item{{"name", content.scene.elements[e]}, {"frame", content.scene.elements[e] + " frame"}, {"middle", numbers(content.morphs[e].middle)}, {"bones", element.bones}};
+        int anchorJoint = -1;
+        Vec3 anchor = Vec3::Zero();
+        double length = 0.0;
+        for (const int b : element.bones) {
+            const auto& bone = skeleton.bones[static_cast<std::size_t>(b)];
+            length += bone.length;
+            anchor += 0.5 * bone.length * (skeleton.points[static_cast<std::size_t>(bone.start)] + skeleton.points[static_cast<std::size_t>(bone.end)]);
+        }
+        if (length > 0.0) anchor /= length;
+        item["faces"] = Json::array();
+        for (std::size_t f = 0; f < element.faces.size(); ++f)
+            for (std::size_t j = 0; j < input.joints.size(); ++j)
+                for (const auto& jf : input.joints[j].faces) {
+                    if (jf.element != static_cast<int>(e) || jf.face != static_cast<int>(f)) continue;
+                    if (hangsOnItsJoint(element, input.joints[j])) {
+                        anchorJoint = static_cast<int>(j);
+                        anchor = skeleton.points[static_cast<std::size_t>(input.joints[j].point)];
+                    }
+                    const auto& face = element.faces[f];
+                    Json told{{"name", face.name}, {"joint", j}, {"origin", numbers(face.frame.origin)}, {"axes", numbers(face.frame.axes)}};
+                    if (element.response) {
+                        const FaceBasis& basis = element.response->bases[f];
+                        told["basis"] = basis.kind == BasisKind::Modes ? "affine" : basisName(basis.choice());
+                        told["flat"] = basis.flat;
+                        told["column"] = element.response->firstColumn[f];
+                    }
+                    item["faces"].push_back(std::move(told));
+                }
+        item["anchorJoint"] = anchorJoint;
+        item["anchor"] = numbers(anchor);
+        item["boneLength"] = length;
+        const auto& matrix = content.morphs[e].matrix;
+        item["columns"] = matrix.cols();
+        item["matrix"] = Json::array();
+        for (Eigen::Index t = 0; t < matrix.rows(); ++t)
+            for (Eigen::Index c = 0; c < matrix.cols(); ++c) item["matrix"].push_back(matrix(t, c));
+        out["elements"].push_back(std::move(item));
+    }
+    for (std::size_t j = 0; j < input.joints.size(); ++j) {
+        const auto& joint = input.joints[j];
+        const auto& first = input.elements[static_cast<std::size_t>(joint.faces[0].element)].faces[static_cast<std::size_t>(joint.faces[0].face)].frame;
+        Vec3 tangent = Vec3::Zero();
+        bool led = false;
+        Json faces = Json::array();
+        for (const auto& f : joint.faces) {
+            led = led || input.elements[static_cast<std::size_t>(f.element)].leadsJointPlanes;
+            if (f.bone >= 0) tangent += tree.rollSign[static_cast<std::size_t>(f.bone)] * tree.restDirection[static_cast<std::size_t>(f.bone)];
+            faces.push_back({{"element", f.element}, {"face", f.face}, {"bone", f.bone}, {"leads", input.elements[static_cast<std::size_t>(f.element)].leadsJointPlanes}});
+        }
+        if (const double n = tangent.norm(); n > 1e-6)
+            tangent /= n;
+        else
+            tangent.setZero();
+        const Vec3 place = joint.point >= 0 ? skeleton.points[static_cast<std::size_t>(joint.point)] : first.origin;
+        out["joints"].push_back({{"point", joint.point}, {"place", numbers(place)}, {"normal", numbers(Vec3(first.axes.col(2)))}, {"tangent", numbers(tangent)},
+                                 {"shrink", content.motion.character.shrink(static_cast<int>(j))}, {"led", led}, {"faces", std::move(faces)}});
+    }
+    return out;
+}
+
+}  // namespace imomushi

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/export/export.h"
+
+#include <algorithm>
+
+#include "core/export/cache_writer.h"
+#include "core/export/gltf_check.h"
+#include "core/export/gltf_writer.h"
+#include "core/io/atomic_file.h"
+
+namespace imomushi {
+
+namespace {
+
+/// How the normals of a surface move per unit of each target: linear, from triangles of the moved body.
+std::vector<std::vector<float>> normalTargets(const TriangleMesh& body, const RenderSurface& surface, const ElementMorphs& morphs) {
+    std::vector<std::vector<float>> out;
+    for (Eigen::Index t = 0; t < morphs.targets.cols(); ++t) {
+        // d(area vector) = e1 x de2 + de1 x e2, over the length of the vertex's own sum.
+        Points sum = Points::Zero(body.vertices.rows(), 3), change = sum;
+        for (Eigen::Index f = 0; f < body.triangles.rows(); ++f) {
+            const std::int32_t a = body.triangles(f, 0), b = body.triangles(f, 1), c = body.triangles(f, 2);
+            const auto rest = [&](std::int32_t v) -> Vec3 { return morphs.rest.row(v).transpose(); };
+            const auto moved = [&](std::int32_t v) -> Vec3 { return morphs.targets.col(t).segment<3>(3 * v).cast<double>(); };
+            const Vec3 e1 = rest(b) - rest(a), e2 = rest(c) - rest(a), d1 = moved(b) - moved(a), d2 = moved(c) - moved(a);
+            const Vec3 area = e1.cross(e2), d = e1.cross(d2) + d1.cross(e2);
+            for (const std::int32_t v : {a, b, c}) {
+                sum.row(v) += area.transpose();
+                change.row(v) += d.transpose();
+            }
+        }
+        auto& target = out.emplace_back(3 * surface.body.size());
+        for (std::size_t i = 0; i < surface.body.size(); ++i) {
+            const std::int32_t v = surface.body[i];
+            const double length = sum.row(v).norm();
+            Vec3 d = Vec3::Zero();
+            if (length > 0.0) {
+                const Vec3 n = sum.row(v).transpose() / length;
+                d = change.row(v).transpose() / length;
+                d -= n * n.dot(d);
+            }
+            for (int k = 0; k < 3; ++k) target[3 * i + static_cast<std::size_t>(k)] = static_cast<float>(d[k]);
+        }
+    }
+    return out;
+}
+
+}  // namespace
+
+Result<ExportReport> exportScene(const ExportScene& scene, const ExportOptions& options, const std::filesystem::path& path, const Progress& progress) {
+    if (scene.clips.empty()) return fail("bad-value", "There is nothing to export: a clip is missing.");
+    if (scene.character.elements.empty()) return fail("no-element", "There is nothing to export: import an element first.");
+    ExportReport report;
+    progress.report("prepare", 0.0);
+    auto motion = Motion::build(scene, options.fps, progress);
+    if (!motion) return tl::unexpected(motion.error());
+    for (std::size_t c = 0; c < scene.clips.size(); ++c)
+        report.clips.push_back({scene.clips[c].name, motion->clips[c].times.size(), motion->clips[c].times.back()});
+    if (options.layout == ExportLayout::Cache) {
+        if (auto written = writeCache(*motion, scene, path, report, progress.part(0.1, 1.0)); !written) return tl::unexpected(written.error());
+        return report;
+    }
+    if (path.extension() != ".glb") return fail("unknown-format", "\"" + path.string() + "\" is no place for glTF: its name must end in .glb.");
+
+    GltfContent content{scene, options, *motion, {}, {}, {}, {}};
+    motion->character.show(motion->restShape.data());
+    for (std::size_t e = 0; e < scene.character.elements.size(); ++e)
+        content.surfaces.push_back(renderSurface(scene.character, static_cast<int>(e), motion->character.surface(static_cast<int>(e)).normals));
+    if (options.layout == ExportLayout::Skinned) {
+        auto skin = fitSkin(*motion, scene, progress.part(0.1, 0.6));
+        if (!skin) return tl::unexpected(skin.error());
+        report.skinned = skin->error;
+        content.skin = std::move(*skin);
+    } else {
+        MorphErrors errors;
+        auto morphs = buildMorphs(*motion, scene, options, options.layout == ExportLayout::Rigged, errors, progress.part(0.1, 0.6));
+        if (!morphs) return tl::unexpected(morphs.error());
+        content.morphs = std::move(*morphs);
+        report.warped = errors.warped;
+        report.touched = errors.touched;
+        report.dropped = errors.dropped;
+        if (options.normals)
+            for (std::size_t e = 0; e < content.morphs.size(); ++e) {
+                if (progress.cancelled()) return fail(kCancelled, "The export was cancelled.");
+                content.normalTargets.push_back(normalTargets(scene.character.elements[e].mesh->body, content.surfaces[e], content.morphs[e]));
+            }
+    }
+    auto bytes = writeGltf(content, report, progress.part(0.6, 0.8));
+    if (!bytes) return tl::unexpected(bytes.error());
+    progress.report("check", 0.8);
+    auto error = checkGltf(*bytes, content, *motion, report.checked);
+    if (!error) return tl::unexpected(error.error());
+    report.check = *error;
+    if (progress.cancelled()) return fail(kCancelled, "The export was cancelled.");
+    progress.report("save", 0.95);
+    if (auto written = writeFileAtomically(path, *bytes); !written) return tl::unexpected(written.error());
+    report.files.push_back(path);
+    report.bytes = bytes->size();
+    return report;
+}
+
+}  // namespace imomushi

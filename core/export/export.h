@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/base/result.h"
+#include "core/character/character.h"
+
+namespace imomushi {
+
+/// A performance to write: shapes of the character, or poses of its skeleton.
+struct ExportClip {
+    std::string name;
+    std::vector<double> times;  ///< s, ascending from 0
+    /// The numbers of a frame (ShapeLayout); empty: `poses` instead.
+    std::function<void(std::size_t frame, double* numbers)> shape;
+    std::vector<Pose> poses;
+};
+
+/// What goes out, by indices of `character`.
+struct ExportScene {
+    std::string name;
+    CharacterInput character;
+    std::vector<std::string> elements, bones, points;  ///< names of elements, bones, and joint points ("bone/end")
+    std::vector<Eigen::Vector3f> colors;               ///< of elements whose meshes bring no look, linear RGB
+    std::vector<ExportClip> clips;                     ///< one at least
+};
+
+/// How a character is written.
+///   Baked    glTF: a node per element that moves rigidly, and morph targets, one per column of A' (model.md section 2): x = frame (rest + sum of
+///            weight * target), which is what the studio computes
+///   Rigged   the same in one skeleton, an element to a joint, with what drives the weights in `extras` (driver.h)
+///   Skinned  glTF without morph targets: linear blend skinning with fitted weights, four joints per vertex
+///   Cache    positions of all vertices per frame: PC2, MDD, or a sequence of OBJ or PLY files
+enum class ExportLayout { Baked, Rigged, Skinned, Cache };
+
+struct ExportOptions {
+    ExportLayout layout = ExportLayout::Baked;
+    double fps = 0.0;        ///< keys at this rate; 0: at the recorded times
+    int targets = 0;         ///< at most so many per element, the most important ones; 0: all
+    bool split = false;      ///< a target for each sign of a weight: weights stay within 0 ... 1
+    bool quantised = false;  ///< KHR_mesh_quantization: 16 bits per coordinate
+    bool normals = false;    ///< morph targets move normals too
+    double tolerance = 0.0;  ///< keys are left out where the others say the same within this part of the diagonal
+};
+
+/// A distance over the bounding-box diagonal of the character at rest.
+struct ExportError {
+    double largest = 0.0, rms = 0.0;
+};
+
+struct ExportReport {
+    std::vector<std::filesystem::path> files;
+    std::size_t bytes = 0;
+    int vertices = 0, triangles = 0;
+    int targets = 0;        ///< of the element with the most
+    std::size_t keys = 0;   ///< of all clips and elements
+    struct Clip {
+        std::string name;
+        std::size_t frames = 0;
+        double seconds = 0.0;
+    };
+    std::vector<Clip> clips;
+    /// What is lost by design, at the frames that it was measured on: large motions and fingers that fitted targets follow; targets that were dropped; a
+    /// skin instead of the elastic body.
+    ExportError warped, touched, dropped, skinned;
+    /// The file as it was read back against the character, at `checked` frames of the clips.
+    ExportError check;
+    int checked = 0;
+    std::vector<std::string> warnings;  ///< one sentence each
+};
+
+/// Writes a scene: .glb, or for caches .pc2, .mdd, .obj, .ply (frames numbered before the suffix). Files appear whole or not at all. What was written is read
+/// back and compared. Errors: "unknown-format", "bad-value", "not-writable", "not-readable" (what was written is not what was meant), "cancelled".
+Result<ExportReport> exportScene(const ExportScene& scene, const ExportOptions& options, const std::filesystem::path& path, const Progress& progress);
+
+}  // namespace imomushi

@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#define TINYGLTF_IMPLEMENTATION
+#define TINYGLTF_NO_STB_IMAGE
+#define TINYGLTF_NO_STB_IMAGE_WRITE
+#define TINYGLTF_NO_EXTERNAL_IMAGE
+#define TINYGLTF_NO_INCLUDE_STB_IMAGE
+#define TINYGLTF_NO_INCLUDE_STB_IMAGE_WRITE
+#define TINYGLTF_NO_INCLUDE_JSON
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wconversion"
+#pragma GCC diagnostic ignored "-Wshadow"
+#pragma GCC diagnostic ignored "-Wfloat-conversion"
+#include <nlohmann/json.hpp>
+#include <tiny_gltf.h>
+#pragma GCC diagnostic pop
+
+#include "core/export/gltf_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace imomushi {
+
+namespace {
+
+constexpr std::size_t kFrames = 10;
+
+/// Thrown and caught in this file: the file does not say what was meant.
+struct Unreadable {
+    std::string why;
+};
+
+/// The numbers of an accessor, as real values.
+std::vector<float> numbersOf(const tinygltf::Model& model, int index) {
+    const auto& a = model.accessors.at(static_cast<std::size_t>(index));
+    const auto& view = model.bufferViews.at(static_cast<std::size_t>(a.bufferView));
+    const auto& data = model.buffers.at(static_cast<std::size_t>(view.buffer)).data;
+    const auto width = static_cast<std::size_t>(tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(a.type)));
+    const auto size = static_cast<std::size_t>(tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(a.componentType)));
+    const int stride = a.ByteStride(view);
+    if (stride <= 0) throw Unreadable{"an accessor has no stride"};
+    std::vector<float> out(a.count * width);
+    for (std::size_t i = 0; i < a.count; ++i) {
+        const std::size_t at = view.byteOffset + a.byteOffset + i * static_cast<std::size_t>(stride);
+        if (at + width * size > data.size()) throw Unreadable{"an accessor leaves its buffer"};
+        for (std::size_t k = 0; k < width; ++k) {
+            const unsigned char* from = data.data() + at + k * size;
+            const auto as = [&](auto kind, float most) {
+                std::memcpy(&kind, from, sizeof kind);
+                return a.normalized ? std::max(static_cast<float>(kind) / most, -1.0f) : static_cast<float>(kind);
+            };
+            float& to = out[i * width + k];
+            switch (a.componentType) {
+                case TINYGLTF_COMPONENT_TYPE_FLOAT: std::memcpy(&to, from, sizeof to); break;
+                case TINYGLTF_COMPONENT_TYPE_SHORT: to = as(std::int16_t{}, 32767.0f); break;
+                case TINYGLTF_COMPONENT_TYPE_BYTE: to = as(std::int8_t{}, 127.0f); break;
+                case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: to = as(std::uint16_t{}, 65535.0f); break;
+                case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT: to = as(std::uint32_t{}, 1.0f); break;
+                default: throw Unreadable{"an accessor has another type"};
+            }
+        }
+    }
+    return out;
+}
+
+/// Where the nodes of a file are at a time.
+class Player {
+public:
+    explicit Player(const tinygltf::Model& model) : model_(model) {
+        parent_.assign(model.nodes.size(), -1);
+        for (std::size_t n = 0; n < model.nodes.size(); ++n)
+            for (const int child : model.nodes[n].children) parent_.at(static_cast<std::size_t>(child)) = static_cast<int>(n);
+        for (const auto& animation : model.animations) {
+            auto& clip = clips_.emplace_back();
+            for (const auto& channel : animation.channels) {
+                const auto& sampler = animation.samplers.at(static_cast<std::size_t>(channel.sampler));
+                clip.push_back({channel.target_node, channel.target_path, numbersOf(model, sampler.input), numbersOf(model, sampler.output)});
+            }
+        }
+        rest();
+    }
+
+    void rest() {
+        nodes_.assign(model_.nodes.size(), {});
+        for (std::size_t n = 0; n < nodes_.size(); ++n) {
+            const auto& node = model_.nodes[n];
+            auto& to = nodes_[n];
+            if (node.translation.size() == 3) to.place = Vec3(node.translation[0], node.translation[1], node.translation[2]);
+            if (node.rotation.size() == 4) to.rotation = Eigen::Quaterniond(node.rotation[3], node.rotation[0], node.rotation[1], node.rotation[2]);
+            if (node.scale.size() == 3) to.scale = Vec3(node.scale[0], node.scale[1], node.scale[2]);
+            if (node.mesh >= 0) to.weights = model_.meshes.at(static_cast<std::size_t>(node.mesh)).weights;
+        }
+    }
+
+    void play(std::size_t clip, double time) {
+        rest();
+        for (const auto& c : clips_.at(clip)) {
+            auto& to = nodes_.at(static_cast<std::size_t>(c.node));
+            const auto after = std::upper_bound(c.times.begin(), c.times.end(), static_cast<float>(time));
+            const auto key = static_cast<std::size_t>(std::max<std::ptrdiff_t>(after - c.times.begin() - 1, 0));
+            const std::size_t next = std::min(key + 1, c.times.size() - 1);
+            double part = 0.0;
+            if (next > key) part = std::clamp((time - c.times[key]) / (static_cast<double>(c.times[next]) - c.times[key]), 0.0, 1.0);
+            const std::size_t width = c.numbers.size() / c.times.size();
+            const float *a = c.numbers.data() + key * width, *b = c.numbers.data() + next * width;
+            const auto mixed = [&](std::size_t i) { return a[i] + part * (b[i] - a[i]); };
+            if (c.path == "translation") {
+                to.place = Vec3(mixed(0), mixed(1), mixed(2));
+            } else if (c.path == "rotation") {
+                to.rotation = Eigen::Quaterniond(a[3], a[0], a[1], a[2]).slerp(part, Eigen::Quaterniond(b[3], b[0], b[1], b[2])).normalized();
+            } else if (c.path == "weights") {
+                to.weights.resize(width);
+                for (std::size_t i = 0; i < width; ++i) to.weights[i] = mixed(i);
+            }
+        }
+    }
+
+    [[nodiscard]] Eigen::Affine3d world(int n) const {
+        Eigen::Affine3d out = Eigen::Affine3d::Identity();
+        for (; n >= 0; n = parent_[static_cast<std::size_t>(n)]) {
+            const auto& node = nodes_[static_cast<std::size_t>(n)];
+            Eigen::Affine3d own;
+            own.linear() = node.rotation.toRotationMatrix() * node.scale.asDiagonal();
+            own.translation() = node.place;
+            own.makeAffine();
+            out = own * out;
+        }
+        return out;
+    }
+    [[nodiscard]] const std::vector<double>& weights(int n) const { return nodes_[static_cast<std::size_t>(n)].weights; }
+
+private:
+    struct Node {
+        Vec3 place = Vec3::Zero(), scale = Vec3::Ones();
+        Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+        std::vector<double> weights;
+    };
+    struct Channel {
+        int node;
+        std::string path;
+        std::vector<float> times, numbers;
+    };
+    const tinygltf::Model& model_;
+    std::vector<int> parent_;
+    std::vector<Node> nodes_;
+    std::vector<std::vector<Channel>> clips_;
+};
+
+/// The mesh of an element in the file.
+struct ReadMesh {
+    int node = -1, skin = -1;
+    std::vector<float> positions, joints, weights;
+    std::vector<std::vector<float>> targets;
+};
+
+Result<ExportError> compare(const tinygltf::Model& model, const GltfContent& content, Motion& motion, int& checked) {
+    std::vector<ReadMesh> meshes(content.surfaces.size());
+    for (std::size_t n = 0; n < model.nodes.size(); ++n) {
+        const auto& node = model.nodes[n];
+        if (node.mesh < 0 || !node.extras.IsObject() || !node.extras.Has(kElementExtra)) continue;
+        auto& out = meshes.at(static_cast<std::size_t>(node.extras.Get(kElementExtra).GetNumberAsInt()));
+        const auto& primitive = model.meshes.at(static_cast<std::size_t>(node.mesh)).primitives.at(0);
+        out.node = static_cast<int>(n);
+        out.skin = node.skin;
+        out.positions = numbersOf(model, primitive.attributes.at("POSITION"));
+        if (node.skin >= 0) {
+            out.joints = numbersOf(model, primitive.attributes.at("JOINTS_0"));
+            out.weights = numbersOf(model, primitive.attributes.at("WEIGHTS_0"));
+        }
+        for (const auto& target : primitive.targets) out.targets.push_back(numbersOf(model, target.at("POSITION")));
+    }
+    std::vector<Eigen::Affine3d> inverse;
+    if (!model.skins.empty()) {
+        const auto numbers = numbersOf(model, model.skins[0].inverseBindMatrices);
+        for (std::size_t j = 0; 16 * j < numbers.size(); ++j)
+            inverse.emplace_back(Eigen::Map<const Eigen::Matrix4f>(numbers.data() + 16 * j).cast<double>());
+    }
+    Player player(model);
+    double largest = 0.0, squares = 0.0, points = 0.0;
+    std::size_t animation = 0;
+    for (const auto& clip : motion.clips) {
+        const std::size_t frames = std::min(kFrames, clip.times.size());
+        for (std::size_t i = 0; i < frames; ++i) {
+            const std::size_t frame = frames > 1 ? i * (clip.times.size() - 1) / (frames - 1) : 0;
+            if (animation < model.animations.size()) player.play(animation, clip.times[frame]);
+            motion.character.show(clip.shapes[frame].data());
+            ++checked;
+            for (std::size_t e = 0; e < meshes.size(); ++e) {
+                const ReadMesh& mesh = meshes[e];
+                const auto& body = content.surfaces[e].body;
+                if (body.empty()) continue;
+                if (mesh.node < 0 || mesh.positions.size() != 3 * body.size()) throw Unreadable{"an element is missing"};
+                std::vector<double> at(mesh.positions.begin(), mesh.positions.end());
+                const auto& weights = player.weights(mesh.node);
+                for (std::size_t t = 0; t < mesh.targets.size(); ++t) {
+                    const double w = weights.at(t);
+                    if (w == 0.0) continue;
+                    for (std::size_t k = 0; k < at.size(); ++k) at[k] += w * mesh.targets[t][k];
+                }
+                std::vector<Eigen::Affine3d> moved;
+                if (mesh.skin >= 0) {
+                    const auto& skin = model.skins[0];
+                    for (std::size_t j = 0; j < skin.joints.size(); ++j) moved.push_back(player.world(skin.joints[j]) * inverse.at(j));
+                } else {
+                    moved.push_back(player.world(mesh.node));
+                }
+                const Points goal = motion.character.positions(static_cast<int>(e));
+                for (std::size_t v = 0; v < body.size(); ++v) {
+                    const Vec3 local(at[3 * v], at[3 * v + 1], at[3 * v + 2]);
+                    Vec3 p = Vec3::Zero();
+                    if (mesh.skin < 0) p = moved[0] * local;
+                    for (std::size_t k = 0; mesh.skin >= 0 && k < 4; ++k)
+                        if (const float w = mesh.weights[4 * v + k]; w > 0.0f) p += static_cast<double>(w) * (moved.at(static_cast<std::size_t>(mesh.joints[4 * v + k])) * local);
+                    const double d = (p - goal.row(body[v]).transpose()).squaredNorm();
+                    largest = std::max(largest, d);
+                    squares += d;
+                    points += 1.0;
+                }
+            }
+        }
+        ++animation;
+    }
+    return ExportError{std::sqrt(largest) / motion.diagonal, std::sqrt(squares / std::max(points, 1.0)) / motion.diagonal};
+}
+
+}  // namespace
+
+Result<ExportError> checkGltf(const std::string& bytes, const GltfContent& content, Motion& motion, int& checked) {
+    const auto unreadable = [](const std::string& why) {
+        return fail("not-readable", "The file that was written could not be read back (" + why + "): it was not kept. Please report this.");
+    };
+    tinygltf::TinyGLTF reader;
+    reader.SetImageLoader([](tinygltf::Image*, const int, std::string*, std::string*, int, int, const unsigned char*, int, void*) { return true; }, nullptr);
+    tinygltf::Model model;
+    std::string error, warning;
+    try {
+        if (!reader.LoadBinaryFromMemory(&model, &error, &warning, reinterpret_cast<const unsigned char*>(bytes.data()), static_cast<unsigned int>(bytes.size())))
+            return unreadable(error);
+        return compare(model, content, motion, checked);
+    } catch (const Unreadable& reason) {
+        return unreadable(reason.why);
+    } catch (const std::out_of_range&) {
+        return unreadable("an index is out of range");
+    }
+}
+
+}  // namespace imomushi

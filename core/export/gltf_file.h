@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace imomushi {
+
+/// The parts of a glTF 2.0 file that are the same for everything in it: one binary buffer, its views and accessors.
+class GltfFile {
+public:
+    using Json = nlohmann::ordered_json;
+    enum class Target { None = 0, Vertices = 34962, Indices = 34963 };
+    static constexpr int kByte = 5120, kUnsignedByte = 5121, kShort = 5122, kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
+
+    Json root;
+
+    /// Adds to an array of the root, and answers its index.
+    int add(const char* array, Json item);
+    int view(const void* bytes, std::size_t size, Target target, int stride = 0);
+    /// width: numbers per item. bounds: with "min" and "max", as the format wants for positions and times.
+    int accessor(const std::vector<float>& numbers, int width, Target target, bool bounds);
+    /// Three numbers per item as normalised integers, over `unit`, padded to four bytes: KHR_mesh_quantization. wide: 16 bits, else 8.
+    int quantised(const std::vector<float>& numbers, float unit, bool wide);
+    int indices(const std::vector<std::uint32_t>& triangles, std::size_t vertices);
+    /// Four per item.
+    int joints(const std::vector<std::uint16_t>& numbers);
+
+    /// The whole file. Empty: larger than the format allows (4 GiB).
+    [[nodiscard]] std::string glb();
+
+private:
+    template <class T>
+    int describe(const T* numbers, std::size_t count, int width, int type, bool normalised, Target target, bool bounds, int stride);
+    std::string binary_;
+};
+
+}  // namespace imomushi

@@ -1,0 +1,395 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/export/morphs.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace imomushi {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+// What columns leave over below this part of the diagonal is rounding: no targets are fitted to it.
+constexpr double kRounding = 2e-7;
+// Fitted targets are enough when they leave less than this part of the diagonal.
+constexpr double kFitted = 1e-5;
+// Frames that targets are fitted to; the others get the weights that suit them.
+constexpr std::size_t kFitFrames = 96;
+
+/// Largest and root mean square length of points.
+void measure(const Eigen::Ref<const VectorXd>& points, double& largest, double& squares) {
+    for (Eigen::Index i = 0; i < points.size(); i += 3) {
+        const double s = points.segment<3>(i).squaredNorm();
+        largest = std::max(largest, s);
+        squares += s;
+    }
+}
+
+std::vector<std::string> columnNames(const CharacterInput::Element& element, const std::vector<int>& loads) {
+    static const char* const kNames[] = {"stretch x", "shear", "stretch y", "tilt x", "tilt y", "shift z", "shift x", "shift y", "twist"};
+    static const char* const kLoads[] = {"force x", "force y", "force z", "pressure"};
+    std::vector<std::string> names;
+    if (!element.response) return names;
+    const auto& response = *element.response;
+    for (std::size_t f = 0; f < element.faces.size(); ++f)
+        for (int c = 0; c < response.bases[f].columns(); ++c) {
+            const FaceBasis& basis = response.bases[f];
+            std::string what = basis.kind == BasisKind::Full  ? std::to_string(c)
+                               : c < std::min(9, basis.plainColumns()) ? kNames[c]
+                               : c < basis.plainColumns()     ? "depth " + std::to_string(c)
+                                                              : "warp " + std::to_string(c - basis.plainColumns() + 1);
+            names.push_back(element.faces[f].name + " " + what);
+        }
+    for (const int load : loads) names.emplace_back(kLoads[load]);
+    return names;
+}
+
+class Builder {
+public:
+    Builder(Motion& motion, const ExportScene& scene, const ExportOptions& options, bool live, const Progress& progress)
+        : motion_(motion), scene_(scene), options_(options), live_(live), progress_(progress) {
+        for (std::size_t c = 0; c < motion.clips.size(); ++c) {
+            first_.push_back(keys_);
+            keys_ += motion.clips[c].times.size();
+        }
+        sample_ = motion.sample(kFitFrames);
+    }
+
+    Result<std::vector<ElementMorphs>> build(MorphErrors& errors) {
+        const std::size_t count = scene_.character.elements.size();
+        std::vector<Work> all(count);
+        for (std::size_t e = 0; e < count; ++e) begin(e, all[e]);
+        // What columns leave over, at some frames; then what to do about it, at all.
+        for (std::size_t s = 0; s < sample_.size(); ++s) {
+            if (progress_.cancelled()) return fail(kCancelled, "The export was cancelled.");
+            progress_.report("fit", 0.3 * static_cast<double>(s) / static_cast<double>(sample_.size()));
+            motion_.character.show(shape(sample_[s]).data());
+            for (std::size_t e = 0; e < count; ++e) all[e].residuals.col(static_cast<Eigen::Index>(s)) = residual(e, all[e], sample_[s]);
+        }
+        for (std::size_t e = 0; e < count; ++e) {
+            if (progress_.cancelled()) return fail(kCancelled, "The export was cancelled.");
+            progress_.report("fit", 0.3 + 0.4 * static_cast<double>(e) / static_cast<double>(count));
+            fit(e, all[e], errors);
+        }
+        if (std::any_of(all.begin(), all.end(), [](const Work& w) { return w.fitted.cols() > 0; })) {
+            for (std::size_t c = 0; c < motion_.clips.size(); ++c)
+                for (std::size_t f = 0; f < motion_.clips[c].times.size(); ++f) {
+                    if (progress_.cancelled()) return fail(kCancelled, "The export was cancelled.");
+                    progress_.report("fit", 0.7 + 0.2 * static_cast<double>(first_[c] + f) / static_cast<double>(keys_));
+                    motion_.character.show(shape({c, f}).data());
+                    for (std::size_t e = 0; e < count; ++e)
+                        if (all[e].fitted.cols() > 0)
+                            all[e].fittedWeights.col(static_cast<Eigen::Index>(first_[c] + f)) = all[e].fitted.transpose() * residual(e, all[e], {c, f});
+                }
+        }
+        std::vector<ElementMorphs> out(count);
+        for (std::size_t e = 0; e < count; ++e) {
+            if (progress_.cancelled()) return fail(kCancelled, "The export was cancelled.");
+            progress_.report("fit", 0.9 + 0.1 * static_cast<double>(e) / static_cast<double>(count));
+            finish(e, all[e], out[e], errors);
+            all[e] = {};
+        }
+        return out;
+    }
+
+private:
+    using Key = std::pair<std::size_t, std::size_t>;
+    struct Work {
+        Points rest;                        // as it is shown, m, from the middle
+        Vec3 middle = Vec3::Zero();
+        std::vector<std::int32_t> held;
+        bool whole = false;                 // residuals are of all vertices, not of held ones alone
+        bool touched = false;
+        MatrixXd columns;                   // 3 #V x #columns
+        MatrixXd weights;                   // #columns x #keys
+        MatrixXd residuals;                 // 3 #rows x #sample
+        MatrixXd fitted, fittedWeights;     // 3 #rows x #fitted, orthonormal; #fitted x #keys
+    };
+
+    [[nodiscard]] const std::vector<double>& shape(const Key& key) const { return motion_.clips[key.first].shapes[key.second]; }
+    [[nodiscard]] Eigen::Map<const VectorXd> weightsOf(std::size_t e, const Key& key) const {
+        return {shape(key).data() + motion_.layout.element(e) + ShapeLayout::kFrame, motion_.layout.elements[e].weights};
+    }
+
+    void begin(std::size_t e, Work& w) {
+        const auto& given = scene_.character.elements[e];
+        const int index = static_cast<int>(e);
+        w.rest = motion_.character.restPositions(index);
+        const Points& body = given.mesh->body.vertices;
+        if (body.rows() > 0) w.middle = 0.5 * (body.colwise().minCoeff() + body.colwise().maxCoeff()).transpose();
+        w.held = motion_.character.heldVertices(index);
+        const auto& layout = motion_.layout.elements[e];
+        const auto loads = motion_.character.loadColumns(index);
+        w.columns = MatrixXd::Zero(3 * w.rest.rows(), layout.weights);
+        if (given.response && layout.weights > 0) {
+            const auto& r = *given.response;
+            for (std::size_t i = 0; i < r.freeVertices.size(); ++i) {
+                const Eigen::Index to = 3 * r.freeVertices[i], from = 3 * static_cast<Eigen::Index>(i);
+                w.columns.block(to, 0, 3, r.columns()) = r.response.middleRows<3>(from);
+                for (std::size_t l = 0; l < loads.size(); ++l) w.columns.block<3, 1>(to, r.columns() + static_cast<Eigen::Index>(l)) = r.loads.block<3, 1>(from, loads[l]);
+            }
+            for (std::size_t f = 0; f < given.faces.size(); ++f)
+                for (std::size_t i = 0; i < given.faces[f].vertices.size(); ++i) {
+                    const auto& frame = given.faces[f].frame;
+                    const std::int32_t v = given.faces[f].vertices[i];
+                    w.columns.block(3 * v, r.firstColumn[f], 3, r.bases[f].columns()) =
+                        frame.axes * r.bases[f].at(frame.toLocal(w.rest.row(v).transpose()), static_cast<int>(i));
+                }
+        }
+        w.rest.rowwise() -= w.middle.transpose();
+        w.weights.resize(layout.weights, static_cast<Eigen::Index>(keys_));
+        for (std::size_t c = 0; c < motion_.clips.size(); ++c)
+            for (std::size_t f = 0; f < motion_.clips[c].times.size(); ++f) {
+                w.weights.col(static_cast<Eigen::Index>(first_[c] + f)) = weightsOf(e, {c, f});
+                const Eigen::Map<const VectorXd> forces(weightsOf(e, {c, f}).data() + layout.weights, layout.forces);
+                w.touched = w.touched || (forces.array() != 0.0).any();
+            }
+        w.whole = w.touched || motion_.character.isWarped(index);
+        w.residuals.resize(3 * (w.whole ? w.rest.rows() : static_cast<Eigen::Index>(w.held.size())), static_cast<Eigen::Index>(sample_.size()));
+    }
+
+    /// Of the shape that the character shows, which is that of `key`: what columns do not say, in the axes of the element.
+    [[nodiscard]] VectorXd residual(std::size_t e, const Work& w, const Key& key) const {
+        const int index = static_cast<int>(e);
+        const Eigen::Isometry3d frame = motion_.character.frame(index);
+        const Points at = w.whole ? motion_.character.positions(index) : motion_.character.heldPositions(index);
+        VectorXd out(3 * at.rows());
+        const Vec3 shift = frame * w.middle;
+        if (w.whole) {
+            for (Eigen::Index v = 0; v < at.rows(); ++v)
+                out.segment<3>(3 * v) = frame.linear().transpose() * (at.row(v).transpose() - shift) - w.rest.row(v).transpose();
+            out.noalias() -= w.columns * weightsOf(e, key);
+        } else {
+            for (Eigen::Index i = 0; i < at.rows(); ++i) {
+                const std::int32_t v = w.held[static_cast<std::size_t>(i)];
+                out.segment<3>(3 * i) = frame.linear().transpose() * (at.row(i).transpose() - shift) - w.rest.row(v).transpose() -
+                                        w.columns.middleRows<3>(3 * v) * weightsOf(e, key);
+            }
+        }
+        return out;
+    }
+
+    /// Targets for what columns leave over: left singular vectors of it over the sample, until little is left.
+    void fit(std::size_t e, Work& w, MorphErrors& errors) const {
+        ExportError left = errorOf(w.residuals);
+        const bool exact = left.largest <= kRounding;
+        if (!exact) {
+            const Eigen::SelfAdjointEigenSolver<MatrixXd> gram(w.residuals.transpose() * w.residuals);
+            const double most = gram.eigenvalues().tail<1>()[0];
+            MatrixXd modes(w.residuals.rows(), std::min<Eigen::Index>(kMostFitted, w.residuals.cols()));
+            Eigen::Index count = 0;
+            for (; count < modes.cols() && left.largest > (w.whole ? kFitted : kRounding); ++count) {
+                const Eigen::Index k = w.residuals.cols() - 1 - count;
+                if (!(gram.eigenvalues()[k] > 1e-15 * most)) break;
+                modes.col(count).noalias() = w.residuals * gram.eigenvectors().col(k);
+                modes.col(count).normalize();
+                w.residuals -= modes.col(count) * (modes.col(count).transpose() * w.residuals);
+                left = errorOf(w.residuals);
+            }
+            w.fitted = modes.leftCols(count);
+            w.fittedWeights = MatrixXd::Zero(count, static_cast<Eigen::Index>(keys_));
+        }
+        const auto worse = [](ExportError& all, const ExportError& one) {
+            all.largest = std::max(all.largest, one.largest);
+            all.rms = std::max(all.rms, one.rms);
+        };
+        if (motion_.character.isWarped(static_cast<int>(e))) worse(errors.warped, left);
+        if (w.touched) worse(errors.touched, left);
+        w.residuals.resize(0, 0);
+    }
+
+    [[nodiscard]] ExportError errorOf(const MatrixXd& points) const {
+        double largest = 0.0, squares = 0.0;
+        for (Eigen::Index k = 0; k < points.cols(); ++k) measure(points.col(k), largest, squares);
+        const double count = std::max(1.0, static_cast<double>(points.size()) / 3.0);
+        return {std::sqrt(largest) / motion_.diagonal, std::sqrt(squares / count) / motion_.diagonal};
+    }
+
+    void finish(std::size_t e, Work& w, ElementMorphs& out, MorphErrors& errors) const {
+        const Eigen::Index columns = w.columns.cols(), fitted = w.fitted.cols(), keys = static_cast<Eigen::Index>(keys_);
+        MatrixXd targets(w.columns.rows(), columns + fitted), weights(columns + fitted, keys), matrix = MatrixXd::Zero(columns + fitted, columns);
+        targets.leftCols(columns) = w.columns;
+        w.columns.resize(0, 0);
+        weights.topRows(columns) = w.weights;
+        matrix.topLeftCorner(columns, columns).setIdentity();
+        out.names = columnNames(scene_.character.elements[e], motion_.character.loadColumns(static_cast<int>(e)));
+        if (fitted > 0) {
+            weights.bottomRows(fitted) = w.fittedWeights;
+            targets.rightCols(fitted).setZero();
+            if (w.whole)
+                targets.rightCols(fitted) = w.fitted;
+            else
+                for (std::size_t i = 0; i < w.held.size(); ++i)
+                    targets.block(3 * w.held[i], columns, 3, fitted) = w.fitted.middleRows<3>(3 * static_cast<Eigen::Index>(i));
+        }
+        for (Eigen::Index i = 0; i < fitted; ++i) out.names.push_back("fitted " + std::to_string(i + 1));
+
+        const Eigen::Index most = options_.targets > 0 ? options_.targets : kMostTargets;
+        if (targets.cols() > most) reduce(most, targets, weights, matrix, out.names, errors);
+
+        // Scale, and drop what does nothing.
+        std::vector<Eigen::Index> used;
+        VectorXd scale = VectorXd::Zero(targets.cols());
+        out.reach.resize(targets.cols());
+        for (Eigen::Index c = 0; c < targets.cols(); ++c) {
+            double largest = 0.0, squares = 0.0;
+            measure(targets.col(c), largest, squares);
+            out.reach[c] = std::sqrt(largest);
+            scale[c] = weights.row(c).cwiseAbs().maxCoeff();
+            // A live character moves as far as half of its element in any way.
+            const double size = 2.0 * w.rest.rowwise().norm().maxCoeff();
+            if (live_ && out.reach[c] > 0.0 && matrix.row(c).cwiseAbs().maxCoeff() > 0.0) scale[c] = std::max(scale[c], 0.5 * size / out.reach[c]);
+            if (scale[c] * out.reach[c] > (live_ ? 0.0 : 1e-9 * motion_.diagonal)) used.push_back(c);
+        }
+        const auto count = static_cast<Eigen::Index>(used.size());
+        out.targets.resize(targets.rows(), count);
+        out.matrix.resize(count, columns);
+        MatrixXd kept(count, keys);
+        VectorXd reach(count);
+        std::vector<std::string> names;
+        for (Eigen::Index i = 0; i < count; ++i) {
+            const Eigen::Index c = used[static_cast<std::size_t>(i)];
+            out.targets.col(i) = (scale[c] * targets.col(c)).cast<float>();
+            out.matrix.row(i) = matrix.row(c) / scale[c];
+            kept.row(i) = weights.row(c) / scale[c];
+            reach[i] = scale[c] * out.reach[c];
+            names.push_back(out.names[static_cast<std::size_t>(c)]);
+        }
+        out.reach = reach;
+        out.names = std::move(names);
+        out.middle = w.middle;
+        out.rest = std::move(w.rest);
+        if (options_.split) splitSigns(out, kept);
+        for (std::size_t c = 0; c < motion_.clips.size(); ++c) {
+            const auto frames = static_cast<Eigen::Index>(motion_.clips[c].times.size());
+            auto& track = out.tracks.emplace_back();
+            track.times = motion_.clips[c].times;
+            track.rotations.resize(4, frames);
+            track.places.resize(3, frames);
+            track.weights = kept.middleCols(static_cast<Eigen::Index>(first_[c]), frames);
+            for (Eigen::Index f = 0; f < frames; ++f) {
+                const double* numbers = shape({c, static_cast<std::size_t>(f)}).data() + motion_.layout.element(e);
+                const Eigen::Map<const Eigen::Quaterniond> rotation(numbers);
+                track.rotations.col(f) = rotation.coeffs();
+                if (f > 0 && track.rotations.col(f).dot(track.rotations.col(f - 1)) < 0.0) track.rotations.col(f) *= -1.0;
+                track.places.col(f) = rotation.toRotationMatrix() * w.middle + Eigen::Map<const Vec3>(numbers + 4);
+            }
+        }
+    }
+
+    /// The `most` combinations of targets that keep most of what the clips do, in the mean square of vertices.
+    void reduce(Eigen::Index most, MatrixXd& targets, MatrixXd& weights, MatrixXd& matrix, std::vector<std::string>& names,
+                MorphErrors& errors) const {
+        const Eigen::SelfAdjointEigenSolver<MatrixXd> metric(targets.transpose() * targets);
+        const VectorXd root = metric.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+        const double floor = 1e-9 * root.maxCoeff();
+        const VectorXd inverse = root.unaryExpr([&](double r) { return r > floor ? 1.0 / r : 0.0; });
+        const MatrixXd toEven = root.asDiagonal() * metric.eigenvectors().transpose();
+        const MatrixXd fromEven = metric.eigenvectors() * inverse.asDiagonal();
+        const MatrixXd even = toEven * weights;
+        MatrixXd spread = even * even.transpose();
+        // Ways that the clips never go follow in the order of what a unit does.
+        const VectorXd unit = toEven.colwise().squaredNorm().transpose();
+        spread += 1e-9 * std::max(spread.trace(), 1e-300) / std::max(unit.sum(), 1e-300) * (toEven * toEven.transpose());
+        const Eigen::SelfAdjointEigenSolver<MatrixXd> principal(spread);
+        const Eigen::Index count = std::min(most, targets.cols());
+        const MatrixXd axes = principal.eigenvectors().rightCols(count).rowwise().reverse();
+        const MatrixXd pick = fromEven * axes, weigh = axes.transpose() * toEven;
+
+        const MatrixXd lost = weights - pick * (weigh * weights);
+        double largest = 0.0, squares = 0.0;
+        for (const auto& key : sample_) measure(targets * lost.col(static_cast<Eigen::Index>(first_[key.first] + key.second)), largest, squares);
+        const double points = std::max(1.0, static_cast<double>(targets.rows()) / 3.0 * static_cast<double>(sample_.size()));
+        errors.dropped.largest = std::max(errors.dropped.largest, std::sqrt(largest) / motion_.diagonal);
+        errors.dropped.rms = std::max(errors.dropped.rms, std::sqrt(squares / points) / motion_.diagonal);
+        targets = (targets * pick).eval();
+        weights = (weigh * weights).eval();
+        matrix = (weigh * matrix).eval();
+        names.clear();
+        for (Eigen::Index i = 0; i < count; ++i) names.push_back("shape " + std::to_string(i + 1));
+    }
+
+    static void splitSigns(ElementMorphs& out, MatrixXd& weights) {
+        const Eigen::Index n = out.targets.cols();
+        Eigen::MatrixXf targets(out.targets.rows(), 2 * n);
+        MatrixXd both(2 * n, weights.cols()), matrix(2 * n, out.matrix.cols());
+        VectorXd reach(2 * n);
+        std::vector<std::string> names;
+        for (Eigen::Index i = 0; i < n; ++i) {
+            targets.col(2 * i) = out.targets.col(i);
+            targets.col(2 * i + 1) = -out.targets.col(i);
+            both.row(2 * i) = weights.row(i).cwiseMax(0.0);
+            both.row(2 * i + 1) = (-weights.row(i)).cwiseMax(0.0);
+            matrix.row(2 * i) = out.matrix.row(i);
+            matrix.row(2 * i + 1) = -out.matrix.row(i);
+            reach[2 * i] = reach[2 * i + 1] = out.reach[i];
+            for (const char* sign : {" +", " -"}) names.push_back(out.names[static_cast<std::size_t>(i)] + sign);
+        }
+        out.targets = std::move(targets);
+        out.matrix = std::move(matrix);
+        out.reach = std::move(reach);
+        out.names = std::move(names);
+        weights = std::move(both);
+    }
+
+    Motion& motion_;
+    const ExportScene& scene_;
+    const ExportOptions& options_;
+    bool live_;
+    const Progress& progress_;
+    std::vector<std::size_t> first_;  // key of each clip
+    std::size_t keys_ = 0;
+    std::vector<Key> sample_;
+};
+
+}  // namespace
+
+Result<std::vector<ElementMorphs>> buildMorphs(Motion& motion, const ExportScene& scene, const ExportOptions& options, bool live, MorphErrors& errors,
+                                               const Progress& progress) {
+    return Builder(motion, scene, options, live, progress).build(errors);
+}
+
+std::vector<std::size_t> neededKeys(const ElementMorphs& morphs, const ElementMorphs::Track& track, double tolerance) {
+    const std::size_t count = track.times.size();
+    std::vector<char> keep(count, 0);
+    keep.front() = keep.back() = 1;
+    const double radius = morphs.rest.rows() > 0 ? morphs.rest.rowwise().norm().maxCoeff() : 0.0;
+    const auto miss = [&](std::size_t from, std::size_t to, std::size_t at) {
+        const auto a = static_cast<Eigen::Index>(from), b = static_cast<Eigen::Index>(to), i = static_cast<Eigen::Index>(at);
+        const double part = (track.times[at] - track.times[from]) / (track.times[to] - track.times[from]);
+        const Eigen::Quaterniond p(Eigen::Vector4d(track.rotations.col(a))), q(Eigen::Vector4d(track.rotations.col(b))), is(Eigen::Vector4d(track.rotations.col(i)));
+        const double turned = p.slerp(part, q).angularDistance(is);
+        const double moved = (track.places.col(a) + part * (track.places.col(b) - track.places.col(a)) - track.places.col(i)).norm();
+        const double shaped =
+            (track.weights.col(a) + part * (track.weights.col(b) - track.weights.col(a)) - track.weights.col(i)).cwiseAbs().dot(morphs.reach);
+        // Targets add to the radius by as much as they reach; their own error is in `shaped`.
+        return turned * (radius + track.weights.col(i).cwiseAbs().dot(morphs.reach)) + moved + shaped;
+    };
+    std::vector<std::pair<std::size_t, std::size_t>> open{{0, count - 1}};
+    while (!open.empty()) {
+        const auto [from, to] = open.back();
+        open.pop_back();
+        double worst = tolerance;
+        std::size_t at = 0;
+        for (std::size_t i = from + 1; i < to; ++i)
+            if (const double m = miss(from, to, i); m > worst) worst = m, at = i;
+        if (at == 0) continue;
+        keep[at] = 1;
+        open.emplace_back(from, at);
+        open.emplace_back(at, to);
+    }
+    std::vector<std::size_t> keys;
+    for (std::size_t i = 0; i < count; ++i)
+        if (keep[i]) keys.push_back(i);
+    // Nothing moves: one key says it.
+    if (keys.size() == 2 && track.rotations.col(0) == track.rotations.rightCols<1>() && track.places.col(0) == track.places.rightCols<1>() &&
+        track.weights.col(0) == track.weights.rightCols<1>())
+        keys.pop_back();
+    return keys;
+}
+
+}  // namespace imomushi

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <string>
+#include <vector>
+
+#include "core/export/motion.h"
+
+namespace imomushi {
+
+/// An element as a rigid frame, morph targets and their weights: x = rotation (rest - middle + sum of weight * target) + place.
+struct ElementMorphs {
+    Vec3 middle = Vec3::Zero();  ///< m: the origin of its node
+    Points rest;                 ///< #V x 3, m, from the middle
+    Eigen::MatrixXf targets;     ///< 3 #V x #targets, m per unit of weight
+    std::vector<std::string> names;
+    /// #targets x #columns: weights of what v and body loads do, see driver.h. Targets that were fitted have zeros.
+    Eigen::MatrixXd matrix;
+    Eigen::VectorXd reach;       ///< per target: the farthest that a unit of weight moves a vertex, m
+    struct Track {
+        std::vector<double> times;
+        Eigen::Matrix4Xd rotations;  ///< x y z w, signs without jumps
+        Eigen::Matrix3Xd places;     ///< m
+        Eigen::MatrixXd weights;     ///< #targets x #keys, within -1 ... 1
+    };
+    std::vector<Track> tracks;   ///< per clip
+};
+
+struct MorphErrors {
+    ExportError warped, touched, dropped;
+};
+
+/// The columns of A' as targets, exactly; what they cannot say (large motions, fingers) by targets fitted to the frames of the clips, as many as kMostFitted.
+/// With options.targets, or where there are more than kMostTargets columns, the best combinations of all instead: principal components of what the clips do.
+/// `live`: targets that the clips do not use stay, and weights have room for other poses.
+/// Errors: "cancelled".
+Result<std::vector<ElementMorphs>> buildMorphs(Motion& motion, const ExportScene& scene, const ExportOptions& options, bool live, MorphErrors& errors,
+                                               const Progress& progress);
+
+inline constexpr int kMostFitted = 24;
+inline constexpr int kMostTargets = 128;  // more are a burden in every engine; phones failed above 240
+
+/// Rows of `track` that linear interpolation needs, the first and the last included, so that no vertex is farther than `tolerance` (m) from where it was.
+std::vector<std::size_t> neededKeys(const ElementMorphs& morphs, const ElementMorphs::Track& track, double tolerance);
+
+}  // namespace imomushi

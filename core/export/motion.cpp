@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/export/motion.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace imomushi {
+
+Result<Motion> Motion::build(const ExportScene& scene, double fps, const Progress& progress) {
+    auto built = Character::build(scene.character);
+    if (!built) return tl::unexpected(built.error());
+    Motion motion(std::move(*built));
+    Character& character = motion.character;
+    motion.layout = character.shapeLayout();
+    const auto size = static_cast<std::size_t>(motion.layout.size());
+    motion.restShape.resize(size);
+    character.update(restPose(scene.character.skeleton));
+    character.shape(motion.restShape.data());
+    Vec3 low = Vec3::Zero(), high = Vec3::Zero();
+    bool first = true;
+    for (std::size_t e = 0; e < scene.character.elements.size(); ++e) {
+        const Points& v = scene.character.elements[e].mesh->body.vertices;
+        if (v.rows() == 0) continue;
+        const Vec3 l = v.colwise().minCoeff().transpose(), h = v.colwise().maxCoeff().transpose();
+        low = first ? l : low.cwiseMin(l);
+        high = first ? h : high.cwiseMax(h);
+        first = false;
+        character.showElsewhere(static_cast<int>(e), true);
+    }
+    if (const double d = (high - low).norm(); d > 0.0) motion.diagonal = d;
+
+    for (const ExportClip& clip : scene.clips) {
+        if (clip.times.empty()) return fail("bad-value", "The clip \"" + clip.name + "\" has no frames.");
+        Clip out;
+        std::vector<std::vector<double>> shapes(clip.times.size(), std::vector<double>(size));
+        for (std::size_t i = 0; i < clip.times.size(); ++i) {
+            if (progress.cancelled()) return fail(kCancelled, "The export was cancelled.");
+            if (clip.shape) {
+                clip.shape(i, shapes[i].data());
+                continue;
+            }
+            character.stop();
+            character.update(clip.poses[i]);
+            character.shape(shapes[i].data());
+        }
+        if (fps <= 0.0) {
+            out.times = clip.times;
+            out.shapes = std::move(shapes);
+        } else {
+            const auto frames = static_cast<std::size_t>(std::floor(clip.times.back() * fps + 1e-6)) + 1;
+            std::size_t at = 0;
+            for (std::size_t k = 0; k < frames; ++k) {
+                const double time = std::min(static_cast<double>(k) / fps, clip.times.back());
+                while (at + 1 < clip.times.size() && clip.times[at + 1] <= time) ++at;
+                out.times.push_back(static_cast<double>(k) / fps);
+                auto& shape = out.shapes.emplace_back(shapes[at]);
+                if (at + 1 == clip.times.size()) continue;
+                const double part = (time - clip.times[at]) / (clip.times[at + 1] - clip.times[at]);
+                if (part > 1e-9) character.between(shapes[at].data(), shapes[at + 1].data(), part, shape.data());
+            }
+        }
+        motion.clips.push_back(std::move(out));
+    }
+    return motion;
+}
+
+std::vector<std::pair<std::size_t, std::size_t>> Motion::sample(std::size_t most) const {
+    std::size_t all = 0;
+    for (const Clip& clip : clips) all += clip.times.size();
+    const std::size_t count = std::min(all, most);
+    std::vector<std::pair<std::size_t, std::size_t>> out;
+    std::size_t key = 0, taken = 0;
+    for (std::size_t c = 0; c < clips.size(); ++c)
+        for (std::size_t f = 0; f < clips[c].times.size(); ++f, ++key)
+            if (taken < count && key == (count > 1 ? taken * (all - 1) / (count - 1) : 0)) {
+                out.emplace_back(c, f);
+                ++taken;
+            }
+    return out;
+}
+
+}  // namespace imomushi

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "core/export/motion.h"
+
+namespace imomushi {
+
+/// Linear blend skinning that is as near to the elastic body as its poses allow. Joints of the skin: the frame of each element, and each plane where
+/// elements meet.
+struct FittedSkin {
+    static constexpr int kMost = 4;
+    struct Vertex {
+        std::array<int, kMost> joint{};
+        std::array<float, kMost> weight{};  ///< descending, sum 1
+    };
+    struct Joint {
+        std::string name;
+        Vec3 origin = Vec3::Zero();  ///< m, at rest
+    };
+    struct Track {
+        Eigen::Matrix4Xd rotations;  ///< per key, x y z w, signs without jumps
+        Eigen::Matrix3Xd places;     ///< m
+    };
+    std::vector<Joint> joints;
+    std::vector<std::vector<Vertex>> elements;  ///< per element, per body vertex
+    std::vector<std::vector<Track>> tracks;     ///< per clip, per joint
+    ExportError error;                          ///< over the sampled frames of the clips
+};
+
+/// Weights by least squares over frames of the clips and over the standard poses of the skeleton (comparison/standard_poses.h), not negative; welded vertices have
+/// the same. Errors: "cancelled".
+Result<FittedSkin> fitSkin(Motion& motion, const ExportScene& scene, const Progress& progress);
+
+}  // namespace imomushi
