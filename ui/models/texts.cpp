@@ -66,6 +66,10 @@ const std::map<std::string, const char*> kErrors = {
     {"not-enabled", QT_TRANSLATE_NOOP("Errors", "The effect is not turned on.")},
     {"not-available", QT_TRANSLATE_NOOP("Errors", "This effect is not available in this version.")},
     {"bad-target", QT_TRANSLATE_NOOP("Errors", "This effect works on the whole character, not on a single element.")},
+    {"no-such-take", QT_TRANSLATE_NOOP("Errors", "There is no take of that name.")},
+    {"no-element", QT_TRANSLATE_NOOP("Errors", "There is no character yet. Import an element first.")},
+    {"already-recording", QT_TRANSLATE_NOOP("Errors", "A take is being recorded. Stop that first.")},
+    {"not-recording", QT_TRANSLATE_NOOP("Errors", "Nothing is being recorded.")},
     {"no-opengl", QT_TRANSLATE_NOOP("Errors", "OpenGL 3.3 is not available on this machine.")},
 };
 
@@ -95,6 +99,9 @@ const std::map<std::string, const char*> kSteps = {
     {"enable", QT_TRANSLATE_NOOP("Steps", "Turn on")},
     {"disable", QT_TRANSLATE_NOOP("Steps", "Turn off")},
     {"touch", QT_TRANSLATE_NOOP("Steps", "Touch")},
+    {"record", QT_TRANSLATE_NOOP("Steps", "Record")},
+    {"rename-take", QT_TRANSLATE_NOOP("Steps", "Rename take")},
+    {"remove-take", QT_TRANSLATE_NOOP("Steps", "Remove take")},
 };
 
 const std::map<std::string, const char*> kIssues = {
@@ -172,6 +179,11 @@ QString durationText(double seconds) {
     if (seconds < 60.0) return Texts::tr("%1 s").arg(locale.toString(seconds, 'f', seconds < 10.0 ? 1 : 0));
     const int whole = int(std::min(seconds, 1e8));
     return Texts::tr("%1 min %2 s").arg(whole / 60).arg(whole % 60);
+}
+
+QString clockText(double seconds) {
+    const qlonglong hundredths = qlonglong(std::floor(std::clamp(seconds, 0.0, 1e9) * 100.0 + 1e-6));
+    return QStringLiteral("%1:%2.%3").arg(hundredths / 6000).arg(hundredths / 100 % 60, 2, 10, QLatin1Char('0')).arg(hundredths % 100, 2, 10, QLatin1Char('0'));
 }
 
 QString lengthText(double metres) {

@@ -24,6 +24,8 @@ QString stageText(const std::string& stage);
 QString bytesText(double bytes);
 /// 75 -> "1 min 15 s"; under a second in ms.
 QString durationText(double seconds);
+/// 83.456 -> "1:23.45": a place in a take.
+QString clockText(double seconds);
 /// 0.0123 -> "12.3 mm": the unit that reads best.
 QString lengthText(double metres);
 /// 0.0123 -> "12.3 litres".

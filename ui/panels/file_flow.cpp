@@ -49,6 +49,7 @@ QString FileFlow::folder() const {
 }
 
 bool FileFlow::mayDiscard() {
+    Q_EMIT leaving();
     if (!document_.session().modified()) return true;
     QMessageBox box(window_);
     box.setIcon(QMessageBox::NoIcon);

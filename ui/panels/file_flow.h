@@ -38,6 +38,7 @@ public:
     bool mayDiscard();
 
 signals:
+    void leaving();  ///< the document is about to be left: what is unfinished must end now
     void opened();                     ///< another document is there
     void imported(int elements);
     void saved(const QString& path);   ///< a picture may be taken now

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/panels/main_window.h"
 
+#include <QAbstractButton>
 #include <QActionGroup>
 #include <QCloseEvent>
 #include <QDockWidget>
 #include <QDragEnterEvent>
 #include <QFileInfo>
+#include <QKeyEvent>
 #include <QLabel>
 #include <QMenuBar>
 #include <QMessageBox>
@@ -37,6 +39,7 @@
 #include "ui/panels/start_page.h"
 #include "ui/panels/status_strip.h"
 #include "ui/panels/studio_actions.h"
+#include "ui/panels/takes_panel.h"
 #include "ui/tools/gesture.h"
 #include "ui/tools/select_tool.h"
 #include "ui/viewport/viewport_widget.h"
@@ -47,7 +50,7 @@ namespace {
 using Kind = SelectionItem::Kind;
 constexpr double kInspectorShare = 0.6;  // of the height, at first
 constexpr int kWarnAgainMs = 5000;
-constexpr int kStateVersion = 2;  // of the arrangement of docks in QSettings
+constexpr int kStateVersion = 3;  // of the arrangement of docks in QSettings
 
 constexpr std::pair<const char*, ToolKind> kTools[] = {
     {"tool-select", ToolKind::Select}, {"tool-face", ToolKind::Face}, {"tool-bone", ToolKind::Bone}, {"tool-pose", ToolKind::Pose}, {"tool-touch", ToolKind::Touch}};
@@ -59,7 +62,10 @@ MainWindow::MainWindow(const CommandRegistry& registry) : document_(registry) {
     setAcceptDrops(true);
     setDockOptions(QMainWindow::AnimatedDocks | QMainWindow::AllowTabbedDocks | QMainWindow::AllowNestedDocks);
     setTabPosition(Qt::RightDockWidgetArea, QTabWidget::North);
+    setTabPosition(Qt::BottomDockWidgetArea, QTabWidget::North);
+    setCorner(Qt::BottomRightCorner, Qt::RightDockWidgetArea);
     actions_ = new StudioActions(this);
+    deck_ = new TakeDeck(document_, this);
     files_ = new FileFlow(document_, this);
     precompute_ = new PrecomputeJob(document_, this);
 
@@ -69,6 +75,7 @@ MainWindow::MainWindow(const CommandRegistry& registry) : document_(registry) {
     auto* viewLayout = new QVBoxLayout(viewHost_);
     viewLayout->setContentsMargins(0, 0, 0, 0);
     viewport_ = new ViewportWidget(document_, viewHost_);
+    viewport_->follow(*deck_);
     viewLayout->addWidget(viewport_);
     start_ = new StartPage(files_->recent(), stage_);
     stack_->addWidget(viewHost_);
@@ -121,6 +128,12 @@ MainWindow::MainWindow(const CommandRegistry& registry) : document_(registry) {
             // What was turned on may need a precompute, which the tool then offers.
             if (document_.execute(command)) viewport_->beginTool();
         });
+    });
+    connect(deck_, &TakeDeck::said, this, [this](const QString& text) { message_->say(text, MessageBar::Tone::Warning); });
+    connect(deck_, &TakeDeck::changed, this, &MainWindow::updateTakeActions);
+    connect(files_, &FileFlow::leaving, this, [this] {
+        settle();
+        deck_->stopRecording();  // so that the artist is asked whether to keep it
     });
     connect(files_, &FileFlow::said, this, [this](const QString& text) { message_->say(text, MessageBar::Tone::Good); });
     connect(files_, &FileFlow::opened, this, [this] {
@@ -175,7 +188,8 @@ MainWindow::MainWindow(const CommandRegistry& registry) : document_(registry) {
 MainWindow::~MainWindow() {
     // Panels hear the document; they go before it does.
     delete takeCentralWidget();
-    for (QDockWidget* dock : {outlinerDock_, historyDock_, issuesDock_, inspectorDock_, effectsDock_, accuracyDock_}) delete dock;
+    for (QDockWidget* dock : {outlinerDock_, historyDock_, issuesDock_, inspectorDock_, effectsDock_, accuracyDock_, takesDock_}) delete dock;
+    delete deck_;
     delete precompute_;
     delete files_;
     delete statusBar();
@@ -207,8 +221,12 @@ void MainWindow::buildDocks() {
     accuracyDock_ = dock("accuracyDock", accuracy_);
     addDockWidget(Qt::BottomDockWidgetArea, accuracyDock_);
     accuracyDock_->hide();
-    // The tabs say the names; a title below them would say them twice.
-    for (QDockWidget* d : {outlinerDock_, historyDock_, issuesDock_, inspectorDock_, effectsDock_}) d->setTitleBarWidget(new QWidget(d));
+    takes_ = new TakesPanel(document_, *deck_, *actions_, this);
+    takesDock_ = dock("takesDock", takes_);
+    addDockWidget(Qt::BottomDockWidgetArea, takesDock_);
+    tabifyDockWidget(accuracyDock_, takesDock_);
+    // The tabs say the names; a title below them would say them twice. That takes are here is plain to see.
+    for (QDockWidget* d : {outlinerDock_, historyDock_, issuesDock_, inspectorDock_, effectsDock_, takesDock_}) d->setTitleBarWidget(new QWidget(d));
     // Split first: a dock that is split off a tab only becomes another tab.
     splitDockWidget(outlinerDock_, inspectorDock_, Qt::Vertical);
     tabifyDockWidget(outlinerDock_, historyDock_);
@@ -277,6 +295,15 @@ void MainWindow::buildActions() {
     on("pin", [this] { pinSelected(); });
     on("release", [this] { settle(); document_.execute({{"do", "release"}}); });
     on("rest", [this] { settle(); document_.execute({{"do", "rest"}}); });
+    on("record", [this] { record(); });
+    on("play", [this] {
+        settle();
+        deck_->setPlaying(!deck_->playing());
+    });
+    on("take-back", [this] { settle(); deck_->step(-1); });
+    on("take-forward", [this] { settle(); deck_->step(1); });
+    on("loop", [this](bool checked) { deck_->setLooping(checked); });
+    on("leave-take", [this] { deck_->leave(); });
     on("hide", [this] { hideSelected(); });
     on("show-all", [this] { showAll(); });
     on("frame-all", [this] { viewport_->frameAll(); });
@@ -330,10 +357,11 @@ void MainWindow::buildMenus() {
     fill(edit, {"undo", "redo", "", "rename", "delete", "", "select-all", "select-none", "", "search", "preferences"});
     QMenu* character = menu(nullptr, QT_TR_NOOP("&Character"));
     fill(character, {"tool-select", "tool-face", "tool-bone", "tool-pose", "tool-touch", "", "join", "", "precompute", "", "pin", "release", "rest"});
+    fill(menu(nullptr, QT_TR_NOOP("&Perform")), {"record", "", "play", "take-back", "take-forward", "loop", "leave-take"});
     QMenu* view = menu(nullptr, QT_TR_NOOP("&View"));
     fill(view, {"frame-all", "frame-selection", "", "view-front", "view-right", "view-top", "orthographic", "", "bones", "grid", "xray", "", "hide", "show-all", ""});
     panelsMenu_ = menu(view, QT_TR_NOOP("&Panels"));
-    for (QDockWidget* d : {outlinerDock_, inspectorDock_, effectsDock_, accuracyDock_, historyDock_, issuesDock_}) panelsMenu_->addAction(d->toggleViewAction());
+    for (QDockWidget* d : {outlinerDock_, inspectorDock_, effectsDock_, takesDock_, accuracyDock_, historyDock_, issuesDock_}) panelsMenu_->addAction(d->toggleViewAction());
     fill(menu(view, QT_TR_NOOP("&Theme")), {"theme-dark", "theme-light", "theme-contrast"});
     fill(menu(view, QT_TR_NOOP("&Language")), {"language-en", "language-ja"});
     fill(view, {"", "full-screen"});
@@ -397,6 +425,7 @@ void MainWindow::retranslate() {
     inspectorDock_->setWindowTitle(tr("Properties"));
     effectsDock_->setWindowTitle(tr("Effects"));
     accuracyDock_->setWindowTitle(tr("Accuracy and cost"));
+    takesDock_->setWindowTitle(tr("Takes"));
     issuesDock_->setWindowTitle(issues_->worth() > 0 ? tr("Issues (%1)").arg(issues_->worth()) : tr("Issues"));
     tools_->setWindowTitle(tr("Tools"));
     tools_->setAccessibleName(tr("Tools"));
@@ -489,6 +518,7 @@ void MainWindow::updateActions() {
         return !e.second->faces.empty() && session.responseState(e.first) != Session::ResponseState::Fresh;
     });
     a["precompute"]->setEnabled(stale && !precompute_->running());
+    updateTakeActions();
     static constexpr const char* kThemes[] = {"theme-dark", "theme-light", "theme-contrast"};
     a[kThemes[int(Appearance::instance().theme())]]->setChecked(true);
     a[QLocale().language() == QLocale::Japanese ? "language-ja" : "language-en"]->setChecked(true);
@@ -551,6 +581,18 @@ void MainWindow::placeOverlays() {
     }
 }
 
+bool MainWindow::event(QEvent* event) {
+    // Space plays, but a button that has the focus is pressed by it.
+    if (event->type() == QEvent::ShortcutOverride) {
+        const auto* key = static_cast<QKeyEvent*>(event);
+        if (key->key() == Qt::Key_Space && key->modifiers() == Qt::NoModifier && qobject_cast<QAbstractButton*>(focusWidget())) {
+            event->accept();
+            return true;
+        }
+    }
+    return QMainWindow::event(event);
+}
+
 bool MainWindow::eventFilter(QObject* watched, QEvent* event) {
     if (event->type() == QEvent::Resize || event->type() == QEvent::Show || event->type() == QEvent::Hide || event->type() == QEvent::LayoutRequest)
         if (watched == stage_ || event->type() != QEvent::Resize) QMetaObject::invokeMethod(this, &MainWindow::placeOverlays, Qt::QueuedConnection);
@@ -606,6 +648,27 @@ void MainWindow::startPrecompute() {
     precomputeFailed_ = false;
     if (!precompute_->start()) message_->say(tr("Everything is precomputed already."), MessageBar::Tone::Info);
     updateActions();
+}
+
+void MainWindow::record() {
+    settle();
+    if (deck_->recording()) return deck_->stopRecording();
+    showStart(false);
+    takesDock_->show();
+    takesDock_->raise();
+    deck_->startRecording();
+    viewport_->setFocus();
+}
+
+void MainWindow::updateTakeActions() {
+    StudioActions& a = *actions_;
+    const bool chosen = deck_->take() && !deck_->recording();
+    a["record"]->setEnabled(deck_->canRecord());
+    for (const char* id : {"play", "take-back", "take-forward"}) a[id]->setEnabled(chosen);
+    a["leave-take"]->setEnabled(deck_->shown());
+    a["loop"]->setChecked(deck_->looping());
+    static const QIcon play = themedIcon(QStringLiteral("play")), pause = themedIcon(QStringLiteral("pause"));
+    a["play"]->setIcon(deck_->playing() ? pause : play);
 }
 
 void MainWindow::undo(int count) {
@@ -687,6 +750,7 @@ void MainWindow::showControls() {
         {tr("Views along the axes"), QStringLiteral("1, 3, 7, 5")},
         {tr("Tools"), QStringLiteral("Q, J, B, D, T")},
         {tr("Precompute"), QStringLiteral("P")},
+        {tr("Record, play"), tr("R, space bar")},
         {tr("Search commands"), QStringLiteral("F3")},
     };
     QString text = QStringLiteral("<table cellspacing='0' cellpadding='5' style='font-weight:400'>");

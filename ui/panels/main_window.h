@@ -8,6 +8,7 @@
 
 #include "ui/jobs/precompute_job.h"
 #include "ui/models/studio_document.h"
+#include "ui/models/take_deck.h"
 #include "ui/panels/message_bar.h"
 
 class QDockWidget;
@@ -28,6 +29,7 @@ class OutlinerPanel;
 class StartPage;
 class StatusStrip;
 class StudioActions;
+class TakesPanel;
 class ViewportWidget;
 
 /// The window of the studio: puts the panels together and connects menus to commands.
@@ -45,6 +47,8 @@ public:
     [[nodiscard]] InspectorPanel& inspector() { return *inspector_; }
     [[nodiscard]] EffectsPanel& effects() { return *effects_; }
     [[nodiscard]] AccuracyPanel& accuracy() { return *accuracy_; }
+    [[nodiscard]] TakesPanel& takes() { return *takes_; }
+    [[nodiscard]] TakeDeck& deck() { return *deck_; }
     [[nodiscard]] HistoryPanel& history() { return *history_; }
     [[nodiscard]] PrecomputeJob& precomputeJob() { return *precompute_; }
     [[nodiscard]] StatusStrip& status() { return *status_; }
@@ -61,6 +65,7 @@ protected:
     void dropEvent(QDropEvent* event) override;
     void resizeEvent(QResizeEvent* event) override;
     void showEvent(QShowEvent* event) override;
+    bool event(QEvent* event) override;
     bool eventFilter(QObject* watched, QEvent* event) override;
 
 private:
@@ -82,6 +87,8 @@ private:
     void warn();           ///< says what the last frame warns of, not every time
     void startPrecompute();
     void undo(int count);
+    void record();
+    void updateTakeActions();
     void hideSelected();
     void showAll();
     void pinSelected();
@@ -95,6 +102,7 @@ private:
 
     StudioDocument document_;
     StudioActions* actions_;
+    TakeDeck* deck_;
     FileFlow* files_;
     PrecomputeJob* precompute_;
     QWidget* stage_ = nullptr;
@@ -109,6 +117,7 @@ private:
     EffectsPanel* effects_ = nullptr;
     FrameCostMeter* costs_ = nullptr;
     AccuracyPanel* accuracy_ = nullptr;
+    TakesPanel* takes_ = nullptr;
     HistoryPanel* history_ = nullptr;
     IssuesPanel* issues_ = nullptr;
     StatusStrip* status_ = nullptr;
@@ -122,6 +131,7 @@ private:
     QDockWidget* inspectorDock_ = nullptr;
     QDockWidget* effectsDock_ = nullptr;
     QDockWidget* accuracyDock_ = nullptr;
+    QDockWidget* takesDock_ = nullptr;
     std::vector<std::pair<QMenu*, const char*>> menus_;  ///< with their titles in this class's context
     bool updateScheduled_ = false;
     std::map<FrameWarning, QElapsedTimer> warned_;  ///< since each was last said

@@ -317,11 +317,20 @@ void ViewportWidget::poseChanged() {
     animate();
 }
 
-bool ViewportWidget::posing() const { return relaxing_ || document_.session().moving(); }
+// A frame that is stepped leaves the take that is shown, and is what a recording is made of.
+bool ViewportWidget::posing() const {
+    const Session& session = document_.session();
+    return session.recording() || (!session.showsTake() && (relaxing_ || document_.session().moving()));
+}
+
+void ViewportWidget::follow(TakeDeck& deck) {
+    deck_ = &deck;
+    connect(deck_, &TakeDeck::changed, this, &ViewportWidget::animate);
+}
 
 void ViewportWidget::animate() {
     redraw();
-    if (timer_.isActive() || !isVisible() || (!camera_.moving() && !posing())) return;
+    if (timer_.isActive() || !isVisible() || (!camera_.moving() && !posing() && !(deck_ && deck_->playing()))) return;
     clock_.start();
     timer_.start();
 }
@@ -330,7 +339,13 @@ void ViewportWidget::tick() {
     const double passed = double(clock_.nsecsElapsed()) * 1e-9, seconds = std::min(kLongestStep, passed);
     clock_.start();
     camera_.advance(std::min(kLongestTurn, passed));
-    if (posing()) {
+    const bool playing = deck_ && deck_->playing();
+    if (playing) {
+        QElapsedTimer work;
+        work.start();
+        deck_->advance(passed);
+        workMs_ += double(work.nsecsElapsed()) * 1e-6;
+    } else if (posing()) {
         QElapsedTimer work;
         work.start();
         before_ = document_.document().pose.points;
@@ -347,7 +362,7 @@ void ViewportWidget::tick() {
         workMs_ += double(work.nsecsElapsed()) * 1e-6;
     }
     redraw();
-    if (!camera_.moving() && !posing()) timer_.stop();
+    if (!camera_.moving() && !posing() && !(deck_ && deck_->playing())) timer_.stop();
 }
 
 // ---- drawing -----------------------------------------------------------------------------------------------------------
@@ -452,6 +467,36 @@ void ViewportWidget::paintOver() {
         painter.setFont(font);
         painter.drawText(rect(), Qt::AlignCenter, tr("Drop a mesh or a project here"));
     }
+    if (deck_) paintTake(painter);
+}
+
+void ViewportWidget::paintTake(QPainter& painter) {
+    const auto recording = document_.session().recording();
+    const Take* take = deck_->take();
+    if (!recording && !(deck_->shown() && take)) return;
+    const QString text = recording ? QStringLiteral("%1   %2").arg(QString::fromStdString(recording->take), clockText(recording->seconds))
+                                   : tr("%1 – drag the character to leave it", "a take that is shown").arg(QString::fromStdString(take->name));
+    const QFontMetricsF metrics(painter.font());
+    const double high = metrics.height() * 1.7, dot = metrics.ascent() * 0.6, wide = metrics.horizontalAdvance(text) + (recording ? dot + high * 0.4 : 0.0) + high;
+    const QRectF pill((width() - wide) / 2.0, high * 0.6, wide, high);
+    painter.setRenderHint(QPainter::Antialiasing);
+    painter.setPen(Qt::NoPen);
+    painter.setBrush(recording ? QColor(kRecordRed) : dark() ? QColor(20, 22, 26, 190) : QColor(255, 255, 255, 210));
+    painter.drawRoundedRect(pill, high / 2.0, high / 2.0);
+    const QColor ink = recording || dark() ? Qt::white : QColor(31, 36, 33);
+    QRectF line = pill.adjusted(high / 2.0, 0.0, -high / 2.0, 0.0);
+    if (recording) {
+        painter.setBrush(ink);
+        painter.drawEllipse(QRectF(line.left(), pill.center().y() - dot / 2.0, dot, dot));
+        line.setLeft(line.left() + dot + high * 0.4);
+    }
+    painter.setPen(ink);
+    painter.drawText(line, Qt::AlignLeft | Qt::AlignVCenter, text);
+    if (!recording) return;
+    const double frame = high / 7.0;
+    painter.setPen(QPen(QColor(kRecordRed), frame, Qt::SolidLine, Qt::SquareCap, Qt::MiterJoin));
+    painter.setBrush(Qt::NoBrush);
+    painter.drawRect(QRectF(rect()).adjusted(frame / 2.0, frame / 2.0, -frame / 2.0, -frame / 2.0));
 }
 
 void ViewportWidget::showMessage(const QString& text) {

@@ -9,12 +9,13 @@
 #include <memory>
 #include <optional>
 
-#include "ui/models/studio_document.h"
+#include "ui/models/take_deck.h"
 #include "ui/scene/document_scene.h"
 #include "ui/tools/tool.h"
 #include "ui/viewport/camera_controller.h"
 
 class QLabel;
+class QPainter;
 
 namespace imomushi {
 
@@ -26,6 +27,8 @@ public:
     explicit ViewportWidget(StudioDocument& document, QWidget* parent = nullptr);
     ~ViewportWidget() override;
 
+    /// Steps the frames of what this plays and records, and says in the view that it does. Must outlive the view.
+    void follow(TakeDeck& deck);
     void setTool(ToolKind kind);
     /// Lets the tool say again what it needs.
     void beginTool() { tool_->begin(); }
@@ -103,6 +106,7 @@ private:
     [[nodiscard]] SceneOptions sceneOptions() const;
     [[nodiscard]] bool dark() const;
     void paintOver();
+    void paintTake(QPainter& painter);
     void tick();
     void animate();               ///< starts the frame timer where something moves
     [[nodiscard]] bool posing() const;  ///< frames must be stepped
@@ -115,6 +119,7 @@ private:
     [[nodiscard]] bool navigationKey(QKeyEvent* e);
 
     StudioDocument& document_;
+    TakeDeck* deck_ = nullptr;
     ToolKind kind_ = ToolKind::Select;
     std::unique_ptr<Tool> tool_;
     CameraController camera_;

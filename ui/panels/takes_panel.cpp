@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/panels/takes_panel.h"
+
+#include <QEvent>
+#include <QHBoxLayout>
+#include <QKeyEvent>
+#include <QLabel>
+#include <QListView>
+#include <QLocale>
+#include <QMenu>
+#include <QPainter>
+#include <QPushButton>
+#include <QToolButton>
+
+#include "ui/models/texts.h"
+#include "ui/panels/appearance.h"
+#include "ui/panels/line_delegate.h"
+#include "ui/panels/studio_actions.h"
+#include "ui/panels/time_bar.h"
+
+namespace imomushi {
+
+TakesPanel::TakesPanel(StudioDocument& document, TakeDeck& deck, StudioActions& actions, QWidget* parent)
+    : QWidget(parent), document_(document), deck_(deck), actions_(actions) {
+    setObjectName(QStringLiteral("panel"));
+    setAttribute(Qt::WA_StyledBackground);
+    model_ = new TakeModel(document, this);
+    record_ = new QPushButton(this);
+    record_->setObjectName(QStringLiteral("recordButton"));
+    record_->setFocusPolicy(Qt::TabFocus);
+    connect(record_, &QPushButton::clicked, actions["record"], &QAction::trigger);
+    connect(actions["record"], &QAction::changed, this, [this] { record_->setEnabled(actions_["record"]->isEnabled()); });
+
+    list_ = new QListView(this);
+    list_->setModel(model_);
+    list_->setItemDelegate(new LineDelegate({TakeModel::IconRole, TakeModel::NoteRole, -1, false}, list_));
+    list_->setEditTriggers(QAbstractItemView::DoubleClicked | QAbstractItemView::EditKeyPressed);
+    list_->setUniformItemSizes(true);
+    list_->setMouseTracking(true);
+    list_->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+    list_->setContextMenuPolicy(Qt::CustomContextMenu);
+    list_->installEventFilter(this);
+    connect(list_->selectionModel(), &QItemSelectionModel::currentChanged, this, [this](const QModelIndex& now) {
+        if (!following_ && now.isValid()) deck_.choose(model_->take(now));
+    });
+    // A click on the take that is chosen already shows it too.
+    connect(list_, &QListView::clicked, this, [this](const QModelIndex& index) { deck_.choose(model_->take(index)); });
+    connect(list_, &QListView::customContextMenuRequested, this, [this](const QPoint& at) { menu(list_->viewport()->mapToGlobal(at)); });
+    connect(model_, &QAbstractItemModel::modelAboutToBeReset, this, [this] { following_ = true; });
+    connect(model_, &QAbstractItemModel::modelReset, this, [this] {
+        following_ = false;
+        follow();
+    });
+
+    empty_ = new QLabel(this);
+    empty_->setProperty("role", "muted");
+    empty_->setWordWrap(true);
+    empty_->setAlignment(Qt::AlignLeft | Qt::AlignVCenter);
+
+    transport_ = new QWidget(this);
+    auto* buttons = new QHBoxLayout(transport_);
+    buttons->setContentsMargins(0, 0, 0, 0);
+    buttons->setSpacing(2);
+    const auto button = [&](const char* action) {
+        auto* b = new QToolButton(transport_);
+        b->setDefaultAction(actions[action]);
+        b->setFocusPolicy(Qt::TabFocus);
+        buttons->addWidget(b);
+        return b;
+    };
+    for (const char* action : {"take-back", "play", "take-forward", "loop"}) button(action);
+    clock_ = new QLabel(this);
+    buttons->addSpacing(10);
+    buttons->addWidget(clock_);
+    note_ = new QLabel(this);
+    note_->setProperty("role", "warning");
+    buttons->addSpacing(10);
+    buttons->addWidget(note_, 1);
+    live_ = button("leave-take");
+    live_->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
+    live_->setProperty("small", true);
+
+    bar_ = new TimeBar(this);
+    connect(bar_, &TimeBar::wanted, this, [this](int frame) {
+        if (const Take* take = deck_.take()) deck_.show(take->times[std::size_t(frame)]);
+    });
+
+    auto* left = new QVBoxLayout;
+    left->setSpacing(6);
+    left->addWidget(record_);
+    left->addWidget(list_, 1);
+    auto* right = new QVBoxLayout;
+    right->setSpacing(4);
+    right->addWidget(empty_, 1);
+    right->addWidget(transport_);
+    right->addStretch();
+    right->addWidget(bar_);
+    auto* layout = new QHBoxLayout(this);
+    layout->setContentsMargins(10, 8, 12, 8);
+    layout->setSpacing(14);
+    layout->addLayout(left);
+    layout->addLayout(right, 1);
+
+    connect(&deck_, &TakeDeck::changed, this, &TakesPanel::follow);
+    connect(&document_, &StudioDocument::structureChanged, this, &TakesPanel::follow);
+    connect(&Appearance::instance(), &Appearance::changed, this, &TakesPanel::takeSizes);
+    takeSizes();
+    retranslate();
+}
+
+void TakesPanel::takeSizes() {
+    record_->setFixedWidth(px(270));
+    record_->setIconSize(QSize(px(16), px(16)));
+    list_->setFixedWidth(px(270));
+    for (auto* b : transport_->findChildren<QToolButton*>()) b->setIconSize(QSize(px(20), px(20)));
+    live_->setIconSize(QSize(px(16), px(16)));
+    clock_->setMinimumWidth(px(230));  // so that it stays while digits run
+    setMinimumHeight(px(118));
+    dressed_ = false;
+    follow();
+}
+
+/// Red says what it does; the words and the sign on it say it too.
+void TakesPanel::dressRecord() {
+    const bool recording = deck_.recording();
+    if (dressed_ && recording == dressedRecording_) return;
+    dressed_ = true;
+    dressedRecording_ = recording;
+    const QColor red(kRecordRed), panel = themeColor(Appearance::Role::Panel);
+    const auto mix = [&](double t) {
+        return QColor(int(panel.red() + (red.red() - panel.red()) * t), int(panel.green() + (red.green() - panel.green()) * t),
+                      int(panel.blue() + (red.blue() - panel.blue()) * t)).name();
+    };
+    const QString ink = recording ? QStringLiteral("#ffffff") : themeColor(Appearance::Role::Text).name();
+    record_->setStyleSheet(QStringLiteral("QPushButton { background: %1; border: 1px solid %2; border-radius: %3px; color: %4; font-weight: 600; min-height: %5px; padding: 2px 12px; }"
+                                          "QPushButton:hover { background: %6; } QPushButton:focus { border-color: %4; } QPushButton:disabled { background: transparent; color: %7; border-color: %8; }")
+                               .arg(mix(recording ? 1.0 : 0.16), mix(recording ? 1.0 : 0.55))
+                               .arg(px(8)).arg(ink).arg(px(26))
+                               .arg(mix(recording ? 0.85 : 0.3), themeColor(Appearance::Role::Muted).name(), themeColor(Appearance::Role::Line).name()));
+    QPixmap sign(QSize(px(16), px(16)) * devicePixelRatioF());
+    sign.setDevicePixelRatio(devicePixelRatioF());
+    sign.fill(Qt::transparent);
+    QPainter painter(&sign);
+    painter.setRenderHint(QPainter::Antialiasing);
+    painter.setPen(Qt::NoPen);
+    painter.setBrush(recording ? QColor(Qt::white) : red);
+    const QRectF all(0, 0, px(16), px(16));
+    if (recording) painter.drawRoundedRect(all.adjusted(px(2), px(2), -px(2), -px(2)), px(2), px(2));
+    else painter.drawEllipse(all.adjusted(1, 1, -1, -1));
+    painter.end();
+    record_->setIcon(QIcon(sign));
+    const QString keys = actions_["record"]->shortcut().toString(QKeySequence::NativeText);
+    const QString text = recording ? tr("Stop recording") : tr("Record");
+    record_->setText(keys.isEmpty() ? text : QStringLiteral("%1  (%2)").arg(text, keys));
+    record_->setAccessibleName(text);
+}
+
+void TakesPanel::follow() {
+    if (following_) return;
+    following_ = true;
+    const Take* take = deck_.take();
+    const auto recording = document_.session().recording();
+    const bool any = model_->rowCount() > 0 || recording;
+    dressRecord();
+    list_->setVisible(model_->rowCount() > 0);
+    empty_->setVisible(!any);
+    transport_->setVisible(any);
+    bar_->setVisible(any);
+    if (!any)
+        empty_->setText(deck_.canRecord() ? tr("No takes yet. Press Record, then move the character with the drag tool: everything you see is kept, until you press it again.")
+                                          : tr("What you perform is recorded here. Open a sample or import a mesh first."));
+
+    const QModelIndex row = take ? model_->indexOf(take->id) : QModelIndex();
+    if (row != list_->currentIndex()) list_->setCurrentIndex(row);
+    list_->setEnabled(!recording);
+
+    const PartId now = take && !recording ? take->id : 0;
+    if (now != barTake_) {
+        barTake_ = now;
+        bar_->setTimes(now ? take->times : std::vector<double>());
+    }
+    bar_->setRecorded(recording ? recording->seconds : -1.0);
+    if (now) bar_->setTime(deck_.time());
+    const QLocale locale;
+    if (recording) {
+        clock_->setText(tr("%1 · %2 · frame %3", "take, time, frame").arg(QString::fromStdString(recording->take), clockText(recording->seconds), locale.toString(qulonglong(recording->frames))));
+    } else if (take) {
+        clock_->setText(tr("%1 / %2 · frame %3 of %4", "time, length, frame, frames")
+                            .arg(clockText(deck_.time()), clockText(take->duration()), locale.toString(deck_.frame() + 1), locale.toString(qulonglong(take->times.size()))));
+    } else {
+        clock_->clear();
+    }
+    const bool changed = deck_.shown() && !deck_.exact();
+    note_->setText(changed ? tr("The character has changed since: its poses alone") : QString());
+    note_->setToolTip(changed ? tr("Elements, faces, basis or effects are not those of the recording. The take shows its poses, without what effects added.") : QString());
+    live_->setVisible(deck_.shown());
+    following_ = false;
+}
+
+void TakesPanel::rename() {
+    if (list_->currentIndex().isValid()) list_->edit(list_->currentIndex());
+}
+
+void TakesPanel::remove() {
+    if (const Take* take = deck_.recording() ? nullptr : deck_.take()) document_.execute({{"do", "remove-take"}, {"take", take->name}});
+}
+
+void TakesPanel::menu(const QPoint& global) {
+    if (!list_->currentIndex().isValid()) return;
+    QMenu menu(this);
+    menu.addAction(actions_["play"]);
+    menu.addSeparator();
+    menu.addAction(themedIcon(QStringLiteral("rename")), tr("Rename"), this, &TakesPanel::rename);
+    menu.addAction(themedIcon(QStringLiteral("trash")), tr("Remove"), this, &TakesPanel::remove);
+    menu.exec(global);
+}
+
+bool TakesPanel::eventFilter(QObject* watched, QEvent* event) {
+    // These keys are for the list while it has the focus, not for what is selected in the view.
+    if (watched == list_ && (event->type() == QEvent::ShortcutOverride || event->type() == QEvent::KeyPress)) {
+        auto* key = static_cast<QKeyEvent*>(event);
+        const bool removes = key->key() == Qt::Key_Delete || key->key() == Qt::Key_Backspace;
+        if (removes || key->key() == Qt::Key_F2) {
+            event->accept();
+            if (event->type() == QEvent::ShortcutOverride) return true;
+            if (removes) {
+                remove();
+                return true;
+            }
+        }
+    }
+    return QWidget::eventFilter(watched, event);
+}
+
+void TakesPanel::retranslate() {
+    list_->setAccessibleName(tr("Takes"));
+    bar_->setAccessibleName(tr("Time"));
+    bar_->setToolTip(tr("Drag to see any moment; arrow keys go frame by frame"));
+    dressed_ = false;
+    model_->refresh();
+    follow();
+}
+
+void TakesPanel::changeEvent(QEvent* event) {
+    QWidget::changeEvent(event);
+    if (event->type() == QEvent::LanguageChange) retranslate();
+}
+
+}  // namespace imomushi

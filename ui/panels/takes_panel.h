@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <QWidget>
+
+#include "ui/models/take_deck.h"
+#include "ui/models/take_model.h"
+
+class QLabel;
+class QListView;
+class QPushButton;
+class QToolButton;
+
+namespace imomushi {
+
+class StudioActions;
+class TimeBar;
+
+/// Records takes, lists them, and plays one along a time bar.
+class TakesPanel : public QWidget {
+    Q_OBJECT
+public:
+    /// `actions`: "record", "play" and their like do what they say; the panel shows them as buttons.
+    TakesPanel(StudioDocument& document, TakeDeck& deck, StudioActions& actions, QWidget* parent = nullptr);
+    [[nodiscard]] QListView* list() const { return list_; }
+    [[nodiscard]] TimeBar* bar() const { return bar_; }
+    /// Edits the name of the chosen take; removes it.
+    void rename();
+    void remove();
+
+protected:
+    void changeEvent(QEvent* event) override;
+    bool eventFilter(QObject* watched, QEvent* event) override;
+
+private:
+    void follow();
+    void takeSizes();
+    void retranslate();
+    void dressRecord();
+    void menu(const QPoint& global);
+
+    StudioDocument& document_;
+    TakeDeck& deck_;
+    StudioActions& actions_;
+    TakeModel* model_;
+    QPushButton* record_;
+    QListView* list_;
+    QLabel* empty_;
+    QWidget* transport_;
+    QLabel* clock_;
+    QLabel* note_;
+    QToolButton* live_;
+    TimeBar* bar_;
+    PartId barTake_ = 0;
+    bool following_ = false, dressed_ = false, dressedRecording_ = false;
+};
+
+}  // namespace imomushi
