@@ -45,4 +45,39 @@
             </translation>
         </message>
     </context>
+    <context>
+        <name>imomushi::ExportDialog</name>
+        <message numerus="yes">
+            <source>%n target(s)</source>
+            <translation>
+                <numerusform>%n target</numerusform>
+                <numerusform>%n targets</numerusform>
+            </translation>
+        </message>
+        <message numerus="yes">
+            <source>The %n most important of each element</source>
+            <translation>
+                <numerusform>The most important of each element</numerusform>
+                <numerusform>The %n most important of each element</numerusform>
+            </translation>
+        </message>
+        <message numerus="yes">
+            <source>Wrote %n file(s) from %1 on, %2</source>
+            <translation>
+                <numerusform>Wrote %n file from %1 on, %2</numerusform>
+                <numerusform>Wrote %n files from %1 on, %2</numerusform>
+            </translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::TakeModel</name>
+        <message numerus="yes">
+            <source>%1 s · %n frame(s)</source>
+            <comment>length of a take</comment>
+            <translation>
+                <numerusform>%1 s · %n frame</numerusform>
+                <numerusform>%1 s · %n frames</numerusform>
+            </translation>
+        </message>
+    </context>
 </TS>

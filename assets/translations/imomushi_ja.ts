@@ -183,6 +183,34 @@
             <source>&amp;Touch</source>
             <translation>タッチ(&amp;T)</translation>
         </message>
+        <message>
+            <source>&amp;Export…</source>
+            <translation>書き出す(&amp;E)…</translation>
+        </message>
+        <message>
+            <source>&amp;Record</source>
+            <translation>記録(&amp;R)</translation>
+        </message>
+        <message>
+            <source>&amp;Play</source>
+            <translation>再生(&amp;P)</translation>
+        </message>
+        <message>
+            <source>Frame &amp;back</source>
+            <translation>前のフレーム(&amp;B)</translation>
+        </message>
+        <message>
+            <source>Frame &amp;forward</source>
+            <translation>次のフレーム(&amp;F)</translation>
+        </message>
+        <message>
+            <source>&amp;Loop</source>
+            <translation>くり返し(&amp;L)</translation>
+        </message>
+        <message>
+            <source>Lea&amp;ve the take</source>
+            <translation>テイクを離れる(&amp;V)</translation>
+        </message>
     </context>
     <context>
         <name>EffectTexts</name>
@@ -640,6 +668,22 @@
             <source>This effect works on the whole character, not on a single element.</source>
             <translation>このエフェクトはキャラクター全体に働き、要素ごとには選べません。</translation>
         </message>
+        <message>
+            <source>There is no take of that name.</source>
+            <translation>その名前のテイクはありません。</translation>
+        </message>
+        <message>
+            <source>There is no character yet. Import an element first.</source>
+            <translation>まだキャラクターがありません。先に要素を読み込んでください。</translation>
+        </message>
+        <message>
+            <source>A take is being recorded. Stop that first.</source>
+            <translation>テイクを記録中です。先に記録を止めてください。</translation>
+        </message>
+        <message>
+            <source>Nothing is being recorded.</source>
+            <translation>記録中のものはありません。</translation>
+        </message>
     </context>
     <context>
         <name>Issues</name>
@@ -746,6 +790,22 @@
             <source>Reducing</source>
             <translation>縮約中</translation>
         </message>
+        <message>
+            <source>Preparing</source>
+            <translation>準備中</translation>
+        </message>
+        <message>
+            <source>Fitting</source>
+            <translation>近似中</translation>
+        </message>
+        <message>
+            <source>Writing</source>
+            <translation>書き出し中</translation>
+        </message>
+        <message>
+            <source>Saving</source>
+            <translation>保存中</translation>
+        </message>
     </context>
     <context>
         <name>Steps</name>
@@ -844,6 +904,18 @@
         <message>
             <source>Touch</source>
             <translation>タッチ</translation>
+        </message>
+        <message>
+            <source>Record</source>
+            <translation>記録</translation>
+        </message>
+        <message>
+            <source>Rename take</source>
+            <translation>テイク名の変更</translation>
+        </message>
+        <message>
+            <source>Remove take</source>
+            <translation>テイクの削除</translation>
         </message>
     </context>
     <context>
@@ -1946,6 +2018,22 @@
             <source>Effects</source>
             <translation>エフェクト</translation>
         </message>
+        <message>
+            <source>&amp;Perform</source>
+            <translation>演技(&amp;P)</translation>
+        </message>
+        <message>
+            <source>Takes</source>
+            <translation>テイク</translation>
+        </message>
+        <message>
+            <source>Record, play</source>
+            <translation>記録、再生</translation>
+        </message>
+        <message>
+            <source>R, space bar</source>
+            <translation>R、スペースキー</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::MeshPreview</name>
@@ -2272,6 +2360,11 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <source>Remove</source>
             <translation>削除</translation>
         </message>
+        <message>
+            <source>%1 – drag the character to leave it</source>
+            <comment>a take that is shown</comment>
+            <translation>%1 – キャラクターをドラッグすると離れます</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::AccuracyPanel</name>
@@ -2298,6 +2391,10 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         <message>
             <source>Sets basis, solver meshes, number format and smooth joints of the character, as one step that can be undone</source>
             <translation>キャラクターの基底、計算用メッシュ、数値形式、滑らかな関節をまとめて設定します。一手で元に戻せます</translation>
+        </message>
+        <message>
+            <source>Budget</source>
+            <translation>予算</translation>
         </message>
         <message>
             <source>Budget per frame</source>
@@ -2602,6 +2699,344 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         <message>
             <source>%1, smooth joints</source>
             <translation>%1、滑らかな関節</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::ExportDialog</name>
+        <message>
+            <source>Exact</source>
+            <translation>正確</translation>
+        </message>
+        <message>
+            <source>%1 frames/s</source>
+            <translation>%1 フレーム/秒</translation>
+        </message>
+        <message numerus="yes">
+            <source>%n target(s)</source>
+            <translation>
+                <numerusform>ターゲット %n 個</numerusform>
+            </translation>
+        </message>
+        <message>
+            <source>weights 0–1</source>
+            <translation>ウェイト 0〜1</translation>
+        </message>
+        <message>
+            <source>16 bits</source>
+            <translation>16 ビット</translation>
+        </message>
+        <message>
+            <source>All targets, keys as recorded</source>
+            <translation>全ターゲット、記録どおりのキー</translation>
+        </message>
+        <message>
+            <source>Export</source>
+            <translation>書き出し</translation>
+        </message>
+        <message>
+            <source>Baked</source>
+            <translation>ベイク</translation>
+        </message>
+        <message>
+            <source>Rigid motion and morph targets: plays everywhere, exact</source>
+            <translation>剛体運動とモーフ：どこでも正確に再生</translation>
+        </message>
+        <message>
+            <source>Rigged</source>
+            <translation>リグ</translation>
+        </message>
+        <message>
+            <source>One skeleton with what drives it: can be puppeteered live</source>
+            <translation>骨格と駆動データ：その場で操れる</translation>
+        </message>
+        <message>
+            <source>Skinned</source>
+            <translation>スキン</translation>
+        </message>
+        <message>
+            <source>Fitted weights, no morph targets: for any engine</source>
+            <translation>近似ウェイト、モーフなし：どのエンジンでも</translation>
+        </message>
+        <message>
+            <source>Cache</source>
+            <translation>キャッシュ</translation>
+        </message>
+        <message>
+            <source>Every vertex in every frame: everything, but large</source>
+            <translation>全フレームの全頂点：すべて入るが大きい</translation>
+        </message>
+        <message>
+            <source>%1 per second</source>
+            <translation>毎秒 %1</translation>
+        </message>
+        <message>
+            <source>As recorded</source>
+            <translation>記録どおり</translation>
+        </message>
+        <message numerus="yes">
+            <source>The %n most important of each element</source>
+            <translation>
+                <numerusform>各要素の重要な %n 個</numerusform>
+            </translation>
+        </message>
+        <message>
+            <source>All</source>
+            <translation>すべて</translation>
+        </message>
+        <message>
+            <source>OBJ, a file per frame</source>
+            <translation>OBJ（フレームごとに 1 ファイル）</translation>
+        </message>
+        <message>
+            <source>PLY, a file per frame</source>
+            <translation>PLY（フレームごとに 1 ファイル）</translation>
+        </message>
+        <message>
+            <source>Weights within 0 and 1</source>
+            <translation>ウェイトを 0〜1 に収める</translation>
+        </message>
+        <message>
+            <source>A target for each sign of a weight, for programs that clamp weights: twice as many targets</source>
+            <translation>ウェイトを切り詰めるプログラムのため、正負ごとにターゲットを分けます。ターゲットの数は 2 倍になります</translation>
+        </message>
+        <message>
+            <source>16 bits per coordinate</source>
+            <translation>座標を 16 ビットにする</translation>
+        </message>
+        <message>
+            <source>Smaller files by KHR_mesh_quantization; what that costs is measured</source>
+            <translation>KHR_mesh_quantization でファイルを小さくします。誤差は測って示します</translation>
+        </message>
+        <message>
+            <source>Targets move normals</source>
+            <translation>ターゲットで法線も動かす</translation>
+        </message>
+        <message>
+            <source>For engines that do not find normals themselves: larger files</source>
+            <translation>法線を自分で求めないエンジン向け。ファイルは大きくなります</translation>
+        </message>
+        <message>
+            <source>Take</source>
+            <translation>テイク</translation>
+        </message>
+        <message>
+            <source>Keys</source>
+            <translation>キー</translation>
+        </message>
+        <message>
+            <source>Format</source>
+            <translation>形式</translation>
+        </message>
+        <message>
+            <source>Morph targets</source>
+            <translation>モーフターゲット</translation>
+        </message>
+        <message>
+            <source>Show in folder</source>
+            <translation>フォルダーで表示</translation>
+        </message>
+        <message>
+            <source>File</source>
+            <translation>ファイル</translation>
+        </message>
+        <message>
+            <source>Choose…</source>
+            <translation>選ぶ…</translation>
+        </message>
+        <message>
+            <source>For</source>
+            <translation>用途</translation>
+        </message>
+        <message>
+            <source>As</source>
+            <translation>方式</translation>
+        </message>
+        <message>
+            <source>character</source>
+            <translation>キャラクター</translation>
+        </message>
+        <message>
+            <source>Cancelled: nothing was written.</source>
+            <translation>中止しました。何も書き出していません。</translation>
+        </message>
+        <message>
+            <source>The pose as it is: there are no takes</source>
+            <translation>今のポーズ（テイクなし）</translation>
+        </message>
+        <message>
+            <source>All takes (%1)</source>
+            <translation>すべてのテイク（%1）</translation>
+        </message>
+        <message>
+            <source>Replaces the file that is there.</source>
+            <translation>今あるファイルを置き換えます。</translation>
+        </message>
+        <message>
+            <source>Export to</source>
+            <translation>書き出し先</translation>
+        </message>
+        <message>
+            <source>It could not be exported.</source>
+            <translation>書き出せませんでした。</translation>
+        </message>
+        <message>
+            <source>Writing %1</source>
+            <translation>%1 を書き出し中</translation>
+        </message>
+        <message>
+            <source>Cancel</source>
+            <translation>中止</translation>
+        </message>
+        <message>
+            <source>Close</source>
+            <translation>閉じる</translation>
+        </message>
+        <message>
+            <source>Nothing written yet</source>
+            <translation>まだ書き出していません</translation>
+        </message>
+        <message>
+            <source>Effects of this character: %1. What becomes of each is told here.</source>
+            <translation>このキャラクターの効果：%1。それぞれがどうなったかをここに示します。</translation>
+        </message>
+        <message>
+            <source>, </source>
+            <translation>、</translation>
+        </message>
+        <message>
+            <source>What was written is read back and compared with the character.</source>
+            <translation>書き出したファイルは読み戻し、キャラクターと比べます。</translation>
+        </message>
+        <message>
+            <source>Wrote %1, %2</source>
+            <translation>%1 を書き出しました（%2）</translation>
+        </message>
+        <message numerus="yes">
+            <source>Wrote %n file(s) from %1 on, %2</source>
+            <translation>
+                <numerusform>%1 から %n 個のファイルを書き出しました（%2）</numerusform>
+            </translation>
+        </message>
+        <message>
+            <source>Read back and compared: largest deviation %1 of the diagonal</source>
+            <translation>読み戻して比較：最大のずれは対角線の %1</translation>
+        </message>
+        <message>
+            <source>%1: exact</source>
+            <translation>%1：正確</translation>
+        </message>
+        <message>
+            <source>%1: fitted, off by %2 at most</source>
+            <translation>%1：近似、ずれは最大 %2</translation>
+        </message>
+        <message>
+            <source>%1: left out</source>
+            <translation>%1：含まれません</translation>
+        </message>
+        <message>
+            <source>The skin is fitted: off by %1 at most</source>
+            <translation>スキンは近似です：ずれは最大 %1</translation>
+        </message>
+        <message>
+            <source>Targets left out: off by %1 at most</source>
+            <translation>省いたターゲット：ずれは最大 %1</translation>
+        </message>
+        <message>
+            <source>%1 vertices</source>
+            <translation>%1 頂点</translation>
+        </message>
+        <message>
+            <source>%1 targets</source>
+            <translation>ターゲット %1 個</translation>
+        </message>
+        <message>
+            <source>%1 keys</source>
+            <translation>キー %1 個</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::TakeDeck</name>
+        <message>
+            <source>Take %1</source>
+            <translation>テイク %1</translation>
+        </message>
+        <message>
+            <source>The recording ended early: the character changed meanwhile, or the take was full.</source>
+            <translation>記録は途中で終わりました。記録中にキャラクターが変わったか、テイクがいっぱいになりました。</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::TakeModel</name>
+        <message numerus="yes">
+            <source>%1 s · %n frame(s)</source>
+            <comment>length of a take</comment>
+            <translation>
+                <numerusform>%1 秒 · %n フレーム</numerusform>
+            </translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::TakesPanel</name>
+        <message>
+            <source>Stop recording</source>
+            <translation>記録を止める</translation>
+        </message>
+        <message>
+            <source>Record</source>
+            <translation>記録</translation>
+        </message>
+        <message>
+            <source>No takes yet. Press Record, then move the character with the drag tool: everything you see is kept, until you press it again.</source>
+            <translation>まだテイクがありません。「記録」を押し、ドラッグツールでキャラクターを動かしてください。もう一度押すまで、見えたものがすべて残ります。</translation>
+        </message>
+        <message>
+            <source>What you perform is recorded here. Open a sample or import a mesh first.</source>
+            <translation>演技はここに記録されます。先にサンプルを開くか、メッシュを読み込んでください。</translation>
+        </message>
+        <message>
+            <source>%1 · %2 · frame %3</source>
+            <comment>take, time, frame</comment>
+            <translation>%1 · %2 · フレーム %3</translation>
+        </message>
+        <message>
+            <source>%1 / %2 · frame %3 of %4</source>
+            <comment>time, length, frame, frames</comment>
+            <translation>%1 / %2 · フレーム %3 / %4</translation>
+        </message>
+        <message>
+            <source>The character has changed since: its poses alone</source>
+            <translation>キャラクターが変わったため、ポーズだけを示します</translation>
+        </message>
+        <message>
+            <source>Elements, faces, basis or effects are not those of the recording. The take shows its poses, without what effects added.</source>
+            <translation>要素、面、基底、効果のいずれかが記録時と違います。テイクは効果を除いたポーズだけを示します。</translation>
+        </message>
+        <message>
+            <source>Rename</source>
+            <translation>名前を変える</translation>
+        </message>
+        <message>
+            <source>Remove</source>
+            <translation>取り除く</translation>
+        </message>
+        <message>
+            <source>Takes</source>
+            <translation>テイク</translation>
+        </message>
+        <message>
+            <source>Time</source>
+            <translation>時間</translation>
+        </message>
+        <message>
+            <source>Drag to see any moment; arrow keys go frame by frame</source>
+            <translation>ドラッグで好きな瞬間を表示。矢印キーで 1 フレームずつ進みます</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::TimeBar</name>
+        <message>
+            <source>%1 s</source>
+            <translation>%1 秒</translation>
         </message>
     </context>
 </TS>

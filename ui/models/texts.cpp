@@ -134,6 +134,10 @@ const std::map<std::string, const char*> kStages = {
     {"factorise", QT_TRANSLATE_NOOP("Stages", "Factorising")},
     {"solve", QT_TRANSLATE_NOOP("Stages", "Solving")},
     {"reduce", QT_TRANSLATE_NOOP("Stages", "Reducing")},
+    {"prepare", QT_TRANSLATE_NOOP("Stages", "Preparing")},
+    {"fit", QT_TRANSLATE_NOOP("Stages", "Fitting")},
+    {"write", QT_TRANSLATE_NOOP("Stages", "Writing")},
+    {"save", QT_TRANSLATE_NOOP("Stages", "Saving")},
 };
 
 }  // namespace

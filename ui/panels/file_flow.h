@@ -36,6 +36,8 @@ public:
     void drop(const QStringList& paths);
     /// True: go on (saved, or changes are given up).
     bool mayDiscard();
+    /// Where files of this project are likely to be wanted.
+    [[nodiscard]] QString folder() const;
 
 signals:
     void leaving();  ///< the document is about to be left: what is unfinished must end now
@@ -47,7 +49,6 @@ signals:
 private:
     bool saveTo(const QString& path);
     void nextImport();
-    [[nodiscard]] QString folder() const;
 
     struct Prepared;
     StudioDocument& document_;

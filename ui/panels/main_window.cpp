@@ -25,12 +25,14 @@
 #include <set>
 
 #include "core/document/version.h"
+#include "ui/jobs/export_job.h"
 #include "ui/models/effect_texts.h"
 #include "ui/models/texts.h"
 #include "ui/panels/accuracy_panel.h"
 #include "ui/panels/appearance.h"
 #include "ui/panels/command_search.h"
 #include "ui/panels/effects_panel.h"
+#include "ui/panels/export_dialog.h"
 #include "ui/panels/file_flow.h"
 #include "ui/panels/inspector_panel.h"
 #include "ui/panels/list_panels.h"
@@ -91,7 +93,7 @@ MainWindow::MainWindow(const CommandRegistry& registry) : document_(registry) {
     auto* bar = new QStatusBar(this);
     bar->setSizeGripEnabled(false);
     bar->setStyleSheet(QStringLiteral("QStatusBar::item { border: none; } QStatusBar { border: none; }"));
-    bar->setContentsMargins(0, 0, 0, 0);
+    bar->setContentsMargins(0, 0, px(10), 0);
     bar->addWidget(status_, 1);
     costs_ = new FrameCostMeter(document_, this);
     auto* costBar = new CostBar(*costs_, this);
@@ -189,6 +191,7 @@ MainWindow::~MainWindow() {
     // Panels hear the document; they go before it does.
     delete takeCentralWidget();
     for (QDockWidget* dock : {outlinerDock_, historyDock_, issuesDock_, inspectorDock_, effectsDock_, accuracyDock_, takesDock_}) delete dock;
+    delete export_;
     delete deck_;
     delete precompute_;
     delete files_;
@@ -258,6 +261,7 @@ void MainWindow::buildActions() {
     on("save-as", [this] { settle(); files_->saveAs(); });
     on("save-copy", [this] { settle(); files_->saveCopy(); });
     on("save-script", [this] { settle(); files_->saveScript(); });
+    on("export", [this] { openExport(); });
     on("write-mesh", [this] { settle(); files_->writeMesh(); });
     on("quit", [this] { close(); });
     on("undo", [this] { undo(1); });
@@ -352,7 +356,7 @@ void MainWindow::buildMenus() {
     fill(file, {"new", "open"});
     recentMenu_ = menu(file, QT_TR_NOOP("Open &recent"));
     samplesMenu_ = menu(file, QT_TR_NOOP("Sa&mples"));
-    fill(file, {"start", "", "import", "", "save", "save-as", "save-copy", "", "write-mesh", "save-script", "", "quit"});
+    fill(file, {"start", "", "import", "", "save", "save-as", "save-copy", "", "export", "write-mesh", "save-script", "", "quit"});
     QMenu* edit = menu(nullptr, QT_TR_NOOP("&Edit"));
     fill(edit, {"undo", "redo", "", "rename", "delete", "", "select-all", "select-none", "", "search", "preferences"});
     QMenu* character = menu(nullptr, QT_TR_NOOP("&Character"));
@@ -441,7 +445,13 @@ void MainWindow::retranslate() {
 
 void MainWindow::changeEvent(QEvent* event) {
     QMainWindow::changeEvent(event);
-    if (event->type() == QEvent::LanguageChange && tools_) retranslate();
+    if (event->type() == QEvent::LanguageChange && tools_) {
+        retranslate();
+        if (export_ && !export_->job().running()) {  // says everything anew
+            delete export_;
+            openExport();
+        }
+    }
     if (event->type() == QEvent::WindowStateChange && tools_) (*actions_)["full-screen"]->setChecked(isFullScreen());
 }
 
@@ -513,6 +523,7 @@ void MainWindow::updateActions() {
     a["release"]->setEnabled(!d.held.empty());
     a["rest"]->setEnabled(!d.held.empty() || !d.pose.points.empty());
     a["select-all"]->setEnabled(!d.elements.empty());
+    a["export"]->setEnabled(!d.elements.empty());
     a["write-mesh"]->setEnabled(!d.elements.empty());
     const bool stale = std::any_of(d.elements.begin(), d.elements.end(), [&](const auto& e) {
         return !e.second->faces.empty() && session.responseState(e.first) != Session::ResponseState::Fresh;
@@ -648,6 +659,17 @@ void MainWindow::startPrecompute() {
     precomputeFailed_ = false;
     if (!precompute_->start()) message_->say(tr("Everything is precomputed already."), MessageBar::Tone::Info);
     updateActions();
+}
+
+void MainWindow::openExport() {
+    settle();
+    if (!export_) {
+        export_ = new ExportDialog(document_, files_->folder(), this);
+        export_->setAttribute(Qt::WA_DeleteOnClose);
+    }
+    export_->show();
+    export_->raise();
+    export_->activateWindow();
 }
 
 void MainWindow::record() {

@@ -3,6 +3,7 @@
 
 #include <QElapsedTimer>
 #include <QMainWindow>
+#include <QPointer>
 #include <map>
 #include <vector>
 
@@ -20,6 +21,7 @@ namespace imomushi {
 class CommandSearch;
 class AccuracyPanel;
 class EffectsPanel;
+class ExportDialog;
 class FrameCostMeter;
 class FileFlow;
 class HistoryPanel;
@@ -88,6 +90,7 @@ private:
     void startPrecompute();
     void undo(int count);
     void record();
+    void openExport();
     void updateTakeActions();
     void hideSelected();
     void showAll();
@@ -118,6 +121,7 @@ private:
     FrameCostMeter* costs_ = nullptr;
     AccuracyPanel* accuracy_ = nullptr;
     TakesPanel* takes_ = nullptr;
+    QPointer<ExportDialog> export_;
     HistoryPanel* history_ = nullptr;
     IssuesPanel* issues_ = nullptr;
     StatusStrip* status_ = nullptr;

@@ -51,7 +51,7 @@ constexpr Row kRows[] = {
     {"take-back", "frame-back", QT_TRANSLATE_NOOP("Actions", "Frame &back"), "Alt+,"},
     {"take-forward", "frame-forward", QT_TRANSLATE_NOOP("Actions", "Frame &forward"), "Alt+."},
     {"loop", "loop", QT_TRANSLATE_NOOP("Actions", "&Loop"), "Alt+L", true},
-    {"leave-take", "live", QT_TRANSLATE_NOOP("Actions", "&Leave the take"), "Shift+Space"},
+    {"leave-take", "live", QT_TRANSLATE_NOOP("Actions", "Lea&ve the take"), "Shift+Space"},
     {"hide", "eye-off", QT_TRANSLATE_NOOP("Actions", "&Hide the selected elements"), "H"},
     {"show-all", "eye", QT_TRANSLATE_NOOP("Actions", "&Show all elements"), "Alt+H"},
     {"frame-all", "frame", QT_TRANSLATE_NOOP("Actions", "Frame &all"), "Home"},
