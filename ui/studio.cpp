@@ -38,7 +38,9 @@ int runStudio(int argc, char** argv) {
     QStringList files;
     for (const QString& argument : QCoreApplication::arguments().mid(1))
         if (!argument.startsWith(u'-')) files << QFileInfo(argument).absoluteFilePath();
-    if (!files.isEmpty()) QTimer::singleShot(0, &window, [&window, files] { window.files().drop(files); });
+    QTimer::singleShot(0, &window, [&window, files] {
+        if (!window.files().offerRecovery()) window.files().drop(files);
+    });
     return QApplication::exec();
 }
 

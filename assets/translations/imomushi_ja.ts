@@ -1061,6 +1061,13 @@
         </message>
     </context>
     <context>
+        <name>imomushi::Autosave</name>
+        <message>
+            <source>Your work could not be kept for recovery. %1</source>
+            <translation>作業中の内容を復旧用に保存できませんでした。%1</translation>
+        </message>
+    </context>
+    <context>
         <name>imomushi::CommandSearch</name>
         <message>
             <source>Search commands</source>
@@ -2212,6 +2219,38 @@
         <message>
             <source>Press keys</source>
             <translation>キーを押す</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::RecoveryDialog</name>
+        <message>
+            <source>Unsaved work</source>
+            <translation>保存されていない作業</translation>
+        </message>
+        <message>
+            <source>Imomushi ended before this was saved. Take it up where it was?</source>
+            <translation>保存される前にイモムシが終了しました。続きから再開しますか？</translation>
+        </message>
+        <message>
+            <source>New project, never saved</source>
+            <translation>新規プロジェクト（未保存）</translation>
+        </message>
+        <message>
+            <source>%1 · %2</source>
+            <comment>name, date and time</comment>
+            <translation>%1 · %2</translation>
+        </message>
+        <message>
+            <source>Delete</source>
+            <translation>削除</translation>
+        </message>
+        <message>
+            <source>Not now</source>
+            <translation>後で</translation>
+        </message>
+        <message>
+            <source>Recover</source>
+            <translation>復旧</translation>
         </message>
     </context>
     <context>

@@ -95,7 +95,9 @@ Result<Json> open(Session& session, const Json& arguments, const Progress&) {
     auto project = openProject(*path);
     if (!project) return tl::unexpected(project.error());
     Session::State& s = session.state();
-    s.replaceDocument(std::move(project->document), *path, arguments);
+    const Json* original = find(arguments, "as");
+    s.replaceDocument(std::move(project->document), original ? std::filesystem::path(original->get_ref<const std::string&>()) : *path, arguments);
+    if (original) s.savedPosition = -1;
     for (auto& [element, stored] : project->responses) {
         s.responses.insert(stored.key, stored.response);
         s.lastResponses.insert_or_assign(element, Session::State::LastResponse{stored.key, stored.shape});
@@ -121,14 +123,7 @@ Result<Json> save(Session& session, const Json& arguments, const Progress&) {
     }
     if (path.empty()) return fail("missing-key", "The project was never saved: give \"save\" a \"path\" that ends in .imomushi.");
     if (path.extension() != kSuffix) return fail("bad-value", "\"path\" must end in .imomushi.");
-    Project project;
-    project.document = s.document;
-    if (const auto alive = s.live(); alive)  // brings the last responses up to date
-        for (const auto& [element, last] : s.lastResponses) {
-            if (!s.document.elements.contains(element)) continue;
-            if (auto response = s.responses.find(last.key)) project.responses.emplace(element, Project::Response{last.key, last.shape, std::move(response)});
-        }
-    if (auto saved = saveProject(path, project); !saved) return tl::unexpected(saved.error());
+    if (auto saved = saveProject(path, session.project()); !saved) return tl::unexpected(saved.error());
     if (!arguments.value("copy", false)) {
         s.path = path;
         s.savedPosition = s.position;
@@ -243,7 +238,9 @@ Result<Json> importElement(Session& session, const Json& arguments, const Progre
 void addFileCommands(CommandRegistry& registry) {
     using Type = CommandKey::Type;
     registry.add({"new", "Begins an empty document; the history begins anew.", {{"path", Type::Text, false, "Where a later save without a path goes."}}, false, newDocument});
-    registry.add({"open", "Opens a project; the history begins anew.", {{"path", Type::Text, true, "A .imomushi file."}}, false, open});
+    registry.add({"open", "Opens a project; the history begins anew.",
+                  {{"path", Type::Text, true, "A .imomushi file."},
+                   {"as", Type::Text, false, "The file that this is an unsaved copy of, empty: of none. For recovery."}}, false, open});
     registry.add({"save",
                   "Saves the project in one file, responses included. An old file is replaced whole or not at all.",
                   {{"path", Type::Text, false, "A file that ends in .imomushi (where it was opened or saved last unless given)."},

@@ -10,6 +10,7 @@
 #include "core/document/command_support.h"
 #include "core/document/names.h"
 #include "core/document/session_state.h"
+#include "core/document/storage.h"
 
 namespace imomushi {
 
@@ -655,6 +656,18 @@ EffectCost Session::effectCost(EffectKind effect) const { return state_->costOf(
 bool Session::modified() const {
     const State& s = *state_;
     return s.position != s.savedPosition || (s.gesture && !s.gesture->lines.empty());
+}
+
+Project Session::project() {
+    State& s = *state_;
+    Project project;
+    project.document = s.document;
+    if (const auto alive = s.live(); alive)  // brings the last responses up to date
+        for (const auto& [element, last] : s.lastResponses) {
+            if (!s.document.elements.contains(element)) continue;
+            if (auto response = s.responses.find(last.key)) project.responses.emplace(element, Project::Response{last.key, last.shape, std::move(response)});
+        }
+    return project;
 }
 
 const std::filesystem::path& Session::path() const { return state_->path; }

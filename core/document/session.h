@@ -20,6 +20,7 @@
 namespace imomushi {
 
 struct Congruence;
+struct Project;
 
 /// Precomputed responses by content key, shared by everything in a session. Never undone; undo only asks for another key. Thread-safe.
 class ResponseCache {
@@ -132,6 +133,8 @@ public:
     void setListener(std::function<void(const Change&)> listener);
     /// Replaces importFile() (the studio imports in the background and answers from what it prepared).
     void setImporter(std::function<Result<ImportResult>(const ImportRequest&, const Progress&)> importer);
+    /// What "save" writes, and an autosave: the document as it is now with the responses that its elements have. Copies no mesh and no response.
+    [[nodiscard]] Project project();
     /// Every document-changing command of this session so far, as script lines: what "Save as script" and the journal write.
     [[nodiscard]] const std::vector<Json>& script() const;
 

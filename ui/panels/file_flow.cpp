@@ -13,6 +13,7 @@
 
 #include "ui/models/texts.h"
 #include "ui/panels/import_dialog.h"
+#include "ui/panels/recovery_dialog.h"
 
 namespace imomushi {
 namespace {
@@ -20,6 +21,8 @@ namespace {
 const QString kSuffix = QStringLiteral("imomushi");
 
 QString withSuffix(const QString& path, const QString& suffix) { return QFileInfo(path).suffix().toLower() == suffix ? path : path + u'.' + suffix; }
+
+QString recoveryFolder() { return QStandardPaths::writableLocation(QStandardPaths::AppDataLocation) + QStringLiteral("/recovery"); }
 
 QString pathOf(const Session& session) { return QString::fromStdString(session.path().string()); }
 
@@ -32,7 +35,8 @@ struct FileFlow::Prepared {
 };
 
 FileFlow::FileFlow(StudioDocument& document, QWidget* window)
-    : QObject(window), document_(document), window_(window), prepared_(std::make_shared<Prepared>()) {
+    : QObject(window), document_(document), window_(window), autosave_(document, recoveryFolder()), prepared_(std::make_shared<Prepared>()) {
+    connect(&autosave_, &Autosave::failed, &document, &StudioDocument::failed);
     document.session().setImporter([prepared = prepared_](const ImportRequest& request, const Progress& progress) -> Result<ImportResult> {
         const ImportRequest& r = prepared->request;
         if (prepared->result && r.path == request.path && r.unit == request.unit && r.up == request.up && r.split == request.split) return *prepared->result;
@@ -65,6 +69,20 @@ bool FileFlow::mayDiscard() {
     box.exec();
     if (box.clickedButton() == keep) return save();
     return box.clickedButton() == drop;
+}
+
+bool FileFlow::offerRecovery() {
+    const QList<Autosave::Found> found = autosave_.found();
+    if (found.isEmpty()) return false;
+    RecoveryDialog dialog(found, window_);
+    if (dialog.exec() != QDialog::Accepted) return false;
+    const Autosave::Found chosen = found.at(dialog.chosen());
+    if (!document_.execute({{"do", "open"}, {"path", chosen.file.toStdString()}, {"as", chosen.original.toStdString()}})) return false;
+    // The old copy goes when there is a new one.
+    connect(&autosave_, &BackgroundJob::finished, this, [chosen](bool completed) { if (completed) Autosave::discard(chosen); }, Qt::SingleShotConnection);
+    autosave_.saveSoon();
+    Q_EMIT opened();
+    return true;
 }
 
 void FileFlow::newProject() {

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+#include "ui/jobs/autosave.h"
 #include "ui/models/recent_files.h"
 #include "ui/models/studio_document.h"
 
@@ -21,6 +22,10 @@ public:
     ~FileFlow() override;
 
     [[nodiscard]] RecentFiles& recent() { return recent_; }
+    [[nodiscard]] Autosave& autosave() { return autosave_; }
+
+    /// Asks about the work of studios that ended badly, where there is any. True: some of it is open now.
+    bool offerRecovery();
 
     void newProject();
     void askOpen();
@@ -54,6 +59,7 @@ private:
     StudioDocument& document_;
     QWidget* window_;
     RecentFiles recent_;
+    Autosave autosave_;
     QStringList waiting_;
     bool importing_ = false;
     std::shared_ptr<Prepared> prepared_;

@@ -165,6 +165,7 @@ MainWindow::MainWindow(const CommandRegistry& registry) : document_(registry) {
     });
     connect(precompute_, &BackgroundJob::finished, this, [this, soon](bool completed) {
         status_->setBusy({});
+        if (completed) files_->autosave().saveSoon();
         if (!completed) message_->say(tr("Precompute cancelled"), MessageBar::Tone::Info);
         else if (!precomputeFailed_) message_->say(tr("Precomputed. Drag a joint point with the drag tool (D)."), MessageBar::Tone::Good);
         soon();

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <QDir>
+#include <QFile>
+#include <QListWidget>
+#include <QStandardPaths>
+#include <QTimer>
+
+#include "tests/studio/window.h"
+#include "ui/panels/recovery_dialog.h"
+
+using namespace imomushi;
+
+namespace {
+
+QString recoveryFolder() { return QStandardPaths::writableLocation(QStandardPaths::AppDataLocation) + QStringLiteral("/recovery"); }
+std::string caterpillar() {
+    for (const Sample& sample : samples())
+        if (sample.name == QStringLiteral("caterpillar")) return sample.path.toStdString();
+    FAIL("no sample");
+    return {};
+}
+
+QStringList copies(const QString& folder) { return QDir(folder).entryList({QStringLiteral("*.imomushi")}, QDir::Files); }
+
+/// Keeps the unsaved work of a window, and leaves it in the folder as a studio does that was killed: without its lock.
+void crash(Window& w) {
+    QDir().mkpath(recoveryFolder());
+    w.window().files().autosave().saveSoon();
+    REQUIRE(QTest::qWaitFor([&] { return !w.window().files().autosave().running(); }, 30000));
+    const QStringList files = QDir(recoveryFolder()).entryList(QDir::Files);
+    for (const QString& file : files)
+        if (!file.endsWith(QStringLiteral(".lock"))) REQUIRE(QFile::copy(QDir(recoveryFolder()).filePath(file), w.folder.filePath(file)));
+    const QString from = w.folder.path();
+    w.made.reset();
+    REQUIRE(copies(recoveryFolder()).isEmpty());  // who ends well leaves nothing
+    for (const QString& file : QDir(from).entryList(QDir::Files)) REQUIRE(QFile::copy(QDir(from).filePath(file), QDir(recoveryFolder()).filePath(file)));
+}
+
+/// Presses a button of the dialog that the next call opens.
+void answer(const char* text) {
+    QTimer::singleShot(300, [text] {
+        auto* dialog = qobject_cast<RecoveryDialog*>(QApplication::activeModalWidget());
+        REQUIRE(dialog);
+        if (const QByteArray folder = qgetenv("IMOMUSHI_SCREENSHOTS"); !folder.isEmpty()) dialog->grab().save(QString::fromUtf8(folder) + QStringLiteral("/recovery.png"));
+        for (auto* button : dialog->findChildren<QPushButton*>())
+            if (button->text() == QLatin1String(text)) return QTest::mouseClick(button, Qt::LeftButton);
+        FAIL("no such button");
+    });
+}
+
+}  // namespace
+
+TEST_CASE("recovery: work that was never saved is offered at the next start, taken up with its history begun anew, and goes once it is saved") {
+    QDir(recoveryFolder()).removeRecursively();
+    {
+        Window w;
+        w.run({{"do", "open"}, {"path", caterpillar()}, {"as", ""}});
+        w.run({{"do", "rename"}, {"target", "head"}, {"name", "頭"}});
+        crash(w);
+    }
+    REQUIRE(copies(recoveryFolder()).size() == 1);
+    Window w;
+    answer("Recover");
+    REQUIRE(w.window().files().offerRecovery());
+    CHECK(w.now().elementNamed("頭"));
+    CHECK(w.document().session().modified());
+    CHECK(w.document().session().path().empty());
+    for (const auto& [id, element] : w.now().elements) CHECK(w.document().session().responseState(id) == Session::ResponseState::Fresh);
+    // A new copy stands in for the old one before that goes.
+    REQUIRE(QTest::qWaitFor([&] { return !w.window().files().autosave().running(); }, 30000));
+    CHECK(copies(recoveryFolder()).size() == 1);
+    w.run({{"do", "save"}, {"path", w.folder.filePath(QStringLiteral("kept.imomushi")).toStdString()}});
+    CHECK(!w.document().session().modified());
+    CHECK(copies(recoveryFolder()).isEmpty());
+}
+
+TEST_CASE("recovery: the copy of a project knows its file, a studio that lives is left alone, and what is deleted is gone") {
+    QDir(recoveryFolder()).removeRecursively();
+    QTemporaryDir folder;
+    const std::string own = folder.filePath(QStringLiteral("いもむし.imomushi")).toStdString();
+    {
+        Window w;
+        w.run({{"do", "open"}, {"path", caterpillar()}});
+        w.run({{"do", "save"}, {"path", own}});
+        w.run({{"do", "rename"}, {"target", "head"}, {"name", "changed"}});
+        w.window().files().autosave().saveSoon();
+        REQUIRE(QTest::qWaitFor([&] { return !w.window().files().autosave().running(); }, 30000));
+        CHECK(copies(recoveryFolder()).size() == 1);
+        CHECK(!w.window().files().offerRecovery());
+        Autosave other(w.document(), recoveryFolder());
+        CHECK(other.found().isEmpty());
+        crash(w);
+    }
+    Window w;
+    auto found = w.window().files().autosave().found();
+    REQUIRE(found.size() == 1);
+    CHECK(found.front().original.toStdString() == own);
+    CHECK(w.window().files().autosave().found().isEmpty());  // it is held above
+    found.clear();
+    answer("Delete");
+    CHECK(!w.window().files().offerRecovery());
+    CHECK(copies(recoveryFolder()).isEmpty());
+}

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/jobs/autosave.h"
+
+#include <QDir>
+#include <QFile>
+#include <QFileInfo>
+#include <QUuid>
+#include <filesystem>
+
+#include "core/document/storage.h"
+#include "ui/models/texts.h"
+
+namespace imomushi {
+namespace {
+
+const QString kSuffix = QStringLiteral(".imomushi");
+
+// Beside a copy: the path of the project that it is of, and what says that its studio lives.
+QString originalOf(const QString& file) { return file.chopped(kSuffix.size()) + QStringLiteral(".path"); }
+QString lockOf(const QString& file) { return file.chopped(kSuffix.size()) + QStringLiteral(".lock"); }
+
+void remove(const QString& file) {
+    QFile::remove(file);
+    QFile::remove(originalOf(file));
+}
+
+}  // namespace
+
+Autosave::Autosave(StudioDocument& document, QString folder, QObject* parent) : BackgroundJob(parent), document_(document), folder_(std::move(folder)) {
+    timer_.setInterval(kMinutes * 60 * 1000);
+    connect(&timer_, &QTimer::timeout, this, &Autosave::saveSoon);
+    timer_.start();
+    const auto change = [this] { changed_ = true; };
+    connect(&document, &StudioDocument::historyChanged, this, change);
+    connect(&document, &StudioDocument::responsesChanged, this, change);
+    connect(&document, &StudioDocument::fileChanged, this, [this] {
+        if (!document_.session().modified()) clear();
+    });
+}
+
+Autosave::~Autosave() { clear(); }
+
+void Autosave::clear() {
+    cancel();
+    changed_ = false;
+    if (file_.isEmpty()) return;
+    remove(file_);
+    // What still writes there takes it away itself; the next copy has another name.
+    file_.clear();
+    lock_.reset();
+}
+
+void Autosave::saveSoon() {
+    if (!changed_ || running() || !document_.session().modified()) return;
+    if (file_.isEmpty()) {
+        QDir().mkpath(folder_);
+        file_ = QDir(folder_).filePath(QUuid::createUuid().toString(QUuid::WithoutBraces) + kSuffix);
+        lock_ = std::make_unique<QLockFile>(lockOf(file_));
+        lock_->setStaleLockTime(0);
+        lock_->tryLock(0);
+    }
+    changed_ = false;
+    auto result = std::make_shared<Result<void>>();
+    const auto project = std::make_shared<const Project>(document_.session().project());
+    const QByteArray original = QByteArray::fromStdString(document_.session().path().string());
+    launch(
+        [result, project, original, file = file_](const Progress& progress) {
+            QFile path(originalOf(file));
+            if (path.open(QIODevice::WriteOnly)) path.write(original);
+            path.close();
+            *result = saveProject(std::filesystem::path(file.toStdString()), *project);
+            if (progress.cancelled()) remove(file);
+        },
+        [this, result] {
+            if (!*result) {
+                changed_ = true;
+                if (!told_) Q_EMIT failed(tr("Your work could not be kept for recovery. %1").arg(errorText(result->error())));
+            }
+            told_ = !*result;
+        });
+}
+
+QList<Autosave::Found> Autosave::found() const {
+    QList<Found> out;
+    const auto files = QDir(folder_).entryInfoList({QStringLiteral("*") + kSuffix}, QDir::Files, QDir::Time);
+    for (const QFileInfo& info : files) {
+        Found one{info.absoluteFilePath(), {}, info.lastModified(), std::make_shared<QLockFile>(lockOf(info.absoluteFilePath()))};
+        one.lock->setStaleLockTime(0);
+        if (one.file == QFileInfo(file_).absoluteFilePath() || !one.lock->tryLock(0)) continue;  // of a studio that lives
+        if (QFile path(originalOf(one.file)); path.open(QIODevice::ReadOnly)) one.original = QString::fromUtf8(path.readAll());
+        out << one;
+    }
+    return out;
+}
+
+void Autosave::discard(const Found& found) {
+    QFile::moveToTrash(found.file);  // work is never thrown away by one click; where there is no bin, it goes
+    remove(found.file);
+}
+
+}  // namespace imomushi
