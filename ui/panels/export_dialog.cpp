@@ -250,6 +250,7 @@ ExportDialog::ExportDialog(StudioDocument& document, const QString& folder, QWid
     connect(job_, &BackgroundJob::finished, this, [this](bool completed) {
         showProgress();
         if (completed) return showAnswer();
+        written_.clear();
         clearReport();
         reportTitle_->setText(tr("Cancelled: nothing was written."));
     });

@@ -303,6 +303,7 @@ void MainWindow::buildActions() {
     on("record", [this] { record(); });
     on("play", [this] {
         settle();
+        showStart(false);
         deck_->setPlaying(!deck_->playing());
     });
     on("take-back", [this] { settle(); deck_->step(-1); });
@@ -679,6 +680,8 @@ void MainWindow::record() {
     showStart(false);
     takesDock_->show();
     takesDock_->raise();
+    // What is performed is dragged or touched.
+    if (viewport_->tool() != ToolKind::Pose && viewport_->tool() != ToolKind::Touch) viewport_->setTool(ToolKind::Pose);
     deck_->startRecording();
     viewport_->setFocus();
 }
