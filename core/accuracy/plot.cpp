@@ -88,7 +88,8 @@ LogAxis LogAxis::around(const std::vector<double>& values) {
     for (const double v : values)
         if (v > 0.0 && std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
     if (high <= 0.0) return {};
-    const double room = std::max(0.08, 0.06 * std::log10(high / low));
+    // At least so wide that a line fits.
+    const double room = std::max({0.08, 0.06 * std::log10(high / low), 0.5 * (std::log10(2.6) - std::log10(high / low))});
     return {low * std::pow(10.0, -room), high * std::pow(10.0, room)};
 }
 
@@ -120,6 +121,11 @@ std::string ScatterPlot::svg() const {
     for (const auto& p : points)
         if (shown(p.x, p.y)) xs.push_back(p.x), ys.push_back(p.y);
     Page page(title, xTitle, yTitle, LogAxis::around(xs), LogAxis::around(ys));
+    if (floor > 0.0 && page.py(floor) < kHeight - kBottom) {
+        const double y = std::max(kTop, page.py(floor));
+        page.out += "<rect x=\"" + n(kLeft) + "\" y=\"" + n(y) + "\" width=\"" + n(kWidth - kLeft - kRight) + "\" height=\"" + n(kHeight - kBottom - y) +
+                    "\" fill=\"#5d666f\" fill-opacity=\"0.10\"/>\n" + textAt(kWidth - kRight - 6.0, kHeight - kBottom - 8.0, floorText, kMuted, 11.0, "end");
+    }
     std::vector<const PlotPoint*> front;
     for (const auto& p : points)
         if (p.front && shown(p.x, p.y)) front.push_back(&p);

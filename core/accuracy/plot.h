@@ -36,6 +36,8 @@ struct PlotPoint {
 struct ScatterPlot {
     std::string title, xTitle, yTitle;
     std::vector<PlotPoint> points;
+    double floor = 0.0;     ///< values of y below it cannot be told apart: shaded; 0: none
+    std::string floorText;
     [[nodiscard]] std::string svg() const;
 };
 

@@ -39,17 +39,27 @@ std::shared_ptr<const ElementResponse> standInResponse(const ElementMesh& mesh, 
     }
     for (Eigen::Index i = 0; i < count; ++i) {
         const Vec3 x = rest.row(out->freeVertices[static_cast<std::size_t>(i)]).transpose();
-        // A motion of all faces together moves every vertex along: as in true responses, that is no mode of its own.
         std::vector<double> near;
         double all = 0.0;
-        for (const JointFace& face : faces) all += near.emplace_back(1.0 / (std::abs(face.frame.toLocal(x).z()) + 1e-3 * face.size));
+        for (const JointFace& face : faces) {
+            const double distance = std::abs(face.frame.toLocal(x).z()) / face.size + 1e-3;
+            all += near.emplace_back(1.0 / (distance * distance));
+        }
         for (std::size_t f = 0; f < faces.size(); ++f) {
             const FaceBasis& b = out->bases[f];
             auto part = out->response.block(3 * i, out->firstColumn[f], 3, b.columns());
             if (b.kind == BasisKind::Full)
                 for (int k = 0; k < b.vertices; ++k) part.middleCols<3>(3 * k) = faces[f].frame.axes * (std::cos(static_cast<double>(i + k)) * near[f] / all / b.vertices);
-            else
-                part = near[f] / all * (faces[f].frame.axes * b.at(faces[f].frame.toLocal(x)));
+            else {
+                // As in true responses: rigid motions of all faces are those of the element, and other motions of all faces are not affine ones of it.
+                const Vec3 p = faces[f].frame.toLocal(x);
+                Eigen::Matrix<double, 3, Eigen::Dynamic> modes = b.at(p);
+                modes(0, 3) -= p.z();
+                modes(1, 4) -= p.z();
+                const double share = near[f] / all;
+                modes.leftCols<3>() *= share;
+                part = share * (faces[f].frame.axes * modes);
+            }
         }
     }
     return out;

@@ -104,7 +104,11 @@ public:
             const auto mesh = referenceMesh(referenceInput());
             if (mesh && referenceRank(solverMeshName({*mesh, 0})) > referenceRank(study_.reference->mesh)) {
                 study_.reference.reset();
-                for (auto& p : study_.points) p = {p.setting};
+                for (auto& p : study_.points) {
+                    AccuracyPoint again;
+                    again.setting = p.setting;
+                    p = std::move(again);
+                }
             }
         }
         if (auto ok = predict(); !ok) return tl::unexpected(ok.error());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -62,6 +63,8 @@ struct AccuracyStudy {
     double seconds = 0.0;              ///< spent, over all runs
     double yardMs = 0.0;               ///< of a frame of the yardstick, see runStudy()
 
+    /// Errors (relative) below this are those of the reference rather than of a point: they cannot be told apart. 0: unknown.
+    [[nodiscard]] double floor() const { return reference ? std::max({0.0, reference->relative, reference->faceRelative}) : 0.0; }
     /// Points that are not dominated, cheapest first; a known error and a known cost are needed.
     [[nodiscard]] std::vector<std::size_t> frontPerFrame() const;
     [[nodiscard]] std::vector<std::size_t> frontInPrecompute() const;

@@ -2,6 +2,7 @@
 #include "core/comparison/paper_caterpillar.h"
 
 #include <cmath>
+#include <map>
 #include <numbers>
 
 namespace imomushi {
@@ -42,16 +43,16 @@ TriangleMesh closedCylinder(double radius, double low, double length, int around
     return mesh;
 }
 
-CharacterInput paperCaterpillar() {
+CharacterInput paperCaterpillar(int around, int elements) {
     constexpr int kElements = 5, kAround = 24, kRows[kElements] = {9, 9, 11, 9, 9};
     constexpr double kRadius = 0.5;
     CharacterInput input;
     input.basis = BasisKind::Paper;
-    for (int e = 0; e <= kElements; ++e) input.skeleton.points.emplace_back(0.0, 0.0, e);
-    for (int e = 0; e < kElements; ++e) {
+    for (int e = 0; e <= elements; ++e) input.skeleton.points.emplace_back(0.0, 0.0, e);
+    for (int e = 0; e < elements; ++e) {
         input.skeleton.bones.push_back({e, e + 1, e - 1, 1.0});
         auto mesh = std::make_shared<ElementMesh>();
-        mesh->body = closedCylinder(kRadius, e, 1.0, kAround, kRows[e]);
+        mesh->body = closedCylinder(kRadius, e, 1.0, around, static_cast<int>(std::lround(static_cast<double>(kRows[e % kElements]) * around / kAround)));
         CharacterInput::Element element;
         for (const int side : {0, 1}) {
             auto face = jointFaceByPlane(mesh->body, Vec3(0, 0, e + side), Vec3(0, 0, side ? 1 : -1), 1e-6).value();
@@ -62,17 +63,19 @@ CharacterInput paperCaterpillar() {
         element.bones = {e};
         input.elements.push_back(std::move(element));
     }
-    for (int j = 0; j <= kElements; ++j) {
+    for (int j = 0; j <= elements; ++j) {
         CharacterInput::Joint joint;
         joint.point = j;
         if (j > 0) joint.faces.push_back({j - 1, 1, j - 1});
-        if (j < kElements) joint.faces.push_back({j, 0, j});
+        if (j < elements) joint.faces.push_back({j, 0, j});
         if (joint.faces.size() == 2) {
             const auto& below = input.elements[j - 1];
             const auto& above = input.elements[j];
+            // Both caps were made of the same numbers.
+            std::map<std::pair<double, double>, std::int32_t> places;
+            for (const auto b : above.faces[0].vertices) places[{above.mesh->body.vertices(b, 0), above.mesh->body.vertices(b, 1)}] = b;
             for (const auto a : below.faces[1].vertices)
-                for (const auto b : above.faces[0].vertices)
-                    if ((below.mesh->body.vertices.row(a) - above.mesh->body.vertices.row(b)).norm() < 1e-9) joint.welded.emplace_back(a, b);
+                if (const auto b = places.find({below.mesh->body.vertices(a, 0), below.mesh->body.vertices(a, 1)}); b != places.end()) joint.welded.emplace_back(a, b->second);
         }
         input.joints.push_back(std::move(joint));
     }

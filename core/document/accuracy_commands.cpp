@@ -38,6 +38,8 @@ ScatterPlot plotOf(const AccuracyStudy& study, bool precompute) {
     plot.title = precompute ? "Error against time of the precompute" : "Error against time per frame";
     plot.xTitle = precompute ? "seconds of precompute" : "milliseconds per frame (median)";
     plot.yTitle = "relative L2 error against the full solution (%)";
+    plot.floor = 100.0 * study.floor();
+    plot.floorText = "below the error of the reference";
     const auto front = precompute ? study.frontInPrecompute() : study.frontPerFrame();
     for (std::size_t i = 0; i < study.points.size(); ++i) {
         const AccuracyPoint& p = study.points[i];

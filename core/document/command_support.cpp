@@ -79,6 +79,7 @@ void addCoreCommands(CommandRegistry& registry) {
     addMeasureCommands(registry);
     addPaperCommand(registry);
     addAccuracyCommands(registry);
+    addReportCommand(registry);
 }
 
 }  // namespace imomushi

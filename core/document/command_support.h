@@ -91,5 +91,6 @@ void addHistoryCommands(CommandRegistry& registry);   // undo, redo
 void addMeasureCommands(CommandRegistry& registry);   // measure, write-mesh
 void addPaperCommand(CommandRegistry& registry);      // paper
 void addAccuracyCommands(CommandRegistry& registry);  // accuracy
+void addReportCommand(CommandRegistry& registry);     // report
 
 }  // namespace imomushi

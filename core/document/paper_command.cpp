@@ -4,6 +4,9 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "core/accuracy/paper_growth.h"
+#include "core/accuracy/plot.h"
+#include "core/base/parallel.h"
 #include "core/comparison/model_table.h"
 #include "core/comparison/paper_caterpillar.h"
 #include "core/document/command_support.h"
@@ -16,6 +19,9 @@ namespace {
 
 /// The previous model's matrices in double precision, kept while it is measured, may be this large together with the largest precompute (bytes).
 constexpr double kMostBytes = 6e9;
+
+/// Growing the caterpillar may take about this long, for each model and number of threads (s).
+constexpr double kGrowthSeconds = 30.0;
 
 /// What the paper says (Pentium 4 650, 3.4 GHz). Memory in bytes.
 struct Published {
@@ -80,6 +86,77 @@ Result<ComparedModels> modelsOf(Session::State& s, const Progress& progress) {
     return out;
 }
 
+/// The caterpillar grown until frames are too slow, and where the previous model diverges.
+struct Limits {
+    struct Grown {
+        std::string model;
+        int threads = 1;
+        Growth growth;
+    };
+    std::vector<Grown> grown;
+    std::vector<Divergence> divergence;
+};
+
+Result<Limits> limitsOf(const ComparedModels& models, double seconds, const Progress& progress) {
+    Limits out;
+    const auto add = [&](const char* model, int threads, Result<Growth> growth) -> Result<void> {
+        if (!growth) return tl::unexpected(growth.error());
+        out.grown.push_back({model, threads, std::move(*growth)});
+        return {};
+    };
+    const int all = hardwareThreads();
+    if (auto ok = add("proposed", 1, growProposed(1, seconds, progress.part(0.0, 0.25))); !ok) return tl::unexpected(ok.error());
+    if (all > 1)
+        if (auto ok = add("proposed", all, growProposed(all, seconds, progress.part(0.25, 0.5))); !ok) return tl::unexpected(ok.error());
+    if (auto ok = add("previous", 1, growPrevious(seconds, progress.part(0.5, 0.75))); !ok) return tl::unexpected(ok.error());
+    auto divergence = previousDivergence(models, progress.part(0.75, 1.0));
+    if (!divergence) return tl::unexpected(divergence.error());
+    out.divergence = std::move(*divergence);
+    return out;
+}
+
+void addLimits(Json& answer, const Limits& limits) {
+    Json grown = Json::array(), divergence = Json::array();
+    for (const auto& g : limits.grown) {
+        Json points = Json::array();
+        for (const auto& p : g.growth.points) points.push_back({{"vertices", p.vertices}, {"frame_ms", p.frameMs}});
+        grown.push_back({{"model", g.model}, {"threads", g.threads}, {"vertices_at_60_fps", g.growth.most}, {"at_least", !g.growth.bounded}, {"points", std::move(points)}});
+    }
+    for (const auto& d : limits.divergence) {
+        Json line = {{"shear_modulus", d.shearModulus}, {"step", d.step}, {"diverged", d.diverged}, {"largest_displacement", d.largest}};
+        if (d.diverged) line["seconds"] = d.seconds;
+        divergence.push_back(std::move(line));
+    }
+    answer["measured_vertices_at_60_fps"] = std::move(grown);
+    answer["divergence"] = std::move(divergence);
+    answer["notes"].push_back("measured_vertices_at_60_fps: the caterpillar with finer and finer cells, positions and normals, until a frame takes longer than a 60th of a second, with "
+                              "stand-ins for its responses, which cost the same; vertices_at_60_fps is the largest that was quick enough");
+    answer["notes"].push_back("divergence: explicit dynamics of joint faces by step (s) and shear modulus (Pa), two seconds each; largest_displacement before it diverged, in diagonals of "
+                              "an element");
+}
+
+LinePlot growthPlot(const Limits& limits) {
+    LinePlot plot{"The paper's caterpillar, grown", "vertices", "milliseconds per frame", {}};
+    for (const auto& g : limits.grown) {
+        auto& line = plot.lines.emplace_back();
+        line.name = g.model + " model, " + std::to_string(g.threads) + (g.threads == 1 ? " thread" : " threads");
+        for (const auto& p : g.growth.points) line.points.emplace_back(p.vertices, p.frameMs);
+    }
+    plot.lines.push_back({"60 frames per second", {{Published::vertices, 1000.0 / 60.0}, {2e6, 1000.0 / 60.0}}});
+    return plot;
+}
+
+/// What happens to the largest displacement as steps grow. Where it diverges, before it was stopped.
+LinePlot divergencePlot(const Limits& limits) {
+    LinePlot plot{"Divergence of the previous model", "step of the explicit integration (s)", "largest displacement in two seconds (diagonals of an element)", {}};
+    for (const auto& d : limits.divergence) {
+        const std::string name = "shear modulus " + formatted("%g", d.shearModulus) + " Pa";
+        if (plot.lines.empty() || plot.lines.back().name != name) plot.lines.push_back({name, {}});
+        plot.lines.back().points.emplace_back(d.step, std::max(d.largest, 1e-3));
+    }
+    return plot;
+}
+
 Json rowJson(const ModelTable::Row& row) {
     return {{"model", row.model},           {"elements", row.elements},      {"vertices", row.vertices},
             {"columns", row.columns},       {"bytes", row.bytes},            {"frame_bytes", row.frameBytes},
@@ -121,7 +198,7 @@ Json tableJson(const ModelTable& table, const std::string& character) {
 }
 
 /// The rows of both models and of the paper, as a table of texts; the first row holds titles.
-std::vector<std::vector<std::string>> cells(const ModelTable& table) {
+std::vector<std::vector<std::string>> cells(const ModelTable& table, const Limits& limits) {
     const auto &a = table.proposed, &b = table.previous;
     const auto number = [](double value) { return formatted("%.6g", value); };
     const auto ratio = [](double value) { return formatted("%.3g", value); };
@@ -136,8 +213,14 @@ std::vector<std::vector<std::string>> cells(const ModelTable& table) {
         number(1e-6 * Published::proposedBytes), number(1e-6 * Published::previousBytes), ratio(Published::previousBytes / Published::proposedBytes));
     row("product (ms)", a.productMs, b.productMs, b.productMs / a.productMs);
     row("frame (ms)", a.frameMs, b.frameMs, b.frameMs / a.frameMs, number(Published::frameMs));
-    row("vertices at 60 frames per second", std::floor(a.verticesAt60()), std::floor(b.verticesAt60()), a.verticesAt60() / b.verticesAt60(),
+    row("vertices at 60 frames per second, extrapolated", std::floor(a.verticesAt60()), std::floor(b.verticesAt60()), a.verticesAt60() / b.verticesAt60(),
         number(Published::proposedAt60), number(Published::previousAt60), ratio(static_cast<double>(Published::proposedAt60) / Published::previousAt60));
+    for (const auto& g : limits.grown)
+        if (g.model == "proposed")
+            for (const auto& old : limits.grown)
+                if (old.model == "previous")
+                    row("vertices at 60 frames per second, grown, " + std::to_string(g.threads) + (g.threads == 1 ? " thread" : " threads (previous: 1)"), g.growth.most, old.growth.most,
+                        old.growth.most > 0 ? static_cast<double>(g.growth.most) / old.growth.most : 0.0, number(Published::proposedAt60), number(Published::previousAt60));
     for (const auto& e : table.errors) {
         const std::string more = e.beyondBasis ? " (beyond the basis)" : "";
         out.push_back({"error in " + e.pose + more + ", relative L2", number(e.relative), "", "", "", "", ""});
@@ -146,10 +229,10 @@ std::vector<std::vector<std::string>> cells(const ModelTable& table) {
     return out;
 }
 
-std::string markdown(const ModelTable& table, const Json& answer) {
+std::string markdown(const ModelTable& table, const Limits& limits, const Json& answer) {
     std::string out = "# The paper's table: " + answer["character"].get<std::string>() + "\n\n";
     bool title = true;
-    for (const auto& line : cells(table)) {
+    for (const auto& line : cells(table, limits)) {
         out += "|";
         for (const auto& cell : line) out += " " + cell + " |";
         out += "\n";
@@ -157,13 +240,32 @@ std::string markdown(const ModelTable& table, const Json& answer) {
         title = false;
     }
     out += "\nBoth models in float on one thread, measured in turn.\n";
+    if (!limits.divergence.empty()) {
+        out += "\n## Divergence of the previous model\n\nLargest displacement in two seconds, in diagonals of an element; \"diverged\": after so many seconds.\n\n| step (ms) |";
+        std::vector<double> moduli;
+        for (const auto& d : limits.divergence)
+            if (moduli.empty() || moduli.back() != d.shearModulus) moduli.push_back(d.shearModulus), out += " " + formatted("%g", d.shearModulus) + " Pa |";
+        out += "\n|---:|";
+        for (std::size_t i = 0; i < moduli.size(); ++i) out += "---:|";
+        out += "\n";
+        for (const auto& first : limits.divergence) {
+            if (first.shearModulus != moduli.front()) break;
+            out += "| " + formatted("%.3g", 1e3 * first.step) + " |";
+            for (const double modulus : moduli)
+                for (const auto& d : limits.divergence)
+                    if (d.shearModulus == modulus && d.step == first.step)
+                        out += d.diverged ? " diverged (" + formatted("%.2g", d.seconds) + " s) |" : " " + formatted("%.3g", d.largest) + " |";
+            out += "\n";
+        }
+        out += "\n";
+    }
     for (const auto& note : answer["notes"]) out += "* " + note.get<std::string>() + "\n";
     return out;
 }
 
-std::string csv(const ModelTable& table) {
+std::string csv(const ModelTable& table, const Limits& limits) {
     std::string out;
-    for (const auto& line : cells(table)) {
+    for (const auto& line : cells(table, limits)) {
         bool first = true;
         for (const auto& cell : line) {
             out += (first ? "\"" : ",\"") + cell + "\"";
@@ -190,13 +292,36 @@ Result<Json> paper(Session& session, const Json& arguments, const Progress& prog
         if (!std::filesystem::is_directory(folder, error)) return fail("not-writable", "There is no folder \"" + folder.string() + "\": choose one that is there.");
     }
     const bool empty = s.document.elements.empty();
-    auto models = empty ? solvedPaperCaterpillar(progress.part(0.0, 0.6)) : modelsOf(s, progress.part(0.0, 0.8));
+    double seconds = kGrowthSeconds;
+    if (const Json* given = find(arguments, "seconds")) {
+        const auto value = numberWithin(*given, "seconds", 0.0, 1e6);
+        if (!value) return tl::unexpected(value.error());
+        seconds = *value;
+    }
+    std::filesystem::path svg;
+    if (const Json* given = find(arguments, "svg")) {
+        svg = given->get<std::string>();
+        if (svg.extension() != ".svg") return fail("unknown-format", "\"svg\" must end in .svg.");
+    }
+    auto models = empty ? solvedPaperCaterpillar(progress.part(0.0, 0.1)) : modelsOf(s, progress.part(0.0, 0.8));
     if (!models) return tl::unexpected(models.error());
-    const auto table = compareModels(*models, progress.part(empty ? 0.6 : 0.8, 1.0));
+    const auto table = compareModels(*models, empty ? progress.part(0.1, 0.3) : progress.part(0.8, 1.0));
     if (!table) return tl::unexpected(table.error());
     Json answer = tableJson(*table, empty ? "built-in caterpillar" : "document");
+    Limits limits;
+    if (empty && seconds > 0.0) {
+        auto found = limitsOf(*models, seconds, progress.part(0.3, 1.0));
+        if (!found) return tl::unexpected(found.error());
+        limits = std::move(*found);
+        addLimits(answer, limits);
+        if (!svg.empty()) {
+            if (auto written = writeFileAtomically(svg, divergencePlot(limits).svg()); !written) return tl::unexpected(written.error());
+            const auto growth = svg.parent_path() / (svg.stem().string() + "-growth.svg");
+            if (auto written = writeFileAtomically(growth, growthPlot(limits).svg()); !written) return tl::unexpected(written.error());
+        }
+    }
     if (!path.empty()) {
-        const std::string bytes = suffix == ".json" ? answer.dump(2) + "\n" : suffix == ".md" ? markdown(*table, answer) : csv(*table);
+        const std::string bytes = suffix == ".json" ? answer.dump(2) + "\n" : suffix == ".md" ? markdown(*table, limits, answer) : csv(*table, limits);
         if (auto written = writeFileAtomically(path, bytes); !written) return tl::unexpected(written.error());
     }
     return answer;
@@ -209,7 +334,9 @@ void addPaperCommand(CommandRegistry& registry) {
     registry.add({"paper",
                   "The paper's table of this character, or of a caterpillar of the paper's size where the document is empty: the proposed model in the basis "
                   "\"paper\" beside the previous one, both solved and measured now (float, one thread), with the error between them and the paper's figures.",
-                  {{"path", Type::Text, false, "Also writes the table to this file: .json, .md or .csv."}},
+                  {{"path", Type::Text, false, "Also writes the table to this file: .json, .md or .csv."},
+                   {"svg", Type::Text, false, "Of the caterpillar: plots the divergence of the previous model to NAME.svg, and its growth to NAME-growth.svg."},
+                   {"seconds", Type::Number, false, "How long the caterpillar is grown at most for each model and number of threads, s (30 unless given); 0: neither growth nor divergence."}},
                   false, paper});
 }
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <map>
 #include <stop_token>
 
 #include "tests/document/workbench.h"
@@ -43,7 +45,7 @@ TEST_CASE("paper: the document's character in both models, and the document stay
 TEST_CASE("paper: a character of the paper's size where the document is empty") {
     Workbench w;
     const auto path = Workbench::folder() / "表.md";
-    const Json answer = w.good({{"do", "paper"}, {"path", path.string()}});
+    const Json answer = w.good({{"do", "paper"}, {"path", path.string()}, {"seconds", 0}});
     CHECK(answer["character"] == "built-in caterpillar");
     CHECK(answer["rows"][0]["elements"] == 5);
     CHECK(answer["rows"][0]["vertices"] == 1978);
@@ -51,6 +53,30 @@ TEST_CASE("paper: a character of the paper's size where the document is empty") 
     const std::string bytes = Workbench::readFile(path);
     CHECK(bytes.find("| vertices | 1978 | 1978 |") != std::string::npos);
     CHECK(bytes.find("28257") != std::string::npos);
+}
+
+TEST_CASE("paper: the caterpillar grows until frames are too slow, and the previous model diverges at long steps, the stiffer the sooner") {
+    Workbench w;
+    const auto plot = Workbench::folder() / "divergence.svg";
+    const Json answer = w.good({{"do", "paper"}, {"seconds", 0.05}, {"svg", plot.string()}});
+    const Json& grown = answer["measured_vertices_at_60_fps"];
+    REQUIRE(grown.size() >= 2);
+    for (const Json& g : grown) {
+        REQUIRE_FALSE(g["points"].empty());
+        CHECK(g["points"][0]["vertices"] == 1978);
+    }
+    // The stable step falls with the root of the stiffness: never longer for a stiffer one, and with a hundred times the stiffness strictly shorter.
+    std::map<double, double> stable;
+    for (const Json& d : answer["divergence"]) {
+        double& longest = stable[d["shear_modulus"].get<double>()];
+        if (!d["diverged"].get<bool>()) longest = std::max(longest, d["step"].get<double>());
+    }
+    REQUIRE(stable.size() == 3);
+    CHECK(stable[300.0] >= stable[3000.0]);
+    CHECK(stable[3000.0] >= stable[30000.0]);
+    CHECK(stable[300.0] > stable[30000.0]);
+    CHECK(Workbench::readFile(plot).starts_with("<svg"));
+    CHECK(Workbench::readFile(Workbench::folder() / "divergence-growth.svg").starts_with("<svg"));
 }
 
 TEST_CASE("paper: writes the kind of file that the path ends in") {

@@ -338,3 +338,52 @@ TEST_CASE("run: files that are not what they say are refused by a reason, and th
     }
     CHECK(run.answers[5]["ok"] == true);
 }
+
+TEST_CASE("run: the paper's table of a character that is built in") {
+    const Run r = script("{\"do\":\"paper\",\"path\":\"paper.md\",\"seconds\":0}\n");
+    REQUIRE(r.status == 0);
+    const Json& answer = r.answers.at(0);
+    CHECK(answer["rows"][0]["vertices"] == 1978);
+    CHECK(answer["rows"][0]["elements"] == 5);
+    CHECK(answer["ratios"]["bytes"].get<double>() >= 15.0);
+    CHECK(answer["paper"][0]["vertices_at_60_fps"] == 28257);
+    CHECK(readFile(folder() / "paper.md").find("| vertices | 1978 | 1978 |") != std::string::npos);
+}
+
+TEST_CASE("run: what accuracy costs, as JSON, CSV and plots, within a budget of seconds") {
+    ::setenv("XDG_CACHE_HOME", folder().c_str(), 1);
+    writeBars(2);
+    const std::string ask = "{\"do\":\"accuracy\",\"path\":\"accuracy.json\",\"svg\":\"plot.svg\",\"csv\":\"accuracy.csv\",\"seconds\":2}\n";
+    const Run r = script(wormScript(2) + ask + ask);
+    for (const auto& answer : r.answers) CHECK_MESSAGE(codeOf(answer) == "ok", answer.dump());
+    REQUIRE(r.status == 0);
+    const Json &first = r.answers[r.answers.size() - 2], &second = r.answers.back();
+    CHECK(first["poses"].size() == 6);
+    CHECK(first["reference"]["solution"] == "full");
+    CHECK(first["points"][0]["present"] == true);
+    for (const Json& p : first["points"]) {
+        // Both errors or none; a speed never without its error where there is a reference.
+        CHECK(p["error"]["relative"].is_null() == p["error"]["max_percent"].is_null());
+        if (p["ms_per_frame"]["median"].is_number()) CHECK(p["error"]["relative"].is_number());
+    }
+    // What is known is not measured again.
+    CHECK(second["points"][0]["ms_per_frame"] == first["points"][0]["ms_per_frame"]);
+    const Json file = Json::parse(readFile(folder() / "accuracy.json"));
+    CHECK(file["points"] == second["points"]);
+    CHECK(readFile(folder() / "plot.svg").starts_with("<svg"));
+    CHECK(readFile(folder() / "plot-precompute.svg").starts_with("<svg"));
+    CHECK(readFile(folder() / "accuracy.csv").starts_with("setting,precompute seconds"));
+    const Run bad = script("{\"do\":\"accuracy\",\"path\":\"accuracy.txt\"}\n{\"do\":\"accuracy\",\"path\":\"accuracy.json\"}\n", "--keep-going");
+    CHECK(codeOf(bad.answers.at(0)) == "unknown-format");
+    CHECK(codeOf(bad.answers.at(1)) == "no-bone");
+}
+
+TEST_CASE("run: a report with all its parts") {
+    ::setenv("XDG_CACHE_HOME", folder().c_str(), 1);
+    writeBars(2);
+    const Run r = script(wormScript(2) + "{\"do\":\"report\",\"path\":\"report.md\",\"seconds\":1}\n");
+    REQUIRE(r.status == 0);
+    const std::string text = readFile(folder() / "report.md");
+    for (const char* part : {"## What accuracy costs", "## Scaling", "## Against skins", "linear blend skinning", "dual quaternions", "spline skin", "## Against the previous model"})
+        CHECK_MESSAGE(text.find(part) != std::string::npos, part);
+}

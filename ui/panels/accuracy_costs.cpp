@@ -65,8 +65,8 @@ FrameCosts FrameCostMeter::costs() const {
     const QString names[] = {tr("Bones (inverse kinematics)"), tr("Joints"), tr("Equilibrium of joints"), tr("Surfaces (product)"), tr("Normals"), tr("Upload and drawing")};
     for (int i = 0; i < Stages; ++i) {
         if (i == Equilibrium && ms_[std::size_t(i)] < 0.0) continue;
-        out.rows.push_back({names[i], ms_[std::size_t(i)], -1.0, false, true});
-        if (ms_[std::size_t(i)] >= 0.0) out.total = std::max(0.0, out.total) + ms_[std::size_t(i)];
+        out.rows.push_back({names[i], ms_[std::size_t(i)], -1.0, false, i != Drawing});
+        if (i != Drawing && ms_[std::size_t(i)] >= 0.0) out.total = std::max(0.0, out.total) + ms_[std::size_t(i)];
     }
     for (std::size_t k = 0; k < kEffects; ++k) {
         if (!document_.document().effects.has(EffectKind(k))) continue;
@@ -129,11 +129,16 @@ QSize CostList::sizeHint() const {
 void CostList::paintEvent(QPaintEvent*) {
     QPainter painter(this);
     painter.setRenderHint(QPainter::Antialiasing);
+    painter.fillRect(rect(), themeColor(Appearance::Role::Panel));
     const FrameCosts costs = meter_.costs();
     const double line = fontMetrics().height() + px(6), name = 0.34 * width(), number = fontMetrics().horizontalAdvance(QStringLiteral("00.000 ms")) + px(8);
-    const double bar = std::max(20.0, width() - name - number - px(16) - 0.3 * width());
+    bool any = false;
+    for (const auto& row : costs.rows) any = any || row.predicted > 0.0;
+    const double bar = std::max(20.0, width() - name - number - px(16) - (any ? 0.3 * width() : 0.0));
     double most = 1e-3;
-    for (const auto& row : costs.rows) most = std::max({most, row.ms, row.predicted});
+    // Drawing is another world: it may be a hundred times the rest, which would then show nothing.
+    for (const auto& row : costs.rows)
+        if (row.part || row.effect) most = std::max({most, row.ms, row.predicted});
     double y = px(4);
     std::size_t stage = 0;
     const auto cell = [&](double x, double w, const QString& text, Appearance::Role role, int align) {
@@ -150,7 +155,12 @@ void CostList::paintEvent(QPaintEvent*) {
         cell(px(6), name - px(6), row.name, Appearance::Role::Text, Qt::AlignLeft);
         const QRectF place(name, y + 0.25 * line, bar, 0.5 * line);
         painter.fillRect(place, themeColor(Appearance::Role::Field));
-        if (row.ms > 0.0) painter.fillRect(QRectF(place.left(), place.top(), bar * row.ms / most, place.height()), row.effect ? themeColor(Appearance::Role::Accent) : stageColor(stage));
+        const QColor color = row.effect ? themeColor(Appearance::Role::Accent) : row.part ? stageColor(stage) : themeColor(Appearance::Role::Muted);
+        if (row.ms > 0.0) painter.fillRect(QRectF(place.left(), place.top(), bar * std::min(1.0, row.ms / most), place.height()), color);
+        if (row.ms > most) {  // longer than is shown
+            painter.setPen(QPen(themeColor(Appearance::Role::Field), px(2)));
+            painter.drawLine(QPointF(place.right() - px(8), place.bottom()), QPointF(place.right() - px(3), place.top()));
+        }
         if (row.predicted > 0.0) {
             painter.setPen(QPen(themeColor(Appearance::Role::Text), px(2)));
             const double x = place.left() + bar * row.predicted / most;

@@ -17,10 +17,10 @@ struct FrameCosts {
         double ms = -1.0;          ///< smoothed; negative: not measured
         double predicted = -1.0;   ///< negative: there is none
         bool effect = false;       ///< within the stages above it
-        bool part = false;         ///< of the bar
+        bool part = false;         ///< a stage of the character: of the bar
     };
     std::vector<Row> rows;
-    double total = -1.0;           ///< ms
+    double total = -1.0;           ///< ms of all stages of the character
 };
 
 /// Takes the costs of frames as they pass and smooths them, for whoever shows them.
@@ -44,7 +44,7 @@ private:
     QTimer tell_, predict_;
 };
 
-/// One stacked bar of the stages, small enough for a status line; the tooltip lists them.
+/// One stacked bar of the character's stages, small enough for a status line; the tooltip lists them, and drawing too.
 class CostBar : public QWidget {
     Q_OBJECT
 public:

@@ -85,9 +85,10 @@ AccuracyPanel::AccuracyPanel(StudioDocument& document, FrameCostMeter& meter, QW
     all->setSpacing(px(14));
 
     auto* left = new QWidget(this);
-    left->setFixedWidth(px(290));
+    left->setObjectName(QStringLiteral("panel"));
+    left->setAttribute(Qt::WA_StyledBackground);
     auto* column = new QVBoxLayout(left);
-    column->setContentsMargins(0, 0, 0, 0);
+    column->setContentsMargins(0, 0, px(10), 0);
     column->setSpacing(px(6));
     const auto label = [&](QVBoxLayout* into, const char* role) {
         auto* l = new QLabel(left);
@@ -145,7 +146,9 @@ AccuracyPanel::AccuracyPanel(StudioDocument& document, FrameCostMeter& meter, QW
     scroll->setWidgetResizable(true);
     scroll->setFrameShape(QFrame::NoFrame);
     scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-    scroll->setFixedWidth(px(306));
+    const auto sized = [scroll] { scroll->setFixedWidth(px(306)); };
+    sized();
+    connect(&Appearance::instance(), &Appearance::changed, this, sized);
     all->addWidget(scroll);
 
     frame_ = new AccuracyPlot(this);
@@ -237,8 +240,8 @@ void AccuracyPanel::retranslate() {
     slider_->setAccessibleName(tr("Faster to truer, along the front"));
     apply_->setText(tr("Use this setting"));
     apply_->setToolTip(tr("Sets basis, solver meshes, number format and smooth joints of the character, as one step that can be undone"));
-    budgetLabel_->setText(tr("Budget per frame"));
-    budget_->setAccessibleName(budgetLabel_->text());
+    budgetLabel_->setText(tr("Budget"));
+    budget_->setAccessibleName(tr("Budget per frame"));
     budget_->setToolTip(tr("60 frames per second leave 16.7 ms for all that a program does in a frame"));
     budgetUse_->setText(tr("Choose"));
     progress_->setAccessibleName(tr("Progress of the measurements"));
@@ -307,7 +310,7 @@ QString AccuracyPanel::tip(int point) const {
     lines << tr("precompute %1, predicted %2").arg(secondsText(p.precomputeSeconds), secondsText(p.predictedSeconds));
     if (p.frameBytes >= 0.0) lines << tr("memory of a frame %1").arg(bytesText(p.frameBytes));
     if (p.dominatedPerFrame && p.dominatedInPrecompute) lines << tr("another setting is at least as good in all");
-    if (study_.reference && p.relative >= 0.0 && p.relative < std::max(study_.reference->relative, study_.reference->faceRelative))
+    if (study_.reference && p.relative >= 0.0 && p.relative < study_.floor())
         lines << tr("below the error of the reference itself");
     if (point == study_.present()) lines << tr("the present setting");
     return lines.join(u'\n');
@@ -323,6 +326,7 @@ void AccuracyPanel::showPoints() {
         a.push_back({p.frameMs, 100.0 * p.relative, text, std::find(front_.begin(), front_.end(), i) != front_.end(), now});
         b.push_back({p.precomputeSeconds, 100.0 * p.relative, text, std::find(front.begin(), front.end(), i) != front.end(), now});
     }
+    for (AccuracyPlot* plot : {frame_, precompute_}) plot->setFloor(100.0 * study_.floor());
     frame_->setPoints(std::move(a));
     precompute_->setPoints(std::move(b));
     const QSignalBlocker blocked(slider_);

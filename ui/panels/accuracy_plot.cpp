@@ -56,6 +56,11 @@ void AccuracyPlot::setChosen(int point) {
     update();
 }
 
+void AccuracyPlot::setFloor(double error) {
+    floor_ = error;
+    update();
+}
+
 void AccuracyPlot::setBudget(double cost) {
     budget_ = cost;
     update();
@@ -87,6 +92,12 @@ void AccuracyPlot::paintEvent(QPaintEvent*) {
     small.setPointSizeF(0.86 * font().pointSizeF());
     painter.setFont(small);
     painter.fillRect(a, themeColor(Role::Field));
+    if (floor_ > 0.0 && y_.at(floor_) > 0.0) {
+        QColor shade = muted;
+        shade.setAlphaF(0.16f);
+        const double at = std::max(a.top(), a.bottom() - y_.at(floor_) * a.height());
+        painter.fillRect(QRectF(QPointF(a.left(), at), a.bottomRight()), shade);
+    }
     double reach = -1e9;
     for (const auto& tick : x_.ticks()) {
         const double at = a.left() + x_.at(tick.value) * a.width();

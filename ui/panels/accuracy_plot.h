@@ -22,6 +22,7 @@ public:
     void setTitles(const QString& title, const QString& cost, const QString& error);
     void setPoints(std::vector<Point> points);
     void setChosen(int point);
+    void setFloor(double error);  ///< below it errors cannot be told apart: shaded; 0: none
     void setBudget(double cost);  ///< a line, 0: none
     [[nodiscard]] QPointF place(int point) const;  ///< on the widget, of a drawn point
     [[nodiscard]] QSize sizeHint() const override;
@@ -47,7 +48,7 @@ private:
     QString title_, costTitle_, errorTitle_;
     std::vector<Point> points_;
     LogAxis x_, y_;
-    double budget_ = 0.0;
+    double budget_ = 0.0, floor_ = 0.0;
     int chosen_ = -1, hovered_ = -1;
 };
 

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/accuracy/paper_growth.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <functional>
+
+#include "core/accuracy/stand_in.h"
+#include "core/comparison/paper_caterpillar.h"
+#include "core/comparison/previous_model.h"
+#include "core/comparison/swing.h"
+#include "core/comparison/timing.h"
+
+namespace imomushi {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr double kFrameMs = 1000.0 / 60.0;
+constexpr double kSecondsOfSize = 1.0;
+constexpr int kRounds = 100;
+
+tl::unexpected<Error> cancelled() { return fail(kCancelled, "The comparison was cancelled."); }
+
+double since(Clock::time_point from) { return std::chrono::duration<double>(Clock::now() - from).count(); }
+
+int verticesOf(const CharacterInput& input) {
+    int count = 0;
+    for (const auto& e : input.elements) count += static_cast<int>(e.mesh->body.vertices.rows());
+    return count;
+}
+
+/// Doubles the cells around until a frame takes too long, then halves the interval until it is within 4 %.
+Result<Growth> grow(int step, double seconds, const Progress& progress, const std::function<Result<Growth::Point>(int around)>& measure) {
+    const auto start = Clock::now();
+    Growth out;
+    int fits = 0, fails = 0;
+    for (int around = 24; progress.cancelled() || fails == 0 || fails - fits > std::max(step, fits / 50);) {
+        if (progress.cancelled()) return cancelled();
+        if (!out.points.empty() && since(start) > seconds) break;
+        const auto point = measure(around);
+        if (!point) return tl::unexpected(point.error());
+        out.points.push_back(*point);
+        (point->frameMs <= kFrameMs ? fits : fails) = around;
+        if (point->frameMs <= kFrameMs) out.most = std::max(out.most, point->vertices);
+        if (fits == 0) break;
+        if (fails > 0)
+            around = (fits + fails) / 2 / step * step;
+        else
+            // Costs grow with the square; a little beyond what should still fit.
+            around = std::clamp(static_cast<int>(1.08 * around * std::sqrt(kFrameMs / point->frameMs)), around + step, 4 * around) / step * step;
+        if (around <= fits) break;
+        progress.report("measure", std::min(0.95, since(start) / seconds));
+    }
+    out.bounded = fails > 0;
+    std::sort(out.points.begin(), out.points.end(), [](const auto& a, const auto& b) { return a.vertices < b.vertices; });
+    return out;
+}
+
+}  // namespace
+
+Result<Growth> growProposed(int threads, double seconds, const Progress& progress) {
+    return grow(6, seconds, progress, [&](int around) -> Result<Growth::Point> {
+        CharacterInput input = paperCaterpillar(around);
+        const int vertices = verticesOf(input);
+        input.threads = threads;
+        const Skeleton skeleton = input.skeleton;
+        auto character = Character::build(withStandIns(std::move(input)));
+        if (!character) return tl::unexpected(character.error());
+        Swing swing(skeleton);
+        Pose pose = restPose(skeleton);
+        double at = 0.0;
+        const auto ms = mediansInTurn(kRounds, kSecondsOfSize, {[&] {
+                                          swing.move(at += 0.013);
+                                          character->solvePose(swing.holds, pose);
+                                          character->update(pose);
+                                      }},
+                                      progress);
+        return Growth::Point{vertices, ms[0]};
+    });
+}
+
+Result<Growth> growPrevious(double seconds, const Progress& progress) {
+    return grow(2, seconds, progress, [&](int around) -> Result<Growth::Point> {
+        CharacterInput input = paperCaterpillar(around);
+        const int vertices = verticesOf(input);
+        input.basis = BasisKind::Full;
+        // Elements 0, 1, 3 and 4 are the same body.
+        for (const std::size_t e : {0, 2}) input.elements[e].response = standInResponse(*input.elements[e].mesh, input.elements[e].faces, BasisKind::Full, false);
+        for (const std::size_t e : {1, 3, 4}) input.elements[e].response = input.elements[0].response;
+        const Skeleton skeleton = input.skeleton;
+        auto model = PreviousModel::build(std::move(input), progress);
+        if (!model) return tl::unexpected(model.error());
+        Swing swing(skeleton);
+        Pose pose = restPose(skeleton);
+        double at = 0.0, overhead = 0.0;
+        int count = 0;
+        const auto ms = mediansInTurn(kRounds, kSecondsOfSize, {[&] {
+                                          swing.move(at += 0.013);
+                                          (void)model->frame(swing.holds, pose);
+                                          overhead += model->overheadMs();
+                                          ++count;
+                                      }},
+                                      progress);
+        return Growth::Point{vertices, ms[0] - overhead / std::max(1, count)};
+    });
+}
+
+Result<std::vector<Divergence>> previousDivergence(const ComparedModels& models, const Progress& progress) {
+    constexpr double kStiffness[] = {300.0, 3000.0, 30000.0}, kWatched = 2.0, kFrame = 1.0 / 60.0;
+    CharacterInput input = withoutEffects(models.input);
+    input.basis = BasisKind::Full;
+    for (std::size_t e = 0; e < input.elements.size(); ++e) input.elements[e].response = models.full[e];
+    CharacterEffects::PreviousModel settings;
+    input.effects.previousModel = settings;
+    const Skeleton skeleton = input.skeleton;
+    auto character = Character::build(std::move(input));
+    if (!character) return tl::unexpected(character.error());
+    const Pose rest = restPose(skeleton);
+    Pose pulled = rest;
+    for (std::size_t p = 0; p < pulled.points.size(); ++p) {
+        const double along = static_cast<double>(p) / static_cast<double>(pulled.points.size() - 1);
+        pulled.points[p] += Vec3(0.3 * along * along, 0.0, 0.2 * along);
+    }
+    std::vector<Divergence> out;
+    for (const double stiffness : kStiffness) {
+        for (int power = 0; power < 8; ++power) {
+            if (progress.cancelled()) return cancelled();
+            progress.report("measure", static_cast<double>(out.size()) / 24.0);
+            Divergence one;
+            one.shearModulus = stiffness;
+            one.step = std::ldexp(1.0 / 60.0, -power);
+            settings.shearModulus = stiffness;
+            settings.step = one.step;
+            CharacterEffects effects;
+            effects.previousModel = settings;
+            character->tune(effects);
+            character->stop();
+            character->update(rest, 0.0);
+            for (int frame = 1; frame <= static_cast<int>(kWatched / kFrame) && !one.diverged; ++frame) {
+                character->update(pulled, kFrame);
+                one.diverged = (character->stats().warnings & static_cast<unsigned>(FrameWarning::Diverged)) != 0;
+                one.seconds = frame * kFrame;
+                if (one.diverged) break;
+                for (std::size_t e = 0; e < models.input.elements.size(); ++e) {
+                    const Points& body = models.input.elements[e].mesh->body.vertices;
+                    const auto back = character->frame(static_cast<int>(e)).inverse();
+                    const auto surface = character->surface(static_cast<int>(e));
+                    const double diagonal = (body.colwise().maxCoeff() - body.colwise().minCoeff()).norm();
+                    for (Eigen::Index v = 0; v < body.rows(); ++v) {
+                        const Vec3 now = Eigen::Map<const Eigen::Vector3f>(surface.positions + 3 * v).cast<double>();
+                        one.largest = std::max(one.largest, (back * now - Vec3(body.row(v).transpose())).norm() / diagonal);
+                    }
+                }
+            }
+            out.push_back(one);
+        }
+    }
+    return out;
+}
+
+}  // namespace imomushi
