@@ -24,6 +24,9 @@ test_packages=(doctest-dev librapidcheck-dev libbenchmark-dev xvfb xauth xdotool
     libgmsh-dev libsuitesparse-dev)
 fuzz_packages=(clang libclang-rt-14-dev)
 
+# npm may come from elsewhere, as one package with node.
+command -v npm >/dev/null || test_packages+=(nodejs npm)
+
 packages=("${build_packages[@]}")
 case "${1:-build}" in
     build) ;;
@@ -31,6 +34,17 @@ case "${1:-build}" in
     fuzz) packages+=("${test_packages[@]}" "${fuzz_packages[@]}") ;;
     *) echo "install.sh: \"$1\" is none of build, test, fuzz."; exit 2 ;;
 esac
+
+# Programs that exported files are tested with; tests that need them are skipped without. Blender is another one, of your own.
+clients() {
+    [ "${1:-build}" != build ] && command -v npm >/dev/null || return 0
+    local folder
+    folder=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../tests/clients" && pwd -P)
+    [ "$folder/node_modules/.package-lock.json" -nt "$folder/package-lock.json" ] && return 0
+    (cd "$folder" && npm ci --no-audit --no-fund --ignore-scripts && touch node_modules/.package-lock.json) ||
+        echo "gltf-validator and three.js could not be installed: their tests will be skipped."
+}
+trap 'status=$?; [ $status -eq 0 ] && clients "$@"; exit $status' EXIT
 
 if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
     echo "This is neither Debian nor Ubuntu: install the counterparts of these packages yourself: ${packages[*]}"

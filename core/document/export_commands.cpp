@@ -77,9 +77,9 @@ Result<Json> exportCommand(Session& session, const Json& arguments, const Progre
 std::span<const ExportPreset> exportPresets() {
     static const std::array<ExportPreset, 6> presets = {{
         {"exact", "all targets, keys as recorded", options(false, false, 0.0)},
-        {"blender", "as exact, at 60 frames per second", options(false, false, 60.0)},
-        {"godot", "as exact, at 60 frames per second", options(false, false, 60.0)},
-        {"unity", "weights of 0 to 1, which Unity clamps to, at 60 frames per second", options(true, false, 60.0)},
+        {"blender", "weights of 0 to 1, to which Blender clamps them, at 60 frames per second", options(true, false, 60.0)},
+        {"godot", "all targets, at 60 frames per second", options(false, false, 60.0)},
+        {"unity", "weights of 0 to 1, to which Unity clamps them, at 60 frames per second", options(true, false, 60.0)},
         {"unreal", "weights of 0 to 1, at 30 frames per second", options(true, false, 30.0)},
         {"threejs", "16-bit coordinates, for small files", options(false, true, 0.0)},
     }};

@@ -73,7 +73,7 @@ public:
         for (std::size_t e = 0; e < count; ++e) {
             if (progress_.cancelled()) return fail(kCancelled, "The export was cancelled.");
             progress_.report("fit", 0.3 + 0.4 * static_cast<double>(e) / static_cast<double>(count));
-            fit(e, all[e], errors);
+            fit(all[e]);
         }
         if (std::any_of(all.begin(), all.end(), [](const Work& w) { return w.fitted.cols() > 0; })) {
             for (std::size_t c = 0; c < motion_.clips.size(); ++c)
@@ -81,10 +81,26 @@ public:
                     if (progress_.cancelled()) return fail(kCancelled, "The export was cancelled.");
                     progress_.report("fit", 0.7 + 0.2 * static_cast<double>(first_[c] + f) / static_cast<double>(keys_));
                     motion_.character.show(shape({c, f}).data());
-                    for (std::size_t e = 0; e < count; ++e)
-                        if (all[e].fitted.cols() > 0)
-                            all[e].fittedWeights.col(static_cast<Eigen::Index>(first_[c] + f)) = all[e].fitted.transpose() * residual(e, all[e], {c, f});
+                    for (std::size_t e = 0; e < count; ++e) {
+                        Work& w = all[e];
+                        if (w.fitted.cols() == 0) continue;
+                        VectorXd left = residual(e, w, {c, f});
+                        w.fittedWeights.col(static_cast<Eigen::Index>(first_[c] + f)).noalias() = w.fitted.transpose() * left;
+                        left.noalias() -= w.fitted * w.fittedWeights.col(static_cast<Eigen::Index>(first_[c] + f));
+                        measure(left, w.largest, w.squares);
+                    }
                 }
+            for (std::size_t e = 0; e < count; ++e) {
+                const Work& w = all[e];
+                const double points = static_cast<double>(keys_) * std::max(1.0, static_cast<double>(w.fitted.rows()) / 3.0);
+                const ExportError left{std::sqrt(w.largest) / motion_.diagonal, std::sqrt(w.squares / points) / motion_.diagonal};
+                const auto worse = [&](ExportError& known) {
+                    known.largest = std::max(known.largest, left.largest);
+                    known.rms = std::max(known.rms, left.rms);
+                };
+                if (motion_.character.isWarped(static_cast<int>(e))) worse(errors.warped);
+                if (w.touched) worse(errors.touched);
+            }
         }
         std::vector<ElementMorphs> out(count);
         for (std::size_t e = 0; e < count; ++e) {
@@ -108,6 +124,7 @@ private:
         MatrixXd weights;                   // #columns x #keys
         MatrixXd residuals;                 // 3 #rows x #sample
         MatrixXd fitted, fittedWeights;     // 3 #rows x #fitted, orthonormal; #fitted x #keys
+        double largest = 0.0, squares = 0.0;  // of what they leave over, m^2
     };
 
     [[nodiscard]] const std::vector<double>& shape(const Key& key) const { return motion_.clips[key.first].shapes[key.second]; }
@@ -174,10 +191,9 @@ private:
     }
 
     /// Targets for what columns leave over: left singular vectors of it over the sample, until little is left.
-    void fit(std::size_t e, Work& w, MorphErrors& errors) const {
+    void fit(Work& w) const {
         ExportError left = errorOf(w.residuals);
-        const bool exact = left.largest <= kRounding;
-        if (!exact) {
+        if (left.largest > kRounding) {
             const Eigen::SelfAdjointEigenSolver<MatrixXd> gram(w.residuals.transpose() * w.residuals);
             const double most = gram.eigenvalues().tail<1>()[0];
             MatrixXd modes(w.residuals.rows(), std::min<Eigen::Index>(kMostFitted, w.residuals.cols()));
@@ -193,12 +209,6 @@ private:
             w.fitted = modes.leftCols(count);
             w.fittedWeights = MatrixXd::Zero(count, static_cast<Eigen::Index>(keys_));
         }
-        const auto worse = [](ExportError& all, const ExportError& one) {
-            all.largest = std::max(all.largest, one.largest);
-            all.rms = std::max(all.rms, one.rms);
-        };
-        if (motion_.character.isWarped(static_cast<int>(e))) worse(errors.warped, left);
-        if (w.touched) worse(errors.touched, left);
         w.residuals.resize(0, 0);
     }
 
@@ -302,8 +312,9 @@ private:
 
         const MatrixXd lost = weights - pick * (weigh * weights);
         double largest = 0.0, squares = 0.0;
-        for (const auto& key : sample_) measure(targets * lost.col(static_cast<Eigen::Index>(first_[key.first] + key.second)), largest, squares);
-        const double points = std::max(1.0, static_cast<double>(targets.rows()) / 3.0 * static_cast<double>(sample_.size()));
+        const auto keys = motion_.sample(Motion::affordable(targets.size()));
+        for (const auto& key : keys) measure(targets * lost.col(static_cast<Eigen::Index>(first_[key.first] + key.second)), largest, squares);
+        const double points = std::max(1.0, static_cast<double>(targets.rows()) / 3.0 * static_cast<double>(keys.size()));
         errors.dropped.largest = std::max(errors.dropped.largest, std::sqrt(largest) / motion_.diagonal);
         errors.dropped.rms = std::max(errors.dropped.rms, std::sqrt(squares / points) / motion_.diagonal);
         targets = (targets * pick).eval();

@@ -64,6 +64,11 @@ Result<Motion> Motion::build(const ExportScene& scene, double fps, const Progres
     return motion;
 }
 
+std::size_t Motion::affordable(Eigen::Index products) {
+    constexpr Eigen::Index kPerSecond = 1'000'000'000;
+    return static_cast<std::size_t>(std::max<Eigen::Index>(48, kPerSecond / std::max<Eigen::Index>(products, 1)));
+}
+
 std::vector<std::pair<std::size_t, std::size_t>> Motion::sample(std::size_t most) const {
     std::size_t all = 0;
     for (const Clip& clip : clips) all += clip.times.size();

@@ -23,6 +23,8 @@ public:
     double diagonal = 1.0;  ///< m, of the bounding box at rest; never 0
     std::vector<double> restShape;
 
+    /// Frames that can be measured in about a second, with so many products each; 48 at least.
+    static std::size_t affordable(Eigen::Index products);
     /// Some keys of all clips, evenly spread, `most` at most: clip and frame.
     [[nodiscard]] std::vector<std::pair<std::size_t, std::size_t>> sample(std::size_t most) const;
 

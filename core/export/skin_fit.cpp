@@ -200,7 +200,8 @@ Result<FittedSkin> fitSkin(Motion& motion, const ExportScene& scene, const Progr
         }
     }
     double largest = 0.0, squares = 0.0;
-    for (const auto& key : sample) {
+    const auto keys = motion.sample(Motion::affordable(100 * static_cast<Eigen::Index>(vertices)));
+    for (const auto& key : keys) {
         const auto& at = motion.clips[key.first].shapes[key.second];
         character.show(at.data());
         const Points goal = positions();
@@ -216,7 +217,7 @@ Result<FittedSkin> fitSkin(Motion& motion, const ExportScene& scene, const Progr
             squares += d;
         }
     }
-    skin.error = {std::sqrt(largest) / motion.diagonal, std::sqrt(squares / std::max<double>(1.0, static_cast<double>(vertices * sample.size()))) / motion.diagonal};
+    skin.error = {std::sqrt(largest) / motion.diagonal, std::sqrt(squares / std::max<double>(1.0, static_cast<double>(vertices * keys.size()))) / motion.diagonal};
     return skin;
 }
 
