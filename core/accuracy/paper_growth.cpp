@@ -108,7 +108,8 @@ Result<Growth> growPrevious(double seconds, const Progress& progress) {
 }
 
 Result<std::vector<Divergence>> previousDivergence(const ComparedModels& models, const Progress& progress) {
-    constexpr double kStiffness[] = {300.0, 3000.0, 30000.0}, kWatched = 2.0, kFrame = 1.0 / 60.0;
+    constexpr double kStiffness[] = {300.0, 3000.0, 30000.0}, kFrame = 1.0 / 60.0;
+    constexpr int kPowers = 9, kSteps = 200, kFewestFrames = 15;
     CharacterInput input = withoutEffects(models.input);
     input.basis = BasisKind::Full;
     for (std::size_t e = 0; e < input.elements.size(); ++e) input.elements[e].response = models.full[e];
@@ -125,9 +126,9 @@ Result<std::vector<Divergence>> previousDivergence(const ComparedModels& models,
     }
     std::vector<Divergence> out;
     for (const double stiffness : kStiffness) {
-        for (int power = 0; power < 8; ++power) {
+        for (int power = 0, stable = 0; power < kPowers && stable < 2; ++power) {
             if (progress.cancelled()) return cancelled();
-            progress.report("measure", static_cast<double>(out.size()) / 24.0);
+            progress.report("measure", static_cast<double>(out.size()) / (3.0 * kPowers));
             Divergence one;
             one.shearModulus = stiffness;
             one.step = std::ldexp(1.0 / 60.0, -power);
@@ -138,7 +139,8 @@ Result<std::vector<Divergence>> previousDivergence(const ComparedModels& models,
             character->tune(effects);
             character->stop();
             character->update(rest, 0.0);
-            for (int frame = 1; frame <= static_cast<int>(kWatched / kFrame) && !one.diverged; ++frame) {
+            const int frames = std::max(kFewestFrames, kSteps >> power);
+            for (int frame = 1; frame <= frames && !one.diverged; ++frame) {
                 character->update(pulled, kFrame);
                 one.diverged = (character->stats().warnings & static_cast<unsigned>(FrameWarning::Diverged)) != 0;
                 one.seconds = frame * kFrame;
@@ -154,6 +156,7 @@ Result<std::vector<Divergence>> previousDivergence(const ComparedModels& models,
                     }
                 }
             }
+            stable = one.diverged ? 0 : stable + 1;
             out.push_back(one);
         }
     }

@@ -24,14 +24,15 @@ struct Growth {
 Result<Growth> growProposed(int threads, double seconds, const Progress& progress);
 Result<Growth> growPrevious(double seconds, const Progress& progress);
 
-/// Where the explicit joint dynamics of the previous model diverge: the paper's caterpillar, stretched and bent at once, watched for two seconds.
+/// Where the explicit joint dynamics of the previous model diverge: the paper's caterpillar, stretched and bent at once, watched for 200 steps and at least a quarter of a
+/// second: what is unstable grows by some factor with every step.
 struct Divergence {
     double shearModulus = 0.0, step = 0.0;  ///< Pa, s
     bool diverged = false;
     double seconds = 0.0;                   ///< until it did
     double largest = 0.0;                   ///< displacement of a vertex from rest in the frame of its element, in diagonals, before it did
 };
-/// Steps by powers of two about the stable one for each stiffness. `models`: of the caterpillar. Errors: "cancelled".
+/// For each stiffness halved steps from a 60th of a second on, until two in a row are stable. `models`: of the caterpillar. Errors: "cancelled".
 Result<std::vector<Divergence>> previousDivergence(const ComparedModels& models, const Progress& progress);
 
 }  // namespace imomushi

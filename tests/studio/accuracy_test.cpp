@@ -29,6 +29,7 @@ struct Studied : Window {
         auto* dock = window().findChild<QDockWidget*>(QStringLiteral("accuracyDock"));
         REQUIRE(dock);
         dock->show();
+        dock->raise();
         settle(700);
         const auto input = studyInput(document().session());
         REQUIRE(input.has_value());
@@ -117,9 +118,10 @@ TEST_CASE("accuracy: a point of a plot tells about itself and is chosen by a cli
     REQUIRE(plot);
     QSignalSpy hovered(plot, &AccuracyPlot::hovered);
     const QPoint at = plot->place(9).toPoint();
-    QTest::mouseMove(plot, at);
+    QTest::mouseMove(plot, QPoint(2, 2));
     w.settle();
-    CHECK(hovered.count() >= 1);
+    QTest::mouseMove(plot, at);
+    CHECK(QTest::qWaitFor([&] { return hovered.count() >= 1; }, 5000));
     QTest::mouseClick(plot, Qt::LeftButton, {}, at);
     CHECK(w.panel().chosen() == 9);
     auto* table = w.panel().findChild<QTableWidget*>(QStringLiteral("accuracyTable"));

@@ -31,7 +31,7 @@ AccuracyBody::AccuracyBody(QWidget* parent) : QWidget(parent) {
 }
 
 QSize AccuracyBody::sizeHint() const { return {px(420), px(240)}; }
-QSize AccuracyBody::minimumSizeHint() const { return {px(240), px(150)}; }
+QSize AccuracyBody::minimumSizeHint() const { return {px(180), px(120)}; }
 
 void AccuracyBody::setTitles(const QString& shown, const QString& full, const QString& unit) {
     shownTitle_ = shown;

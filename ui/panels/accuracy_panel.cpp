@@ -13,6 +13,7 @@
 #include <QPushButton>
 #include <QScrollArea>
 #include <QSlider>
+#include <QTabBar>
 #include <QTabWidget>
 #include <QTableWidget>
 #include <algorithm>
@@ -47,33 +48,32 @@ private:
 }  // namespace
 
 QString settingText(const AccuracySetting& s) {
-    const auto tr = [](const char* text) { return QCoreApplication::translate("imomushi::settingText", text); };
     using Kind = SolverMeshSetting::Kind;
     QString mesh;
     if (s.mesh.own)
-        mesh = tr(QT_TRANSLATE_NOOP("imomushi::settingText", "own meshes"));
+        mesh = QCoreApplication::translate("imomushi::settingText", "own meshes");
     else if (s.mesh.kind == Kind::AsIs)
-        mesh = tr(QT_TRANSLATE_NOOP("imomushi::settingText", "mesh as it is"));
+        mesh = QCoreApplication::translate("imomushi::settingText", "mesh as it is");
     else if (s.mesh.kind == Kind::Refined)
-        mesh = tr(QT_TRANSLATE_NOOP("imomushi::settingText", "refined × %1")).arg(s.mesh.factor);
+        mesh = QCoreApplication::translate("imomushi::settingText", "refined × %1").arg(s.mesh.factor);
     else if (s.mesh.kind == Kind::Decimated)
-        mesh = tr(QT_TRANSLATE_NOOP("imomushi::settingText", "decimated × %1")).arg(s.mesh.factor);
+        mesh = QCoreApplication::translate("imomushi::settingText", "decimated × %1").arg(s.mesh.factor);
     else if (s.mesh.kind == Kind::Best)
-        mesh = tr(QT_TRANSLATE_NOOP("imomushi::settingText", "best mesh"));
+        mesh = QCoreApplication::translate("imomushi::settingText", "best mesh");
     else
-        mesh = tr(QT_TRANSLATE_NOOP("imomushi::settingText", "default mesh"));
+        mesh = QCoreApplication::translate("imomushi::settingText", "default mesh");
     QString basis;
     if (s.previous)
-        basis = tr(QT_TRANSLATE_NOOP("imomushi::settingText", "previous model"));
+        basis = QCoreApplication::translate("imomushi::settingText", "previous model");
     else if (s.basis == BasisKind::Paper)
-        basis = tr(QT_TRANSLATE_NOOP("imomushi::settingText", "paper"));
+        basis = QCoreApplication::translate("imomushi::settingText", "paper");
     else if (s.basis == BasisKind::Affine)
-        basis = tr(QT_TRANSLATE_NOOP("imomushi::settingText", "affine"));
+        basis = QCoreApplication::translate("imomushi::settingText", "affine");
     else if (s.basis == BasisKind::Full)
-        basis = tr(QT_TRANSLATE_NOOP("imomushi::settingText", "full"));
+        basis = QCoreApplication::translate("imomushi::settingText", "full");
     else
-        basis = tr(QT_TRANSLATE_NOOP("imomushi::settingText", "%1 modes")).arg(s.basis.modes);
-    if (s.smoothJoints) basis = tr(QT_TRANSLATE_NOOP("imomushi::settingText", "%1, smooth joints")).arg(basis);
+        basis = QCoreApplication::translate("imomushi::settingText", "%1 modes").arg(s.basis.modes);
+    if (s.smoothJoints) basis = QCoreApplication::translate("imomushi::settingText", "%1, smooth joints").arg(basis);
     return basis + QStringLiteral(" · ") + mesh + QStringLiteral(" · ") + QString::fromStdString(formatName(s.format));
 }
 
@@ -146,7 +146,7 @@ AccuracyPanel::AccuracyPanel(StudioDocument& document, FrameCostMeter& meter, QW
     scroll->setWidgetResizable(true);
     scroll->setFrameShape(QFrame::NoFrame);
     scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-    const auto sized = [scroll] { scroll->setFixedWidth(px(306)); };
+    const auto sized = [scroll] { scroll->setFixedWidth(px(276)); };
     sized();
     connect(&Appearance::instance(), &Appearance::changed, this, sized);
     all->addWidget(scroll);
@@ -160,6 +160,7 @@ AccuracyPanel::AccuracyPanel(StudioDocument& document, FrameCostMeter& meter, QW
 
     tabs_ = new QTabWidget(this);
     tabs_->setDocumentMode(true);
+    tabs_->tabBar()->setUsesScrollButtons(true);
     table_ = new QTableWidget(tabs_);
     table_->setObjectName(QStringLiteral("accuracyTable"));
     table_->setEditTriggers(QAbstractItemView::NoEditTriggers);

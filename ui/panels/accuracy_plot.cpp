@@ -25,7 +25,7 @@ AccuracyPlot::AccuracyPlot(QWidget* parent) : QWidget(parent) {
 }
 
 QSize AccuracyPlot::sizeHint() const { return {px(400), px(260)}; }
-QSize AccuracyPlot::minimumSizeHint() const { return {px(250), px(190)}; }
+QSize AccuracyPlot::minimumSizeHint() const { return {px(165), px(150)}; }
 
 void AccuracyPlot::setTitles(const QString& title, const QString& cost, const QString& error) {
     title_ = title;
