@@ -31,8 +31,9 @@ int verticesOf(const CharacterInput& input) {
     return count;
 }
 
-/// Doubles the cells around until a frame takes too long, then halves the interval until it is within 4 %.
-Result<Growth> grow(int step, double seconds, const Progress& progress, const std::function<Result<Growth::Point>(int around)>& measure) {
+/// Raises the number of cells around until a frame takes too long, then halves the interval until it is within 4 %.
+/// A frame costs as the cells around to the power `power`.
+Result<Growth> grow(int step, double power, double seconds, const Progress& progress, const std::function<Result<Growth::Point>(int around)>& measure) {
     const auto start = Clock::now();
     Growth out;
     int fits = 0, fails = 0;
@@ -48,8 +49,8 @@ Result<Growth> grow(int step, double seconds, const Progress& progress, const st
         if (fails > 0)
             around = (fits + fails) / 2 / step * step;
         else
-            // Costs grow with the square; a little beyond what should still fit.
-            around = std::clamp(static_cast<int>(1.08 * around * std::sqrt(kFrameMs / point->frameMs)), around + step, 4 * around) / step * step;
+            // A little beyond what should still fit.
+            around = std::clamp(static_cast<int>(1.08 * around * std::pow(kFrameMs / point->frameMs, 1.0 / power)), around + step, 4 * around) / step * step;
         if (around <= fits) break;
         progress.report("measure", std::min(0.95, since(start) / seconds));
     }
@@ -61,7 +62,7 @@ Result<Growth> grow(int step, double seconds, const Progress& progress, const st
 }  // namespace
 
 Result<Growth> growProposed(int threads, double seconds, const Progress& progress) {
-    return grow(6, seconds, progress, [&](int around) -> Result<Growth::Point> {
+    return grow(6, 2.0, seconds, progress, [&](int around) -> Result<Growth::Point> {
         CharacterInput input = paperCaterpillar(around);
         const int vertices = verticesOf(input);
         input.threads = threads;
@@ -82,7 +83,7 @@ Result<Growth> growProposed(int threads, double seconds, const Progress& progres
 }
 
 Result<Growth> growPrevious(double seconds, const Progress& progress) {
-    return grow(2, seconds, progress, [&](int around) -> Result<Growth::Point> {
+    return grow(2, 4.0, seconds, progress, [&](int around) -> Result<Growth::Point> {
         CharacterInput input = paperCaterpillar(around);
         const int vertices = verticesOf(input);
         input.basis = BasisKind::Full;
@@ -108,7 +109,7 @@ Result<Growth> growPrevious(double seconds, const Progress& progress) {
 }
 
 Result<std::vector<Divergence>> previousDivergence(const ComparedModels& models, const Progress& progress) {
-    constexpr double kStiffness[] = {300.0, 3000.0, 30000.0}, kFrame = 1.0 / 60.0;
+    constexpr double kStiffness[] = {3e3, 3e4, 3e5, 3e6}, kFrame = 1.0 / 60.0;
     constexpr int kPowers = 9, kSteps = 200, kFewestFrames = 15;
     CharacterInput input = withoutEffects(models.input);
     input.basis = BasisKind::Full;
@@ -128,7 +129,7 @@ Result<std::vector<Divergence>> previousDivergence(const ComparedModels& models,
     for (const double stiffness : kStiffness) {
         for (int power = 0, stable = 0; power < kPowers && stable < 2; ++power) {
             if (progress.cancelled()) return cancelled();
-            progress.report("measure", static_cast<double>(out.size()) / (3.0 * kPowers));
+            progress.report("measure", static_cast<double>(out.size()) / (4.0 * kPowers));
             Divergence one;
             one.shearModulus = stiffness;
             one.step = std::ldexp(1.0 / 60.0, -power);
