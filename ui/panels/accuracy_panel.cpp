@@ -146,7 +146,10 @@ AccuracyPanel::AccuracyPanel(StudioDocument& document, FrameCostMeter& meter, QW
     scroll->setWidgetResizable(true);
     scroll->setFrameShape(QFrame::NoFrame);
     scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-    const auto sized = [scroll] { scroll->setFixedWidth(px(276)); };
+    const auto sized = [this, scroll] {
+        scroll->setFixedWidth(px(276));
+        setMinimumHeight(px(270));
+    };
     sized();
     connect(&Appearance::instance(), &Appearance::changed, this, sized);
     all->addWidget(scroll);
@@ -257,9 +260,7 @@ void AccuracyPanel::retranslate() {
     poseLabel_->setText(tr("Pose"));
     pose_->setAccessibleName(poseLabel_->text());
     body_->setTitles(tr("As it is set now, error in colours"), tr("Full solution"), tr("% of the diagonal"));
-    showPoints();
-    showState();
-    showChosen();
+    show(AccuracyStudy(study_));
 }
 
 void AccuracyPanel::recall() {

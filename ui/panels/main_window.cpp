@@ -224,6 +224,7 @@ void MainWindow::buildDocks() {
     accuracy_ = new AccuracyPanel(document_, *costs_, this);
     accuracyDock_ = dock("accuracyDock", accuracy_);
     addDockWidget(Qt::BottomDockWidgetArea, accuracyDock_);
+    accuracyDock_->setTitleBarWidget(new QWidget(accuracyDock_));  // as above
     accuracyDock_->hide();
     takes_ = new TakesPanel(document_, *deck_, *actions_, this);
     takesDock_ = dock("takesDock", takes_);
