@@ -67,6 +67,7 @@ Json placeJson(const Document& document, const Bone::Place& place) {
 
 void addCoreCommands(CommandRegistry& registry) {
     addFileCommands(registry);
+    addAppendCommand(registry);
     addElementCommands(registry);
     addBoneCommands(registry);
     addPropertyCommands(registry);

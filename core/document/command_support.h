@@ -79,6 +79,7 @@ std::string effectsHelp();
 
 // Each adds some commands to a registry.
 void addFileCommands(CommandRegistry& registry);      // new, open, save, save-script, list, import-element
+void addAppendCommand(CommandRegistry& registry);     // append
 void addElementCommands(CommandRegistry& registry);   // add-joint-face, join, unjoin, remove-element, remove-joint-face
 void addBoneCommands(CommandRegistry& registry);      // add-bone, edit-bone, remove-bone
 void addPropertyCommands(CommandRegistry& registry);  // set, rename

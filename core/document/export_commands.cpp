@@ -121,12 +121,13 @@ Result<ExportPlan> planExport(Session& session, const Json& arguments) {
         if (!given) return tl::unexpected(given.error());
         plan.options.tolerance = *given;
     }
-    plan.options.split = arguments.value("split", plan.options.split);
-    plan.options.quantised = arguments.value("quantise", plan.options.quantised);
-    plan.options.normals = arguments.value("normals", plan.options.normals);
     const std::string& path = text(arguments, "path");
     if (path.empty() || path.find('\0') != std::string::npos) return fail("bad-value", "\"path\" is empty or holds a zero byte.");
     plan.path = path;
+    // Blender makes FBX, and clamps.
+    plan.options.split = arguments.value("split", plan.options.split || plan.path.extension() == ".fbx");
+    plan.options.quantised = arguments.value("quantise", plan.options.quantised);
+    plan.options.normals = arguments.value("normals", plan.options.normals);
 
     const auto alive = s.live();
     if (!alive) return tl::unexpected(alive.error());
@@ -196,7 +197,7 @@ void addExportCommands(CommandRegistry& registry) {
     registry.add({"export",
                   "Writes the character with its takes for other programs, reads the file back and compares it. Errors are distances over the bounding-box "
                   "diagonal of the character. Metres, +Y up, times from 0.",
-                  {{"path", Type::Text, true, "A file that ends in .glb; for caches in .pc2, .mdd, .obj or .ply (a file per frame, numbered)."},
+                  {{"path", Type::Text, true, "A file that ends in .glb, or in .fbx, which needs Blender; for caches in .pc2, .mdd, .obj or .ply (a file per frame, numbered)."},
                    {"layout", Type::Text, true,
                     "\"baked\": a node and morph targets per element; \"rigged\": the same in one skeleton, with what drives it live; \"skinned\": weights "
                     "of four joints per vertex, no morph targets; \"cache\": all vertices in all frames."},

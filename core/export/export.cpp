@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "core/export/cache_writer.h"
+#include "core/export/fbx.h"
 #include "core/export/gltf_check.h"
 #include "core/export/gltf_writer.h"
 #include "core/io/atomic_file.h"
@@ -60,7 +61,9 @@ Result<ExportReport> exportScene(const ExportScene& scene, const ExportOptions& 
         if (auto written = writeCache(*motion, scene, path, report, progress.part(0.1, 1.0)); !written) return tl::unexpected(written.error());
         return report;
     }
-    if (path.extension() != ".glb") return fail("unknown-format", "\"" + path.string() + "\" is no place for glTF: its name must end in .glb.");
+    const bool fbx = path.extension() == ".fbx";
+    if (!fbx && path.extension() != ".glb")
+        return fail("unknown-format", "\"" + path.string() + "\" is no place for a character: its name must end in .glb or .fbx.");
 
     GltfContent content{scene, options, *motion, {}, {}, {}, {}};
     motion->character.show(motion->restShape.data());
@@ -93,9 +96,21 @@ Result<ExportReport> exportScene(const ExportScene& scene, const ExportOptions& 
     report.check = *error;
     if (progress.cancelled()) return fail(kCancelled, "The export was cancelled.");
     progress.report("save", 0.95);
-    if (auto written = writeFileAtomically(path, *bytes); !written) return tl::unexpected(written.error());
-    report.files.push_back(path);
+    auto glb = path;
+    if (fbx) glb += ".glb";
+    if (auto written = writeFileAtomically(glb, *bytes); !written) return tl::unexpected(written.error());
     report.bytes = bytes->size();
+    if (fbx) {
+        const auto& times = motion->clips.front().times;
+        const auto worst = convertToFbx(glb, path, times.size() > 1 ? static_cast<double>(times.size() - 1) / times.back() : 60.0, progress.part(0.95, 1.0));
+        std::error_code ignored;
+        std::filesystem::remove(glb, ignored);
+        if (!worst) return tl::unexpected(worst.error());
+        report.check.largest += *worst / motion->diagonal;
+        report.bytes = std::filesystem::file_size(path, ignored);
+        if (motion->clips.size() > 1) report.warnings.emplace_back("An FBX file holds one clip: \"" + scene.clips.front().name + "\" was written.");
+    }
+    report.files.push_back(path);
     return report;
 }
 

@@ -75,8 +75,9 @@ struct ExportReport {
     std::vector<std::string> warnings;  ///< one sentence each
 };
 
-/// Writes a scene: .glb, or for caches .pc2, .mdd, .obj, .ply (frames numbered before the suffix). Files appear whole or not at all. What was written is read
-/// back and compared. Errors: "unknown-format", "bad-value", "not-writable", "not-readable" (what was written is not what was meant), "cancelled".
+/// Writes a scene: .glb, .fbx (fbx.h; weights should be split, as Blender clamps them), or for caches .pc2, .mdd, .obj, .ply (frames numbered before the suffix). Files appear whole or not at all. What was written is read
+/// back and compared. Errors: "unknown-format", "bad-value", "not-writable", "not-readable" (what was written is not what was meant),
+/// "needs-blender", "not-converted", "cancelled".
 Result<ExportReport> exportScene(const ExportScene& scene, const ExportOptions& options, const std::filesystem::path& path, const Progress& progress);
 
 }  // namespace imomushi

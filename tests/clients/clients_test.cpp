@@ -159,6 +159,26 @@ TEST_CASE("clients: Blender shows what the studio shows, baked and rigged") {
     }
 }
 
+TEST_CASE("clients: FBX files are made by Blender and come back from it as they were, or are refused with the reason") {
+    const bool there = hasBlender();
+    std::vector<Json> lines = {{{"do", "open"}, {"path", IMOMUSHI_SAMPLES "/caterpillar.imomushi"}}, {{"do", "record"}, {"take", "t"}, {"action", "start"}}, samples()[0].drags[0],
+                               {{"do", "step"}, {"frames", kFrames}}, {{"do", "record"}, {"take", "t"}, {"action", "stop"}}};
+    if (!there) {
+        std::ofstream script(folder() / "script.jsonl");
+        lines.push_back(exported("a.fbx", "baked"));
+        for (const Json& line : lines) script << line.dump() << "\n";
+        script.close();
+        int status = 0;
+        CHECK(run("'" IMOMUSHI_PROGRAM "' run script.jsonl", status).find("needs-blender") != std::string::npos);
+        CHECK(!std::filesystem::exists(folder() / "a.fbx"));
+        return;
+    }
+    for (const char* layout : {"baked", "rigged"}) lines.push_back(exported("a.fbx", layout));
+    const auto answers = imomushi(lines);
+    for (std::size_t i = answers.size() - 2; i < answers.size(); ++i) CHECK(answers[i]["check"]["max_percent"].get<double>() / 100.0 <= std::stod(kExact));
+    CHECK(read(folder() / "a.fbx").substr(0, 18) == "Kaydara FBX Binary");
+}
+
 TEST_CASE("clients: the driver for three.js follows a drag as the studio does") {
     if (!hasNode()) return;
     exportSample(samples()[0], {exported("rigged.glb", "rigged")});

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/export/fbx.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <fstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/io/atomic_file.h"
+
+extern char** environ;
+
+namespace imomushi {
+
+namespace {
+
+constexpr const char* kScript = R"py(# SPDX-License-Identifier: GPL-3.0-or-later
+import sys
+import numpy
+numpy.bool = bool  # the importer of Blender 3.4 is older than the numpy of some systems
+import bpy
+
+source, target, fps, shown = sys.argv[sys.argv.index("--") + 1:]
+
+def empty():
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    rate = float(fps)
+    bpy.context.scene.render.fps = max(1, round(rate))
+    bpy.context.scene.render.fps_base = max(1, round(rate)) / rate
+
+def bodies():
+    return sorted((o for o in bpy.context.scene.objects if o.type == "MESH" and not o.name.startswith("Icosphere")), key=lambda o: o.name)
+
+def positions(frame):
+    bpy.context.scene.frame_set(int(frame), subframe=frame - int(frame))
+    graph = bpy.context.evaluated_depsgraph_get()
+    out = []
+    for item in bodies():
+        now = item.evaluated_get(graph)
+        mesh = now.to_mesh()
+        out.append([now.matrix_world @ v.co for v in mesh.vertices])
+        now.to_mesh_clear()
+    return out
+
+def span():
+    ranges = [a.frame_range for a in bpy.data.actions] or [(0.0, 0.0)]
+    return min(r[0] for r in ranges), max(r[1] for r in ranges)
+
+empty()
+bpy.ops.import_scene.gltf(filepath=source)
+for item in [o for o in bpy.context.scene.objects if o.name.startswith("Icosphere")]:
+    bpy.data.objects.remove(item)
+low, high = span()
+bpy.context.scene.frame_start, bpy.context.scene.frame_end = int(low), int(round(high))
+frames = [round((high - low) * i / 9) for i in range(10)]
+before = [positions(low + f) for f in frames]
+bpy.ops.export_scene.fbx(filepath=target, object_types={"MESH", "ARMATURE", "EMPTY"}, add_leaf_bones=False, path_mode="COPY", embed_textures=True,
+                         bake_anim=True, bake_anim_use_all_actions=False, bake_anim_use_nla_strips=False, bake_anim_force_startend_keying=True,
+                         bake_anim_simplify_factor=0.0, use_mesh_modifiers=False)
+empty()
+bpy.ops.import_scene.fbx(filepath=target, anim_offset=0.0)
+start, _ = span()
+worst = 0.0
+for f, was in zip(frames, before):
+    now = positions(start + f)
+    if [len(m) for m in now] != [len(m) for m in was]:
+        sys.exit("other vertices came back")
+    worst = max([worst] + [(a - b).length for m, n in zip(was, now) for a, b in zip(m, n)])
+open(shown, "w").write(repr(worst))
+)py";
+
+/// What is left of a conversion goes with it.
+struct Folder {
+    std::filesystem::path path;
+    Folder() {
+        std::string name = (std::filesystem::temp_directory_path() / "imomushi-fbx-XXXXXX").string();
+        if (const char* made = ::mkdtemp(name.data())) path = made;
+    }
+    ~Folder() {
+        std::error_code error;
+        if (!path.empty()) std::filesystem::remove_all(path, error);
+    }
+};
+
+std::string readText(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+}  // namespace
+
+Result<double> convertToFbx(const std::filesystem::path& glb, const std::filesystem::path& fbx, double fps, const Progress& progress) {
+    const Folder folder;
+    if (folder.path.empty()) return fail("not-writable", "There is no room for temporary files: check the disk of " + std::filesystem::temp_directory_path().string() + ".");
+    const std::string script = (folder.path / "convert.py").string(), shown = (folder.path / "worst").string(), log = (folder.path / "log").string(),
+                      made = (folder.path / "out.fbx").string(), source = glb.string(), rate = std::to_string(fps);
+    if (auto written = writeFileAtomically(script, kScript); !written) return tl::unexpected(written.error());
+    std::string words[] = {"blender", "--background", "--factory-startup", "--python-exit-code", "3", "--python", script, "--", source, made, rate, shown};
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    posix_spawn_file_actions_t files;
+    ::posix_spawn_file_actions_init(&files);
+    ::posix_spawn_file_actions_addopen(&files, 0, "/dev/null", O_RDONLY, 0);
+    ::posix_spawn_file_actions_addopen(&files, 1, log.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
+    ::posix_spawn_file_actions_adddup2(&files, 1, 2);
+    pid_t child = 0;
+    const int failed = ::posix_spawnp(&child, "blender", &files, nullptr, arguments.data(), environ);
+    ::posix_spawn_file_actions_destroy(&files);
+    if (failed != 0) return fail("needs-blender", "FBX is written by Blender, which is not installed: install Blender, or export .glb.");
+    int status = 0;
+    while (::waitpid(child, &status, WNOHANG) == 0) {
+        if (progress.cancelled()) {
+            ::kill(child, SIGKILL);
+            ::waitpid(child, &status, 0);
+            return fail(kCancelled, "The export was cancelled.");
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+    double worst = -1.0;
+    std::ifstream(shown) >> worst;
+    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || !(worst >= 0.0)) {
+        // The last error that is not about the script as a whole.
+        std::string told = "it ended early";
+        std::ifstream lines(log);
+        for (std::string line; std::getline(lines, line);)
+            if (line.find("rror: ") != std::string::npos && line.find("script failed") == std::string::npos) told = line;
+        return fail("not-converted", "Blender could not make the FBX file (" + told + "): export .glb instead.");
+    }
+    if (auto written = writeFileAtomically(fbx, readText(made)); !written) return tl::unexpected(written.error());
+    return worst;
+}
+
+}  // namespace imomushi
