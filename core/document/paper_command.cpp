@@ -146,13 +146,16 @@ LinePlot growthPlot(const Limits& limits) {
     return plot;
 }
 
-/// What happens to the largest displacement as steps grow. Where it diverges, before it was stopped.
+/// Drawn where it diverged, as how far it got before it was stopped says nothing.
+constexpr double kDiverged = 100.0;
+
+/// What happens to the largest displacement as steps grow.
 LinePlot divergencePlot(const Limits& limits) {
-    LinePlot plot{"Divergence of the previous model", "step of the explicit integration (s)", "largest displacement (diagonals of an element)", {}};
+    LinePlot plot{"Divergence of the previous model", "step of the explicit integration (s)", "largest displacement (diagonals of an element; 100: diverged)", {}};
     for (const auto& d : limits.divergence) {
         const std::string name = "shear modulus " + formatted("%g", d.shearModulus) + " Pa";
         if (plot.lines.empty() || plot.lines.back().name != name) plot.lines.push_back({name, {}});
-        plot.lines.back().points.emplace_back(d.step, std::max(d.largest, 1e-3));
+        plot.lines.back().points.emplace_back(d.step, d.diverged ? kDiverged : d.largest);
     }
     return plot;
 }
