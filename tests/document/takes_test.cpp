@@ -248,3 +248,36 @@ TEST_CASE("takes: bad input is refused with a reason") {
     CHECK(w.code({{"do", "rename-take"}, {"take", "u"}, {"name", "t"}}) == "name-taken");
     CHECK(w.code({{"do", "remove-take"}, {"take", "v"}}) == "no-such-take");
 }
+
+TEST_CASE("takes: a broken take in a file is found, and files without takes open") {
+    Workbench w;
+    w.buildChain();
+    w.good({{"do", "precompute"}});
+    recordDance(w);
+    auto project = Project{w.session.document(), {}};
+    const auto path = Workbench::folder() / "broken.imomushi";
+    const auto code = [&](auto&& breakIt) {
+        Project broken = project;
+        auto take = std::make_shared<Take>(*broken.document.takes.begin()->second);
+        breakIt(*take);
+        broken.document.takes.begin()->second = take;
+        REQUIRE(saveProject(path, broken));
+        const auto opened = openProject(path);
+        return opened ? std::string("ok") : opened.error().code;
+    };
+    CHECK(code([](Take&) {}) == "ok");
+    CHECK(code([](Take& t) { t.times.pop_back(); }) == "damaged");
+    CHECK(code([](Take& t) { t.times[3] = t.times[2]; }) == "damaged");
+    CHECK(code([](Take& t) { t.name = "a/b"; }) == "damaged");
+    CHECK(code([](Take& t) { t.bones[0].end = t.points; }) == "damaged");
+    CHECK(code([](Take& t) { t.layout.joints += 1; }) == "damaged");
+    CHECK(code([](Take& t) {
+        auto values = t.shapes.values();
+        for (double& x : values) x *= 3.0;  // rotations are none
+        t.shapes = FrameNumbers(t.shapes.first(), t.shapes.varying(), values);
+    }) == "damaged");
+    CHECK(code([](Take& t) { t.targets[0].time = -1.0; }) == "damaged");
+    project.document.takes.clear();
+    REQUIRE(saveProject(path, project));
+    CHECK(openProject(path).has_value());
+}
