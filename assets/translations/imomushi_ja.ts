@@ -684,6 +684,14 @@
             <source>Nothing is being recorded.</source>
             <translation>記録中のものはありません。</translation>
         </message>
+        <message>
+            <source>FBX is made by Blender, which was not found. Install it, or choose glTF.</source>
+            <translation>FBX は Blender で作りますが、見つかりません。Blender を入れるか、glTF を選んでください。</translation>
+        </message>
+        <message>
+            <source>Blender could not make the FBX file. Choose glTF instead.</source>
+            <translation>Blender で FBX を作れませんでした。glTF を選んでください。</translation>
+        </message>
     </context>
     <context>
         <name>Issues</name>
@@ -2777,10 +2785,6 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>ベイク</translation>
         </message>
         <message>
-            <source>Rigid motion and morph targets: plays everywhere, exact</source>
-            <translation>剛体運動とモーフ：どこでも正確に再生</translation>
-        </message>
-        <message>
             <source>Rigged</source>
             <translation>リグ</translation>
         </message>
@@ -2991,6 +2995,14 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         <message>
             <source>%1 keys</source>
             <translation>キー %1 個</translation>
+        </message>
+        <message>
+            <source>Rigid motion and morphs: exact, plays anywhere</source>
+            <translation>剛体運動とモーフ：正確で、どこでも再生</translation>
+        </message>
+        <message>
+            <source>FBX, by Blender</source>
+            <translation>FBX（Blender で作成）</translation>
         </message>
     </context>
     <context>

@@ -10,9 +10,16 @@ namespace imomushi {
 
 TakeModel::TakeModel(StudioDocument& document, QObject* parent) : QAbstractListModel(parent), document_(document) {
     connect(&document, &StudioDocument::structureChanged, this, [this] {
+        // A name may be being edited: rows that stay must not be taken away.
         const auto& now = document_.document().takes;
-        const bool same = now.size() == takes_.size() && std::equal(now.begin(), now.end(), takes_.begin(), [](const auto& a, const auto& b) { return a.second == b; });
-        if (!same) refresh();
+        if (now.size() != takes_.size() || !std::equal(now.begin(), now.end(), takes_.begin(), [](const auto& a, const auto& b) { return a.first == b->id; })) return refresh();
+        for (int row = 0; row < rowCount(); ++row) {
+            auto& take = takes_[std::size_t(row)];
+            if (const auto& is = now.at(take->id); is != take) {
+                take = is;
+                Q_EMIT dataChanged(index(row), index(row));
+            }
+        }
     });
     refresh();
 }

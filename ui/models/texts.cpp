@@ -70,6 +70,8 @@ const std::map<std::string, const char*> kErrors = {
     {"no-element", QT_TRANSLATE_NOOP("Errors", "There is no character yet. Import an element first.")},
     {"already-recording", QT_TRANSLATE_NOOP("Errors", "A take is being recorded. Stop that first.")},
     {"not-recording", QT_TRANSLATE_NOOP("Errors", "Nothing is being recorded.")},
+    {"needs-blender", QT_TRANSLATE_NOOP("Errors", "FBX is made by Blender, which was not found. Install it, or choose glTF.")},
+    {"not-converted", QT_TRANSLATE_NOOP("Errors", "Blender could not make the FBX file. Choose glTF instead.")},
     {"no-opengl", QT_TRANSLATE_NOOP("Errors", "OpenGL 3.3 is not available on this machine.")},
 };
 

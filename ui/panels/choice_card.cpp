@@ -2,6 +2,7 @@
 #include "ui/panels/choice_card.h"
 
 #include <QPainter>
+#include <algorithm>
 
 #include "ui/panels/appearance.h"
 
@@ -22,7 +23,11 @@ ChoiceCard::ChoiceCard(const QString& title, const QString& note, QWidget* paren
     setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Fixed);
 }
 
-QSize ChoiceCard::sizeHint() const { return {px(130), 2 * px(kPad) + (1 + kNoteLines) * fontMetrics().height() + px(3)}; }
+QSize ChoiceCard::sizeHint() const {
+    // A script that another font draws has higher lines.
+    const int line = std::max(fontMetrics().height(), fontMetrics().boundingRect(QRect(0, 0, QWIDGETSIZE_MAX, px(100)), Qt::AlignLeft, note_).height());
+    return {px(130), 2 * px(kPad) + fontMetrics().height() + kNoteLines * line + px(5)};
+}
 QSize ChoiceCard::minimumSizeHint() const { return {px(96), sizeHint().height()}; }
 
 void ChoiceCard::paintEvent(QPaintEvent*) {

@@ -15,6 +15,7 @@
 #include <QProgressBar>
 #include <QPushButton>
 #include <QSettings>
+#include <QSignalBlocker>
 #include <QUrl>
 #include <QVBoxLayout>
 #include <algorithm>
@@ -34,7 +35,6 @@ namespace {
 using Role = Appearance::Role;
 
 constexpr const char* kLayouts[] = {"baked", "rigged", "skinned", "cache"};
-constexpr const char* kFormats[] = {"pc2", "mdd", "obj", "ply"};
 constexpr double kRates[] = {0.0, 24.0, 25.0, 30.0, 60.0};
 constexpr int kTargets[] = {0, 8, 4};
 /// A file whose vertices are this near to the character's (over its diagonal) is the character.
@@ -55,7 +55,7 @@ QString presetNote(const ExportOptions& options) {
     if (options.targets > 0) parts << ExportDialog::tr("%n target(s)", nullptr, options.targets);
     if (options.split) parts << ExportDialog::tr("weights 0–1");
     if (options.quantised) parts << ExportDialog::tr("16 bits");
-    return parts.isEmpty() ? ExportDialog::tr("All targets, keys as recorded") : parts.join(QStringLiteral(", "));
+    return parts.isEmpty() ? ExportDialog::tr("All targets, keys as recorded") : parts.join(ExportDialog::tr(", "));
 }
 
 /// A part of the diagonal: "0.31 %", and small ones as "2·10⁻⁶".
@@ -100,7 +100,7 @@ ExportDialog::ExportDialog(StudioDocument& document, const QString& folder, QWid
     layouts_ = new QButtonGroup(this);
     auto* layoutRow = new QHBoxLayout;
     layoutRow->setSpacing(px(8));
-    const QString layoutTexts[][2] = {{tr("Baked"), tr("Rigid motion and morph targets: plays everywhere, exact")},
+    const QString layoutTexts[][2] = {{tr("Baked"), tr("Rigid motion and morphs: exact, plays anywhere")},
                                       {tr("Rigged"), tr("One skeleton with what drives it: can be puppeteered live")},
                                       {tr("Skinned"), tr("Fitted weights, no morph targets: for any engine")},
                                       {tr("Cache"), tr("Every vertex in every frame: everything, but large")}};
@@ -117,7 +117,6 @@ ExportDialog::ExportDialog(StudioDocument& document, const QString& folder, QWid
     targets_ = new QComboBox(this);
     for (const int count : kTargets) targets_->addItem(count > 0 ? tr("The %n most important of each element", nullptr, count) : tr("All"));
     format_ = new QComboBox(this);
-    format_->addItems({QStringLiteral("PC2"), QStringLiteral("MDD"), tr("OBJ, a file per frame"), tr("PLY, a file per frame")});
     split_ = new QCheckBox(tr("Weights within 0 and 1"), this);
     split_->setToolTip(tr("A target for each sign of a weight, for programs that clamp weights: twice as many targets"));
     quantise_ = new QCheckBox(tr("16 bits per coordinate"), this);
@@ -225,7 +224,8 @@ ExportDialog::ExportDialog(StudioDocument& document, const QString& folder, QWid
     const QSettings settings;
     presets_->button(std::clamp(settings.value(keyOf("preset"), 0).toInt(), 0, int(presetCards_.size()) - 1))->setChecked(true);
     layouts_->button(std::clamp(settings.value(keyOf("layout"), 0).toInt(), 0, 3))->setChecked(true);
-    format_->setCurrentIndex(std::clamp(settings.value(keyOf("format"), 0).toInt(), 0, 3));
+    fillFormats();
+    format_->setCurrentIndex(std::max(0, format_->findData(settings.value(keyOf("format")))));
     takePreset();
     fps_->setCurrentIndex(std::clamp(settings.value(keyOf("fps"), fps_->currentIndex()).toInt(), 0, int(std::size(kRates)) - 1));
     targets_->setCurrentIndex(std::clamp(settings.value(keyOf("targets"), targets_->currentIndex()).toInt(), 0, int(std::size(kTargets)) - 1));
@@ -242,7 +242,10 @@ ExportDialog::ExportDialog(StudioDocument& document, const QString& folder, QWid
 
     connect(presets_, &QButtonGroup::idClicked, this, &ExportDialog::takePreset);
     connect(layouts_, &QButtonGroup::idToggled, this, &ExportDialog::takeLayout);
-    connect(format_, &QComboBox::currentIndexChanged, this, &ExportDialog::takeLayout);
+    connect(format_, &QComboBox::currentIndexChanged, this, [this] {
+        takeLayout();
+        if (splitByItself()) split_->setChecked(true);
+    });
     connect(path_, &QLineEdit::textChanged, this, &ExportDialog::checkPath);
     connect(&document_, &StudioDocument::structureChanged, this, &ExportDialog::fillTakes);
     connect(&document_, &StudioDocument::structureChanged, this, &ExportDialog::checkPath);
@@ -278,19 +281,39 @@ void ExportDialog::takePreset() {
     const auto at = [](const auto& list, auto value) { return int(std::max<std::ptrdiff_t>(0, std::find(std::begin(list), std::end(list), value) - std::begin(list))) % int(std::size(list)); };
     fps_->setCurrentIndex(at(kRates, options.fps));
     targets_->setCurrentIndex(at(kTargets, options.targets));
-    split_->setChecked(options.split);
+    split_->setChecked(splitByItself());
     quantise_->setChecked(options.quantised);
     normals_->setChecked(options.normals);
 }
 
-QString ExportDialog::suffix() const { return layoutName() == "cache" ? QString::fromLatin1(kFormats[format_->currentIndex()]) : QStringLiteral("glb"); }
+/// Caches have formats of their own.
+void ExportDialog::fillFormats() {
+    const bool cache = layoutName() == "cache";
+    if (format_->count() > 0 && (format_->findData(QStringLiteral("pc2")) >= 0) == cache) return;
+    const QSignalBlocker quiet(format_);
+    format_->clear();
+    if (cache) {
+        format_->addItem(QStringLiteral("PC2"), QStringLiteral("pc2"));
+        format_->addItem(QStringLiteral("MDD"), QStringLiteral("mdd"));
+        format_->addItem(tr("OBJ, a file per frame"), QStringLiteral("obj"));
+        format_->addItem(tr("PLY, a file per frame"), QStringLiteral("ply"));
+    } else {
+        format_->addItem(QStringLiteral("glTF (GLB)"), QStringLiteral("glb"));
+        format_->addItem(tr("FBX, by Blender"), QStringLiteral("fbx"));
+    }
+}
+
+QString ExportDialog::suffix() const { return format_->currentData().toString(); }
+
+/// What the weights are where the command is not told: FBX is made by Blender, which clamps them.
+bool ExportDialog::splitByItself() const { return exportPresets()[std::size_t(presets_->checkedId())].options.split || suffix() == u"fbx"; }
 
 std::string ExportDialog::layoutName() const { return kLayouts[layouts_->checkedId()]; }
 
 void ExportDialog::takeLayout() {
     if (layouts_->checkedId() < 0) return;
+    fillFormats();
     const bool cache = layoutName() == "cache", morphs = layoutName() == "baked" || layoutName() == "rigged";
-    format_->setEnabled(cache);
     targets_->setEnabled(morphs);
     split_->setEnabled(morphs);
     normals_->setEnabled(morphs);
@@ -323,7 +346,7 @@ Json ExportDialog::command() const {
     if (const QString take = take_->currentData().toString(); !take.isEmpty()) command["take"] = take.toStdString();
     if (const double fps = kRates[fps_->currentIndex()]; fps != preset.options.fps) command["fps"] = fps;
     if (const int targets = kTargets[targets_->currentIndex()]; targets != preset.options.targets) command["targets"] = targets ? Json(targets) : Json("all");
-    if (split_->isChecked() != preset.options.split) command["split"] = split_->isChecked();
+    if (split_->isChecked() != splitByItself()) command["split"] = split_->isChecked();
     if (quantise_->isChecked() != preset.options.quantised) command["quantise"] = quantise_->isChecked();
     if (normals_->isChecked() != preset.options.normals) command["normals"] = normals_->isChecked();
     return command;
@@ -333,7 +356,7 @@ void ExportDialog::remember() const {
     QSettings settings;
     settings.setValue(keyOf("preset"), presets_->checkedId());
     settings.setValue(keyOf("layout"), layouts_->checkedId());
-    settings.setValue(keyOf("format"), format_->currentIndex());
+    settings.setValue(keyOf("format"), suffix());
     settings.setValue(keyOf("fps"), fps_->currentIndex());
     settings.setValue(keyOf("targets"), targets_->currentIndex());
     settings.setValue(keyOf("split"), split_->isChecked());

@@ -37,6 +37,7 @@ public slots:
 
 private:
     void fillTakes();
+    void fillFormats();
     void takePreset();
     void takeLayout();
     void checkPath();
@@ -49,6 +50,7 @@ private:
     void clearReport();
     void describe();
     [[nodiscard]] QString suffix() const;
+    [[nodiscard]] bool splitByItself() const;
     [[nodiscard]] std::string layoutName() const;
 
     StudioDocument& document_;

@@ -101,7 +101,7 @@ void FileFlow::open(const QString& path) {
     const auto answer = document_.execute({{"do", "open"}, {"path", path.toStdString()}});
     QGuiApplication::restoreOverrideCursor();
     if (!answer) return;
-    QSettings().setValue(QStringLiteral("files/folder"), QFileInfo(path).absolutePath());
+    if (!isSample(path)) QSettings().setValue(QStringLiteral("files/folder"), QFileInfo(path).absolutePath());
     recent_.add(path);
     Q_EMIT opened();
 }

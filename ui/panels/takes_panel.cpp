@@ -55,7 +55,7 @@ TakesPanel::TakesPanel(StudioDocument& document, TakeDeck& deck, StudioActions& 
     empty_ = new QLabel(this);
     empty_->setProperty("role", "muted");
     empty_->setWordWrap(true);
-    empty_->setAlignment(Qt::AlignLeft | Qt::AlignVCenter);
+    empty_->setAlignment(Qt::AlignLeft | Qt::AlignTop);
 
     transport_ = new QWidget(this);
     auto* buttons = new QHBoxLayout(transport_);
@@ -89,6 +89,7 @@ TakesPanel::TakesPanel(StudioDocument& document, TakeDeck& deck, StudioActions& 
     left->setSpacing(6);
     left->addWidget(record_);
     left->addWidget(list_, 1);
+    left->addStretch();  // the button stays where it is while there is no list
     auto* right = new QVBoxLayout;
     right->setSpacing(4);
     right->addWidget(empty_, 1);
@@ -110,7 +111,8 @@ TakesPanel::TakesPanel(StudioDocument& document, TakeDeck& deck, StudioActions& 
 
 void TakesPanel::takeSizes() {
     record_->setFixedWidth(px(270));
-    record_->setIconSize(QSize(px(16), px(16)));
+    record_->setIconSize(QSize(px(24), px(16)));
+    empty_->setContentsMargins(0, px(8), 0, 0);
     list_->setFixedWidth(px(270));
     for (auto* b : transport_->findChildren<QToolButton*>()) b->setIconSize(QSize(px(20), px(20)));
     live_->setIconSize(QSize(px(16), px(16)));
@@ -137,7 +139,7 @@ void TakesPanel::dressRecord() {
                                .arg(mix(recording ? 1.0 : 0.16), mix(recording ? 1.0 : 0.55))
                                .arg(px(8)).arg(ink).arg(px(26))
                                .arg(mix(recording ? 0.85 : 0.3), themeColor(Appearance::Role::Muted).name(), themeColor(Appearance::Role::Line).name()));
-    QPixmap sign(QSize(px(16), px(16)) * devicePixelRatioF());
+    QPixmap sign(QSize(px(24), px(16)) * devicePixelRatioF());  // with room before the words
     sign.setDevicePixelRatio(devicePixelRatioF());
     sign.fill(Qt::transparent);
     QPainter painter(&sign);

@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <QDockWidget>
+#include <QLineEdit>
+#include <QListView>
+#include <QSignalSpy>
+
+#include "tests/studio/window.h"
+#include "ui/models/recent_files.h"
+#include "ui/models/texts.h"
+#include "ui/panels/appearance.h"
+#include "ui/panels/takes_panel.h"
+#include "ui/panels/time_bar.h"
+
+using namespace imomushi;
+
+namespace {
+
+/// The caterpillar in the drag tool, and the panel of takes.
+struct Stage : Window {
+    Stage() {
+        window().files().open(samples()[0].path);
+        settle(400);
+        trigger("tool-pose");
+        view().setFocus();
+        settle(300);
+    }
+    ~Stage() { document().session().execute({{"do", "new"}}); }
+
+    EndpointRef lastEnd() { return {now().bones.rbegin()->first, true}; }
+    TakeDeck& deck() { return window().deck(); }
+    QListView& list() { return *window().takes().list(); }
+    TimeBar& bar() { return *window().takes().bar(); }
+    int position() { return document().session().position(); }
+    QPointF end() { return *view().onScreen(lastEnd()); }
+    void drag(QPoint by) {
+        const QPoint from = end().toPoint();
+        QTest::mouseMove(&view(), from);
+        settle();
+        QTest::mousePress(&view(), Qt::LeftButton, {}, from);
+        for (int i = 1; i <= 6; ++i) {
+            QTest::mouseMove(&view(), from + by * i / 6);
+            settle(40);
+        }
+        QTest::mouseRelease(&view(), Qt::LeftButton, {}, from + by);
+        settle();
+    }
+    /// By the keyboard, as a performer does.
+    void record(QPoint by) {
+        QTest::keyClick(&view(), Qt::Key_R);
+        REQUIRE(deck().recording());
+        drag(by);
+        QTest::keyClick(&view(), Qt::Key_R);
+        REQUIRE(!deck().recording());
+        settle(200);
+    }
+    QPoint at(double time) { return QPoint(int(std::lround(bar().xOf(time))), bar().height() - 15); }
+};
+
+}  // namespace
+
+TEST_CASE("takes: what is dragged while it is recorded becomes a take, as one step; undo takes it away") {
+    Stage w;
+    w.shoot("takes-none");
+    const int before = w.position();
+    QTest::keyClick(&w.view(), Qt::Key_R);
+    REQUIRE(w.deck().recording());
+    w.drag({20, -90});
+    CHECK(w.document().session().recording()->frames > 5);
+    w.shoot("takes-recording");
+    QTest::keyClick(&w.view(), Qt::Key_R);
+    w.settle(200);
+    REQUIRE(!w.deck().recording());
+    REQUIRE(w.now().takes.size() == 1);
+    const Take& take = *w.now().takes.begin()->second;
+    CHECK(take.duration() > 0.2);
+    CHECK(w.position() == before + 2);  // the drag, and the take
+    const auto& step = w.document().session().steps().back();
+    CHECK(stepText(step.name, step.subject) == QStringLiteral("Record: Take 1"));
+    CHECK(w.list().model()->rowCount() == 1);
+    w.shoot("takes-one");
+    w.trigger("undo");
+    CHECK(w.now().takes.empty());
+    CHECK(w.list().model()->rowCount() == 0);
+    CHECK(!w.deck().take());
+    CHECK(!w.window().actions()["play"]->isEnabled());
+    w.trigger("redo");
+    CHECK(w.now().takes.size() == 1);
+}
+
+TEST_CASE("takes: frames are recorded though nothing moves, at the pace of the clock") {
+    Stage w;
+    auto* button = w.window().takes().findChild<QPushButton*>(QStringLiteral("recordButton"));
+    QTest::mouseClick(button, Qt::LeftButton);
+    REQUIRE(w.deck().recording());
+    REQUIRE(QTest::qWaitFor([&] { return w.document().session().recording()->seconds > 0.4; }, 20000));
+    QTest::mouseClick(button, Qt::LeftButton);
+    REQUIRE(w.now().takes.size() == 1);
+    CHECK(w.now().takes.begin()->second->times.size() > 2);
+}
+
+TEST_CASE("takes: the time bar shows any moment, keys go frame by frame, and a drag leaves the take") {
+    Stage w;
+    const QPointF rest = w.end();
+    w.record({20, -100});
+    const QPointF posed = w.end();
+    const Take& take = *w.deck().take();
+    REQUIRE((posed - rest).manhattanLength() > 30.0);
+
+    QTest::mousePress(&w.bar(), Qt::LeftButton, {}, w.at(0.0));
+    w.settle();
+    CHECK(w.deck().shown());
+    CHECK(w.deck().exact());
+    CHECK((w.end() - rest).manhattanLength() < 2.0);
+    QTest::mouseMove(&w.bar(), w.at(0.5 * take.duration()));
+    QTest::mouseRelease(&w.bar(), Qt::LeftButton, {}, w.at(0.5 * take.duration()));
+    w.settle();
+    CHECK(w.deck().frame() > 0);
+    CHECK(w.deck().frame() < int(take.times.size()) - 1);
+    w.shoot("takes-scrub");
+    QTest::keyClick(&w.bar(), Qt::Key_Home);
+    CHECK(w.deck().frame() == 0);
+    QTest::keyClick(&w.bar(), Qt::Key_Right);
+    CHECK(w.deck().frame() == 1);
+    w.trigger("take-forward");
+    CHECK(w.deck().frame() == 2);
+    w.trigger("take-back");
+    CHECK(w.deck().frame() == 1);
+    QTest::keyClick(&w.bar(), Qt::Key_End);
+    CHECK(w.deck().frame() == int(take.times.size()) - 1);
+    CHECK((w.end() - posed).manhattanLength() < 2.0);
+
+    // What is held and posed is untouched by looking at takes.
+    QTest::keyClick(&w.bar(), Qt::Key_Home);
+    w.trigger("leave-take");
+    CHECK(!w.deck().shown());
+    CHECK((w.end() - posed).manhattanLength() < 2.0);
+
+    QTest::keyClick(&w.bar(), Qt::Key_Home);
+    REQUIRE(w.deck().shown());
+    w.drag({0, -60});
+    CHECK(!w.deck().shown());
+    CHECK(!w.document().session().showsTake());
+}
+
+TEST_CASE("takes: the space bar plays to the end and pauses, and loops where that is on") {
+    Stage w;
+    w.record({10, -80});
+    const double length = w.deck().take()->duration();
+    QTest::keyClick(&w.view(), Qt::Key_Space);
+    REQUIRE(w.deck().playing());
+    QSignalSpy told(&w.deck(), &TakeDeck::changed);
+    REQUIRE(QTest::qWaitFor([&] { return !w.deck().playing(); }, 20000));
+    CHECK(told.count() > 3);
+    CHECK(w.deck().time() == doctest::Approx(length));
+    CHECK(w.deck().shown());
+
+    w.trigger("loop");
+    CHECK(w.deck().looping());
+    QTest::keyClick(&w.view(), Qt::Key_Space);
+    bool turned = false;
+    double last = 0.0;
+    const auto watch = QObject::connect(&w.deck(), &TakeDeck::changed, [&] {
+        turned = turned || w.deck().time() < last;
+        last = w.deck().time();
+    });
+    REQUIRE(QTest::qWaitFor([&] { return turned && w.deck().playing(); }, 20000));
+    QObject::disconnect(watch);
+    w.shoot("takes-playing");
+    QTest::keyClick(&w.view(), Qt::Key_Space);
+    CHECK(!w.deck().playing());
+    const double paused = w.deck().time();
+    w.settle(200);
+    CHECK(w.deck().time() == paused);
+    // A drag in mid-play goes on live.
+    QTest::keyClick(&w.view(), Qt::Key_Space);
+    REQUIRE(w.deck().playing());
+    w.drag({0, -50});
+    CHECK(!w.deck().playing());
+    CHECK(!w.deck().shown());
+}
+
+TEST_CASE("takes: they are renamed in place and removed by the keyboard, each as one step") {
+    Stage w;
+    w.record({10, -60});
+    w.record({-10, 40});
+    REQUIRE(w.now().takes.size() == 2);
+    const int before = w.position();
+    w.list().setFocus();
+    w.list().setCurrentIndex(w.list().model()->index(0, 0));
+    w.settle();
+    CHECK(w.deck().take()->name == "Take 1");
+    CHECK(w.deck().shown());
+    QTest::keyClick(&w.list(), Qt::Key_F2);
+    auto* editor = w.list().findChild<QLineEdit*>();
+    REQUIRE(editor);
+    editor->selectAll();
+    QTest::keyClicks(editor, QStringLiteral("wave"));
+    QTest::keyClick(editor, Qt::Key_Return);
+    w.settle();
+    CHECK(w.now().takeNamed("wave"));
+    CHECK(w.position() == before + 1);
+    w.shoot("takes-two");
+
+    // Del is for the take, whatever is selected in the view.
+    w.document().select({{SelectionItem::Kind::Element, w.now().elements.begin()->first, {}, false}});
+    const std::size_t elements = w.now().elements.size();
+    w.settle();
+    w.list().setFocus();
+    QTest::keyClick(&w.list(), Qt::Key_Delete);
+    w.settle();
+    CHECK(!w.now().takeNamed("wave"));
+    CHECK(w.now().elements.size() == elements);
+    CHECK(w.position() == before + 2);
+    w.trigger("undo");
+    CHECK(w.now().takeNamed("wave"));
+    w.trigger("undo");
+    CHECK(w.now().takeNamed("Take 1"));
+}
+
+TEST_CASE("takes: a recording ends with its take when the document is left, and says when it ends early") {
+    Stage w;
+    QTest::keyClick(&w.view(), Qt::Key_R);
+    w.settle(200);
+    REQUIRE(w.deck().recording());
+    w.run({{"do", "set"}, {"target", "character"}, {"property", "basis"}, {"value", "paper"}});
+    REQUIRE(QTest::qWaitFor([&] { return !w.deck().recording(); }, 20000));
+    CHECK(w.now().takes.size() == 1);
+    CHECK(w.window().messages().text().contains(QStringLiteral("ended early")));
+    w.trigger("undo");  // the take
+    w.trigger("undo");  // the basis
+    REQUIRE(w.now().takes.empty());
+    QTest::keyClick(&w.view(), Qt::Key_R);
+    w.settle(200);
+    Q_EMIT w.window().files().leaving();
+    CHECK(!w.deck().recording());
+    CHECK(w.now().takes.size() == 1);
+}
+
+TEST_CASE("takes: the panel reads in every theme, in Japanese and at 125 %") {
+    Stage w;
+    w.record({20, -90});
+    w.record({-10, 60});
+    QTest::mouseClick(&w.bar(), Qt::LeftButton, {}, w.at(0.3));
+    auto& look = Appearance::instance();
+    look.setTheme(Appearance::Theme::Light);
+    w.settle(200);
+    w.shoot("takes-light");
+    look.setLanguage(QStringLiteral("ja"));
+    w.settle(300);
+    w.shoot("takes-japanese");
+    CHECK(w.list().accessibleName() == QStringLiteral("テイク"));
+    QTest::keyClick(&w.view(), Qt::Key_R);
+    w.settle(200);
+    w.shoot("takes-recording-light");
+    QTest::keyClick(&w.view(), Qt::Key_R);
+    look.setTheme(Appearance::Theme::HighContrast);
+    w.settle(200);
+    w.shoot("takes-contrast");
+    look.setTheme(Appearance::Theme::Dark);
+    look.setLanguage(QStringLiteral("en"));
+    look.setScale(1.25);
+    w.settle(300);
+    w.shoot("takes-125");
+    look.setScale(1.0);
+    w.settle(200);
+}
