@@ -119,6 +119,7 @@ void StudioActions::retranslate() {
         QString plain = text;
         if (const auto at = plain.indexOf(QStringLiteral("(&")); at >= 0) plain.remove(at, 4);
         plain.remove(u'&');
+        entry.action->setIconText(plain);
         const QString keys = entry.action->shortcut().toString(QKeySequence::NativeText);
         entry.action->setToolTip(keys.isEmpty() ? plain : QStringLiteral("%1  (%2)").arg(plain, keys));
     }
