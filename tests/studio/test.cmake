@@ -13,7 +13,7 @@ if(IMOMUSHI_STUDIO)
         IMOMUSHI_LUPDATE="$<TARGET_FILE:Qt6::lupdate>")
     if(XVFB_RUN)
         add_test(NAME studio COMMAND ${XVFB_RUN} -a -s "-screen 0 1600x1000x24" $<TARGET_FILE:test_studio> -nv)
-        set_tests_properties(studio PROPERTIES LABELS studio TIMEOUT 300
+        set_tests_properties(studio PROPERTIES LABELS studio TIMEOUT 900
             ENVIRONMENT "LIBGL_ALWAYS_SOFTWARE=1;QT_QPA_PLATFORM=xcb;LC_ALL=C.UTF-8")
     endif()
 endif()
