@@ -281,12 +281,13 @@ void AccuracyPanel::start() {
 }
 
 void AccuracyPanel::show(const AccuracyStudy& study) {
-    const auto known = chosen_ >= 0 && chosen_ < int(study_.points.size()) ? std::optional(study_.points[std::size_t(chosen_)].setting) : std::nullopt;
+    const bool chose = chosen_ >= 0 && chosen_ < int(study_.points.size());
+    const AccuracySetting known = chose ? study_.points[std::size_t(chosen_)].setting : AccuracySetting();
     study_ = study;
     front_ = study_.frontPerFrame();
     chosen_ = -1;
-    for (std::size_t i = 0; known && i < study_.points.size(); ++i)
-        if (study_.points[i].setting == *known) chosen_ = int(i);
+    for (std::size_t i = 0; chose && i < study_.points.size(); ++i)
+        if (study_.points[i].setting == known) chosen_ = int(i);
     if (chosen_ < 0) chosen_ = study_.present();
     const QSignalBlocker blocked(pose_);
     const int pose = std::max(0, pose_->currentIndex());

@@ -35,7 +35,7 @@ RecoveryDialog::RecoveryDialog(const QList<Autosave::Found>& found, QWidget* par
     }
     list_->setCurrentRow(0);
     list_->setSizeAdjustPolicy(QAbstractScrollArea::AdjustToContents);
-    list_->setMinimumSize(px(380), px(std::min<qsizetype>(16 + 44 * found.size(), 300)));
+    list_->setMinimumSize(px(380), px(std::min(16 + 44 * int(found.size()), 300)));
     connect(list_, &QListWidget::itemActivated, this, &QDialog::accept);
     column->addWidget(list_);
 
