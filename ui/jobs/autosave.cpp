@@ -80,6 +80,8 @@ void Autosave::saveSoon() {
         });
 }
 
+bool Autosave::kept() const { return !file_.isEmpty() && QFile::exists(file_); }
+
 QList<Autosave::Found> Autosave::found() const {
     QList<Found> out;
     const auto files = QDir(folder_).entryInfoList({QStringLiteral("*") + kSuffix}, QDir::Files, QDir::Time);

@@ -26,6 +26,8 @@ public:
 
     /// Writes what changed since the last copy, in the background. finished() tells.
     void saveSoon();
+    /// There is a copy of this session on the disk.
+    [[nodiscard]] bool kept() const;
 
     /// Work that a studio left behind which is no more. Holding it keeps others from offering it too.
     struct Found {

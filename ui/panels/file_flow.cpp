@@ -79,7 +79,7 @@ bool FileFlow::offerRecovery() {
     const Autosave::Found chosen = found.at(dialog.chosen());
     if (!document_.execute({{"do", "open"}, {"path", chosen.file.toStdString()}, {"as", chosen.original.toStdString()}})) return false;
     // The old copy goes when there is a new one.
-    connect(&autosave_, &BackgroundJob::finished, this, [chosen](bool completed) { if (completed) Autosave::discard(chosen); }, Qt::SingleShotConnection);
+    connect(&autosave_, &BackgroundJob::finished, this, [this, chosen] { if (autosave_.kept()) Autosave::discard(chosen); }, Qt::SingleShotConnection);
     autosave_.saveSoon();
     Q_EMIT opened();
     return true;
