@@ -27,49 +27,20 @@ fuzz_packages=(clang libclang-rt-14-dev)
 # npm may come from elsewhere, as one package with node.
 command -v npm >/dev/null || test_packages+=(nodejs npm)
 
+kind="${1:-build}"
 packages=("${build_packages[@]}")
-case "${1:-build}" in
+case "$kind" in
     build) ;;
     test) packages+=("${test_packages[@]}") ;;
     fuzz) packages+=("${test_packages[@]}" "${fuzz_packages[@]}") ;;
-    *) echo "install.sh: \"$1\" is none of build, test, fuzz."; exit 2 ;;
+    *) echo "install.sh: \"$kind\" is none of build, test, fuzz."; exit 2 ;;
 esac
 
-# Programs that exported files are tested with; tests that need them are skipped without. Blender is another one, of your own.
-clients() {
-    [ "${1:-build}" != build ] && command -v npm >/dev/null || return 0
-    local folder
-    folder=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../tests/clients" && pwd -P)
-    [ "$folder/node_modules/.package-lock.json" -nt "$folder/package-lock.json" ] && return 0
-    (cd "$folder" && npm ci --no-audit --no-fund --ignore-scripts && touch node_modules/.package-lock.json) ||
-        echo "gltf-validator and three.js could not be installed: their tests will be skipped."
+as_root() {
+    if [ "$(id -u)" -eq 0 ]; then "$@"; else sudo "$@"; fi
 }
-trap 'status=$?; [ $status -eq 0 ] && clients "$@"; exit $status' EXIT
-
-if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
-    echo "This is neither Debian nor Ubuntu: install the counterparts of these packages yourself: ${packages[*]}"
-    exit 0
-fi
-
-# One call for all: a name per installed package, nothing for the others.
-installed=$(IFS=' |'; dpkg-query -W -f '${db:Status-Abbrev}${Package}\n' ${packages[*]} 2>/dev/null | sed -n 's/^.i //p' || true)
-missing=()
-for package in "${packages[@]}"; do
-    grep -qxE "${package//+/\\+}" <<<"$installed" || missing+=("$package")
-done
-[ ${#missing[@]} -eq 0 ] && exit 0
-
-echo "Installing: ${missing[*]}"
-as_root=()
-if [ "$(id -u)" -ne 0 ]; then
-    if ! command -v sudo >/dev/null; then
-        echo "These packages are missing and neither root nor sudo is at hand. Have them installed by: apt-get install ${missing[*]}"
-        exit 1
-    fi
-    as_root=(sudo)
-fi
 apt() {
-    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -y -o DPkg::Lock::Timeout=300 -o Acquire::Retries=3 "$@" </dev/null
+    as_root env DEBIAN_FRONTEND=noninteractive apt-get -y -o DPkg::Lock::Timeout=300 -o Acquire::Retries=3 "$@" </dev/null
 }
 # The name that this release knows.
 known() {
@@ -79,13 +50,47 @@ known() {
     done
     echo "${1%%|*}"
 }
-install_missing() {
+apt_install() {
     local names=() package
-    for package in "${missing[@]}"; do names+=("$(known "$package")"); done
+    for package in "$@"; do names+=("$(known "$package")"); done
     apt install --no-install-recommends "${names[@]}"
 }
-# Package lists may be missing or old: a failed first try is answered by an update.
-if ! install_missing 2>/dev/null; then
-    apt update
-    install_missing
-fi
+
+# install_packages NAME...: those that are missing. The status is 1 where they cannot be had.
+install_packages() {
+    if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
+        echo "This is neither Debian nor Ubuntu: install the counterparts of these packages yourself: $*"
+        return 0
+    fi
+    local names="$*" installed package missing=()
+    # One call for all: a name per installed package, nothing for the others.
+    installed=$(dpkg-query -W -f '${db:Status-Abbrev}${Package}\n' ${names//|/ } 2>/dev/null | sed -n 's/^.i //p' || true)
+    for package in "$@"; do
+        grep -qxE "${package//+/\\+}" <<<"$installed" || missing+=("$package")
+    done
+    [ ${#missing[@]} -gt 0 ] || return 0
+    if [ "$(id -u)" -ne 0 ] && ! command -v sudo >/dev/null; then
+        echo "These packages are missing and neither root nor sudo is at hand. Have them installed by: apt-get install ${missing[*]}"
+        return 1
+    fi
+    echo "Installing: ${missing[*]}"
+    # Package lists may be missing or old: a failed first try is answered by an update.
+    apt_install "${missing[@]}" 2>/dev/null || { apt update && apt_install "${missing[@]}"; }
+}
+
+# Programs that exported files are tested with; tests that need them are skipped without. Blender is another one, of your own.
+install_clients() {
+    local folder browser
+    folder=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../tests/clients" && pwd -P)
+    if [ ! "$folder/node_modules/.package-lock.json" -nt "$folder/package-lock.json" ]; then
+        (cd "$folder" && npm ci --no-audit --no-fund --ignore-scripts && touch node_modules/.package-lock.json) ||
+            echo "gltf-validator and three.js could not be installed: their tests will be skipped."
+    fi
+    for browser in chromium-headless-shell chromium chromium-browser google-chrome; do
+        if command -v "$browser" >/dev/null; then return; fi
+    done
+    install_packages chromium-headless-shell || echo "Chromium could not be installed: exported files will not be tested in a browser."
+}
+
+install_packages "${packages[@]}"
+[ "$kind" = build ] || install_clients
