@@ -84,7 +84,7 @@ install_clients() {
     folder=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../tests/clients" && pwd -P)
     if [ ! "$folder/node_modules/.package-lock.json" -nt "$folder/package-lock.json" ]; then
         (cd "$folder" && npm ci --no-audit --no-fund --ignore-scripts && touch node_modules/.package-lock.json) ||
-            echo "gltf-validator and three.js could not be installed: their tests will be skipped."
+            echo "gltf-validator, three.js and tree-sitter could not be installed: tests of exported files will be skipped."
     fi
     for browser in chromium-headless-shell chromium chromium-browser google-chrome; do
         if command -v "$browser" >/dev/null; then return; fi

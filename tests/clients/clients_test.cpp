@@ -46,8 +46,8 @@ std::string run(const std::string& command, int& status) {
 bool hasNode() {
     int status = 0;
     run("node --version", status);
-    const bool there = status == 0 && std::filesystem::exists(IMOMUSHI_CLIENTS "/node_modules/three") && std::filesystem::exists(IMOMUSHI_CLIENTS "/node_modules/gltf-validator");
-    if (!there) MESSAGE("skipped: node, gltf-validator or three.js is not installed (packaging/install.sh test)");
+    const bool there = status == 0 && std::filesystem::exists(IMOMUSHI_CLIENTS "/node_modules/.package-lock.json");
+    if (!there) MESSAGE("skipped: node or its packages are not installed (packaging/install.sh test)");
     return there;
 }
 
@@ -238,4 +238,18 @@ TEST_CASE("clients: the driver for three.js follows a drag as the studio does") 
     Json drag;
     for (std::size_t i = 0; i < names.size(); ++i) drag[names[i]] = answers[3 + i]["value"];
     inThree(Json::array({{{"file", "rigged.glb"}, {"rest", "rest.obj"}, {"tolerance", kLive}, {"drag", drag}, {"positions", "pose.obj"}}}));
+}
+
+TEST_CASE("clients: the driver for Godot is GDScript, and what is none is found") {
+    if (!hasNode()) return;
+    const std::string driver = IMOMUSHI_DRIVERS "/godot.gd";
+    int status = 0;
+    const std::string found = run("node '" IMOMUSHI_CLIENTS "/check_godot.js' '" + driver + "'", status);
+    INFO(found << read(folder() / "err"));
+    CHECK(status == 0);
+    std::string broken = read(driver);
+    broken.erase(broken.find(".length()") + 7, 1);
+    std::ofstream(folder() / "broken.gd") << broken;
+    CHECK(run("node '" IMOMUSHI_CLIENTS "/check_godot.js' broken.gd", status).starts_with("broken.gd:"));
+    CHECK(status == 1);
 }
