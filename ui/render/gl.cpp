@@ -20,6 +20,12 @@ VertexArray makeVertexArray() {
     return VertexArray(n);
 }
 
+void floatAttribute(GLuint location, int size, std::size_t stride, std::size_t offset, GLuint divisor) {
+    glEnableVertexAttribArray(location);
+    glVertexAttribPointer(location, size, GL_FLOAT, GL_FALSE, static_cast<GLsizei>(stride), reinterpret_cast<const void*>(offset));
+    glVertexAttribDivisor(location, divisor);
+}
+
 namespace {
 
 void appendShader(std::string_view name, std::string& out) {

@@ -47,6 +47,8 @@ using Renderbuffer = Name<deleteRenderbuffer>;
 
 Buffer makeBuffer();
 VertexArray makeVertexArray();
+/// An attribute of the vertex array that is bound: `size` floats in the buffer that is bound, `stride` and `offset` in bytes; `divisor` 1: one per instance.
+void floatAttribute(GLuint location, int size, std::size_t stride, std::size_t offset, GLuint divisor = 0);
 
 /// A vertex and a fragment shader of shaders/, linked. `#include "x.glsl"` lines are resolved. The uniform block Frame is bound to 0.
 class Program {

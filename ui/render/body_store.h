@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "ui/render/body_geometry.h"
+#include "ui/render/card_deformer.h"
+#include "ui/render/gl.h"
+#include "ui/render/scene_renderer.h"
+
+namespace imomushi::render {
+
+/// A body in the memory of the graphics card.
+struct GpuBody {
+    std::shared_ptr<const ElementMesh> mesh;
+    std::shared_ptr<const std::vector<std::int32_t>> covered;
+    std::unique_ptr<BodyGeometry> geometry;
+    VertexArray vertexArray;
+    Buffer vertices, look, indices, marked;
+    std::vector<std::int32_t> markedTriangles;
+    std::vector<std::uint32_t> markedIndices;
+    std::vector<TextureName> textures;  ///< 0: could not be decoded
+    std::vector<float> staging;
+    std::uint64_t revision = 0;
+    const float* positions = nullptr;
+    Eigen::Vector3f low = Eigen::Vector3f::Zero(), high = Eigen::Vector3f::Zero();  ///< a box that holds it, world, m
+    Eigen::AlignedBox3d about;  ///< the same box; of the card's bodies, whose `low` and `high` lie a little outside, a closer one
+    int element = -1;           ///< of the recipe, where the card makes it
+    std::uint64_t recipe = 0, version = 0;
+    CardDeformer::Dress dress;
+    /// What the dress was made for.
+    std::vector<std::pair<const void*, const BodyGeometry*>> seams;
+    bool fresh = true;    ///< never filled
+    bool changed = false; ///< in this frame
+    bool welded = false;  ///< a seam touches it
+    bool used = false;    ///< in this frame
+};
+
+/// The bodies of a scene on the graphics card. What changed since the last time is made or uploaded again, normals across seams included; bodies that are gone are forgotten.
+class BodyStore {
+public:
+    /// Errors: those of CardDeformer.
+    Result<void> prepare() { return deformer_.prepare(); }
+    /// `drawn`: of scene.bodies; null: nothing to draw.
+    void take(const Scene& scene, std::vector<GpuBody*>& drawn);
+    void forget();
+    [[nodiscard]] CardDeformer& deformer() { return deformer_; }
+    [[nodiscard]] const CardDeformer& deformer() const { return deformer_; }
+
+private:
+    static void make(const Body& body, GpuBody& gpu);
+    static void fill(const Body& body, GpuBody& gpu);
+    static void mark(const std::vector<std::int32_t>* triangles, GpuBody& gpu);
+    static void fillAll(const Scene& scene, const std::vector<GpuBody*>& drawn);
+    void dressAll(const Scene& scene, const std::vector<GpuBody*>& drawn);
+    void dress(const Scene& scene, const std::vector<GpuBody*>& drawn, std::size_t i);
+
+    CardDeformer deformer_;
+    std::map<std::pair<std::uint64_t, int>, GpuBody> bodies_;  ///< by id, and which of the bodies of that id
+};
+
+}  // namespace imomushi::render
