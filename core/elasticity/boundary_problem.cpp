@@ -45,8 +45,6 @@ constexpr const char* kInaccurate = "inaccurate";
 
 /// Up to this many nodes a dense matrix is faster than a hierarchical one.
 constexpr std::int32_t kDenseNodes = 5000;
-/// Residual of hierarchical solutions: far below what the discretisation leaves.
-constexpr double kHierarchicalGoal = 1e-5;
 /// From about this many nodes the whole surface is looked at to see whether it is closed.
 constexpr std::int32_t kSharesSeen = 1000;
 /// A hierarchical solution of kMeasuredNodes nodes and twelve columns, one thread (bench_large): the time in pairs of a point and a triangle, the
@@ -209,6 +207,7 @@ struct BoundaryProblem::State {
     LargeArray<double> heldH;    ///< H_J by rows, n x 3 held
     DenseLu lu;                  ///< of A^T: A by rows is A^T by columns
     int threads = 1;
+    double tolerance = 0.0;      ///< see Input
     bool loose = false;          ///< nothing holds a part of the body; told after what is wrong with the surface itself
     SolveQuality quality;
 
@@ -333,6 +332,8 @@ Result<std::vector<int>> patchesOfVertices(const BoundaryProblem::Input& input) 
 
 }  // namespace
 
+bool BoundaryProblem::hierarchical(int nodes) { return nodes > kDenseNodes; }
+
 Result<void> BoundaryProblem::check(const Input& input) {
     if (auto patches = patchesOfVertices(input); !patches) return tl::make_unexpected(patches.error());
     return {};
@@ -344,9 +345,10 @@ Result<BoundaryProblem> BoundaryProblem::build(const Input& input, const Progres
     const TriangleMesh& mesh = *input.mesh;
     auto state = std::make_unique<State>();
     state->threads = std::max(1, input.threads);
+    state->tolerance = std::clamp(input.tolerance, 1e-6, 1e-2);
     state->equation = std::make_shared<const BoundaryEquation>(mesh, input.held, input.bubbles, input.nu);
     state->loose = floats(mesh, *patchOf);
-    const bool dense = state->equation->nodes() <= kDenseNodes && state->denseBytes() <= availableMemory();
+    const bool dense = !hierarchical(state->equation->nodes()) && state->denseBytes() <= availableMemory();
     if (auto ok = dense ? state->buildDense(progress) : state->buildHierarchical(progress); !ok) return tl::make_unexpected(ok.error());
     return BoundaryProblem(std::move(state));
 }
@@ -402,6 +404,7 @@ Result<void> BoundaryProblem::State::buildHierarchical(const Progress& progress)
     if (loose) return fail("singular", kNoUniqueAnswer);
     HierarchicalLu::Options options;
     options.threads = threads;
+    options.tolerance *= tolerance / Input().tolerance;  // the nearer the matrix, the faster refinement gains
     options.memoryLimit = availableMemory();
     auto built = HierarchicalLu::build(equation, options, progress);
     if (!built) return tl::make_unexpected(built.error());
@@ -453,7 +456,7 @@ Result<Eigen::MatrixXd> BoundaryProblem::State::solveHierarchical(const Eigen::M
         putLoads(loads, progress, x.rightCols(loads.columns()));
     }
     if (progress.cancelled()) return fail(kCancelled, "The precompute was cancelled.");
-    if (auto ok = hierarchical->solve(x, kHierarchicalGoal, progress); !ok) return tl::make_unexpected(ok.error());
+    if (auto ok = hierarchical->solve(x, tolerance, progress); !ok) return tl::make_unexpected(ok.error());
     const HierarchicalLu::Quality& q = hierarchical->quality();
     quality.residual = std::max(quality.residual, q.residual);
     quality.peakBytes = std::max(quality.peakBytes, q.matrixBytes + q.factorBytes + q.solveBytes);

@@ -35,7 +35,11 @@ public:
         std::vector<std::array<std::int32_t, 2>> bubbles;  ///< edges along which the displacement is quadratic; see BoundaryEquation
         double nu = 0.45;                    ///< Poisson ratio, 0...0.5
         int threads = 1;
+        /// In hierarchical form: the largest residual that is left, relative to the right-hand side, 1e-6...1e-2. What 1e-5 leaves is far below what the discretisation does.
+        double tolerance = 1e-5;
     };
+    /// Whether so many nodes are too many for a dense matrix, as long as there is memory.
+    static bool hierarchical(int nodes);
     /// Errors: "cancelled", "bad-value", "no-memory", "no-face", "shared-rim" (two patches share a vertex), "no-free-vertex",
     /// "singular", "not-closed" (the solid-angle sums say that the surface is open, inverted or self-overlapping).
     static Result<BoundaryProblem> build(const Input& input, const Progress& progress);

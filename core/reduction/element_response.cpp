@@ -60,6 +60,7 @@ BoundaryProblem::Input problemOf(const ResponseInput& input) {
     for (const JointFace& face : input.faces) problem.held.push_back({face.vertices, face.triangles});
     problem.nu = input.nu;
     problem.threads = input.threads;
+    problem.tolerance = input.solverMesh.tolerance;
     return problem;
 }
 
@@ -70,6 +71,7 @@ BoundaryProblem::Input problemOf(const ResponseInput& input, const SolverMesh& m
     problem.bubbles = mesh.bubbles;
     problem.nu = input.nu;
     problem.threads = input.threads;
+    problem.tolerance = input.solverMesh.tolerance;
     return problem;
 }
 
@@ -558,6 +560,7 @@ ContentKey responseKey(const ResponseInput& input) {
     }
     hasher.number(static_cast<int>(input.solverMesh.kind));
     hasher.number(input.solverMesh.count);
+    if (input.solverMesh.tolerance != SolverMeshSetting::kUsualTolerance) hasher.number(input.solverMesh.tolerance);
     const TriangleMesh& body = input.mesh->body;
     hasher.array(std::span<const double>(body.vertices.data(), static_cast<std::size_t>(body.vertices.size())));
     hasher.array(std::span<const std::int32_t>(body.triangles.data(), static_cast<std::size_t>(body.triangles.size())));
