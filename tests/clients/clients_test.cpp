@@ -222,7 +222,7 @@ TEST_CASE("clients: FBX files are made by Blender and come back from it as they 
     CHECK(read(folder() / "a.fbx").substr(0, 18) == "Kaydara FBX Binary");
 }
 
-TEST_CASE("clients: the driver for three.js follows a drag as the studio does") {
+TEST_CASE("clients: the driver for three.js follows a drag as the studio does, and the driver for Godot computes the same") {
     if (!hasNode()) return;
     exportSample(samples()[0], {exported("rigged.glb", "rigged")});
     std::vector<Json> lines = {{{"do", "open"}, {"path", IMOMUSHI_SAMPLES "/caterpillar.imomushi"}}, {{"do", "drag"}, {"endpoint", "head-bone/end"}, {"to", {0.72, 1.0, 0.62}}},
@@ -238,6 +238,10 @@ TEST_CASE("clients: the driver for three.js follows a drag as the studio does") 
     Json drag;
     for (std::size_t i = 0; i < names.size(); ++i) drag[names[i]] = answers[3 + i]["value"];
     inThree(Json::array({{{"file", "rigged.glb"}, {"rest", "rest.obj"}, {"tolerance", kLive}, {"drag", drag}, {"positions", "pose.obj"}}}));
+    int status = 0;
+    const std::string out = run("node '" IMOMUSHI_CLIENTS "/check_godot.js' '" IMOMUSHI_DRIVERS "/godot.gd' rigged.glb", status);
+    INFO(out << read(folder() / "err"));
+    CHECK(status == 0);
 }
 
 TEST_CASE("clients: the driver for Godot is GDScript, and what is none is found") {

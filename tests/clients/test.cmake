@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Exported files and drivers in programs that are not ours: the Khronos validator, three.js and a parser of GDScript (packaging/install.sh puts them into
+# Exported files and drivers in programs that are not ours: the Khronos validator, three.js and tree-sitter's parser of GDScript (packaging/install.sh puts them into
 # node_modules here), Chromium, and Blender. What is not installed is left out, with a message.
 imomushi_test(clients nlohmann_json::nlohmann_json)
 add_dependencies(test_clients imomushi)
