@@ -2524,46 +2524,6 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>メモリ</translation>
         </message>
         <message>
-            <source>Pose</source>
-            <translation>ポーズ</translation>
-        </message>
-        <message>
-            <source>As it is set now, error in colours</source>
-            <translation>今の設定（色は誤差）</translation>
-        </message>
-        <message>
-            <source>Full solution</source>
-            <translation>完全な解</translation>
-        </message>
-        <message>
-            <source>% of the diagonal</source>
-            <translation>%（対角線比）</translation>
-        </message>
-        <message>
-            <source>stretch</source>
-            <translation>伸び</translation>
-        </message>
-        <message>
-            <source>bend</source>
-            <translation>曲げ</translation>
-        </message>
-        <message>
-            <source>twist</source>
-            <translation>ねじり</translation>
-        </message>
-        <message>
-            <source>random 1</source>
-            <translation>でたらめ 1</translation>
-        </message>
-        <message>
-            <source>random 2</source>
-            <translation>でたらめ 2</translation>
-        </message>
-        <message>
-            <source>random 3</source>
-            <translation>でたらめ 3</translation>
-        </message>
-        <message>
             <source>error %1 (largest %2 of the diagonal)</source>
             <translation>誤差 %1（最大は対角線の %2）</translation>
         </message>
@@ -2646,6 +2606,22 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         <message>
             <source>predicted: %1 per frame, %2 of precompute</source>
             <translation>予測：1フレーム %1、事前計算 %2</translation>
+        </message>
+        <message>
+            <source>Price of effects</source>
+            <translation>エフェクトの費用</translation>
+        </message>
+        <message>
+            <source>Effect</source>
+            <translation>エフェクト</translation>
+        </message>
+        <message>
+            <source>Off by</source>
+            <translation>予測との差</translation>
+        </message>
+        <message>
+            <source>Fingers need their own precompute: turn touch on, precompute, and measure again.</source>
+            <translation>指には専用の事前計算が必要です。タッチを有効にして事前計算し、もう一度測ってください。</translation>
         </message>
     </context>
     <context>
@@ -2746,6 +2722,10 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         <message>
             <source>%1, smooth joints</source>
             <translation>%1、滑らかな関節</translation>
+        </message>
+        <message>
+            <source>%1, tolerance %2</source>
+            <translation>%1、許容誤差%2</translation>
         </message>
     </context>
     <context>
@@ -3088,6 +3068,81 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         <message>
             <source>%1 s</source>
             <translation>%1 秒</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::AccuracyErrors</name>
+        <message>
+            <source>Pose</source>
+            <translation>ポーズ</translation>
+        </message>
+        <message>
+            <source>As it is set now, error in colours</source>
+            <translation>今の設定（色は誤差）</translation>
+        </message>
+        <message>
+            <source>Full solution</source>
+            <translation>完全な解</translation>
+        </message>
+        <message>
+            <source>% of the diagonal</source>
+            <translation>%（対角線比）</translation>
+        </message>
+        <message>
+            <source>stretch</source>
+            <translation>伸び</translation>
+        </message>
+        <message>
+            <source>bend</source>
+            <translation>曲げ</translation>
+        </message>
+        <message>
+            <source>twist</source>
+            <translation>ねじり</translation>
+        </message>
+        <message>
+            <source>random 1</source>
+            <translation>でたらめ 1</translation>
+        </message>
+        <message>
+            <source>random 2</source>
+            <translation>でたらめ 2</translation>
+        </message>
+        <message>
+            <source>random 3</source>
+            <translation>でたらめ 3</translation>
+        </message>
+        <message>
+            <source>error %1 (largest %2 of the diagonal)</source>
+            <translation>誤差 %1（最大は対角線の %2）</translation>
+        </message>
+        <message>
+            <source>the pose of now</source>
+            <translation>今のポーズ</translation>
+        </message>
+        <message>
+            <source>Stop</source>
+            <translation>止める</translation>
+        </message>
+        <message>
+            <source>Measure</source>
+            <translation>測定する</translation>
+        </message>
+        <message>
+            <source>%1 · about %2 left</source>
+            <translation>%1 · 残り約%2</translation>
+        </message>
+        <message>
+            <source>full solution: %1 for the pose, its own error %2, keeps %3</source>
+            <translation>完全解：このポーズに%1、それ自身の誤差%2、保持するメモリ%3</translation>
+        </message>
+        <message>
+            <source>the character has moved since</source>
+            <translation>その後キャラクターが動いています</translation>
+        </message>
+        <message>
+            <source>The full solution takes about %1 and %2, once, in the background; then every pose takes a moment.</source>
+            <translation>完全解には最初の一度だけ約%1と%2が必要です（作業は続けられます）。その後はどのポーズもすぐに測れます。</translation>
         </message>
     </context>
 </TS>

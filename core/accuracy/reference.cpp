@@ -4,22 +4,31 @@
 #include <Eigen/Geometry>
 #include <Eigen/QR>
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <optional>
+#include <span>
 
+#include "core/accuracy/machine_share.h"
 #include "core/comparison/model_table.h"
 #include "core/comparison/previous_model.h"
 #include "core/reduction/congruence.h"
+#include "core/reduction/solved_body.h"
 
 namespace imomushi {
 
 namespace {
 
 using Kind = SolverMeshSetting::Kind;
+using Clock = std::chrono::steady_clock;
+
+double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 /// Strips and bubbles leave a tenth of the error of the plain mesh (solved_body.h: measured on 24 bodies, 0.3 to 2.5 times the estimate).
 constexpr double kErrorLeft = 0.1;
+/// Motions of joint faces that are smooth.
+const BasisChoice kSmooth(BasisKind::Modes, BasisChoice::kMostModes);
 
 tl::unexpected<Error> cancelled() { return fail(kCancelled, "The study was cancelled."); }
 
@@ -35,7 +44,7 @@ std::vector<ResponseInput> asked(const std::vector<ResponseInput>& elements, con
 }
 
 /// Both as positions in the world; `frames` of a character in the same pose.
-ErrorSum difference(const std::vector<Points>& shown, const std::vector<Points>& wanted, const Reference& reference, const Character& frames) {
+ErrorSum difference(const std::vector<Points>& shown, const std::vector<Points>& wanted, const std::vector<std::vector<char>>& seen, const Character& frames) {
     ErrorSum sum;
     for (std::size_t e = 0; e < wanted.size(); ++e) {
         const Points& rest = frames.input().elements[e].mesh->body.vertices;
@@ -43,7 +52,7 @@ ErrorSum difference(const std::vector<Points>& shown, const std::vector<Points>&
         const double diagonal = rest.rows() ? (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm() : 0.0;
         double largest = 0.0;
         for (Eigen::Index v = 0; v < rest.rows(); ++v) {
-            if (!reference.seen[e][static_cast<std::size_t>(v)]) continue;
+            if (!seen[e][static_cast<std::size_t>(v)]) continue;
             const double miss = (shown[e].row(v) - wanted[e].row(v)).squaredNorm();
             sum.wrong += miss;
             sum.all += (wanted[e].row(v).transpose() - frame * Vec3(rest.row(v).transpose())).squaredNorm();
@@ -63,18 +72,9 @@ std::vector<Points> shownBy(const Character& character) {
     return out;
 }
 
-Result<std::vector<std::vector<Points>>> statics(CharacterInput character, std::vector<std::shared_ptr<const ElementResponse>> full, const std::vector<StandardPose>& poses,
-                                                 const Progress& progress) {
-    for (std::size_t e = 0; e < full.size(); ++e) character.elements[e].response = std::move(full[e]);
-    auto model = PreviousModel::build(std::move(character), progress);
-    if (!model) return tl::unexpected(model.error());
-    std::vector<std::vector<Points>> out;
-    for (const auto& pose : poses) {
-        auto solved = model->statics(pose.pose, progress);
-        if (!solved) return tl::unexpected(solved.error());
-        out.push_back(std::move(*solved));
-    }
-    return out;
+Result<PreviousModel> fullModel(CharacterInput character, const std::vector<std::shared_ptr<const ElementResponse>>& full, const Progress& progress) {
+    for (std::size_t e = 0; e < full.size(); ++e) character.elements[e].response = full[e];
+    return PreviousModel::build(std::move(character), progress);
 }
 
 /// Displacements of free vertices (3 x #free) that joint parameters `v` of a smooth basis cause, less those of the same motion of face vertices, linear on the triangles
@@ -111,41 +111,6 @@ Eigen::VectorXd smoothPart(const CharacterInput::Element& element, const Element
     return v;
 }
 
-/// Lets the faces of the reference bulge between their vertices as the smooth part of their motion does: on the triangles of the body alone they are faceted, which is no
-/// property of the body. What is left is estimated by doing the same with the motion of the smooth modes in equilibrium.
-Result<void> smoothFaces(const ReferenceInput& input, Reference& reference, const std::vector<std::shared_ptr<const ElementResponse>>& full,
-                         const std::vector<std::shared_ptr<const ElementResponse>>& smooth, const Progress& progress) {
-    CharacterInput given = withoutEffects(input.character);
-    given.basis = BasisChoice(BasisKind::Modes, BasisChoice::kMostModes);
-    given.smoothJoints = true;
-    for (std::size_t e = 0; e < smooth.size(); ++e) given.elements[e].response = smooth[e];
-    auto character = Character::build(std::move(given));
-    if (!character) return tl::unexpected(character.error());
-    ErrorSum left;
-    for (std::size_t i = 0; i < input.poses.size(); ++i) {
-        if (progress.cancelled()) return cancelled();
-        character->update(input.poses[i].pose);
-        std::vector<Points> other = reference.positions[i];
-        for (std::size_t e = 0; e < smooth.size(); ++e) {
-            if (!smooth[e]) continue;
-            const auto& element = input.character.elements[e];
-            const auto frame = character->frame(static_cast<int>(e));
-            Points& own = reference.positions[i][e];
-            const Eigen::VectorXd x = bulge(element, *smooth[e], *full[e], smoothPart(element, *smooth[e], frame, own));
-            const Eigen::VectorXd y = bulge(element, *smooth[e], *full[e], character->jointParameters(static_cast<int>(e)));
-            for (std::size_t k = 0; k < full[e]->freeVertices.size(); ++k) {
-                const auto vertex = full[e]->freeVertices[k];
-                own.row(vertex) += (frame.linear() * x.segment<3>(3 * static_cast<Eigen::Index>(k))).transpose();
-                other[e].row(vertex) += (frame.linear() * y.segment<3>(3 * static_cast<Eigen::Index>(k))).transpose();
-            }
-        }
-        left.add(difference(other, reference.positions[i], reference, *character));
-    }
-    reference.faceRelative = left.error().relative;
-    reference.facePercent = left.error().percent;
-    return {};
-}
-
 }  // namespace
 
 void ErrorSum::add(const ErrorSum& other) {
@@ -157,11 +122,11 @@ void ErrorSum::add(const ErrorSum& other) {
 PoseError ErrorSum::error() const { return {all > 0.0 ? std::sqrt(wrong / all) : 0.0, percent}; }
 
 ErrorSum errorOf(const Character& character, const Reference& reference, std::size_t which) {
-    return difference(shownBy(character), reference.positions[which], reference, character);
+    return difference(shownBy(character), reference.positions[which], reference.seen, character);
 }
 
 ErrorSum errorOf(const Character& frames, const std::vector<Points>& positions, const Reference& reference, std::size_t which) {
-    return difference(positions, reference.positions[which], reference, frames);
+    return difference(positions, reference.positions[which], reference.seen, frames);
 }
 
 std::vector<std::vector<float>> errorField(const Character& character, const Reference& reference, std::size_t which) {
@@ -186,7 +151,7 @@ Result<SolvedElements> solveElements(const std::vector<ResponseInput>& elements,
         out.seconds.push_back(0.0);
         if (elements[e].faces.empty()) continue;
         if (progress.cancelled()) return cancelled();
-        const auto start = std::chrono::steady_clock::now();
+        const auto start = Clock::now();
         Result<ElementResponse> built;
         bool carried = false;
         for (std::size_t k = 0; k < e && !carried; ++k)
@@ -198,10 +163,16 @@ Result<SolvedElements> solveElements(const std::vector<ResponseInput>& elements,
         }
         if (!built) return tl::unexpected(built.error());
         out.responses.back() = std::make_shared<const ElementResponse>(std::move(*built));
-        out.seconds.back() = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        out.seconds.back() = since(start);
     }
     out.peakBytes = estimateElements(elements).bytes;
     return out;
+}
+
+bool anyHierarchical(const std::vector<ResponseInput>& elements) {
+    return std::any_of(elements.begin(), elements.end(), [](const ResponseInput& in) {
+        return !in.faces.empty() && BoundaryProblem::hierarchical(solvedSize(in.mesh->body, in.faces, in.solverMesh).nodes);
+    });
 }
 
 ResponseEstimate estimateElements(const std::vector<ResponseInput>& elements) {
@@ -238,54 +209,172 @@ std::optional<Kind> referenceMesh(const ReferenceInput& input) {
 
 int referenceRank(const std::string& mesh) { return mesh == "best" ? 2 : mesh == "default" ? 1 : 0; }
 
-Result<Reference> buildReference(const ReferenceInput& input, const Progress& progress) {
+ContentKey referenceKey(const ReferenceInput& input) {
+    ContentHasher hasher;
+    const auto vector = [&](const Vec3& v) { hasher.array(std::span<const double>(v.data(), 3)); };
+    for (const ResponseInput& in : asked(input.elements, BasisKind::Full, Kind::Default)) {
+        const ContentKey key = responseKey(in);
+        hasher.number(key.high);
+        hasher.number(key.low);
+    }
+    const CharacterInput& c = input.character;
+    for (const auto& e : c.elements) {
+        hasher.number(e.stiffness);
+        hasher.number(static_cast<int>(e.leadsJointPlanes));
+        hasher.array(std::span<const int>(e.bones));
+    }
+    for (const Vec3& p : c.skeleton.points) vector(p);
+    for (const auto& b : c.skeleton.bones) {
+        hasher.array(std::span<const int>(std::array{b.start, b.end, b.parent}));
+        hasher.array(std::span<const double>(std::array{b.length, b.minStretch, b.maxStretch}));
+    }
+    for (const auto& joint : c.joints) {
+        hasher.number(joint.point);
+        for (const auto& f : joint.faces) hasher.array(std::span<const int>(std::array{f.element, f.face, f.bone}));
+        for (const auto& [a, b] : joint.welded) hasher.array(std::span<const std::int32_t>(std::array{a, b}));
+    }
+    return hasher.key();
+}
+
+ResponseEstimate referenceCost(const ReferenceInput& input) {
+    const std::optional<Kind> finest = referenceMesh(input);
+    if (!finest) return {};
+    ResponseEstimate out = estimateElements(asked(input.elements, BasisKind::Full, *finest));
+    out.seconds += estimateElements(asked(input.elements, kSmooth, *finest)).seconds;
+    if (*finest != Kind::AsIs) out.seconds += estimateElements(asked(input.elements, BasisKind::Full, Kind::AsIs)).seconds;
+    out.seconds /= machineShare(input.elements.front().threads);
+    return out;
+}
+
+/// Joint faces may bulge between their vertices as the smooth part of their motion does: on the triangles of the body alone they are faceted, which is no property of the
+/// body. What is left is estimated by doing the same with the motion of the smooth modes in equilibrium.
+struct FullSolution::State {
+    CharacterInput character;
+    std::string mesh, how;
+    double relative = -1.0;                ///< where there is no coarser level
+    double seconds = 0.0;
+    std::vector<std::vector<char>> seen;
+    std::vector<std::shared_ptr<const ElementResponse>> full, smooth;
+    PreviousModel fine;
+    std::optional<PreviousModel> coarse;   ///< on the bodies as they are
+    Character equilibrium;                 ///< of the smooth modes; its frames are those of the elements
+
+    Result<void> addPose(const Pose& pose, Reference& out, ErrorSum& coarser, ErrorSum& faces, const Progress& progress);
+};
+
+Result<void> FullSolution::State::addPose(const Pose& pose, Reference& out, ErrorSum& coarser, ErrorSum& faces, const Progress& progress) {
+    auto solved = fine.statics(pose, progress);
+    if (!solved) return tl::unexpected(solved.error());
+    equilibrium.update(pose);
+    if (coarse) {
+        const auto plain = coarse->statics(pose, progress);
+        if (!plain) return tl::unexpected(plain.error());
+        coarser.add(difference(*plain, *solved, seen, equilibrium));
+    }
+    std::vector<Points> other = *solved;
+    for (std::size_t e = 0; e < smooth.size(); ++e) {
+        if (!smooth[e]) continue;
+        const auto& element = character.elements[e];
+        const auto frame = equilibrium.frame(static_cast<int>(e));
+        Points& own = (*solved)[e];
+        const Eigen::VectorXd x = bulge(element, *smooth[e], *full[e], smoothPart(element, *smooth[e], frame, own));
+        const Eigen::VectorXd y = bulge(element, *smooth[e], *full[e], equilibrium.jointParameters(static_cast<int>(e)));
+        for (std::size_t k = 0; k < full[e]->freeVertices.size(); ++k) {
+            const auto vertex = full[e]->freeVertices[k];
+            own.row(vertex) += (frame.linear() * x.segment<3>(3 * static_cast<Eigen::Index>(k))).transpose();
+            other[e].row(vertex) += (frame.linear() * y.segment<3>(3 * static_cast<Eigen::Index>(k))).transpose();
+        }
+    }
+    faces.add(difference(other, *solved, seen, equilibrium));
+    out.positions.push_back(std::move(*solved));
+    return {};
+}
+
+FullSolution::FullSolution(std::unique_ptr<State> state) : state_(std::move(state)) {}
+FullSolution::FullSolution(FullSolution&&) noexcept = default;
+FullSolution& FullSolution::operator=(FullSolution&&) noexcept = default;
+FullSolution::~FullSolution() = default;
+
+Result<FullSolution> FullSolution::build(const ReferenceInput& input, const Progress& progress) {
     const bool any = std::any_of(input.elements.begin(), input.elements.end(), [](const ResponseInput& e) { return !e.faces.empty(); });
     if (!any) return fail("no-face", "No element has a joint face: there is nothing to compare before faces are added.");
-    const auto start = std::chrono::steady_clock::now();
     const std::optional<Kind> finest = referenceMesh(input);
-    if (!finest) return fail("too-large", "The full solution of this character needs more memory than there is for it: errors stay unknown. Use coarser elements.");
+    if (!finest) return fail("no-memory", "The full solution of this character needs more memory than there is for it: errors stay unknown. Use coarser elements.");
 
-    Reference out;
-    out.seen = seenVertices(input.character);
-    out.mesh = solverMeshName({*finest, 0});
-    const CharacterInput plain = withoutEffects(input.character);
-    auto fine = solveElements(asked(input.elements, BasisKind::Full, *finest), progress.part(0.0, 0.6));
+    const auto start = Clock::now();
+    CharacterInput plain = withoutEffects(input.character);
+    for (auto& e : plain.elements) e.response = nullptr;
+    auto full = solveElements(asked(input.elements, BasisKind::Full, *finest), progress.part(0.0, 0.6));
+    if (!full) return tl::unexpected(full.error());
+    auto fine = fullModel(plain, full->responses, progress);
     if (!fine) return tl::unexpected(fine.error());
-    auto solved = statics(plain, fine->responses, input.poses, progress);
-    if (!solved) return tl::unexpected(solved.error());
-    out.positions = std::move(*solved);
-
-    auto frames = Character::build(plain);
-    if (!frames) return tl::unexpected(frames.error());
+    std::optional<PreviousModel> coarse;
+    double relative = -1.0;
+    std::string how;
     if (*finest != Kind::AsIs) {
-        auto coarse = solveElements(asked(input.elements, BasisKind::Full, Kind::AsIs), progress.part(0.6, 0.7));
-        if (!coarse) return tl::unexpected(coarse.error());
-        const auto coarser = statics(plain, std::move(coarse->responses), input.poses, progress);
+        const auto coarser = solveElements(asked(input.elements, BasisKind::Full, Kind::AsIs), progress.part(0.6, 0.7));
         if (!coarser) return tl::unexpected(coarser.error());
-        ErrorSum sum;
-        for (std::size_t i = 0; i < input.poses.size(); ++i) {
-            frames->update(input.poses[i].pose);
-            sum.add(difference((*coarser)[i], out.positions[i], out, *frames));
-        }
-        out.relative = kErrorLeft * sum.error().relative;
-        out.percent = kErrorLeft * sum.error().percent;
-        out.how = "A tenth of the difference from the same solution on the bodies as they are, which is what strips and quadratic displacement leave of the "
-                  "error of a plain mesh.";
+        auto model = fullModel(plain, coarser->responses, progress);
+        if (!model) return tl::unexpected(model.error());
+        coarse.emplace(std::move(*model));
+        how = "A tenth of the difference from the same solution on the bodies as they are, which is what strips and quadratic displacement leave of the error of a plain mesh.";
     } else {
-        double most = -1.0;
         bool known = true;
-        for (const auto& r : fine->responses)
-            if (r) known = known && r->quality.error >= 0.0, most = std::max(most, r->quality.error);
-        out.relative = known ? most : -1.0;
-        out.how = known ? "Solved on the bodies as they are, since finer meshes would take too long: the error of the worst element against a coarser mesh; its largest "
-                          "error at one vertex is unknown."
-                        : "Solved on the bodies as they are, since finer meshes would take too long, and there is no coarser mesh to compare with: its error is unknown.";
+        for (const auto& r : full->responses)
+            if (r) known = known && r->quality.error >= 0.0, relative = std::max(relative, r->quality.error);
+        if (!known) relative = -1.0;
+        how = known ? "Solved on the bodies as they are, since finer meshes would take too long: the error of the worst element against a coarser mesh; its largest "
+                      "error at one vertex is unknown."
+                    : "Solved on the bodies as they are, since finer meshes would take too long, and there is no coarser mesh to compare with: its error is unknown.";
     }
-    auto smooth = solveElements(asked(input.elements, BasisChoice(BasisKind::Modes, BasisChoice::kMostModes), *finest), progress.part(0.7, 1.0));
+    auto smooth = solveElements(asked(input.elements, kSmooth, *finest), progress.part(0.7, 1.0));
     if (!smooth) return tl::unexpected(smooth.error());
-    if (auto ok = smoothFaces(input, out, fine->responses, smooth->responses, progress); !ok) return tl::unexpected(ok.error());
-    out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    CharacterInput soft = plain;
+    soft.basis = kSmooth;
+    soft.smoothJoints = true;
+    for (std::size_t e = 0; e < smooth->responses.size(); ++e) soft.elements[e].response = smooth->responses[e];
+    auto equilibrium = Character::build(std::move(soft));
+    if (!equilibrium) return tl::unexpected(equilibrium.error());
+    return FullSolution(std::make_unique<State>(State{std::move(plain), solverMeshName({*finest, 0}), std::move(how), relative, since(start), seenVertices(input.character),
+                                                      std::move(full->responses), std::move(smooth->responses), std::move(*fine), std::move(coarse), std::move(*equilibrium)}));
+}
+
+Result<Reference> FullSolution::in(const std::vector<StandardPose>& poses, const Progress& progress) {
+    State& s = *state_;
+    const auto start = Clock::now();
+    Reference out;
+    out.seen = s.seen;
+    out.mesh = s.mesh;
+    out.how = s.how;
+    ErrorSum coarser, faces;
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+        progress.report("solve", static_cast<double>(i) / static_cast<double>(poses.size()));
+        if (progress.cancelled()) return cancelled();
+        if (auto ok = s.addPose(poses[i].pose, out, coarser, faces, progress); !ok) return tl::unexpected(ok.error());
+    }
+    out.relative = s.coarse ? kErrorLeft * coarser.error().relative : s.relative;
+    out.percent = s.coarse ? kErrorLeft * coarser.error().percent : -1.0;
+    out.faceRelative = faces.error().relative;
+    out.facePercent = faces.error().percent;
+    out.seconds = s.seconds + since(start);
     return out;
+}
+
+const std::string& FullSolution::mesh() const { return state_->mesh; }
+double FullSolution::seconds() const { return state_->seconds; }
+
+std::size_t FullSolution::bytes() const {
+    std::size_t sum = state_->fine.matrixBytes() + (state_->coarse ? 3 * state_->coarse->matrixBytes() : 0);  // its responses are kept too, in double precision
+    for (const auto* responses : {&state_->full, &state_->smooth})
+        for (const auto& r : *responses)
+            if (r) sum += r->bytes();
+    return sum;
+}
+
+Result<Reference> buildReference(const ReferenceInput& input, const Progress& progress) {
+    auto solution = FullSolution::build(input, progress.part(0.0, 0.95));
+    if (!solution) return tl::unexpected(solution.error());
+    return solution->in(input.poses, progress.part(0.95, 1.0));
 }
 
 }  // namespace imomushi

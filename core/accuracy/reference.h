@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "core/base/hash.h"
 #include "core/base/progress.h"
 #include "core/character/character.h"
 #include "core/comparison/standard_poses.h"
@@ -30,7 +32,7 @@ struct Reference {
     std::vector<std::vector<Points>> positions;  ///< per pose and element #body vertices x 3, world, m
     std::vector<std::vector<char>> seen;         ///< per element and vertex
     std::string mesh;                            ///< solver mesh, as settings name it
-    double seconds = 0.0;                        ///< it took
+    double seconds = 0.0;                        ///< it took, with the full solution that it is from
     /// Its own error, over all poses: what its solver mesh leaves, estimated by the difference from a coarser level. Negative: unknown.
     double relative = -1.0, percent = -1.0;
     /// The same for what is left because its joint faces have no freedom but at the vertices of the body: between them they bulge as the smooth part of their motion
@@ -51,7 +53,34 @@ struct ReferenceInput {
 std::optional<SolverMeshSetting::Kind> referenceMesh(const ReferenceInput& input);
 int referenceRank(const std::string& mesh);
 
-/// Errors: "no-face", "too-large" (not even the bodies as they are can be solved within limits), those of buildResponse() and PreviousModel, "cancelled".
+/// Everything that the full solution depends on but poses and limits: elements, skeleton and joints.
+ContentKey referenceKey(const ReferenceInput& input);
+/// Seconds, with what else the machine has to do now, and bytes of a FullSolution, estimated. Zeros where no mesh is within its limits.
+ResponseEstimate referenceCost(const ReferenceInput& input);
+
+/// The full solution of a character, solved once: each pose then takes no more than finding the equilibrium of its joint faces.
+class FullSolution {
+public:
+    /// `input.poses` are not looked at. Errors: "no-face", "no-memory" (not even the bodies as they are can be solved within limits), those of buildResponse() and
+    /// PreviousModel, "cancelled".
+    static Result<FullSolution> build(const ReferenceInput& input, const Progress& progress);
+    FullSolution(FullSolution&&) noexcept;
+    FullSolution& operator=(FullSolution&&) noexcept;
+    ~FullSolution();
+
+    /// Its own error is that over these poses. Errors: those of PreviousModel::statics(), "cancelled".
+    Result<Reference> in(const std::vector<StandardPose>& poses, const Progress& progress);
+    [[nodiscard]] const std::string& mesh() const;  ///< see Reference
+    [[nodiscard]] double seconds() const;           ///< that build() took
+    [[nodiscard]] std::size_t bytes() const;        ///< that it keeps
+
+private:
+    struct State;
+    explicit FullSolution(std::unique_ptr<State> state);
+    std::unique_ptr<State> state_;
+};
+
+/// In the poses of the input. Errors: those of FullSolution.
 Result<Reference> buildReference(const ReferenceInput& input, const Progress& progress);
 
 /// Of a character that shows `pose` number `which` of the reference. Displacements are measured in the character's frames.
@@ -60,6 +89,9 @@ ErrorSum errorOf(const Character& character, const Reference& reference, std::si
 ErrorSum errorOf(const Character& frames, const std::vector<Points>& positions, const Reference& reference, std::size_t which);
 /// Distance of each vertex from the reference in % of the diagonal of its element; negative where it is not seen. Per element.
 std::vector<std::vector<float>> errorField(const Character& character, const Reference& reference, std::size_t which);
+
+/// Whether any of them is solved in hierarchical form.
+bool anyHierarchical(const std::vector<ResponseInput>& elements);
 
 /// The responses of all elements that have joint faces; of congruent elements only the first is solved. `seconds`: what each took, 0 without faces.
 struct SolvedElements {

@@ -11,16 +11,21 @@ namespace {
 
 using Kind = SolverMeshSetting::Kind;
 
+std::string number(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%g", value);
+    return text;
+}
+
 std::string meshName(const MeshChoice& mesh) {
     if (mesh.own) return "own meshes";
-    char factor[32];
-    std::snprintf(factor, sizeof factor, "%g", mesh.factor);
+    const std::string tail = mesh.tolerance == SolverMeshSetting::kUsualTolerance ? "" : " @ " + number(mesh.tolerance);
     switch (mesh.kind) {
-        case Kind::AsIs: return "as-is";
-        case Kind::Refined: return std::string("refined x ") + factor;
-        case Kind::Decimated: return std::string("decimated x ") + factor;
-        case Kind::Default: return "default";
-        case Kind::Best: return "best";
+        case Kind::AsIs: return "as-is" + tail;
+        case Kind::Refined: return "refined x " + number(mesh.factor) + tail;
+        case Kind::Decimated: return "decimated x " + number(mesh.factor) + tail;
+        case Kind::Default: return "default" + tail;
+        case Kind::Best: return "best" + tail;
     }
     return {};
 }
@@ -31,7 +36,7 @@ SolverMeshSetting MeshChoice::on(int vertices, const SolverMeshSetting& given) c
     if (own) return given;
     const bool counted = kind == Kind::Refined || kind == Kind::Decimated;
     const double count = std::clamp(std::round(factor * vertices), double{SolverMeshSetting::kFewest}, double{SolverMeshSetting::kMost});
-    return {kind, counted ? static_cast<int>(count) : 0};
+    return {kind, counted ? static_cast<int>(count) : 0, tolerance};
 }
 
 std::string settingName(const AccuracySetting& s) {
@@ -40,9 +45,9 @@ std::string settingName(const AccuracySetting& s) {
     return basisName(s.basis) + (s.smoothJoints ? " + smooth joints" : "") + tail;
 }
 
-std::vector<AccuracySetting> studiedSettings(const AccuracySetting& present) {
+std::vector<AccuracySetting> studiedSettings(const AccuracySetting& present, const std::vector<MeshChoice>& hierarchical) {
     std::vector<AccuracySetting> out = {present};
-    const auto add = [&](AccuracySetting s) {
+    const auto add = [&](const AccuracySetting s) {  // a copy: `out` grows
         if (std::find(out.begin(), out.end(), s) == out.end()) out.push_back(s);
     };
     const MeshChoice usual{}, asIs{false, Kind::AsIs, 0.0};
@@ -75,6 +80,16 @@ std::vector<AccuracySetting> studiedSettings(const AccuracySetting& present) {
     add(basis(BasisKind::Full, true, usual));
     add(basis(some, true, {false, Kind::Best, 0.0}));
     add(basis(most, true, {false, Kind::Best, 0.0}));
+    const std::size_t usually = out.size();
+    for (const MeshChoice& mesh : hierarchical)
+        for (std::size_t i = 0; i < usually; ++i) {
+            if (out[i].mesh != mesh || out[i].format != ResponseFormat::Float || (i > 0 && !(out[i].basis == some && out[i].smoothJoints))) continue;
+            AccuracySetting other = out[i];
+            for (const double tolerance : {1e-3, 1e-4, 1e-6}) {
+                other.mesh.tolerance = tolerance;
+                add(other);
+            }
+        }
     return out;
 }
 

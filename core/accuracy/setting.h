@@ -15,6 +15,7 @@ struct MeshChoice {
     bool own = false;    ///< each element the one that the document gives it
     SolverMeshSetting::Kind kind = SolverMeshSetting::Kind::Default;
     double factor = 0.0; ///< of Refined and Decimated: its vertices in those of the body
+    double tolerance = SolverMeshSetting::kUsualTolerance;
     /// For an element of so many vertices; `given`: what the document gives it.
     [[nodiscard]] SolverMeshSetting on(int vertices, const SolverMeshSetting& given) const;
     bool operator==(const MeshChoice&) const = default;
@@ -33,7 +34,8 @@ struct AccuracySetting {
 /// For people and as a key of stored figures: "modes:12 + smooth joints, solved on default, float".
 std::string settingName(const AccuracySetting& setting);
 
-/// What a study tries, the cheap and telling ones first, `present` before all: bases with and without smooth joints, solver meshes, number formats.
-std::vector<AccuracySetting> studiedSettings(const AccuracySetting& present);
+/// What a study tries, the cheap and telling ones first, `present` before all: bases with and without smooth joints, solver meshes, number formats; and tolerances on
+/// those of the `hierarchical` meshes that it tries, the only ones that take notice of them.
+std::vector<AccuracySetting> studiedSettings(const AccuracySetting& present, const std::vector<MeshChoice>& hierarchical = {});
 
 }  // namespace imomushi

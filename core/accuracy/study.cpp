@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/accuracy/study.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <map>
 
+#include "core/accuracy/machine_share.h"
 #include "core/accuracy/pareto.h"
+#include "core/accuracy/pose_error.h"
 #include "core/accuracy/stand_in.h"
 #include "core/accuracy/study_store.h"
 #include "core/base/parallel.h"
@@ -24,7 +26,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kVersion = 1;          // of stored figures: whenever the same input would give others
+constexpr int kVersion = 2;          // of stored figures: whenever the same input would give others
 constexpr int kRounds = 400;
 constexpr double kSeconds = 1.2;     // of one measurement of frames
 constexpr double kQuickSeconds = 0.3;  // the same in a study of a few seconds
@@ -33,6 +35,13 @@ constexpr double kQuickStudy = 20.0;
 constexpr double kReferenceShare = 0.5;
 /// A precompute that is quicker than this is done three times, and the median counts.
 constexpr double kQuickPrecompute = 0.5;
+constexpr const char* kNoMemory = "no-memory";
+/// Differences of frames below this are those of the clock and the machine, ms.
+constexpr double kLeastMs = 1e-3;
+/// A full solution of more than this is not kept for whoever might ask for it later.
+constexpr std::size_t kKeptBytes = std::size_t{512} << 20;
+/// How deep a finger presses, in diagonals of its element.
+constexpr double kPressed = 0.03;
 
 tl::unexpected<Error> cancelled() { return fail(kCancelled, "The study was cancelled."); }
 double since(Clock::time_point from) { return std::chrono::duration<double>(Clock::now() - from).count(); }
@@ -71,18 +80,63 @@ CharacterInput characterAs(const StudyInput& input, const AccuracySetting& setti
     return out;
 }
 
+/// Solver meshes, among those that a study tries, for which some element is solved in hierarchical form.
+std::vector<MeshChoice> hierarchicalMeshes(const StudyInput& input) {
+    std::vector<MeshChoice> out, seen;
+    for (const AccuracySetting& setting : studiedSettings(input.present)) {
+        if (setting.previous || std::find(seen.begin(), seen.end(), setting.mesh) != seen.end()) continue;
+        seen.push_back(setting.mesh);
+        if (!setting.mesh.own && anyHierarchical(solvedAs(input, setting))) out.push_back(setting.mesh);
+    }
+    return out;
+}
+
+/// A finger on the element of most vertices, where its joint faces are farthest.
+class Finger {
+public:
+    explicit Finger(const CharacterInput& input) {
+        Eigen::Index most = 0;
+        for (std::size_t e = 0; e < input.elements.size(); ++e)
+            if (input.elements[e].touched && input.elements[e].mesh->body.vertices.rows() > most) element_ = static_cast<int>(e), most = input.elements[e].mesh->body.vertices.rows();
+        if (element_ < 0) return;
+        const auto& element = input.elements[static_cast<std::size_t>(element_)];
+        const Points& rest = element.mesh->body.vertices;
+        double farthest = -1.0;
+        for (Eigen::Index v = 0; v < rest.rows(); ++v) {
+            double nearest = 1e300;
+            for (const JointFace& face : element.faces)
+                for (const auto held : face.vertices) nearest = std::min(nearest, (rest.row(v) - rest.row(held)).squaredNorm());
+            if (nearest > farthest) farthest = nearest, point_ = rest.row(v).transpose();
+        }
+        const Vec3 low = rest.colwise().minCoeff().transpose(), high = rest.colwise().maxCoeff().transpose();
+        pressed_ = point_ + kPressed * (high - low).norm() * (0.5 * (low + high) - point_).normalized();
+    }
+    void press(Character& character) const {
+        if (element_ >= 0) (void)character.setFinger(element_, 0, point_, character.frame(element_) * pressed_, 0.0);
+    }
+
+private:
+    int element_ = -1;
+    Vec3 point_ = Vec3::Zero(), pressed_ = Vec3::Zero();  // m, at rest
+};
+
 /// Frames of one character while its bones swing.
 class Frames {
 public:
-    explicit Frames(Character& character) : character_(character), swing_(character.input().skeleton), pose_(restPose(character.input().skeleton)) {}
+    explicit Frames(Character& character, const StudyInput::Effect* effect = nullptr)
+        : character_(character), effect_(effect), finger_(character.input()), swing_(character.input().skeleton), pose_(restPose(character.input().skeleton)) {}
     void operator()() {
+        constexpr double kFrame = 1.0 / 60.0;
         swing_.move(at_ += 0.013);
         character_.solvePose(swing_.holds, pose_);
-        character_.update(pose_, 1.0 / 60.0);
+        finger_.press(character_);
+        character_.update(effect_ && effect_->step ? effect_->step(kFrame, pose_, swing_.holds) : pose_, kFrame);
     }
 
 private:
     Character& character_;
+    const StudyInput::Effect* effect_;
+    Finger finger_;
     Swing swing_;
     Pose pose_;
     double at_ = 0.0;
@@ -95,6 +149,8 @@ public:
         : input_(input), listener_(listener), progress_(progress), store_(input.store, studyKey(input)), start_(Clock::now()) {
         study_ = knownStudy(input);
         spentBefore_ = study_.seconds;
+        for (const AccuracySetting& setting : studiedSettings(input.present, hierarchicalMeshes(input)))
+            if (std::none_of(study_.points.begin(), study_.points.end(), [&](const AccuracyPoint& p) { return p.setting == setting; })) study_.points.emplace_back().setting = setting;
     }
 
     Result<AccuracyStudy> run() {
@@ -132,15 +188,10 @@ public:
             }
             done += cost + 1.0;
             tell();
+            if (&p == &study_.points.front())
+                if (auto ok = priceAll(); !ok) return tl::unexpected(ok.error());
         }
-        for (const auto& effect : input_.effects) {
-            if (progress_.cancelled()) return cancelled();
-            const auto known = [&](const EffectPoint& e) { return e.effect == effect.name; };
-            if (std::any_of(study_.effects.begin(), study_.effects.end(), known)) continue;
-            if (input_.seconds > 0.0 && since(start_) > input_.seconds) break;
-            if (auto point = price(effect)) study_.effects.push_back(std::move(*point));
-            tell();
-        }
+        if (auto ok = priceAll(); !ok) return tl::unexpected(ok.error());
         study_.complete = std::none_of(study_.points.begin(), study_.points.end(), waiting);
         tell();
         return study_;
@@ -156,12 +207,15 @@ private:
         if (listener_) listener_(study_);
     }
 
+    [[nodiscard]] double share() const { return machineShare(input_.reference.elements.front().threads); }
+
     Result<void> predict() {
+        const double now = share();
         for (auto& p : study_.points) {
             if (progress_.cancelled()) return cancelled();
             if (p.predictedSeconds >= 0.0) continue;
             const auto cost = estimateElements(solvedAs(input_, p.setting));
-            p.predictedSeconds = cost.seconds;
+            p.predictedSeconds = cost.seconds / now;
             p.precomputeBytes = static_cast<double>(cost.bytes);
             if (p.setting.previous) continue;
             const auto ms = predictFrame(characterAs(input_, p.setting), progress_);
@@ -179,10 +233,11 @@ private:
     }
 
     Result<void> refer() {
-        auto made = buildReference(referenceInput(), progress_.part(0.05, 0.4));
+        const Progress progress = progress_.part(0.05, 0.4);
+        auto made = input_.keeper ? input_.keeper->reference(referenceInput(), kKeptBytes, progress) : buildReference(referenceInput(), progress);
         if (made)
             study_.reference = std::move(*made);
-        else if (made.error().code != "too-large")
+        else if (made.error().code != kNoMemory)
             return tl::unexpected(made.error());
         tell();
         return {};
@@ -210,7 +265,7 @@ private:
     Result<void> measure(AccuracyPoint& p, const Progress& progress) {
         const auto inputs = solvedAs(input_, p.setting);
         if (p.precomputeBytes > input_.reference.bytes)
-            return fail("too-large", "Its precompute would need more memory than a study may take.");
+            return fail(kNoMemory, "Its precompute would need more memory than a study may take.");
         auto solved = solutions(inputs, p, progress);
         if (!solved) return tl::unexpected(solved.error());
         if (p.setting.previous) return measurePrevious(p, std::move(*solved), progress);
@@ -295,6 +350,8 @@ private:
         const ContentKey key = hasher.key();
         auto& kept = kept_[key];
         if (kept.responses.empty()) {
+            // What else the machine has to do may have changed since the study began.
+            kept.predicted = estimateElements(inputs).seconds / share();
             std::vector<double> seconds;
             do {
                 auto solved = solveElements(inputs, progress);
@@ -311,6 +368,7 @@ private:
             kept.seconds = seconds[seconds.size() / 2];
         }
         p.precomputeSeconds = kept.seconds;
+        p.predictedSeconds = kept.predicted;
         auto out = kept.responses;
         // Which settings still need them?
         const bool again = std::any_of(study_.points.begin(), study_.points.end(), [&](const AccuracyPoint& other) {
@@ -321,16 +379,37 @@ private:
         return out;
     }
 
+    /// What is not known yet.
+    Result<void> priceAll() {
+        for (const auto& effect : input_.effects) {
+            if (progress_.cancelled()) return cancelled();
+            const auto known = std::find_if(study_.effects.begin(), study_.effects.end(), [&](const EffectPoint& e) { return e.effect == effect.name; });
+            if (known != study_.effects.end()) {
+                if (known->measuredMs >= 0.0 || !effect.unknown.empty()) continue;
+                study_.effects.erase(known);
+            }
+            if (auto point = price(effect)) study_.effects.push_back(std::move(*point));
+            tell();
+        }
+        return {};
+    }
+
     Result<EffectPoint> price(const StudyInput::Effect& effect) {
-        EffectPoint out{effect.name, effect.predictedMs, -1.0};
-        CharacterInput given = withStandIns(effect.with);
-        CharacterInput plain = characterAs(input_, input_.present);
-        plain.smoothJoints = plain.smoothJoints && effect.name != "smooth-joints";
+        EffectPoint out{effect.name, effect.predictedMs, -1.0, effect.unknown};
+        if (!effect.unknown.empty()) return out;
+        CharacterInput given = effect.with, plain = characterAs(input_, input_.present);
+        if (given.effects.touch) {
+            for (std::size_t e = 0; e < given.elements.size(); ++e) plain.elements[e].response = given.elements[e].response;
+        } else {
+            plain.smoothJoints = plain.smoothJoints && effect.name != "smooth-joints";
+            given = withStandIns(std::move(given));
+            plain = withStandIns(std::move(plain));
+        }
         auto on = Character::build(std::move(given));
         if (!on) return tl::unexpected(on.error());
-        auto off = Character::build(withStandIns(std::move(plain)));
+        auto off = Character::build(std::move(plain));
         if (!off) return tl::unexpected(off.error());
-        Frames a(*on), b(*off);
+        Frames a(*on, &effect), b(*off);
         const auto both = spreadsInTurn(kRounds, frameSeconds(), {[&] { a(); }, [&] { b(); }}, progress_);
         out.measuredMs = std::max(0.0, both[0].median - both[1].median);
         return out;
@@ -347,12 +426,17 @@ private:
     std::optional<Frames> yardFrames_;
     struct Kept {
         std::vector<std::shared_ptr<const ElementResponse>> responses;
-        double seconds = 0.0;
+        double seconds = 0.0, predicted = 0.0;
     };
     std::map<ContentKey, Kept> kept_;
 };
 
 }  // namespace
+
+double EffectPoint::off() const {
+    const double more = std::max(predictedMs, measuredMs), less = std::min(predictedMs, measuredMs);
+    return less < 0.0 || more < kLeastMs ? -1.0 : more / std::max(less, kLeastMs);
+}
 
 std::vector<std::size_t> AccuracyStudy::frontPerFrame() const {
     std::vector<Trade> trades;
@@ -378,35 +462,21 @@ ContentKey studyKey(const StudyInput& input) {
     hasher.number(kVersion);
     hasher.text(machineName());
     hasher.text(settingName(input.present));
-    const auto vector = [&](const Vec3& v) { hasher.array(std::span<const double>(v.data(), 3)); };
+    const auto add = [&](const ContentKey& key) {
+        hasher.number(key.high);
+        hasher.number(key.low);
+    };
+    add(referenceKey(input.reference));
     for (ResponseInput in : input.reference.elements) {
         in.basis = BasisKind::Affine;
         in.loads = false;
         in.touch = 0;
-        const ContentKey key = responseKey(in);
-        hasher.number(key.high);
-        hasher.number(key.low);
+        add(responseKey(in));
     }
-    const CharacterInput& c = input.reference.character;
-    hasher.number(c.threads);
-    for (const auto& e : c.elements) {
-        hasher.number(e.stiffness);
-        hasher.number(static_cast<int>(e.leadsJointPlanes));
-        hasher.array(std::span<const int>(e.bones));
-    }
-    for (const Vec3& p : c.skeleton.points) vector(p);
-    for (const auto& b : c.skeleton.bones) {
-        hasher.array(std::span<const int>(std::array{b.start, b.end, b.parent}));
-        hasher.array(std::span<const double>(std::array{b.length, b.minStretch, b.maxStretch}));
-    }
-    for (const auto& joint : c.joints) {
-        hasher.number(joint.point);
-        for (const auto& f : joint.faces) hasher.array(std::span<const int>(std::array{f.element, f.face, f.bone}));
-        for (const auto& [a, b] : joint.welded) hasher.array(std::span<const std::int32_t>(std::array{a, b}));
-    }
+    hasher.number(input.reference.character.threads);
     for (const auto& pose : input.reference.poses) {
         hasher.text(pose.name);
-        for (const Vec3& p : pose.pose.points) vector(p);
+        for (const Vec3& p : pose.pose.points) hasher.array(std::span<const double>(p.data(), 3));
         for (const auto& q : pose.pose.frames) hasher.array(std::span<const double>(q.coeffs().data(), 4));
         hasher.array(std::span<const double>(pose.pose.roll));
     }
@@ -427,6 +497,8 @@ AccuracyStudy knownStudy(const StudyInput& input) {
         point.setting = setting;
         points.push_back(std::move(point));
     }
+    for (const auto& known : study.points)  // which meshes have a choice of tolerances is found out by the study itself
+        if (known.setting.mesh.tolerance != SolverMeshSetting::kUsualTolerance && known.setting.mesh.tolerance != input.present.mesh.tolerance) points.push_back(known);
     study.points = std::move(points);
     study.complete = std::all_of(study.points.begin(), study.points.end(), [](const AccuracyPoint& p) { return p.measured() || !p.problem.empty(); });
     flag(study);

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,6 +15,8 @@
 #include "core/base/hash.h"
 
 namespace imomushi {
+
+class FullSolutionKeeper;
 
 /// What one setting costs and gets wrong, measured on this machine. Negative: unknown, or not measured yet.
 struct AccuracyPoint {
@@ -30,25 +34,32 @@ struct AccuracyPoint {
     [[nodiscard]] bool measured() const { return frameMs >= 0.0; }  ///< the error stays unknown where there is no reference
 };
 
-/// What an effect adds to a frame of the present setting.
+/// What an effect adds to a frame of the present setting. Negative: unknown.
 struct EffectPoint {
     std::string effect;
     double predictedMs = -1.0, measuredMs = -1.0;
+    std::string problem;               ///< why it was not measured; empty: it was
+    /// How far the prediction was off, as a factor of at least 1; negative: unknown, or both are less than can be measured.
+    [[nodiscard]] double off() const;
 };
 
 /// A character for which the study is made.
 struct StudyInput {
     ReferenceInput reference;          ///< the character with its present basis, joints and format, and how its elements are solved
     AccuracySetting present;
-    /// Effects that act on elements and joints, each with the present character that has it alone, and what it is predicted to cost. Frames of both are measured
-    /// with stand-ins, since most effects would need a precompute of their own.
+    /// An effect, the present character that has it alone, and what it is predicted to cost. Frames with and without it are measured with stand-ins, since most effects
+    /// would need a precompute of their own; only fingers press on true responses, one of them on the element of most vertices.
     struct Effect {
         std::string name;
         double predictedMs = 0.0;
         CharacterInput with;
+        /// What it makes of the pose that inverse kinematics found, before the character takes it (bone dynamics, ground). Empty: nothing.
+        std::function<const Pose&(double seconds, const Pose& kinematic, std::span<const Hold> holds)> step;
+        std::string unknown;           ///< why it cannot be measured; empty: it can
     };
     std::vector<Effect> effects;
     double seconds = 0.0;              ///< that the study may take about, 0: as long as it takes
+    std::shared_ptr<FullSolutionKeeper> keeper;  ///< of the full solution, null: it is thrown away
     std::filesystem::path store;       ///< folder where figures are kept, empty: nowhere
 };
 
@@ -82,7 +93,7 @@ using StudyListener = std::function<void(const AccuracyStudy&)>;
 /// Measures whatever `input.store` does not know yet; what arrives is stored at once, so that a study that was cancelled goes on where it was. Every frame time is
 /// measured in turn with one yardstick, and given as its ratio to that times the yardstick's median over the study: what disturbs the machine for a while
 /// disturbs both.
-/// Errors: those of buildReference() other than "too-large" (then errors stay unknown), "no-bone", "cancelled".
+/// Errors: those of buildReference() other than "no-memory" (then errors stay unknown), "no-bone", "cancelled".
 Result<AccuracyStudy> runStudy(const StudyInput& input, const StudyListener& listener, const Progress& progress);
 
 /// What is stored already, without measuring anything: all points, most of them waiting perhaps.

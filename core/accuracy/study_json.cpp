@@ -37,6 +37,7 @@ Json settingJson(const AccuracySetting& s) {
             json["solver_mesh"] = s.mesh.kind == SolverMeshSetting::Kind::Refined ? "refined" : "decimated";
             json["solver_mesh_factor"] = s.mesh.factor;
         }
+        json["tolerance"] = s.mesh.tolerance;
     }
     return json;
 }
@@ -52,6 +53,7 @@ std::optional<AccuracySetting> settingFromJson(const Json& json) {
     s.smoothJoints = flag(json, "smooth_joints");
     s.mesh.own = flag(json, "own_meshes");
     if (s.mesh.own) return s;
+    s.mesh.tolerance = number(json, "tolerance");
     const std::string mesh = text(json, "solver_mesh");
     using Kind = SolverMeshSetting::Kind;
     if (mesh == "refined" || mesh == "decimated") {
@@ -106,7 +108,10 @@ Json studyJson(const AccuracyStudy& study) {
     };
     out["front"] = {{"ms_per_frame", names(front)}, {"precompute_seconds", names(precompute)}};
     Json effects = Json::array();
-    for (const EffectPoint& e : study.effects) effects.push_back({{"effect", e.effect}, {"predicted_ms", known(e.predictedMs)}, {"measured_ms", known(e.measuredMs)}, {"error", nullptr}});
+    for (const EffectPoint& e : study.effects) {
+        effects.push_back({{"effect", e.effect}, {"predicted_ms", known(e.predictedMs)}, {"measured_ms", known(e.measuredMs)}, {"off_by", known(e.off())}, {"error", nullptr}});
+        if (!e.problem.empty()) effects.back()["problem"] = e.problem;
+    }
     out["effects"] = std::move(effects);
     return out;
 }
@@ -157,7 +162,7 @@ AccuracyStudy studyFromJson(const Json& json) {
         }
     if (const auto effects = json.find("effects"); effects != json.end() && effects->is_array())
         for (const Json& e : *effects)
-            if (e.is_object()) out.effects.push_back({text(e, "effect"), number(e, "predicted_ms"), number(e, "measured_ms")});
+            if (e.is_object()) out.effects.push_back({text(e, "effect"), number(e, "predicted_ms"), number(e, "measured_ms"), text(e, "problem")});
     return out;
 }
 

@@ -15,8 +15,72 @@ namespace imomushi {
 
 namespace {
 
-/// Effects whose price is measured with stand-ins: those of elements and joints. Fingers need true responses, and bone dynamics and the ground are priced by trial anyway.
-constexpr EffectKind kPriced[] = {EffectKind::SmoothJoints, EffectKind::BendWarp, EffectKind::JointDynamics, EffectKind::Gravity, EffectKind::Inflate};
+/// Effects whose price is measured; the previous model has a point of its own.
+constexpr EffectKind kPriced[] = {EffectKind::BoneDynamics, EffectKind::SmoothJoints, EffectKind::BendWarp, EffectKind::JointDynamics,
+                                  EffectKind::Gravity, EffectKind::Inflate, EffectKind::Touch, EffectKind::Ground};
+constexpr const char* kNoTouch = "Fingers press on true responses only: enable \"touch\", run \"precompute\", and study again.";
+
+/// The document's character as studies see it: without effects but smooth joints.
+struct PlainCharacter {
+    Document document;
+    ReferenceInput reference;
+    std::vector<PartId> elements;
+};
+Result<PlainCharacter> plainCharacter(const Session::State& s) {
+    PlainCharacter out{s.document, {}, {}};
+    for (std::size_t k = 0; k < kEffects; ++k)
+        if (static_cast<EffectKind>(k) != EffectKind::SmoothJoints) out.document.effects[static_cast<EffectKind>(k)].enabled = false;
+    auto plan = planCharacter(out.document);
+    if (!plan) return tl::unexpected(plan.error());
+    if (plan->input.skeleton.bones.empty()) return fail("no-bone", "There is no bone to move the character by: add bones first.");
+    out.reference.character = std::move(plan->input);
+    out.elements = std::move(plan->elements);
+    bool any = false;
+    for (const PartId id : out.elements) {
+        out.reference.elements.push_back(s.inputOf(id));
+        any = any || !out.reference.elements.back().faces.empty();
+    }
+    if (!any) return fail("no-face", "No element has a joint face: there is nothing to study before faces are added.");
+    const Skeleton& skeleton = out.reference.character.skeleton;
+    out.reference.poses = standardPoses(skeleton);
+    for (const auto& [id, take] : s.document.takes)
+        for (const int quarter : {1, 2, 3}) {
+            const double time = 0.25 * quarter * take->duration();
+            out.reference.poses.push_back({take->name + " " + std::to_string(25 * quarter) + " %", takePose(*take, momentAt(take->times, time), plan->bones, skeleton)});
+        }
+    return out;
+}
+
+/// How an effect is measured: by the present character with it alone. Nothing where such a character cannot be made.
+std::optional<StudyInput::Effect> pricedEffect(Session::State& s, const Document& plain, EffectKind kind) {
+    Document with = plain;
+    with.effects[kind] = s.document.effects[kind];
+    with.effects[kind].enabled = true;
+    with.effects[kind].elements.clear();
+    auto planned = planCharacter(with);
+    if (!planned) return std::nullopt;
+    StudyInput::Effect out{std::string(effectName(kind)), 0.0, {}, {}, {}};
+    if (kind == EffectKind::BoneDynamics || kind == EffectKind::Ground) {
+        auto built = Performance::build(with, *planned);
+        if (!built) return std::nullopt;
+        out.predictedMs = Performance::predict(with, *planned);
+        out.step = [performance = std::make_shared<Performance>(std::move(*built))](double seconds, const Pose& kinematic, std::span<const Hold> holds) -> const Pose& {
+            performance->step(seconds, kinematic, holds);
+            return performance->pose();
+        };
+    } else {
+        out.predictedMs = s.costOf(kind).milliseconds;
+    }
+    if (kind == EffectKind::Touch) {
+        for (std::size_t e = 0; e < planned->elements.size(); ++e) {
+            auto& element = planned->input.elements[e];
+            element.response = s.responseOf(planned->elements[e], false);
+            if (!element.faces.empty() && (!element.response || element.response->touch.patches.count() == 0)) out.unknown = kNoTouch;
+        }
+    }
+    out.with = std::move(planned->input);
+    return out;
+}
 
 /// A path with one of these endings whose folder is there. Errors: "bad-value", "unknown-format", "not-writable".
 Result<std::filesystem::path> outputPath(const Json& arguments, const char* key, const char* suffix) {
@@ -49,6 +113,51 @@ ScatterPlot plotOf(const AccuracyStudy& study, bool precompute) {
     return plot;
 }
 
+/// 0: no limit.
+Result<double> secondsOf(const Json& arguments) {
+    const Json* seconds = find(arguments, "seconds");
+    return seconds ? numberWithin(*seconds, "seconds", 0.1, 1e6) : 0.0;
+}
+
+/// The error of the character as it is set in the pose that it shows; that of each vertex goes into the file only.
+Result<Json> accuracyOfPose(Session& session, const Json& arguments, const std::filesystem::path& path, const Progress& progress) {
+    if (text(arguments, "pose") != "current") return fail("bad-value", "\"pose\" must be \"current\".");
+    for (const char* key : {"svg", "csv", "fresh"})
+        if (find(arguments, key)) return fail("bad-value", std::string("\"") + key + "\" belongs to the table: leave it out with \"pose\".");
+    auto input = poseErrorInput(session);
+    if (!input) return tl::unexpected(input.error());
+    const auto seconds = secondsOf(arguments);
+    if (!seconds) return tl::unexpected(seconds.error());
+    input->reference.seconds = *seconds;
+    const auto made = FullSolutionKeeper().measure(*input, progress);
+    if (!made) return tl::unexpected(made.error());
+    const auto known = [](double value) { return value >= 0.0 ? Json(value) : Json(nullptr); };
+    const auto pair = [&](double relative, double percent) { return Json{{"relative", known(relative)}, {"max_percent", known(percent)}}; };
+    const Reference& r = made->reference;
+    Json answer{{"pose", "current"}, {"setting", settingName(presentSetting(session.document()))}, {"error", pair(made->error.relative, made->error.percent)}};
+    answer["reference"] = {{"solution", "full"}, {"solver_mesh", r.mesh}, {"error", pair(r.relative, r.percent)}, {"face_error", pair(r.faceRelative, r.facePercent)}, {"how", r.how}};
+    answer["seconds"] = {{"full_solution", r.seconds}, {"pose", made->seconds}};
+    answer["bytes"] = made->bytes;
+    Json elements = Json::array(), fields = Json::array();
+    std::size_t e = 0;
+    for (const auto& [id, element] : session.document().elements) {
+        const auto& field = made->field[e++];
+        double largest = -1.0;
+        Json errors = Json::array();
+        for (const float value : field) {
+            largest = std::max(largest, static_cast<double>(value));
+            errors.push_back(known(value));
+        }
+        elements.push_back({{"name", element->name}, {"max_percent", known(largest)}});
+        fields.push_back({{"name", element->name}, {"max_percent", known(largest)}, {"percent", std::move(errors)}});
+    }
+    Json file = answer;
+    file["elements"] = std::move(fields);
+    answer["elements"] = std::move(elements);
+    if (auto written = writeFileAtomically(path, file.dump(1) + "\n"); !written) return tl::unexpected(written.error());
+    return answer;
+}
+
 Result<Json> accuracy(Session& session, const Json& arguments, const Progress& progress) {
     const auto path = outputPath(arguments, "path", ".json");
     if (!path) return tl::unexpected(path.error());
@@ -56,13 +165,12 @@ Result<Json> accuracy(Session& session, const Json& arguments, const Progress& p
     if (!svg) return tl::unexpected(svg.error());
     const auto csv = outputPath(arguments, "csv", ".csv");
     if (!csv) return tl::unexpected(csv.error());
+    if (find(arguments, "pose")) return accuracyOfPose(session, arguments, *path, progress);
     auto input = studyInput(session);
     if (!input) return tl::unexpected(input.error());
-    if (const Json* seconds = find(arguments, "seconds")) {
-        const auto given = numberWithin(*seconds, "seconds", 0.1, 1e6);
-        if (!given) return tl::unexpected(given.error());
-        input->seconds = *given;
-    }
+    const auto seconds = secondsOf(arguments);
+    if (!seconds) return tl::unexpected(seconds.error());
+    input->seconds = *seconds;
     if (const Json* fresh = find(arguments, "fresh"); fresh && fresh->get<bool>()) {
         std::error_code error;
         for (const char* suffix : {".json", ".positions"}) std::filesystem::remove(input->store / (studyKey(*input).hex() + suffix), error);
@@ -76,7 +184,8 @@ Result<Json> accuracy(Session& session, const Json& arguments, const Progress& p
          "ms_per_frame: inverse kinematics, joints, product, positions and normals while all bones swing, without other effects than smooth joints; measured in turn with a yardstick",
          "predicted: before the precompute, by frames with stand-ins for its results",
          "points whose error is below that of the reference cannot be told apart by it",
-         "effects: what each adds to a frame of the present setting; their error is unknown, as the full solution has none of them"});
+         "effects: what each adds to a frame of the present setting, by the difference of frames with and without it in turn, off_by: the factor between that and its "
+         "prediction; their error is unknown, as the full solution has none of them"});
     if (auto written = writeFileAtomically(*path, answer.dump(2) + "\n"); !written) return tl::unexpected(written.error());
     if (!csv->empty())
         if (auto written = writeFileAtomically(*csv, studyCsv(*study)); !written) return tl::unexpected(written.error());
@@ -99,50 +208,50 @@ AccuracySetting presentSetting(const Document& document) {
     for (const auto& [id, element] : document.elements) {
         if (element->faces.empty()) continue;
         const SolverMeshSetting& mesh = element->solverMesh;
-        if (mesh.count > 0 || (!first && mesh.kind != out.mesh.kind)) {
+        if (mesh.count > 0 || (!first && (mesh.kind != out.mesh.kind || mesh.tolerance != out.mesh.tolerance))) {
             out.mesh = {true, SolverMeshSetting::Kind::Default, 0.0};
             break;
         }
         out.mesh.kind = mesh.kind;
+        out.mesh.tolerance = mesh.tolerance;
         first = false;
     }
     return out;
 }
 
+Result<ReferenceInput> studiedCharacter(Session& session) {
+    auto plain = plainCharacter(session.state());
+    if (!plain) return tl::unexpected(plain.error());
+    return std::move(plain->reference);
+}
+
 Result<StudyInput> studyInput(Session& session) {
     Session::State& s = session.state();
-    Document plain = s.document;
-    for (std::size_t k = 0; k < kEffects; ++k)
-        if (static_cast<EffectKind>(k) != EffectKind::SmoothJoints) plain.effects[static_cast<EffectKind>(k)].enabled = false;
-    auto plan = planCharacter(plain);
-    if (!plan) return tl::unexpected(plan.error());
+    auto plain = plainCharacter(s);
+    if (!plain) return tl::unexpected(plain.error());
     StudyInput out;
     out.present = presentSetting(s.document);
     out.store = studyFolder();
-    out.reference.character = std::move(plan->input);
-    if (out.reference.character.skeleton.bones.empty()) return fail("no-bone", "There is no bone to move the character by: add bones first.");
-    bool any = false;
-    for (const PartId id : plan->elements) {
-        out.reference.elements.push_back(s.inputOf(id));
-        any = any || !out.reference.elements.back().faces.empty();
+    out.reference = std::move(plain->reference);
+    for (const EffectKind kind : kPriced)
+        if (auto effect = pricedEffect(s, plain->document, kind)) out.effects.push_back(std::move(*effect));
+    return out;
+}
+
+Result<PoseErrorInput> poseErrorInput(Session& session) {
+    Session::State& s = session.state();
+    auto plain = plainCharacter(s);
+    if (!plain) return tl::unexpected(plain.error());
+    PoseErrorInput out{std::move(plain->reference), {}};
+    out.shown = out.reference.character;
+    for (std::size_t e = 0; e < plain->elements.size(); ++e) {
+        auto& element = out.shown.elements[e];
+        element.response = s.responseOf(plain->elements[e], false);
+        if (!element.response && !element.faces.empty())
+            return fail("not-precomputed", "\"" + s.document.elements.at(plain->elements[e])->name + "\" is not precomputed as it is now: run \"precompute\" first.");
     }
-    if (!any) return fail("no-face", "No element has a joint face: there is nothing to study before faces are added.");
-    const Skeleton& skeleton = out.reference.character.skeleton;
-    out.reference.poses = standardPoses(skeleton);
-    for (const auto& [id, take] : s.document.takes)
-        for (const int quarter : {1, 2, 3}) {
-            const double time = 0.25 * quarter * take->duration();
-            out.reference.poses.push_back({take->name + " " + std::to_string(25 * quarter) + " %", takePose(*take, momentAt(take->times, time), plan->bones, skeleton)});
-        }
-    for (const EffectKind kind : kPriced) {
-        Document with = plain;
-        with.effects[kind] = s.document.effects[kind];
-        with.effects[kind].enabled = true;
-        with.effects[kind].elements.clear();
-        auto planned = planCharacter(with);
-        if (!planned) continue;
-        out.effects.push_back({std::string(effectName(kind)), s.costOf(kind).milliseconds, std::move(planned->input)});
-    }
+    const Pose& pose = session.shownPose();
+    out.reference.poses = {{"current", pose.points.empty() ? restPose(out.shown.skeleton) : pose}};
     return out;
 }
 
@@ -177,7 +286,10 @@ void addAccuracyCommands(CommandRegistry& registry) {
                    {"svg", Type::Text, false, "Plot of error against time per frame, NAME.svg; that against the precompute goes beside it as NAME-precompute.svg."},
                    {"csv", Type::Text, false, "The table as .csv."},
                    {"seconds", Type::Number, false, "About how long it may take, s (0.1 to 1e6): what does not fit stays unknown and is done by the next study. No limit unless given."},
-                   {"fresh", Type::Boolean, false, "Forget what is known and measure all anew."}},
+                   {"fresh", Type::Boolean, false, "Forget what is known and measure all anew."},
+                   {"pose", Type::Text, false,
+                    "\"current\": no table, but the error of the character as it is set in the pose that it shows now, of every vertex too (% of the diagonal of its element; null: "
+                    "not seen). Then \"seconds\" are for the full solution."}},
                   false, accuracy});
 }
 

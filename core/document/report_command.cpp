@@ -69,9 +69,13 @@ std::string accuracyPart(const AccuracyStudy& study) {
     if (waiting > 0) out += " " + std::to_string(waiting) + " settings were not measured: there was no time, or they need too much memory.";
     out += "\n\n";
     if (!study.effects.empty()) {
-        rows = {{"effect", "predicted (ms per frame)", "measured (ms per frame)"}};
-        for (const auto& e : study.effects) rows.push_back({e.effect, known("%.4f", e.predictedMs), known("%.4f", e.measuredMs)});
-        out += "What effects add to a frame of the present setting; their error is unknown, as the full solution has none of them.\n\n" + table(rows);
+        rows = {{"effect", "predicted (ms per frame)", "measured (ms per frame)", "off by a factor of"}};
+        std::string problems;
+        for (const auto& e : study.effects) {
+            rows.push_back({e.effect, known("%.4f", e.predictedMs), known("%.4f", e.measuredMs), e.off() < 0.0 ? "" : formatted("%.2f", e.off())});
+            if (!e.problem.empty()) problems += e.effect + ": " + e.problem + "\n\n";
+        }
+        out += "What effects add to a frame of the present setting; their error is unknown, as the full solution has none of them.\n\n" + table(rows) + problems;
     }
     return out;
 }

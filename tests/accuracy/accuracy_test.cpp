@@ -12,6 +12,7 @@
 
 #include "core/accuracy/pareto.h"
 #include "core/accuracy/plot.h"
+#include "core/accuracy/pose_error.h"
 #include "core/accuracy/stand_in.h"
 #include "core/accuracy/study.h"
 #include "core/accuracy/study_json.h"
@@ -136,6 +137,57 @@ TEST_CASE("settings: all different, the present one first, and stored ones are r
     REQUIRE(back.points.size() == settings.size());
     for (std::size_t i = 0; i < settings.size(); ++i) CHECK(back.points[i].setting == settings[i]);
     CHECK(back.points[0].frameMs < 0.0);  // unknown stays unknown
+}
+
+TEST_CASE("settings: tolerances are tried on meshes that are solved in hierarchical form, and stored ones are read back") {
+    const AccuracySetting present{false, BasisKind::Affine, false, {}, ResponseFormat::Float};
+    const std::size_t usual = studiedSettings(present).size();
+    const MeshChoice best{false, SolverMeshSetting::Kind::Best, 0.0};
+    const auto settings = studiedSettings(present, {best});
+    REQUIRE(settings.size() == usual + 3);
+    for (std::size_t i = usual; i < settings.size(); ++i) {
+        MeshChoice mesh = settings[i].mesh;
+        CHECK(mesh.tolerance != SolverMeshSetting::kUsualTolerance);
+        AccuracyStudy study;
+        study.points.emplace_back().setting = settings[i];
+        CHECK(studyFromJson(studyJson(study)).points.at(0).setting == settings[i]);
+        mesh.tolerance = SolverMeshSetting::kUsualTolerance;
+        CHECK(mesh == best);
+    }
+    // No body here is large enough.
+    CHECK_FALSE(anyHierarchical(smallStudy().reference.elements));
+}
+
+TEST_CASE("poses: the error in one pose is that of a study there, and the full solution is solved once") {
+    const auto study = smallStudy();
+    const Reference reference = quickReference(study);
+    FullSolutionKeeper keeper;
+    PoseErrorInput input{study.reference, study.reference.character};
+    input.reference.seconds = 1e-9;
+    const auto solved = solveElements(study.reference.elements, {}).value();
+    for (std::size_t e = 0; e < solved.responses.size(); ++e) input.shown.elements[e].response = solved.responses[e];
+    CHECK_FALSE(keeper.knows(referenceKey(input.reference)));
+    auto character = Character::build(input.shown).value();
+    double whole = 0.0;
+    for (std::size_t i = 0; i < study.reference.poses.size(); ++i) {
+        input.reference.poses = {study.reference.poses[i]};
+        const auto made = keeper.measure(input, {}).value();
+        character.update(study.reference.poses[i].pose);
+        CHECK(made.error.relative == errorOf(character, reference, i).error().relative);
+        CHECK(made.field == errorField(character, reference, i));
+        if (i == 0) whole = made.reference.seconds - made.seconds;
+        CHECK(made.reference.seconds >= whole);  // the solution's time is told with each pose
+    }
+    CHECK(keeper.knows(referenceKey(input.reference)));
+    // The basis of the character is not part of it, its body is.
+    auto other = input.reference;
+    other.elements[0].basis = BasisKind::Paper;
+    CHECK(keeper.knows(referenceKey(other)));
+    other.elements[0].nu = 0.3;
+    CHECK_FALSE(keeper.knows(referenceKey(other)));
+    std::stop_source stop;
+    stop.request_stop();
+    CHECK(keeper.measure(input, Progress({}, stop.get_token())).error().code == kCancelled);
 }
 
 TEST_CASE("stand-ins: a frame reads about as many bytes with them as with true responses, and no fewer") {

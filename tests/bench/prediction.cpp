@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Predicted against measured milliseconds per frame, before and after the precompute, of all samples (or those that are named): every setting of a study for which there is
-// time. The last line is the largest factor between the two. Arguments: seconds for each sample (30), names of samples.
+// Predicted against measured milliseconds per frame and seconds of precompute, before and after the precompute, of all samples (or those that are named): every setting of
+// a study for which there is time, and effects. The last line tells the largest factors between the two, effects apart. Arguments: seconds for each sample (30), names of samples.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -18,7 +18,7 @@ int main(int count, char** arguments) {
     if (samples.empty()) samples = {"caterpillar", "octopus", "figure"};
     CommandRegistry registry;
     addCoreCommands(registry);
-    double worst = 1.0;
+    double worst = 1.0, worstPrecompute = 1.0;
     for (const auto& name : samples) {
         Session session(registry);
         if (const auto opened = session.execute({{"do", "open"}, {"path", IMOMUSHI_SAMPLES "/" + name + ".imomushi"}}); !opened) {
@@ -33,14 +33,18 @@ int main(int count, char** arguments) {
             std::fprintf(stderr, "%s: %s\n", name.c_str(), study.error().message.c_str());
             return 1;
         }
-        std::printf("%-60s %10s %10s %8s\n", name.c_str(), "predicted", "measured", "factor");
+        std::printf("%-52s %9s %9s %7s %9s %9s %7s\n", name.c_str(), "ms: pred.", "measured", "factor", "s: pred.", "measured", "factor");
+        const auto factor = [](double a, double b) { return std::max(a / b, b / a); };
         for (const auto& p : study->points) {
-            if (!p.measured() || p.predictedMs <= 0.0) continue;
-            const double factor = std::max(p.predictedMs / p.frameMs, p.frameMs / p.predictedMs);
-            worst = std::max(worst, factor);
-            std::printf("%-60s %10.4f %10.4f %8.2f\n", settingName(p.setting).c_str(), p.predictedMs, p.frameMs, factor);
+            if (!p.measured()) continue;
+            const double frame = p.predictedMs > 0.0 ? factor(p.predictedMs, p.frameMs) : 0.0, precompute = factor(p.predictedSeconds, p.precomputeSeconds);
+            worst = std::max(worst, frame);
+            worstPrecompute = std::max(worstPrecompute, precompute);
+            std::printf("%-52s %9.4f %9.4f %7.2f %9.2f %9.2f %7.2f\n", settingName(p.setting).c_str(), p.predictedMs, p.frameMs, frame, p.predictedSeconds, p.precomputeSeconds, precompute);
         }
+        for (const auto& e : study->effects)
+            std::printf("%-52s %9.4f %9.4f %7.2f %s\n", e.effect.c_str(), e.predictedMs, e.measuredMs, e.off(), e.problem.c_str());
     }
-    std::printf("largest factor %.2f\n", worst);
+    std::printf("largest factor: frames %.2f, precomputes %.2f\n", worst, worstPrecompute);
     return 0;
 }

@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <QComboBox>
 #include <QDockWidget>
 #include <QDoubleSpinBox>
+#include <QFile>
 #include <QSignalSpy>
 #include <QSlider>
 #include <QTabWidget>
 #include <QTableWidget>
+#include <array>
 #include <cmath>
+#include <map>
 
 #include "core/document/accuracy_commands.h"
 #include "tests/studio/window.h"
 #include "ui/models/recent_files.h"
+#include "ui/panels/accuracy_errors.h"
 #include "ui/panels/accuracy_panel.h"
 #include "ui/panels/accuracy_plot.h"
 #include "ui/panels/appearance.h"
@@ -59,12 +64,43 @@ struct Studied : Window {
             for (std::size_t e = 0; e < input->reference.elements.size(); ++e) pose.push_back(character.positions(static_cast<int>(e)));
         }
         for (const auto& e : input->reference.elements) r.seen.emplace_back(static_cast<std::size_t>(e.mesh->body.vertices.rows()), 1);
+        study.effects = {{"bone-dynamics", 0.011, 0.012, {}}, {"gravity", 0.02, 0.05, {}}, {"touch", 0.03, -1.0, "no responses"}};
         study.complete = true;
         panel().show(study);
         settle(100);
     }
     ~Studied() { document().session().execute({{"do", "new"}}); }
     AccuracyPanel& panel() { return window().accuracy(); }
+    /// A unit box on x = 0 ... 1, or 1 ... 2 for "b", of four squares to a side.
+    QString box(const std::string& name) {
+        std::string text;
+        std::map<std::array<int, 3>, int> index;
+        std::string faces;
+        const auto vertex = [&](std::array<int, 3> p) {
+            const auto [at, fresh] = index.try_emplace(p, int(index.size()) + 1);
+            if (fresh) text += "v " + std::to_string(0.25 * p[0] + (name == "b")) + " " + std::to_string(0.25 * p[1] - 0.5) + " " + std::to_string(0.25 * p[2] - 0.5) + "\n";
+            return std::to_string(at->second);
+        };
+        for (int axis = 0; axis < 3; ++axis)
+            for (const int side : {0, 4})
+                for (int i = 0; i < 4; ++i)
+                    for (int k = 0; k < 4; ++k) {
+                        const auto corner = [&](int a, int b) {
+                            std::array<int, 3> p{};
+                            p[std::size_t(axis)] = side;
+                            p[std::size_t((axis + 1) % 3)] = i + (side ? a : b);
+                            p[std::size_t((axis + 2) % 3)] = k + (side ? b : a);
+                            return vertex(p);
+                        };
+                        const std::string a = corner(0, 0), b = corner(1, 0), c = corner(1, 1), d = corner(0, 1);
+                        faces += "f " + a + " " + b + " " + c + "\nf " + a + " " + c + " " + d + "\n";
+                    }
+        const QString path = folder.filePath(QString::fromStdString(name) + QStringLiteral(".obj"));
+        QFile file(path);
+        REQUIRE(file.open(QIODevice::WriteOnly));
+        file.write(QByteArray::fromStdString(text + faces));
+        return path;
+    }
 };
 
 }  // namespace
@@ -88,8 +124,11 @@ TEST_CASE("accuracy: the slider walks along the front, from the fastest to the t
     }
     w.shoot("accuracy");
     w.panel().findChild<QTabWidget*>()->setCurrentIndex(1);
+    w.panel().findChild<QComboBox*>(QStringLiteral("accuracyPose"))->setCurrentIndex(2);
     w.shoot("accuracy-body");
     w.panel().findChild<QTabWidget*>()->setCurrentIndex(2);
+    w.shoot("accuracy-effects");
+    w.panel().findChild<QTabWidget*>()->setCurrentIndex(3);
     w.shoot("accuracy-costs");
 }
 
@@ -154,6 +193,41 @@ TEST_CASE("accuracy: a study runs in the background, can be stopped, and keeps w
     CHECK(finished.count() == 1);
     CHECK_FALSE(w.panel().job().running());
     CHECK(w.panel().study().points.size() == w.study.points.size());
+}
+
+TEST_CASE("accuracy: the error in the pose of now is solved in the background, stops at once, and follows the pose") {
+    Studied w;
+    w.document().session().execute({{"do", "new"}});
+    // A character that is solved in a moment: two coarse boxes on two bones.
+    for (const char* name : {"a", "b"}) w.run({{"do", "import-element"}, {"path", QFile::encodeName(w.box(name)).toStdString()}, {"name", name}});
+    w.run({{"do", "add-joint-face"}, {"element", "a"}, {"name", "out"}, {"plane", {{"origin", {1, 0, 0}}, {"normal", {1, 0, 0}}}}});
+    w.run({{"do", "add-joint-face"}, {"element", "b"}, {"name", "in"}, {"plane", {{"origin", {1, 0, 0}}, {"normal", {-1, 0, 0}}}}});
+    w.run({{"do", "join"}, {"a", "a/out"}, {"b", "b/in"}});
+    w.run({{"do", "add-bone"}, {"name", "first"}, {"element", "a"}, {"from", {0, 0, 0}}, {"to", "a/out"}});
+    w.run({{"do", "add-bone"}, {"name", "second"}, {"element", "b"}, {"from", "first/end"}, {"to", {2, 0, 0}}, {"parent", "first"}});
+    w.panel().findChild<QTabWidget*>()->setCurrentIndex(1);
+    auto* errors = w.panel().findChild<AccuracyErrors*>();
+    auto* measure = w.panel().findChild<QPushButton*>(QStringLiteral("accuracyPoseMeasure"));
+    REQUIRE(errors);
+    QTest::mouseClick(measure, Qt::LeftButton);
+    w.settle(100);
+    CHECK_FALSE(errors->job().running());  // nothing is precomputed: it says so
+    CHECK_FALSE(errors->errors());
+    w.run({{"do", "precompute"}});
+    QTest::mouseClick(measure, Qt::LeftButton);
+    CHECK(errors->job().running());
+    QTest::mouseClick(measure, Qt::LeftButton);
+    CHECK_FALSE(errors->job().running());
+    CHECK_FALSE(errors->errors());
+    QTest::mouseClick(measure, Qt::LeftButton);
+    REQUIRE(QTest::qWaitFor([&] { return errors->errors().has_value(); }, 60000));
+    CHECK(errors->errors()->error.relative == 0.0);  // at rest
+    w.run({{"do", "pin"}, {"endpoint", "first/start"}});
+    w.run({{"do", "drag"}, {"endpoint", "second/end"}, {"to", {1.6, 0.9, 0}}});
+    REQUIRE(QTest::qWaitFor([&] { return errors->errors()->error.relative > 0.0; }, 60000));
+    const auto input = poseErrorInput(w.document().session()).value();
+    CHECK(errors->errors()->error.relative == FullSolutionKeeper().measure(input, {}).value().error.relative);
+    w.shoot("accuracy-pose-of-now");
 }
 
 TEST_CASE("accuracy: readable in both themes, in Japanese and at 125 %") {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/panels/accuracy_panel.h"
 
-#include <QComboBox>
-#include <QCoreApplication>
 #include <QDoubleSpinBox>
 #include <QEvent>
 #include <QHBoxLayout>
@@ -20,20 +18,17 @@
 #include <cmath>
 
 #include "core/document/accuracy_commands.h"
+#include "ui/models/effect_texts.h"
 #include "ui/models/texts.h"
-#include "ui/panels/accuracy_body.h"
+#include "ui/panels/accuracy_errors.h"
 #include "ui/panels/accuracy_plot.h"
+#include "ui/panels/accuracy_texts.h"
 #include "ui/panels/appearance.h"
 
 namespace imomushi {
 namespace {
 
 constexpr int kRecallMs = 400;
-
-QString percentText(double share) { return share < 0.0 ? QStringLiteral("–") : QLocale().toString(100.0 * share, 'g', 3) + QStringLiteral(" %"); }
-QString diagonalText(double percent) { return percent < 0.0 ? QStringLiteral("–") : QLocale().toString(percent, 'g', 3) + QStringLiteral(" %"); }
-QString msText(double ms) { return ms < 0.0 ? QStringLiteral("–") : QLocale().toString(ms, 'g', 3) + QStringLiteral(" ms"); }
-QString secondsText(double seconds) { return seconds < 0.0 ? QStringLiteral("–") : durationText(seconds); }
 
 /// Sorts by what it stands for rather than by its text.
 class Cell : public QTableWidgetItem {
@@ -45,37 +40,18 @@ private:
     double value_;
 };
 
-}  // namespace
+constexpr int kCosts = 3;  // tab
 
-QString settingText(const AccuracySetting& s) {
-    using Kind = SolverMeshSetting::Kind;
-    QString mesh;
-    if (s.mesh.own)
-        mesh = QCoreApplication::translate("imomushi::settingText", "own meshes");
-    else if (s.mesh.kind == Kind::AsIs)
-        mesh = QCoreApplication::translate("imomushi::settingText", "mesh as it is");
-    else if (s.mesh.kind == Kind::Refined)
-        mesh = QCoreApplication::translate("imomushi::settingText", "refined × %1").arg(s.mesh.factor);
-    else if (s.mesh.kind == Kind::Decimated)
-        mesh = QCoreApplication::translate("imomushi::settingText", "decimated × %1").arg(s.mesh.factor);
-    else if (s.mesh.kind == Kind::Best)
-        mesh = QCoreApplication::translate("imomushi::settingText", "best mesh");
-    else
-        mesh = QCoreApplication::translate("imomushi::settingText", "default mesh");
-    QString basis;
-    if (s.previous)
-        basis = QCoreApplication::translate("imomushi::settingText", "previous model");
-    else if (s.basis == BasisKind::Paper)
-        basis = QCoreApplication::translate("imomushi::settingText", "paper");
-    else if (s.basis == BasisKind::Affine)
-        basis = QCoreApplication::translate("imomushi::settingText", "affine");
-    else if (s.basis == BasisKind::Full)
-        basis = QCoreApplication::translate("imomushi::settingText", "full");
-    else
-        basis = QCoreApplication::translate("imomushi::settingText", "%1 modes").arg(s.basis.modes);
-    if (s.smoothJoints) basis = QCoreApplication::translate("imomushi::settingText", "%1, smooth joints").arg(basis);
-    return basis + QStringLiteral(" · ") + mesh + QStringLiteral(" · ") + QString::fromStdString(formatName(s.format));
+void asList(QTableWidget* table, int columns) {
+    table->setEditTriggers(QAbstractItemView::NoEditTriggers);
+    table->setSelectionBehavior(QAbstractItemView::SelectRows);
+    table->setSelectionMode(QAbstractItemView::SingleSelection);
+    table->verticalHeader()->hide();
+    table->setShowGrid(false);
+    table->setColumnCount(columns);
 }
+
+}  // namespace
 
 AccuracyPanel::AccuracyPanel(StudioDocument& document, FrameCostMeter& meter, QWidget* parent) : QWidget(parent), document_(document), job_(new AccuracyJob(this)) {
     setObjectName(QStringLiteral("panel"));
@@ -166,26 +142,14 @@ AccuracyPanel::AccuracyPanel(StudioDocument& document, FrameCostMeter& meter, QW
     tabs_->tabBar()->setUsesScrollButtons(true);
     table_ = new QTableWidget(tabs_);
     table_->setObjectName(QStringLiteral("accuracyTable"));
-    table_->setEditTriggers(QAbstractItemView::NoEditTriggers);
-    table_->setSelectionBehavior(QAbstractItemView::SelectRows);
-    table_->setSelectionMode(QAbstractItemView::SingleSelection);
-    table_->verticalHeader()->hide();
-    table_->setShowGrid(false);
-    table_->setColumnCount(7);
+    asList(table_, 7);
     tabs_->addTab(table_, {});
-    auto* bodyTab = new QWidget(tabs_);
-    auto* bodyLayout = new QVBoxLayout(bodyTab);
-    bodyLayout->setContentsMargins(0, px(4), 0, 0);
-    auto* poseLine = new QHBoxLayout;
-    poseLabel_ = new QLabel(bodyTab);
-    pose_ = new QComboBox(bodyTab);
-    poseLine->addWidget(poseLabel_);
-    poseLine->addWidget(pose_);
-    poseLine->addStretch(1);
-    body_ = new AccuracyBody(bodyTab);
-    bodyLayout->addLayout(poseLine);
-    bodyLayout->addWidget(body_, 1);
-    tabs_->addTab(bodyTab, {});
+    errors_ = new AccuracyErrors(document, tabs_);
+    tabs_->addTab(errors_, {});
+    effects_ = new QTableWidget(tabs_);
+    effects_->setObjectName(QStringLiteral("accuracyEffects"));
+    asList(effects_, 4);
+    tabs_->addTab(effects_, {});
     auto* costs = new QScrollArea(tabs_);
     costs->setWidgetResizable(true);
     costs->setFrameShape(QFrame::NoFrame);
@@ -207,8 +171,6 @@ AccuracyPanel::AccuracyPanel(StudioDocument& document, FrameCostMeter& meter, QW
         const auto rows = table_->selectionModel()->selectedRows();
         if (!rows.empty()) choose(table_->item(rows.front().row(), 0)->data(Qt::UserRole).toInt());
     });
-    connect(pose_, &QComboBox::currentIndexChanged, this, &AccuracyPanel::showBody);
-    connect(tabs_, &QTabWidget::currentChanged, this, &AccuracyPanel::showBody);
     connect(job_, &AccuracyJob::arrived, this, &AccuracyPanel::show);
     connect(job_, &BackgroundJob::progressed, this, [this] { progress_->setValue(int(1000.0 * job_->fraction())); showState(); });
     connect(job_, &BackgroundJob::finished, this, [this] { showState(); });
@@ -217,13 +179,13 @@ AccuracyPanel::AccuracyPanel(StudioDocument& document, FrameCostMeter& meter, QW
     connect(&recall_, &QTimer::timeout, this, &AccuracyPanel::recall);
     const auto changed = [this] {
         outdated_ = true;
+        errors_->setStudy(study_, true);
         if (job_->running()) return;
         if (isVisible()) recall_.start();
         showState();
     };
     connect(&document, &StudioDocument::structureChanged, this, changed);
     connect(&document, &StudioDocument::fileChanged, this, changed);
-    connect(&document, &StudioDocument::responsesChanged, this, [this] { showBody(); });
     retranslate();
 }
 
@@ -253,13 +215,13 @@ void AccuracyPanel::retranslate() {
     precompute_->setTitles(tr("Error against precompute"), tr("s of precompute"), tr("error, %"));
     tabs_->setTabText(0, tr("Table"));
     tabs_->setTabText(1, tr("Error on the body"));
-    tabs_->setTabText(2, tr("Cost of a frame"));
+    tabs_->setTabText(2, tr("Price of effects"));
+    tabs_->setTabText(kCosts, tr("Cost of a frame"));
     tabs_->setAccessibleName(title_->text());
     table_->setAccessibleName(tr("Measured settings"));
     table_->setHorizontalHeaderLabels({tr("Setting"), tr("Error"), tr("Largest"), tr("Frame"), tr("Predicted"), tr("Precompute"), tr("Memory")});
-    poseLabel_->setText(tr("Pose"));
-    pose_->setAccessibleName(poseLabel_->text());
-    body_->setTitles(tr("As it is set now, error in colours"), tr("Full solution"), tr("% of the diagonal"));
+    effects_->setAccessibleName(tr("Price of effects"));
+    effects_->setHorizontalHeaderLabels({tr("Effect"), tr("Predicted"), tr("Measured"), tr("Off by")});
     show(AccuracyStudy(study_));
 }
 
@@ -276,6 +238,7 @@ void AccuracyPanel::start() {
         return;
     }
     outdated_ = false;
+    input->keeper = errors_->job().keeper();
     job_->start(std::move(*input));
     showState();
 }
@@ -289,27 +252,19 @@ void AccuracyPanel::show(const AccuracyStudy& study) {
     for (std::size_t i = 0; chose && i < study_.points.size(); ++i)
         if (study_.points[i].setting == known) chosen_ = int(i);
     if (chosen_ < 0) chosen_ = study_.present();
-    const QSignalBlocker blocked(pose_);
-    const int pose = std::max(0, pose_->currentIndex());
-    pose_->clear();
-    for (const auto& name : study_.poses) {
-        static constexpr const char* known_[] = {QT_TR_NOOP("stretch"), QT_TR_NOOP("bend"), QT_TR_NOOP("twist"), QT_TR_NOOP("random 1"), QT_TR_NOOP("random 2"), QT_TR_NOOP("random 3")};
-        const auto found = std::find_if(std::begin(known_), std::end(known_), [&](const char* k) { return name == k; });
-        pose_->addItem(found == std::end(known_) ? QString::fromStdString(name) : tr(*found));
-    }
-    pose_->setCurrentIndex(std::min(pose, pose_->count() - 1));
     showPoints();
+    showEffects();
     showState();
     showChosen();
-    showBody();
+    errors_->setStudy(study_, outdated_);
 }
 
 QString AccuracyPanel::tip(int point) const {
     const AccuracyPoint& p = study_.points[std::size_t(point)];
     QStringList lines{settingText(p.setting)};
     if (!p.problem.empty()) lines << errorText({"study", p.problem});
-    lines << tr("error %1 (largest %2 of the diagonal)").arg(percentText(p.relative), diagonalText(p.percent));
-    lines << tr("frame %1 (99 of 100 within %2), predicted %3").arg(msText(p.frameMs), msText(p.frameP99Ms), msText(p.predictedMs));
+    lines << tr("error %1 (largest %2 of the diagonal)").arg(shareText(p.relative), diagonalText(p.percent));
+    lines << tr("frame %1 (99 of 100 within %2), predicted %3").arg(millisecondsText(p.frameMs), millisecondsText(p.frameP99Ms), millisecondsText(p.predictedMs));
     lines << tr("precompute %1, predicted %2").arg(secondsText(p.precomputeSeconds), secondsText(p.predictedSeconds));
     if (p.frameBytes >= 0.0) lines << tr("memory of a frame %1").arg(bytesText(p.frameBytes));
     if (p.dominatedPerFrame && p.dominatedInPrecompute) lines << tr("another setting is at least as good in all");
@@ -351,10 +306,10 @@ void AccuracyPanel::showPoints() {
         };
         cell(0, (i == study_.present() ? QStringLiteral("□ ") : on ? QStringLiteral("● ") : QStringLiteral("○ ")) + settingText(p.setting), i);
         table_->item(i, 0)->setData(Qt::UserRole, i);
-        cell(1, percentText(p.relative), p.relative);
+        cell(1, shareText(p.relative), p.relative);
         cell(2, diagonalText(p.percent), p.percent);
-        cell(3, msText(p.frameMs), p.frameMs);
-        cell(4, msText(p.predictedMs), p.predictedMs);
+        cell(3, millisecondsText(p.frameMs), p.frameMs);
+        cell(4, millisecondsText(p.predictedMs), p.predictedMs);
         cell(5, secondsText(p.precomputeSeconds), p.precomputeSeconds);
         cell(6, p.frameBytes < 0.0 ? QStringLiteral("–") : bytesText(p.frameBytes), p.frameBytes);
     }
@@ -384,8 +339,8 @@ void AccuracyPanel::showState() {
     }
     if (const auto& r = study_.reference) {
         reference_->setText(tr("Errors are against the full solution on the mesh \"%1\". Its own error: %2 (largest %3), and %4 of its joint faces.")
-                                .arg(QString::fromStdString(r->mesh), r->relative < 0.0 ? tr("unknown") : percentText(r->relative), r->percent < 0.0 ? tr("unknown") : diagonalText(r->percent),
-                                     r->faceRelative < 0.0 ? tr("unknown") : percentText(r->faceRelative)));
+                                .arg(QString::fromStdString(r->mesh), r->relative < 0.0 ? tr("unknown") : shareText(r->relative), r->percent < 0.0 ? tr("unknown") : diagonalText(r->percent),
+                                     r->faceRelative < 0.0 ? tr("unknown") : shareText(r->faceRelative)));
         reference_->setToolTip(QString::fromStdString(r->how));
     } else {
         reference_->setText({});
@@ -416,9 +371,9 @@ void AccuracyPanel::showChosen() {
     const double off = p.frameMs > 0.0 && p.predictedMs > 0.0 ? std::max(p.frameMs / p.predictedMs, p.predictedMs / p.frameMs) : 0.0;
     chosenText_->setText(QStringLiteral("<b>%1</b><br>%2<br>%3")
                              .arg(settingText(p.setting).toHtmlEscaped(),
-                                  tr("error %1 (largest %2 of the diagonal)").arg(percentText(p.relative), diagonalText(p.percent)),
-                                  off > 0.0 ? tr("%1 per frame (prediction off by × %2), %3 of precompute").arg(msText(p.frameMs), QLocale().toString(off, 'f', 2), secondsText(p.precomputeSeconds))
-                                            : tr("predicted: %1 per frame, %2 of precompute").arg(msText(p.predictedMs), secondsText(p.predictedSeconds))));
+                                  tr("error %1 (largest %2 of the diagonal)").arg(shareText(p.relative), diagonalText(p.percent)),
+                                  off > 0.0 ? tr("%1 per frame (prediction off by × %2), %3 of precompute").arg(millisecondsText(p.frameMs), QLocale().toString(off, 'f', 2), secondsText(p.precomputeSeconds))
+                                            : tr("predicted: %1 per frame, %2 of precompute").arg(millisecondsText(p.predictedMs), secondsText(p.predictedSeconds))));
     const auto at = std::find(front_.begin(), front_.end(), std::size_t(chosen_));
     const QSignalBlocker blocked(slider_);
     if (at != front_.end()) slider_->setValue(int(at - front_.begin()));
@@ -440,36 +395,27 @@ void AccuracyPanel::apply() {
     session.endGesture();
 }
 
-void AccuracyPanel::showCosts() { tabs_->setCurrentIndex(2); }
+void AccuracyPanel::showCosts() { tabs_->setCurrentIndex(kCosts); }
 
-void AccuracyPanel::showBody() {
-    if (tabs_->currentIndex() != 1) return;
-    const int pose = pose_->currentIndex();
-    Character* live = document_.session().character();
-    const auto input = studyInput(document_.session());
-    std::vector<AccuracyBody::Part> parts;
-    if (study_.reference && live && input && !outdated_ && pose >= 0 && pose < int(input->reference.poses.size()) && pose < int(study_.reference->positions.size())) {
-        CharacterInput given = input->reference.character;
-        for (std::size_t e = 0; e < given.elements.size(); ++e) given.elements[e].response = live->input().elements[e].response;
-        if (auto character = Character::build(std::move(given))) {
-            character->update(input->reference.poses[std::size_t(pose)].pose);
-            auto errors = errorField(*character, *study_.reference, std::size_t(pose));
-            for (std::size_t e = 0; e < errors.size(); ++e) {
-                const auto& mesh = character->input().elements[e].mesh->body;
-                AccuracyBody::Part part{character->positions(int(e)), study_.reference->positions[std::size_t(pose)][e], {}, std::move(errors[e])};
-                std::vector<Eigen::Index> seen;
-                for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) {
-                    bool all = true;
-                    for (int c = 0; c < 3; ++c) all = all && part.error[std::size_t(mesh.triangles(t, c))] >= 0.0f;
-                    if (all) seen.push_back(t);
-                }
-                part.triangles.resize(Eigen::Index(seen.size()), 3);
-                for (std::size_t k = 0; k < seen.size(); ++k) part.triangles.row(Eigen::Index(k)) = mesh.triangles.row(seen[k]);
-                parts.push_back(std::move(part));
-            }
-        }
+void AccuracyPanel::showEffects() {
+    effects_->setRowCount(int(study_.effects.size()));
+    for (int i = 0; i < int(study_.effects.size()); ++i) {
+        const EffectPoint& e = study_.effects[std::size_t(i)];
+        const auto kind = effectNamed(e.effect);
+        const QString why = e.problem.empty() ? QString() : tr("Fingers need their own precompute: turn touch on, precompute, and measure again.");
+        const auto cell = [&](int column, const QString& text) {
+            auto* item = new QTableWidgetItem(text);
+            if (column > 0) item->setTextAlignment(Qt::AlignRight | Qt::AlignVCenter);
+            item->setToolTip(why);
+            effects_->setItem(i, column, item);
+        };
+        cell(0, kind ? effectTitle(*kind) : QString::fromStdString(e.effect));
+        cell(1, millisecondsText(e.predictedMs));
+        cell(2, why.isEmpty() ? millisecondsText(e.measuredMs) : tr("unknown"));
+        cell(3, e.off() < 0.0 ? QStringLiteral("–") : QStringLiteral("× ") + QLocale().toString(e.off(), 'f', 2));
     }
-    body_->setParts(std::move(parts));
+    effects_->horizontalHeader()->setSectionResizeMode(QHeaderView::ResizeToContents);
+    effects_->horizontalHeader()->setSectionResizeMode(0, QHeaderView::Stretch);
 }
 
 }  // namespace imomushi

@@ -7,7 +7,6 @@
 #include "ui/models/studio_document.h"
 #include "ui/panels/accuracy_costs.h"
 
-class QComboBox;
 class QDoubleSpinBox;
 class QLabel;
 class QProgressBar;
@@ -18,7 +17,7 @@ class QTabWidget;
 
 namespace imomushi {
 
-class AccuracyBody;
+class AccuracyErrors;
 class AccuracyPlot;
 
 /// What accuracy costs in time: the study of this character on this machine, and a point of it taken over with one click.
@@ -47,7 +46,7 @@ private:
     void showState();
     void showPoints();
     void showChosen();
-    void showBody();
+    void showEffects();
     [[nodiscard]] QString tip(int point) const;
 
     StudioDocument& document_;
@@ -57,20 +56,16 @@ private:
     int chosen_ = -1;
     bool outdated_ = true;            ///< the character changed since `study_` was taken
 
-    QLabel *title_, *state_, *reference_, *chosenText_, *budgetLabel_, *budgetText_, *faster_, *truer_, *poseLabel_;
+    QLabel *title_, *state_, *reference_, *chosenText_, *budgetLabel_, *budgetText_, *faster_, *truer_;
     QPushButton *measure_, *apply_, *budgetUse_;
     QProgressBar* progress_;
     QSlider* slider_;
     QDoubleSpinBox* budget_;
     AccuracyPlot *frame_, *precompute_;
     QTabWidget* tabs_;
-    QTableWidget* table_;
-    QComboBox* pose_;
-    AccuracyBody* body_;
+    QTableWidget *table_, *effects_;
+    AccuracyErrors* errors_;
     QTimer recall_;
 };
-
-/// A setting in the language of the studio.
-QString settingText(const AccuracySetting& setting);
 
 }  // namespace imomushi

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/accuracy/machine_share.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "core/base/parallel.h"
+
+namespace imomushi {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double kSeconds = 0.2;
+constexpr int kRounds = 20'000;  // of a block of work: some tenths of a millisecond, much less than a turn of the scheduler
+
+double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+}  // namespace
+
+double machineShare(int threads) {
+    threads = std::clamp(threads, 1, hardwareThreads());
+    std::mutex mutex;
+    double blocks = 0.0, fastest = 1e9;
+    const auto begin = Clock::now();
+    const auto work = [&] {
+        std::array<double, 16> x{};
+        double done = 0.0, best = 1e9;
+        while (since(begin) < kSeconds) {
+            const auto start = Clock::now();
+            for (int round = 0; round < kRounds; ++round)
+                for (double& value : x) value = 0.999 * value + 1.0;
+            best = std::min(best, since(start));
+            ++done;
+        }
+        volatile double kept = x[0];
+        (void)kept;
+        const std::scoped_lock lock(mutex);
+        blocks += done;
+        fastest = std::min(fastest, best);
+    };
+    {
+        std::vector<std::jthread> others;
+        for (int i = 1; i < threads; ++i) others.emplace_back(work);
+        work();
+    }
+    return std::clamp(blocks * fastest / (threads * since(begin)), 0.01, 1.0);
+}
+
+}  // namespace imomushi
