@@ -26,8 +26,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kVersion = 2;          // of stored figures: whenever the same input would give others
-constexpr int kRounds = 400;
+constexpr int kVersion = 3;          // of stored figures: whenever the same input would give others
 constexpr double kSeconds = 1.2;     // of one measurement of frames
 constexpr double kQuickSeconds = 0.3;  // the same in a study of a few seconds
 constexpr double kQuickStudy = 20.0;
@@ -250,16 +249,31 @@ private:
         if (!built) return tl::unexpected(built.error());
         yard_.emplace(std::move(*built));
         yardFrames_.emplace(*yard_);
-        const auto first = spreadsInTurn(kRounds, frameSeconds(), {[this] { (*yardFrames_)(); }}, progress_);
-        if (study_.yardMs <= 0.0) study_.yardMs = first[0].median;
+        quicken(quietSpreads(frameSeconds(), {[this] { (*yardFrames_)(); }}, progress_)[0].median);
         return {};
     }
 
-    /// The other loop's median and 99th percentile, as if the machine were as quick as when the study began.
-    Spread inTurn(const std::function<void()>& loop) {
-        const auto both = spreadsInTurn(kRounds, frameSeconds(), {[this] { (*yardFrames_)(); }, loop}, progress_);
-        const double steady = both[0].median > 0.0 ? study_.yardMs / both[0].median : 1.0;
-        return {both[1].median * steady, both[1].p99 * steady};
+    /// All figures are those of the machine as it is when it is quickest: what was measured before counts for as much less as the yardstick turns out to be quicker.
+    void quicken(double ms) {
+        if (ms <= 0.0 || (study_.yardMs > 0.0 && ms >= study_.yardMs)) return;
+        const double share = study_.yardMs > 0.0 ? ms / study_.yardMs : 1.0;
+        study_.yardMs = ms;
+        for (auto& p : study_.points)
+            if (p.measured()) p.frameMs *= share, p.frameP99Ms *= share;
+        for (auto& e : study_.effects)
+            if (e.measuredMs >= 0.0) e.measuredMs *= share;
+    }
+
+    /// Median and 99th percentile of each loop, as if the machine were as quick as it has ever been in this study.
+    std::vector<Spread> inTurn(std::vector<std::function<void()>> loops) {
+        loops.insert(loops.begin(), [this] { (*yardFrames_)(); });
+        auto spreads = quietSpreads(frameSeconds(), loops, progress_);
+        const double yard = spreads[0].median;
+        spreads.erase(spreads.begin());
+        if (yard <= 0.0) return spreads;
+        quicken(yard);
+        for (Spread& s : spreads) s.median *= study_.yardMs / yard, s.p99 *= study_.yardMs / yard;
+        return spreads;
     }
 
     Result<void> measure(AccuracyPoint& p, const Progress& progress) {
@@ -292,7 +306,7 @@ private:
             p.percent = sum.error().percent;
         }
         Frames frames(*character);
-        const Spread ms = inTurn([&] { frames(); });
+        const Spread ms = inTurn({[&] { frames(); }})[0];
         if (progress.cancelled()) return cancelled();
         p.frameMs = ms.median;
         p.frameP99Ms = ms.p99;
@@ -327,12 +341,12 @@ private:
         Pose pose = restPose(input_.reference.character.skeleton);
         double at = 0.0, overhead = 0.0;
         int count = 0;
-        const Spread ms = inTurn([&] {
+        const Spread ms = inTurn({[&] {
             swing.move(at += 0.013);
             (void)model->frame(swing.holds, pose);
             overhead += model->overheadMs();
             ++count;
-        });
+        }})[0];
         if (progress.cancelled()) return cancelled();
         p.frameMs = std::max(0.0, ms.median - overhead / std::max(1, count));
         p.frameP99Ms = std::max(0.0, ms.p99 - overhead / std::max(1, count));
@@ -410,7 +424,7 @@ private:
         auto off = Character::build(std::move(plain));
         if (!off) return tl::unexpected(off.error());
         Frames a(*on, &effect), b(*off);
-        const auto both = spreadsInTurn(kRounds, frameSeconds(), {[&] { a(); }, [&] { b(); }}, progress_);
+        const auto both = inTurn({[&] { a(); }, [&] { b(); }});
         out.measuredMs = std::max(0.0, both[0].median - both[1].median);
         return out;
     }

@@ -72,7 +72,7 @@ struct AccuracyStudy {
     std::string machine;               ///< processor and number of threads
     bool complete = false;             ///< nothing is waiting
     double seconds = 0.0;              ///< spent, over all runs
-    double yardMs = 0.0;               ///< of a frame of the yardstick, see runStudy()
+    double yardMs = 0.0;               ///< the least that a frame of the yardstick took, see runStudy(); 0: not measured yet
 
     /// Errors (relative) below this are those of the reference rather than of a point: they cannot be told apart. 0: unknown.
     [[nodiscard]] double floor() const { return reference ? std::max({0.0, reference->relative, reference->faceRelative}) : 0.0; }
@@ -91,8 +91,8 @@ ContentKey studyKey(const StudyInput& input);
 using StudyListener = std::function<void(const AccuracyStudy&)>;
 
 /// Measures whatever `input.store` does not know yet; what arrives is stored at once, so that a study that was cancelled goes on where it was. Every frame time is
-/// measured in turn with one yardstick, and given as its ratio to that times the yardstick's median over the study: what disturbs the machine for a while
-/// disturbs both.
+/// measured in turn with one yardstick, in the quietest quarter of the time, and given as its ratio to the yardstick then, times the least that this ever took in the
+/// study: figures are those of the machine when nothing disturbs it, and those of two studies can be compared.
 /// Errors: those of buildReference() other than "no-memory" (then errors stay unknown), "no-bone", "cancelled".
 Result<AccuracyStudy> runStudy(const StudyInput& input, const StudyListener& listener, const Progress& progress);
 

@@ -3,32 +3,70 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstddef>
+#include <utility>
 
 namespace imomushi {
 
 namespace {
-constexpr int kLeastRounds = 5, kWarmRounds = 2;
-}
 
-std::vector<Spread> spreadsInTurn(int rounds, double seconds, const std::vector<std::function<void()>>& loops, const Progress& progress) {
-    using Clock = std::chrono::steady_clock;
-    const auto since = [](Clock::time_point from) { return std::chrono::duration<double>(Clock::now() - from).count(); };
+using Clock = std::chrono::steady_clock;
+
+constexpr int kLeastRounds = 5, kWarmRounds = 2;
+/// Rounds that are as quiet as each other: as short as what disturbs a machine, and enough for a median.
+constexpr std::size_t kStretch = 15;
+constexpr std::size_t kQuietShare = 4;  // one in so many
+
+double since(Clock::time_point from) { return std::chrono::duration<double>(Clock::now() - from).count(); }
+
+/// Times of all rounds, ms. At least a few, then for as long as `more` wants; none where nobody wants the result.
+std::vector<std::vector<double>> timesInTurn(const std::vector<std::function<void()>>& loops, const Progress& progress, const std::function<bool(int rounds)>& more) {
     std::vector<std::vector<double>> times(loops.size());
-    const auto begin = Clock::now();
-    for (int r = 0; r < std::max(rounds, kLeastRounds) + kWarmRounds; ++r) {
-        if (progress.cancelled() || (r >= kLeastRounds + kWarmRounds && since(begin) > seconds)) break;
+    for (int r = 0; !progress.cancelled() && (r < kLeastRounds + kWarmRounds || more(r - kWarmRounds)); ++r)
         for (std::size_t i = 0; i < loops.size(); ++i) {
             loops[i]();
             const auto start = Clock::now();
             loops[i]();
             if (r >= kWarmRounds) times[i].push_back(1e3 * since(start));
         }
-    }
+    return times;
+}
+
+Spread spreadOf(std::vector<double> times) {
+    if (times.empty()) return {};
+    std::sort(times.begin(), times.end());
+    return {times[times.size() / 2], times[(99 * (times.size() - 1) + 50) / 100]};
+}
+
+}  // namespace
+
+std::vector<Spread> spreadsInTurn(int rounds, double seconds, const std::vector<std::function<void()>>& loops, const Progress& progress) {
+    const auto begin = Clock::now();
     std::vector<Spread> out;
-    for (auto& t : times) {
-        if (t.empty()) t.push_back(0.0);
-        std::sort(t.begin(), t.end());
-        out.push_back({t[t.size() / 2], t[(99 * (t.size() - 1) + 50) / 100]});
+    for (auto& times : timesInTurn(loops, progress, [&](int done) { return done < rounds && since(begin) < seconds; })) out.push_back(spreadOf(std::move(times)));
+    return out;
+}
+
+std::vector<Spread> quietSpreads(double seconds, const std::vector<std::function<void()>>& loops, const Progress& progress) {
+    const auto begin = Clock::now();
+    const auto times = timesInTurn(loops, progress, [&](int) { return since(begin) < seconds; });
+    const std::size_t stretches = std::max<std::size_t>(1, times[0].size() / kStretch);
+    const auto stretch = [&](std::size_t loop, std::size_t s) {
+        const auto first = times[loop].begin() + static_cast<std::ptrdiff_t>(std::min(s * kStretch, times[loop].size()));
+        return std::vector<double>(first, s + 1 < stretches ? first + kStretch : times[loop].end());
+    };
+    std::vector<std::pair<double, std::size_t>> quickest;
+    for (std::size_t s = 0; s < stretches; ++s) quickest.emplace_back(spreadOf(stretch(0, s)).median, s);
+    std::sort(quickest.begin(), quickest.end());
+    quickest.resize((stretches + kQuietShare - 1) / kQuietShare);
+    std::vector<Spread> out;
+    for (std::size_t loop = 0; loop < loops.size(); ++loop) {
+        std::vector<double> kept;
+        for (const auto& [median, s] : quickest) {
+            const auto some = stretch(loop, s);
+            kept.insert(kept.end(), some.begin(), some.end());
+        }
+        out.push_back(spreadOf(std::move(kept)));
     }
     return out;
 }

@@ -19,4 +19,7 @@ struct Spread {
 };
 std::vector<Spread> spreadsInTurn(int rounds, double seconds, const std::vector<std::function<void()>>& loops, const Progress& progress = {});
 
+/// The same of only those stretches of time in which the machine was left alone: the quarter in which the first loop, a yardstick, was quickest. Runs for `seconds`.
+std::vector<Spread> quietSpreads(double seconds, const std::vector<std::function<void()>>& loops, const Progress& progress = {});
+
 }  // namespace imomushi
