@@ -208,8 +208,40 @@
             <translation>くり返し(&amp;L)</translation>
         </message>
         <message>
-            <source>Lea&amp;ve the take</source>
-            <translation>テイクを離れる(&amp;V)</translation>
+            <source>Play fro&amp;m here</source>
+            <translation>ここから再生(&amp;M)</translation>
+        </message>
+        <message>
+            <source>Play &amp;until here</source>
+            <translation>ここまで再生(&amp;U)</translation>
+        </message>
+        <message>
+            <source>Play the &amp;whole take</source>
+            <translation>テイク全体を再生(&amp;W)</translation>
+        </message>
+        <message>
+            <source>&amp;Trim the take to its marks</source>
+            <translation>テイクを目印で切り詰める(&amp;T)</translation>
+        </message>
+        <message>
+            <source>Re&amp;name the take</source>
+            <translation>テイクの名前を変える(&amp;N)</translation>
+        </message>
+        <message>
+            <source>&amp;Duplicate the take</source>
+            <translation>テイクを複製(&amp;D)</translation>
+        </message>
+        <message>
+            <source>Remo&amp;ve the take</source>
+            <translation>テイクを取り除く(&amp;V)</translation>
+        </message>
+        <message>
+            <source>&amp;Count three seconds before recording</source>
+            <translation>3 秒数えてから記録(&amp;C)</translation>
+        </message>
+        <message>
+            <source>L&amp;eave the take</source>
+            <translation>テイクを離れる(&amp;E)</translation>
         </message>
     </context>
     <context>
@@ -925,6 +957,14 @@
             <source>Remove take</source>
             <translation>テイクの削除</translation>
         </message>
+        <message>
+            <source>Duplicate take</source>
+            <translation>テイクの複製</translation>
+        </message>
+        <message>
+            <source>Trim take</source>
+            <translation>テイクの切り詰め</translation>
+        </message>
     </context>
     <context>
         <name>Texts</name>
@@ -1192,10 +1232,6 @@
             <translation>コピーを保存</translation>
         </message>
         <message>
-            <source>%1 copy</source>
-            <translation>%1 のコピー</translation>
-        </message>
-        <message>
             <source>Saved a copy as “%1”</source>
             <translation>コピー「%1」を保存しました</translation>
         </message>
@@ -1230,6 +1266,10 @@
         <message>
             <source>“%1” is neither a mesh nor a project.</source>
             <translation>「%1」はメッシュでもプロジェクトでもありません。</translation>
+        </message>
+        <message>
+            <source>%1 copy</source>
+            <translation>%1 のコピー</translation>
         </message>
     </context>
     <context>
@@ -2995,6 +3035,16 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <source>The recording ended early: the character changed meanwhile, or the take was full.</source>
             <translation>記録は途中で終わりました。記録中にキャラクターが変わったか、テイクがいっぱいになりました。</translation>
         </message>
+        <message>
+            <source>%1 copy</source>
+            <comment>name of a take</comment>
+            <translation>%1 のコピー</translation>
+        </message>
+        <message>
+            <source>%1 copy %2</source>
+            <comment>name of a take</comment>
+            <translation>%1 のコピー %2</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::TakeModel</name>
@@ -3043,14 +3093,6 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>要素、面、基底、効果のいずれかが記録時と違います。テイクは効果を除いたポーズだけを示します。</translation>
         </message>
         <message>
-            <source>Rename</source>
-            <translation>名前を変える</translation>
-        </message>
-        <message>
-            <source>Remove</source>
-            <translation>取り除く</translation>
-        </message>
-        <message>
             <source>Takes</source>
             <translation>テイク</translation>
         </message>
@@ -3059,8 +3101,13 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>時間</translation>
         </message>
         <message>
-            <source>Drag to see any moment; arrow keys go frame by frame</source>
-            <translation>ドラッグで好きな瞬間を表示。矢印キーで 1 フレームずつ進みます</translation>
+            <source>Starts in %1 s – stop</source>
+            <comment>a recording</comment>
+            <translation>%1 秒後に開始 – 中止</translation>
+        </message>
+        <message>
+            <source>Drag to see any moment; arrow keys go frame by frame. The marks below say what part is played, and kept by trimming.</source>
+            <translation>ドラッグで好きな瞬間を表示。矢印キーで 1 フレームずつ進みます。下の目印は、再生し、切り詰めで残す範囲です。</translation>
         </message>
     </context>
     <context>
@@ -3137,8 +3184,8 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>完全解：このポーズに%1、それ自身の誤差%2、保持するメモリ%3</translation>
         </message>
         <message>
-            <source>the character has moved since</source>
-            <translation>その後キャラクターが動いています</translation>
+            <source>the character has moved or changed since</source>
+            <translation>その後キャラクターが動いたか、変わっています</translation>
         </message>
         <message>
             <source>The full solution takes about %1 and %2, once, in the background; then every pose takes a moment.</source>

@@ -86,7 +86,7 @@ void addPropertyCommands(CommandRegistry& registry);  // set, rename
 void addEffectCommands(CommandRegistry& registry);    // enable, disable
 void addSolveCommands(CommandRegistry& registry);     // estimate, precompute, deform-element
 void addPoseCommands(CommandRegistry& registry);      // pin, unpin, drag, release, touch, rest, step
-void addTakeCommands(CommandRegistry& registry);      // record, play, rename-take, remove-take
+void addTakeCommands(CommandRegistry& registry);      // record, play, rename-take, duplicate-take, trim-take, remove-take
 void addExportCommands(CommandRegistry& registry);    // export
 void addHistoryCommands(CommandRegistry& registry);   // undo, redo
 void addMeasureCommands(CommandRegistry& registry);   // measure, write-mesh

@@ -3,6 +3,8 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <map>
+#include <utility>
 
 namespace imomushi {
 
@@ -22,12 +24,43 @@ void FrameNumbers::at(std::size_t frame, double* numbers) const {
     for (const std::int32_t i : varying_) numbers[i] = *from++;
 }
 
+FrameNumbers FrameNumbers::part(std::size_t first, std::size_t count) const {
+    std::vector<std::vector<double>> rows(count, std::vector<double>(width()));
+    for (std::size_t i = 0; i < count; ++i) at(first + i, rows[i].data());
+    return FrameNumbers(rows);
+}
+
 TakeMoment momentAt(const std::vector<double>& times, double time) {
     const auto after = std::upper_bound(times.begin(), times.end(), time);
     if (after == times.begin()) return {};
     const auto frame = static_cast<std::size_t>(after - times.begin()) - 1;
     if (after == times.end()) return {frame, 0.0};
     return {frame, (time - times[frame]) / (*after - times[frame])};
+}
+
+Take takePart(const Take& take, std::size_t first, std::size_t count) {
+    Take part;
+    part.id = take.id;
+    part.name = take.name;
+    part.bones = take.bones;
+    part.points = take.points;
+    part.elements = take.elements;
+    part.layout = take.layout;
+    part.poses = take.poses.part(first, count);
+    part.shapes = take.shapes.part(first, count);
+    const double start = take.times[first], end = take.times[first + count - 1];
+    for (std::size_t i = first; i < first + count; ++i) part.times.push_back(take.times[i] - start);
+    std::map<std::pair<PartId, bool>, Take::Target> before;  // the last word to each endpoint
+    for (const Take::Target& target : take.targets) {
+        if (target.time <= start) before.insert_or_assign({target.bone, target.atEnd}, target);
+        else if (target.time <= end) part.targets.push_back(target);
+    }
+    for (Take::Target& target : part.targets) target.time -= start;
+    for (auto& [endpoint, target] : before) {
+        target.time = 0.0;
+        if (target.held) part.targets.insert(part.targets.begin(), target);
+    }
+    return part;
 }
 
 std::vector<double> poseNumbers(const Pose& pose) {

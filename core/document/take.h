@@ -27,6 +27,8 @@ public:
     [[nodiscard]] std::size_t width() const { return first_.size(); }
     /// width() numbers.
     void at(std::size_t frame, double* numbers) const;
+    /// The rows [first, first + count).
+    [[nodiscard]] FrameNumbers part(std::size_t first, std::size_t count) const;
     [[nodiscard]] std::size_t bytes() const { return (first_.size() + values_.size()) * sizeof(double) + varying_.size() * sizeof(std::int32_t); }
 
     [[nodiscard]] const std::vector<double>& first() const { return first_; }
@@ -82,6 +84,9 @@ struct TakeMoment {
     double part = 0.0;
 };
 TakeMoment momentAt(const std::vector<double>& times, double time);
+
+/// The frames [first, first + count) as a take of the same name, from 0. What was held when they begin is told again at 0.
+Take takePart(const Take& take, std::size_t first, std::size_t count);
 
 /// Numbers of Take::poses.
 std::vector<double> poseNumbers(const Pose& pose);

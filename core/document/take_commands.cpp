@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <chrono>
 
 #include "core/document/command_support.h"
@@ -9,7 +10,8 @@ namespace imomushi {
 
 namespace {
 
-constexpr double kTimeRoom = 1e-6;  // s: a time this much after the end is the end, as sums of frames are not exact
+constexpr double kTimeRoom = 1e-6;  // s: times this near to each other are the same, as sums of frames are not exact
+constexpr double kLatest = 1e9;     // s
 
 Result<void> checkTakeName(const Document& document, const std::string& name) {
     if (auto ok = checkNameText(name); !ok) return ok;
@@ -82,6 +84,40 @@ Result<Json> renameTake(Session& session, const Json& arguments, const Progress&
     return Json::object();
 }
 
+Result<Json> duplicateTake(Session& session, const Json& arguments, const Progress&) {
+    const auto take = takeOf(session.document(), text(arguments, "take"));
+    if (!take) return tl::unexpected(take.error());
+    const std::string& name = text(arguments, "name");
+    if (auto ok = checkTakeName(session.document(), name); !ok) return tl::unexpected(ok.error());
+    Document& document = session.edit();
+    Take copy = **take;
+    copy.id = document.nextId++;
+    copy.name = name;
+    const Json answer = takeJson(copy);
+    document.takes.emplace(copy.id, std::make_shared<const Take>(std::move(copy)));
+    return answer;
+}
+
+Result<Json> trimTake(Session& session, const Json& arguments, const Progress&) {
+    const auto take = takeOf(session.document(), text(arguments, "take"));
+    if (!take) return tl::unexpected(take.error());
+    const std::vector<double>& times = (*take)->times;
+    double from = 0.0, to = (*take)->duration();
+    for (const auto& [key, value] : {std::pair("from", &from), std::pair("to", &to)})
+        if (const Json* time = find(arguments, key)) {
+            const auto given = numberWithin(*time, key, 0.0, kLatest);
+            if (!given) return tl::unexpected(given.error());
+            // In a script a take has its first frame alone: times after the end are the end.
+            *value = std::min(*given, (*take)->duration());
+        }
+    const auto first = std::lower_bound(times.begin(), times.end(), from - kTimeRoom), last = std::upper_bound(times.begin(), times.end(), to + kTimeRoom);
+    if (first >= last) return fail("bad-value", "No frame of the take lies between \"from\" and \"to\": choose times farther apart.");
+    auto kept = std::make_shared<const Take>(takePart(**take, static_cast<std::size_t>(first - times.begin()), static_cast<std::size_t>(last - first)));
+    const Json answer = takeJson(*kept);
+    session.edit().takes.at(kept->id) = std::move(kept);
+    return answer;
+}
+
 Result<Json> removeTake(Session& session, const Json& arguments, const Progress&) {
     const auto take = takeOf(session.document(), text(arguments, "take"));
     if (!take) return tl::unexpected(take.error());
@@ -103,6 +139,11 @@ void addTakeCommands(CommandRegistry& registry) {
                   {take, {"time", Type::Number, false, "Seconds from its start, between frames too; without it the whole take is stepped, to its end."}},
                   false, play});
     registry.add({"rename-take", "Gives a take another name.", {take, {"name", Type::Text, true, "A name that no other take has."}}, true, renameTake});
+    registry.add({"duplicate-take", "Makes a copy of a take.", {take, {"name", Type::Text, true, "A name that no other take has."}}, true, duplicateTake});
+    registry.add({"trim-take",
+                  "Keeps the frames of a take between two times, these included; they begin at 0 again.",
+                  {take, {"from", Type::Number, false, "Seconds from its start (0)."}, {"to", Type::Number, false, "Seconds from its start (its end)."}},
+                  true, trimTake});
     registry.add({"remove-take", "Removes a take.", {take}, true, removeTake});
 }
 

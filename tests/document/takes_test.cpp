@@ -158,6 +158,68 @@ TEST_CASE("takes: recording, renaming and removing are single steps of the histo
     CHECK(play(w, 0.1)["exact"] == true);
 }
 
+TEST_CASE("takes: trimming keeps what was seen between two times, from 0 on, and is a single step") {
+    Workbench w;
+    w.buildChain();
+    enable(w, {"bone-dynamics", "gravity"});
+    const auto frames = recordDance(w);
+    const std::string recorded = w.content();
+    const auto take = [&]() -> const Take& { return *w.session.document().takeNamed("踊り"); };
+    const std::vector<double> times = take().times;
+    // A little off, as a hand is; both frames stay.
+    const Json answer = w.good({{"do", "trim-take"}, {"take", "踊り"}, {"from", times[5] + 1e-9}, {"to", times[15] - 1e-9}});
+    CHECK(answer["frames"] == 11);
+    CHECK(take().times.front() == 0.0);
+    CHECK(take().duration() == doctest::Approx(0.25));
+    for (const std::size_t i : {0, 10, 4}) {
+        CHECK(play(w, take().times[i])["exact"] == true);
+        CHECK(seen(w.session) == frames[i + 4]);
+    }
+    // The drag was told before, the release is told later.
+    REQUIRE(take().targets.size() == 2);
+    CHECK(take().targets[0].held);
+    CHECK(take().targets[0].time == 0.0);
+    CHECK(take().targets[1].time == doctest::Approx(0.275 - 0.125));
+    const auto path = (Workbench::folder() / "trimmed.imomushi").string();
+    w.good({{"do", "save"}, {"path", path}});
+    const std::string content = w.content();
+    Workbench other;
+    other.good({{"do", "open"}, {"path", path}});
+    CHECK(other.content() == content);
+    w.good({{"do", "undo"}});
+    CHECK(w.content() == recorded);
+    CHECK(play(w, times[19])["exact"] == true);
+    CHECK(seen(w.session) == frames[18]);
+
+    w.good({{"do", "trim-take"}, {"take", "踊り"}, {"from", 0.3}});
+    CHECK(take().targets.empty());  // what was let go before is not held
+    w.good({{"do", "trim-take"}, {"take", "踊り"}, {"from", 5}});
+    CHECK(take().times.size() == 1);  // times after the end are the end
+    w.good({{"do", "undo"}, {"count", 2}});
+    CHECK(w.code({{"do", "trim-take"}, {"take", "踊り"}, {"from", 0.4}, {"to", 0.3}}) == "bad-value");
+    CHECK(w.code({{"do", "trim-take"}, {"take", "踊り"}, {"from", 0.031}, {"to", 0.039}}) == "bad-value");
+    CHECK(w.code({{"do", "trim-take"}, {"take", "踊り"}, {"to", -1}}) == "bad-value");
+    CHECK(w.code({{"do", "trim-take"}, {"take", "x"}}) == "no-such-take");
+    CHECK(w.content() == recorded);
+}
+
+TEST_CASE("takes: a copy plays the same and has a life of its own") {
+    Workbench w;
+    w.buildChain();
+    w.good({{"do", "precompute"}});
+    const auto frames = recordDance(w);
+    const std::string recorded = w.content();
+    CHECK(w.good({{"do", "duplicate-take"}, {"take", "踊り"}, {"name", "b"}})["frames"] == 21);
+    w.good({{"do", "trim-take"}, {"take", "踊り"}, {"to", 0.1}});
+    w.good({{"do", "remove-take"}, {"take", "踊り"}});
+    w.good({{"do", "play"}, {"take", "b"}, {"time", w.session.document().takeNamed("b")->times[13]}});
+    CHECK(seen(w.session) == frames[12]);
+    CHECK(w.code({{"do", "duplicate-take"}, {"take", "b"}, {"name", "b"}}) == "name-taken");
+    CHECK(w.code({{"do", "duplicate-take"}, {"take", "c"}, {"name", "d"}}) == "no-such-take");
+    w.good({{"do", "undo"}, {"count", 3}});
+    CHECK(w.content() == recorded);
+}
+
 TEST_CASE("takes: they are saved with the project and play the same after opening it") {
     Workbench w;
     w.buildChain();

@@ -100,6 +100,14 @@ TEST_CASE("export: a preset sets the fields, a changed field is a key of its own
     CHECK(w.dialog->command().at("path").get<std::string>().ends_with(".pc2"));
     CHECK(!split->isEnabled());
     w.shoot("export-cache");
+    // Caches of this format and FBX hold whole frames of one rate.
+    w.choose("exact");
+    CHECK(w.dialog->command().at("fps") == 60);
+    w.choose("baked");
+    w.choose("exact");
+    CHECK(!w.dialog->command().contains("fps"));
+    w.choose("unity");
+    split->setChecked(false);
     w.choose("rigged");
     CHECK(w.dialog->command().at("path").get<std::string>().ends_with(".glb"));
     w.write(w.path("rigged.glb"));

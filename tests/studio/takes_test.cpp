@@ -2,7 +2,9 @@
 #include <QDockWidget>
 #include <QLineEdit>
 #include <QListView>
+#include <QSettings>
 #include <QSignalSpy>
+#include <QToolButton>
 
 #include "tests/studio/window.h"
 #include "ui/models/recent_files.h"
@@ -53,7 +55,16 @@ struct Stage : Window {
         REQUIRE(!deck().recording());
         settle(200);
     }
-    QPoint at(double time) { return QPoint(int(std::lround(bar().xOf(time))), bar().height() - 15); }
+    QPoint at(double time) { return QPoint(int(std::lround(bar().xOf(time))), bar().height() - 23); }
+    /// On the mark below the bar, which hangs outside of what it holds.
+    QPoint mark(double time, int out) { return QPoint(int(std::lround(bar().xOf(time))) + 5 * out, bar().height() - 8); }
+    const Take& take() { return *deck().take(); }
+    void dragBar(QPoint from, QPoint to) {
+        QTest::mousePress(&bar(), Qt::LeftButton, {}, from);
+        QTest::mouseMove(&bar(), to);
+        QTest::mouseRelease(&bar(), Qt::LeftButton, {}, to);
+        settle();
+    }
 };
 
 }  // namespace
@@ -215,6 +226,122 @@ TEST_CASE("takes: they are renamed in place and removed by the keyboard, each as
     CHECK(w.now().takeNamed("wave"));
     w.trigger("undo");
     CHECK(w.now().takeNamed("Take 1"));
+}
+
+TEST_CASE("takes: marks hold a part, by mouse or keys; it is played alone, and trimming keeps it as one step") {
+    Stage w;
+    w.record({20, -100});
+    const double length = w.take().duration();
+    const std::size_t frames = w.take().times.size();
+    REQUIRE(frames > 8);
+    CHECK(!w.deck().marked());
+    CHECK(!w.window().actions()["trim-take"]->isEnabled());
+    w.dragBar(w.mark(0.0, -1), w.at(0.25 * length));
+    CHECK(w.deck().from() == doctest::Approx(0.25 * length).epsilon(0.2));
+    CHECK(w.deck().to() == length);
+    CHECK(!w.deck().playing());
+    w.dragBar(w.mark(length, 1), w.at(0.75 * length));
+    CHECK(w.deck().to() == doctest::Approx(0.75 * length).epsilon(0.1));
+    w.shoot("takes-marked");
+
+    // Played from the one to the other.
+    w.dragBar(w.at(0.0), w.at(0.0));
+    const double from = w.deck().from(), to = w.deck().to();
+    QTest::keyClick(&w.view(), Qt::Key_Space);
+    REQUIRE(w.deck().playing());
+    CHECK(w.deck().time() == from);
+    REQUIRE(QTest::qWaitFor([&] { return !w.deck().playing(); }, 20000));
+    CHECK(w.deck().time() == to);
+
+    // The keys mark where the playhead is; marks do not cross.
+    w.dragBar(w.at(0.5 * length), w.at(0.5 * length));
+    const double middle = w.take().times[std::size_t(w.deck().frame())];
+    QTest::keyClick(&w.view(), Qt::Key_I);
+    CHECK(w.deck().from() == middle);
+    w.dragBar(w.mark(middle, -1), w.at(length));
+    CHECK(w.deck().from() < w.deck().to());
+    w.trigger("mark-none");
+    CHECK(!w.deck().marked());
+    w.dragBar(w.at(0.25 * length), w.at(0.25 * length));
+    QTest::keyClick(&w.view(), Qt::Key_I);
+    w.dragBar(w.at(0.75 * length), w.at(0.75 * length));
+    QTest::keyClick(&w.view(), Qt::Key_O);
+    const double kept = w.deck().to() - w.deck().from();
+    const QPointF seen = w.end();
+
+    const int before = w.position();
+    w.trigger("trim-take");
+    CHECK(w.position() == before + 1);
+    CHECK(w.take().times.size() < frames);
+    CHECK(w.take().duration() == doctest::Approx(kept));
+    CHECK(!w.deck().marked());
+    CHECK(w.deck().shown());
+    CHECK((w.end() - seen).manhattanLength() < 1.0);  // the moment that was seen is still seen
+    CHECK(w.bar().maximum() == int(w.take().times.size()) - 1);
+    w.shoot("takes-trimmed");
+    w.trigger("undo");
+    CHECK(w.take().times.size() == frames);
+    CHECK(w.bar().maximum() == int(frames) - 1);
+    CHECK(!w.deck().marked());
+}
+
+TEST_CASE("takes: buttons beside the list copy, rename and remove the take that is chosen") {
+    Stage w;
+    w.record({10, -60});
+    const auto button = [&](const char* action) -> QAbstractButton* {
+        for (auto* b : w.window().takes().findChildren<QToolButton*>())
+            if (b->defaultAction() == w.window().actions()[action]) return b;
+        return nullptr;
+    };
+    for (const char* action : {"rename-take", "duplicate-take", "remove-take", "trim-take", "mark-in", "mark-out", "count-in"}) {
+        CAPTURE(action);
+        REQUIRE(button(action));
+        CHECK(button(action)->isVisible());
+    }
+    const double length = w.take().duration();
+    QTest::mouseClick(button("duplicate-take"), Qt::LeftButton);
+    w.settle();
+    REQUIRE(w.now().takes.size() == 2);
+    CHECK(w.take().name == "Take 1 copy");
+    CHECK(w.take().duration() == length);
+    CHECK(w.list().currentIndex().row() == 1);
+    QTest::mouseClick(button("rename-take"), Qt::LeftButton);
+    auto* editor = w.list().findChild<QLineEdit*>();
+    REQUIRE(editor);
+    editor->selectAll();
+    QTest::keyClicks(editor, QStringLiteral("nod"));
+    QTest::keyClick(editor, Qt::Key_Return);
+    w.settle();
+    CHECK(w.take().name == "nod");
+    QTest::mouseClick(button("remove-take"), Qt::LeftButton);
+    w.settle();
+    CHECK(w.now().takes.size() == 1);
+    CHECK(!w.now().takeNamed("nod"));
+}
+
+TEST_CASE("takes: a recording starts after a count where that is wished for, and the same key gives it up") {
+    Stage w;
+    QSettings().remove(QStringLiteral("takes"));
+    w.trigger("count-in");
+    QTest::keyClick(&w.view(), Qt::Key_R);
+    CHECK(!w.deck().recording());
+    CHECK(w.deck().counting() == 3);
+    w.settle(300);
+    w.shoot("takes-counting");
+    QTest::keyClick(&w.view(), Qt::Key_R);
+    CHECK(w.deck().counting() == 0);
+    w.settle(1200);
+    CHECK(!w.deck().recording());
+    CHECK(w.now().takes.empty());
+    QTest::keyClick(&w.view(), Qt::Key_R);
+    REQUIRE(QTest::qWaitFor([&] { return w.deck().recording(); }, 20000));
+    w.drag({10, -40});
+    QTest::keyClick(&w.view(), Qt::Key_R);
+    CHECK(w.now().takes.size() == 1);
+    w.trigger("count-in");
+    QTest::keyClick(&w.view(), Qt::Key_R);
+    CHECK(w.deck().recording());
+    QTest::keyClick(&w.view(), Qt::Key_R);
 }
 
 TEST_CASE("takes: a recording ends with its take when the document is left, and says when it ends early") {

@@ -8,6 +8,7 @@ namespace imomushi {
 namespace {
 
 constexpr double kLiveFrame = 1.0 / 60.0;  // s
+constexpr int kCount = 3;                  // s before a recording
 
 }  // namespace
 
@@ -22,6 +23,12 @@ TakeDeck::TakeDeck(StudioDocument& document, QObject* parent) : QObject(parent),
         if (recording->frames == recorded_) return stopRecording();
         recorded_ = recording->frames;
         Q_EMIT changed();
+    });
+    count_.setInterval(1000);
+    connect(&count_, &QTimer::timeout, this, [this] {
+        if (--counting_ > 0) return void(Q_EMIT changed());
+        count_.stop();
+        beginRecording();
     });
 }
 
@@ -40,6 +47,7 @@ void TakeDeck::follow() {
     if (acting_) return;
     const auto recording = document_.session().recording();
     recording_ = recording.has_value();
+    if (counting_ && !canRecord()) stopRecording();
     if (take_ && !take()) {
         take_ = 0;
         time_ = 0.0;
@@ -49,15 +57,30 @@ void TakeDeck::follow() {
     if (!take_ && !document_.document().takes.empty()) take_ = document_.document().takes.begin()->first;
     shown_ = shown_ && document_.session().showsTake();
     playing_ = playing_ && shown_;
+    if (const Take* chosen = take(); chosen && chosen->duration() != length_) {
+        // It was trimmed, or that was undone.
+        forgetSpan();
+        if (shown_) play(time_);
+        time_ = std::min(time_, length_);
+    }
     Q_EMIT changed();
+}
+
+void TakeDeck::forgetSpan() {
+    const Take* chosen = take();
+    length_ = chosen ? chosen->duration() : 0.0;
+    from_ = 0.0;
+    to_ = length_;
 }
 
 void TakeDeck::choose(PartId id) {
     if (recording_ || (id == take_ && shown_)) return;
-    take_ = id;
-    time_ = 0.0;
+    if (id != take_) {
+        take_ = id;
+        forgetSpan();
+    }
     playing_ = false;
-    if (take()) show(0.0);
+    if (take()) show(from_);
     else leave();
 }
 
@@ -85,6 +108,53 @@ void TakeDeck::step(int frames) {
     show(chosen->times[std::size_t(std::clamp(frame() + frames, 0, int(chosen->times.size()) - 1))]);
 }
 
+void TakeDeck::setSpan(double from, double to) {
+    const Take* chosen = take();
+    if (!chosen || chosen->times.size() < 2) return;
+    const auto& times = chosen->times;
+    const auto nearest = [&](double time) {
+        const TakeMoment moment = momentAt(times, time);
+        return moment.frame + (moment.part > 0.5 ? 1 : 0);
+    };
+    const std::size_t first = std::min(nearest(from), times.size() - 2), last = std::max(nearest(to), first + 1);
+    if (times[first] == from_ && times[last] == to_) return;
+    from_ = times[first];
+    to_ = times[last];
+    Q_EMIT changed();
+}
+
+void TakeDeck::trim() {
+    const Take* chosen = take();
+    if (!chosen || !marked() || recording_) return;
+    const double time = std::clamp(time_, from_, to_) - from_;
+    acting_ = true;
+    const bool trimmed = document_.execute({{"do", "trim-take"}, {"take", chosen->name}, {"from", from_}, {"to", to_}}).has_value();
+    acting_ = false;
+    if (!trimmed) return;
+    forgetSpan();
+    time_ = time;
+    if (shown_) play(time);
+    Q_EMIT changed();
+}
+
+void TakeDeck::duplicate() {
+    const Take* chosen = take();
+    if (!chosen || recording_) return;
+    const QString name = QString::fromStdString(chosen->name);
+    QString copy = tr("%1 copy", "name of a take").arg(name);
+    for (int n = 2; document_.document().takeNamed(copy.toStdString()); ++n) copy = tr("%1 copy %2", "name of a take").arg(name).arg(n);
+    const double time = time_;
+    if (!document_.execute({{"do", "duplicate-take"}, {"take", chosen->name}, {"name", copy.toStdString()}})) return;
+    take_ = document_.document().takeNamed(copy.toStdString())->id;
+    time_ = time;
+    Q_EMIT changed();
+}
+
+void TakeDeck::remove() {
+    const Take* chosen = take();
+    if (chosen && !recording_) document_.execute({{"do", "remove-take"}, {"take", chosen->name}});
+}
+
 void TakeDeck::leave() {
     playing_ = false;
     if (document_.session().showsTake()) {
@@ -99,7 +169,7 @@ void TakeDeck::leave() {
 void TakeDeck::setPlaying(bool playing) {
     const Take* chosen = take();
     if (recording_ || !chosen || playing == playing_) return;
-    playing_ = playing && play(time_ < chosen->duration() ? time_ : 0.0);
+    playing_ = playing && play(time_ >= from_ && time_ < to_ ? time_ : from_);
     Q_EMIT changed();
 }
 
@@ -112,18 +182,30 @@ void TakeDeck::setLooping(bool looping) {
 void TakeDeck::advance(double seconds) {
     const Take* chosen = take();
     if (!playing_ || !chosen) return;
-    const double end = chosen->duration();
     double time = time_ + seconds;
-    const bool over = time >= end;
-    if (over) time = looping_ && end > 0.0 ? std::fmod(time, end) : end;
+    const bool over = time >= to_;
+    if (over) time = looping_ && to_ > from_ ? from_ + std::fmod(time - from_, to_ - from_) : to_;
     playing_ = play(time) && (!over || looping_);
     Q_EMIT changed();
 }
 
 bool TakeDeck::canRecord() const { return !document_.document().elements.empty() || !document_.document().bones.empty(); }
 
+void TakeDeck::setCountsIn(bool counts) {
+    if (counts == countsIn_) return;
+    countsIn_ = counts;
+    Q_EMIT changed();
+}
+
 void TakeDeck::startRecording() {
-    if (recording_) return;
+    if (recording_ || counting_) return;
+    if (!countsIn_) return beginRecording();
+    counting_ = kCount;
+    count_.start();
+    Q_EMIT changed();
+}
+
+void TakeDeck::beginRecording() {
     playing_ = false;
     QString name;
     for (int n = int(document_.document().takes.size()) + 1; name.isEmpty() || document_.document().takeNamed(name.toStdString()); ++n) name = tr("Take %1").arg(n);
@@ -137,14 +219,21 @@ void TakeDeck::startRecording() {
 }
 
 void TakeDeck::stopRecording() {
+    count_.stop();
+    const bool counted = counting_ > 0;
+    counting_ = 0;
     const auto recording = document_.session().recording();
-    if (!recording) return;
+    if (!recording) {
+        if (counted) Q_EMIT changed();
+        return;
+    }
     recording_ = false;
     acting_ = true;
     const auto answer = document_.execute({{"do", "record"}, {"take", recording->take}, {"action", "stop"}});
     acting_ = false;
     if (const Take* made = answer ? document_.document().takeNamed(recording->take) : nullptr) {
         take_ = made->id;
+        forgetSpan();
         time_ = made->duration();
         exact_ = true;
         if (!answer->at("whole").get<bool>()) Q_EMIT said(tr("The recording ended early: the character changed meanwhile, or the take was full."));

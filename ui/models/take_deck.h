@@ -2,6 +2,7 @@
 #pragma once
 
 #include <QRgb>
+#include <QTimer>
 
 #include "ui/models/studio_document.h"
 
@@ -33,8 +34,19 @@ public:
     /// Back to the character as it is posed.
     void leave();
 
+    /// Between which times (s) the chosen take is played, and what trim() keeps of it: at first all.
+    [[nodiscard]] double from() const { return from_; }
+    [[nodiscard]] double to() const { return to_; }
+    [[nodiscard]] bool marked() const { return from_ > 0.0 || to_ < length_; }  ///< that is not the whole take
+    /// Takes the frames next to these times; the later one is a frame after the other at least.
+    void setSpan(double from, double to);
+    void trim();
+    /// Under a name of its own; the copy becomes the chosen take.
+    void duplicate();
+    void remove();
+
     [[nodiscard]] bool playing() const { return playing_; }
-    /// From time() on, from the beginning where that is the end.
+    /// From time() on, from from() where that is the end or outside.
     void setPlaying(bool playing);
     [[nodiscard]] bool looping() const { return looping_; }
     void setLooping(bool looping);
@@ -43,10 +55,14 @@ public:
 
     [[nodiscard]] bool canRecord() const;
     [[nodiscard]] bool recording() const { return recording_; }
-    /// Into a new take with a name of its own.
+    /// Into a new take with a name of its own, after the count where there is one.
     void startRecording();
-    /// The take becomes the chosen one. Nothing where nothing is recorded.
+    /// The take becomes the chosen one; a count that is going on is given up. Nothing where nothing is recorded.
     void stopRecording();
+    /// Recording starts after three seconds.
+    [[nodiscard]] bool countsIn() const { return countsIn_; }
+    void setCountsIn(bool counts);
+    [[nodiscard]] int counting() const { return counting_; }  ///< s left; 0: no count is going on
 
 Q_SIGNALS:
     void changed();  ///< the chosen take, its time, playing or recording
@@ -55,10 +71,16 @@ Q_SIGNALS:
 private:
     bool play(double time);
     void follow();
+    void forgetSpan();
+    void beginRecording();
 
     StudioDocument& document_;
     PartId take_ = 0;
-    double time_ = 0.0;
+    double time_ = 0.0, from_ = 0.0, to_ = 0.0;
+    double length_ = 0.0;  // s, of the chosen take when it was last looked at
+    QTimer count_;
+    int counting_ = 0;
+    bool countsIn_ = false;
     bool shown_ = false, exact_ = true, playing_ = false, looping_ = false, recording_ = false;
     bool acting_ = false;           ///< what the document says now was done here
     std::size_t recorded_ = 0;      ///< frames

@@ -103,6 +103,8 @@ const std::map<std::string, const char*> kSteps = {
     {"touch", QT_TRANSLATE_NOOP("Steps", "Touch")},
     {"record", QT_TRANSLATE_NOOP("Steps", "Record")},
     {"rename-take", QT_TRANSLATE_NOOP("Steps", "Rename take")},
+    {"duplicate-take", QT_TRANSLATE_NOOP("Steps", "Duplicate take")},
+    {"trim-take", QT_TRANSLATE_NOOP("Steps", "Trim take")},
     {"remove-take", QT_TRANSLATE_NOOP("Steps", "Remove take")},
 };
 

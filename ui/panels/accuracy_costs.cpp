@@ -45,13 +45,13 @@ FrameCostMeter::FrameCostMeter(StudioDocument& document, QObject* parent) : QObj
     });
 }
 
-void FrameCostMeter::take(double cpuMs) {
+void FrameCostMeter::take(double cpuMs, double, int, double uploadMs) {
     const Character* character = document_.session().character();
     if (!character) return;
     const auto& s = character->stats();
     std::array<double, Stages> now = {s.poseMs, s.jointsMs - (character->input().smoothJoints ? s.equilibriumMs : 0.0),
-                                      character->input().smoothJoints ? s.equilibriumMs : -1.0, s.productMs, s.normalsMs, 0.0};
-    now[Drawing] = std::max(0.0, cpuMs - s.poseMs - s.jointsMs - s.productMs - s.normalsMs);
+                                      character->input().smoothJoints ? s.equilibriumMs : -1.0, s.productMs, s.normalsMs, uploadMs, 0.0};
+    now[Drawing] = std::max(0.0, cpuMs - s.poseMs - s.jointsMs - s.productMs - s.normalsMs - uploadMs);
     for (int i = 0; i < Stages; ++i) {
         double& mean = ms_[std::size_t(i)];
         const double value = now[std::size_t(i)];
@@ -62,11 +62,11 @@ void FrameCostMeter::take(double cpuMs) {
 
 FrameCosts FrameCostMeter::costs() const {
     FrameCosts out;
-    const QString names[] = {tr("Bones (inverse kinematics)"), tr("Joints"), tr("Equilibrium of joints"), tr("Surfaces (product)"), tr("Normals"), tr("Upload and drawing")};
+    const QString names[] = {tr("Bones (inverse kinematics)"), tr("Joints"), tr("Equilibrium of joints"), tr("Surfaces (product)"), tr("Normals"), tr("Upload"), tr("Drawing")};
     for (int i = 0; i < Stages; ++i) {
         if (i == Equilibrium && ms_[std::size_t(i)] < 0.0) continue;
-        out.rows.push_back({names[i], ms_[std::size_t(i)], -1.0, false, i != Drawing});
-        if (i != Drawing && ms_[std::size_t(i)] >= 0.0) out.total = std::max(0.0, out.total) + ms_[std::size_t(i)];
+        out.rows.push_back({names[i], ms_[std::size_t(i)], -1.0, false, i < Upload});
+        if (i < Upload && ms_[std::size_t(i)] >= 0.0) out.total = std::max(0.0, out.total) + ms_[std::size_t(i)];
     }
     for (std::size_t k = 0; k < kEffects; ++k) {
         if (!document_.document().effects.has(EffectKind(k))) continue;

@@ -28,8 +28,8 @@ class FrameCostMeter : public QObject {
     Q_OBJECT
 public:
     explicit FrameCostMeter(StudioDocument& document, QObject* parent = nullptr);
-    /// cpuMs: of the frame altogether, drawing included.
-    void take(double cpuMs);
+    /// cpuMs: of the frame altogether, drawing included; uploadMs: of it, to bring what changed onto the graphics card.
+    void take(double cpuMs, double fps, int vertices, double uploadMs);
     [[nodiscard]] FrameCosts costs() const;
 
 signals:
@@ -37,7 +37,7 @@ signals:
 
 private:
     StudioDocument& document_;
-    enum Stage { Bones, Joints, Equilibrium, Surfaces, Normals, Drawing, Stages };
+    enum Stage { Bones, Joints, Equilibrium, Surfaces, Normals, Upload, Drawing, Stages };
     std::array<double, Stages> ms_;
     std::array<double, kEffects> predicted_;
     bool known_ = false;

@@ -174,6 +174,9 @@ QCheckBox::indicator { width: 16px; height: 16px; border: 1px solid @hoverline; 
 QCheckBox::indicator:checked { background: @accent; border-color: @accent; image: url(@checkmark-icon); }
 QCheckBox::indicator:focus { border-color: @text; }
 QCheckBox:focus { color: @accent; }
+QCheckBox:disabled { color: @faint; }
+QCheckBox::indicator:disabled { background: @panel; border-color: @fieldline; }
+QCheckBox::indicator:checked:disabled { background: @fieldline; }
 
 QScrollBar:vertical { background: transparent; width: 10px; margin: 0; }
 QScrollBar:horizontal { background: transparent; height: 10px; margin: 0; }

@@ -8,7 +8,6 @@
 #include <QDir>
 #include <QFileDialog>
 #include <QFileInfo>
-#include <QFormLayout>
 #include <QLabel>
 #include <QLineEdit>
 #include <QLocale>
@@ -27,6 +26,7 @@
 #include "ui/models/texts.h"
 #include "ui/panels/appearance.h"
 #include "ui/panels/choice_card.h"
+#include "ui/panels/dialog_form.h"
 #include "ui/panels/message_bar.h"
 
 namespace imomushi {
@@ -36,6 +36,7 @@ using Role = Appearance::Role;
 
 constexpr const char* kLayouts[] = {"baked", "rigged", "skinned", "cache"};
 constexpr double kRates[] = {0.0, 24.0, 25.0, 30.0, 60.0};
+constexpr int kFastestRate = int(std::size(kRates)) - 1;
 constexpr int kTargets[] = {0, 8, 4};
 /// A file whose vertices are this near to the character's (over its diagonal) is the character.
 constexpr double kSame = 1e-5;
@@ -124,25 +125,14 @@ ExportDialog::ExportDialog(StudioDocument& document, const QString& folder, QWid
     normals_ = new QCheckBox(tr("Targets move normals"), this);
     normals_->setToolTip(tr("For engines that do not find normals themselves: larger files"));
 
-    auto* form = new QFormLayout;
-    form->setHorizontalSpacing(px(14));
-    form->setVerticalSpacing(px(9));
-    form->setLabelAlignment(Qt::AlignLeft | Qt::AlignVCenter);
-    form->setFieldGrowthPolicy(QFormLayout::AllNonFixedFieldsGrow);
-    const auto row = [&](const QString& label, QWidget* field) {
-        auto* text = new QLabel(label, this);
-        text->setProperty("role", "muted");
-        text->setBuddy(field);
-        field->setAccessibleName(label);
-        form->addRow(text, field);
-    };
-    row(tr("Take"), take_);
-    row(tr("Keys"), fps_);
-    row(tr("Format"), format_);
-    row(tr("Morph targets"), targets_);
-    form->addRow(QString(), split_);
-    form->addRow(QString(), quantise_);
-    form->addRow(QString(), normals_);
+    auto* form = new DialogForm;
+    form->add(tr("Take"), take_);
+    form->add(tr("Keys"), fps_);
+    form->add(tr("Format"), format_);
+    form->add(tr("Morph targets"), targets_);
+    form->add(split_);
+    form->add(quantise_);
+    form->add(normals_);
 
     auto* result = new QFrame(this);
     result->setObjectName(QStringLiteral("card"));
@@ -243,8 +233,8 @@ ExportDialog::ExportDialog(StudioDocument& document, const QString& folder, QWid
     connect(presets_, &QButtonGroup::idClicked, this, &ExportDialog::takePreset);
     connect(layouts_, &QButtonGroup::idToggled, this, &ExportDialog::takeLayout);
     connect(format_, &QComboBox::currentIndexChanged, this, [this] {
+        suitFormat();
         takeLayout();
-        if (splitByItself()) split_->setChecked(true);
     });
     connect(path_, &QLineEdit::textChanged, this, &ExportDialog::checkPath);
     connect(&document_, &StudioDocument::structureChanged, this, &ExportDialog::fillTakes);
@@ -284,6 +274,7 @@ void ExportDialog::takePreset() {
     split_->setChecked(splitByItself());
     quantise_->setChecked(options.quantised);
     normals_->setChecked(options.normals);
+    suitFormat();
 }
 
 /// Caches have formats of their own.
@@ -301,6 +292,13 @@ void ExportDialog::fillFormats() {
         format_->addItem(QStringLiteral("glTF (GLB)"), QStringLiteral("glb"));
         format_->addItem(tr("FBX, by Blender"), QStringLiteral("fbx"));
     }
+    suitFormat();
+}
+
+void ExportDialog::suitFormat() {
+    if (splitByItself()) split_->setChecked(true);
+    // These hold whole frames of one rate; what was recorded comes at any time.
+    if ((suffix() == u"fbx" || suffix() == u"pc2") && fps_->currentIndex() == 0) fps_->setCurrentIndex(kFastestRate);
 }
 
 QString ExportDialog::suffix() const { return format_->currentData().toString(); }

@@ -38,6 +38,7 @@ public slots:
 private:
     void fillTakes();
     void fillFormats();
+    void suitFormat();
     void takePreset();
     void takeLayout();
     void checkPath();

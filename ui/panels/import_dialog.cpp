@@ -5,7 +5,6 @@
 #include <QComboBox>
 #include <QDialogButtonBox>
 #include <QFileInfo>
-#include <QFormLayout>
 #include <QLabel>
 #include <QListWidget>
 #include <QLocale>
@@ -19,6 +18,7 @@
 #include "ui/jobs/import_job.h"
 #include "ui/models/texts.h"
 #include "ui/panels/appearance.h"
+#include "ui/panels/dialog_form.h"
 #include "ui/panels/mesh_preview.h"
 
 namespace imomushi {
@@ -63,21 +63,10 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
     up_->setCurrentIndex(std::clamp(settings.value(group + QStringLiteral("up"), 0).toInt(), 0, 2));
     split_->setChecked(settings.value(group + QStringLiteral("split"), false).toBool());
 
-    auto* form = new QFormLayout;
-    form->setHorizontalSpacing(px(14));
-    form->setVerticalSpacing(px(9));
-    form->setLabelAlignment(Qt::AlignLeft | Qt::AlignVCenter);
-    form->setFieldGrowthPolicy(QFormLayout::AllNonFixedFieldsGrow);
-    const auto row = [&](const QString& label, QWidget* field) {
-        auto* text = new QLabel(label, this);
-        text->setProperty("role", "muted");
-        text->setBuddy(field);
-        field->setAccessibleName(label);
-        form->addRow(text, field);
-    };
-    row(tr("Unit"), unit_);
-    row(tr("Up axis"), up_);
-    form->addRow(QString(), split_);
+    auto* form = new DialogForm;
+    form->add(tr("Unit"), unit_);
+    form->add(tr("Up axis"), up_);
+    form->add(split_);
 
     auto* buttons = new QDialogButtonBox(QDialogButtonBox::Cancel, this);
     import_ = buttons->addButton(tr("Import"), QDialogButtonBox::AcceptRole);

@@ -310,6 +310,18 @@ void MainWindow::buildActions() {
     on("take-back", [this] { settle(); deck_->step(-1); });
     on("take-forward", [this] { settle(); deck_->step(1); });
     on("loop", [this](bool checked) { deck_->setLooping(checked); });
+    on("mark-in", [this] { deck_->setSpan(deck_->time(), deck_->to()); });
+    on("mark-out", [this] { deck_->setSpan(deck_->from(), deck_->time()); });
+    on("mark-none", [this] { if (const Take* take = deck_->take()) deck_->setSpan(0.0, take->duration()); });
+    on("trim-take", [this] { settle(); deck_->trim(); });
+    on("rename-take", [this] { takesDock_->show(); takesDock_->raise(); takes_->rename(); });
+    on("duplicate-take", [this] { settle(); deck_->duplicate(); });
+    on("remove-take", [this] { settle(); deck_->remove(); });
+    on("count-in", [this](bool checked) {
+        deck_->setCountsIn(checked);
+        QSettings().setValue(QStringLiteral("takes/count-in"), checked);
+    });
+    deck_->setCountsIn(QSettings().value(QStringLiteral("takes/count-in"), false).toBool());
     on("leave-take", [this] { deck_->leave(); });
     on("hide", [this] { hideSelected(); });
     on("show-all", [this] { showAll(); });
@@ -364,7 +376,8 @@ void MainWindow::buildMenus() {
     fill(edit, {"undo", "redo", "", "rename", "delete", "", "select-all", "select-none", "", "search", "preferences"});
     QMenu* character = menu(nullptr, QT_TR_NOOP("&Character"));
     fill(character, {"tool-select", "tool-face", "tool-bone", "tool-pose", "tool-touch", "", "join", "", "precompute", "", "pin", "release", "rest"});
-    fill(menu(nullptr, QT_TR_NOOP("&Perform")), {"record", "", "play", "take-back", "take-forward", "loop", "leave-take"});
+    fill(menu(nullptr, QT_TR_NOOP("&Perform")), {"record", "count-in", "", "play", "take-back", "take-forward", "loop", "leave-take", "", "mark-in", "mark-out", "mark-none", "trim-take", "",
+                                                    "rename-take", "duplicate-take", "remove-take"});
     QMenu* view = menu(nullptr, QT_TR_NOOP("&View"));
     fill(view, {"frame-all", "frame-selection", "", "view-front", "view-right", "view-top", "orthographic", "", "bones", "grid", "xray", "", "hide", "show-all", ""});
     panelsMenu_ = menu(view, QT_TR_NOOP("&Panels"));
@@ -677,7 +690,7 @@ void MainWindow::openExport() {
 
 void MainWindow::record() {
     settle();
-    if (deck_->recording()) return deck_->stopRecording();
+    if (deck_->recording() || deck_->counting()) return deck_->stopRecording();
     showStart(false);
     takesDock_->show();
     takesDock_->raise();
@@ -691,7 +704,9 @@ void MainWindow::updateTakeActions() {
     StudioActions& a = *actions_;
     const bool chosen = deck_->take() && !deck_->recording();
     a["record"]->setEnabled(deck_->canRecord());
-    for (const char* id : {"play", "take-back", "take-forward"}) a[id]->setEnabled(chosen);
+    for (const char* id : {"play", "take-back", "take-forward", "mark-in", "mark-out", "rename-take", "duplicate-take", "remove-take"}) a[id]->setEnabled(chosen);
+    for (const char* id : {"mark-none", "trim-take"}) a[id]->setEnabled(chosen && deck_->marked());
+    a["count-in"]->setChecked(deck_->countsIn());
     a["leave-take"]->setEnabled(deck_->shown());
     a["loop"]->setChecked(deck_->looping());
     static const QIcon play = themedIcon(QStringLiteral("play")), pause = themedIcon(QStringLiteral("pause"));

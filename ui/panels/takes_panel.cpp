@@ -30,6 +30,14 @@ TakesPanel::TakesPanel(StudioDocument& document, TakeDeck& deck, StudioActions& 
     record_->setFocusPolicy(Qt::TabFocus);
     connect(record_, &QPushButton::clicked, actions["record"], &QAction::trigger);
     connect(actions["record"], &QAction::changed, this, [this] { record_->setEnabled(actions_["record"]->isEnabled()); });
+    const auto button = [&](const char* action, QBoxLayout* row) {
+        auto* b = new QToolButton(this);
+        b->setDefaultAction(actions[action]);
+        b->setFocusPolicy(Qt::TabFocus);
+        row->addWidget(b);
+        buttons_.push_back(b);
+        return b;
+    };
 
     list_ = new QListView(this);
     list_->setModel(model_);
@@ -61,14 +69,9 @@ TakesPanel::TakesPanel(StudioDocument& document, TakeDeck& deck, StudioActions& 
     auto* buttons = new QHBoxLayout(transport_);
     buttons->setContentsMargins(0, 0, 0, 0);
     buttons->setSpacing(2);
-    const auto button = [&](const char* action) {
-        auto* b = new QToolButton(transport_);
-        b->setDefaultAction(actions[action]);
-        b->setFocusPolicy(Qt::TabFocus);
-        buttons->addWidget(b);
-        return b;
-    };
-    for (const char* action : {"take-back", "play", "take-forward", "loop"}) button(action);
+    for (const char* action : {"take-back", "play", "take-forward", "loop"}) button(action, buttons);
+    buttons->addSpacing(10);
+    for (const char* action : {"mark-in", "mark-out", "trim-take"}) button(action, buttons);
     clock_ = new QLabel(this);
     buttons->addSpacing(10);
     buttons->addWidget(clock_);
@@ -76,7 +79,7 @@ TakesPanel::TakesPanel(StudioDocument& document, TakeDeck& deck, StudioActions& 
     note_->setProperty("role", "warning");
     buttons->addSpacing(10);
     buttons->addWidget(note_, 1);
-    live_ = button("leave-take");
+    live_ = button("leave-take", buttons);
     live_->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
     live_->setProperty("small", true);
 
@@ -84,10 +87,24 @@ TakesPanel::TakesPanel(StudioDocument& document, TakeDeck& deck, StudioActions& 
     connect(bar_, &TimeBar::wanted, this, [this](int frame) {
         if (const Take* take = deck_.take()) deck_.show(take->times[std::size_t(frame)]);
     });
+    connect(bar_, &TimeBar::spanWanted, &deck_, &TakeDeck::setSpan);
 
-    auto* left = new QVBoxLayout;
+    takeButtons_ = new QWidget(this);
+    auto* takeRow = new QHBoxLayout(takeButtons_);
+    takeRow->setContentsMargins(0, 0, 0, 0);
+    takeRow->setSpacing(2);
+    for (const char* action : {"rename-take", "duplicate-take", "remove-take"}) button(action, takeRow);
+    auto* recordRow = new QHBoxLayout;
+    recordRow->setSpacing(2);
+    recordRow->addWidget(record_, 1);
+    recordRow->addSpacing(4);
+    button("count-in", recordRow);
+    recordRow->addWidget(takeButtons_);
+    left_ = new QWidget(this);
+    auto* left = new QVBoxLayout(left_);
+    left->setContentsMargins(0, 0, 0, 0);
     left->setSpacing(6);
-    left->addWidget(record_);
+    left->addLayout(recordRow);
     left->addWidget(list_, 1);
     left->addStretch();  // the button stays where it is while there is no list
     auto* right = new QVBoxLayout;
@@ -99,7 +116,7 @@ TakesPanel::TakesPanel(StudioDocument& document, TakeDeck& deck, StudioActions& 
     auto* layout = new QHBoxLayout(this);
     layout->setContentsMargins(10, 8, 12, 8);
     layout->setSpacing(14);
-    layout->addLayout(left);
+    layout->addWidget(left_);
     layout->addLayout(right, 1);
 
     connect(&deck_, &TakeDeck::changed, this, &TakesPanel::follow);
@@ -110,24 +127,23 @@ TakesPanel::TakesPanel(StudioDocument& document, TakeDeck& deck, StudioActions& 
 }
 
 void TakesPanel::takeSizes() {
-    record_->setFixedWidth(px(270));
     record_->setIconSize(QSize(px(24), px(16)));
     empty_->setContentsMargins(0, px(8), 0, 0);
-    list_->setFixedWidth(px(270));
-    for (auto* b : transport_->findChildren<QToolButton*>()) b->setIconSize(QSize(px(20), px(20)));
+    left_->setFixedWidth(px(290));
+    for (auto* b : buttons_) b->setIconSize(QSize(px(20), px(20)));
     live_->setIconSize(QSize(px(16), px(16)));
     clock_->setMinimumWidth(px(230));  // so that it stays while digits run
     setMinimumHeight(px(118));
-    dressed_ = false;
+    dressed_.reset();
     follow();
 }
 
 /// Red says what it does; the words and the sign on it say it too.
 void TakesPanel::dressRecord() {
     const bool recording = deck_.recording();
-    if (dressed_ && recording == dressedRecording_) return;
-    dressed_ = true;
-    dressedRecording_ = recording;
+    const int look = recording ? -1 : deck_.counting();
+    if (dressed_ == look) return;
+    dressed_ = look;
     const QColor red(kRecordRed), panel = themeColor(Appearance::Role::Panel);
     const auto mix = [&](double t) {
         return QColor(int(panel.red() + (red.red() - panel.red()) * t), int(panel.green() + (red.green() - panel.green()) * t),
@@ -152,7 +168,7 @@ void TakesPanel::dressRecord() {
     painter.end();
     record_->setIcon(QIcon(sign));
     const QString keys = actions_["record"]->shortcut().toString(QKeySequence::NativeText);
-    const QString text = recording ? tr("Stop recording") : tr("Record");
+    const QString text = recording ? tr("Stop recording") : deck_.counting() ? tr("Starts in %1 s – stop", "a recording").arg(deck_.counting()) : tr("Record");
     record_->setText(keys.isEmpty() ? text : QStringLiteral("%1  (%2)").arg(text, keys));
     record_->setAccessibleName(text);
 }
@@ -165,6 +181,7 @@ void TakesPanel::follow() {
     const bool any = model_->rowCount() > 0 || recording;
     dressRecord();
     list_->setVisible(model_->rowCount() > 0);
+    takeButtons_->setVisible(model_->rowCount() > 0 && !recording && !deck_.counting());  // then the button for recording says more
     empty_->setVisible(!any);
     transport_->setVisible(any);
     bar_->setVisible(any);
@@ -176,13 +193,17 @@ void TakesPanel::follow() {
     if (row != list_->currentIndex()) list_->setCurrentIndex(row);
     list_->setEnabled(!recording);
 
-    const PartId now = take && !recording ? take->id : 0;
+    const auto found = recording ? document_.document().takes.end() : document_.document().takes.find(take ? take->id : 0);
+    const std::shared_ptr<const Take> now = found == document_.document().takes.end() ? nullptr : found->second;
     if (now != barTake_) {
         barTake_ = now;
-        bar_->setTimes(now ? take->times : std::vector<double>());
+        bar_->setTimes(now ? now->times : std::vector<double>());
     }
     bar_->setRecorded(recording ? recording->seconds : -1.0);
-    if (now) bar_->setTime(deck_.time());
+    if (now) {
+        bar_->setSpan(deck_.from(), deck_.to());
+        bar_->setTime(deck_.time());
+    }
     const QLocale locale;
     if (recording) {
         clock_->setText(tr("%1 · %2 · frame %3", "take, time, frame").arg(QString::fromStdString(recording->take), clockText(recording->seconds), locale.toString(qulonglong(recording->frames))));
@@ -203,17 +224,12 @@ void TakesPanel::rename() {
     if (list_->currentIndex().isValid()) list_->edit(list_->currentIndex());
 }
 
-void TakesPanel::remove() {
-    if (const Take* take = deck_.recording() ? nullptr : deck_.take()) document_.execute({{"do", "remove-take"}, {"take", take->name}});
-}
-
 void TakesPanel::menu(const QPoint& global) {
     if (!list_->currentIndex().isValid()) return;
     QMenu menu(this);
     menu.addAction(actions_["play"]);
     menu.addSeparator();
-    menu.addAction(themedIcon(QStringLiteral("rename")), tr("Rename"), this, &TakesPanel::rename);
-    menu.addAction(themedIcon(QStringLiteral("trash")), tr("Remove"), this, &TakesPanel::remove);
+    for (const char* action : {"rename-take", "duplicate-take", "trim-take", "remove-take"}) menu.addAction(actions_[action]);
     menu.exec(global);
 }
 
@@ -226,7 +242,7 @@ bool TakesPanel::eventFilter(QObject* watched, QEvent* event) {
             event->accept();
             if (event->type() == QEvent::ShortcutOverride) return true;
             if (removes) {
-                remove();
+                deck_.remove();
                 return true;
             }
         }
@@ -237,8 +253,8 @@ bool TakesPanel::eventFilter(QObject* watched, QEvent* event) {
 void TakesPanel::retranslate() {
     list_->setAccessibleName(tr("Takes"));
     bar_->setAccessibleName(tr("Time"));
-    bar_->setToolTip(tr("Drag to see any moment; arrow keys go frame by frame"));
-    dressed_ = false;
+    bar_->setToolTip(tr("Drag to see any moment; arrow keys go frame by frame. The marks below say what part is played, and kept by trimming."));
+    dressed_.reset();
     model_->refresh();
     follow();
 }

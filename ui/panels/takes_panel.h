@@ -2,6 +2,8 @@
 #pragma once
 
 #include <QWidget>
+#include <optional>
+#include <vector>
 
 #include "ui/models/take_deck.h"
 #include "ui/models/take_model.h"
@@ -24,9 +26,8 @@ public:
     TakesPanel(StudioDocument& document, TakeDeck& deck, StudioActions& actions, QWidget* parent = nullptr);
     [[nodiscard]] QListView* list() const { return list_; }
     [[nodiscard]] TimeBar* bar() const { return bar_; }
-    /// Edits the name of the chosen take; removes it.
+    /// Edits the name of the chosen take.
     void rename();
-    void remove();
 
 protected:
     void changeEvent(QEvent* event) override;
@@ -46,13 +47,17 @@ private:
     QPushButton* record_;
     QListView* list_;
     QLabel* empty_;
+    QWidget* left_;
+    QWidget* takeButtons_;
     QWidget* transport_;
+    std::vector<QToolButton*> buttons_;
     QLabel* clock_;
     QLabel* note_;
     QToolButton* live_;
     TimeBar* bar_;
-    PartId barTake_ = 0;
-    bool following_ = false, dressed_ = false, dressedRecording_ = false;
+    std::shared_ptr<const Take> barTake_;
+    bool following_ = false;
+    std::optional<int> dressed_;  // what the button for recording looks like: -1 recording, else seconds of the count
 };
 
 }  // namespace imomushi

@@ -4,6 +4,7 @@
 #include <epoxy/gl.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -30,6 +31,7 @@ public:
     void draw(const Scene& scene, unsigned target, int width, int height) override;
     Pick pick(const Scene& scene, int width, int height, int x, int y) override;
     bool take(const SurfaceRecipe& recipe) override;
+    [[nodiscard]] double uploadMs() const override { return uploadMs_; }
     bool deforms(int element) const override { return bodies_.deformer().fits(element); }
     bool software() const override { return software_; }
     void forget() override;
@@ -67,6 +69,7 @@ private:
     Target picture_, resolved_, shadowMap_, shade_, shadeSwap_, surfaceMap_, occlusionMap_, occlusionSwap_, maskSamples_, maskMap_, pickTarget_;
 
     BodyStore bodies_;
+    double uploadMs_ = 0.0;
     std::vector<GpuBody*> drawn_;  ///< of scene.bodies; null: nothing to draw
     MarkerGeometry markers_;
     Frame frame_;
@@ -169,7 +172,9 @@ bool Renderer::take(const SurfaceRecipe& recipe) {
 }
 
 void Renderer::takeScene(const Scene& scene, int width, int height) {
+    const auto start = std::chrono::steady_clock::now();
     bodies_.take(scene, drawn_);
+    uploadMs_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     frame_.set(scene, drawn_, width, height);
     glBindBuffer(GL_UNIFORM_BUFFER, frameBlock_);
     glBufferSubData(GL_UNIFORM_BUFFER, 0, sizeof frame_.block, &frame_.block);

@@ -112,6 +112,9 @@ public:
     /// OpenGL without a graphics card: deforming with it would cost more than without.
     [[nodiscard]] virtual bool software() const = 0;
 
+    /// Of the last draw(): milliseconds that the processor spent to bring what changed onto the card, or to have the card make it.
+    [[nodiscard]] virtual double uploadMs() const = 0;
+
     /// Gives back all memory of bodies and pictures; the next draw() makes it anew.
     virtual void forget() = 0;
 };

@@ -6,6 +6,7 @@
 #include <QEvent>
 #include <QKeyEvent>
 #include <QLabel>
+#include <QLocale>
 #include <QMenu>
 #include <QMouseEvent>
 #include <QNativeGestureEvent>
@@ -452,7 +453,7 @@ void ViewportWidget::paint() {
         told_.start();
         int vertices = 0;
         for (const render::Body& body : scene_.bodies) vertices += int(body.mesh ? body.mesh->body.vertices.rows() : 0);
-        Q_EMIT frameMeasured(cpuMs, frameSeconds_ > 0.0 ? 1.0 / frameSeconds_ : 0.0, vertices);
+        Q_EMIT frameMeasured(cpuMs, frameSeconds_ > 0.0 ? 1.0 / frameSeconds_ : 0.0, vertices, renderer_->uploadMs());
     }
 }
 
@@ -468,6 +469,25 @@ void ViewportWidget::paintOver() {
         painter.drawText(rect(), Qt::AlignCenter, tr("Drop a mesh or a project here"));
     }
     if (deck_) paintTake(painter);
+    if (deck_ && deck_->counting()) paintCount(painter);
+}
+
+/// Seconds until a recording starts, where nobody overlooks them.
+void ViewportWidget::paintCount(QPainter& painter) {
+    const double radius = 3.2 * QFontMetricsF(painter.font()).height();
+    const QRectF disc(0.5 * width() - radius, 0.5 * height() - radius, 2.0 * radius, 2.0 * radius);
+    QColor red(kRecordRed);
+    red.setAlphaF(0.85f);
+    painter.setRenderHint(QPainter::Antialiasing);
+    painter.setPen(Qt::NoPen);
+    painter.setBrush(red);
+    painter.drawEllipse(disc);
+    QFont font = painter.font();
+    font.setPixelSize(int(1.1 * radius));
+    font.setWeight(QFont::DemiBold);
+    painter.setFont(font);
+    painter.setPen(Qt::white);
+    painter.drawText(disc, Qt::AlignCenter, QLocale().toString(deck_->counting()));
 }
 
 void ViewportWidget::paintTake(QPainter& painter) {

@@ -74,7 +74,7 @@ public:
 Q_SIGNALS:
     void hintChanged(const QString& hint);
     /// cpuMs: solving, updating and drawing of one frame (about ten times a second while frames are drawn); fps: 0 while nothing moves.
-    void frameMeasured(double cpuMs, double fps, int vertices);
+    void frameMeasured(double cpuMs, double fps, int vertices, double uploadMs);
     void toolChanged(imomushi::ToolKind kind);
     /// Projection, bones, grid or x-ray were switched, by whom ever.
     void viewChanged();
@@ -107,6 +107,7 @@ private:
     [[nodiscard]] bool dark() const;
     void paintOver();
     void paintTake(QPainter& painter);
+    void paintCount(QPainter& painter);
     void tick();
     void animate();               ///< starts the frame timer where something moves
     [[nodiscard]] bool posing() const;  ///< frames must be stepped
