@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Moves a character that was exported with the layout "rigged" live: joint points in, frames of elements and weights of morph targets out, by the
-// steps of Imomushi's own frame (core/export/driver.h describes the data; eq. (5) of Watanabe et al., FIT 2006). For three.js:
+// steps of Imomushi's own frame (core/export/driver.h describes the data; eq. (5) of Watanabe et al., FIT 2006). Smooth joints, gravity and inflation act as
+// in a body at rest; what moves by itself, large motions, fingers and joints of the previous model do not. For three.js:
 //
 //   import { ImomushiDriver } from './three.js';
 //   const gltf = await new GLTFLoader().loadAsync('caterpillar.glb');
@@ -44,11 +45,41 @@ const transposed = (m) => [0, 1, 2, 3, 4, 5, 6, 7, 8].map((i) => m[3 * (i % 3) +
 const product = (a, b) => [0, 3, 6].flatMap((c) => times3(a, b.slice(c, c + 3)));
 const matrix = (q) => [[1, 0, 0], [0, 1, 0], [0, 0, 1]].flatMap((axis) => turn(q, axis));
 
+/// Takes out the twist that the basis of the paper cannot say.
+function untwist(l) {
+    const twist = Math.atan2(l[1] - l[3], l[0] + l[4]), c = Math.cos(twist), s = Math.sin(twist);
+    const x = l.slice(0, 3), y = l.slice(3, 6);
+    l.splice(0, 6, ...sub(times(c, x), times(s, y)), ...add(times(s, x), times(c, y)));
+}
+
+/// x with m x = right, m symmetric and positive, n x n row by row; m becomes its Cholesky factor.
+function solve(m, right, n) {
+    for (let i = 0; i < n; ++i)
+        for (let j = 0; j <= i; ++j) {
+            let sum = m[i * n + j];
+            for (let k = 0; k < j; ++k) sum -= m[i * n + k] * m[j * n + k];
+            m[i * n + j] = i === j ? Math.sqrt(Math.max(sum, 1e-300)) : sum / m[j * n + j];
+        }
+    const x = Float64Array.from(right);
+    for (let i = 0; i < n; ++i) {
+        for (let k = 0; k < i; ++k) x[i] -= m[i * n + k] * x[k];
+        x[i] /= m[i * n + i];
+    }
+    for (let i = n - 1; i >= 0; --i) {
+        for (let k = i + 1; k < n; ++k) x[i] -= m[k * n + i] * x[k];
+        x[i] /= m[i * n + i];
+    }
+    return x;
+}
+
 /// 1 + x near 0, between .3 and 3 everywhere.
 function bounded(x) {
     const room = x < 0 ? 0.7 : 2;
     return 1 + room * Math.tanh(x / room);
 }
+
+/// x near 0, below `limit` everywhere: x times this.
+const boundFactor = (x, limit) => (1 + (x / limit) ** 6) ** (-1 / 6);
 
 /// Weighted mean of rotations; signs across trees of bones are aligned with the first.
 function mean(rotations) {
@@ -75,6 +106,7 @@ export class ImomushiDriver {
         });
         this.frames = nodes;
         this.meshes = meshes;
+        if (this.data.smooth) this.prepareSmooth();
         this.rest();
     }
 
@@ -106,11 +138,13 @@ export class ImomushiDriver {
         if (!this.given) this.transport();
         const frames = this.data.elements.map((e) => this.placeElement(e));
         const joints = this.data.joints.map((j) => this.placeJoint(j, frames));
+        const values = this.data.elements.map((element, e) => this.measure(element, frames[e], joints));
+        if (this.data.smooth) this.relax(frames, joints, values);
         this.data.elements.forEach((element, e) => {
             const frame = frames[e], node = this.frames.get(e), place = add(times3(frame.linear, element.middle), frame.shift);
             node.position.set(...place);
             node.quaternion.set(...frame.rotation);
-            const weights = this.weigh(element, frame, joints);
+            const weights = this.weigh(element, values[e]);
             this.meshes.get(e)?.traverse((mesh) => mesh.morphTargetInfluences && weights.forEach((w, i) => (mesh.morphTargetInfluences[i] = w)));
         });
     }
@@ -165,14 +199,16 @@ export class ImomushiDriver {
         let rotation = mean(rotations);
         if (!joint.led && joint.point >= 0 && this.rolls[joint.point] !== 0 && length(joint.tangent) > 0)
             rotation = multiply(aboutAxis(this.rolls[joint.point], turn(rotation, joint.tangent)), rotation);
+        const turned = matrix(unit(rotation));
+        if (this.data.smooth) return { rotation: turned, linear: turned, shift: sub(at, times3(turned, joint.place)) };
         const stretch = shifted > 0 ? bounded((joint.shrink * outward) / shifted) : 1, n = joint.normal;
         const swollen = [0, 1, 2].flatMap((c) => [0, 1, 2].map((r) => (r === c ? stretch : 0) + (1 - stretch) * n[r] * n[c]));
-        const linear = product(matrix(unit(rotation)), swollen);
+        const linear = product(turned, swollen);
         return { linear, shift: sub(at, times3(linear, joint.place)) };
     }
 
-    /// Weights of the morph targets: v of eq. (5), in the frame of the element, times the matrix of the file.
-    weigh(element, frame, joints) {
+    /// v of eq. (5) in the frame of the element, and what body loads do.
+    measure(element, frame, joints) {
         const v = new Array(element.columns).fill(0), toElement = transposed(frame.linear);
         for (const face of element.faces) {
             if (face.column === undefined) continue;
@@ -180,17 +216,144 @@ export class ImomushiDriver {
             const l = product(product(toFace, product(toElement, joint.linear)), face.axes);
             const at = sub(add(times3(joint.linear, face.origin), joint.shift), add(times3(frame.linear, face.origin), frame.shift));
             const shift = times3(toFace, times3(toElement, at));
-            if (face.basis === 'paper') {
-                // Without the twist that the basis cannot say.
-                const twist = Math.atan2(l[1] - l[3], l[0] + l[4]), c = Math.cos(twist), s = Math.sin(twist);
-                const x = l.slice(0, 3), y = l.slice(3, 6);
-                l.splice(0, 6, ...sub(times(c, x), times(s, y)), ...add(times(s, x), times(c, y)));
-            }
+            if (face.basis === 'paper') untwist(l);
             const columns = [l[0] - 1, 0.5 * (l[3] + l[1]), l[4] - 1, l[2], l[5], shift[2]];
             if (face.basis !== 'paper') columns.push(shift[0], shift[1], 0.5 * (l[1] - l[3]));
             if (!face.flat) columns.push(l[6], l[7], l[8] - 1);
             columns.forEach((x, i) => (v[face.column + i] = x));
         }
+        const loads = element.loads;
+        if (loads) {
+            const all = loads.softness === undefined ? [] : times(loads.softness, times3(toElement, this.data.gravity));
+            if (loads.pressure !== undefined) all.push(loads.pressure);
+            const wanted = all.reduce((sum, x, i) => sum + Math.abs(x) * loads.sizes[i], 0);
+            const part = wanted > 0 ? (loads.most * Math.tanh(wanted / loads.most)) / wanted : 0;
+            all.forEach((x, i) => (v[loads.column + i] = part * x));
+        }
+        return v;
+    }
+
+    // What is the same in all frames: where the free parameters of a joint are in the system, the stiffness of an element between the tables of its joints.
+    prepareSmooth() {
+        const smooth = this.data.smooth, size = smooth.entries.length, free = this.data.joints.map(() => false);
+        this.links = this.data.elements.map((element) => {
+            if (!element.stiffness || element.faces.length === 0) return null;
+            const faces = element.faces, g = Math.round(Math.sqrt(element.stiffness.length)), count = (f) => f.spread.length / size;
+            faces.forEach((f) => (free[f.joint] = true));
+            const pulls = faces.map((f) => {
+                const pull = new Float64Array(size * g);
+                for (let i = 0; i < count(f); ++i)
+                    for (let a = 0; a < size; ++a)
+                        if (f.spread[i * size + a] !== 0) for (let c = 0; c < g; ++c) pull[a * g + c] += f.spread[i * size + a] * element.stiffness[(f.column + i) * g + c];
+                return pull;
+            });
+            const between = faces.map((f, i) => faces.slice(0, i + 1).map((h) => {
+                const out = new Float64Array(size * size);
+                for (let a = 0; a < size; ++a)
+                    for (let k = 0; k < count(h); ++k) for (let b = 0; b < size; ++b) out[a * size + b] += pulls[i][a * g + h.column + k] * h.spread[k * size + b];
+                return out;
+            }));
+            const loads = element.loads?.forces ? element.loads.sizes.length : 0;
+            return { g, pulls, between, loads, count: faces.map(count) };
+        });
+        this.first = [];
+        this.unknowns = 0;
+        free.forEach((is) => {
+            this.first.push(is ? this.unknowns : -1);
+            if (is) this.unknowns += smooth.parameters;
+        });
+    }
+
+    // The shapes of all joints that balance their elements: v of rigid joints becomes v of these.
+    relax(frames, joints, values) {
+        const { entries, parameters, leastStiffness } = this.data.smooth, size = entries.length, n = this.unknowns;
+        const matrix = new Float64Array(n * n), right = new Float64Array(n);
+        const turns = this.data.elements.map((element, e) => this.links[e] && element.faces.map((face) => {
+            const joint = this.data.joints[face.joint], toFace = transposed(face.axes);
+            const t = product(product(toFace, product(transposed(frames[e].linear), joints[face.joint].rotation)), face.axes);
+            if (face.basis === 'paper') untwist(t);
+            return product(t, product(toFace, joint.axes));
+        }));
+        this.data.elements.forEach((element, e) => {
+            const link = this.links[e];
+            if (!link) return;
+            element.faces.forEach((face, i) => {
+                const at = this.first[face.joint], turn = turns[e][i], force = new Float64Array(size);
+                for (let a = 0; a < size; ++a) {
+                    for (let c = 0; c < link.g; ++c) force[a] += link.pulls[i][a * link.g + c] * values[e][c];
+                    for (let l = 0; l < link.loads; ++l)
+                        for (let k = 0; k < link.count[i]; ++k)
+                            force[a] += face.spread[k * size + a] * element.loads.forces[(face.column + k) * link.loads + l] * values[e][element.loads.column + l];
+                }
+                for (let a = 0; a < size; a += 3) {
+                    const t = times3(transposed(turn), force.slice(a, a + 3));
+                    for (let d = 0; d < 3; ++d) for (const [to, share] of entries[a + d]) right[at + to] -= share * t[d];
+                }
+                for (let j = 0; j <= i; ++j) {
+                    const to = this.first[element.faces[j].joint], other = turns[e][j], between = link.between[i][j];
+                    for (let a = 0; a < size; a += 3)
+                        for (let b = 0; b < size; b += 3) {
+                            const block = [0, 1, 2].flatMap((c) => [0, 1, 2].map((r) => between[(a + r) * size + b + c]));
+                            const turned = product(transposed(turn), product(block, other));
+                            for (let q = 0; q < 3; ++q)
+                                for (const [column, columnShare] of entries[b + q])
+                                    for (let p = 0; p < 3; ++p)
+                                        for (const [row, rowShare] of entries[a + p]) {
+                                            const part = rowShare * columnShare * turned[3 * q + p];
+                                            matrix[(at + row) * n + to + column] += part;
+                                            if (i !== j) matrix[(to + column) * n + at + row] += part;
+                                        }
+                        }
+                }
+            });
+        });
+        for (const first of this.first) {
+            if (first < 0) continue;
+            let most = 0;
+            for (let i = first; i < first + parameters; ++i) most = Math.max(most, matrix[i * n + i]);
+            for (let i = first; i < first + parameters; ++i) matrix[i * n + i] += most > 0 ? leastStiffness * most : 1;
+        }
+        const solution = solve(matrix, right, n);
+        const tables = this.data.joints.map((joint, j) => (this.first[j] < 0 ? null : this.table(joint, solution.slice(this.first[j], this.first[j] + parameters))));
+        this.data.elements.forEach((element, e) => {
+            if (!this.links[e]) return;
+            element.faces.forEach((face, i) => {
+                const table = tables[face.joint], turned = [];
+                for (let a = 0; a < size; a += 3) turned.push(...times3(turns[e][i], table.slice(a, a + 3)));
+                for (let k = 0; k < this.links[e].count[i]; ++k) for (let a = 0; a < size; ++a) values[e][face.column + k] += face.spread[k * size + a] * turned[a];
+            });
+        });
+    }
+
+    // The table of a joint: what its free parameters say, within bounds.
+    table(joint, q) {
+        const { entries, stretch, fold, slope } = this.data.smooth, table = new Array(entries.length).fill(0);
+        const middle = 0.5 * (q[0] + q[2]), half = 0.5 * (q[0] - q[2]), radius = Math.hypot(half, q[1]);
+        const within = (x) => x * boundFactor(x, x < 0 ? 1 - stretch[0] : stretch[1] - 1);
+        const most = within(middle + radius), lowest = within(middle - radius), turn = radius > 0 ? (0.5 * (most - lowest)) / radius : 0, mid = 0.5 * (most + lowest);
+        table[0] = mid + turn * half;
+        table[1] = table[3] = turn * q[1];
+        table[4] = mid - turn * half;
+        for (let i = 6; i < table.length; ++i) table[i] = entries[i].reduce((sum, [from, share]) => sum + share * q[from], 0);
+        let worst = 0;
+        const shapes = table.length / 3 - 2;
+        for (const places of joint.slopes) {
+            let folded = 0, out = 0;
+            for (let axis = 0; axis < 2; ++axis) {
+                const g = [0, 0, 0];
+                for (let s = 0; s < shapes; ++s) for (let k = 0; k < 3; ++k) g[k] += table[6 + 3 * s + k] * places[axis * shapes + s];
+                folded += g[0] * g[0] + g[1] * g[1];
+                out += g[2] * g[2];
+            }
+            worst = Math.max(worst, folded / (fold * (1 + lowest)) ** 2 + out / slope ** 2);
+        }
+        const part = boundFactor(Math.sqrt(worst), 1);
+        for (let i = 6; i < table.length; ++i) table[i] *= part;
+        return table;
+    }
+
+    /// Weights of the morph targets: v times the matrix of the file.
+    weigh(element, v) {
         const weights = [];
         for (let t = 0; t * element.columns < element.matrix.length; ++t)
             weights.push(v.reduce((sum, x, c) => sum + x * element.matrix[t * element.columns + c], 0));

@@ -523,6 +523,25 @@
         </message>
     </context>
     <context>
+        <name>Warnings</name>
+        <message>
+            <source>“%1” is not precomputed and follows its bones rigidly. Precompute it first.</source>
+            <translation>「%1」は前計算されていないため、ボーンに剛体として追従します。先に前計算してください。</translation>
+        </message>
+        <message>
+            <source>The character is not what it was when “%1” was recorded. Its poses are written without what effects added.</source>
+            <translation>「%1」を記録した後にキャラクターが変わりました。エフェクトを除いたポーズだけを書き出しました。</translation>
+        </message>
+        <message>
+            <source>The texture “%1” is neither PNG nor JPEG, which glTF needs, and was left out.</source>
+            <translation>テクスチャ「%1」は glTF に必要な PNG でも JPEG でもないため、省かれました。</translation>
+        </message>
+        <message>
+            <source>The frames of “%1” are not evenly spaced, which PC2 needs. Choose a frame rate.</source>
+            <translation>「%1」のフレームは等間隔ではありません。PC2 には等間隔が必要です。フレームレートを選んでください。</translation>
+        </message>
+    </context>
+    <context>
         <name>Errors</name>
         <message>
             <source>There is no such command.</source>

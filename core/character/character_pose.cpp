@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/character/load_bound.h"
+
 namespace imomushi {
 
 using Eigen::Matrix3d;
@@ -16,8 +18,6 @@ namespace {
 
 // Twist in radians or shift in face sizes that the basis cannot say and an artist would see.
 constexpr double kVisibleLoss = 1e-3;
-// Body loads deform no element by more than this part of its size, approached smoothly: they are linear, and more would fold it.
-constexpr double kMostLoaded = 0.25;
 // Radians between an element and its joint at which the shapes of smooth joints have gone, where elements are warped.
 constexpr double kFadedAngle = 0.6;
 // In-plane stretches stay within these, approached smoothly.

@@ -18,8 +18,6 @@ using Eigen::VectorXd;
 
 namespace {
 
-// Slopes of a warped face, over what would fold it in its plane (the least stretch), and out of it.
-constexpr double kMostFold = 0.9, kMostSlope = 2.0;
 // Places of a face where its slopes are looked at.
 constexpr std::size_t kMostPlaces = 32;
 // How far points lie apart for slopes, over the size of the face.
@@ -474,6 +472,21 @@ void JointEquilibrium::shapes(int joint, const Vec3& rest, double* values) const
     j.warping.at(local.x(), local.y(), values);
 }
 const VectorXd& JointEquilibrium::parameters(int element) const { return state_->elements[element].v; }
+JointEquilibrium::Constants JointEquilibrium::constants() const {
+    const State& s = *state_;
+    Constants out;
+    for (const auto& entry : s.terms) {
+        auto& shares = out.entries.emplace_back();
+        for (const auto& term : entry) shares.emplace_back(term.parameter, term.share);
+    }
+    out.parameters = 3 + s.modes;
+    for (const auto& joint : s.joints) out.joints.push_back({joint.axes, joint.slopes});
+    for (const auto& element : s.elements) {
+        auto& faces = out.spread.emplace_back();
+        for (const auto& face : element.faces) faces.push_back(face.spread);
+    }
+    return out;
+}
 double JointEquilibrium::energy() const { return state_->energyOf(false); }
 double JointEquilibrium::rigidEnergy() const { return state_->energyOf(true); }
 

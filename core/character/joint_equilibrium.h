@@ -4,6 +4,8 @@
 #include <Eigen/Core>
 #include <memory>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "core/character/character.h"
 
@@ -48,6 +50,23 @@ public:
     [[nodiscard]] const Eigen::VectorXd& parameters(int element) const;
 
     static constexpr double kLeastStretch = 0.3, kMostStretch = 3.0;
+
+    /// Everything that is the same in all frames, for solving elsewhere (assets/drivers).
+    struct Constants {
+        /// A joint displaces its points by a table of vectors in the axes of its first face, one per scalar shape: x, y, warping. Entry 3 shape + axis is
+        /// the sum of these shares of free parameters.
+        std::vector<std::vector<std::pair<int, double>>> entries;
+        int parameters = 0;  ///< per joint: S as xx, xy, yy, then those of warping columns
+        struct Joint {
+            Eigen::Matrix3d axes;
+            std::vector<Eigen::Matrix2Xd> slopes;  ///< of warping shapes at places of the face, along its x and y
+        };
+        std::vector<Joint> joints;
+        /// Per element, per face: v of the face from the table, turned into its axes; columns of the face x entries. Empty without a response.
+        std::vector<std::vector<Eigen::MatrixXd>> spread;
+    };
+    [[nodiscard]] Constants constants() const;
+    static constexpr double kMostFold = 0.9, kMostSlope = 2.0;  ///< slopes of a warped face, over what would fold it in its plane (the least stretch), and out of it
 
     /// What solve() minimised, in the bounded shapes and with rigid joints; shear moduli times m^3. For tests.
     [[nodiscard]] double energy() const;

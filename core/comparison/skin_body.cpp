@@ -7,7 +7,7 @@
 
 namespace imomushi {
 
-SkinBody skinBody(const CharacterInput& input) {
+SkinBody skinBody(const CharacterInput& input, bool hidden) {
     SkinBody out;
     out.first = {0};
     std::vector<std::vector<char>> covered;
@@ -49,6 +49,7 @@ SkinBody skinBody(const CharacterInput& input) {
             }
     }
     out.triangles = Eigen::Map<const Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
+    if (!hidden) return out;
     out.weightOf = out.same;
     for (std::int32_t v = 0; v < count; ++v) {
         if (seen[out.same[v]]) continue;

@@ -17,6 +17,7 @@ struct SkinBody {
     std::vector<std::int32_t> weightOf;
 };
 
-SkinBody skinBody(const CharacterInput& input);
+/// `hidden`: finds what vertices inside joints take their weights from, too; else `weightOf` is empty.
+SkinBody skinBody(const CharacterInput& input, bool hidden = true);
 
 }  // namespace imomushi

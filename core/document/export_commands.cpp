@@ -36,15 +36,32 @@ std::string namesOf(const List& list) {
 Json errorJson(const ExportError& error) { return Json{{"max_percent", 100.0 * error.largest}, {"rms_percent", 100.0 * error.rms}}; }
 
 /// Takes as clips. One that was recorded on another character is its poses.
-ExportClip clipOf(const std::shared_ptr<const Take>& take, Session::State& s, std::vector<std::string>& warnings) {
+ExportClip clipOf(const std::shared_ptr<const Take>& take, Session::State& s, std::vector<ExportWarning>& warnings) {
     ExportClip clip{take->name, take->times, {}, {}};
     if (take->elements == s.plan.elements && take->layout == s.character->shapeLayout()) {
         clip.shape = [take](std::size_t frame, double* numbers) { take->shapes.at(frame, numbers); };
         return clip;
     }
-    warnings.push_back("The character is not what it was when \"" + take->name + "\" was recorded: its poses are written without what effects added.");
+    warnings.push_back({"poses-only", take->name, "The character is not what it was when \"" + take->name + "\" was recorded: its poses are written without what effects added."});
     for (std::size_t f = 0; f < take->times.size(); ++f) clip.poses.push_back(takePose(*take, {f, 0.0}, s.plan.bones, s.plan.input.skeleton));
     return clip;
+}
+
+/// The takes that are asked for, in the order of the document. Errors: "no-such-take", "bad-type".
+Result<std::vector<std::shared_ptr<const Take>>> takesOf(const Document& document, const Json* asked) {
+    std::vector<std::shared_ptr<const Take>> takes;
+    if (!asked) {
+        for (const auto& [id, take] : document.takes) takes.push_back(take);
+        return takes;
+    }
+    const Json names = asked->is_array() ? *asked : Json::array({*asked});
+    for (const Json& name : names) {
+        if (!name.is_string()) return fail("bad-type", "\"take\" must be the name of a take, or a list of names.");
+        const auto take = takeOf(document, name.get_ref<const std::string&>());
+        if (!take) return tl::unexpected(take.error());
+        if (std::find(takes.begin(), takes.end(), *take) == takes.end()) takes.push_back(*take);
+    }
+    return takes;
 }
 
 /// What became of an effect.
@@ -134,30 +151,35 @@ Result<ExportPlan> planExport(Session& session, const Json& arguments) {
     if (!*alive || s.document.elements.empty()) return fail("no-element", "There is nothing to export: import an element first.");
     plan.scene.name = plan.path.stem().string();
     plan.scene.character = s.character->input();
+    plan.scene.character.effects = characterEffects(s.document.effects);  // their numbers of now
     for (const PartId id : s.plan.elements) {
         const Element& element = *s.document.elements.at(id);
         plan.scene.elements.push_back(element.name);
         plan.scene.colors.push_back(element.color);
         if (!element.faces.empty() && !s.responseOf(id, true))
-            plan.warnings.push_back("\"" + element.name + "\" is not precomputed and follows its bones rigidly: precompute it first.");
+            plan.warnings.push_back({"not-precomputed", element.name, "\"" + element.name + "\" is not precomputed and follows its bones rigidly: precompute it first."});
     }
     for (const PartId id : s.plan.bones) plan.scene.bones.push_back(s.document.bones.at(id)->name);
     plan.scene.points.resize(s.plan.input.skeleton.points.size());
     for (const auto& [end, point] : s.plan.points)
         if (auto& name = plan.scene.points[static_cast<std::size_t>(point)]; name.empty()) name = endpointText(s.document, end);
 
-    if (arguments.contains("take")) {
-        const auto take = takeOf(s.document, text(arguments, "take"));
-        if (!take) return tl::unexpected(take.error());
-        plan.scene.clips.push_back(clipOf(*take, s, plan.warnings));
-    } else {
-        for (const auto& [id, take] : s.document.takes) plan.scene.clips.push_back(clipOf(take, s, plan.warnings));
-    }
+    const auto takes = takesOf(s.document, find(arguments, "take"));
+    if (!takes) return tl::unexpected(takes.error());
+    for (const auto& take : *takes) plan.scene.clips.push_back(clipOf(take, s, plan.warnings));
     plan.performed = !plan.scene.clips.empty();
-    if (!plan.performed) {
+    const Json* pose = find(arguments, "pose");
+    if (pose && !pose->is_boolean() && !pose->is_string()) return fail("bad-type", "\"pose\" must be true, false or the name of a clip.");
+    if (!plan.performed && pose && *pose == false) return fail("bad-value", "There is nothing to export: no take was named, and no pose is asked for.");
+    if (!plan.performed || (pose && *pose != false)) {
+        const std::string wish = pose && pose->is_string() ? pose->get<std::string>() : "pose";
+        if (wish.empty()) return fail("bad-value", "\"pose\" is an empty name.");
+        const auto taken = [&](const std::string& name) { return std::any_of(plan.scene.clips.begin(), plan.scene.clips.end(), [&](const ExportClip& c) { return c.name == name; }); };
+        std::string name = wish;
+        for (int n = 2; taken(name); ++n) name = wish + " " + std::to_string(n);
         std::vector<double> shape(static_cast<std::size_t>(s.character->shapeLayout().size()));
         s.character->shape(shape.data());
-        plan.scene.clips.push_back({"pose", {0.0}, [shape](std::size_t, double* numbers) { std::copy(shape.begin(), shape.end(), numbers); }, {}});
+        plan.scene.clips.push_back({name, {0.0}, [shape](std::size_t, double* numbers) { std::copy(shape.begin(), shape.end(), numbers); }, {}});
     }
     for (std::size_t k = 0; k < kEffects; ++k)
         if (const auto kind = static_cast<EffectKind>(k); s.document.effects.has(kind)) plan.effects.push_back(kind);
@@ -182,11 +204,12 @@ Result<Json> runExport(const ExportPlan& plan, const Progress& progress) {
     // By design, and as the file was read back.
     if (plan.options.layout == ExportLayout::Skinned) answer["skin"] = errorJson(report->skinned);
     if (report->dropped.largest > 0.0) answer["dropped_targets"] = errorJson(report->dropped);
+    if (report->quantised > 0.0) answer["quantised"] = Json{{"max_percent", 100.0 * report->quantised}};
     answer["check"] = errorJson(report->check);
     answer["check"]["frames"] = report->checked;
     answer["warnings"] = Json::array();
     for (const auto& list : {plan.warnings, report->warnings})
-        for (const std::string& warning : list) answer["warnings"].push_back(warning);
+        for (const ExportWarning& warning : list) answer["warnings"].push_back({{"code", warning.code}, {"subject", warning.subject}, {"text", warning.text}});
     return answer;
 }
 
@@ -201,12 +224,14 @@ void addExportCommands(CommandRegistry& registry) {
                    {"layout", Type::Text, true,
                     "\"baked\": a node and morph targets per element; \"rigged\": the same in one skeleton, with what drives it live; \"skinned\": weights "
                     "of four joints per vertex, no morph targets; \"cache\": all vertices in all frames."},
-                   {"take", Type::Text, false, "The take (all takes unless given; the pose as it is where there is none)."},
+                   {"take", Type::Any, false, "The take, or a list of takes (all takes unless given). Caches and sequences of several go to a file or folder each, after their names."},
+                   {"pose", Type::Any, false,
+                    "true, or the name of a clip: what is shown now goes out too, as a clip of one frame (without takes it always does; \"take\": [] leaves them out)."},
                    {"fps", Type::Number, false, "Keys per second, up to 1000 (the frames of the take)."},
                    {"preset", Type::Text, false, presets + "."},
                    {"targets", Type::Any, false, "Morph targets per element: a number (4 or 8 for phones), or \"all\". What is dropped is said."},
                    {"split", Type::Boolean, false, "A target for each sign of a weight, for programs that clamp weights to 0 ... 1 (false)."},
-                   {"quantise", Type::Boolean, false, "16 bits per coordinate, by KHR_mesh_quantization (false)."},
+                   {"quantise", Type::Boolean, false, "16 bits per coordinate and weight, by KHR_mesh_quantization (false). What that rounds is said."},
                    {"normals", Type::Boolean, false, "Morph targets move normals too (false: engines find them, or leave them)."},
                    {"tolerance", Type::Number, false, "Keys are left out where the others say the same within this part of the diagonal (0)."}},
                   false, exportCommand});

@@ -28,8 +28,8 @@ struct ExportPlan {
     ExportOptions options;
     std::filesystem::path path;
     std::vector<EffectKind> effects;    ///< that the scene has
-    bool performed = false;             ///< clips are takes; else the pose of now
-    std::vector<std::string> warnings;  ///< one sentence each
+    bool performed = false;             ///< takes are among the clips; else there is the pose of now alone
+    std::vector<ExportWarning> warnings;
 };
 
 /// `arguments`: those of the command "export", checked. Errors: those of the command that can be told before the work.

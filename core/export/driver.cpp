@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/export/driver.h"
 
+#include <algorithm>
+#include <optional>
+
+#include "core/character/joint_equilibrium.h"
+#include "core/character/load_bound.h"
 #include "core/character/shrink.h"
 #include "core/skeleton/bone_tree.h"
 
@@ -17,6 +22,31 @@ Json numbers(const Dense& values) {
     return out;
 }
 
+Json rowByRow(const Eigen::MatrixXd& matrix) { return numbers(Eigen::MatrixXd(matrix.transpose())); }
+
+/// What body loads do to an element, null: nothing.
+Json loadsOf(const GltfContent& content, std::size_t e) {
+    const auto& element = content.scene.character.elements[e];
+    const auto& effects = content.scene.character.effects;
+    const auto columns = content.motion.character.loadColumns(static_cast<int>(e));
+    if (columns.empty()) return {};
+    const Points& body = element.mesh->body.vertices;
+    const Vec3 size = (body.colwise().maxCoeff() - body.colwise().minCoeff()).transpose();
+    Json out{{"column", element.response->columns()}, {"most", kMostLoaded * size.norm()}, {"sizes", Json::array()}};
+    Eigen::MatrixXd forces(element.response->columns(), static_cast<Eigen::Index>(columns.size()));
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+        const auto column = element.response->loads.col(columns[i]);
+        double largest = 0.0;
+        for (Eigen::Index p = 0; p < column.size(); p += 3) largest = std::max(largest, column.segment<3>(p).norm());
+        out["sizes"].push_back(largest);
+        forces.col(static_cast<Eigen::Index>(i)) = element.stiffness * element.response->loadForces.col(columns[i]);
+    }
+    if (columns.front() == 0) out["softness"] = element.density / (effects.gravity->shearModulus * element.stiffness);
+    if (columns.back() == 3) out["pressure"] = effects.inflate->pressure / element.stiffness;
+    if (content.scene.character.smoothJoints) out["forces"] = rowByRow(forces);
+    return out;
+}
+
 }  // namespace
 
 Json driverData(const GltfContent& content) {
@@ -30,6 +60,15 @@ Json driverData(const GltfContent& content) {
         out["bones"].push_back({{"name", content.scene.bones[b]}, {"start", bone.start}, {"end", bone.end}, {"parent", tree.parent[b]}, {"tree", tree.tree[b]},
                                 {"direction", numbers(tree.restDirection[b])}, {"rollSign", tree.rollSign[b]}, {"length", bone.length}});
     }
+    std::optional<JointEquilibrium::Constants> smooth;
+    if (input.smoothJoints && !input.effects.previousModel) smooth = JointEquilibrium(input).constants();
+    if (smooth) {
+        Json entries = Json::array();
+        for (const auto& entry : smooth->entries) entries.push_back(entry);
+        out["smooth"] = {{"entries", std::move(entries)}, {"parameters", smooth->parameters}, {"leastStiffness", JointEquilibrium::kLeastStiffness},
+                         {"stretch", {JointEquilibrium::kLeastStretch, JointEquilibrium::kMostStretch}}, {"fold", JointEquilibrium::kMostFold}, {"slope", JointEquilibrium::kMostSlope}};
+    }
+    if (input.effects.gravity) out["gravity"] = numbers(input.effects.gravity->acceleration);
     for (std::size_t e = 0; e < input.elements.size(); ++e) {
         const auto& element = input.elements[e];
         Json item{{"name", content.scene.elements[e]}, {"frame", content.scene.elements[e] + " frame"}, {"middle", numbers(content.morphs[e].middle)}, {"bones", element.bones}};
@@ -58,6 +97,7 @@ Json driverData(const GltfContent& content) {
                         told["basis"] = basis.kind == BasisKind::Modes ? "affine" : basisName(basis.choice());
                         told["flat"] = basis.flat;
                         told["column"] = element.response->firstColumn[f];
+                        if (smooth) told["spread"] = rowByRow(smooth->spread[e].at(f));
                     }
                     item["faces"].push_back(std::move(told));
                 }
@@ -69,6 +109,8 @@ Json driverData(const GltfContent& content) {
         item["matrix"] = Json::array();
         for (Eigen::Index t = 0; t < matrix.rows(); ++t)
             for (Eigen::Index c = 0; c < matrix.cols(); ++c) item["matrix"].push_back(matrix(t, c));
+        if (smooth && element.response) item["stiffness"] = rowByRow(element.stiffness * element.response->stiffness);
+        if (Json loads = loadsOf(content, e); !loads.is_null()) item["loads"] = std::move(loads);
         out["elements"].push_back(std::move(item));
     }
     for (std::size_t j = 0; j < input.joints.size(); ++j) {
@@ -87,8 +129,14 @@ Json driverData(const GltfContent& content) {
         else
             tangent.setZero();
         const Vec3 place = joint.point >= 0 ? skeleton.points[static_cast<std::size_t>(joint.point)] : first.origin;
-        out["joints"].push_back({{"point", joint.point}, {"place", numbers(place)}, {"normal", numbers(Vec3(first.axes.col(2)))}, {"tangent", numbers(tangent)},
-                                 {"shrink", content.motion.character.shrink(static_cast<int>(j))}, {"led", led}, {"faces", std::move(faces)}});
+        Json told{{"point", joint.point}, {"place", numbers(place)}, {"normal", numbers(Vec3(first.axes.col(2)))}, {"tangent", numbers(tangent)},
+                                 {"shrink", content.motion.character.shrink(static_cast<int>(j))}, {"led", led}, {"faces", std::move(faces)}};
+        if (smooth) {
+            told["axes"] = numbers(smooth->joints[j].axes);
+            told["slopes"] = Json::array();
+            for (const auto& slope : smooth->joints[j].slopes) told["slopes"].push_back(rowByRow(slope));
+        }
+        out["joints"].push_back(std::move(told));
     }
     return out;
 }

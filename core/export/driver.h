@@ -16,8 +16,17 @@ namespace imomushi {
 ///   elements  [{name, frame, middle, bones, anchorJoint, anchor, boneLength, faces: [{name, joint, origin, axes, basis, flat, column}], columns,
 ///             matrix}]: frame: name of its joint in the skeleton; weights of its morph targets = matrix (row by row, #targets x #columns) times v
 ///   joints    [{point, place, normal, tangent, shrink, led, faces: [{element, face, bone}]}]
-/// With v as in eq. (5) of Watanabe et al. 2006 (FaceBasis). Joints take the shape a = b = 1 + shrink * s; what smooth joints, body loads and other effects
-/// add is not in it.
+/// With v as in eq. (5) of Watanabe et al. 2006 (FaceBasis), followed by body loads. Joints take the shape a = b = 1 + shrink * s.
+/// Body loads (gravity, inflate), where there are any, as they are in a body at rest; columns follow those of v:
+///   gravity   of free fall, m/s^2
+///   elements  loads: {column, sizes, most, softness, pressure, forces}: numbers from `column` on are softness * gravity in the axes of the element (with
+///             softness), then pressure (with pressure); all of them times most tanh(w / most) / w, w = sum of their absolute values times sizes
+/// Smooth joints, where they are on (JointEquilibrium, whose constants these are): S and warping of all joints minimise the sum over elements of
+/// 1/2 v^T stiffness v + v^T forces loads, v = of rigid joints + spread times the tables of the joints of its faces, turned:
+///   smooth    {entries: per entry of a table [[parameter, share]], parameters, leastStiffness, stretch: [least, most], fold, slope}
+///   elements  stiffness: row by row, #v x #v; forces: row by row, #v x #loads; faces: spread: row by row, columns of the face x entries
+///   joints    axes, slopes: per place row by row, 2 x warping shapes
+/// What moves by itself (dynamics, breath), large motions, fingers and joints of the previous model are not in it.
 nlohmann::ordered_json driverData(const GltfContent& content);
 
 }  // namespace imomushi

@@ -13,6 +13,16 @@ namespace imomushi {
 
 namespace {
 
+/// The shape in which nothing is moved or deformed, by loads neither.
+std::vector<double> plainShape(const ShapeLayout& layout) {
+    std::vector<double> shape(static_cast<std::size_t>(layout.size()), 0.0);
+    const auto one = [&](int at) { shape[static_cast<std::size_t>(at)] = 1.0; };
+    for (std::size_t e = 0; e < layout.elements.size(); ++e) one(layout.element(e) + 3);
+    for (int j = 0; j < layout.joints; ++j)
+        for (const int at : {3, 4, 8, 12, 16}) one(layout.joint(j) + at);
+    return shape;
+}
+
 /// How the normals of a surface move per unit of each target: linear, from triangles of the moved body.
 std::vector<std::vector<float>> normalTargets(const TriangleMesh& body, const RenderSurface& surface, const ElementMorphs& morphs) {
     std::vector<std::vector<float>> out;
@@ -66,7 +76,8 @@ Result<ExportReport> exportScene(const ExportScene& scene, const ExportOptions& 
         return fail("unknown-format", "\"" + path.string() + "\" is no place for a character: its name must end in .glb or .fbx.");
 
     GltfContent content{scene, options, *motion, {}, {}, {}, {}};
-    motion->character.show(motion->restShape.data());
+    // Normals are those of the positions that they go with: a skin begins with the body as loads leave it.
+    motion->character.show(options.layout == ExportLayout::Skinned ? motion->restShape.data() : plainShape(motion->layout).data());
     for (std::size_t e = 0; e < scene.character.elements.size(); ++e)
         content.surfaces.push_back(renderSurface(scene.character, static_cast<int>(e), motion->character.surface(static_cast<int>(e)).normals));
     if (options.layout == ExportLayout::Skinned) {
@@ -91,7 +102,7 @@ Result<ExportReport> exportScene(const ExportScene& scene, const ExportOptions& 
     auto bytes = writeGltf(content, report, progress.part(0.6, 0.8));
     if (!bytes) return tl::unexpected(bytes.error());
     progress.report("check", 0.8);
-    auto error = checkGltf(*bytes, content, *motion, report.checked);
+    auto error = checkGltf(*bytes, content, *motion, report.checked, progress.part(0.8, 0.95));
     if (!error) return tl::unexpected(error.error());
     report.check = *error;
     if (progress.cancelled()) return fail(kCancelled, "The export was cancelled.");
@@ -101,14 +112,12 @@ Result<ExportReport> exportScene(const ExportScene& scene, const ExportOptions& 
     if (auto written = writeFileAtomically(glb, *bytes); !written) return tl::unexpected(written.error());
     report.bytes = bytes->size();
     if (fbx) {
-        const auto& times = motion->clips.front().times;
-        const auto worst = convertToFbx(glb, path, times.size() > 1 ? static_cast<double>(times.size() - 1) / times.back() : 60.0, progress.part(0.95, 1.0));
+        const auto worst = convertToFbx(glb, path, framesPerSecond(*motion), progress.part(0.95, 1.0));
         std::error_code ignored;
         std::filesystem::remove(glb, ignored);
         if (!worst) return tl::unexpected(worst.error());
         report.check.largest += *worst / motion->diagonal;
         report.bytes = std::filesystem::file_size(path, ignored);
-        if (motion->clips.size() > 1) report.warnings.emplace_back("An FBX file holds one clip: \"" + scene.clips.front().name + "\" was written.");
     }
     report.files.push_back(path);
     return report;

@@ -44,7 +44,7 @@ struct ExportOptions {
     double fps = 0.0;        ///< keys at this rate; 0: at the recorded times
     int targets = 0;         ///< at most so many per element, the most important ones; 0: all
     bool split = false;      ///< a target for each sign of a weight: weights stay within 0 ... 1
-    bool quantised = false;  ///< KHR_mesh_quantization: 16 bits per coordinate
+    bool quantised = false;  ///< KHR_mesh_quantization: 16 bits per coordinate and weight
     bool normals = false;    ///< morph targets move normals too
     double tolerance = 0.0;  ///< keys are left out where the others say the same within this part of the diagonal
 };
@@ -52,6 +52,13 @@ struct ExportOptions {
 /// A distance over the bounding-box diagonal of the character at rest.
 struct ExportError {
     double largest = 0.0, rms = 0.0;
+};
+
+/// Something to know about what was written.
+struct ExportWarning {
+    std::string code;     ///< for translations: "not-precomputed", "poses-only", "texture-format", "uneven-frames"
+    std::string subject;  ///< the name it is about
+    std::string text;     ///< one English sentence
 };
 
 struct ExportReport {
@@ -69,14 +76,15 @@ struct ExportReport {
     /// What is lost by design, at the frames that it was measured on: large motions and fingers that fitted targets follow; targets that were dropped; a
     /// skin instead of the elastic body.
     ExportError warped, touched, dropped, skinned;
+    double quantised = 0.0;  ///< what whole numbers round vertices by at most, over the diagonal
     /// The file as it was read back against the character, at `checked` frames of the clips.
     ExportError check;
     int checked = 0;
-    std::vector<std::string> warnings;  ///< one sentence each
+    std::vector<ExportWarning> warnings;
 };
 
-/// Writes a scene: .glb, .fbx (fbx.h; weights should be split, as Blender clamps them), or for caches .pc2, .mdd, .obj, .ply (frames numbered before the suffix). Files appear whole or not at all. What was written is read
-/// back and compared. Errors: "unknown-format", "bad-value", "not-writable", "not-readable" (what was written is not what was meant),
+/// Writes a scene: .glb, .fbx (fbx.h; weights should be split, as Blender clamps them), or for caches .pc2, .mdd, .obj, .ply (cache_writer.h). Files appear
+/// whole or not at all. What was written is read back and compared. Errors: "unknown-format", "bad-value", "not-writable", "not-readable" (what was written is not what was meant),
 /// "needs-blender", "not-converted", "cancelled".
 Result<ExportReport> exportScene(const ExportScene& scene, const ExportOptions& options, const std::filesystem::path& path, const Progress& progress);
 

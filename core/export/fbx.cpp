@@ -23,12 +23,20 @@ namespace imomushi {
 namespace {
 
 constexpr const char* kScript = R"py(# SPDX-License-Identifier: GPL-3.0-or-later
+import json
+import struct
 import sys
 import numpy
 numpy.bool = bool  # the importer of Blender 3.4 is older than the numpy of some systems
 import bpy
+import io_scene_fbx.export_fbx_bin as writer
+import io_scene_fbx.import_fbx as reader
 
 source, target, fps, shown = sys.argv[sys.argv.index("--") + 1:]
+with open(source, "rb") as file:
+    file.seek(12)
+    size = struct.unpack("<I4x", file.read(8))[0]
+    takes = [a["name"] for a in json.loads(file.read(size)).get("animations", [])]
 
 def empty():
     bpy.ops.wm.read_factory_settings(use_empty=True)
@@ -36,44 +44,89 @@ def empty():
     bpy.context.scene.render.fps = max(1, round(rate))
     bpy.context.scene.render.fps_base = max(1, round(rate)) / rate
 
-def bodies():
-    return sorted((o for o in bpy.context.scene.objects if o.type == "MESH" and not o.name.startswith("Icosphere")), key=lambda o: o.name)
-
 def positions(frame):
     bpy.context.scene.frame_set(int(frame), subframe=frame - int(frame))
     graph = bpy.context.evaluated_depsgraph_get()
     out = []
-    for item in bodies():
+    for item in sorted((o for o in bpy.context.scene.objects if o.type == "MESH" and not o.name.startswith("Icosphere")), key=lambda o: o.name):
         now = item.evaluated_get(graph)
         mesh = now.to_mesh()
         out.append([now.matrix_world @ v.co for v in mesh.vertices])
         now.to_mesh_clear()
     return out
 
-def span():
-    ranges = [a.frame_range for a in bpy.data.actions] or [(0.0, 0.0)]
+# What moves each object, and the keys of each mesh: an action per take.
+def play(take):
+    for owner, actions in parts:
+        owner.animation_data.action = actions[take]
+    ranges = [actions[take].frame_range for _, actions in parts]
     return min(r[0] for r in ranges), max(r[1] for r in ranges)
+
+def complete():
+    if any(len(actions) != len(takes) for _, actions in parts):
+        sys.exit("takes are missing")
+
+def frames(low, high):
+    return [round((high - low) * i / 9) for i in range(10)]
 
 empty()
 bpy.ops.import_scene.gltf(filepath=source)
 for item in [o for o in bpy.context.scene.objects if o.name.startswith("Icosphere")]:
     bpy.data.objects.remove(item)
-low, high = span()
-bpy.context.scene.frame_start, bpy.context.scene.frame_end = int(low), int(round(high))
-frames = [round((high - low) * i / 9) for i in range(10)]
-before = [positions(low + f) for f in frames]
+parts = []
+for owner in list(bpy.data.objects) + list(bpy.data.shape_keys):
+    data = owner.animation_data
+    if data and data.action:
+        # The first take is active, the others are kept in tracks.
+        parts.append((owner, [data.action] + [t.strips[0].action for t in data.nla_tracks if t.strips and t.strips[0].action != data.action]))
+complete()
+for i, action in enumerate(bpy.data.actions):
+    action.name = "part %d" % i
+before = []
+for take in range(len(takes)):
+    low, high = play(take)
+    before.append([positions(low + f) for f in frames(low, high)])
+
+# One stack per take with everything in it, which the exporter has no setting for.
+def stacks(data):
+    out, animated, low, high = [], set(), 0.0, 0.0
+    for take, name in enumerate(takes):
+        start, end = play(take)
+        made = writer.fbx_animations_do(data, bpy.data.actions.new(name), start, end, True, force_keep=True)
+        if made is None:
+            continue
+        out.append(made)
+        high = max(high, made[5])
+        for key, (_, nodes) in made[1].items():
+            animated.update((key, prop) for prop in nodes)
+    data.scene.frame_set(data.scene.frame_current, subframe=0.0)
+    return out, animated, low, high
+
+writer.fbx_animations = stacks
 bpy.ops.export_scene.fbx(filepath=target, object_types={"MESH", "ARMATURE", "EMPTY"}, add_leaf_bones=False, path_mode="COPY", embed_textures=True,
-                         bake_anim=True, bake_anim_use_all_actions=False, bake_anim_use_nla_strips=False, bake_anim_force_startend_keying=True,
-                         bake_anim_simplify_factor=0.0, use_mesh_modifiers=False)
+                         bake_anim=True, bake_anim_force_startend_keying=True, bake_anim_simplify_factor=0.0, use_mesh_modifiers=False)
 empty()
+made, plain = {}, reader.blen_read_animations_action_item
+
+def noted(action, item, *rest):
+    owner = item.id_data if isinstance(item, bpy.types.ShapeKey) else item.bl_obj
+    of = made.setdefault((owner.bl_rna.identifier, owner.name), (owner, []))[1]
+    if action not in of:
+        of.append(action)
+    return plain(action, item, *rest)
+
+reader.blen_read_animations_action_item = noted
 bpy.ops.import_scene.fbx(filepath=target, anim_offset=0.0)
-start, _ = span()
+parts = list(made.values())
+complete()
 worst = 0.0
-for f, was in zip(frames, before):
-    now = positions(start + f)
-    if [len(m) for m in now] != [len(m) for m in was]:
-        sys.exit("other vertices came back")
-    worst = max([worst] + [(a - b).length for m, n in zip(was, now) for a, b in zip(m, n)])
+for take, was in enumerate(before):
+    start, end = play(take)
+    for f, goal in zip(frames(start, end), was):
+        now = positions(start + f)
+        if [len(m) for m in now] != [len(m) for m in goal]:
+            sys.exit("other vertices came back")
+        worst = max([worst] + [(a - b).length for m, n in zip(goal, now) for a, b in zip(m, n)])
 open(shown, "w").write(repr(worst))
 )py";
 

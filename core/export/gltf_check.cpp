@@ -19,12 +19,17 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <span>
+
+#include "core/base/parallel.h"
+#include "core/export/body_frames.h"
 
 namespace imomushi {
 
 namespace {
 
-constexpr std::size_t kFrames = 10;
+constexpr std::size_t kFrames = 10;                                // of each clip
+constexpr std::size_t kPiece = 1024, kBetweenReports = 32 * kPiece;  // vertices
 
 /// Thrown and caught in this file: the file does not say what was meant.
 struct Unreadable {
@@ -41,6 +46,11 @@ std::vector<float> numbersOf(const tinygltf::Model& model, int index) {
     const int stride = a.ByteStride(view);
     if (stride <= 0) throw Unreadable{"an accessor has no stride"};
     std::vector<float> out(a.count * width);
+    if (const std::size_t begin = view.byteOffset + a.byteOffset; a.componentType == TINYGLTF_COMPONENT_TYPE_FLOAT && static_cast<std::size_t>(stride) == width * size) {
+        if (begin + out.size() * size > data.size()) throw Unreadable{"an accessor leaves its buffer"};
+        std::memcpy(out.data(), data.data() + begin, out.size() * size);
+        return out;
+    }
     for (std::size_t i = 0; i < a.count; ++i) {
         const std::size_t at = view.byteOffset + a.byteOffset + i * static_cast<std::size_t>(stride);
         if (at + width * size > data.size()) throw Unreadable{"an accessor leaves its buffer"};
@@ -55,6 +65,7 @@ std::vector<float> numbersOf(const tinygltf::Model& model, int index) {
                 case TINYGLTF_COMPONENT_TYPE_FLOAT: std::memcpy(&to, from, sizeof to); break;
                 case TINYGLTF_COMPONENT_TYPE_SHORT: to = as(std::int16_t{}, 32767.0f); break;
                 case TINYGLTF_COMPONENT_TYPE_BYTE: to = as(std::int8_t{}, 127.0f); break;
+                case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: to = as(std::uint8_t{}, 255.0f); break;
                 case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: to = as(std::uint16_t{}, 65535.0f); break;
                 case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT: to = as(std::uint32_t{}, 1.0f); break;
                 default: throw Unreadable{"an accessor has another type"};
@@ -154,7 +165,7 @@ struct ReadMesh {
     std::vector<std::vector<float>> targets;
 };
 
-Result<ExportError> compare(const tinygltf::Model& model, const GltfContent& content, Motion& motion, int& checked) {
+Result<ExportError> compare(const tinygltf::Model& model, const GltfContent& content, Motion& motion, int& checked, const Progress& progress) {
     std::vector<ReadMesh> meshes(content.surfaces.size());
     for (std::size_t n = 0; n < model.nodes.size(); ++n) {
         const auto& node = model.nodes[n];
@@ -176,57 +187,105 @@ Result<ExportError> compare(const tinygltf::Model& model, const GltfContent& con
         for (std::size_t j = 0; 16 * j < numbers.size(); ++j)
             inverse.emplace_back(Eigen::Map<const Eigen::Matrix4f>(numbers.data() + 16 * j).cast<double>());
     }
+    // Where the file has the joints and weights of each frame.
+    struct Frame {
+        std::vector<std::vector<Eigen::Matrix<double, 3, 4>>> moved;  // per mesh: of its node, or of the joints of its skin
+        std::vector<std::vector<double>> weights;                     // per mesh
+    };
     Player player(model);
-    double largest = 0.0, squares = 0.0, points = 0.0;
-    std::size_t animation = 0;
-    for (const auto& clip : motion.clips) {
+    std::vector<Frame> played;
+    std::vector<const double*> shapes;
+    for (std::size_t c = 0; c < motion.clips.size(); ++c) {
+        const auto& clip = motion.clips[c];
         const std::size_t frames = std::min(kFrames, clip.times.size());
         for (std::size_t i = 0; i < frames; ++i) {
             const std::size_t frame = frames > 1 ? i * (clip.times.size() - 1) / (frames - 1) : 0;
-            if (animation < model.animations.size()) player.play(animation, clip.times[frame]);
-            motion.character.show(clip.shapes[frame].data());
-            ++checked;
+            if (c < model.animations.size()) player.play(c, clip.times[frame]);
+            shapes.push_back(clip.shapes[frame].data());
+            auto& to = played.emplace_back();
             for (std::size_t e = 0; e < meshes.size(); ++e) {
-                const ReadMesh& mesh = meshes[e];
-                const auto& body = content.surfaces[e].body;
-                if (body.empty()) continue;
-                if (mesh.node < 0 || mesh.positions.size() != 3 * body.size()) throw Unreadable{"an element is missing"};
-                std::vector<double> at(mesh.positions.begin(), mesh.positions.end());
-                const auto& weights = player.weights(mesh.node);
-                for (std::size_t t = 0; t < mesh.targets.size(); ++t) {
-                    const double w = weights.at(t);
-                    if (w == 0.0) continue;
-                    for (std::size_t k = 0; k < at.size(); ++k) at[k] += w * mesh.targets[t][k];
+                auto& moved = to.moved.emplace_back();
+                if (meshes[e].node < 0) {
+                    if (!content.surfaces[e].body.empty()) throw Unreadable{"an element is missing"};
+                    to.weights.emplace_back();
+                    continue;
                 }
-                std::vector<Eigen::Affine3d> moved;
-                if (mesh.skin >= 0) {
-                    const auto& skin = model.skins[0];
-                    for (std::size_t j = 0; j < skin.joints.size(); ++j) moved.push_back(player.world(skin.joints[j]) * inverse.at(j));
+                to.weights.push_back(player.weights(meshes[e].node));
+                if (to.weights.back().size() < meshes[e].targets.size()) throw Unreadable{"weights are missing"};
+                if (meshes[e].skin < 0) {
+                    moved.emplace_back(player.world(meshes[e].node).matrix().topRows<3>());
                 } else {
-                    moved.push_back(player.world(mesh.node));
-                }
-                const Points goal = motion.character.positions(static_cast<int>(e));
-                for (std::size_t v = 0; v < body.size(); ++v) {
-                    const Vec3 local(at[3 * v], at[3 * v + 1], at[3 * v + 2]);
-                    Vec3 p = Vec3::Zero();
-                    if (mesh.skin < 0) p = moved[0] * local;
-                    for (std::size_t k = 0; mesh.skin >= 0 && k < 4; ++k)
-                        if (const float w = mesh.weights[4 * v + k]; w > 0.0f) p += static_cast<double>(w) * (moved.at(static_cast<std::size_t>(mesh.joints[4 * v + k])) * local);
-                    const double d = (p - goal.row(body[v]).transpose()).squaredNorm();
-                    largest = std::max(largest, d);
-                    squares += d;
-                    points += 1.0;
+                    const auto& joints = model.skins.at(0).joints;
+                    for (std::size_t j = 0; j < joints.size(); ++j) moved.emplace_back((player.world(joints[j]) * inverse.at(j)).matrix().topRows<3>());
                 }
             }
         }
-        ++animation;
     }
+    checked = static_cast<int>(played.size());
+    const auto goals = BodyFrames::build(motion, shapes, progress);
+    if (!goals) return tl::unexpected(goals.error());
+
+    double largest = 0.0, squares = 0.0, points = 0.0;
+    std::size_t vertices = 0, done = 0;
+    for (const auto& surface : content.surfaces) vertices += surface.body.size();
+    for (std::size_t e = 0; e < meshes.size(); ++e) {
+        const ReadMesh& mesh = meshes[e];
+        const auto& body = content.surfaces[e].body;
+        if (body.empty()) continue;
+        if (mesh.positions.size() != 3 * body.size()) throw Unreadable{"an element is missing"};
+        for (const auto& target : mesh.targets)
+            if (target.size() != mesh.positions.size()) throw Unreadable{"a target is of another mesh"};
+        if (mesh.skin >= 0) {
+            const auto joints = static_cast<float>(played.empty() ? 0 : played[0].moved[e].size());
+            if (mesh.joints.size() != 4 * body.size() || mesh.weights.size() != 4 * body.size() ||
+                std::any_of(mesh.joints.begin(), mesh.joints.end(), [&](float j) { return !(j < joints); }))
+                throw Unreadable{"a joint is missing"};
+        }
+        for (std::size_t begun = 0; begun < body.size(); begun += kBetweenReports) {
+            if (progress.cancelled()) return fail(kCancelled, "The export was cancelled.");
+            progress.report("check", static_cast<double>(done + begun) / static_cast<double>(vertices));
+            const std::size_t here = std::min(kBetweenReports, body.size() - begun);
+            std::vector<std::pair<double, double>> missed((here + kPiece - 1) / kPiece);
+            parallelFor(hardwareThreads(), here, kPiece, [&](std::size_t begin, std::size_t end) {
+                if (progress.cancelled()) return;
+                const std::span vertexes(body.data() + begun + begin, end - begin);
+                const auto first = 3 * (begun + begin), size = 3 * (end - begin);
+                Eigen::MatrixXd goal;
+                goals->at(e, vertexes, goal);
+                Eigen::VectorXd at(static_cast<Eigen::Index>(size));
+                auto& miss = missed[begin / kPiece];
+                for (std::size_t k = 0; k < played.size(); ++k) {
+                    const auto part = [&](const std::vector<float>& numbers) { return Eigen::Map<const Eigen::VectorXf>(numbers.data() + first, at.size()).cast<double>(); };
+                    at = part(mesh.positions);
+                    for (std::size_t t = 0; t < mesh.targets.size(); ++t)
+                        if (const double w = played[k].weights[e][t]; w != 0.0) at += w * part(mesh.targets[t]);
+                    const auto& moved = played[k].moved[e];
+                    const Eigen::Isometry3d frame = goals->frame(e, k);
+                    for (std::size_t v = 0; v < vertexes.size(); ++v) {
+                        const Vec3 local = at.segment<3>(3 * static_cast<Eigen::Index>(v));
+                        const auto place = [&](std::size_t j) -> Vec3 { return moved[j].leftCols<3>() * local + moved[j].col(3); };
+                        Vec3 p = Vec3::Zero();
+                        if (mesh.skin < 0) p = place(0);
+                        for (std::size_t i = 4 * (begun + begin + v); mesh.skin >= 0 && i < 4 * (begun + begin + v) + 4; ++i)
+                            if (const float w = mesh.weights[i]; w > 0.0f) p += static_cast<double>(w) * place(static_cast<std::size_t>(mesh.joints[i]));
+                        const double d = (p - frame * Vec3(goal.col(static_cast<Eigen::Index>(k)).segment<3>(3 * static_cast<Eigen::Index>(v)))).squaredNorm();
+                        miss.first = std::max(miss.first, d);
+                        miss.second += d;
+                    }
+                }
+            });
+            for (const auto& [most, sum] : missed) largest = std::max(largest, most), squares += sum;
+        }
+        done += body.size();
+        points += static_cast<double>(body.size() * played.size());
+    }
+    if (progress.cancelled()) return fail(kCancelled, "The export was cancelled.");
     return ExportError{std::sqrt(largest) / motion.diagonal, std::sqrt(squares / std::max(points, 1.0)) / motion.diagonal};
 }
 
 }  // namespace
 
-Result<ExportError> checkGltf(const std::string& bytes, const GltfContent& content, Motion& motion, int& checked) {
+Result<ExportError> checkGltf(const std::string& bytes, const GltfContent& content, Motion& motion, int& checked, const Progress& progress) {
     const auto unreadable = [](const std::string& why) {
         return fail("not-readable", "The file that was written could not be read back (" + why + "): it was not kept. Please report this.");
     };
@@ -237,7 +296,7 @@ Result<ExportError> checkGltf(const std::string& bytes, const GltfContent& conte
     try {
         if (!reader.LoadBinaryFromMemory(&model, &error, &warning, reinterpret_cast<const unsigned char*>(bytes.data()), static_cast<unsigned int>(bytes.size())))
             return unreadable(error);
-        return compare(model, content, motion, checked);
+        return compare(model, content, motion, checked, progress);
     } catch (const Unreadable& reason) {
         return unreadable(reason.why);
     } catch (const std::out_of_range&) {

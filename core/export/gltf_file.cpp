@@ -72,8 +72,29 @@ int GltfFile::indices(const std::vector<std::uint32_t>& triangles, std::size_t v
     return describe(small.data(), small.size(), 1, kUnsignedShort, false, Target::Indices, false, 0);
 }
 
-int GltfFile::joints(const std::vector<std::uint16_t>& numbers) {
+int GltfFile::joints(const std::vector<std::uint16_t>& numbers, bool narrow) {
+    if (narrow) {
+        const std::vector<std::uint8_t> small(numbers.begin(), numbers.end());
+        return describe(small.data(), small.size() / 4, 4, kUnsignedByte, false, Target::Vertices, false, 0);
+    }
     return describe(numbers.data(), numbers.size() / 4, 4, kUnsignedShort, false, Target::Vertices, false, 0);
+}
+
+int GltfFile::quantisedWeights(const std::vector<float>& numbers) {
+    constexpr int kOne = 65535;
+    std::vector<std::uint16_t> out(numbers.size());
+    for (std::size_t i = 0; i < out.size(); i += 4) {
+        // The largest takes what rounding leaves over.
+        std::size_t largest = i;
+        int left = kOne;
+        for (std::size_t k = i; k < i + 4; ++k) {
+            out[k] = static_cast<std::uint16_t>(std::clamp(std::lround(numbers[k] * static_cast<float>(kOne)), 0L, static_cast<long>(kOne)));
+            left -= out[k];
+            if (numbers[k] > numbers[largest]) largest = k;
+        }
+        out[largest] = static_cast<std::uint16_t>(out[largest] + left);
+    }
+    return describe(out.data(), out.size() / 4, 4, kUnsignedShort, true, Target::Vertices, false, 0);
 }
 
 std::string GltfFile::glb() {

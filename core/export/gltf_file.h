@@ -25,8 +25,10 @@ public:
     /// Three numbers per item as normalised integers, over `unit`, padded to four bytes: KHR_mesh_quantization. wide: 16 bits, else 8.
     int quantised(const std::vector<float>& numbers, float unit, bool wide);
     int indices(const std::vector<std::uint32_t>& triangles, std::size_t vertices);
-    /// Four per item.
-    int joints(const std::vector<std::uint16_t>& numbers);
+    /// Four per item; `narrow`: in a byte each.
+    int joints(const std::vector<std::uint16_t>& numbers, bool narrow);
+    /// Four per item of sum 1, as normalised 16-bit integers of exactly that sum.
+    int quantisedWeights(const std::vector<float>& numbers);
 
     /// The whole file. Empty: larger than the format allows (4 GiB).
     [[nodiscard]] std::string glb();

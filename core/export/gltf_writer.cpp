@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "core/export/driver.h"
@@ -31,6 +32,7 @@ public:
         file_.root["scene"] = 0;
         const std::size_t count = content_.surfaces.size();
         const bool skinned = options_.layout != ExportLayout::Baked;
+        chooseUnits();
         if (skinned) addSkeleton();
         Json roots = Json::array(), children = Json::array();
         if (skinned) roots.push_back(root_);
@@ -48,7 +50,7 @@ public:
         }
         for (std::size_t c = 0; c < content_.motion.clips.size(); ++c) addClip(c);
         Json scene{{"name", scene_.name}, {"nodes", std::move(roots)}};
-        scene["extras"] = {{"unit", "m"}, {"fps", framesPerSecond()}};
+        scene["extras"] = {{"unit", "m"}, {"fps", options_.fps > 0.0 ? options_.fps : framesPerSecond(content_.motion)}};
         file_.add("scenes", std::move(scene));
         std::string bytes = file_.glb();
         if (bytes.empty()) return fail("too-large", "The file would be larger than glTF allows (4 GiB): choose fewer targets, or export elements by themselves.");
@@ -58,25 +60,59 @@ public:
 private:
     [[nodiscard]] bool rigid() const { return options_.layout != ExportLayout::Skinned; }
 
-    [[nodiscard]] double framesPerSecond() const {
-        if (options_.fps > 0.0) return options_.fps;
-        for (const auto& clip : content_.motion.clips)
-            if (clip.times.size() > 1) return static_cast<double>(clip.times.size() - 1) / clip.times.back();
-        return 60.0;
+    /// What positions in the file are multiplied by and shifted from: by the node (baked), by its joint alone (rigged), by all joints alike (skinned).
+    struct Unit {
+        Vec3 middle = Vec3::Zero();  // m
+        float size = 1.0f;           // m
+        bool whole = false;          // whole numbers, of -1 ... 1
+    };
+    [[nodiscard]] Points positionsOf(std::size_t e) const {
+        const Vec3 from = rigid() ? Vec3(units_[e].middle - content_.morphs[e].middle) : units_[e].middle;
+        return (rigid() ? content_.morphs[e].rest : content_.skin.bind[e]).rowwise() - from.transpose();
+    }
+    void chooseUnits() {
+        units_.resize(content_.surfaces.size());
+        for (std::size_t e = 0; rigid() && e < units_.size(); ++e)
+            if (options_.quantised || options_.layout == ExportLayout::Baked) units_[e].middle = content_.morphs[e].middle;
+        if (!options_.quantised) return;
+        Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+        for (std::size_t e = 0; !rigid() && e < units_.size(); ++e)
+            for (const std::int32_t v : content_.surfaces[e].body) {
+                const Vec3 p = content_.skin.bind[e].row(v).transpose();
+                low = low.cwiseMin(p);
+                high = high.cwiseMax(p);
+            }
+        for (std::size_t e = 0; e < units_.size(); ++e) {
+            Unit& unit = units_[e];
+            if (content_.surfaces[e].body.empty()) continue;
+            double most = 0.5 * (high - low).maxCoeff();
+            if (rigid()) {
+                most = 0.0;
+                for (const std::int32_t v : content_.surfaces[e].body) most = std::max(most, content_.morphs[e].rest.row(v).cwiseAbs().maxCoeff());
+            } else {
+                unit.middle = 0.5 * (low + high);
+            }
+            // A little more than the farthest: it must not round beyond the range.
+            unit.size = static_cast<float>(most * (1.0 + 1e-6));
+            unit.whole = unit.size > 0.0f;
+            if (!unit.whole) unit.size = 1.0f;
+        }
     }
 
     void addSkeleton() {
         std::vector<float> inverse;
         Json joints = Json::array();
-        const auto addJoint = [&](const std::string& name, const Vec3& origin) {
+        const auto addJoint = [&](const std::string& name, const Vec3& origin, const Unit& unit) {
             joints.push_back(file_.add("nodes", {{"name", name}, {"translation", vector(origin)}}));
             jointNodes_.push_back(joints.back());
-            for (int i = 0; i < 16; ++i) inverse.push_back(i % 5 == 0 ? 1.0f : i >= 12 ? -static_cast<float>(origin[i - 12]) : 0.0f);
+            for (int i = 0; i < 16; ++i)
+                inverse.push_back(i == 15 ? 1.0f : i % 5 == 0 ? unit.size : i >= 12 ? static_cast<float>(unit.middle[i - 12] - origin[i - 12]) : 0.0f);
         };
         if (rigid()) {
-            for (std::size_t e = 0; e < content_.morphs.size(); ++e) addJoint(scene_.elements[e] + " frame", content_.morphs[e].middle);
+            for (std::size_t e = 0; e < content_.morphs.size(); ++e) addJoint(scene_.elements[e] + " frame", content_.morphs[e].middle, units_[e]);
         } else {
-            for (const auto& joint : content_.skin.joints) addJoint(joint.name + " frame", joint.origin);
+            const auto drawn = std::find_if(units_.begin(), units_.end(), [](const Unit& unit) { return unit.whole; });
+            for (const auto& joint : content_.skin.joints) addJoint(joint.name + " frame", joint.origin, drawn == units_.end() ? Unit{} : *drawn);
         }
         Json root{{"name", scene_.name}, {"children", joints}};
         if (options_.layout == ExportLayout::Rigged) root["extras"] = {{"imomushi", driverData(content_)}};
@@ -110,7 +146,8 @@ private:
 
     int addTexture(const Texture& texture) {
         if (texture.mimeType != "image/png" && texture.mimeType != "image/jpeg") {
-            report_.warnings.push_back("The texture \"" + texture.name + "\" is neither PNG nor JPEG, which glTF needs, and was left out: convert it and import again.");
+            report_.warnings.push_back(
+                {"texture-format", texture.name, "The texture \"" + texture.name + "\" is neither PNG nor JPEG, which glTF needs, and was left out: convert it and import again."});
             return -1;
         }
         const std::string key(texture.bytes.begin(), texture.bytes.end());
@@ -123,29 +160,22 @@ private:
 
     int addElement(std::size_t e) {
         const RenderSurface& surface = content_.surfaces[e];
-        const Points& body = scene_.character.elements[e].mesh->body.vertices;
         const std::size_t vertices = surface.body.size();
         Json node{{"name", scene_.elements[e]}, {"extras", {{kElementExtra, e}}}};
         const bool morphs = rigid();
         auto& factors = factor_.emplace_back();
-        Vec3 middle = Vec3::Zero();
-        if (morphs) middle = content_.morphs[e].middle;
+        const Unit& unit = units_[e];
         const bool baked = options_.layout == ExportLayout::Baked;
         if (surface.parts.empty()) {
-            if (baked) node["translation"] = vector(middle);
+            if (baked) node["translation"] = vector(unit.middle);
             return file_.add("nodes", std::move(node));
         }
-        // Skins place vertices by their joints; nodes by themselves.
+        const Points at = positionsOf(e);
         std::vector<float> positions(3 * vertices);
-        float most = 0.0f;
         for (std::size_t i = 0; i < vertices; ++i)
-            for (int k = 0; k < 3; ++k) {
-                const double x = morphs ? content_.morphs[e].rest(surface.body[i], k) + (baked ? 0.0 : middle[k]) : body(surface.body[i], k);
-                positions[3 * i + static_cast<std::size_t>(k)] = static_cast<float>(x);
-                most = std::max(most, std::abs(positions[3 * i + static_cast<std::size_t>(k)]));
-            }
-        // Integers of skinned meshes need another inverse bind matrix per element; they stay as they are.
-        const bool small = options_.quantised && baked && most > 0.0f;
+            for (int k = 0; k < 3; ++k) positions[3 * i + static_cast<std::size_t>(k)] = static_cast<float>(at(surface.body[i], k));
+        const float most = unit.size;
+        const bool small = unit.whole;
         Json attributes{{"POSITION", small ? file_.quantised(positions, most, true) : file_.accessor(positions, 3, Target::Vertices, true)}};
         const std::vector<float> normals(surface.normals.data(), surface.normals.data() + surface.normals.size());
         attributes["NORMAL"] = small && content_.normalTargets.empty() ? file_.quantised(normals, 1.0f, false) : file_.accessor(normals, 3, Target::Vertices, false);
@@ -178,6 +208,17 @@ private:
                 zeros.push_back(0.0);
             }
             report_.targets = std::max(report_.targets, static_cast<int>(m.targets.cols()));
+            double weighed = 0.0;
+            for (const auto& track : m.tracks)
+                for (Eigen::Index key = 0; small && key < track.weights.cols(); ++key) {
+                    double sum = 0.0;
+                    for (Eigen::Index t = 0; t < track.weights.rows(); ++t) sum += std::abs(track.weights(t, key)) / factors[static_cast<std::size_t>(t)];
+                    weighed = std::max(weighed, sum);
+                }
+            if (small) rounded(most, 1.0 + weighed, 0.0);
+        } else if (small) {
+            // Four weights round by a step each, and take a vertex no farther than its joints are apart: a diagonal.
+            rounded(most, 1.0, 4.0 / 65535.0);
         }
         Json primitives = Json::array();
         for (const auto& part : surface.parts) {
@@ -194,12 +235,17 @@ private:
         }
         node["mesh"] = file_.add("meshes", std::move(mesh));
         if (baked) {
-            node["translation"] = vector(middle);
+            node["translation"] = vector(unit.middle);
             if (small) node["scale"] = {most, most, most};
         } else {
             node["skin"] = 0;
         }
         return file_.add("nodes", std::move(node));
+    }
+
+    /// So many half steps of 16 bits along three axes, and a part of the diagonal.
+    void rounded(float unit, double times, double part) {
+        report_.quantised = std::max(report_.quantised, times * 0.5 * std::sqrt(3.0) * static_cast<double>(unit) / 32767.0 / content_.motion.diagonal + part);
     }
 
     static std::vector<float> scaledBy(std::vector<float> numbers, float factor) {
@@ -223,8 +269,8 @@ private:
                 weights[4 * i + k] = v.weight[k];
             }
         }
-        attributes["JOINTS_0"] = file_.joints(joints);
-        attributes["WEIGHTS_0"] = file_.accessor(weights, 4, Target::Vertices, false);
+        attributes["JOINTS_0"] = file_.joints(joints, options_.quantised && jointNodes_.size() <= 256);
+        attributes["WEIGHTS_0"] = options_.quantised ? file_.quantisedWeights(weights) : file_.accessor(weights, 4, Target::Vertices, false);
     }
 
     void addClip(std::size_t c) {
@@ -287,6 +333,7 @@ private:
     GltfFile file_;
     int root_ = -1;
     std::vector<int> elementNodes_, jointNodes_;
+    std::vector<Unit> units_;                 // per element
     std::vector<std::vector<float>> factor_;  // per element, per target: what its weights are divided by
     std::map<std::string, int> materials_, textures_;
 };

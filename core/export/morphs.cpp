@@ -121,6 +121,7 @@ private:
         bool whole = false;                 // residuals are of all vertices, not of held ones alone
         bool touched = false;
         MatrixXd columns;                   // 3 #V x #columns
+        MatrixXd heldColumns;               // their rows of held vertices, where residuals are of these alone
         MatrixXd weights;                   // #columns x #keys
         MatrixXd residuals;                 // 3 #rows x #sample
         MatrixXd fitted, fittedWeights;     // 3 #rows x #fitted, orthonormal; #fitted x #keys
@@ -166,6 +167,10 @@ private:
                 w.touched = w.touched || (forces.array() != 0.0).any();
             }
         w.whole = w.touched || motion_.character.isWarped(index);
+        if (!w.whole) {
+            w.heldColumns.resize(3 * static_cast<Eigen::Index>(w.held.size()), w.columns.cols());
+            for (std::size_t i = 0; i < w.held.size(); ++i) w.heldColumns.middleRows<3>(3 * static_cast<Eigen::Index>(i)) = w.columns.middleRows<3>(3 * w.held[i]);
+        }
         w.residuals.resize(3 * (w.whole ? w.rest.rows() : static_cast<Eigen::Index>(w.held.size())), static_cast<Eigen::Index>(sample_.size()));
     }
 
@@ -183,9 +188,9 @@ private:
         } else {
             for (Eigen::Index i = 0; i < at.rows(); ++i) {
                 const std::int32_t v = w.held[static_cast<std::size_t>(i)];
-                out.segment<3>(3 * i) = frame.linear().transpose() * (at.row(i).transpose() - shift) - w.rest.row(v).transpose() -
-                                        w.columns.middleRows<3>(3 * v) * weightsOf(e, key);
+                out.segment<3>(3 * i) = frame.linear().transpose() * (at.row(i).transpose() - shift) - w.rest.row(v).transpose();
             }
+            out.noalias() -= w.heldColumns * weightsOf(e, key);
         }
         return out;
     }

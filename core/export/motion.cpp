@@ -2,12 +2,52 @@
 #include "core/export/motion.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <condition_variable>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
 
 namespace imomushi {
 
+namespace {
+
+/// Character::build() cannot be cancelled and takes a second for a large character: who cancels leaves it behind.
+Result<Character> buildCharacter(const CharacterInput& input, const Progress& progress) {
+    struct Work {
+        std::mutex mutex;
+        std::condition_variable changed;
+        std::optional<Result<Character>> made;
+        std::exception_ptr thrown;
+    };
+    const auto work = std::make_shared<Work>();
+    std::thread([work, input] {
+        std::optional<Result<Character>> made;
+        std::exception_ptr thrown;
+        try {
+            made = Character::build(input);
+        } catch (...) {
+            thrown = std::current_exception();
+        }
+        const std::lock_guard lock(work->mutex);
+        work->made = std::move(made);
+        work->thrown = thrown;
+        work->changed.notify_all();
+    }).detach();
+    std::unique_lock lock(work->mutex);
+    while (!work->changed.wait_for(lock, std::chrono::milliseconds(20), [&] { return work->made || work->thrown; }))
+        if (progress.cancelled()) return fail(kCancelled, "The export was cancelled.");
+    if (work->thrown) std::rethrow_exception(work->thrown);
+    return std::move(*work->made);
+}
+
+}  // namespace
+
 Result<Motion> Motion::build(const ExportScene& scene, double fps, const Progress& progress) {
-    auto built = Character::build(scene.character);
+    auto built = buildCharacter(scene.character, progress);
     if (!built) return tl::unexpected(built.error());
     Motion motion(std::move(*built));
     Character& character = motion.character;
@@ -62,6 +102,12 @@ Result<Motion> Motion::build(const ExportScene& scene, double fps, const Progres
         motion.clips.push_back(std::move(out));
     }
     return motion;
+}
+
+double framesPerSecond(const Motion& motion) {
+    for (const auto& clip : motion.clips)
+        if (clip.times.size() > 1) return static_cast<double>(clip.times.size() - 1) / clip.times.back();
+    return 60.0;
 }
 
 std::size_t Motion::affordable(Eigen::Index products) {

@@ -32,4 +32,7 @@ private:
     explicit Motion(Character made) : character(std::move(made)) {}
 };
 
+/// Of the first clip that has more than one frame; 60 where none has.
+double framesPerSecond(const Motion& motion);
+
 }  // namespace imomushi

@@ -22,7 +22,7 @@ struct RenderSurface {
     std::vector<Part> parts;  ///< none is empty
 };
 
-/// `normals`: of body vertices at rest as the studio shows them (Character::surface()), x 3.
+/// `normals`: of body vertices in the positions that are written (Character::surface()), x 3.
 RenderSurface renderSurface(const CharacterInput& input, int element, const float* normals);
 
 }  // namespace imomushi

@@ -4,20 +4,30 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "core/base/parallel.h"
 #include "core/comparison/skin_body.h"
 #include "core/comparison/standard_poses.h"
+#include "core/export/body_frames.h"
 
 namespace imomushi {
 
 namespace {
 
-constexpr std::size_t kClipFrames = 48;
+// What standard poses count for, over all frames of the clips: they keep weights sensible where the clips say nothing.
+constexpr double kStandard = 0.01;
 // Joints that say the same share a vertex: this part of the diagonal of the normal equations keeps them from fighting.
 constexpr double kRidge = 1e-6;
+// Weights and places are found in turn so many times, where loads deform the body at rest.
+constexpr int kRounds = 4;
+// More joints than this are never near one vertex: the farthest are left out.
+constexpr int kMostCandidates = 24;
+constexpr std::size_t kPiece = 32768, kBetweenReports = 16;  // vertices times frames that are worked on at once; such pieces
 
 using Motions = std::vector<Eigen::Isometry3d>;  // of the joints of the skin, rest to world
+using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMostCandidates, kMostCandidates>;
+using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMostCandidates, 1>;
 
 Eigen::Isometry3d isometry(const Eigen::Quaterniond& rotation, const Vec3& rest, const Vec3& now) {
     Eigen::Isometry3d out = Eigen::Isometry3d::Identity();
@@ -26,33 +36,98 @@ Eigen::Isometry3d isometry(const Eigen::Quaterniond& rotation, const Vec3& rest,
     return out;
 }
 
-/// Weights that minimise |A w - b| with sum 1 and w >= 0, over a few candidates: negative ones leave one by one, then the weakest beyond kMost.
-Eigen::VectorXd solveWeights(const Eigen::MatrixXd& normal, const Eigen::VectorXd& right) {
-    const Eigen::Index n = normal.rows();
-    std::vector<Eigen::Index> active;
-    for (Eigen::Index i = 0; i < n; ++i) active.push_back(i);
-    Eigen::VectorXd w = Eigen::VectorXd::Zero(n);
-    while (true) {
-        const auto count = static_cast<Eigen::Index>(active.size());
-        Eigen::MatrixXd m(count, count);
-        Eigen::VectorXd r(count);
-        for (Eigen::Index i = 0; i < count; ++i) {
-            r[i] = right[active[static_cast<std::size_t>(i)]];
-            for (Eigen::Index k = 0; k < count; ++k) m(i, k) = normal(active[static_cast<std::size_t>(i)], active[static_cast<std::size_t>(k)]);
+/// Weights w >= 0 of sum 1 with the least w^T normal w, over a few candidates: negative ones leave one by one, then the weakest beyond kMost.
+SmallVector solveWeights(const Small& normal) {
+    const auto n = static_cast<int>(normal.rows());
+    std::array<int, kMostCandidates> active{};
+    for (int i = 0; i < n; ++i) active[static_cast<std::size_t>(i)] = i;
+    for (int count = n;; --count) {
+        Small m(count, count);
+        for (int i = 0; i < count; ++i)
+            for (int k = 0; k < count; ++k) m(i, k) = normal(active[static_cast<std::size_t>(i)], active[static_cast<std::size_t>(k)]);
+        SmallVector solved = SmallVector::Ones(count);
+        if (count > 1) {
+            solved = m.ldlt().solve(SmallVector(SmallVector::Ones(count)));
+            solved /= solved.sum();
+            int least = 0;
+            for (int i = 1; i < count; ++i)
+                if (!(solved[i] >= solved[least])) least = i;
+            if (!(solved[least] >= 0.0) || count > FittedSkin::kMost) {
+                std::copy(active.begin() + least + 1, active.begin() + count, active.begin() + least);
+                continue;
+            }
         }
-        const Eigen::LDLT<Eigen::MatrixXd> factor(m);
-        const Eigen::VectorXd free = factor.solve(r), one = factor.solve(Eigen::VectorXd::Ones(count));
-        const Eigen::VectorXd solved = free + (1.0 - free.sum()) / one.sum() * one;
-        Eigen::Index least = 0;
-        const double smallest = solved.minCoeff(&least);
-        if (count > 1 && (smallest < 0.0 || count > FittedSkin::kMost)) {
-            active.erase(active.begin() + least);
-            continue;
-        }
-        w.setZero();
-        for (Eigen::Index i = 0; i < count; ++i) w[active[static_cast<std::size_t>(i)]] = count == 1 ? 1.0 : solved[i];
+        SmallVector w = SmallVector::Zero(n);
+        for (int i = 0; i < count; ++i) w[active[static_cast<std::size_t>(i)]] = solved[i];
         return w;
     }
+}
+
+/// The joints of the skin in the axes of one element, in all frames: 3 x 4 per frame and joint.
+struct LocalMotions {
+    std::vector<int> joints;                      // of the skin, that vertices of the element may follow
+    std::vector<Eigen::Matrix<double, 3, 4>> at;  // frame by frame
+};
+
+/// One vertex: what it follows, where it goes.
+struct VertexFit {
+    const LocalMotions& motions;
+    const std::vector<int>& follows;  // places in motions.joints
+    const Eigen::MatrixXd& goals;     // 3 #vertices x #frames
+    Eigen::Index row;                 // of the vertex
+    const std::vector<double>& importance;  // of frames
+    double floor;                     // m^2
+
+    [[nodiscard]] const Eigen::Matrix<double, 3, 4>& motion(std::size_t k, std::size_t i) const { return motions.at[k * motions.joints.size() + static_cast<std::size_t>(follows[i])]; }
+    [[nodiscard]] Vec3 goal(std::size_t k) const { return goals.col(static_cast<Eigen::Index>(k)).segment<3>(row); }
+
+    [[nodiscard]] SmallVector weights(const Vec3& bind) const {
+        const auto n = static_cast<Eigen::Index>(follows.size());
+        Small normal = Small::Zero(n, n);
+        Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, kMostCandidates> off(3, n);
+        for (std::size_t k = 0; k < importance.size(); ++k) {
+            if (importance[k] == 0.0) continue;
+            const Vec3 to = goal(k);
+            for (std::size_t i = 0; i < follows.size(); ++i) {
+                const auto& m = motion(k, i);
+                off.col(static_cast<Eigen::Index>(i)) = m.leftCols<3>() * bind + m.col(3) - to;
+            }
+            for (Eigen::Index i = 0; i < n; ++i)
+                for (Eigen::Index j = 0; j <= i; ++j) normal(i, j) += importance[k] * off.col(i).dot(off.col(j));
+        }
+        for (Eigen::Index i = 0; i < n; ++i)
+            for (Eigen::Index j = 0; j < i; ++j) normal(j, i) = normal(i, j);
+        normal.diagonal().array() += kRidge * std::max(normal.trace(), floor);
+        return solveWeights(normal);
+    }
+
+    /// Where the vertex must be at rest for these weights; `known`: where it stays if they do not say.
+    [[nodiscard]] Vec3 place(const SmallVector& w, const Vec3& known) const {
+        Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+        Vec3 right = Vec3::Zero();
+        double all = 0.0;
+        for (std::size_t k = 0; k < importance.size(); ++k) {
+            if (importance[k] == 0.0) continue;
+            Eigen::Matrix<double, 3, 4> m = Eigen::Matrix<double, 3, 4>::Zero();
+            for (std::size_t i = 0; i < follows.size(); ++i) m += w[static_cast<Eigen::Index>(i)] * motion(k, i);
+            normal += importance[k] * m.leftCols<3>().transpose() * m.leftCols<3>();
+            right += importance[k] * m.leftCols<3>().transpose() * (goal(k) - m.col(3));
+            all += importance[k];
+        }
+        normal.diagonal().array() += kRidge * all;
+        right += kRidge * all * known;
+        return normal.ldlt().solve(right);
+    }
+};
+
+FittedSkin::Vertex vertexOf(const SmallVector& w, const std::vector<int>& follows, const std::vector<int>& joints) {
+    std::vector<std::pair<double, int>> order;
+    for (std::size_t i = 0; i < follows.size(); ++i)
+        if (w[static_cast<Eigen::Index>(i)] > 0.0) order.emplace_back(-w[static_cast<Eigen::Index>(i)], joints[static_cast<std::size_t>(follows[i])]);
+    std::sort(order.begin(), order.end());
+    FittedSkin::Vertex out;
+    for (std::size_t i = 0; i < order.size(); ++i) out.joint[i] = order[i].second, out.weight[i] = static_cast<float>(-order[i].first);
+    return out;
 }
 
 }  // namespace
@@ -62,6 +137,7 @@ Result<FittedSkin> fitSkin(Motion& motion, const ExportScene& scene, const Progr
     const std::size_t elements = input.elements.size(), joints = input.joints.size();
     Character& character = motion.character;
     const ShapeLayout& layout = motion.layout;
+    const auto cancelled = [] { return fail(kCancelled, "The export was cancelled."); };
     FittedSkin skin;
     for (std::size_t e = 0; e < elements; ++e) {
         const Points& v = input.elements[e].mesh->body.vertices;
@@ -110,114 +186,147 @@ Result<FittedSkin> fitSkin(Motion& motion, const ExportScene& scene, const Progr
                 if (std::find(list.begin(), list.end(), f.element) == list.end()) list.push_back(f.element);
         }
     }
-    const SkinBody body = skinBody(input);
+    const SkinBody body = skinBody(input, false);
     const auto vertices = static_cast<std::size_t>(body.vertices.rows());
     std::vector<int> elementOf(vertices);
     for (std::size_t e = 0; e < elements; ++e)
         std::fill(elementOf.begin() + body.first[e], elementOf.begin() + body.first[e + 1], static_cast<int>(e));
-    std::vector<std::vector<int>> list(vertices);  // per lowest vertex, of all that are welded to it
+    // Vertices that are welded follow what any of them may.
+    std::vector<std::vector<int>> welded(vertices);  // per lowest vertex: elements beside its own
     for (std::size_t v = 0; v < vertices; ++v)
-        for (const int c : candidates[static_cast<std::size_t>(elementOf[v])]) {
-            auto& of = list[static_cast<std::size_t>(body.same[v])];
-            if (std::find(of.begin(), of.end(), c) == of.end()) of.push_back(c);
-        }
+        if (const auto lowest = static_cast<std::size_t>(body.same[v]); lowest != v) welded[lowest].push_back(elementOf[v]);
 
-    // Normal equations, frame by frame. Standard poses count little: they keep weights sensible where the clips say nothing.
-    std::vector<Eigen::MatrixXd> normal(vertices);
-    std::vector<Eigen::VectorXd> right(vertices);
-    for (std::size_t v = 0; v < vertices; ++v) {
-        const auto n = static_cast<Eigen::Index>(list[v].size());
-        normal[v] = Eigen::MatrixXd::Zero(n, n);
-        right[v] = Eigen::VectorXd::Zero(n);
+    // Frames: of the clips, as many as are affordable; then standard poses and the rest pose.
+    const auto keys = motion.sample(Motion::affordable(200 * static_cast<Eigen::Index>(vertices)));
+    std::vector<const double*> shapes;
+    std::vector<double> importance;
+    for (const auto& key : keys) {
+        shapes.push_back(motion.clips[key.first].shapes[key.second].data());
+        importance.push_back(1.0 / static_cast<double>(keys.size()));
     }
-    const int threads = hardwareThreads();
-    const auto positions = [&] {
-        Points all(static_cast<Eigen::Index>(vertices), 3);
-        for (std::size_t e = 0; e < elements; ++e) all.middleRows(body.first[e], body.first[e + 1] - body.first[e]) = character.positions(static_cast<int>(e));
-        return all;
-    };
-    const auto add = [&](const Points& at, const Motions& motions, double weight) {
-        parallelFor(threads, vertices, 4096, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t v = begin; v < end; ++v) {
-                if (body.same[v] != static_cast<std::int32_t>(v)) continue;
-                const Vec3 rest = body.vertices.row(static_cast<Eigen::Index>(v)).transpose(), goal = at.row(static_cast<Eigen::Index>(v)).transpose();
-                Eigen::Matrix3Xd moved(3, static_cast<Eigen::Index>(list[v].size()));
-                for (std::size_t i = 0; i < list[v].size(); ++i) moved.col(static_cast<Eigen::Index>(i)) = motions[static_cast<std::size_t>(list[v][i])] * rest - goal;
-                normal[v].noalias() += weight * (moved.transpose() * moved);
-            }
-        });
-    };
-    const auto sample = motion.sample(kClipFrames);
-    for (std::size_t s = 0; s < sample.size(); ++s) {
-        if (progress.cancelled()) return fail(kCancelled, "The export was cancelled.");
-        progress.report("fit", 0.5 * static_cast<double>(s) / static_cast<double>(sample.size()));
-        const auto& shape = motion.clips[sample[s].first].shapes[sample[s].second];
-        character.show(shape.data());
-        add(positions(), motionsOf(shape.data()), 1.0 / static_cast<double>(sample.size()));
-    }
-    std::vector<double> shape(motion.restShape.size());
+    std::vector<std::vector<double>> posed;
     for (const StandardPose& pose : standardPoses(input.skeleton)) {
-        if (progress.cancelled()) return fail(kCancelled, "The export was cancelled.");
+        if (progress.cancelled()) return cancelled();
         character.stop();
         character.update(pose.pose);
-        character.shape(shape.data());
-        add(positions(), motionsOf(shape.data()), 0.01);
+        character.shape(posed.emplace_back(motion.restShape.size()).data());
     }
+    for (const auto& shape : posed) shapes.push_back(shape.data());
+    shapes.push_back(motion.restShape.data());
+    importance.resize(shapes.size(), kStandard);
+    const auto frames = BodyFrames::build(motion, shapes, progress);
+    if (!frames) return tl::unexpected(frames.error());
+    std::vector<Motions> motions;
+    for (const double* shape : shapes) motions.push_back(motionsOf(shape));
+    for (std::size_t e = 0; e < elements; ++e) skin.settled = skin.settled || !character.loadColumns(static_cast<int>(e)).empty();
+
+    const int threads = hardwareThreads();
+    const double floor = 1e-12 * motion.diagonal * motion.diagonal;
+    const std::size_t piece = std::clamp<std::size_t>(kPiece / shapes.size(), 16, 512);
     std::vector<FittedSkin::Vertex> fitted(vertices);
-    parallelFor(threads, vertices, 1024, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t v = begin; v < end; ++v) {
+    std::vector<Vec3> places(skin.settled ? vertices : 0);
+    double largest = 0.0, squares = 0.0;
+    for (std::size_t e = 0; e < elements; ++e) {
+        // What its vertices may follow: by itself, and with each set of elements that vertices are welded to.
+        LocalMotions local;
+        std::map<std::vector<int>, std::vector<int>> followed;
+        const auto first = static_cast<std::size_t>(body.first[e]), last = static_cast<std::size_t>(body.first[e + 1]);
+        for (std::size_t v = first; v < last; ++v) {
             if (body.same[v] != static_cast<std::int32_t>(v)) continue;
-            auto& m = normal[v];
-            m.diagonal().array() += kRidge * std::max(m.trace(), 1e-12 * motion.diagonal * motion.diagonal);
-            // The goal is at the origin of these rows: with sum 1 the right side is zero.
-            const Eigen::VectorXd w = solveWeights(m, right[v]);
-            std::vector<std::pair<double, int>> order;
-            for (std::size_t i = 0; i < list[v].size(); ++i)
-                if (w[static_cast<Eigen::Index>(i)] > 0.0) order.emplace_back(-w[static_cast<Eigen::Index>(i)], list[v][i]);
-            std::sort(order.begin(), order.end());
-            double sum = 0.0;
-            for (const auto& [weight, joint] : order) sum -= weight;
-            for (std::size_t i = 0; i < std::min<std::size_t>(order.size(), FittedSkin::kMost); ++i)
-                fitted[v].joint[i] = order[i].second, fitted[v].weight[i] = static_cast<float>(-order[i].first / sum);
+            auto& list = followed[welded[v]];
+            if (!list.empty()) continue;
+            std::vector<int> all = candidates[e];
+            for (const int other : welded[v])
+                for (const int c : candidates[static_cast<std::size_t>(other)])
+                    if (std::find(all.begin(), all.end(), c) == all.end()) all.push_back(c);
+            for (const int c : all) {
+                const auto known = std::find(local.joints.begin(), local.joints.end(), c);
+                list.push_back(static_cast<int>(known - local.joints.begin()));
+                if (known == local.joints.end()) local.joints.push_back(c);
+            }
         }
-    });
+        for (std::size_t k = 0; k < shapes.size(); ++k) {
+            const Eigen::Isometry3d back = motions[k][e].inverse();
+            for (const int c : local.joints) local.at.push_back((back * motions[k][static_cast<std::size_t>(c)]).matrix().topRows<3>());
+        }
+        for (std::size_t begun = first; begun < last; begun += kBetweenReports * piece) {
+            if (progress.cancelled()) return cancelled();
+            progress.report("fit", static_cast<double>(begun) / static_cast<double>(vertices));
+            const std::size_t here = std::min(kBetweenReports * piece, last - begun);
+            std::vector<std::pair<double, double>> missed((here + piece - 1) / piece);
+            parallelFor(threads, here, piece, [&](std::size_t begin, std::size_t end) {
+                if (progress.cancelled()) return;
+                std::vector<std::int32_t> own;
+                for (std::size_t v = begun + begin; v < begun + end; ++v)
+                    if (body.same[v] == static_cast<std::int32_t>(v)) own.push_back(static_cast<std::int32_t>(v - first));
+                Eigen::MatrixXd goals;
+                frames->at(e, own, goals);
+                auto& miss = missed[begin / piece];
+                for (std::size_t i = 0; i < own.size(); ++i) {
+                    const std::size_t v = first + static_cast<std::size_t>(own[i]);
+                    const Vec3 rest = body.vertices.row(static_cast<Eigen::Index>(v)).transpose();
+                    const auto& list = followed.at(welded[v]);
+                    std::vector<int> near;
+                    if (list.size() > kMostCandidates) {
+                        near = list;
+                        const auto distance = [&](int c) { return (skin.joints[static_cast<std::size_t>(local.joints[static_cast<std::size_t>(c)])].origin - rest).squaredNorm(); };
+                        std::stable_sort(near.begin() + 1, near.end(), [&](int a, int b) { return distance(a) < distance(b); });
+                        near.resize(kMostCandidates);
+                    }
+                    const VertexFit fit{local, near.empty() ? list : near, goals, 3 * static_cast<Eigen::Index>(i), importance, floor};
+                    Vec3 place = rest;
+                    SmallVector w;
+                    if (skin.settled) {
+                        const Vec3 known = fit.goal(shapes.size() - 1);
+                        place = known;
+                        for (int round = 0; round < kRounds; ++round) {
+                            w = fit.weights(place);
+                            place = fit.place(w, known);
+                        }
+                        places[v] = place;
+                    } else {
+                        w = fit.weights(place);
+                    }
+                    fitted[v] = vertexOf(w, fit.follows, local.joints);
+                    for (std::size_t k = 0; k < keys.size(); ++k) {
+                        Vec3 p = -fit.goal(k);
+                        for (std::size_t c = 0; c < fit.follows.size(); ++c)
+                            if (const double part = w[static_cast<Eigen::Index>(c)]; part > 0.0) p += part * (fit.motion(k, c).leftCols<3>() * place + fit.motion(k, c).col(3));
+                        miss.first = std::max(miss.first, p.squaredNorm());
+                        miss.second += p.squaredNorm();
+                    }
+                }
+            });
+            for (const auto& [most, sum] : missed) largest = std::max(largest, most), squares += sum;
+        }
+    }
+    if (progress.cancelled()) return cancelled();
+    std::size_t counted = 0;
+    for (std::size_t v = 0; v < vertices; ++v) counted += body.same[v] == static_cast<std::int32_t>(v);
+    skin.error = {std::sqrt(largest) / motion.diagonal, std::sqrt(squares / std::max<double>(1.0, static_cast<double>(counted * keys.size()))) / motion.diagonal};
     for (std::size_t e = 0; e < elements; ++e) {
         auto& out = skin.elements.emplace_back();
-        for (int v = body.first[e]; v < body.first[e + 1]; ++v) out.push_back(fitted[static_cast<std::size_t>(body.same[static_cast<std::size_t>(v)])]);
+        Points& bind = skin.bind.emplace_back(body.vertices.middleRows(body.first[e], body.first[e + 1] - body.first[e]));
+        for (int v = body.first[e]; v < body.first[e + 1]; ++v) {
+            const auto lowest = static_cast<std::size_t>(body.same[static_cast<std::size_t>(v)]);
+            out.push_back(fitted[lowest]);
+            if (skin.settled) bind.row(v - body.first[e]) = places[lowest].transpose();
+        }
     }
 
     for (const auto& clip : motion.clips) {
         auto& tracks = skin.tracks.emplace_back(skin.joints.size());
-        const auto keys = static_cast<Eigen::Index>(clip.times.size());
-        for (auto& track : tracks) track.rotations.resize(4, keys), track.places.resize(3, keys);
-        for (Eigen::Index k = 0; k < keys; ++k) {
-            const Motions motions = motionsOf(clip.shapes[static_cast<std::size_t>(k)].data());
-            for (std::size_t j = 0; j < motions.size(); ++j) {
-                tracks[j].rotations.col(k) = Eigen::Quaterniond(motions[j].linear()).coeffs();
+        const auto count = static_cast<Eigen::Index>(clip.times.size());
+        for (auto& track : tracks) track.rotations.resize(4, count), track.places.resize(3, count);
+        for (Eigen::Index k = 0; k < count; ++k) {
+            const Motions now = motionsOf(clip.shapes[static_cast<std::size_t>(k)].data());
+            for (std::size_t j = 0; j < now.size(); ++j) {
+                tracks[j].rotations.col(k) = Eigen::Quaterniond(now[j].linear()).coeffs();
                 if (k > 0 && tracks[j].rotations.col(k).dot(tracks[j].rotations.col(k - 1)) < 0.0) tracks[j].rotations.col(k) *= -1.0;
-                tracks[j].places.col(k) = motions[j] * skin.joints[j].origin;
+                tracks[j].places.col(k) = now[j] * skin.joints[j].origin;
             }
         }
     }
-    double largest = 0.0, squares = 0.0;
-    const auto keys = motion.sample(Motion::affordable(100 * static_cast<Eigen::Index>(vertices)));
-    for (const auto& key : keys) {
-        const auto& at = motion.clips[key.first].shapes[key.second];
-        character.show(at.data());
-        const Points goal = positions();
-        const Motions motions = motionsOf(at.data());
-        for (std::size_t v = 0; v < vertices; ++v) {
-            Vec3 p = Vec3::Zero();
-            const auto& f = fitted[static_cast<std::size_t>(body.same[v])];
-            for (int i = 0; i < FittedSkin::kMost; ++i)
-                p += static_cast<double>(f.weight[static_cast<std::size_t>(i)]) *
-                     (motions[static_cast<std::size_t>(f.joint[static_cast<std::size_t>(i)])] * Vec3(body.vertices.row(static_cast<Eigen::Index>(v)).transpose()));
-            const double d = (p - goal.row(static_cast<Eigen::Index>(v)).transpose()).squaredNorm();
-            largest = std::max(largest, d);
-            squares += d;
-        }
-    }
-    skin.error = {std::sqrt(largest) / motion.diagonal, std::sqrt(squares / std::max<double>(1.0, static_cast<double>(vertices * keys.size()))) / motion.diagonal};
     return skin;
 }
 

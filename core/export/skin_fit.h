@@ -29,12 +29,16 @@ struct FittedSkin {
     };
     std::vector<Joint> joints;
     std::vector<std::vector<Vertex>> elements;  ///< per element, per body vertex
+    /// Per element: where the skin has its body vertices when no joint has moved, m. Settled: body loads deform the character at rest, and this is what suits
+    /// the clips best; else its rest positions.
+    std::vector<Points> bind;
+    bool settled = false;
     std::vector<std::vector<Track>> tracks;     ///< per clip, per joint
-    ExportError error;                          ///< over the sampled frames of the clips
+    ExportError error;                          ///< over frames of the clips, all where that is affordable
 };
 
-/// Weights by least squares over frames of the clips and over the standard poses of the skeleton (comparison/standard_poses.h), not negative; welded vertices have
-/// the same. Errors: "cancelled".
+/// Weights, and where it is settled the bind positions, by least squares over frames of the clips and a little over the standard poses of the skeleton
+/// (comparison/standard_poses.h) and its rest; weights are not negative, and welded vertices have the same. Errors: "cancelled".
 Result<FittedSkin> fitSkin(Motion& motion, const ExportScene& scene, const Progress& progress);
 
 }  // namespace imomushi

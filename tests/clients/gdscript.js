@@ -113,7 +113,7 @@ const runtime = {
     $each: (list) => (typeof list === 'number' ? Array.from({ length: list }, (_, i) => i) : list),
     $make: (type, ...given) => (type === String ? String(...given) : new type(...given)),
     Vector3, Vector4, Quaternion, Basis, Transform3D, String,
-    NAN: NaN, is_nan: Number.isNaN, absf: Math.abs, tanh: Math.tanh, sin: Math.sin, cos: Math.cos, atan2: Math.atan2, maxi: Math.max, int: Math.trunc,
+    NAN: NaN, is_nan: Number.isNaN, absf: Math.abs, tanh: Math.tanh, sin: Math.sin, cos: Math.cos, atan2: Math.atan2, maxi: Math.max, maxf: Math.max, sqrt: Math.sqrt, pow: Math.pow, int: Math.trunc,
     assert(good, text) { if (!good) throw new Error(text); },
     FileAccess: {
         READ: 1,

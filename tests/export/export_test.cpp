@@ -119,13 +119,24 @@ TEST_CASE("export: split targets have weights of 0 to 1, others of -1 to 1, and 
     CHECK(worst(write(w, {{"layout", "rigged"}, {"preset", "unity"}})) < kRounding);
 }
 
-TEST_CASE("export: sixteen bits per coordinate round by less than one of them each") {
+TEST_CASE("export: sixteen bits per coordinate round by what is told, in every layout") {
     Workbench w;
     perform(w);
-    const Json answer = write(w, {{"layout", "baked"}, {"quantise", true}});
-    // Half a step of position and one of each target, of half an element's size along three axes; here half of the character's.
-    CHECK(worst(answer) < 0.5 * 0.5 * std::sqrt(3.0) * (1.0 + answer["targets"].get<double>()) / 32767.0);
-    CHECK(documentOf()["extensionsRequired"] == Json::array({"KHR_mesh_quantization"}));
+    for (const char* layout : {"baked", "rigged", "skinned"}) {
+        CAPTURE(layout);
+        const double skin = std::string(layout) == "skinned" ? write(w, {{"layout", layout}})["skin"]["max_percent"].get<double>() / 100.0 : 0.0;
+        const Json answer = write(w, {{"layout", layout}, {"quantise", true}});
+        const double told = answer["quantised"]["max_percent"].get<double>() / 100.0;
+        CHECK(worst(answer) <= skin + told + kRounding);
+        // Half a step of position, and of a few weighed targets or four weights.
+        CHECK(told < 4e-4);
+        const Json file = documentOf();
+        CHECK(file["extensionsRequired"] == Json::array({"KHR_mesh_quantization"}));
+        const Json& attributes = file["meshes"][0]["primitives"][0]["attributes"];
+        CHECK(file["accessors"][attributes["POSITION"].get<std::size_t>()]["componentType"] == 5122);
+        CHECK(file["accessors"][attributes["NORMAL"].get<std::size_t>()]["componentType"] == 5120);
+        if (std::string(layout) != "baked") CHECK(file["accessors"][attributes["WEIGHTS_0"].get<std::size_t>()]["componentType"] == 5123);
+    }
 }
 
 TEST_CASE("export: a tolerance leaves out keys and keeps its word at all recorded times") {
@@ -154,6 +165,95 @@ TEST_CASE("export: skins follow the elastic body, and caches are it") {
     CHECK(std::filesystem::exists(Workbench::folder() / "a_0031.ply"));
     // 32 bytes of head, then three floats per vertex and frame.
     CHECK(std::filesystem::file_size(Workbench::folder() / "a.pc2") == 32 + 31 * 12 * write(w, {{"layout", "cache"}}, "a.pc2")["vertices"].get<std::size_t>());
+}
+
+TEST_CASE("export: a skin of a body that sags follows the settled body") {
+    Workbench w;
+    w.buildChain();
+    w.good({{"do", "enable"}, {"effect", "gravity"}});
+    // Flesh that sags by much, and hardly feels how it is moved.
+    w.good({{"do", "set"}, {"target", "gravity"}, {"property", "shear-modulus"}, {"value", 30000}});
+    w.good({{"do", "set"}, {"target", "gravity"}, {"property", "inertia"}, {"value", 0}});
+    w.good({{"do", "precompute"}});
+    w.good({{"do", "record"}, {"take", "t"}, {"action", "start"}});
+    w.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {1.5, 0.4, 5.0}}, {"seconds", 0.3}});
+    w.good({{"do", "step"}, {"frames", 40}});
+    w.good({{"do", "record"}, {"take", "t"}, {"action", "stop"}});
+    const Json answer = write(w, {{"layout", "skinned"}});
+    const double told = answer["skin"]["max_percent"].get<double>() / 100.0;
+    CHECK(worst(answer) <= told + kRounding);
+    // How far the body sags, which a skin on the body at rest would miss by.
+    const auto plan = planExport(w.session, {{"do", "export"}, {"layout", "skinned"}, {"path", "a.glb"}});
+    REQUIRE(plan);
+    auto motion = Motion::build(plan->scene, 0.0, {});
+    REQUIRE(motion);
+    motion->character.show(motion->restShape.data());
+    double sag = 0.0;
+    for (int e = 0; e < 2; ++e)
+        sag = std::max(sag, (motion->character.positions(e) - plan->scene.character.elements[static_cast<std::size_t>(e)].mesh->body.vertices).rowwise().norm().maxCoeff() / motion->diagonal);
+    CHECK(told < 0.25 * sag);
+}
+
+TEST_CASE("export: caches of several takes are files and folders after their names") {
+    Workbench w;
+    perform(w);
+    w.good({{"do", "record"}, {"take", "b: 水?"}, {"action", "start"}});
+    w.good({{"do", "step"}, {"frames", 3}});
+    w.good({{"do", "record"}, {"take", "b: 水?"}, {"action", "stop"}});
+    const auto points = write(w, {{"layout", "cache"}}, "c.pc2");
+    CHECK(points["clips"].size() == 2);
+    CHECK(worst(points) < kRounding);
+    for (const char* name : {"c_波.pc2", "c_b_ 水_.pc2", "c.obj"}) CHECK(std::filesystem::exists(Workbench::folder() / name));
+    CHECK(!std::filesystem::exists(Workbench::folder() / "c.pc2"));
+    write(w, {{"layout", "cache"}}, "d.ply");
+    CHECK(std::filesystem::exists(Workbench::folder() / "d_波" / "d_0031.ply"));
+    CHECK(std::filesystem::exists(Workbench::folder() / "d_b_ 水_" / "d_0004.ply"));
+    write(w, {{"layout", "cache"}, {"take", "波"}}, "e.mdd");
+    CHECK(std::filesystem::exists(Workbench::folder() / "e.mdd"));
+}
+
+TEST_CASE("export: the pose of now goes out beside takes, or alone") {
+    Workbench w;
+    perform(w);
+    w.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {0.0, 1.0, 5.5}}});
+    const auto names = [&](Json arguments) {
+        arguments["layout"] = "baked";
+        const Json answer = write(w, arguments);
+        CHECK(worst(answer) < kRounding);
+        std::vector<std::string> out;
+        for (const Json& clip : answer["clips"]) out.push_back(clip["name"]);
+        return out;
+    };
+    using Names = std::vector<std::string>;
+    CHECK(names({}) == Names{"波"});
+    CHECK(names({{"pose", true}}) == Names{"波", "pose"});
+    CHECK(names({{"pose", "波"}}) == Names{"波", "波 2"});
+    CHECK(names({{"take", Json::array()}, {"pose", "のび"}}) == Names{"のび"});
+    CHECK(names({{"take", {"波", "波"}}, {"pose", false}}) == Names{"波"});
+    const auto code = [&](const char* key, Json value) {
+        Json command{{"do", "export"}, {"layout", "baked"}, {"path", "a.glb"}};
+        command[key] = std::move(value);
+        return w.code(command);
+    };
+    CHECK(code("take", 1) == "bad-type");
+    CHECK(code("take", {"none"}) == "no-such-take");
+    CHECK(code("pose", 1) == "bad-type");
+    CHECK(code("pose", "") == "bad-value");
+}
+
+TEST_CASE("export: warnings have a code and the name that they are about") {
+    Workbench w;
+    perform(w);
+    w.good({{"do", "set"}, {"target", "character"}, {"property", "basis"}, {"value", "paper"}});
+    const Json answer = write(w, {{"layout", "baked"}});
+    bool poses = false, rigid = false;
+    for (const Json& warning : answer["warnings"]) {
+        poses = poses || (warning["code"] == "poses-only" && warning["subject"] == "波");
+        rigid = rigid || (warning["code"] == "not-precomputed" && warning["subject"] == "A");
+        CHECK(!warning["text"].get<std::string>().empty());
+    }
+    CHECK(poses);
+    CHECK(rigid);
 }
 
 TEST_CASE("export: names, colours and clips go out, and seams have one normal") {

@@ -75,6 +75,14 @@ const std::map<std::string, const char*> kErrors = {
     {"no-opengl", QT_TRANSLATE_NOOP("Errors", "OpenGL 3.3 is not available on this machine.")},
 };
 
+// As with errors; %1 is the name that it is about.
+const std::map<std::string, const char*> kWarnings = {
+    {"not-precomputed", QT_TRANSLATE_NOOP("Warnings", "“%1” is not precomputed and follows its bones rigidly. Precompute it first.")},
+    {"poses-only", QT_TRANSLATE_NOOP("Warnings", "The character is not what it was when “%1” was recorded. Its poses are written without what effects added.")},
+    {"texture-format", QT_TRANSLATE_NOOP("Warnings", "The texture “%1” is neither PNG nor JPEG, which glTF needs, and was left out.")},
+    {"uneven-frames", QT_TRANSLATE_NOOP("Warnings", "The frames of “%1” are not evenly spaced, which PC2 needs. Choose a frame rate.")},
+};
+
 const std::map<std::string, const char*> kSteps = {
     {"new", QT_TRANSLATE_NOOP("Steps", "New project")},
     {"open", QT_TRANSLATE_NOOP("Steps", "Open project")},
@@ -157,6 +165,15 @@ QString errorText(const Error& error) {
     text[0] = text[0].toUpper();
     if (!text.endsWith(u'.') && !text.endsWith(u'!')) text += u'.';
     return text;
+}
+
+QString warningText(const Json& warning) {
+    const auto found = kWarnings.find(warning.at("code").get<std::string>());
+    if (found != kWarnings.end()) {
+        const QString translated = QCoreApplication::translate("Warnings", found->second);
+        if (translated != QString::fromUtf8(found->second)) return translated.arg(QString::fromStdString(warning.at("subject").get<std::string>()));
+    }
+    return QString::fromStdString(warning.at("text").get<std::string>());
 }
 
 QString stepText(const std::string& command, const std::string& subject) {

@@ -5,11 +5,15 @@
 #include <string>
 
 #include "core/base/result.h"
+#include "core/document/command.h"
 
 namespace imomushi {
 
 /// A refused command as one sentence in the language of the studio; English from core where there is no translation.
 QString errorText(const Error& error);
+
+/// A warning {code, subject, text} of an answer as one sentence in the language of the studio; English from core where there is no translation.
+QString warningText(const Json& warning);
 
 /// "add-bone" -> "Add bone", translated: names of undo steps. `subject`: what it was done to, may be empty.
 QString stepText(const std::string& command, const std::string& subject);

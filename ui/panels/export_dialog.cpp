@@ -463,7 +463,7 @@ void ExportDialog::showAnswer() {
     if (answer.contains("skin")) say(QStringLiteral("info"), int(Role::Info), tr("The skin is fitted: off by %1 at most").arg(shareText(answer.at("skin").at("max_percent").get<double>() / 100.0)));
     if (answer.contains("dropped_targets"))
         say(QStringLiteral("info"), int(Role::Info), tr("Targets left out: off by %1 at most").arg(shareText(answer.at("dropped_targets").at("max_percent").get<double>() / 100.0)));
-    for (const Json& warning : answer.at("warnings")) say(QStringLiteral("warning"), int(Role::Warning), QString::fromStdString(warning.get<std::string>()));
+    for (const Json& warning : answer.at("warnings")) say(QStringLiteral("warning"), int(Role::Warning), warningText(warning));
     QStringList facts{tr("%1 vertices").arg(number("vertices"))};
     if (answer.at("targets").get<int>() > 0) facts << tr("%1 targets").arg(number("targets"));
     facts << tr("%1 keys").arg(number("keys"));
