@@ -3043,6 +3043,18 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <source>FBX, by Blender</source>
             <translation>FBX（Blender で作成）</translation>
         </message>
+        <message>
+            <source>All takes (%1) and the pose as it is</source>
+            <translation>すべてのテイク (%1) と今のポーズ</translation>
+        </message>
+        <message>
+            <source>The pose as it is</source>
+            <translation>今のポーズ</translation>
+        </message>
+        <message>
+            <source>16 bits: off by %1 at most</source>
+            <translation>16 ビット: ずれは最大 %1</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::TakeDeck</name>

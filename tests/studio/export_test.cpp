@@ -122,6 +122,28 @@ TEST_CASE("export: a preset sets the fields, a changed field is a key of its own
     CHECK(w.dialog->command().at("path").get<std::string>().starts_with(w.folder.path().toStdString()));
 }
 
+TEST_CASE("export: all takes go out, or one, or the pose with them or alone") {
+    Exporting w;
+    QComboBox* takes = nullptr;
+    for (auto* box : w.dialog->findChildren<QComboBox*>())
+        if (box->accessibleName() == QStringLiteral("Take")) takes = box;
+    REQUIRE(takes);
+    REQUIRE(takes->count() == 4);
+    CHECK(!w.dialog->command().contains("take"));
+    takes->setCurrentIndex(1);
+    CHECK(w.dialog->command().at("pose") == true);
+    CHECK(!w.dialog->command().contains("take"));
+    takes->setCurrentIndex(2);
+    CHECK(w.dialog->command().at("take") == "wave");
+    takes->setCurrentIndex(3);
+    CHECK(w.dialog->command().at("take") == Json::array());
+    w.write(w.path("pose.glb"));
+    const auto& answer = w.dialog->job().answer();
+    REQUIRE(answer->has_value());
+    REQUIRE((**answer)["clips"].size() == 1);
+    CHECK((**answer)["clips"][0]["frames"] == 1);
+}
+
 TEST_CASE("export: it is cancelled at a click and leaves no file, and the studio stays alive meanwhile") {
     Exporting w;
     w.dialog->setPath(w.path("never.glb"));

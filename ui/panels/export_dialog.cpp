@@ -257,13 +257,17 @@ void ExportDialog::fillTakes() {
     const QString chosen = take_->currentData().toString();
     take_->clear();
     const auto& takes = document_.document().takes;
-    take_->addItem(takes.empty() ? tr("The pose as it is: there are no takes") : tr("All takes (%1)").arg(takes.size()));
-    for (const auto& [id, take] : takes) {
-        const QString name = QString::fromStdString(take->name);
-        take_->addItem(QStringLiteral("%1 · %2").arg(name, durationText(take->duration())), name);
+    const auto add = [this](const QString& text, const Json& keys) { take_->addItem(text, QString::fromStdString(keys.dump())); };
+    if (takes.empty()) {
+        add(tr("The pose as it is: there are no takes"), Json::object());
+    } else {
+        add(tr("All takes (%1)").arg(takes.size()), Json::object());
+        add(tr("All takes (%1) and the pose as it is").arg(takes.size()), {{"pose", true}});
+        for (const auto& [id, take] : takes) add(QStringLiteral("%1 · %2").arg(QString::fromStdString(take->name), durationText(take->duration())), {{"take", take->name}});
+        add(tr("The pose as it is"), {{"take", Json::array()}, {"pose", true}});
     }
     take_->setEnabled(!takes.empty());
-    take_->setCurrentIndex(std::max(0, chosen.isEmpty() ? 0 : take_->findData(chosen)));
+    take_->setCurrentIndex(std::max(0, take_->findData(chosen)));
 }
 
 void ExportDialog::takePreset() {
@@ -341,7 +345,7 @@ void ExportDialog::browse() {
 Json ExportDialog::command() const {
     const ExportPreset& preset = exportPresets()[std::size_t(presets_->checkedId())];
     Json command = {{"do", "export"}, {"path", path_->text().toStdString()}, {"layout", layoutName()}, {"preset", preset.name}};
-    if (const QString take = take_->currentData().toString(); !take.isEmpty()) command["take"] = take.toStdString();
+    command.update(Json::parse(take_->currentData().toString().toStdString()));
     if (const double fps = kRates[fps_->currentIndex()]; fps != preset.options.fps) command["fps"] = fps;
     if (const int targets = kTargets[targets_->currentIndex()]; targets != preset.options.targets) command["targets"] = targets ? Json(targets) : Json("all");
     if (split_->isChecked() != splitByItself()) command["split"] = split_->isChecked();
@@ -461,6 +465,8 @@ void ExportDialog::showAnswer() {
         else say(QStringLiteral("warning"), int(Role::Warning), tr("%1: left out").arg(title));
     }
     if (answer.contains("skin")) say(QStringLiteral("info"), int(Role::Info), tr("The skin is fitted: off by %1 at most").arg(shareText(answer.at("skin").at("max_percent").get<double>() / 100.0)));
+    if (answer.contains("quantised"))
+        say(QStringLiteral("info"), int(Role::Info), tr("16 bits: off by %1 at most").arg(shareText(answer.at("quantised").at("max_percent").get<double>() / 100.0)));
     if (answer.contains("dropped_targets"))
         say(QStringLiteral("info"), int(Role::Info), tr("Targets left out: off by %1 at most").arg(shareText(answer.at("dropped_targets").at("max_percent").get<double>() / 100.0)));
     for (const Json& warning : answer.at("warnings")) say(QStringLiteral("warning"), int(Role::Warning), warningText(warning));

@@ -59,7 +59,7 @@ private:
     QButtonGroup* presets_;
     QButtonGroup* layouts_;
     std::vector<ChoiceCard*> presetCards_;
-    QComboBox* take_;
+    QComboBox* take_;  // data: keys of the command, as JSON
     QComboBox* fps_;
     QComboBox* targets_;
     QComboBox* format_;
