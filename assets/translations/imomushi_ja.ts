@@ -2682,6 +2682,14 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <source>Fingers need their own precompute: turn touch on, precompute, and measure again.</source>
             <translation>指には専用の事前計算が必要です。タッチを有効にして事前計算し、もう一度測ってください。</translation>
         </message>
+        <message>
+            <source>Body</source>
+            <translation>体</translation>
+        </message>
+        <message>
+            <source>Effects</source>
+            <translation>エフェクト</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::CostBar</name>
@@ -2728,8 +2736,12 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>法線</translation>
         </message>
         <message>
-            <source>Upload and drawing</source>
-            <translation>転送と描画</translation>
+            <source>Upload</source>
+            <translation>転送</translation>
+        </message>
+        <message>
+            <source>Drawing</source>
+            <translation>描画</translation>
         </message>
     </context>
     <context>
@@ -3211,16 +3223,24 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>%1 · 残り約%2</translation>
         </message>
         <message>
-            <source>full solution: %1 for the pose, its own error %2, keeps %3</source>
-            <translation>完全解：このポーズに%1、それ自身の誤差%2、保持するメモリ%3</translation>
-        </message>
-        <message>
             <source>the character has moved or changed since</source>
             <translation>その後キャラクターが動いたか、変わっています</translation>
         </message>
         <message>
             <source>The full solution takes about %1 and %2, once, in the background; then every pose takes a moment.</source>
             <translation>完全解には最初の一度だけ約%1と%2が必要です（作業は続けられます）。その後はどのポーズもすぐに測れます。</translation>
+        </message>
+        <message>
+            <source>full solution itself %1</source>
+            <translation>完全解自体の誤差%1</translation>
+        </message>
+        <message>
+            <source>The full solution took %1 and keeps %2; this pose took %3.</source>
+            <translation>完全解には%1かかり、%2を保持しています。このポーズには%3かかりました。</translation>
+        </message>
+        <message>
+            <source>unknown</source>
+            <translation>不明</translation>
         </message>
     </context>
 </TS>

@@ -71,20 +71,20 @@ struct Studied : Window {
     }
     ~Studied() { document().session().execute({{"do", "new"}}); }
     AccuracyPanel& panel() { return window().accuracy(); }
-    /// A unit box on x = 0 ... 1, or 1 ... 2 for "b", of four squares to a side.
+    /// A unit box on x = 0 ... 1, or 1 ... 2 for "b", of two squares to a side.
     QString box(const std::string& name) {
         std::string text;
         std::map<std::array<int, 3>, int> index;
         std::string faces;
         const auto vertex = [&](std::array<int, 3> p) {
             const auto [at, fresh] = index.try_emplace(p, int(index.size()) + 1);
-            if (fresh) text += "v " + std::to_string(0.25 * p[0] + (name == "b")) + " " + std::to_string(0.25 * p[1] - 0.5) + " " + std::to_string(0.25 * p[2] - 0.5) + "\n";
+            if (fresh) text += "v " + std::to_string(0.5 * p[0] + (name == "b")) + " " + std::to_string(0.5 * p[1] - 0.5) + " " + std::to_string(0.5 * p[2] - 0.5) + "\n";
             return std::to_string(at->second);
         };
         for (int axis = 0; axis < 3; ++axis)
-            for (const int side : {0, 4})
-                for (int i = 0; i < 4; ++i)
-                    for (int k = 0; k < 4; ++k) {
+            for (const int side : {0, 2})
+                for (int i = 0; i < 2; ++i)
+                    for (int k = 0; k < 2; ++k) {
                         const auto corner = [&](int a, int b) {
                             std::array<int, 3> p{};
                             p[std::size_t(axis)] = side;
@@ -209,6 +209,7 @@ TEST_CASE("accuracy: the error in the pose of now is solved in the background, s
     auto* errors = w.panel().findChild<AccuracyErrors*>();
     auto* measure = w.panel().findChild<QPushButton*>(QStringLiteral("accuracyPoseMeasure"));
     REQUIRE(errors);
+    errors->setLimit(0.1);
     QTest::mouseClick(measure, Qt::LeftButton);
     w.settle(100);
     CHECK_FALSE(errors->job().running());  // nothing is precomputed: it says so
@@ -222,11 +223,10 @@ TEST_CASE("accuracy: the error in the pose of now is solved in the background, s
     QTest::mouseClick(measure, Qt::LeftButton);
     REQUIRE(QTest::qWaitFor([&] { return errors->errors().has_value(); }, 60000));
     CHECK(errors->errors()->error.relative == 0.0);  // at rest
-    w.run({{"do", "pin"}, {"endpoint", "first/start"}});
-    w.run({{"do", "drag"}, {"endpoint", "second/end"}, {"to", {1.6, 0.9, 0}}});
-    REQUIRE(QTest::qWaitFor([&] { return errors->errors()->error.relative > 0.0; }, 60000));
-    const auto input = poseErrorInput(w.document().session()).value();
-    CHECK(errors->errors()->error.relative == FullSolutionKeeper().measure(input, {}).value().error.relative);
+    for (const char* end : {"first/start", "second/end"}) w.run({{"do", "pin"}, {"endpoint", end}});
+    w.run({{"do", "drag"}, {"endpoint", "first/end"}, {"to", {0.9, 0.4, 0}}});
+    REQUIRE(QTest::qWaitFor([&] { return errors->errors()->error.relative > 1e-3; }, 60000));
+    CHECK(errors->errors()->seconds < errors->errors()->reference.seconds);  // the full solution was kept
     w.shoot("accuracy-pose-of-now");
 }
 

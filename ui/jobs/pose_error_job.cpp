@@ -18,8 +18,6 @@ void PoseErrorJob::start(PoseErrorInput input) {
            });
 }
 
-bool PoseErrorJob::knows(const PoseErrorInput& input) const { return keeper_->knows(referenceKey(input.reference)); }
-
 void PoseErrorJob::forget() {
     cancel();
     keeper_ = std::make_shared<FullSolutionKeeper>();

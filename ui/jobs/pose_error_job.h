@@ -16,7 +16,7 @@ public:
     explicit PoseErrorJob(QObject* parent = nullptr);
     void start(PoseErrorInput input);
     /// The full solution of this character is there: start() takes a moment.
-    [[nodiscard]] bool knows(const PoseErrorInput& input) const;
+    [[nodiscard]] bool knows(const ContentKey& reference) const { return keeper_->knows(reference); }
     /// Gives the full solution back.
     void forget();
     /// For a study, which solves the same.

@@ -72,12 +72,15 @@ AccuracyErrors::AccuracyErrors(StudioDocument& document, QWidget* parent)
     connect(job_, &BackgroundJob::progressed, this, [this] {
         if (pose() < 0) refresh();
     });
-    connect(job_, &BackgroundJob::finished, this, &AccuracyErrors::refresh);
+    connect(job_, &BackgroundJob::finished, this, [this](bool completed) {
+        if (completed && moved_) follow_.start();
+        refresh();
+    });
     connect(cost_, &BackgroundJob::finished, this, &AccuracyErrors::refresh);
     connect(&follow_, &QTimer::timeout, this, [this] {
         if (!isVisible() || pose() >= 0 || job_->running()) return;
         const auto input = poseErrorInput(document_.session());
-        if (input && job_->knows(*input) && (!errors() || errors()->seconds <= kFollowSeconds)) measure();
+        if (input && job_->knows(referenceKey(input->reference)) && (!errors() || errors()->seconds <= kFollowSeconds)) measure();
     });
     connect(&changed_, &QTimer::timeout, this, &AccuracyErrors::characterChanged);
     connect(&document, &StudioDocument::poseChanged, this, &AccuracyErrors::moved);
@@ -135,6 +138,8 @@ void AccuracyErrors::measure() {
         return;
     }
     moved_ = false;
+    solved_ = referenceKey(input->reference);
+    input->reference.seconds = limit_;
     job_->start(std::move(*input));
     refresh();
 }
@@ -142,11 +147,10 @@ void AccuracyErrors::measure() {
 // The full solution is that of one body: a changed one gives its memory back.
 void AccuracyErrors::characterChanged() {
     if (!isVisible()) return;
-    const auto input = poseErrorInput(document_.session());
-    if (!input || !job_->knows(*input)) {
-        if (!job_->running() && errors()) job_->forget();
-        if (input && !job_->running()) cost_->start(input->reference);
-    }
+    const auto input = studiedCharacter(document_.session());
+    const ContentKey key = input ? referenceKey(*input) : ContentKey{};
+    if ((job_->running() || errors()) && key != solved_) job_->forget();
+    if (input && !job_->running() && !job_->knows(key)) cost_->start(*input);
     moved();
     refresh();
 }
@@ -179,16 +183,16 @@ void AccuracyErrors::showPoseOfNow() {
             parts.push_back(partOf(mesh, e->shown[i], e->reference.positions[0][i], e->field[i]));
         }
     }
-    QString text;
+    QString text, more;
     if (job_->running()) {
         const double left = job_->secondsLeft();
         text = QStringLiteral("%1 · %2 %").arg(job_->stage()).arg(int(100.0 * job_->fraction()));
         if (left > 0.0) text = tr("%1 · about %2 left").arg(text, durationText(left));
     } else if (const auto& e = errors(); e && !parts.empty()) {
         text = tr("error %1 (largest %2 of the diagonal)").arg(shareText(e->error.relative), diagonalText(e->error.percent));
-        text += QStringLiteral(" · ") + tr("full solution: %1 for the pose, its own error %2, keeps %3")
-                                            .arg(durationText(e->seconds), shareText(std::max(e->reference.relative, e->reference.faceRelative)), bytesText(double(e->bytes)));
-        if (moved_) text += QStringLiteral(" · ") + tr("the character has moved since");
+        text += QStringLiteral(" · ") + tr("full solution itself %1").arg(e->reference.relative < 0.0 ? tr("unknown") : shareText(std::max(e->reference.relative, e->reference.faceRelative)));
+        more = tr("The full solution took %1 and keeps %2; this pose took %3.").arg(durationText(e->reference.seconds), bytesText(double(e->bytes)), durationText(e->seconds));
+        if (moved_) text += QStringLiteral(" · ") + tr("the character has moved or changed since");
     } else if (job_->error() && job_->error()->code != kCancelled) {
         text = errorText(*job_->error());
     } else if (const auto input = poseErrorInput(document_.session()); !input) {
@@ -200,6 +204,7 @@ void AccuracyErrors::showPoseOfNow() {
                    .arg(durationText(known ? study_->reference->seconds : cost->seconds), bytesText(double(cost->bytes)));
     }
     text_->setText(text);
+    text_->setToolTip(more);
     measure_->setEnabled(job_->running() || !document_.document().elements.empty());
     body_->setParts(std::move(parts));
 }

@@ -25,6 +25,8 @@ public:
     /// The study must stay as long as this, or until the next call. `outdated`: it is of another character.
     void setStudy(const AccuracyStudy& study, bool outdated);
     [[nodiscard]] PoseErrorJob& job() { return *job_; }
+    /// About how long the full solution of the pose of now may take, s; 0: as long as it takes.
+    void setLimit(double seconds) { limit_ = seconds; }
     /// Of the pose of now; the character may have moved since.
     [[nodiscard]] const std::optional<PoseErrors>& errors() const { return job_->errors(); }
 
@@ -46,6 +48,8 @@ private:
     StudioDocument& document_;
     const AccuracyStudy* study_ = nullptr;
     bool outdated_ = true, moved_ = false;
+    ContentKey solved_;  ///< of the last measure()
+    double limit_ = 0.0;
     PoseErrorJob* job_;
     ReferenceCostJob* cost_;
     QTimer follow_, changed_;

@@ -213,10 +213,12 @@ void AccuracyPanel::retranslate() {
     progress_->setAccessibleName(tr("Progress of the measurements"));
     frame_->setTitles(tr("Error against time per frame"), tr("ms per frame"), tr("error, %"));
     precompute_->setTitles(tr("Error against precompute"), tr("s of precompute"), tr("error, %"));
-    tabs_->setTabText(0, tr("Table"));
-    tabs_->setTabText(1, tr("Error on the body"));
-    tabs_->setTabText(2, tr("Price of effects"));
-    tabs_->setTabText(kCosts, tr("Cost of a frame"));
+    const std::pair<QString, QString> tabs[] = {{tr("Table"), tr("Measured settings")}, {tr("Body"), tr("Error on the body")}, {tr("Effects"), tr("Price of effects")},
+                                                {tr("Frame"), tr("Cost of a frame")}};
+    for (int i = 0; i < 4; ++i) {
+        tabs_->setTabText(i, tabs[i].first);
+        tabs_->setTabToolTip(i, tabs[i].second);
+    }
     tabs_->setAccessibleName(title_->text());
     table_->setAccessibleName(tr("Measured settings"));
     table_->setHorizontalHeaderLabels({tr("Setting"), tr("Error"), tr("Largest"), tr("Frame"), tr("Predicted"), tr("Precompute"), tr("Memory")});
