@@ -865,6 +865,10 @@
             <source>Saving</source>
             <translation>保存中</translation>
         </message>
+        <message>
+            <source>Converting</source>
+            <translation>変換中</translation>
+        </message>
     </context>
     <context>
         <name>Steps</name>

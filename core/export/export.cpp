@@ -13,6 +13,8 @@ namespace imomushi {
 
 namespace {
 
+constexpr double kBeforeBlender = 0.2;  // of the work for an .fbx file
+
 /// The shape in which nothing is moved or deformed, by loads neither.
 std::vector<double> plainShape(const ShapeLayout& layout) {
     std::vector<double> shape(static_cast<std::size_t>(layout.size()), 0.0);
@@ -58,7 +60,10 @@ std::vector<std::vector<float>> normalTargets(const TriangleMesh& body, const Re
 
 }  // namespace
 
-Result<ExportReport> exportScene(const ExportScene& scene, const ExportOptions& options, const std::filesystem::path& path, const Progress& progress) {
+Result<ExportReport> exportScene(const ExportScene& scene, const ExportOptions& options, const std::filesystem::path& path, const Progress& whole) {
+    const bool fbx = path.extension() == ".fbx";
+    const double own = fbx ? kBeforeBlender : 1.0;
+    const Progress progress = whole.part(0.0, own);
     if (scene.clips.empty()) return fail("bad-value", "There is nothing to export: a clip is missing.");
     if (scene.character.elements.empty()) return fail("no-element", "There is nothing to export: import an element first.");
     ExportReport report;
@@ -71,7 +76,6 @@ Result<ExportReport> exportScene(const ExportScene& scene, const ExportOptions& 
         if (auto written = writeCache(*motion, scene, path, report, progress.part(0.1, 1.0)); !written) return tl::unexpected(written.error());
         return report;
     }
-    const bool fbx = path.extension() == ".fbx";
     if (!fbx && path.extension() != ".glb")
         return fail("unknown-format", "\"" + path.string() + "\" is no place for a character: its name must end in .glb or .fbx.");
 
@@ -112,7 +116,7 @@ Result<ExportReport> exportScene(const ExportScene& scene, const ExportOptions& 
     if (auto written = writeFileAtomically(glb, *bytes); !written) return tl::unexpected(written.error());
     report.bytes = bytes->size();
     if (fbx) {
-        const auto worst = convertToFbx(glb, path, framesPerSecond(*motion), progress.part(0.95, 1.0));
+        const auto worst = convertToFbx(glb, path, framesPerSecond(*motion), whole.part(own, 1.0));
         std::error_code ignored;
         std::filesystem::remove(glb, ignored);
         if (!worst) return tl::unexpected(worst.error());

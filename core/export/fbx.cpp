@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <string>
@@ -130,6 +131,8 @@ for take, was in enumerate(before):
 open(shown, "w").write(repr(worst))
 )py";
 
+constexpr double kUsual = 5.0;  // s, of a small character: then the progress is at two thirds
+
 /// What is left of a conversion goes with it.
 struct Folder {
     std::filesystem::path path;
@@ -170,7 +173,10 @@ Result<double> convertToFbx(const std::filesystem::path& glb, const std::filesys
     ::posix_spawn_file_actions_destroy(&files);
     if (failed != 0) return fail("needs-blender", "FBX is written by Blender, which is not installed: install Blender, or export .glb.");
     int status = 0;
+    const auto start = std::chrono::steady_clock::now();
     while (::waitpid(child, &status, WNOHANG) == 0) {
+        // Blender does not say how far it is.
+        progress.report("convert", 1.0 - std::exp(-std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / kUsual));
         if (progress.cancelled()) {
             ::kill(child, SIGKILL);
             ::waitpid(child, &status, 0);

@@ -150,6 +150,7 @@ const std::map<std::string, const char*> kStages = {
     {"fit", QT_TRANSLATE_NOOP("Stages", "Fitting")},
     {"write", QT_TRANSLATE_NOOP("Stages", "Writing")},
     {"save", QT_TRANSLATE_NOOP("Stages", "Saving")},
+    {"convert", QT_TRANSLATE_NOOP("Stages", "Converting")},
 };
 
 }  // namespace
