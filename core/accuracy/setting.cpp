@@ -80,16 +80,13 @@ std::vector<AccuracySetting> studiedSettings(const AccuracySetting& present, con
     add(basis(BasisKind::Full, true, usual));
     add(basis(some, true, {false, Kind::Best, 0.0}));
     add(basis(most, true, {false, Kind::Best, 0.0}));
-    const std::size_t usually = out.size();
-    for (const MeshChoice& mesh : hierarchical)
-        for (std::size_t i = 0; i < usually; ++i) {
-            if (out[i].mesh != mesh || out[i].format != ResponseFormat::Float || (i > 0 && !(out[i].basis == some && out[i].smoothJoints))) continue;
-            AccuracySetting other = out[i];
-            for (const double tolerance : {1e-3, 1e-4, 1e-6}) {
-                other.mesh.tolerance = tolerance;
-                add(other);
-            }
+    for (AccuracySetting setting : {present, basis(some, true, {false, Kind::Best, 0.0})}) {
+        if (std::find(hierarchical.begin(), hierarchical.end(), setting.mesh) == hierarchical.end()) continue;
+        for (const double tolerance : {1e-3, 1e-6}) {
+            setting.mesh.tolerance = tolerance;
+            add(setting);
         }
+    }
     return out;
 }
 

@@ -34,8 +34,8 @@ struct AccuracySetting {
 /// For people and as a key of stored figures: "modes:12 + smooth joints, solved on default, float".
 std::string settingName(const AccuracySetting& setting);
 
-/// What a study tries, the cheap and telling ones first, `present` before all: bases with and without smooth joints, solver meshes, number formats; and tolerances on
-/// those of the `hierarchical` meshes that it tries, the only ones that take notice of them.
+/// What a study tries, the cheap and telling ones first, `present` before all: bases with and without smooth joints, solver meshes, number formats; and tolerances, on
+/// the present mesh and the best one, where they are among the `hierarchical` ones, which alone take notice of them.
 std::vector<AccuracySetting> studiedSettings(const AccuracySetting& present, const std::vector<MeshChoice>& hierarchical = {});
 
 }  // namespace imomushi

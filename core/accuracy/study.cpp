@@ -206,7 +206,13 @@ private:
         if (listener_) listener_(study_);
     }
 
-    [[nodiscard]] double share() const { return machineShare(input_.reference.elements.front().threads); }
+    /// Of the machine, as it was on average so far: what else runs comes and goes within seconds.
+    double share() {
+        shares_.push_back(machineShare(input_.reference.elements.front().threads));
+        double sum = 0.0;
+        for (const double s : shares_) sum += s;
+        return sum / static_cast<double>(shares_.size());
+    }
 
     Result<void> predict() {
         const double now = share();
@@ -436,6 +442,7 @@ private:
     Clock::time_point start_;
     AccuracyStudy study_;
     double spentBefore_ = 0.0;
+    std::vector<double> shares_;
     std::optional<Character> yard_;
     std::optional<Frames> yardFrames_;
     struct Kept {

@@ -144,7 +144,7 @@ TEST_CASE("settings: tolerances are tried on meshes that are solved in hierarchi
     const std::size_t usual = studiedSettings(present).size();
     const MeshChoice best{false, SolverMeshSetting::Kind::Best, 0.0};
     const auto settings = studiedSettings(present, {best});
-    REQUIRE(settings.size() == usual + 3);
+    REQUIRE(settings.size() == usual + 2);
     for (std::size_t i = usual; i < settings.size(); ++i) {
         MeshChoice mesh = settings[i].mesh;
         CHECK(mesh.tolerance != SolverMeshSetting::kUsualTolerance);
