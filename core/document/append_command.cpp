@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <set>
 
@@ -6,6 +7,7 @@
 #include "core/document/names.h"
 #include "core/document/session_state.h"
 #include "core/document/storage.h"
+#include "core/reduction/congruence.h"
 
 namespace imomushi {
 
@@ -38,6 +40,63 @@ private:
     std::map<PartId, PartId> ids_;
 };
 
+/// An element that stands elsewhere.
+Element moved(const Element& element, const Vec3& offset) {
+    Element out = element;
+    ElementMesh mesh = *element.mesh;
+    mesh.body.vertices.rowwise() += offset.transpose();
+    out.mesh = std::make_shared<const ElementMesh>(std::move(mesh));
+    for (JointFace& face : out.faces) face.frame.origin += offset;
+    return out;
+}
+
+/// Numbers of a motion x -> linear * x + shift of a body that stands elsewhere at rest and moves as before there.
+void shift(double* at, const Eigen::Matrix3d& linear, const Vec3& offset) {
+    Eigen::Map<Vec3> to(at);
+    to += offset - linear * offset;
+}
+
+void moveTake(Take& take, const Vec3& offset) {
+    std::vector<std::vector<double>> poses, shapes;
+    for (std::size_t f = 0; f < take.times.size(); ++f) {
+        auto& pose = poses.emplace_back(take.poses.width());
+        take.poses.at(f, pose.data());
+        for (int p = 0; p < take.points; ++p) Eigen::Map<Vec3>(pose.data() + 3 * p) += offset;
+        auto& shape = shapes.emplace_back(take.shapes.width());
+        take.shapes.at(f, shape.data());
+        for (std::size_t e = 0; e < take.layout.elements.size(); ++e) {
+            double* at = shape.data() + take.layout.element(e);
+            shift(at + 4, Eigen::Map<const Eigen::Quaterniond>(at).toRotationMatrix(), offset);
+        }
+        for (int j = 0; j < take.layout.joints; ++j) {
+            double* at = shape.data() + take.layout.joint(j) + 4;
+            shift(at + 9, Eigen::Map<const Eigen::Matrix3d>(at), offset);
+        }
+    }
+    take.poses = FrameNumbers(poses);
+    take.shapes = FrameNumbers(shapes);
+    for (Take::Target& target : take.targets)
+        if (target.held) target.to += offset;
+}
+
+/// Gives an element of this document its place, and its response with it: one does not depend on where a body stands. `known`: of the element as it stood.
+void moveElement(Session::State& s, PartId id, const Vec3& offset, const Project::Response* known) {
+    const ResponseInput from = s.inputOf(id);
+    const auto was = s.keysOf(id);
+    exchangePart(s.document.elements, id, [&](Element& element) { element = moved(element, offset); });
+    if (!known || (was.key != known->key && was.shape != known->shape)) return;
+    const auto congruence = findCongruence(from, s.inputOf(id));
+    if (!congruence) return;
+    auto carried = congruence->carry(*known->response);
+    if (!carried) return;
+    // One that only fits has no key of its own: that of the shape stands in.
+    const auto now = s.keysOf(id);
+    const ContentKey key = was.key == known->key ? now.key : now.shape;
+    s.responses.insert(key, std::make_shared<const ElementResponse>(std::move(*carried)));
+    s.lastResponses.insert_or_assign(id, Session::State::LastResponse{key, now.shape});
+    s.pending.responses = true;
+}
+
 std::string freeTakeName(const Document& document, const std::string& wish) {
     std::string name = wish;
     for (int n = 2; document.takeNamed(name); ++n) name = wish + " " + std::to_string(n);
@@ -63,21 +122,38 @@ Result<Json> append(Session& session, const Json& arguments, const Progress&) {
     }
     if (wanted.empty()) return fail("no-element", "There is nothing to append: the other project has no elements, or none was named.");
 
+    Vec3 offset = Vec3::Zero();
+    if (const Json* given = find(arguments, "offset")) {
+        offset = *vector3(*given);
+        for (const PartId id : wanted)
+            if (const Points& v = there.elements.at(id)->mesh->body.vertices; v.rows() > 0 && !((v.rowwise() + offset.transpose()).cwiseAbs().maxCoeff() <= kLargestCoordinate))
+                return fail("bad-value", "\"offset\" takes the elements too far away.");
+    }
+
     Session::State& s = session.state();
     Document& here = session.edit();
     Guests guests(here, there);
-    Json answer{{"elements", Json::array()}, {"bones", Json::array()}, {"takes", Json::array()}};
+    Json answer{{"elements", Json::array()}, {"bones", Json::array()}, {"takes", Json::array()}, {"renamed", Json::array()}};
+    const auto tell = [&](const char* list, const std::string& name, const std::string& wish) {
+        answer[list].push_back(name);
+        if (name != wish) answer["renamed"].push_back({{"from", wish}, {"to", name}});
+    };
     for (const PartId id : wanted) {
         Element element = *there.elements.at(id);
         element.id = guests.idOf(id);
         element.name = freeName(here, element.name);
-        answer["elements"].push_back(element.name);
-        if (const auto known = project->responses.find(id); known != project->responses.end()) {
-            s.responses.insert(known->second.key, known->second.response);
-            s.lastResponses.insert_or_assign(element.id, Session::State::LastResponse{known->second.key, known->second.shape});
+        tell("elements", element.name, there.elements.at(id)->name);
+        const auto known = project->responses.find(id);
+        const Project::Response* response = known == project->responses.end() ? nullptr : &known->second;
+        const PartId made = element.id;
+        here.elements.emplace(made, std::make_shared<const Element>(std::move(element)));
+        if (offset != Vec3::Zero()) {
+            moveElement(s, made, offset, response);
+        } else if (response) {
+            s.responses.insert(response->key, response->response);
+            s.lastResponses.insert_or_assign(made, Session::State::LastResponse{response->key, response->shape});
             s.pending.responses = true;
         }
-        here.elements.emplace(element.id, std::make_shared<const Element>(std::move(element)));
     }
     for (const auto& [id, joint] : there.joints) {
         Joint made;
@@ -100,7 +176,9 @@ Result<Json> append(Session& session, const Json& arguments, const Progress&) {
         made.parent = guests.has(bone->parent) ? guests.idOf(bone->parent) : 0;
         made.start = guests.placeOf(bone->start);
         made.end = guests.placeOf(bone->end);
-        answer["bones"].push_back(made.name);
+        for (Bone::Place* place : {&made.start, &made.end})
+            if (auto* at = std::get_if<Vec3>(place)) *at += offset;
+        tell("bones", made.name, bone->name);
         here.bones.emplace(made.id, std::make_shared<const Bone>(std::move(made)));
     }
     for (const auto& [id, take] : there.takes) {
@@ -111,7 +189,8 @@ Result<Json> append(Session& session, const Json& arguments, const Progress&) {
         for (Take::Bone& bone : made.bones) bone.bone = guests.idOf(bone.bone);
         for (PartId& element : made.elements) element = guests.idOf(element);
         for (Take::Target& target : made.targets) target.bone = guests.idOf(target.bone);
-        answer["takes"].push_back(made.name);
+        if (offset != Vec3::Zero()) moveTake(made, offset);
+        tell("takes", made.name, take->name);
         here.takes.emplace(made.id, std::make_shared<const Take>(std::move(made)));
     }
     return answer;
@@ -122,9 +201,10 @@ Result<Json> append(Session& session, const Json& arguments, const Progress&) {
 void addAppendCommand(CommandRegistry& registry) {
     using Type = CommandKey::Type;
     registry.add({"append",
-                  "Adds the elements of another project, with their joint faces, joints, bones and results, where they are there. Names that are taken get a number. Whole "
-                  "projects bring their takes, which show their poses.",
+                  "Adds the elements of another project, with their joint faces, joints, bones and results, where they are there or beside that. Names that are "
+                  "taken get a number, which is told. Whole projects bring their takes, which show their poses.",
                   {{"path", Type::Text, true, "A .imomushi file."},
+                   {"offset", Type::Vector3, false, "Metres that they are shifted by, with their bones and takes ([0,0,0])."},
                    {"elements", Type::Array, false, "Names of these elements alone, with the bones through them (all unless given)."}},
                   true, append});
 }

@@ -233,16 +233,21 @@ Result<Json> step(Session& session, const Json& arguments, const Progress& progr
     Session::State& s = session.state();
     const auto frames = numberWithin(arguments.at("frames"), "frames", 1, kMostFrames);
     if (!frames) return tl::unexpected(frames.error());
-    double dt = 1.0 / 60.0;
+    const int count = static_cast<int>(*frames);
+    std::vector<double> times = {1.0 / 60.0};
     if (const Json* given = find(arguments, "dt")) {
-        const auto value = numberWithin(*given, "dt", 0.0, kLongestFrame);
-        if (!value) return tl::unexpected(value.error());
-        if (*value <= 0.0) return fail("bad-value", "\"dt\" must be larger than 0 seconds.");
-        dt = *value;
+        if (given->is_array() && given->size() != static_cast<std::size_t>(count)) return fail("bad-value", "\"dt\" must have a number for each frame.");
+        times.clear();
+        for (const Json& dt : given->is_array() ? *given : Json::array({*given})) {
+            if (!dt.is_number()) return fail("bad-type", "\"dt\" must be a number, or a list of numbers.");
+            const auto value = numberWithin(dt, "dt", 0.0, kLongestFrame);
+            if (!value) return tl::unexpected(value.error());
+            if (*value <= 0.0) return fail("bad-value", "\"dt\" must be larger than 0 seconds.");
+            times.push_back(*value);
+        }
     }
     const auto alive = s.live();
     if (!alive) return tl::unexpected(alive.error());
-    const int count = static_cast<int>(*frames);
     std::vector<double> total, pose, joints, product, normals;
     std::array<std::vector<double>, kEffects> effects;
     unsigned warnings = 0;
@@ -251,7 +256,7 @@ Result<Json> step(Session& session, const Json& arguments, const Progress& progr
     for (int frame = 0; frame < count; ++frame) {
         if (progress.cancelled()) return fail(kCancelled, "Stepping was cancelled.");
         const auto start = std::chrono::steady_clock::now();
-        session.stepFrame(dt);
+        session.stepFrame(times[times.size() > 1 ? static_cast<std::size_t>(frame) : 0]);
         total.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
         if (!s.character) continue;
         const Character::Stats& stats = s.character->stats();
@@ -314,7 +319,7 @@ void addPoseCommands(CommandRegistry& registry) {
     registry.add({"rest", "The rest pose: all dragged endpoints released, pins back at rest, all velocities zero.", {}, true, rest});
     registry.add({"step",
                   "Performs frames: glides, poses, deformation.",
-                  {{"frames", Type::Integer, true, "How many, from 1."}, {"dt", Type::Number, false, "Seconds from frame to frame (1/60), up to 10."}},
+                  {{"frames", Type::Integer, true, "How many, from 1."}, {"dt", Type::Any, false, "Seconds from frame to frame (1/60), up to 10: a number, or one for each frame."}},
                   false, step});
 }
 

@@ -451,6 +451,14 @@ Result<std::vector<Session::Step>> Session::State::redo(int count) {
     return done;
 }
 
+void Session::State::noteFrames() {
+    if (frames.empty()) return;
+    const bool even = std::all_of(frames.begin(), frames.end(), [&](double dt) { return dt == frames[0]; });
+    const Json line{{"do", "step"}, {"frames", frames.size()}, {"dt", even ? Json(frames[0]) : Json(frames)}};
+    frames.clear();
+    note(line);
+}
+
 void Session::State::note(const Json& line) {
     if (gesture)
         gesture->lines.push_back(line);
@@ -463,10 +471,30 @@ void Session::State::note(const Json& line) {
 
 const std::vector<Json>& Session::State::allLines() const {
     if (scriptValid) return script;
-    script = firstLines;
+    std::vector<Json> all = firstLines;
     for (int i = 0; i < position; ++i) {
         const auto& lines = entries[static_cast<std::size_t>(i)].lines;
-        script.insert(script.end(), lines.begin(), lines.end());
+        all.insert(all.end(), lines.begin(), lines.end());
+    }
+    // Frames matter until the last take ends. A recording that was undone leaves its beginning behind, and one can lose it to an undo while it ran.
+    const auto records = [](const Json& line, const char* action) { return line["do"] == "record" && line["action"] == action; };
+    std::size_t end = all.size();
+    while (end > 0 && !records(all[end - 1], "stop")) --end;
+    script.clear();
+    Json open;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const Json& line = all[i];
+        if (line["do"] == "step" && i >= end) continue;
+        if (records(line, "start")) {
+            const auto same = [&](const Json& other) { return records(other, "stop") && other["take"] == line["take"]; };
+            const auto next = std::find_if(all.begin() + static_cast<std::ptrdiff_t>(i) + 1, all.end(), [&](const Json& other) { return same(other) || records(other, "start"); });
+            if (next == all.end() || !same(*next)) continue;
+            open = line["take"];
+        } else if (records(line, "stop")) {
+            if (open != line["take"]) script.push_back({{"do", "record"}, {"take", line["take"]}, {"action", "start"}});
+            open = nullptr;
+        }
+        script.push_back(line);
     }
     scriptValid = true;
     return script;
@@ -485,6 +513,7 @@ void Session::State::replaceDocument(Document fresh, std::filesystem::path file,
     keys.clear();
     results.clear();
     recording.reset();
+    frames.clear();
     invalidateCharacter();
     pending = {true, true, true, true};
 }
@@ -508,6 +537,7 @@ Result<Json> Session::execute(const Json& command, const Progress& progress) {
     if (!what) return fail("unknown-command", "There is no command \"" + name->get<std::string>() + "\"; \"imomushi run --help\" lists all.");
     if (auto ok = checkArguments(*what, command); !ok) return tl::unexpected(ok.error());
 
+    if (what->name != "step") s.noteFrames();
     const Document before = s.document;  // shares all parts
     const int positionBefore = s.position;
     s.pending = {};
@@ -601,15 +631,20 @@ int Session::position() const { return state_->position; }
 void Session::beginGesture() {
     State& s = *state_;
     if (s.gesture) endGesture();
+    s.noteFrames();
     s.gesture = State::Gesture{s.document, {}, {}};
 }
 
 void Session::endGesture() {
     State& s = *state_;
     if (!s.gesture) return;
+    s.noteFrames();
     State::Gesture gesture = std::move(*s.gesture);
     s.gesture.reset();
-    if (gesture.lines.empty()) return;
+    if (gesture.step.name.empty()) {
+        for (const Json& line : gesture.lines) s.note(line);
+        return;
+    }
     DocumentChange change = difference(gesture.before, s.document, false);
     if (!change.pose && (!change.held.empty() || touchesSkeleton(change, s.document))) change.pose = gesture.before.pose;
     s.push(gesture.step, std::move(change), std::move(gesture.lines));
@@ -620,6 +655,7 @@ void Session::cancelGesture() {
     State& s = *state_;
     if (!s.gesture) return;
     DocumentChange change = difference(s.gesture->before, s.document, true);
+    s.frames.clear();
     s.gesture.reset();
     exchange(s.document, change);
     s.pending = {};
@@ -655,7 +691,7 @@ EffectCost Session::effectCost(EffectKind effect) const { return state_->costOf(
 
 bool Session::modified() const {
     const State& s = *state_;
-    return s.position != s.savedPosition || (s.gesture && !s.gesture->lines.empty());
+    return s.position != s.savedPosition || (s.gesture && !s.gesture->step.name.empty());
 }
 
 Project Session::project() {
@@ -719,6 +755,7 @@ void Session::stepFrame(double dt) {
     if (effects.has(EffectKind::Inflate)) s.effectMs[static_cast<std::size_t>(EffectKind::Inflate)] = stats.inflateMs;
     s.stirred = !settled || (s.performance && !s.performance->resting()) || !s.character->resting();
     s.recordFrame(dt);
+    s.frames.push_back(dt);
 }
 
 std::optional<Session::Recording> Session::recording() const {

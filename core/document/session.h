@@ -135,7 +135,7 @@ public:
     void setImporter(std::function<Result<ImportResult>(const ImportRequest&, const Progress&)> importer);
     /// What "save" writes, and an autosave: the document as it is now with the responses that its elements have. Copies no mesh and no response.
     [[nodiscard]] Project project();
-    /// Every document-changing command of this session so far, as script lines: what "Save as script" and the journal write.
+    /// Every document-changing command of this session so far, as script lines, with the frames that its takes are made of: what "Save as script" writes.
     [[nodiscard]] const std::vector<Json>& script() const;
 
     // ---- for commands only -------------------------------------------------------------------------------------------

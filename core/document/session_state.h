@@ -48,6 +48,7 @@ struct Session::State {
         Step step;
     };
     std::optional<Gesture> gesture;
+    std::vector<double> frames;     ///< stepped since the last command, s each: scripts need them to make takes again
     mutable std::vector<Json> script;
     mutable bool scriptValid = false;
 
@@ -98,7 +99,6 @@ struct Session::State {
         std::vector<std::vector<double>> poses, shapes;
         std::map<EndpointRef, Held> held;  ///< as of the last frame
         bool going = true;                 ///< false: it ended, as the character is another one or the take is full
-        Json start;                        ///< the command
     };
     std::optional<RecordedTake> recording;
     std::optional<Pose> shownTake;  ///< the pose of a take that is shown instead of the document's
@@ -164,6 +164,8 @@ struct Session::State {
     Result<std::vector<Step>> redo(int count);
     /// A line that belongs into the script without being a step (precompute).
     void note(const Json& line);
+    /// Notes the frames since the last command.
+    void noteFrames();
     const std::vector<Json>& allLines() const;
 
     void push(Step step, DocumentChange change, std::vector<Json> lines);

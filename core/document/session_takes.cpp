@@ -26,8 +26,8 @@ Result<void> Session::State::startRecording(const std::string& name, const Json&
     made.take.points = static_cast<int>(plan.input.skeleton.points.size());
     for (std::size_t b = 0; b < plan.bones.size(); ++b)
         made.take.bones.push_back({plan.bones[b], plan.input.skeleton.bones[b].start, plan.input.skeleton.bones[b].end});
-    made.start = line;
     recording = std::move(made);
+    note(line);
     character->keepExact(true);
     recordFrame(0.0);
     return {};
@@ -68,8 +68,7 @@ std::shared_ptr<const Take> Session::State::stopRecording(const Json& line) {
     auto take = std::make_shared<const Take>(std::move(recorded.take));
     document.takes.emplace(take->id, take);
     pending.structure = true;
-    // Steps are no commands of the script: there the take has its first frame alone.
-    push({"record", take->name}, difference(before, document, false), {recorded.start, line});
+    push({"record", take->name}, difference(before, document, false), {line});
     return take;
 }
 

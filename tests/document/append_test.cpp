@@ -44,6 +44,39 @@ TEST_CASE("append: another project comes whole, results and takes included, unde
     CHECK(w.content() == before);
 }
 
+TEST_CASE("append: an offset puts a character beside another, with its results and takes, and new names are told") {
+    const std::string path = savedChain();
+    Workbench w, alone;
+    w.buildChain();
+    const std::string before = w.content();
+    const Json answer = w.good({{"do", "append"}, {"path", path}, {"offset", {4, 0.5, -0.25}}});
+    CHECK(answer["elements"] == Json::array({"A 2", "B 2"}));
+    CHECK(answer["renamed"][0] == Json{{"from", "A"}, {"to", "A 2"}});
+    CHECK(answer["renamed"].size() == 4);  // two elements, two bones
+    const Json list = w.good({{"do", "list"}});
+    for (const std::size_t e : {2, 3}) CHECK(list["elements"][e]["state"] == "fresh");
+    alone.good({{"do", "open"}, {"path", path}});
+    const auto end = [](Workbench& bench, const char* name) {
+        bench.good({{"do", "play"}, {"take", "t"}, {"time", 0.1}});
+        const Json at = bench.good({{"do", "measure"}, {"what", "position"}, {"endpoint", name}})["value"];
+        return Vec3(at[0], at[1], at[2]);
+    };
+    CHECK((end(w, "b 2/end") - end(alone, "b/end") - Vec3(4, 0.5, -0.25)).norm() < 1e-12);
+    w.good({{"do", "undo"}});
+    CHECK(w.content() == before);
+    CHECK(w.code({{"do", "append"}, {"path", path}, {"offset", {1e9, 0, 0}}}) == "bad-value");
+
+    // Into an empty project the take shows what was seen, elsewhere.
+    Workbench empty;
+    empty.good({{"do", "append"}, {"path", path}, {"offset", {4, 0.5, -0.25}}});
+    CHECK(empty.good({{"do", "play"}, {"take", "t"}, {"time", 0.1}})["exact"] == true);
+    alone.good({{"do", "play"}, {"take", "t"}, {"time", 0.1}});
+    for (const int e : {0, 1}) {
+        const Points is = empty.session.character()->positions(e), was = alone.session.character()->positions(e);
+        CHECK(((is - was).rowwise() - Eigen::RowVector3d(4, 0.5, -0.25)).cwiseAbs().maxCoeff() < 1e-9);
+    }
+}
+
 TEST_CASE("append: a character on top of another would be one with it, and is refused") {
     const std::string path = savedChain();
     Workbench w;

@@ -159,6 +159,48 @@ TEST_CASE("script: holds what was done, without what was undone, and makes the s
     CHECK(again.content() == w.content());
 }
 
+TEST_CASE("script: makes takes again, whatever moved when they began and whatever was done while they ran") {
+    Workbench w;
+    w.buildChain();
+    w.good({{"do", "enable"}, {"effect", "bone-dynamics"}});
+    w.good({{"do", "precompute"}});
+    w.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {1, 0, 5}}});
+    w.good({{"do", "step"}, {"frames", 7}});
+    w.good({{"do", "record"}, {"take", "one"}, {"action", "start"}});
+    w.good({{"do", "step"}, {"frames", 3}, {"dt", {0.01, 0.02, 0.015}}});
+    w.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {0, 1, 5}}, {"seconds", 0.1}});
+    w.good({{"do", "step"}, {"frames", 10}});
+    w.good({{"do", "record"}, {"take", "one"}, {"action", "stop"}});
+    w.good({{"do", "record"}, {"take", "gone"}, {"action", "start"}});
+    w.good({{"do", "step"}, {"frames", 2}});
+    w.good({{"do", "record"}, {"take", "gone"}, {"action", "stop"}});
+    w.good({{"do", "undo"}});
+    w.session.beginGesture();
+    w.session.stepFrame(0.01);
+    w.session.endGesture();
+    CHECK(w.session.steps().back().name == "record");
+    w.good({{"do", "step"}, {"frames", 5}});
+    Workbench again;
+    for (const Json& line : w.session.script()) again.good(line);
+    CHECK(again.session.script().back()["do"] == "record");
+    REQUIRE(again.session.document().takes.size() == 1);
+    const Take &is = *again.session.document().takeNamed("one"), &was = *w.session.document().takeNamed("one");
+    CHECK(is.times == was.times);
+    CHECK(is.poses.values() == was.poses.values());
+    CHECK(is.shapes.first() == was.shapes.first());
+    CHECK(is.shapes.values() == was.shapes.values());
+}
+
+TEST_CASE("step: a list of times has one for each frame") {
+    Workbench w;
+    w.buildChain();
+    CHECK(w.code({{"do", "step"}, {"frames", 2}, {"dt", {0.1}}}) == "bad-value");
+    CHECK(w.code({{"do", "step"}, {"frames", 2}, {"dt", {0.1, "x"}}}) == "bad-type");
+    CHECK(w.code({{"do", "step"}, {"frames", 2}, {"dt", {0.1, 0.0}}}) == "bad-value");
+    CHECK(w.code({{"do", "step"}, {"frames", 2}, {"dt", "x"}}) == "bad-type");
+    CHECK(w.code({{"do", "step"}, {"frames", 2}, {"dt", {0.1, 0.2}}}) == "ok");
+}
+
 TEST_CASE("listener: says what changed") {
     Workbench w;
     Session::Change last;
