@@ -63,6 +63,50 @@ SmallVector solveWeights(const Small& normal) {
     }
 }
 
+/// The rigid motion that is nearest to what an element does under body loads: linear in the weights of its shape, in its own axes.
+struct Flesh {
+    Vec3 middle = Vec3::Zero();  // m, at rest
+    Eigen::Matrix3Xd shift, turn;  // m and radians per weight; no columns: there are no loads
+};
+
+/// Vertices count by how far loads move them.
+Flesh fleshOf(const CharacterInput::Element& element, const std::vector<int>& loads) {
+    Flesh out;
+    if (loads.empty()) return out;
+    const auto& r = *element.response;
+    const Points& rest = element.mesh->body.vertices;
+    const Eigen::Index columns = r.columns(), all = columns + static_cast<Eigen::Index>(loads.size()), count = static_cast<Eigen::Index>(r.freeVertices.size());
+    Eigen::VectorXd mass = Eigen::VectorXd::Zero(count);
+    double sum = 0.0;
+    for (Eigen::Index i = 0; i < count; ++i) {
+        for (const int load : loads) mass[i] += r.loads.col(load).segment<3>(3 * i).squaredNorm();
+        sum += mass[i];
+        out.middle += mass[i] * rest.row(r.freeVertices[static_cast<std::size_t>(i)]).transpose();
+    }
+    if (!(sum > 0.0)) return Flesh{};
+    out.middle /= sum;
+    out.shift = out.turn = Eigen::Matrix3Xd::Zero(3, all);
+    Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+    for (Eigen::Index i = 0; i < count; ++i) {
+        const Vec3 d = rest.row(r.freeVertices[static_cast<std::size_t>(i)]).transpose() - out.middle;
+        inertia += mass[i] * (d.squaredNorm() * Eigen::Matrix3d::Identity() - d * d.transpose());
+    }
+    for (Eigen::Index c = 0; c < all; ++c) {
+        const auto from = c < columns ? r.response.col(c) : r.loads.col(loads[static_cast<std::size_t>(c - columns)]);
+        Vec3 moved = Vec3::Zero(), turned = Vec3::Zero();
+        for (Eigen::Index i = 0; i < count; ++i) {
+            const Vec3 u = from.segment<3>(3 * i), d = rest.row(r.freeVertices[static_cast<std::size_t>(i)]).transpose() - out.middle;
+            moved += mass[i] * u;
+            turned += mass[i] * d.cross(u);
+        }
+        out.shift.col(c) = moved / sum;
+        out.turn.col(c) = turned;
+    }
+    inertia.diagonal().array() += 1e-12 * std::max(inertia.trace(), 1e-300);
+    out.turn = inertia.ldlt().solve(out.turn).eval();
+    return out;
+}
+
 /// The joints of the skin in the axes of one element, in all frames: 3 x 4 per frame and joint.
 struct LocalMotions {
     std::vector<int> joints;                      // of the skin, that vertices of the element may follow
@@ -153,6 +197,15 @@ Result<FittedSkin> fitSkin(Motion& motion, const ExportScene& scene, const Progr
         skin.joints.push_back({scene.elements[static_cast<std::size_t>(f.element)] + " " + face.name,
                                joint.point >= 0 ? input.skeleton.points[static_cast<std::size_t>(joint.point)] : face.frame.origin});
     }
+    // Flesh that loads move has a joint of its own.
+    std::vector<Flesh> flesh;
+    std::vector<int> fleshJoint(elements, -1);
+    for (std::size_t e = 0; e < elements; ++e) {
+        flesh.push_back(fleshOf(input.elements[e], character.loadColumns(static_cast<int>(e))));
+        if (flesh[e].shift.cols() == 0) continue;
+        fleshJoint[e] = static_cast<int>(skin.joints.size());
+        skin.joints.push_back({scene.elements[e] + " flesh", flesh[e].middle});
+    }
     const auto rotationOf = [&](const double* shape, std::size_t j) { return Eigen::Quaterniond(shape + layout.joint(static_cast<int>(j))); };
     const auto placeOf = [&](const double* shape, std::size_t j) -> Vec3 {
         const double* at = shape + layout.joint(static_cast<int>(j)) + 4;
@@ -169,14 +222,23 @@ Result<FittedSkin> fitSkin(Motion& motion, const ExportScene& scene, const Progr
         }
         for (std::size_t j = 0; j < joints; ++j)
             if (jointOf[j] >= 0) out.push_back(isometry(rotationOf(shape, j), skin.joints[static_cast<std::size_t>(jointOf[j])].origin, placeOf(shape, j)));
+        for (std::size_t e = 0; e < elements; ++e) {
+            if (fleshJoint[e] < 0) continue;
+            const Eigen::Map<const Eigen::VectorXd> weights(shape + layout.element(e) + ShapeLayout::kFrame, flesh[e].shift.cols());
+            const Vec3 turn = flesh[e].turn * weights, place = flesh[e].middle + flesh[e].shift * weights;
+            const double angle = turn.norm();
+            const Eigen::Quaterniond rotation(angle > 0.0 ? Eigen::AngleAxisd(angle, turn / angle) : Eigen::AngleAxisd::Identity());
+            out.push_back(out[e] * isometry(rotation, flesh[e].middle, place));
+        }
         return out;
     };
 
-    // Candidates of an element: itself, its planes, the elements across them and their other planes.
+    // Candidates of an element: itself, its flesh, its planes, and the elements across them.
     std::vector<std::vector<int>> candidates(elements);
     for (std::size_t e = 0; e < elements; ++e) {
         auto& list = candidates[e];
         list.push_back(static_cast<int>(e));
+        if (fleshJoint[e] >= 0) list.push_back(fleshJoint[e]);
         for (std::size_t j = 0; j < joints; ++j) {
             if (jointOf[j] < 0) continue;
             const auto& faces = input.joints[j].faces;

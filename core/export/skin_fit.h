@@ -11,8 +11,8 @@
 
 namespace imomushi {
 
-/// Linear blend skinning that is as near to the elastic body as its poses allow. Joints of the skin: the frame of each element, and each plane where
-/// elements meet.
+/// Linear blend skinning that is as near to the elastic body as its poses allow. Joints of the skin: the frame of each element, each plane where
+/// elements meet, and, where body loads act, the flesh of an element: the rigid motion that is nearest to its deformation.
 struct FittedSkin {
     static constexpr int kMost = 4;
     struct Vertex {
