@@ -257,7 +257,8 @@ TEST_CASE("study: what was measured is kept, and not measured again") {
     CHECK_FALSE(kept.points[1].measured());
     CHECK_FALSE(kept.complete);
     const auto second = runStudy(input, {}, {}).value();
-    CHECK(second.points[0].frameMs == kept.points[0].frameMs);
+    // Times are told in those of the yardstick, which a quieter moment makes shorter.
+    CHECK(second.points[0].frameMs / second.yardMs == doctest::Approx(kept.points[0].frameMs / kept.yardMs).epsilon(1e-9));
     CHECK(second.points[0].relative == kept.points[0].relative);
     for (std::size_t i = 0; i < kept.reference->positions.size(); ++i)
         for (std::size_t e = 0; e < kept.reference->positions[i].size(); ++e) CHECK(second.reference->positions[i][e] == kept.reference->positions[i][e]);
