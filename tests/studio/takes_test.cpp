@@ -260,6 +260,7 @@ TEST_CASE("takes: marks hold a part, by mouse or keys; it is played alone, and t
     CHECK(w.deck().from() == middle);
     w.dragBar(w.mark(middle, -1), w.at(length));
     CHECK(w.deck().from() < w.deck().to());
+    CHECK(w.deck().to() == to);
     w.trigger("mark-none");
     CHECK(!w.deck().marked());
     w.dragBar(w.at(0.25 * length), w.at(0.25 * length));

@@ -116,7 +116,10 @@ void TakeDeck::setSpan(double from, double to) {
         const TakeMoment moment = momentAt(times, time);
         return moment.frame + (moment.part > 0.5 ? 1 : 0);
     };
-    const std::size_t first = std::min(nearest(from), times.size() - 2), last = std::max(nearest(to), first + 1);
+    // The mark that moves stops at the other one.
+    std::size_t first = nearest(from), last = nearest(to);
+    if (to == to_) first = std::min(first, last - 1);
+    else last = std::max(last, first + 1);
     if (times[first] == from_ && times[last] == to_) return;
     from_ = times[first];
     to_ = times[last];
@@ -142,7 +145,7 @@ void TakeDeck::duplicate() {
     if (!chosen || recording_) return;
     const QString name = QString::fromStdString(chosen->name);
     QString copy = tr("%1 copy", "name of a take").arg(name);
-    for (int n = 2; document_.document().takeNamed(copy.toStdString()); ++n) copy = tr("%1 copy %2", "name of a take").arg(name).arg(n);
+    for (int n = 2; document_.document().takeNamed(copy.toStdString()); ++n) copy = tr("%1 copy %2", "name of a take").arg(name, QString::number(n));
     const double time = time_;
     if (!document_.execute({{"do", "duplicate-take"}, {"take", chosen->name}, {"name", copy.toStdString()}})) return;
     take_ = document_.document().takeNamed(copy.toStdString())->id;
