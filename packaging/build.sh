@@ -33,7 +33,7 @@ if [ ! -e "$build/build.ninja" ] || [ ${#options[@]} -gt 0 ]; then
 fi
 
 # With ccache, clones in different places share what they compiled.
-export CCACHE_BASEDIR="$root"
+export CCACHE_BASEDIR="$root" CCACHE_SLOPPINESS=pch_defines,time_macros
 
 # Some files take more than 2 GB to compile: as many at once as processors and memory allow.
 jobs=$(nproc)

@@ -3,6 +3,11 @@
 find_package(Qt6 6.4 REQUIRED COMPONENTS Widgets OpenGLWidgets Svg LinguistTools)
 set(CMAKE_AUTOMOC ON)
 
+imomushi_precompiled(imomushi_precompiled_studio)
+target_link_libraries(imomushi_precompiled_studio PRIVATE Qt6::Gui)
+target_precompile_headers(imomushi_precompiled_studio PRIVATE <QAction> <QEvent> <QLocale> <QMouseEvent> <QObject> <QPainter> <QSettings> <QString> <QTimer>)
+set(IMOMUSHI_PRECOMPILED imomushi_precompiled_studio)
+
 imomushi_library(imomushi_models ui/models imomushi_document Qt6::Gui)
 target_compile_definitions(imomushi_models PRIVATE IMOMUSHI_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 imomushi_library(imomushi_jobs ui/jobs imomushi_models)

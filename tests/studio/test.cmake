@@ -7,6 +7,7 @@ if(IMOMUSHI_STUDIO)
     add_executable(test_studio ${sources})
     target_include_directories(test_studio PRIVATE ${PROJECT_SOURCE_DIR})
     target_link_libraries(test_studio PRIVATE imomushi_studio doctest::doctest Qt6::Test)
+    target_precompile_headers(test_studio REUSE_FROM imomushi_precompiled_studio)
     target_compile_definitions(test_studio PRIVATE
         IMOMUSHI_TEST_DATA="${CMAKE_CURRENT_SOURCE_DIR}/data"
         IMOMUSHI_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
