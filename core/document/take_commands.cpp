@@ -107,7 +107,7 @@ Result<Json> trimTake(Session& session, const Json& arguments, const Progress&) 
         if (const Json* time = find(arguments, key)) {
             const auto given = numberWithin(*time, key, 0.0, kLatest);
             if (!given) return tl::unexpected(given.error());
-            // In a script a take has its first frame alone: times after the end are the end.
+            // Times after the end are the end: nothing is left out there.
             *value = std::min(*given, (*take)->duration());
         }
     const auto first = std::lower_bound(times.begin(), times.end(), from - kTimeRoom), last = std::upper_bound(times.begin(), times.end(), to + kTimeRoom);
