@@ -119,7 +119,7 @@ void setLimits(pid_t pid, const ImportLimits& limits) {
 Result<pid_t> start(const std::string& program, int socket) {
     std::vector<std::string> environment;
     for (char** e = environ; *e; ++e) environment.emplace_back(*e);
-    environment.push_back(std::string(kWorkerMark) + "=1");
+    environment.emplace_back(kWorkerMark).append("=1");
     std::vector<char*> env;
     for (std::string& e : environment) env.push_back(e.data());
     env.push_back(nullptr);
