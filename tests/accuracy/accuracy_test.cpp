@@ -17,17 +17,11 @@
 #include "core/accuracy/study.h"
 #include "core/accuracy/study_json.h"
 #include "core/comparison/paper_caterpillar.h"
+#include "tests/support/folder.h"
 
 using namespace imomushi;
 
 namespace {
-
-/// A folder that is gone with the test.
-struct Folder {
-    std::filesystem::path path = std::filesystem::temp_directory_path() / ("imomushi-accuracy-" + std::to_string(::getpid()));
-    Folder() { std::filesystem::create_directories(path); }
-    ~Folder() { std::filesystem::remove_all(path); }
-};
 
 /// The paper's caterpillar of half as many cells around, so that a study takes a moment.
 StudyInput smallStudy(const std::filesystem::path& store = {}) {
@@ -237,8 +231,8 @@ TEST_CASE("error: joints in equilibrium with more modes come nearer to the full 
 }
 
 TEST_CASE("study: what was measured is kept, and not measured again") {
-    const Folder folder;
-    auto input = smallStudy(folder.path);
+    const TestFolder folder;
+    auto input = smallStudy(folder.path());
     int arrived = 0;
     std::stop_source stop;
     const auto first = runStudy(
@@ -272,11 +266,11 @@ TEST_CASE("study: what was measured is kept, and not measured again") {
 }
 
 TEST_CASE("study: a damaged store counts as empty") {
-    const Folder folder;
-    auto input = smallStudy(folder.path);
+    const TestFolder folder;
+    auto input = smallStudy(folder.path());
     input.seconds = 0.5;
     REQUIRE(runStudy(input, {}, {}));
-    const auto table = folder.path / (studyKey(input).hex() + ".json"), positions = folder.path / (studyKey(input).hex() + ".positions");
+    const auto table = folder.path() / (studyKey(input).hex() + ".json"), positions = folder.path() / (studyKey(input).hex() + ".positions");
     std::filesystem::resize_file(positions, std::filesystem::file_size(positions) - 8);
     CHECK_FALSE(knownStudy(input).points[0].measured());
     std::ofstream(table) << "{\"points\": [1, {\"setting\": 3}], \"reference\": []";

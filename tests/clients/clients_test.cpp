@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/folder.h"
+
 using Json = nlohmann::ordered_json;
 
 namespace {
@@ -23,24 +25,17 @@ constexpr double kLive = 1e-4;           // what follows a drag
 constexpr int kNoBrowser = 77;           // exit status of check_browser.js
 
 const std::filesystem::path& folder() {
-    static const struct Folder {
-        std::filesystem::path path = std::filesystem::temp_directory_path() / ("imomushi-clients-" + std::to_string(::getpid()));
-        Folder() { std::filesystem::create_directories(path); }
-        ~Folder() { std::filesystem::remove_all(path); }
-    } folder;
-    return folder.path;
+    static const imomushi::TestFolder folder("imomushi-clients");
+    return folder.path();
 }
 
-std::string read(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
+using imomushi::readFile;
 
 /// Runs a command in the folder; what it printed.
 std::string run(const std::string& command, int& status) {
     const int code = std::system(("cd '" + folder().string() + "' && " + command + " >out 2>err").c_str());
     status = WIFEXITED(code) ? WEXITSTATUS(code) : -1;
-    return read(folder() / "out");
+    return readFile(folder() / "out");
 }
 
 bool hasNode() {
@@ -61,7 +56,7 @@ bool hasBlender() {
 std::string number(int i) { return "p" + std::to_string(i) + ".obj"; }
 int frameOf(int key) { return key * kFrames / (kKeys - 1); }
 
-std::vector<Json> imomushi(const std::vector<Json>& lines) {
+std::vector<Json> perform(const std::vector<Json>& lines) {
     std::ofstream script(folder() / "script.jsonl");
     for (const Json& line : lines) script << line.dump() << "\n";
     script.close();
@@ -69,7 +64,7 @@ std::vector<Json> imomushi(const std::vector<Json>& lines) {
     std::istringstream out(run("'" IMOMUSHI_PROGRAM "' run script.jsonl", status));
     std::vector<Json> answers;
     for (std::string line; std::getline(out, line);) answers.push_back(Json::parse(line));
-    INFO(read(folder() / "out"));
+    INFO(readFile(folder() / "out"));
     REQUIRE(status == 0);
     return answers;
 }
@@ -94,9 +89,9 @@ std::vector<Json> exportSample(const Sample& sample, const std::vector<Json>& ex
     std::vector<Json> drags = sample.drags;
     if (drags.empty()) {
         // The last bone's end, a fifth of the character away from where it is.
-        const auto opened = imomushi({{{"do", "open"}, {"path", project}}, {{"do", "measure"}, {"what", "bounds"}}});
+        const auto opened = perform({{{"do", "open"}, {"path", project}}, {{"do", "measure"}, {"what", "bounds"}}});
         const std::string end = opened[0]["bones"].back()["name"].get<std::string>() + "/end";
-        const auto at = imomushi({{{"do", "open"}, {"path", project}}, {{"do", "measure"}, {"what", "position"}, {"endpoint", end}}})[1]["value"];
+        const auto at = perform({{{"do", "open"}, {"path", project}}, {{"do", "measure"}, {"what", "position"}, {"endpoint", end}}})[1]["value"];
         const double size = opened[1]["value"]["high"][1].get<double>() - opened[1]["value"]["low"][1].get<double>();
         drags.push_back({{"do", "drag"}, {"endpoint", end}, {"to", {at[0].get<double>() + 0.1 * size, at[1].get<double>() + 0.1 * size, at[2].get<double>() + 0.2 * size}}, {"seconds", 0.5}});
     }
@@ -109,7 +104,7 @@ std::vector<Json> exportSample(const Sample& sample, const std::vector<Json>& ex
         lines.push_back({{"do", "write-mesh"}, {"path", number(k)}});
     }
     lines.insert(lines.end(), exports.begin(), exports.end());
-    auto answers = imomushi(lines);
+    auto answers = perform(lines);
     answers.erase(answers.begin(), answers.end() - static_cast<std::ptrdiff_t>(exports.size()));
     return answers;
 }
@@ -118,7 +113,7 @@ Json exported(const char* path, const char* layout, const char* preset = "exact"
 
 /// The JSON of a .glb file.
 Json contentOf(const char* file) {
-    const std::string bytes = read(folder() / file);
+    const std::string bytes = readFile(folder() / file);
     std::uint32_t length = 0;
     std::memcpy(&length, bytes.data() + 12, sizeof length);
     return Json::parse(bytes.substr(20, length));
@@ -133,7 +128,7 @@ Json inThree(const Json& jobs) {
         MESSAGE("skipped: WebGL, as Chromium is not installed (packaging/install.sh test)");
         out = run("node '" IMOMUSHI_CLIENTS "/check_node.js' jobs.json", status);
     }
-    INFO(jobs.dump() << "\n" << out << read(folder() / "err"));
+    INFO(jobs.dump() << "\n" << out << readFile(folder() / "err"));
     REQUIRE(status == 0);
     return Json::parse(out);
 }
@@ -168,7 +163,7 @@ TEST_CASE("clients: the validator finds nothing in any layout of any sample, and
         jobs[0]["picture"] = std::string(sample.name) + ".png";
         int status = 0;
         const std::string found = run("node '" IMOMUSHI_CLIENTS "/validate.js'" + files, status);
-        INFO(found << read(folder() / "err"));
+        INFO(found << readFile(folder() / "err"));
         CHECK(status == 0);
 
         const Json shown = inThree(jobs);
@@ -196,7 +191,7 @@ TEST_CASE("clients: Blender shows what the studio shows, baked and rigged") {
             for (int k = 0; k < kKeys; ++k) command += " " + std::to_string(frameOf(k)) + " " + number(k) + " " + std::to_string(kExact);
             int status = 0;
             const std::string out = run(command, status);
-            INFO(command << "\n" << out << read(folder() / "err"));
+            INFO(command << "\n" << out << readFile(folder() / "err"));
             CHECK(status == 0);
         }
     }
@@ -217,9 +212,9 @@ TEST_CASE("clients: FBX files are made by Blender and come back from it as they 
         return;
     }
     for (const char* layout : {"baked", "rigged"}) lines.push_back(exported("a.fbx", layout));
-    const auto answers = imomushi(lines);
+    const auto answers = perform(lines);
     for (std::size_t i = answers.size() - 2; i < answers.size(); ++i) CHECK(answers[i]["check"]["max_percent"].get<double>() / 100.0 <= kExact);
-    CHECK(read(folder() / "a.fbx").substr(0, 18) == "Kaydara FBX Binary");
+    CHECK(readFile(folder() / "a.fbx").substr(0, 18) == "Kaydara FBX Binary");
 }
 
 TEST_CASE("clients: the driver for three.js follows a drag as the studio does, and the driver for Godot computes the same") {
@@ -234,13 +229,13 @@ TEST_CASE("clients: the driver for three.js follows a drag as the studio does, a
             for (const Json& point : node["extras"]["imomushi"]["points"]) names.push_back(point["name"]);
     REQUIRE(!names.empty());
     for (const std::string& name : names) lines.push_back({{"do", "measure"}, {"what", "position"}, {"endpoint", name}});
-    const auto answers = imomushi(lines);
+    const auto answers = perform(lines);
     Json drag;
     for (std::size_t i = 0; i < names.size(); ++i) drag[names[i]] = answers[3 + i]["value"];
     inThree(Json::array({{{"file", "rigged.glb"}, {"rest", "rest.obj"}, {"tolerance", kLive}, {"drag", drag}, {"positions", "pose.obj"}}}));
     int status = 0;
     const std::string out = run("node '" IMOMUSHI_CLIENTS "/check_godot.js' '" IMOMUSHI_DRIVERS "/godot.gd' rigged.glb", status);
-    INFO(out << read(folder() / "err"));
+    INFO(out << readFile(folder() / "err"));
     CHECK(status == 0);
 }
 
@@ -249,9 +244,9 @@ TEST_CASE("clients: the driver for Godot is GDScript, and what is none is found"
     const std::string driver = IMOMUSHI_DRIVERS "/godot.gd";
     int status = 0;
     const std::string found = run("node '" IMOMUSHI_CLIENTS "/check_godot.js' '" + driver + "'", status);
-    INFO(found << read(folder() / "err"));
+    INFO(found << readFile(folder() / "err"));
     CHECK(status == 0);
-    std::string broken = read(driver);
+    std::string broken = readFile(driver);
     broken.erase(broken.find(".length()") + 7, 1);
     std::ofstream(folder() / "broken.gd") << broken;
     CHECK(run("node '" IMOMUSHI_CLIENTS "/check_godot.js' broken.gd", status).starts_with("broken.gd:"));

@@ -6,14 +6,6 @@ using namespace imomushi;
 
 namespace {
 
-/// A folder for files, gone with the test.
-struct Folder {
-    std::filesystem::path path = std::filesystem::temp_directory_path() / ("imomushi-accuracy-" + std::to_string(::getpid()));
-    Folder() { std::filesystem::create_directories(path); }
-    ~Folder() { std::filesystem::remove_all(path); }
-    [[nodiscard]] std::string file(const char* name) const { return (path / name).string(); }
-};
-
 const StudyInput::Effect& effectOf(const StudyInput& input, const std::string& name) {
     for (const auto& effect : input.effects)
         if (effect.name == name) return effect;
@@ -24,7 +16,7 @@ const StudyInput::Effect& effectOf(const StudyInput& input, const std::string& n
 }  // namespace
 
 TEST_CASE("accuracy: the error in the pose of now is nothing at rest, something in a bend, and does not ask what effects do to the flesh") {
-    const Folder folder;
+    const TestFolder folder;
     Workbench w;
     w.buildChain();
     const Json ask{{"do", "accuracy"}, {"path", folder.file("pose.json")}, {"pose", "current"}, {"seconds", 0.1}};

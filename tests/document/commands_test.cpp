@@ -357,13 +357,13 @@ TEST_CASE("deform-element: statics of one element, and write-mesh writes them un
                after = (Workbench::folder() / "after.obj").string(), full = (Workbench::folder() / "full.obj").string();
     w.good({{"do", "write-mesh"}, {"path", deformed}, {"element", "A"}});
     w.good({{"do", "write-mesh"}, {"path", rest}, {"element", "A"}, {"state", "rest"}});
-    CHECK(Workbench::readFile(deformed) != Workbench::readFile(rest));
+    CHECK(readFile(deformed) != readFile(rest));
     CHECK(w.code({{"do", "drag"}, {"endpoint", "nobody/end"}, {"to", {0, 0, 0}}}) == "no-such-bone");
     w.good({{"do", "write-mesh"}, {"path", after}, {"element", "A"}});
-    CHECK(Workbench::readFile(after) == Workbench::readFile(deformed));
+    CHECK(readFile(after) == readFile(deformed));
     w.good({{"do", "step"}, {"frames", 1}});
     w.good({{"do", "write-mesh"}, {"path", after}, {"element", "A"}});
-    CHECK(Workbench::readFile(after) == Workbench::readFile(rest));
+    CHECK(readFile(after) == readFile(rest));
     for (const char* model : {"full", "previous"}) {
         Json other = bend;
         other["model"] = model;

@@ -98,7 +98,7 @@ TEST_CASE("effects: without any, a scene is performed to the bit as if there wer
         CHECK(answer["effects"] == Json::object());
         const auto path = (Workbench::folder() / "without.obj").string();
         w.good({{"do", "write-mesh"}, {"path", path}, {"state", "current"}});
-        return Workbench::readFile(path);
+        return readFile(path);
     };
     CHECK(perform(false) == perform(true));
 }

@@ -50,7 +50,7 @@ TEST_CASE("paper: a character of the paper's size where the document is empty") 
     CHECK(answer["rows"][0]["elements"] == 5);
     CHECK(answer["rows"][0]["vertices"] == 1978);
     CHECK(answer["ratios"]["bytes"].get<double>() > 15.0);
-    const std::string bytes = Workbench::readFile(path);
+    const std::string bytes = readFile(path);
     CHECK(bytes.find("| vertices | 1978 | 1978 |") != std::string::npos);
     CHECK(bytes.find("28257") != std::string::npos);
 }
@@ -76,8 +76,8 @@ TEST_CASE("paper: the caterpillar grows until frames are too slow, and the previ
     CHECK(stable[3e4] >= stable[3e5]);
     CHECK(stable[3e5] >= stable[3e6]);
     CHECK(stable[3e3] > stable[3e6]);
-    CHECK(Workbench::readFile(plot).starts_with("<svg"));
-    CHECK(Workbench::readFile(Workbench::folder() / "divergence-growth.svg").starts_with("<svg"));
+    CHECK(readFile(plot).starts_with("<svg"));
+    CHECK(readFile(Workbench::folder() / "divergence-growth.svg").starts_with("<svg"));
 }
 
 TEST_CASE("paper: writes the kind of file that the path ends in") {
@@ -87,7 +87,7 @@ TEST_CASE("paper: writes the kind of file that the path ends in") {
     for (const char* suffix : {".json", ".csv"}) {
         const auto path = Workbench::folder() / (std::string("table") + suffix);
         const Json answer = w.good({{"do", "paper"}, {"path", path.string()}});
-        const std::string bytes = Workbench::readFile(path);
+        const std::string bytes = readFile(path);
         if (std::string(suffix) == ".json")
             CHECK(Json::parse(bytes) == answer);
         else

@@ -24,7 +24,7 @@ void sql(const std::filesystem::path& path, const std::string& statement) {
 
 /// Makes a tampered file look whole: what a hostile writer would do.
 void sign(const std::filesystem::path& path) {
-    const std::string bytes = Workbench::readFile(path);
+    const std::string bytes = readFile(path);
     Database db(std::vector<char>(bytes.begin(), bytes.end()));
     sql(path, "UPDATE info SET value='" + db.digest(kProjectTables) + "' WHERE name='digest'");
 }
@@ -76,7 +76,7 @@ TEST_CASE("storage: what was saved opens as it was, responses included") {
     CHECK(!other.session.modified());
     const auto second = Workbench::folder() / "again.imomushi";
     other.good({{"do", "save"}, {"path", second.string()}});
-    CHECK(Workbench::readFile(second) == Workbench::readFile(path));
+    CHECK(readFile(second) == readFile(path));
 }
 
 TEST_CASE("storage: a stale response comes back as the last one that fits") {
@@ -98,13 +98,13 @@ TEST_CASE("storage: a file is SQLite with our application id, and a newer versio
     w.buildChain();
     const auto path = Workbench::folder() / "newer.imomushi";
     w.good({{"do", "save"}, {"path", path.string()}});
-    CHECK(Workbench::readFile(path).substr(0, 15) == "SQLite format 3");
-    CHECK(Workbench::readFile(path).substr(68, 4) == "IMOM");
+    CHECK(readFile(path).substr(0, 15) == "SQLite format 3");
+    CHECK(readFile(path).substr(68, 4) == "IMOM");
     sql(path, "PRAGMA user_version=99");
-    const std::string bytes = Workbench::readFile(path);
+    const std::string bytes = readFile(path);
     const auto time = std::filesystem::last_write_time(path);
     CHECK(openCode(path) == "newer-version");
-    CHECK(Workbench::readFile(path) == bytes);
+    CHECK(readFile(path) == bytes);
     CHECK(std::filesystem::last_write_time(path) == time);
     CHECK(w.code({{"do", "open"}, {"path", path.string()}}) == "newer-version");
     CHECK(w.session.document().elements.size() == 2);  // the document stays
@@ -145,7 +145,7 @@ TEST_CASE("storage: a truncated or flipped file is refused or opens as it was, a
     richDocument(w);
     const auto path = Workbench::folder() / "whole.imomushi", broken = Workbench::folder() / "broken.imomushi";
     w.good({{"do", "save"}, {"path", path.string()}});
-    const std::string whole = Workbench::readFile(path);
+    const std::string whole = readFile(path);
     const std::string content = w.content();
     const auto check = [&](const std::string& bytes) {
         Workbench::writeFile(broken, bytes);
@@ -176,7 +176,7 @@ TEST_CASE("storage: hostile values under a valid digest are refused one by one")
     richDocument(w);
     const auto path = Workbench::folder() / "whole.imomushi", bad = Workbench::folder() / "bad.imomushi";
     w.good({{"do", "save"}, {"path", path.string()}});
-    const std::string whole = Workbench::readFile(path);
+    const std::string whole = readFile(path);
     const char* nan = "x'010000000000f07f010000000000f07f010000000000f07f'";  // three signalling NaN
     const std::string statements[] = {
         "UPDATE elements SET nu=0.7",

@@ -10,6 +10,7 @@
 
 #include "core/document/session.h"
 #include "core/document/storage.h"
+#include "tests/support/folder.h"
 #include "tests/support/shapes.h"
 
 namespace imomushi {
@@ -100,18 +101,10 @@ public:
         return readFile(path);
     }
 
-    static std::string readFile(const std::filesystem::path& path) {
-        std::ifstream file(path, std::ios::binary);
-        return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-    }
     static void writeFile(const std::filesystem::path& path, const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }
     static std::filesystem::path folder() {
-        static const struct Folder {
-            std::filesystem::path path = std::filesystem::temp_directory_path() / ("imomushi-document-" + std::to_string(::getpid()));
-            Folder() { std::filesystem::create_directories(path); }
-            ~Folder() { std::filesystem::remove_all(path); }
-        } folder;
-        return folder.path;
+        static const TestFolder folder;
+        return folder.path();
     }
 
     Session session;

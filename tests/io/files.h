@@ -11,32 +11,9 @@
 #include <string>
 
 #include "core/io/import.h"
+#include "tests/support/folder.h"
 
 namespace imomushi::io_test {
-
-/// A folder for one test case that is gone with it. Its name is no ASCII.
-class Folder {
-public:
-    Folder() {
-        std::string name = (std::filesystem::temp_directory_path() / "いもむし-XXXXXX").string();
-        path_ = ::mkdtemp(name.data());
-    }
-    ~Folder() {
-        std::error_code ignored;
-        std::filesystem::remove_all(path_, ignored);
-    }
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-    [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-    std::filesystem::path write(const std::string& name, const std::string& bytes) const {
-        const std::filesystem::path file = path_ / name;
-        std::ofstream(file, std::ios::binary) << bytes;
-        return file;
-    }
-
-private:
-    std::filesystem::path path_;
-};
 
 inline Result<ImportResult> import(ImportRequest request) {
     setImportWorker(IMOMUSHI_TEST_IMPORT_WORKER);

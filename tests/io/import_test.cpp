@@ -12,7 +12,7 @@ using namespace imomushi;
 namespace fs = std::filesystem;
 
 TEST_CASE("import, write, import: every reference mesh keeps its vertices, their order and their axes, bit for bit") {
-    const io_test::Folder folder;
+    const TestFolder folder;
     int meshes = 0;
     for (const auto& entry : fs::directory_iterator(IMOMUSHI_TEST_DATA "/reference")) {
         if (entry.path().extension() != ".obj") continue;

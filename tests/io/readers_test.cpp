@@ -17,7 +17,7 @@ namespace {
 
 /// What a reader says of `bytes` under this name, beside no other file.
 Result<RawScene> scene(const std::string& name, const std::string& bytes) {
-    const io_test::Folder folder;
+    const TestFolder folder;
     return readScene({folder.path() / name, bytes});
 }
 
@@ -202,7 +202,7 @@ TEST_CASE("OBJ: what is wrong is said with its line") {
 }
 
 TEST_CASE("OBJ: a number that is not finite is refused with its line where a triangle uses it, dropped where none does") {
-    const io_test::Folder folder;
+    const TestFolder folder;
     const std::string box = io_test::objOf(shapes::box({0, 0, 0}, {1, 1, 1}, 1, 1, 1).mesh);
     for (const char* bad : {"nan", "inf", "-inf", "1e999"}) {
         CAPTURE(bad);
@@ -219,7 +219,7 @@ TEST_CASE("OBJ: a number that is not finite is refused with its line where a tri
 }
 
 TEST_CASE("OBJ: look: texture coordinates, normals, colours, materials and textures come along") {
-    const io_test::Folder folder;
+    const TestFolder folder;
     folder.write("skin.png", std::string("\x89PNG\r\n\x1a\n") + "picture");
     std::ofstream(folder.path().parent_path() / "secret.png") << "\x89PNG\r\n\x1a\nsecret";
     folder.write("a.mtl", "newmtl skin\nKd 0.1 0.2 0.3\nmap_Kd -s 1 1 1 -clamp on skin.png\nnewmtl red # a comment\nKd 1 0 0\nd 0.5\nnewmtl outside\nmap_Kd ../secret.png\n");
@@ -344,7 +344,7 @@ TEST_CASE("STL: ascii and binary, even one whose header begins with 'solid'") {
         ascii += "  endloop\n endfacet\n";
     }
     ascii += "endsolid 球\n";
-    const io_test::Folder folder;
+    const TestFolder folder;
     for (const std::string& bytes : {binary, solid, ascii}) {
         const auto answer = io_test::import(folder.write("a.stl", bytes));
         REQUIRE(answer);
@@ -365,7 +365,7 @@ TEST_CASE("STL: ascii and binary, even one whose header begins with 'solid'") {
 
 TEST_CASE("GLB: a mesh comes exactly, a node's transform is applied, a mirrored one stays outward") {
     const TriangleMesh ball = shapes::sphere(1.0, 2).mesh;
-    const io_test::Folder folder;
+    const TestFolder folder;
     auto answer = io_test::import(folder.write("a.glb", gltf(ball)));
     REQUIRE(answer);
     CHECK(answer->format == "glb");
@@ -412,7 +412,7 @@ TEST_CASE("GLB: what is wrong is refused with its reason") {
     CHECK(said(r).find("vertex 1000") != std::string::npos);
     TriangleMesh bad = ball;
     bad.vertices(7, 1) = std::numeric_limits<double>::infinity();
-    const io_test::Folder folder;
+    const TestFolder folder;
     const auto answer = io_test::import(folder.write("a.glb", gltf(bad)));
     REQUIRE(!answer);
     CHECK(answer.error().code == "non-finite");
@@ -442,7 +442,7 @@ TEST_CASE("glTF: sparse accessors, strips, normalised integers and data in the t
 }
 
 TEST_CASE("unit and up axis: asked for they convert, else nothing changes") {
-    const io_test::Folder folder;
+    const TestFolder folder;
     ImportRequest request;
     request.path = folder.write("a.obj", io_test::objOf(shapes::box({0, 0, 0}, {1, 2, 3}, 1, 1, 1).mesh));
     auto answer = io_test::import(request);
@@ -460,7 +460,7 @@ TEST_CASE("unit and up axis: asked for they convert, else nothing changes") {
 }
 
 TEST_CASE("DAE and FBX carry their unit and up axis") {
-    const io_test::Folder folder;
+    const TestFolder folder;
     // A box of 200 x 100 x 50 cm, Z up.
     const std::string dae = R"(<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
 <asset><unit name="centimeter" meter="0.01"/><up_axis>Z_UP</up_axis></asset>
@@ -523,7 +523,7 @@ Connections:  {
 }
 
 TEST_CASE("messages: an answer comes over as it was, and cut or changed anywhere it is refused or sound") {
-    const io_test::Folder folder;
+    const TestFolder folder;
     folder.write("t.png", std::string("\x89PNG\r\n\x1a\n") + "x");
     folder.write("a.mtl", "newmtl m\nmap_Kd t.png\n");
     std::string obj = "mtllib a.mtl\nusemtl m\n" + io_test::objOf(shapes::box({0, 0, 0}, {1, 1, 1}, 1, 1, 1).mesh);
@@ -550,7 +550,7 @@ TEST_CASE("messages: an answer comes over as it was, and cut or changed anywhere
 }
 
 TEST_CASE("write-mesh: bad values and places are refused, and what was there stays") {
-    const io_test::Folder folder;
+    const TestFolder folder;
     const TriangleMesh ball = shapes::sphere(1.0, 1).mesh;
     const auto path = folder.write("a.obj", "old");
     Points bad = ball.vertices;

@@ -14,7 +14,7 @@ using namespace imomushi;
 namespace {
 
 /// The answer of a worker that misbehaves as `how` says.
-Result<ImportResult> badWorker(const io_test::Folder& folder, const std::string& how, ImportLimits limits = {}) {
+Result<ImportResult> badWorker(const TestFolder& folder, const std::string& how, ImportLimits limits = {}) {
     setImportWorker(IMOMUSHI_TEST_BAD_IMPORT_WORKER);
     ImportRequest request;
     request.path = folder.write(how + ".obj", "v 0 0 0\n");
@@ -30,7 +30,7 @@ int openDescriptors() {
 }  // namespace
 
 TEST_CASE("import survives a worker that crashes, quits, lies or talks nonsense, and says so") {
-    const io_test::Folder folder;
+    const TestFolder folder;
     const int before = openDescriptors();
     for (const char* how : {"crash", "abort", "quit", "garbage", "long", "huge", "lie", "mute"}) {
         CAPTURE(how);
@@ -43,7 +43,7 @@ TEST_CASE("import survives a worker that crashes, quits, lies or talks nonsense,
 }
 
 TEST_CASE("import ends a worker that takes too long, by the clock and by its own work") {
-    const io_test::Folder folder;
+    const TestFolder folder;
     ImportLimits limits;
     limits.wallSeconds = 0.3;
     auto answer = badWorker(folder, "hang", limits);
@@ -58,7 +58,7 @@ TEST_CASE("import ends a worker that takes too long, by the clock and by its own
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__clang__)  // sanitizers reserve terabytes of addresses
 TEST_CASE("import ends a worker that takes too much memory") {
-    const io_test::Folder folder;
+    const TestFolder folder;
     ImportLimits limits;
     limits.memoryBytes = std::size_t{160} << 20;
     CHECK(!badWorker(folder, "memory", limits));
@@ -76,7 +76,7 @@ TEST_CASE("import ends a worker that takes too much memory") {
 #endif
 
 TEST_CASE("import: a worker inherits no open files") {
-    const io_test::Folder folder;
+    const TestFolder folder;
     std::ofstream open(folder.path() / "open");
     const auto answer = badWorker(folder, "descriptors");
     REQUIRE(!answer);
@@ -84,7 +84,7 @@ TEST_CASE("import: a worker inherits no open files") {
 }
 
 TEST_CASE("import: cancelling answers at once") {
-    const io_test::Folder folder;
+    const TestFolder folder;
     setImportWorker(IMOMUSHI_TEST_BAD_IMPORT_WORKER);
     ImportRequest request;
     request.path = folder.write("hang.obj", "v 0 0 0\n");
@@ -101,7 +101,7 @@ TEST_CASE("import: cancelling answers at once") {
 
 TEST_CASE("import: what is no readable mesh file is refused before any worker starts") {
     setImportWorker("/nonexistent/worker");
-    const io_test::Folder folder;
+    const TestFolder folder;
     const auto code = [](const std::filesystem::path& path, ImportLimits limits = {}) {
         ImportRequest request;
         request.path = path;
@@ -119,7 +119,7 @@ TEST_CASE("import: what is no readable mesh file is refused before any worker st
 }
 
 TEST_CASE("import tells its progress, from 0 to 1 and never backwards") {
-    const io_test::Folder folder;
+    const TestFolder folder;
     setImportWorker(IMOMUSHI_TEST_IMPORT_WORKER);
     ImportRequest request;
     request.path = folder.write("球.obj", io_test::objOf(shapes::sphere(1.0, 2).mesh));

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/io/write_mesh.h"
+#include "tests/support/folder.h"
 #include "tests/support/shapes.h"
 
 using namespace imomushi;
@@ -19,17 +20,8 @@ using Json = nlohmann::ordered_json;
 namespace {
 
 const std::filesystem::path& folder() {
-    static const struct Folder {
-        std::filesystem::path path = std::filesystem::temp_directory_path() / ("imomushi-run-" + std::to_string(::getpid()));
-        Folder() { std::filesystem::create_directories(path); }
-        ~Folder() { std::filesystem::remove_all(path); }
-    } folder;
-    return folder.path;
-}
-
-std::string readFile(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    static const TestFolder folder;
+    return folder.path();
 }
 
 std::filesystem::path writeFile(const std::string& name, const std::string& bytes) {

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/document/session.h"
+#include "tests/support/folder.h"
 
 using namespace imomushi;
 using Json = nlohmann::ordered_json;
@@ -28,29 +29,6 @@ struct Sample {
     int elements, bones, joints;
 };
 constexpr Sample kAll[] = {{"caterpillar", 5, 5, 4}, {"octopus", 25, 33, 24}, {"figure", 14, 19, 13}};
-
-/// A folder that is gone when the test ends.
-class Folder {
-public:
-    Folder() {
-        static int count = 0;
-        path_ = fs::temp_directory_path() / ("imomushi-samples-" + std::to_string(::getpid()) + "-" + std::to_string(count++));
-        fs::create_directories(path_);
-    }
-    ~Folder() { fs::remove_all(path_); }
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-    [[nodiscard]] fs::path operator/(const std::string& name) const { return path_ / name; }
-    [[nodiscard]] const fs::path& path() const { return path_; }
-
-private:
-    fs::path path_;
-};
-
-std::string readFile(const fs::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
 
 /// Runs a script inside a folder, without a display; every line must succeed. The answers.
 std::vector<Json> run(const fs::path& folder, const fs::path& script) {
@@ -68,7 +46,7 @@ std::vector<Json> run(const fs::path& folder, const fs::path& script) {
     return answers;
 }
 
-std::vector<Json> run(const Folder& folder, const std::vector<Json>& lines) {
+std::vector<Json> run(const TestFolder& folder, const std::vector<Json>& lines) {
     const fs::path script = folder / "script.jsonl";
     std::ofstream file(script, std::ios::binary);
     for (const Json& line : lines) file << line.dump() << "\n";
@@ -101,7 +79,7 @@ Json withoutTimes(Json answer) {
 TEST_CASE("samples: each opens with all its parts, precomputed, and 1978 vertices make the caterpillar") {
     for (const Sample& sample : kAll) {
         CAPTURE(sample.name);
-        const Folder folder;
+        const TestFolder folder;
         const Json opened = run(folder, {{{"do", "open"}, {"path", (kSamples / (std::string(sample.name) + ".imomushi")).string()}}})[0];
         CHECK(int(opened["elements"].size()) == sample.elements);
         CHECK(int(opened["bones"].size()) == sample.bones);
@@ -120,7 +98,7 @@ TEST_CASE("samples: the script beside the meshes makes what the project file hol
     for (const Sample& sample : kAll) {
         CAPTURE(sample.name);
         const std::string name = sample.name;
-        const Folder folder;
+        const TestFolder folder;
         fs::copy(kSamples / name, folder / name);
         int faceVertices = 0, faces = 0;
         for (const Json& answer : run(folder / name, folder / (name + "/make.jsonl"))) {
@@ -147,7 +125,7 @@ TEST_CASE("samples: the script beside the meshes makes what the project file hol
         std::vector<Json> opened[2];
         const fs::path files[] = {folder / (name + ".imomushi"), kSamples / (name + ".imomushi")};
         for (int i = 0; i < 2; ++i) {
-            const Folder work;
+            const TestFolder work;
             opened[i] = run(work, {{{"do", "open"}, {"path", files[i].string()}}, {{"do", "write-mesh"}, {"path", (folder / ("rest" + std::to_string(i) + ".obj")).string()}, {"state", "rest"}}});
             const std::string tip = opened[i][0]["bones"].back()["name"].get<std::string>() + "/end";
             run(work, {{{"do", "open"}, {"path", files[i].string()}},
@@ -167,7 +145,7 @@ TEST_CASE("samples: each performs headless, keeps its joints closed and leaves a
     for (const Sample& sample : kAll) {
         CAPTURE(sample.name);
         const std::string name = sample.name;
-        const Folder folder;
+        const TestFolder folder;
         fs::copy(kSamples / (name + ".imomushi"), folder.path());
         fs::copy(kSamples / (name + "_perform.jsonl"), folder.path());
         double gap = -1;
@@ -251,7 +229,7 @@ TEST_CASE("caterpillar: in a random walk of 10,000 frames no vertex moves more t
 
 TEST_CASE("caterpillar: a random walk of 10,000 steps headless is finite and closed, and the same bytes for 1 and 2 threads") {
     constexpr int kSampled = 250;
-    const Folder folder;
+    const TestFolder folder;
     const auto script = [&](int threads) {
         std::vector<Json> lines = {{{"do", "open"}, {"path", (kSamples / "caterpillar.imomushi").string()}},
                                    {{"do", "set"}, {"target", "character"}, {"property", "threads"}, {"value", threads}}};

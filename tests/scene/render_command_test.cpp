@@ -10,6 +10,7 @@
 #include "core/document/session.h"
 #include "tests/document/workbench.h"
 #include "tests/render/picture.h"
+#include "tests/support/folder.h"
 #include "ui/render/image.h"
 
 using namespace imomushi;
@@ -19,7 +20,7 @@ namespace {
 struct Bench {
     CommandRegistry registry;
     std::unique_ptr<Session> session;
-    std::filesystem::path folder = std::filesystem::temp_directory_path() / ("imomushi-render-" + std::to_string(::getpid()));
+    TestFolder folder;
 
     Bench() {
         addCoreCommands(registry);
@@ -31,12 +32,10 @@ struct Bench {
             result.bodies.push_back(importedBody("bar", shapes::bar(2).mesh));
             return result;
         });
-        std::filesystem::create_directories(folder);
         REQUIRE(session->execute({{"do", "import-element"}, {"path", "bar"}, {"name", "bar"}}));
     }
-    ~Bench() { std::filesystem::remove_all(folder); }
 
-    [[nodiscard]] std::string file(const std::string& name) const { return (folder / name).string(); }
+    [[nodiscard]] std::string file(const std::string& name) const { return folder.file(name); }
     std::string code(Json command) {
         command["do"] = "render";
         const auto answer = session->execute(command);

@@ -10,28 +10,28 @@
 #include <fstream>
 
 #include "tests/stability/scene.h"
+#include "tests/support/folder.h"
 
 using namespace imomushi;
 namespace fs = std::filesystem;
 
 namespace {
 
-/// A folder of its own, with a blank and a sign that is not ASCII in its name, that is the current one while this lives.
+/// A folder of its own that is the current one while this lives.
 class Folder {
 public:
-    Folder() : before_(fs::current_path()), path_(fs::temp_directory_path() / ("imomushi 難 " + std::to_string(::getpid()))) {
-        fs::create_directories(path_);
-        fs::current_path(path_);
+    Folder() : before_(fs::current_path()) {
+        fs::current_path(folder_.path());
     }
     ~Folder() {
         fs::current_path(before_);
-        fs::remove_all(path_);
     }
     Folder(const Folder&) = delete;
     Folder& operator=(const Folder&) = delete;
 
 private:
-    fs::path before_, path_;
+    TestFolder folder_;
+    fs::path before_;
 };
 
 const CommandRegistry& registry() {
