@@ -23,7 +23,7 @@ std::string printed(const std::string& command) {
 }
 
 Json skeletonData(const std::filesystem::path& glb) {
-    const std::string bytes = Workbench::readFile(glb);
+    const std::string bytes = readFile(glb);
     std::uint32_t length = 0;
     std::memcpy(&length, bytes.data() + 12, 4);
     const Json file = Json::parse(bytes.substr(20, length));

@@ -29,7 +29,7 @@ Json write(Workbench& w, Json arguments, const char* name = "a.glb") {
 }
 
 Json documentOf(const char* name = "a.glb") {
-    const std::string bytes = Workbench::readFile(Workbench::folder() / name);
+    const std::string bytes = readFile(Workbench::folder() / name);
     REQUIRE(bytes.size() > 20);
     std::uint32_t length = 0;
     std::memcpy(&length, bytes.data() + 12, 4);
@@ -288,9 +288,9 @@ TEST_CASE("export: two exports of one take are the same bytes") {
     perform(w, {"bend-warp"});
     for (const char* layout : {"baked", "rigged", "skinned"}) {
         write(w, {{"layout", layout}});
-        const std::string once = Workbench::readFile(Workbench::folder() / "a.glb");
+        const std::string once = readFile(Workbench::folder() / "a.glb");
         write(w, {{"layout", layout}});
-        CHECK(Workbench::readFile(Workbench::folder() / "a.glb") == once);
+        CHECK(readFile(Workbench::folder() / "a.glb") == once);
     }
 }
 
