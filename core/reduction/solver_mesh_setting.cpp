@@ -3,6 +3,7 @@
 
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <utility>
 
 namespace imomushi {
@@ -22,7 +23,7 @@ Result<SolverMeshSetting> parseSolverMesh(std::string_view text) {
         const std::string_view digits = text.substr(at + 1);
         double tolerance = 0.0;
         const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), tolerance);
-        if (error != std::errc{} || end != digits.data() + digits.size() || !(tolerance >= SolverMeshSetting::kFinest && tolerance <= SolverMeshSetting::kCoarsest))
+        if (error != std::errc{} || end != digits.data() + digits.size() || !std::isfinite(tolerance) || !(tolerance >= SolverMeshSetting::kFinest && tolerance <= SolverMeshSetting::kCoarsest))
             return fail("bad-value", "\"" + std::string(digits) + "\" is no tolerance of a solver mesh; write a number between 1e-6 and 0.01, as in \"best@0.001\".");
         if (out) out->tolerance = tolerance;
         return out;
