@@ -11,8 +11,7 @@ namespace imomushi {
 
 namespace {
 
-constexpr int kFrames = 40;
-constexpr double kSeconds = 0.15;
+constexpr double kSeconds = 0.1;
 
 }  // namespace
 
@@ -80,13 +79,14 @@ Result<double> predictFrame(const CharacterInput& input, const Progress& progres
     Swing swing(input.skeleton);
     Pose pose = restPose(input.skeleton);
     double at = 0.0;
-    const double ms = mediansInTurn(kFrames, kSeconds,
-                                    {[&] {
-                                        swing.move(at += 0.013);
-                                        character->solvePose(swing.holds, pose);
-                                        character->update(pose, 1.0 / 60.0);
-                                    }},
-                                    progress)[0];
+    // As frames are measured in a study.
+    const double ms = quietSpreads(kSeconds,
+                                   {[&] {
+                                       swing.move(at += 0.013);
+                                       character->solvePose(swing.holds, pose);
+                                       character->update(pose, 1.0 / 60.0);
+                                   }},
+                                   progress)[0].median;
     if (progress.cancelled()) return fail(kCancelled, "The prediction was cancelled.");
     return ms;
 }
