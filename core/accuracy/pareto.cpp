@@ -2,27 +2,33 @@
 #include "core/accuracy/pareto.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace imomushi {
 
-std::vector<char> dominated(std::span<const Trade> trades) {
-    std::vector<char> out(trades.size(), 0);
-    for (std::size_t i = 0; i < trades.size(); ++i)
-        for (std::size_t k = 0; k < trades.size() && trades[i].known; ++k)
-            if (trades[k].known && trades[k].cost <= trades[i].cost && trades[k].error <= trades[i].error &&
-                (trades[k].cost < trades[i].cost || trades[k].error < trades[i].error))
-                out[i] = 1;
+namespace {
+
+/// Less of a gain in error is none: it is paid for, and nobody can tell it.
+constexpr double kGain = 0.01;
+
+}  // namespace
+
+std::vector<std::size_t> paretoFront(std::span<const Trade> trades) {
+    std::vector<std::size_t> cheapest(trades.size()), out;
+    std::iota(cheapest.begin(), cheapest.end(), std::size_t{0});
+    std::erase_if(cheapest, [&](std::size_t i) { return !trades[i].known; });
+    std::stable_sort(cheapest.begin(), cheapest.end(), [&](std::size_t a, std::size_t b) {
+        return trades[a].cost != trades[b].cost ? trades[a].cost < trades[b].cost : trades[a].error < trades[b].error;
+    });
+    for (const std::size_t i : cheapest)
+        if (out.empty() || trades[i].error < (1.0 - kGain) * trades[out.back()].error) out.push_back(i);
     return out;
 }
 
-std::vector<std::size_t> paretoFront(std::span<const Trade> trades) {
-    const std::vector<char> worse = dominated(trades);
-    std::vector<std::size_t> out;
-    for (std::size_t i = 0; i < trades.size(); ++i) {
-        const auto same = [&](std::size_t k) { return trades[k].cost == trades[i].cost && trades[k].error == trades[i].error; };
-        if (trades[i].known && !worse[i] && std::none_of(out.begin(), out.end(), same)) out.push_back(i);
-    }
-    std::sort(out.begin(), out.end(), [&](std::size_t a, std::size_t b) { return trades[a].cost < trades[b].cost; });
+std::vector<char> dominated(std::span<const Trade> trades) {
+    std::vector<char> out(trades.size(), 0);
+    for (std::size_t i = 0; i < trades.size(); ++i) out[i] = trades[i].known;
+    for (const std::size_t i : paretoFront(trades)) out[i] = 0;
     return out;
 }
 

@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <span>
-#include <utility>
 #include <vector>
 
 namespace imomushi {
@@ -14,10 +13,10 @@ struct Trade {
     bool known = true;  ///< false: one of them is not; it takes no part
 };
 
-/// Of each: some other is at least as good in both and better in one. What is not known is not dominated.
-std::vector<char> dominated(std::span<const Trade> trades);
-
-/// The known ones that are not dominated, cheapest first; of equal ones the first.
+/// The known ones that are worth their cost, cheapest first: each has at least 1 % less error than all that cost no more.
 std::vector<std::size_t> paretoFront(std::span<const Trade> trades);
+
+/// Of each: it is known, and one of the front costs no more and is as good, to 1 %.
+std::vector<char> dominated(std::span<const Trade> trades);
 
 }  // namespace imomushi

@@ -169,7 +169,7 @@ public:
             }
         }
         if (auto ok = predict(); !ok) return tl::unexpected(ok.error());
-        const auto waiting = [](const AccuracyPoint& p) { return !p.measured() && p.problem.empty(); };
+        const auto waiting = [](const AccuracyPoint& p) { return !p.measured() && !p.problem; };
         const bool any = std::any_of(study_.points.begin(), study_.points.end(), waiting);
         if (any && !study_.reference)
             if (auto ok = refer(); !ok) return tl::unexpected(ok.error());
@@ -185,7 +185,7 @@ public:
             part.report("measure", 0.0);
             if (auto ok = measure(p, part); !ok) {
                 if (ok.error().code == kCancelled) return tl::unexpected(ok.error());
-                p.problem = ok.error().message;
+                p.problem = ok.error();
             }
             done += cost + 1.0;
             tell();
@@ -394,7 +394,7 @@ private:
         auto out = kept.responses;
         // Which settings still need them?
         const bool again = std::any_of(study_.points.begin(), study_.points.end(), [&](const AccuracyPoint& other) {
-            return &other != &p && !other.measured() && other.problem.empty() && other.setting.mesh == p.setting.mesh && other.setting.previous == p.setting.previous &&
+            return &other != &p && !other.measured() && !other.problem && other.setting.mesh == p.setting.mesh && other.setting.previous == p.setting.previous &&
                    (other.setting.previous || other.setting.basis == p.setting.basis);
         });
         if (!again) kept_.erase(key);
@@ -523,7 +523,7 @@ AccuracyStudy knownStudy(const StudyInput& input) {
     for (const auto& known : study.points)  // which meshes have a choice of tolerances is found out by the study itself
         if (known.setting.mesh.tolerance != SolverMeshSetting::kUsualTolerance && known.setting.mesh.tolerance != input.present.mesh.tolerance) points.push_back(known);
     study.points = std::move(points);
-    study.complete = std::all_of(study.points.begin(), study.points.end(), [](const AccuracyPoint& p) { return p.measured() || !p.problem.empty(); });
+    study.complete = std::all_of(study.points.begin(), study.points.end(), [](const AccuracyPoint& p) { return p.measured() || p.problem; });
     flag(study);
     return study;
 }

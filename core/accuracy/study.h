@@ -29,7 +29,7 @@ struct AccuracyPoint {
     double predictedSeconds = -1.0;    ///< of the precompute, before it
     double relative = -1.0, percent = -1.0;  ///< over all poses, as in PoseError
     std::vector<PoseError> errors;     ///< per pose
-    std::string problem;               ///< why it was not measured; empty: it was, or is waiting
+    std::optional<Error> problem;      ///< why it was not measured; none: it was, or is waiting
     bool dominatedPerFrame = false, dominatedInPrecompute = false;
     [[nodiscard]] bool measured() const { return frameMs >= 0.0; }  ///< the error stays unknown where there is no reference
 };

@@ -95,7 +95,7 @@ Json studyJson(const AccuracyStudy& study) {
         for (std::size_t k = 0; k < p.errors.size() && k < study.poses.size(); ++k)
             errors.push_back({{"pose", study.poses[k]}, {"relative", p.errors[k].relative}, {"max_percent", p.errors[k].percent}});
         one["errors"] = std::move(errors);
-        if (!p.problem.empty()) one["problem"] = p.problem;
+        if (p.problem) one["problem"] = p.problem->message, one["problem_code"] = p.problem->code;
         one["present"] = static_cast<int>(i) == study.present();
         one["dominated"] = {{"ms_per_frame", p.dominatedPerFrame}, {"precompute_seconds", p.dominatedInPrecompute}};
         points.push_back(std::move(one));
@@ -157,7 +157,7 @@ AccuracyStudy studyFromJson(const Json& json) {
             if (const auto errors = one.find("errors"); errors != one.end() && errors->is_array())
                 for (const Json& e : *errors)
                     if (e.is_object()) p.errors.push_back({number(e, "relative"), number(e, "max_percent")});
-            p.problem = text(one, "problem");
+            if (one.contains("problem")) p.problem = Error{text(one, "problem_code"), text(one, "problem")};
             out.points.push_back(std::move(p));
         }
     if (const auto effects = json.find("effects"); effects != json.end() && effects->is_array())
@@ -185,7 +185,7 @@ std::string studyCsv(const AccuracyStudy& study) {
             out += "," + cell(value);
         const bool known = p.relative >= 0.0;
         out += std::string(",") + (known ? (p.dominatedPerFrame ? "yes" : "no") : "") + "," + (known ? (p.dominatedInPrecompute ? "yes" : "no") : "") + "," +
-               (static_cast<int>(i) == study.present() ? "yes" : "no") + "," + (p.problem.empty() ? "" : quoted(p.problem)) + "\n";
+               (static_cast<int>(i) == study.present() ? "yes" : "no") + "," + (p.problem ? quoted(p.problem->message) : "") + "\n";
     }
     return out;
 }

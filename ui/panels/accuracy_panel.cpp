@@ -264,7 +264,7 @@ void AccuracyPanel::show(const AccuracyStudy& study) {
 QString AccuracyPanel::tip(int point) const {
     const AccuracyPoint& p = study_.points[std::size_t(point)];
     QStringList lines{settingText(p.setting)};
-    if (!p.problem.empty()) lines << errorText({"study", p.problem});
+    if (p.problem) lines << errorText(*p.problem);
     lines << tr("error %1 (largest %2 of the diagonal)").arg(shareText(p.relative), diagonalText(p.percent));
     lines << tr("frame %1 (99 of 100 within %2), predicted %3").arg(millisecondsText(p.frameMs), millisecondsText(p.frameP99Ms), millisecondsText(p.predictedMs));
     lines << tr("precompute %1, predicted %2").arg(secondsText(p.precomputeSeconds), secondsText(p.predictedSeconds));
