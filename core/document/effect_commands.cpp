@@ -5,15 +5,16 @@
 #include "core/document/command_support.h"
 #include "core/document/names.h"
 #include "core/document/session_state.h"
+#include "core/elasticity/machine_rates.h"
 
 namespace imomushi {
 
 namespace {
 
-// Milliseconds on a desktop core of 2023: of a joint with its in-plane stretch alone, per warping mode and its square (smooth joints); of a joint that jiggles; of
-// a warped vertex; of an entry of a matrix of tractions. Predictions are replaced by what is measured once frames pass.
-constexpr double kJointMs = 7e-4, kModeMs = 1.6e-4, kModesMs = 2.5e-5, kJiggleMs = 1e-3, kWarpMs = 1.4e-4,
-                 kTractionMs = 4e-7;
+// Of a frame, in pairs of a collocation point and a triangle, whose time is measured on every machine: of a joint with its in-plane stretch alone; what it costs more
+// with warping modes, by their number and its square (smooth joints); of a joint that jiggles; of a warped vertex; of an entry of a matrix of tractions. Predictions
+// are replaced by what is measured once frames pass.
+constexpr double kJointPairs = 26.0, kWarpingPairs = 40.0, kModePairs = 1.0, kModesPairs = 0.86, kJigglePairs = 13.0, kWarpPairs = 1.45, kTractionPairs = 0.006;
 
 Result<EffectKind> effectOf(const Json& arguments) {
     const std::string& name = text(arguments, "effect");
@@ -105,12 +106,14 @@ EffectCost Session::State::costOf(EffectKind kind) const {
         if (planned) cost.milliseconds = Performance::predict(asked, *planned);
         return cost;
     }
+    const double pairMs = 1e3 * machineRates().secondsPerPair;
     if (kind == EffectKind::SmoothJoints || kind == EffectKind::JointDynamics) {
         const auto planned = planCharacter(document);
         if (!planned) return cost;
         const double joints = static_cast<double>(planned->joints.size());
         const double modes = document.settings.basis == BasisKind::Full ? BasisChoice::kMostModes : document.settings.basis.modes;
-        cost.milliseconds = joints * (kind == EffectKind::JointDynamics ? kJiggleMs : kJointMs + modes * (kModeMs + modes * kModesMs));
+        const double warping = modes > 0.0 ? kWarpingPairs + modes * (kModePairs + modes * kModesPairs) : 0.0;
+        cost.milliseconds = joints * pairMs * (kind == EffectKind::JointDynamics ? kJigglePairs : kJointPairs + warping);
         return cost;
     }
     if (kind == EffectKind::PreviousModel) {
@@ -118,7 +121,7 @@ EffectCost Session::State::costOf(EffectKind kind) const {
         for (const auto& [id, element] : document.elements) {
             double columns = 0.0;
             for (const JointFace& face : element->faces) columns += 3.0 * static_cast<double>(face.vertices.size());
-            cost.milliseconds += kTractionMs * stepsPerFrame * columns * columns;
+            cost.milliseconds += kTractionPairs * pairMs * stepsPerFrame * columns * columns;
             cost.bytes += static_cast<std::size_t>(columns * columns) * sizeof(double);
             cost.precompute = cost.precompute || (columns > 0.0 && (document.settings.basis != BasisKind::Full || !responseOf(id, false)));
         }
@@ -140,7 +143,7 @@ EffectCost Session::State::costOf(EffectKind kind) const {
             without.touch = 0;
             columns = 3 * with.touch;
         } else {
-            cost.milliseconds += kWarpMs * static_cast<double>(element->mesh->body.vertices.rows());
+            cost.milliseconds += kWarpPairs * pairMs * static_cast<double>(element->mesh->body.vertices.rows());
             continue;
         }
         const ResponseEstimate more = estimateOf(with), less = estimateOf(without);

@@ -85,13 +85,15 @@ double Performance::predict(const Document& document, const CharacterPlan& plan)
     trial->reset(pose);
     // One bone in three is turned a little, so that all springs work.
     for (std::size_t i = 0; i < pose.points.size(); i += 3) pose.points[i] += Vec3::Constant(0.05 * plan.input.skeleton.bones[0].length);
+    // The first ones find caches cold, and others are disturbed.
+    constexpr int kFrames = 40, kQuiet = kFrames / 4;
     std::vector<double> times;
-    for (int frame = 0; frame < 9; ++frame) {
+    for (int frame = 0; frame < kFrames; ++frame) {
         trial->step(1.0 / 60.0, pose, {});
         times.push_back(trial->milliseconds());
     }
-    std::nth_element(times.begin(), times.begin() + 4, times.end());
-    return times[4];
+    std::nth_element(times.begin(), times.begin() + kQuiet, times.end());
+    return times[kQuiet];
 }
 
 std::optional<BoneDynamicsSettings::Ground> Performance::groundOf(const Effects& effects) const {

@@ -19,6 +19,7 @@
 #include "core/elasticity/dense_lu.h"
 #include "core/elasticity/hierarchical_lu.h"
 #include "core/elasticity/kernels.h"
+#include "core/elasticity/machine_rates.h"
 #include "core/mesh/topology.h"
 
 namespace imomushi {
@@ -132,13 +133,6 @@ bool floats(const TriangleMesh& mesh, const std::vector<int>& patchOf) {
     return false;
 }
 
-/// What this machine does, one thread: measured once per process, in about 20 ms.
-struct MachineRates {
-    double secondsPerPair;   ///< a collocation point and a triangle
-    double flops;            ///< of the products inside the factorisation, 1/s
-    double bytesPerSecond;   ///< read from memory
-};
-
 /// Beside the pairs: rows are cleared, sorted into the matrix and rounded to single precision.
 constexpr double kAssemblyOverhead = 1.3;
 /// Beside the products: panels, exchanges of rows, threads that wait at the end.
@@ -149,53 +143,6 @@ constexpr double kTractionPairs = 2.0;
 constexpr double kTractionFlops = 18.0;
 /// Joint faces hold about this share of an element's vertices.
 constexpr double kUsualHeldShare = 0.15;
-
-template <class Work>
-double fastest(int rounds, Work work) {
-    double best = 1e30;
-    for (int i = 0; i < rounds; ++i) {
-        const auto start = Clock::now();
-        work();
-        best = std::min(best, secondsSince(start));
-    }
-    return best;
-}
-
-MachineRates measureRates() {
-    MachineRates rates{};
-    // A strip of triangles, seen from points beside it.
-    constexpr std::int32_t kTriangles = 512, kPoints = 32;
-    TriangleMesh strip;
-    strip.vertices.resize(kTriangles + 2, 3);
-    strip.triangles.resize(kTriangles, 3);
-    std::vector<std::int32_t> which(kTriangles), columns(kTriangles + 2);
-    for (std::int32_t i = 0; i < kTriangles + 2; ++i) {
-        strip.vertices.row(i) << i / 512.0, (i % 2) / 256.0, 0.1 * std::sin(i / 50.0);
-        columns[static_cast<std::size_t>(i)] = i;
-    }
-    for (std::int32_t f = 0; f < kTriangles; ++f) {
-        strip.triangles.row(f) << f, f + 1 + f % 2, f + 2 - f % 2;
-        which[static_cast<std::size_t>(f)] = f;
-    }
-    const TriangleBatch batch(strip, which, columns);
-    std::vector<double> h(9 * columns.size());
-    rates.secondsPerPair = fastest(3, [&] {
-                               for (std::int32_t i = 0; i < kPoints; ++i)
-                                   addBlocks(batch, Vec3(i / 32.0, 0.3, 0.2), 0.3, h.data(), nullptr);
-                           }) / (kTriangles * kPoints);
-    rates.flops = measureProductRate();
-    const std::vector<double> memory(std::size_t{2} << 20, 1.0);  // 16 MB
-    volatile double sum = 0.0;
-    rates.bytesPerSecond = static_cast<double>(memory.size() * sizeof(double)) / fastest(3, [&] {
-                               sum = Eigen::Map<const Eigen::VectorXd>(memory.data(), static_cast<Eigen::Index>(memory.size())).sum();
-                           });
-    return rates;
-}
-
-MachineRates machineRates() {
-    static const MachineRates rates = measureRates();
-    return rates;
-}
 
 }  // namespace
 

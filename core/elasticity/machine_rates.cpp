@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/elasticity/machine_rates.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <mutex>
+#include <vector>
+
+#include "core/elasticity/dense_lu.h"
+#include "core/elasticity/kernels.h"
+
+namespace imomushi {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// What disturbs a machine lasts about a second; after so many looks one of them was quiet.
+constexpr double kPause = 1.0;  // s
+constexpr int kLooks = 10;
+
+double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+template <class Work>
+double fastest(int rounds, Work work) {
+    double best = 1e30;
+    for (int i = 0; i < rounds; ++i) {
+        const auto start = Clock::now();
+        work();
+        best = std::min(best, secondsSince(start));
+    }
+    return best;
+}
+
+MachineRates measureRates() {
+    MachineRates rates{};
+    // A strip of triangles, seen from points beside it.
+    constexpr std::int32_t kTriangles = 512, kPoints = 32;
+    TriangleMesh strip;
+    strip.vertices.resize(kTriangles + 2, 3);
+    strip.triangles.resize(kTriangles, 3);
+    std::vector<std::int32_t> which(kTriangles), columns(kTriangles + 2);
+    for (std::int32_t i = 0; i < kTriangles + 2; ++i) {
+        strip.vertices.row(i) << i / 512.0, (i % 2) / 256.0, 0.1 * std::sin(i / 50.0);
+        columns[static_cast<std::size_t>(i)] = i;
+    }
+    for (std::int32_t f = 0; f < kTriangles; ++f) {
+        strip.triangles.row(f) << f, f + 1 + f % 2, f + 2 - f % 2;
+        which[static_cast<std::size_t>(f)] = f;
+    }
+    const TriangleBatch batch(strip, which, columns);
+    std::vector<double> h(9 * columns.size());
+    rates.secondsPerPair = fastest(3, [&] {
+                               for (std::int32_t i = 0; i < kPoints; ++i)
+                                   addBlocks(batch, Vec3(i / 32.0, 0.3, 0.2), 0.3, h.data(), nullptr);
+                           }) / (kTriangles * kPoints);
+    rates.flops = measureProductRate();
+    const std::vector<double> memory(std::size_t{2} << 20, 1.0);  // 16 MB
+    volatile double sum = 0.0;
+    rates.bytesPerSecond = static_cast<double>(memory.size() * sizeof(double)) / fastest(3, [&] {
+                               sum = Eigen::Map<const Eigen::VectorXd>(memory.data(), static_cast<Eigen::Index>(memory.size())).sum();
+                           });
+    return rates;
+}
+
+}  // namespace
+
+MachineRates machineRates() {
+    static std::mutex mutex;
+    static MachineRates best;
+    static int looks = 0;
+    static Clock::time_point last;
+    const std::scoped_lock lock(mutex);
+    if (looks == 0 || (looks < kLooks && secondsSince(last) > kPause)) {
+        const MachineRates now = measureRates();
+        best.secondsPerPair = looks == 0 ? now.secondsPerPair : std::min(best.secondsPerPair, now.secondsPerPair);
+        best.flops = std::max(best.flops, now.flops);
+        best.bytesPerSecond = std::max(best.bytesPerSecond, now.bytesPerSecond);
+        ++looks;
+        last = Clock::now();
+    }
+    return best;
+}
+
+}  // namespace imomushi
