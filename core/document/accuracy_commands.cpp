@@ -82,21 +82,6 @@ std::optional<StudyInput::Effect> pricedEffect(Session::State& s, const Document
     return out;
 }
 
-/// A path with one of these endings whose folder is there. Errors: "bad-value", "unknown-format", "not-writable".
-Result<std::filesystem::path> outputPath(const Json& arguments, const char* key, const char* suffix) {
-    const Json* given = find(arguments, key);
-    if (!given) return std::filesystem::path();
-    const auto& name = given->get_ref<const std::string&>();
-    const std::string quoted = std::string("\"") + key + "\"";
-    if (name.empty() || name.find('\0') != std::string::npos) return fail("bad-value", quoted + " is empty or holds a zero byte.");
-    const std::filesystem::path path(name);
-    if (path.extension() != suffix) return fail("unknown-format", quoted + " must end in " + suffix + ".");
-    const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
-    std::error_code error;
-    if (!std::filesystem::is_directory(folder, error)) return fail("not-writable", "There is no folder \"" + folder.string() + "\": choose one that is there.");
-    return path;
-}
-
 ScatterPlot plotOf(const AccuracyStudy& study, bool precompute) {
     ScatterPlot plot;
     plot.title = precompute ? "Error against time of the precompute" : "Error against time per frame";
@@ -159,11 +144,11 @@ Result<Json> accuracyOfPose(Session& session, const Json& arguments, const std::
 }
 
 Result<Json> accuracy(Session& session, const Json& arguments, const Progress& progress) {
-    const auto path = outputPath(arguments, "path", ".json");
+    const auto path = outputPath(arguments, "path", {".json"});
     if (!path) return tl::unexpected(path.error());
-    const auto svg = outputPath(arguments, "svg", ".svg");
+    const auto svg = outputPath(arguments, "svg", {".svg"});
     if (!svg) return tl::unexpected(svg.error());
-    const auto csv = outputPath(arguments, "csv", ".csv");
+    const auto csv = outputPath(arguments, "csv", {".csv"});
     if (!csv) return tl::unexpected(csv.error());
     if (find(arguments, "pose")) return accuracyOfPose(session, arguments, *path, progress);
     auto input = studyInput(session);

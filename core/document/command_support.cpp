@@ -37,6 +37,24 @@ Result<double> numberWithin(const Json& value, std::string_view name, double low
     return number;
 }
 
+Result<std::filesystem::path> outputPath(const Json& arguments, const char* key, std::initializer_list<std::string_view> endings) {
+    const Json* given = find(arguments, key);
+    if (!given) return std::filesystem::path();
+    const auto& name = given->get_ref<const std::string&>();
+    const std::string quoted = std::string("\"") + key + "\"";
+    if (name.empty() || name.find('\0') != std::string::npos) return fail("bad-value", quoted + " is empty or holds a zero byte.");
+    const std::filesystem::path path(name);
+    if (std::find(endings.begin(), endings.end(), path.extension().string()) == endings.end()) {
+        std::string known;
+        for (const auto& ending : endings) known += (known.empty() ? "" : &ending == endings.end() - 1 ? " or " : ", ") + std::string(ending);
+        return fail("unknown-format", quoted + " must end in " + known + ".");
+    }
+    const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+    std::error_code error;
+    if (!std::filesystem::is_directory(folder, error)) return fail("not-writable", "There is no folder \"" + folder.string() + "\": choose one that is there.");
+    return path;
+}
+
 Result<std::shared_ptr<const Element>> elementOf(const Document& document, std::string_view name) {
     return partNamed(document.elements, name, "no-such-element", "element");
 }

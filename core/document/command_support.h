@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cmath>
+#include <filesystem>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -47,6 +49,10 @@ inline int integer(const Json& value) { return static_cast<int>(value.get<double
 
 /// A number within [low, high]. Errors: "bad-value".
 Result<double> numberWithin(const Json& value, std::string_view name, double low, double high);
+
+/// Where a command is to write, checked before its work rather than after: the text of a key, with one of these endings (".svg") and in a folder that is there; empty
+/// without the key. Errors: "bad-value", "unknown-format", "not-writable".
+Result<std::filesystem::path> outputPath(const Json& arguments, const char* key, std::initializer_list<std::string_view> endings);
 
 /// The element or bone of that name. Errors: "no-such-element", "no-such-bone" with the names there are.
 Result<std::shared_ptr<const Element>> elementOf(const Document& document, std::string_view name);

@@ -284,30 +284,16 @@ std::string csv(const ModelTable& table, const Limits& limits) {
 
 Result<Json> paper(Session& session, const Json& arguments, const Progress& progress) {
     Session::State& s = session.state();
-    std::filesystem::path path;
-    std::string suffix;
-    if (const Json* given = find(arguments, "path")) {
-        const auto& name = given->get_ref<const std::string&>();
-        if (name.empty() || name.find('\0') != std::string::npos) return fail("bad-value", "\"path\" is empty or holds a zero byte.");
-        path = std::filesystem::path(name);
-        suffix = path.extension().string();
-        if (suffix != ".json" && suffix != ".md" && suffix != ".csv") return fail("unknown-format", "\"path\" must end in .json, .md or .csv.");
-        // Told before minutes of work, not after.
-        const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
-        std::error_code error;
-        if (!std::filesystem::is_directory(folder, error)) return fail("not-writable", "There is no folder \"" + folder.string() + "\": choose one that is there.");
-    }
+    const auto path = outputPath(arguments, "path", {".json", ".md", ".csv"});
+    if (!path) return tl::unexpected(path.error());
+    const auto svg = outputPath(arguments, "svg", {".svg"});
+    if (!svg) return tl::unexpected(svg.error());
     const bool empty = s.document.elements.empty();
     double seconds = kGrowthSeconds;
     if (const Json* given = find(arguments, "seconds")) {
         const auto value = numberWithin(*given, "seconds", 0.0, 1e6);
         if (!value) return tl::unexpected(value.error());
         seconds = *value;
-    }
-    std::filesystem::path svg;
-    if (const Json* given = find(arguments, "svg")) {
-        svg = given->get<std::string>();
-        if (svg.extension() != ".svg") return fail("unknown-format", "\"svg\" must end in .svg.");
     }
     auto models = empty ? solvedPaperCaterpillar(progress.part(0.0, 0.1)) : modelsOf(s, progress.part(0.0, 0.8));
     if (!models) return tl::unexpected(models.error());
@@ -320,15 +306,16 @@ Result<Json> paper(Session& session, const Json& arguments, const Progress& prog
         if (!found) return tl::unexpected(found.error());
         limits = std::move(*found);
         addLimits(answer, limits);
-        if (!svg.empty()) {
-            if (auto written = writeFileAtomically(svg, divergencePlot(limits).svg()); !written) return tl::unexpected(written.error());
-            const auto growth = svg.parent_path() / (svg.stem().string() + "-growth.svg");
+        if (!svg->empty()) {
+            if (auto written = writeFileAtomically(*svg, divergencePlot(limits).svg()); !written) return tl::unexpected(written.error());
+            const auto growth = svg->parent_path() / (svg->stem().string() + "-growth.svg");
             if (auto written = writeFileAtomically(growth, growthPlot(limits).svg()); !written) return tl::unexpected(written.error());
         }
     }
-    if (!path.empty()) {
+    if (!path->empty()) {
+        const std::string suffix = path->extension().string();
         const std::string bytes = suffix == ".json" ? answer.dump(2) + "\n" : suffix == ".md" ? markdown(*table, limits, answer) : csv(*table, limits);
-        if (auto written = writeFileAtomically(path, bytes); !written) return tl::unexpected(written.error());
+        if (auto written = writeFileAtomically(*path, bytes); !written) return tl::unexpected(written.error());
     }
     return answer;
 }

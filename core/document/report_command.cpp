@@ -280,11 +280,8 @@ Result<std::string> finiteElementPart(Session::State& s, const std::filesystem::
 
 Result<Json> report(Session& session, const Json& arguments, const Progress& progress) {
     Session::State& s = session.state();
-    const std::filesystem::path path(text(arguments, "path"));
-    if (path.extension() != ".md") return fail("unknown-format", "\"path\" must end in .md.");
-    std::error_code error;
-    if (path.has_parent_path() && !std::filesystem::is_directory(path.parent_path(), error))
-        return fail("not-writable", "There is no folder \"" + path.parent_path().string() + "\": choose one that is there.");
+    const auto path = outputPath(arguments, "path", {".md"});
+    if (!path) return tl::unexpected(path.error());
     auto input = studyInput(session);
     if (!input) return tl::unexpected(input.error());
     if (const Json* seconds = find(arguments, "seconds")) {
@@ -304,7 +301,7 @@ Result<Json> report(Session& session, const Json& arguments, const Progress& pro
         missing += !e.faces.empty() && !e.response;
     }
     std::string out = "# Accuracy and cost\n\n" + study->machine + ". " + std::to_string(plain.elements.size()) + " elements, " + std::to_string(vertices) + " vertices, " +
-                      std::to_string(plain.skeleton.bones.size()) + " bones. All figures are of one run.\n\n";
+                      std::to_string(plain.skeleton.bones.size()) + " bones. The table of settings is that of this machine's study, which is kept and goes on from run to run; all other figures are of this run.\n\n";
     out += accuracyPart(*study);
     const auto scaling = scalingPart(plain, progress.part(0.7, 0.8));
     if (!scaling) return tl::unexpected(scaling.error());
@@ -324,7 +321,7 @@ Result<Json> report(Session& session, const Json& arguments, const Progress& pro
         if (!elements) return tl::unexpected(elements.error());
         out += *elements;
     }
-    if (auto written = writeFileAtomically(path, out); !written) return tl::unexpected(written.error());
+    if (auto written = writeFileAtomically(*path, out); !written) return tl::unexpected(written.error());
     return Json{{"bytes", out.size()}, {"complete", study->complete}};
 }
 

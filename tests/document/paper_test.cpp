@@ -100,6 +100,7 @@ TEST_CASE("paper: says what is missing, before it works for minutes") {
     CHECK(w.code({{"do", "paper"}, {"path", ""}}) == "bad-value");
     CHECK(w.code({{"do", "paper"}, {"path", "table.txt"}}) == "unknown-format");
     CHECK(w.code({{"do", "paper"}, {"path", (Workbench::folder() / "nowhere" / "table.md").string()}}) == "not-writable");
+    CHECK(w.code({{"do", "paper"}, {"svg", (Workbench::folder() / "nowhere" / "table.svg").string()}}) == "not-writable");
     w.good({{"do", "import-element"}, {"path", "bar0"}, {"name", "A"}});
     CHECK(w.code({{"do", "paper"}}) == "no-bone");
     w.good({{"do", "add-bone"}, {"name", "a"}, {"element", "A"}, {"from", {0, 0, 0}}, {"to", {0, 0, 3}}});
