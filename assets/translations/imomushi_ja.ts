@@ -1771,6 +1771,10 @@
             <translation>計算用メッシュ</translation>
         </message>
         <message>
+            <source>Tolerance</source>
+            <translation>許容差</translation>
+        </message>
+        <message>
             <source>Default</source>
             <translation>標準</translation>
         </message>
@@ -2800,7 +2804,7 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         </message>
         <message>
             <source>%1, tolerance %2</source>
-            <translation>%1、許容誤差%2</translation>
+            <translation>%1、許容差%2</translation>
         </message>
     </context>
     <context>

@@ -665,6 +665,7 @@ ResponseEstimate estimateResponse(const ResponseInput& input) {
     const auto body = withoutAppendages(input.mesh->body, input.faces, {});
     if (!body) return out;
     const SolvedSize size = solvedSize(body->mesh, body->faces, input.solverMesh);
+    out.hierarchical = BoundaryProblem::hierarchical(size.nodes);
     const int tractions = 3 * std::min<int>(input.touch, static_cast<int>(input.mesh->body.vertices.rows()) / 4);
     const bool loadsApart = (input.loads || tractions > 0) && !body->appendages.empty();
     BoundaryProblem::Estimate solve = BoundaryProblem::estimate(size.nodes, size.triangles, out.columns, input.threads, loadsApart ? 0 : tractions);

@@ -85,6 +85,7 @@ struct ResponseEstimate {
     std::size_t bytes = 0;
     double frameMilliseconds = 0.0;
     int columns = 0;
+    bool hierarchical = false;  ///< it is large, and the tolerance of its solver mesh counts
 };
 ResponseEstimate estimateResponse(const ResponseInput& input);
 

@@ -530,7 +530,7 @@ void InspectorPanel::buildSolverMesh(const Items& items) {
                       int count = 0;
                       if (kind == Mesh::Refined) count = std::min(2 * vertices, SolverMeshSetting::kMost);
                       if (kind == Mesh::Decimated) count = std::max(vertices / 2, SolverMeshSetting::kFewest);
-                      if (!document_.execute(command(item, {kind, count}))) return;
+                      if (!document_.execute(command(item, {kind, count, e->solverMesh.tolerance}))) return;
                   }
                   gesture.commit();
               });
@@ -546,10 +546,39 @@ void InspectorPanel::buildSolverMesh(const Items& items) {
                   },
                   [this, command](const SelectionItem& item, double value) {
                       const Element* e = element(item);
-                      return command(item, {e ? e->solverMesh.kind : Mesh::Refined, int(std::lround(value))});
+                      SolverMeshSetting mesh = e ? e->solverMesh : SolverMeshSetting{Mesh::Refined};
+                      mesh.count = int(std::lround(value));
+                      return command(item, mesh);
                   });
-    refreshers_.push_back([this, counted, had = counted()] {
-        if (counted() != had) rebuildSoon();
+    // Only large meshes take notice of it.
+    const auto tolerant = [this, items] {
+        return std::any_of(items.begin(), items.end(), [&](const SelectionItem& item) {
+            const Element* e = element(item);
+            return e && (e->solverMesh.tolerance != SolverMeshSetting::kUsualTolerance || document_.session().responseEstimate(item.part).hierarchical);
+        });
+    };
+    if (tolerant()) {
+        std::vector<std::pair<QString, Json>> choices;
+        for (const double tolerance : {1e-6, SolverMeshSetting::kUsualTolerance, 1e-4, 1e-3, 1e-2}) choices.emplace_back(QLocale().toString(tolerance, 'f', QLocale::FloatingPointShortest), tolerance);
+        addChoice(tr("Tolerance"), choices,
+                  [common] {
+                      const auto now = common();
+                      return now ? Json(now->tolerance) : Json();
+                  },
+                  [this, items, command](const Json& value) {
+                      Gesture gesture(document_);
+                      for (const SelectionItem& item : items) {
+                          const Element* e = element(item);
+                          if (!e) continue;
+                          SolverMeshSetting mesh = e->solverMesh;
+                          mesh.tolerance = value.get<double>();
+                          if (!(mesh == e->solverMesh) && !document_.execute(command(item, mesh))) return;
+                      }
+                      gesture.commit();
+                  });
+    }
+    refreshers_.push_back([this, counted, tolerant, hadCount = counted(), hadTolerance = tolerant()] {
+        if (counted() != hadCount || tolerant() != hadTolerance) rebuildSoon();
     });
 }
 
