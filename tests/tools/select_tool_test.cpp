@@ -86,6 +86,57 @@ TEST_CASE("select: the end of a bone can be dragged, and the drag be taken back"
     CHECK(stage.steps() == before + 1);
 }
 
+TEST_CASE("select: a box that is dragged from nothing selects what it touches, Shift adds, and Esc takes it back") {
+    Stage stage;
+    addTwoBones(stage);
+    for (const bool orthographic : {true, false}) {
+        CAPTURE(orthographic);
+        stage.camera.setOrthographic(orthographic);
+        stage.look(ViewAxis::Front);
+        stage.document().select({});
+        SelectTool tool(stage.document());
+        const SelectionItem left{Kind::Element, stage.element("left").id, {}, false}, right{Kind::Element, stage.element("right").id, {}, false};
+        const SelectionItem bone1{Kind::Bone, stage.now().boneNamed("bone 1")->id, {}, false};
+        const auto selection = [&] { return stage.document().selection(); };
+        // Between two rows of vertices: edges count too.
+        stage.press(tool, Vec3(0.6, 1.2, 0));
+        CHECK(!tool.box());
+        stage.pull(tool, Vec3(0.9, 0.25, 0));
+        REQUIRE(tool.box());
+        CHECK(tool.busy());
+        CHECK(selection() == std::vector{right});
+        stage.pull(tool, Vec3(0.9, 1.1, 0));
+        CHECK(selection().empty());
+        stage.pull(tool, Vec3(-2.0, -0.2, 0));
+        CHECK(selection().size() == 4);  // both elements and their bones
+        CHECK(selection().back().kind == Kind::Element);
+        stage.letGo(tool, Vec3(-2.0, -0.2, 0));
+        CHECK(!tool.busy());
+        CHECK(!tool.box());
+        CHECK(selection().size() == 4);
+        // Shift keeps what was selected; Esc takes the box back.
+        stage.document().select({right});
+        stage.press(tool, Vec3(-4.0, 1.2, 0), Qt::ShiftModifier);
+        stage.pull(tool, Vec3(-2.0, -0.1, 0), Qt::ShiftModifier);
+        CHECK(selection() == std::vector{right, bone1, left});
+        tool.cancel();
+        CHECK(selection() == std::vector{right});
+        CHECK(!tool.busy());
+        stage.press(tool, Vec3(-4.0, 1.2, 0));
+        CHECK(selection().empty());
+        tool.cancel();
+        CHECK(selection() == std::vector{right});
+    }
+    // What cannot be clicked cannot be boxed.
+    SelectTool tool(stage.document());
+    stage.run({{"do", "set"}, {"target", "right"}, {"property", "locked"}, {"value", true}});
+    stage.run({{"do", "set"}, {"target", "left"}, {"property", "visible"}, {"value", false}});
+    stage.press(tool, Vec3(-4.0, 1.2, 0));
+    stage.pull(tool, Vec3(4.0, -1.2, 0));
+    for (const SelectionItem& item : stage.document().selection()) CHECK(item.kind == Kind::Bone);
+    stage.letGo(tool, Vec3(4.0, -1.2, 0));
+}
+
 TEST_CASE("select: Delete removes everything selected in one undo step") {
     Stage stage;
     addTwoBones(stage);

@@ -61,6 +61,21 @@ Vec3 nearestOnSegment(const PointerEvent& e, const Vec3& a, const Vec3& b) {
     return a + std::clamp(t, 0.0, 1.0) * s;
 }
 
+/// Whether the segment a...b on the screen touches the box; not where an end is behind the eye.
+bool touches(const QRectF& box, const std::optional<Eigen::Vector2d>& a, const std::optional<Eigen::Vector2d>& b) {
+    if (!a || !b) return false;
+    const Eigen::Vector2d low = a->cwiseMin(*b), high = a->cwiseMax(*b);
+    if (high.x() < box.left() || low.x() > box.right() || high.y() < box.top() || low.y() > box.bottom()) return false;
+    // Not all corners on one side of its line.
+    double least = std::numeric_limits<double>::infinity(), most = -least;
+    for (const QPointF corner : {box.topLeft(), box.topRight(), box.bottomLeft(), box.bottomRight()}) {
+        const double side = (b->x() - a->x()) * (corner.y() - a->y()) - (b->y() - a->y()) * (corner.x() - a->x());
+        least = std::min(least, side);
+        most = std::max(most, side);
+    }
+    return least <= 0.0 && most >= 0.0;
+}
+
 }  // namespace
 
 std::vector<RayHit> rayHits(Session& session, const Vec3& rayOrigin, const Vec3& rayDirection) {
@@ -228,6 +243,29 @@ std::optional<SelectionItem> pickItem(Session& session, const PointerEvent& e) {
     if (const JointFace* face = faceOfTriangle(element, hit.triangle))
         return SelectionItem{SelectionItem::Kind::Face, hit.element, face->name, false};
     return SelectionItem{SelectionItem::Kind::Element, hit.element, {}, false};
+}
+
+std::vector<SelectionItem> itemsWithin(Session& session, const PointerEvent& view, const QRectF& box) {
+    std::vector<SelectionItem> items;
+    if (view.bonesVisible)
+        for (const auto& [id, bone] : session.document().bones) {
+            const auto from = endpointPosition(session, {id, false}), to = endpointPosition(session, {id, true});
+            if (from && to && touches(box, view.onScreen(*from), view.onScreen(*to))) items.push_back({SelectionItem::Kind::Bone, id, {}, false});
+        }
+    for (const auto& [id, element] : session.document().elements) {
+        if (!element->visible || element->locked) continue;
+        const PosedBody body(session, id, *element);
+        std::vector<std::optional<Eigen::Vector2d>> seen(std::size_t(element->mesh->body.vertices.rows()));
+        for (std::size_t v = 0; v < seen.size(); ++v) seen[v] = view.onScreen(body.at(std::int32_t(v)));
+        const Triangles& triangles = element->mesh->body.triangles;
+        for (std::int32_t t = 0; t < triangles.rows(); ++t) {
+            const auto corner = [&](int c) { return seen[std::size_t(triangles(t, c))]; };
+            if (!touches(box, corner(0), corner(1)) && !touches(box, corner(1), corner(2)) && !touches(box, corner(2), corner(0))) continue;
+            items.push_back({SelectionItem::Kind::Element, id, {}, false});
+            break;
+        }
+    }
+    return items;
 }
 
 std::string pathOf(const Document& document, const EndpointRef& end) {

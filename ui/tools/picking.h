@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <QRectF>
 #include <optional>
 #include <string>
 #include <vector>
@@ -49,6 +50,9 @@ EndpointRef holdingEndpoint(Session& session, const EndpointRef& end);
 
 /// What lies under the pointer: bones and their ends, drawn over everything, come before bodies; a triangle of a joint face is the face.
 std::optional<SelectionItem> pickItem(Session& session, const PointerEvent& e);
+
+/// Everything that a box over the viewport touches: bones, where they are shown, and then visible, unlocked elements.
+std::vector<SelectionItem> itemsWithin(Session& session, const PointerEvent& view, const QRectF& box);
 
 /// Names as commands take them: "bone/end", "element/face".
 std::string pathOf(const Document& document, const EndpointRef& end);

@@ -8,6 +8,12 @@
 #include "ui/tools/tool_texts.h"
 
 namespace imomushi {
+namespace {
+
+/// A press that moves less than this before its release is a click, logical pixels.
+constexpr double kClickPixels = 4.0;
+
+}  // namespace
 
 void selectByClick(StudioDocument& document, const std::optional<SelectionItem>& item, Qt::KeyboardModifiers modifiers) {
     if (!(modifiers & Qt::ShiftModifier)) {
@@ -61,31 +67,56 @@ bool removeSelection(StudioDocument& document) {
 void SelectTool::press(const PointerEvent& e) {
     if (e.button != Qt::LeftButton || busy()) return;
     const auto item = pickItem(document_.session(), e);
-    if (item && item->kind == SelectionItem::Kind::Endpoint && !(e.modifiers & Qt::ShiftModifier))
-        pose_.press(e);
-    else
-        selectByClick(document_, item, e.modifiers);
+    if (item && item->kind == SelectionItem::Kind::Endpoint && !(e.modifiers & Qt::ShiftModifier)) return pose_.press(e);
+    auto before = document_.selection();
+    selectByClick(document_, item, e.modifiers);
+    if (!item) drag_ = Drag{{e.x, e.y}, {e.x, e.y}, std::move(before), document_.selection()};
 }
 
 void SelectTool::move(const PointerEvent& e) {
-    if (busy())
+    if (drag_) {
+        drag_->to = {e.x, e.y};
+        auto items = drag_->kept;
+        if (const auto area = box())
+            for (const SelectionItem& item : itemsWithin(document_.session(), e, *area))
+                if (std::find(items.begin(), items.end(), item) == items.end()) items.push_back(item);
+        document_.select(std::move(items));
+    } else if (busy())
         pose_.move(e);
     else if (e.buttons == Qt::NoButton)
         document_.setHovered(pickItem(document_.session(), e));
 }
 
+void SelectTool::release(const PointerEvent& e) {
+    if (!drag_) return pose_.release(e);
+    if (e.button == Qt::LeftButton) drag_.reset();
+}
+
+void SelectTool::cancel() {
+    if (!drag_) return pose_.cancel();
+    document_.select(std::move(drag_->before));
+    drag_.reset();
+}
+
+std::optional<QRectF> SelectTool::box() const {
+    if (!drag_ || (drag_->to - drag_->from).manhattanLength() < kClickPixels) return std::nullopt;
+    return QRectF(drag_->from, drag_->to).normalized();
+}
+
 bool SelectTool::key(int key, Qt::KeyboardModifiers modifiers) {
+    if (drag_) return true;
     if (busy()) return pose_.key(key, modifiers);
     if (key != Qt::Key_Delete && key != Qt::Key_Backspace) return false;
     return removeSelection(document_);
 }
 
 QString SelectTool::hint() const {
+    if (drag_) return ToolTexts::tr("Release: select what the box touches · Esc: cancel");
     if (busy()) return pose_.hint();
     if (document_.hovered() && document_.hovered()->kind == SelectionItem::Kind::Endpoint)
         return ToolTexts::tr("Click: select · Drag: pose");
-    if (document_.selection().empty()) return ToolTexts::tr("Click: select · Shift+click: add");
-    return ToolTexts::tr("Click: select · Shift+click: add · Delete: remove");
+    if (document_.selection().empty()) return ToolTexts::tr("Click or drag a box: select · Shift: add");
+    return ToolTexts::tr("Click or drag a box: select · Shift: add · Delete: remove");
 }
 
 }  // namespace imomushi

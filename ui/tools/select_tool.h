@@ -5,25 +5,32 @@
 
 namespace imomushi {
 
-/// Click selects, Shift+click adds or takes away, a click on nothing clears; Delete removes what is selected. Ends of bones can be
-/// dragged as with the pose tool.
+/// Click selects, Shift+click adds or takes away, a click on nothing clears; Delete removes what is selected. A drag that begins on nothing selects all that its box
+/// touches, with Shift beside what was selected. Ends of bones can be dragged as with the pose tool.
 class SelectTool : public Tool {
 public:
     explicit SelectTool(StudioDocument& document) : Tool(document), pose_(document) {}
     void press(const PointerEvent& e) override;
     void move(const PointerEvent& e) override;
-    void release(const PointerEvent& e) override { pose_.release(e); }
+    void release(const PointerEvent& e) override;
     bool wheel(double notches, const PointerEvent& e) override { return pose_.wheel(notches, e); }
     bool key(int key, Qt::KeyboardModifiers modifiers) override;
     [[nodiscard]] bool wants(int key) const override { return busy() && pose_.wants(key); }
     void keyReleased(int key) override { pose_.keyReleased(key); }
-    void cancel() override { pose_.cancel(); }
-    [[nodiscard]] bool busy() const override { return pose_.busy(); }
+    void cancel() override;
+    [[nodiscard]] bool busy() const override { return drag_ || pose_.busy(); }
     [[nodiscard]] QString hint() const override;
     void decorate(render::Scene& scene) const override { pose_.decorate(scene); }
+    [[nodiscard]] std::optional<QRectF> box() const override;
 
 private:
+    /// A box that is being dragged.
+    struct Drag {
+        QPointF from, to;
+        std::vector<SelectionItem> before, kept;  // selected before it, and whatever it touches
+    };
     PoseTool pose_;
+    std::optional<Drag> drag_;
 };
 
 /// Selects `item` as a click with these modifiers does.

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <QRectF>
 #include <QString>
 #include <Qt>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "ui/models/studio_document.h"
@@ -23,6 +26,7 @@ struct PointerEvent {
     Vec3 rayOrigin = Vec3::Zero();     ///< world
     Vec3 rayDirection = Vec3::UnitZ(); ///< unit
     Vec3 viewForward = -Vec3::UnitZ(); ///< unit, for dragging in the plane of the screen
+    Vec3 viewRight = Vec3::UnitX();    ///< unit
     double pixelAngle = 0.001;         ///< metres that a logical pixel covers per metre of depth (perspective; 0 otherwise)
     double pixelSize = 0.0;            ///< metres that a logical pixel covers at any depth (orthographic; 0 otherwise)
     bool bonesVisible = true;          ///< false: bones are hidden and not picked
@@ -31,6 +35,13 @@ struct PointerEvent {
     /// Metres that a logical pixel covers at `p`.
     [[nodiscard]] double pixelAt(const Vec3& p) const {
         return pixelSize + pixelAngle * std::max(1e-9, viewForward.dot(p - rayOrigin));
+    }
+    /// Where `p` is seen, logical pixels; none: behind the eye.
+    [[nodiscard]] std::optional<Eigen::Vector2d> onScreen(const Vec3& p) const {
+        const double depth = viewForward.dot(p - rayOrigin);
+        if (!(depth > 0.0)) return std::nullopt;
+        const Vec3 off = (p - rayOrigin - depth / viewForward.dot(rayDirection) * rayDirection) / pixelAt(p);
+        return Eigen::Vector2d(x + off.dot(viewRight), y - off.dot(viewRight.cross(viewForward)));
     }
 };
 
@@ -63,6 +74,8 @@ public:
     [[nodiscard]] virtual QString hint() const = 0;
     /// Adds what the tool shows to the scene (previews, handles).
     virtual void decorate(render::Scene&) const {}
+    /// A box that is being dragged over the viewport, logical pixels.
+    [[nodiscard]] virtual std::optional<QRectF> box() const { return std::nullopt; }
 
 protected:
     StudioDocument& document_;

@@ -200,6 +200,7 @@ void CameraController::aim(PointerEvent& e) const {
     const double pixel = 2.0 * std::tan(kFov / 2.0) / height_;
     const Vec3 across = pixel * ((e.x - width_ / 2.0) * a.col(0) - (e.y - height_ / 2.0) * a.col(1));
     e.viewForward = -a.col(2);
+    e.viewRight = a.col(0);
     if (orthographic_) {
         // Starts far in front of everything: an orthographic view also shows what lies behind the eye.
         e.rayOrigin = view_.target + view_.distance * across + 10.0 * (view_.distance + reach_ + view_.target.norm()) * a.col(2);

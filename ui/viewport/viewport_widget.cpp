@@ -41,7 +41,7 @@ constexpr int kTellMs = 100;
 constexpr int kLongHint = 72;
 /// Pictures farther apart (in seconds) are not counted as frames of one movement.
 constexpr double kLongestFrame = 1.0;
-constexpr float kXrayOpacity = 0.45f;
+constexpr float kXrayOpacity = 0.45f, kBoxOpacity = 0.12f;
 /// Zooming by dragging: this many pixels are a notch of the wheel.
 constexpr double kPixelsPerNotch = 12.0;
 /// Keypad 4, 6, 8, 2 turn the view by 15 degrees.
@@ -467,6 +467,15 @@ void ViewportWidget::paintOver() {
         font.setPointSizeF(font.pointSizeF() * 1.4);
         painter.setFont(font);
         painter.drawText(rect(), Qt::AlignCenter, tr("Drop a mesh or a project here"));
+    }
+    if (const auto box = tool_->box()) {
+        const QColor edge = palette().color(QPalette::Highlight);
+        QColor fill = edge;
+        fill.setAlphaF(kBoxOpacity);
+        painter.setPen(QPen(edge, 1.0));
+        painter.setBrush(fill);
+        painter.drawRect(*box);
+        painter.setBrush(Qt::NoBrush);
     }
     if (deck_) paintTake(painter);
     if (deck_ && deck_->counting()) paintCount(painter);
