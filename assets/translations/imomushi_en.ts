@@ -46,6 +46,16 @@
         </message>
     </context>
     <context>
+        <name>imomushi::MainWindow</name>
+        <message numerus="yes">
+            <source>Precompute cancelled; %n element(s) were done and are kept.</source>
+            <translation>
+                <numerusform>Precompute cancelled; %n element was done and is kept.</numerusform>
+                <numerusform>Precompute cancelled; %n elements were done and are kept.</numerusform>
+            </translation>
+        </message>
+    </context>
+    <context>
         <name>imomushi::ExportDialog</name>
         <message numerus="yes">
             <source>%n target(s)</source>

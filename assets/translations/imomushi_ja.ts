@@ -1087,12 +1087,16 @@
             <translation>ボーンの端をドラッグ</translation>
         </message>
         <message>
-            <source>Click: select · Shift+click: add</source>
-            <translation>クリック：選択 · Shift+クリック：追加</translation>
+            <source>Click or drag a box: select · Shift: add</source>
+            <translation>クリックまたは範囲をドラッグ：選択 · Shift：追加</translation>
         </message>
         <message>
-            <source>Click: select · Shift+click: add · Delete: remove</source>
-            <translation>クリック：選択 · Shift+クリック：追加 · Delete：削除</translation>
+            <source>Click or drag a box: select · Shift: add · Delete: remove</source>
+            <translation>クリックまたは範囲をドラッグ：選択 · Shift：追加 · Delete：削除</translation>
+        </message>
+        <message>
+            <source>Release: select what the box touches · Esc: cancel</source>
+            <translation>離す：範囲に触れたものを選択 · Esc：取り消し</translation>
         </message>
         <message>
             <source>Click: select · Drag: pose</source>
@@ -1911,6 +1915,12 @@
         <message>
             <source>Precompute cancelled</source>
             <translation>前計算を中止しました</translation>
+        </message>
+        <message numerus="yes">
+            <source>Precompute cancelled; %n element(s) were done and are kept.</source>
+            <translation>
+                <numerusform>前計算を中止しました。完了した %n 個の要素の結果は残しました。</numerusform>
+            </translation>
         </message>
         <message>
             <source>Precomputed. Drag a joint point with the drag tool (D).</source>

@@ -128,6 +128,32 @@ TEST_CASE("studio: a precompute that is cancelled answers at once and changes no
     w.run({{"do", "new"}});
 }
 
+TEST_CASE("studio: elements that are done when a precompute is cancelled are kept") {
+    Window w;
+    for (const char* file : {"a_cylinder_coarse", "a_cylinder_fine"}) {
+        w.import(QStringLiteral(IMOMUSHI_TEST_DATA "/reference/%1.obj").arg(QLatin1String(file)));
+        const std::string name = w.now().elements.rbegin()->second->name;
+        for (const double end : {2.0, -2.0})
+            w.run({{"do", "add-joint-face"}, {"element", name}, {"name", end > 0.0 ? "a" : "b"}, {"plane", {{"origin", {0, 0, end}}, {"normal", {0, 0, end}}}}});
+    }
+    const auto [quick, slow] = std::pair(w.now().elements.begin()->first, w.now().elements.rbegin()->first);
+    w.run({{"do", "set"}, {"target", w.now().elements.at(quick)->name}, {"property", "solver-mesh"}, {"value", "as-is"}});
+    w.run({{"do", "set"}, {"target", w.now().elements.at(slow)->name}, {"property", "solver-mesh"}, {"value", "best"}});
+    w.settle();
+    const int steps = w.document().session().position();
+    w.trigger("precompute");
+    PrecomputeJob& job = w.window().precomputeJob();
+    REQUIRE(QTest::qWaitFor([&] { return job.element() == QString::fromStdString(w.now().elements.at(slow)->name); }, 60000));
+    job.cancel();
+    CHECK(job.kept() == 1);
+    CHECK(w.document().session().responseState(quick) == Session::ResponseState::Fresh);
+    CHECK(w.document().session().responseState(slow) == Session::ResponseState::None);
+    CHECK(w.document().session().position() == steps);  // results are no steps
+    w.settle(300);
+    w.shoot("kept");
+    w.run({{"do", "new"}});
+}
+
 TEST_CASE("studio: selection in the outliner is the selection of the document, and names are edited there") {
     Window w;
     w.import(QStringLiteral(IMOMUSHI_TEST_DATA "/reference/a_cylinder_coarse.obj"));

@@ -27,7 +27,7 @@ struct PrecomputeJob::Item {
 
 struct PrecomputeJob::Work {
     std::deque<Item> items;  // stay where they are
-    std::atomic<int> current{0};
+    std::atomic<int> current{0};  // items before it are done, and stay as they are
 };
 
 namespace {
@@ -37,7 +37,11 @@ bool needsPrecompute(StudioDocument& document, const Element& element) {
 }
 }  // namespace
 
-PrecomputeJob::PrecomputeJob(StudioDocument& document, QObject* parent) : BackgroundJob(parent), document_(document) {}
+PrecomputeJob::PrecomputeJob(StudioDocument& document, QObject* parent) : BackgroundJob(parent), document_(document) {
+    connect(this, &BackgroundJob::finished, this, [this](bool completed) {
+        if (!completed) keep(*work_, std::size_t(work_->current));
+    });
+}
 
 PrecomputeEstimate PrecomputeJob::estimate() const {
     PrecomputeEstimate sum;
@@ -97,23 +101,26 @@ bool PrecomputeJob::start() {
                 progress.report("", done / total);
             }
         },
-        [this, work] {
-            Json elements = Json::array();
-            for (const Item& item : work->items) {
-                if (!item.response) {
-                    Q_EMIT elementFailed(item.name, errorText(item.error));
-                    continue;
-                }
-                document_.session().responses().insert(item.key, item.response);
-                // The command finds the result in the cache; an element that changed meanwhile would be computed here and now: leave it.
-                const auto& parts = document_.document().elements;
-                const auto found = parts.find(item.element);
-                if (found != parts.end() && responseKey(document_.session().responseInput(item.element)) == item.key)
-                    elements.push_back(found->second->name);
-            }
-            if (!elements.empty()) document_.execute({{"do", "precompute"}, {"elements", elements}});
-        });
+        [this, work] { keep(*work, work->items.size()); });
     return true;
+}
+
+void PrecomputeJob::keep(const Work& work, std::size_t count) {
+    Json elements = Json::array();
+    for (std::size_t i = 0; i < count; ++i) {
+        const Item& item = work.items[i];
+        if (!item.response) {
+            Q_EMIT elementFailed(item.name, errorText(item.error));
+            continue;
+        }
+        document_.session().responses().insert(item.key, item.response);
+        // The command finds the result in the cache; an element that changed meanwhile would be computed here and now: leave it.
+        const auto& parts = document_.document().elements;
+        const auto found = parts.find(item.element);
+        if (found != parts.end() && responseKey(document_.session().responseInput(item.element)) == item.key) elements.push_back(found->second->name);
+    }
+    kept_ = int(elements.size());
+    if (!elements.empty()) document_.execute({{"do", "precompute"}, {"elements", elements}});
 }
 
 QString PrecomputeJob::element() const {

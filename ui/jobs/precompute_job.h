@@ -17,7 +17,7 @@ struct PrecomputeEstimate {
 };
 
 /// Precomputes the elements that are not fresh in the background, from copies of what they depend on. The document stays usable; results of elements that
-/// were changed meanwhile are kept in the cache but leave the element out of date.
+/// were changed meanwhile are kept in the cache but leave the element out of date. What is done when it is cancelled is kept.
 class PrecomputeJob : public BackgroundJob {
     Q_OBJECT
 public:
@@ -28,16 +28,21 @@ public:
     bool start();
     /// The element that is being computed.
     [[nodiscard]] QString element() const;
+    /// How many elements the last run brought into the document.
+    [[nodiscard]] int kept() const { return kept_; }
 
 signals:
-    /// A completed run could not do this element.
+    /// This element could not be done.
     void elementFailed(const QString& element, const QString& message);
 
 private:
     struct Item;
     struct Work;
+    /// Takes what the first `count` items came to into the document.
+    void keep(const Work& work, std::size_t count);
     StudioDocument& document_;
     std::shared_ptr<Work> work_;
+    int kept_ = 0;
 };
 
 }  // namespace imomushi

@@ -165,8 +165,9 @@ MainWindow::MainWindow(const CommandRegistry& registry) : document_(registry) {
     });
     connect(precompute_, &BackgroundJob::finished, this, [this, soon](bool completed) {
         status_->setBusy({});
-        if (completed) files_->autosave().saveSoon();
-        if (!completed) message_->say(tr("Precompute cancelled"), MessageBar::Tone::Info);
+        const int kept = precompute_->kept();
+        if (kept > 0) files_->autosave().saveSoon();
+        if (!completed) message_->say(kept > 0 ? tr("Precompute cancelled; %n element(s) were done and are kept.", nullptr, kept) : tr("Precompute cancelled"), MessageBar::Tone::Info);
         else if (!precomputeFailed_) message_->say(tr("Precomputed. Drag a joint point with the drag tool (D)."), MessageBar::Tone::Good);
         soon();
     });
