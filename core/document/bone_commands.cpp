@@ -96,6 +96,12 @@ Result<void> readElement(const Document& document, const Json& arguments, Bone& 
 /// Refuses a bone that cannot be part of a forest, and a given parent that does not touch it.
 Result<Json> finishBone(Document& document, Bone bone) {
     document.bones.insert_or_assign(bone.id, std::make_shared<const Bone>(bone));
+    PartId above = bone.parent;
+    for (std::size_t i = 0; above != 0 && i < document.bones.size(); ++i) {
+        if (above == bone.id)
+            return fail("bad-parent", "The bone \"" + bone.name + "\" cannot hang on \"" + document.bones.at(bone.parent)->name + "\", which hangs on it: choose another parent.");
+        above = document.bones.at(above)->parent;
+    }
     const auto plan = planCharacter(document);
     if (!plan) return tl::unexpected(plan.error());
     const int index = plan->boneIndex(bone.id);

@@ -135,6 +135,7 @@ TEST_CASE("add-bone: endpoints at joined faces are one point, parents and elemen
     CHECK(w.code({{"do", "add-bone"}, {"name", "c"}, {"from", "b/end"}, {"to", {0, 0, 9}}, {"parent", "q"}}) == "no-such-bone");
     w.good({{"do", "add-bone"}, {"name", "c"}, {"from", "b/end"}, {"to", {0, 0, 9}}, {"parent", "b"}, {"roll", 0.5}});
     CHECK(w.code({{"do", "edit-bone"}, {"name", "b"}, {"to", "c/start"}}) == "bad-place");
+    CHECK(w.code({{"do", "edit-bone"}, {"name", "b"}, {"parent", "c"}}) == "bad-parent");  // c hangs on it
     w.good({{"do", "remove-bone"}, {"name", "b"}});
     CHECK(w.good({{"do", "list"}})["bones"][1]["parent"].is_null());
     CHECK(w.good({{"do", "list"}})["bones"][1]["start"] == "B/out");
