@@ -692,14 +692,6 @@
             <translation>やり直す操作はありません。</translation>
         </message>
         <message>
-            <source>The faces are too far apart to be joined.</source>
-            <translation>面が離れすぎていてつなげません。</translation>
-        </message>
-        <message>
-            <source>The project has no file yet. Choose one.</source>
-            <translation>プロジェクトの保存先がまだありません。保存先を選んでください。</translation>
-        </message>
-        <message>
             <source>OpenGL 3.3 is not available on this machine.</source>
             <translation>この環境では OpenGL 3.3 を使えません。</translation>
         </message>
@@ -710,10 +702,6 @@
         <message>
             <source>The effect is not turned on.</source>
             <translation>そのエフェクトはオンになっていません。</translation>
-        </message>
-        <message>
-            <source>This effect is not available in this version.</source>
-            <translation>このエフェクトはこの版ではまだ使えません。</translation>
         </message>
         <message>
             <source>This effect works on the whole character, not on a single element.</source>
@@ -742,6 +730,150 @@
         <message>
             <source>Blender could not make the FBX file. Choose glTF instead.</source>
             <translation>Blender で FBX を作れませんでした。glTF を選んでください。</translation>
+        </message>
+        <message>
+            <source>These joint faces are joined already.</source>
+            <translation>これらの関節面はすでに結合されています。</translation>
+        </message>
+        <message>
+            <source>This is no command.</source>
+            <translation>これはコマンドではありません。</translation>
+        </message>
+        <message>
+            <source>A picture is damaged or larger than 8192 pixels a side.</source>
+            <translation>画像が壊れているか、一辺が 8192 ピクセルを超えています。</translation>
+        </message>
+        <message>
+            <source>A line of the script cannot be read.</source>
+            <translation>スクリプトに読めない行があります。</translation>
+        </message>
+        <message>
+            <source>A bone hangs on one that it touches and that does not hang on it. Choose another parent.</source>
+            <translation>ボーンの親にできるのは、接していて、そのボーンにぶら下がっていないボーンだけです。別の親を選んでください。</translation>
+        </message>
+        <message>
+            <source>A bone cannot end there. Choose another place.</source>
+            <translation>そこをボーンの端にはできません。別の場所を選んでください。</translation>
+        </message>
+        <message>
+            <source>The graphics driver refuses a shader. Update the driver.</source>
+            <translation>グラフィックスドライバがシェーダーを受け付けません。ドライバを更新してください。</translation>
+        </message>
+        <message>
+            <source>A picture of this size cannot be drawn.</source>
+            <translation>この大きさの画像は描けません。</translation>
+        </message>
+        <message>
+            <source>Bones form trees: this one would close a loop.</source>
+            <translation>ボーンは木の形につながります。これでは輪になります。</translation>
+        </message>
+        <message>
+            <source>The project is damaged. Open an earlier version of it.</source>
+            <translation>プロジェクトが壊れています。以前の版を開いてください。</translation>
+        </message>
+        <message>
+            <source>A key stands twice in one line of the script.</source>
+            <translation>スクリプトの一行に同じキーが二度あります。</translation>
+        </message>
+        <message>
+            <source>The joint faces are too far apart to be joined. Bring them together first.</source>
+            <translation>関節面が離れすぎていて結合できません。先に近づけてください。</translation>
+        </message>
+        <message>
+            <source>Something went wrong in the studio. What was done before is kept.</source>
+            <translation>スタジオの内部で問題が起きました。それまでの作業は残っています。</translation>
+        </message>
+        <message>
+            <source>A file that belongs to this one was not found.</source>
+            <translation>付属するファイルが見つかりません。</translation>
+        </message>
+        <message>
+            <source>There is no bone yet. Add one first.</source>
+            <translation>ボーンがまだありません。先に追加してください。</translation>
+        </message>
+        <message>
+            <source>Joint faces cover the whole surface. Make them smaller.</source>
+            <translation>関節面が表面全体を覆っています。小さくしてください。</translation>
+        </message>
+        <message>
+            <source>A part of the surface sees no bone. Let bones run through it.</source>
+            <translation>どのボーンからも見えない表面があります。そこにボーンを通してください。</translation>
+        </message>
+        <message>
+            <source>There is no such joint face or end of a bone.</source>
+            <translation>そのような関節面やボーンの端はありません。</translation>
+        </message>
+        <message>
+            <source>There is no such property.</source>
+            <translation>そのような設定はありません。</translation>
+        </message>
+        <message>
+            <source>There is no element, bone or effect of that name.</source>
+            <translation>その名前の要素、ボーン、エフェクトはありません。</translation>
+        </message>
+        <message>
+            <source>This end of a bone is not held.</source>
+            <translation>このボーンの端は保持されていません。</translation>
+        </message>
+        <message>
+            <source>This joint face is not joined.</source>
+            <translation>この関節面は結合されていません。</translation>
+        </message>
+        <message>
+            <source>An element is not precomputed as it is now. Precompute it first.</source>
+            <translation>今の状態で前計算されていない要素があります。先に前計算してください。</translation>
+        </message>
+        <message>
+            <source>This end of a bone is not pinned.</source>
+            <translation>このボーンの端はピン留めされていません。</translation>
+        </message>
+        <message>
+            <source>The heat of the bones was not found. Repair triangles without area.</source>
+            <translation>ボーンの熱を求められませんでした。面積のない三角形を修復してください。</translation>
+        </message>
+        <message>
+            <source>This point cannot be touched. Choose one of the free surface.</source>
+            <translation>この点には触れません。関節面以外の表面を選んでください。</translation>
+        </message>
+        <message>
+            <source>There is no finger at this point.</source>
+            <translation>この点に指はありません。</translation>
+        </message>
+        <message>
+            <source>The graphics driver has no memory for a picture of this size. Make it smaller.</source>
+            <translation>この大きさの画像にはグラフィックスのメモリが足りません。小さくしてください。</translation>
+        </message>
+        <message>
+            <source>A file that belongs to this one lies outside its folder.</source>
+            <translation>付属するファイルがフォルダの外にあります。</translation>
+        </message>
+        <message>
+            <source>Both joint faces belong to one element. Join those of two.</source>
+            <translation>二つの関節面が同じ要素にあります。別々の要素の面を結合してください。</translation>
+        </message>
+        <message>
+            <source>The body meets itself. Repair it first, or choose another solver mesh.</source>
+            <translation>形状が自分自身と交わっています。先に修復するか、別の計算用メッシュを選んでください。</translation>
+        </message>
+        <message>
+            <source>The solver mesh cannot have so few vertices. Choose more.</source>
+            <translation>計算用メッシュの頂点がこれほど少なくはできません。増やしてください。</translation>
+        </message>
+        <message>
+            <source>There are too many fingers on this element. Lift one.</source>
+            <translation>この要素に触れている指が多すぎます。一本離してください。</translation>
+        </message>
+        <message>
+            <source>The solver mesh cannot have so many vertices. Choose fewer.</source>
+            <translation>計算用メッシュの頂点がこれほど多くはできません。減らしてください。</translation>
+        </message>
+        <message>
+            <source>There is no surface to cover. Import an element first.</source>
+            <translation>覆う表面がありません。先に要素を読み込んでください。</translation>
+        </message>
+        <message>
+            <source>The bone has no length. Let it end at another place.</source>
+            <translation>ボーンに長さがありません。別の場所を端にしてください。</translation>
         </message>
     </context>
     <context>

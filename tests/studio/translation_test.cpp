@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <doctest/doctest.h>
 
+#include <QCoreApplication>
+#include <QDirIterator>
 #include <QFile>
 #include <QProcess>
+#include <QRegularExpression>
 #include <QTemporaryDir>
+#include <QTranslator>
 #include <QXmlStreamReader>
 #include <set>
 #include <string>
+
+#include "ui/models/texts.h"
 
 namespace {
 
@@ -61,4 +67,28 @@ TEST_CASE("translations: Japanese has every text of the studio, finished, and no
         if (!needed.all.contains(message)) FAIL_CHECK("translated, but nowhere in the studio: ", message);
     for (const std::string& message : ours.unfinished) FAIL_CHECK("not finished in Japanese: ", message);
     CHECK(needed.all.size() > 100);
+}
+
+TEST_CASE("translations: every reason for a failure has a sentence in Japanese") {
+    QTranslator japanese;
+    REQUIRE(japanese.load(QStringLiteral(":/translations/imomushi_ja.qm")));
+    REQUIRE(QCoreApplication::installTranslator(&japanese));
+    // Codes stand where failures are made, or in constants with names of their own.
+    const QRegularExpression made(QStringLiteral("fail\\(\"([a-z-]+)\"|constexpr const char\\* k[A-Za-z]+ = \"([a-z]+-[a-z-]+)\""));
+    std::set<std::string> codes;
+    for (const char* room : {"/core", "/ui"}) {
+        QDirIterator files(QStringLiteral(IMOMUSHI_SOURCE_DIR) + QLatin1String(room), {QStringLiteral("*.cpp"), QStringLiteral("*.h")}, QDir::Files, QDirIterator::Subdirectories);
+        while (files.hasNext()) {
+            QFile file(files.next());
+            REQUIRE(file.open(QIODevice::ReadOnly));
+            for (auto found = made.globalMatch(QString::fromUtf8(file.readAll())); found.hasNext();) {
+                const auto match = found.next();
+                codes.insert((match.captured(1).isEmpty() ? match.captured(2) : match.captured(1)).toStdString());
+            }
+        }
+    }
+    CHECK(codes.size() > 60);
+    for (const std::string& code : codes)
+        if (imomushi::errorText({code, "In English."}) == QStringLiteral("In English.")) FAIL_CHECK("no sentence for ", code);
+    QCoreApplication::removeTranslator(&japanese);
 }
