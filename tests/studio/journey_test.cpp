@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <QFileInfo>
+#include <QMimeData>
 #include <QTreeView>
 
 #include "tests/studio/window.h"
@@ -125,6 +126,53 @@ TEST_CASE("studio: a precompute that is cancelled answers at once and changes no
     CHECK(ended);
     CHECK(!w.window().precomputeJob().running());
     CHECK(w.document().session().responseState(w.now().elements.begin()->first) == Session::ResponseState::None);
+    w.run({{"do", "new"}});
+}
+
+TEST_CASE("studio: in the outliner a bone is hung on another and joint faces are joined by dragging, each as one step") {
+    Window w;
+    for (int i = 0; i < 2; ++i) w.import(QStringLiteral(IMOMUSHI_TEST_DATA "/reference/a_cylinder_coarse.obj"));
+    const std::string a = w.now().elements.begin()->second->name, b = w.now().elements.rbegin()->second->name;
+    for (const std::string& name : {a, b}) w.run({{"do", "add-joint-face"}, {"element", name}, {"name", "end"}, {"plane", {{"origin", {0, 0, 2}}, {"normal", {0, 0, 1}}}}});
+    w.run({{"do", "add-bone"}, {"name", "spine"}, {"element", ""}, {"from", {0, 0, -2}}, {"to", {0, 0, 2}}});
+    w.run({{"do", "add-bone"}, {"name", "tail"}, {"element", ""}, {"from", {0, 1, 2}}, {"to", {0, 1, 4}}});
+    w.run({{"do", "add-bone"}, {"name", "fin"}, {"element", ""}, {"from", "spine/end"}, {"to", {0, 3, 2}}});
+    w.settle();
+    QAbstractItemModel* model = w.window().outliner().tree()->model();
+    const auto row = [&](const QString& name, const char* under = "") {
+        for (const QModelIndex& found : model->match(model->index(0, 0), Qt::DisplayRole, name, -1, Qt::MatchExactly | Qt::MatchRecursive))
+            if (*under == 0 || found.parent().data().toString() == QLatin1String(under)) return found;
+        return QModelIndex();
+    };
+    const auto drag = [&](const QModelIndexList& rows, const QModelIndex& onto) {
+        const std::unique_ptr<QMimeData> data(model->mimeData(rows));
+        return model->canDropMimeData(data.get(), Qt::LinkAction, -1, -1, onto) && model->dropMimeData(data.get(), Qt::LinkAction, -1, -1, onto);
+    };
+    const int steps = w.document().session().position();
+    // They do not touch: it starts at the other's end then.
+    REQUIRE(drag({row("tail")}, row("spine")));
+    const auto bone = [&](const char* name) { return w.now().boneNamed(name); };
+    CHECK(bone("tail")->parent == bone("spine")->id);
+    CHECK(std::get<EndpointRef>(bone("tail")->start) == EndpointRef{bone("spine")->id, true});
+    CHECK(row("tail").parent() == row("spine"));
+    CHECK(w.document().session().position() == steps + 1);
+    // They touch: nothing moves.
+    const auto before = bone("fin")->start;
+    REQUIRE(drag({row("fin")}, row("tail")));
+    CHECK(bone("fin")->parent == bone("tail")->id);
+    CHECK(bone("fin")->start == before);
+    // All or nothing: the second would close a ring.
+    const int now = w.document().session().position();
+    CHECK_FALSE(drag({row("spine")}, row("tail")));
+    CHECK(w.document().session().position() == now);
+    CHECK_FALSE(drag({row("tail")}, row("tail")));
+    CHECK_FALSE(drag({row("tail")}, row("spine")));  // it hangs there already
+    CHECK_FALSE(drag({row("tail")}, row("end", a.c_str())));
+    REQUIRE(drag({row("end", a.c_str())}, row("end", b.c_str())));
+    CHECK(w.now().joints.size() == 1);
+    w.trigger("undo");
+    CHECK(w.now().joints.empty());
+    w.shoot("outliner-drag");
     w.run({{"do", "new"}});
 }
 

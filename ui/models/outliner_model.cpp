@@ -1,12 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/models/outliner_model.h"
 
+#include <QCoreApplication>
+#include <QDataStream>
+#include <QIODevice>
+#include <QMimeData>
 #include <QStringList>
 #include <functional>
 #include <map>
 #include <vector>
 
+#include "core/document/character_input.h"
+#include "ui/models/gesture.h"
+
 namespace imomushi {
+namespace {
+
+/// The process, then the kind, the part and the face of each row: no other process knows these parts.
+const QString kDragged = QStringLiteral("application/x-imomushi-parts");
+
+}  // namespace
 
 struct OutlinerModel::Node {
     Kind kind = Kind::Character;
@@ -54,8 +67,13 @@ void OutlinerModel::rebuild() {
     }
     if (!d.bones.empty()) {
         Node& bones = character.add(Kind::Bones, 0);
+        // As they hang in the character, where parents that nobody gave are found from the joint points.
         std::multimap<PartId, PartId> children;
-        for (const auto& [id, bone] : d.bones) children.emplace(d.bones.contains(bone->parent) ? bone->parent : 0, id);
+        const auto plan = planCharacter(d);
+        for (const auto& [id, bone] : d.bones) {
+            const int parent = plan ? plan->input.skeleton.bones[std::size_t(plan->boneIndex(id))].parent : -1;
+            children.emplace(parent < 0 ? 0 : plan->bones[std::size_t(parent)], id);
+        }
         const std::function<void(Node&, PartId)> grow = [&](Node& node, PartId parent) {
             const auto [begin, end] = children.equal_range(parent);
             for (auto it = begin; it != end; ++it) grow(node.add(Kind::Bone, it->second), it->second);
@@ -237,7 +255,73 @@ Qt::ItemFlags OutlinerModel::flags(const QModelIndex& index) const {
     Qt::ItemFlags flags = Qt::ItemIsEnabled | Qt::ItemIsSelectable;
     const Kind kind = node(index)->kind;
     if (index.column() == Name && kind != Kind::Character && kind != Kind::Bones) flags |= Qt::ItemIsEditable;
+    if (kind == Kind::Face || kind == Kind::Bone) flags |= Qt::ItemIsDragEnabled | Qt::ItemIsDropEnabled;
     return flags;
+}
+
+QStringList OutlinerModel::mimeTypes() const { return {kDragged}; }
+
+QMimeData* OutlinerModel::mimeData(const QModelIndexList& indexes) const {
+    QByteArray bytes;
+    QDataStream out(&bytes, QIODevice::WriteOnly);
+    out << qint64(QCoreApplication::applicationPid());
+    for (const QModelIndex& index : indexes) {
+        const Node& n = *node(index);
+        if (index.column() == Name) out << qint32(n.kind) << qint64(n.part) << QString::fromStdString(n.face);
+    }
+    auto* data = new QMimeData;
+    data->setData(kDragged, bytes);
+    return data;
+}
+
+std::vector<Json> OutlinerModel::dropped(const QMimeData& data, const QModelIndex& index) const {
+    QDataStream in(data.data(kDragged));
+    qint64 process = 0;
+    in >> process;
+    if (process != QCoreApplication::applicationPid() || !index.isValid()) return {};
+    const Node& onto = *node(index);
+    const Document& d = document_.document();
+    std::vector<Json> commands;
+    while (!in.atEnd()) {
+        qint32 kind = 0;
+        qint64 part = 0;
+        QString face;
+        in >> kind >> part >> face;
+        if (in.status() != QDataStream::Ok || Kind(kind) != onto.kind) return {};
+        if (onto.kind == Kind::Bone) {
+            const auto bone = d.bones.find(PartId(part)), parent = d.bones.find(onto.part);
+            if (bone == d.bones.end() || parent == d.bones.end() || bone == parent) return {};
+            if (indexOf({SelectionItem::Kind::Bone, bone->first, {}, false}).parent() == index.siblingAtColumn(Name)) return {};  // it hangs there already
+            Json command = {{"do", "edit-bone"}, {"name", bone->second->name}, {"parent", parent->second->name}};
+            bool touches = false;
+            for (const bool mine : {false, true})
+                for (const bool its : {false, true}) touches = touches || document_.session().pointIndex({bone->first, mine}) == document_.session().pointIndex({parent->first, its});
+            if (!touches) command["from"] = parent->second->name + "/end";
+            commands.push_back(std::move(command));
+        } else if (onto.kind == Kind::Face) {
+            const auto from = d.elements.find(PartId(part)), to = d.elements.find(onto.part);
+            if (from == d.elements.end() || to == d.elements.end() || from == to) return {};
+            commands.push_back({{"do", "join"}, {"a", from->second->name + "/" + face.toStdString()}, {"b", to->second->name + "/" + onto.face}});
+        } else {
+            return {};
+        }
+    }
+    return commands;
+}
+
+bool OutlinerModel::canDropMimeData(const QMimeData* data, Qt::DropAction, int, int, const QModelIndex& parent) const {
+    return data && data->hasFormat(kDragged) && !dropped(*data, parent).empty();
+}
+
+bool OutlinerModel::dropMimeData(const QMimeData* data, Qt::DropAction, int, int, const QModelIndex& parent) {
+    if (!data || !data->hasFormat(kDragged)) return false;
+    const std::vector<Json> commands = dropped(*data, parent);
+    if (commands.empty()) return false;
+    Gesture gesture(document_);
+    for (const Json& command : commands)
+        if (!document_.execute(command)) return false;
+    gesture.commit();
+    return true;
 }
 
 void OutlinerModel::toggle(const QModelIndex& index) {

@@ -9,7 +9,8 @@
 
 namespace imomushi {
 
-/// The document as a tree: character > elements > joint faces, and the bones as they hang on each other.
+/// The document as a tree: character > elements > joint faces, and the bones as they hang on each other. A bone that is dropped on another hangs on it then, a joint
+/// face that is dropped on another is joined with it.
 class OutlinerModel : public QAbstractItemModel {
     Q_OBJECT
 public:
@@ -35,6 +36,11 @@ public:
     [[nodiscard]] QVariant data(const QModelIndex& index, int role) const override;
     bool setData(const QModelIndex& index, const QVariant& value, int role) override;
     [[nodiscard]] Qt::ItemFlags flags(const QModelIndex& index) const override;
+    [[nodiscard]] QStringList mimeTypes() const override;
+    [[nodiscard]] QMimeData* mimeData(const QModelIndexList& indexes) const override;
+    [[nodiscard]] Qt::DropActions supportedDropActions() const override { return Qt::LinkAction; }
+    [[nodiscard]] bool canDropMimeData(const QMimeData* data, Qt::DropAction action, int row, int column, const QModelIndex& parent) const override;
+    bool dropMimeData(const QMimeData* data, Qt::DropAction action, int row, int column, const QModelIndex& parent) override;
 
     /// Shows or hides, locks or unlocks an element.
     void toggle(const QModelIndex& index);
@@ -47,6 +53,8 @@ private:
     [[nodiscard]] Node* node(const QModelIndex& index) const;
     [[nodiscard]] QModelIndex indexOf(const Node* node, int column = 0) const;
     [[nodiscard]] std::shared_ptr<const Element> element(const Node& node) const;
+    /// What dropping on `onto` does, a command for each dragged row; empty: they have no place there.
+    [[nodiscard]] std::vector<Json> dropped(const QMimeData& data, const QModelIndex& onto) const;
 
     StudioDocument& document_;
     std::unique_ptr<Node> root_;

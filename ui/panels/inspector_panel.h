@@ -7,9 +7,9 @@
 #include <memory>
 #include <vector>
 
+#include "ui/models/gesture.h"
 #include "ui/models/studio_document.h"
 #include "ui/panels/number_field.h"
-#include "ui/tools/gesture.h"
 
 class QGridLayout;
 class QLabel;

@@ -27,6 +27,7 @@
 #include "core/document/version.h"
 #include "ui/jobs/export_job.h"
 #include "ui/models/effect_texts.h"
+#include "ui/models/gesture.h"
 #include "ui/models/texts.h"
 #include "ui/panels/accuracy_panel.h"
 #include "ui/panels/appearance.h"
@@ -42,7 +43,6 @@
 #include "ui/panels/status_strip.h"
 #include "ui/panels/studio_actions.h"
 #include "ui/panels/takes_panel.h"
-#include "ui/tools/gesture.h"
 #include "ui/tools/select_tool.h"
 #include "ui/viewport/viewport_widget.h"
 

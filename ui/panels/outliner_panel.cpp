@@ -38,6 +38,8 @@ OutlinerPanel::OutlinerPanel(StudioDocument& document, QWidget* parent) : QWidge
     tree_->setContextMenuPolicy(Qt::CustomContextMenu);
     tree_->setItemDelegate(new LineDelegate({OutlinerModel::IconRole, OutlinerModel::NoteRole, -1, false}, tree_));
     tree_->setMouseTracking(true);
+    tree_->setDragDropMode(QAbstractItemView::DragDrop);
+    tree_->setDefaultDropAction(Qt::LinkAction);
     tree_->header()->setStretchLastSection(false);
     tree_->header()->setMinimumSectionSize(1);
     tree_->header()->setSectionResizeMode(OutlinerModel::Name, QHeaderView::Stretch);

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "ui/models/gesture.h"
 #include "ui/models/texts.h"
-#include "ui/tools/gesture.h"
 #include "ui/tools/tool_texts.h"
 
 namespace imomushi {

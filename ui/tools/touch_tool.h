@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "ui/tools/gesture.h"
+#include "ui/models/gesture.h"
 #include "ui/tools/picking.h"
 #include "ui/tools/tool.h"
 
