@@ -451,6 +451,49 @@ Result<std::vector<Session::Step>> Session::State::redo(int count) {
     return done;
 }
 
+Result<void> Session::State::follow(const Document& before) {
+    const DocumentChange change = difference(before, document, false);
+    if (touchesSkeleton(change, document)) {
+        if (auto ok = followSkeleton(before); !ok) return ok;
+    } else if (touchesCharacter(change, document)) {
+        invalidateCharacter();
+    }
+    if (!change.effects) return {};
+    performanceValid = false;
+    const auto alive = live();
+    return alive ? Result<void>() : tl::unexpected(alive.error());
+}
+
+Result<void> Session::State::followSkeleton(const Document& before) {
+    const auto was = planCharacter(before), is = planCharacter(document);
+    if (!is) return tl::unexpected(is.error());
+    invalidateCharacter();
+    std::erase_if(document.held, [&](const auto& held) { return is->pointIndex(held.first) < 0; });
+    if (was && sameSkeleton(was->input.skeleton, is->input.skeleton)) return {};
+    // It begins from its rest pose, and pins at rest move along.
+    document.pose = {};
+    bool anythingPulled = false;
+    for (auto& [end, held] : document.held) {
+        const Vec3& now = is->input.skeleton.points[static_cast<std::size_t>(is->pointIndex(end))];
+        const int old = was ? was->pointIndex(end) : -1;
+        if (held.pinned && old >= 0 && held.target == was->input.skeleton.points[static_cast<std::size_t>(old)]) held.target = now;
+        anythingPulled = anythingPulled || held.target != now || held.roll;
+    }
+    if (!anythingPulled) return {};
+    const auto settled = settle();
+    return settled ? Result<void>() : tl::unexpected(settled.error());
+}
+
+void Session::State::takeBack(const Document& before) {
+    const DocumentChange change = difference(document, before, false);
+    const bool rebuild = touchesCharacter(change, before) || characterError;
+    document = before;
+    if (rebuild) invalidateCharacter();
+    if (change.effects) performanceValid = false;
+    if ((rebuild || !change.empty()) && live()) showPose();
+    pending = {};
+}
+
 void Session::State::noteFrames() {
     if (frames.empty()) return;
     const bool even = std::all_of(frames.begin(), frames.end(), [&](double dt) { return dt == frames[0]; });
@@ -541,60 +584,19 @@ Result<Json> Session::execute(const Json& command, const Progress& progress) {
     const Document before = s.document;  // shares all parts
     const int positionBefore = s.position;
     s.pending = {};
-    const auto takeBack = [&] {
-        const DocumentChange change = difference(s.document, before, false);
-        const bool rebuild = touchesCharacter(change, before) || s.characterError;
-        s.document = before;
-        if (rebuild) s.invalidateCharacter();
-        if (change.effects) s.performanceValid = false;
-        if ((rebuild || !change.empty()) && s.live()) s.showPose();
-        s.pending = {};
-    };
-
     Result<Json> answer = fail("internal", "");
     try {
         answer = what->run(*this, command, progress);
         if (answer && !finite(*answer)) answer = fail("not-finite", "The answer is not finite: check the input of this command.");
-        if (answer && what->changesDocument) {
-            const DocumentChange change = difference(before, s.document, false);
-            if (touchesSkeleton(change, s.document)) {
-                const auto was = planCharacter(before);
-                const auto is = planCharacter(s.document);
-                if (!is) {
-                    answer = tl::unexpected(is.error());
-                } else {
-                    s.invalidateCharacter();
-                    std::erase_if(s.document.held, [&](const auto& held) { return is->pointIndex(held.first) < 0; });
-                    if (!was || !sameSkeleton(was->input.skeleton, is->input.skeleton)) {
-                        // The skeleton at rest is another one: begin from its rest pose, and pins at rest move along.
-                        s.document.pose = {};
-                        bool anythingPulled = false;
-                        for (auto& [end, held] : s.document.held) {
-                            const Vec3& now = is->input.skeleton.points[static_cast<std::size_t>(is->pointIndex(end))];
-                            const int old = was ? was->pointIndex(end) : -1;
-                            if (held.pinned && old >= 0 && held.target == was->input.skeleton.points[static_cast<std::size_t>(old)])
-                                held.target = now;
-                            anythingPulled = anythingPulled || held.target != now || held.roll;
-                        }
-                        if (anythingPulled) {
-                            if (auto settled = s.settle(); !settled) answer = tl::unexpected(settled.error());
-                        }
-                    }
-                }
-            } else if (touchesCharacter(change, s.document)) {
-                s.invalidateCharacter();
-            }
-            if (change.effects) s.performanceValid = false;
-            if (answer && change.effects)
-                if (auto alive = s.live(); !alive) answer = tl::unexpected(alive.error());
-        }
+        if (answer && what->changesDocument)
+            if (auto ok = s.follow(before); !ok) answer = tl::unexpected(ok.error());
     } catch (const std::bad_alloc&) {
         answer = fail("no-memory", "There is not enough memory for \"" + what->name + "\": close other programs or use a smaller mesh.");
     } catch (const std::exception& error) {
         answer = fail("internal", "\"" + what->name + "\" failed: " + error.what());
     }
     if (!answer) {
-        takeBack();
+        s.takeBack(before);
         return answer;
     }
 

@@ -158,6 +158,12 @@ struct Session::State {
     Points currentPositions(PartId element);
 
     // ---- what commands do to the session itself
+    /// What a command that changed the document asks of the rest: another skeleton begins from its rest pose, other bodies want another character. Errors: those of
+    /// planCharacter, settle() and live().
+    Result<void> follow(const Document& before);
+    Result<void> followSkeleton(const Document& before);
+    /// Takes back what a failed command left.
+    void takeBack(const Document& before);
     /// Replaces everything by another document. `line`: the command that did it, for the script.
     void replaceDocument(Document fresh, std::filesystem::path file, Json line);
     Result<std::vector<Step>> undo(int count);
