@@ -20,7 +20,7 @@ using Clock = std::chrono::steady_clock;
 
 /// What disturbs a machine lasts about a second; after so many looks one of them was quiet.
 constexpr double kPause = 1.0;  // s
-constexpr int kLooks = 10;
+constexpr int kLooks = 5;
 
 double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
