@@ -2175,6 +2175,18 @@
             <translation>Shift + 中ボタン</translation>
         </message>
         <message>
+            <source>Alt + left mouse button</source>
+            <translation>Alt + 左ボタン</translation>
+        </message>
+        <message>
+            <source>Alt + middle mouse button</source>
+            <translation>Alt + 中ボタン</translation>
+        </message>
+        <message>
+            <source>Wheel, Alt + right mouse button</source>
+            <translation>ホイール、Alt + 右ボタン</translation>
+        </message>
+        <message>
             <source>Nearer, farther</source>
             <translation>近づく、遠ざかる</translation>
         </message>
@@ -2187,8 +2199,8 @@
             <translation>選択</translation>
         </message>
         <message>
-            <source>Click; Shift + click adds</source>
-            <translation>クリック（Shift + クリックで追加）</translation>
+            <source>Click, or drag a box from nothing; Shift adds</source>
+            <translation>クリック、または何もない所から範囲をドラッグ（Shift で追加）</translation>
         </message>
         <message>
             <source>Take back what is unfinished</source>
@@ -2253,10 +2265,6 @@
         <message>
             <source>Record, play</source>
             <translation>記録、再生</translation>
-        </message>
-        <message>
-            <source>R, space bar</source>
-            <translation>R、スペースキー</translation>
         </message>
     </context>
     <context>

@@ -783,18 +783,26 @@ void MainWindow::contextMenu(const QPoint& global) {
 }
 
 void MainWindow::showControls() {
+    const bool blender = viewport_->navigationPreset() == NavigationPreset::Blender;
+    // Keys can be changed.
+    const auto keys = [this](std::initializer_list<const char*> actions) {
+        QStringList found;
+        for (const char* id : actions)
+            if (const QKeySequence key = (*actions_)[id]->shortcut(); !key.isEmpty()) found << key.toString(QKeySequence::NativeText);
+        return found.join(QStringLiteral(", "));
+    };
     const std::pair<QString, QString> rows[] = {
-        {tr("Turn the view"), tr("Middle mouse button")},
-        {tr("Move the view"), tr("Shift + middle mouse button")},
-        {tr("Nearer, farther"), tr("Wheel")},
-        {tr("Select"), tr("Click; Shift + click adds")},
+        {tr("Turn the view"), blender ? tr("Middle mouse button") : tr("Alt + left mouse button")},
+        {tr("Move the view"), blender ? tr("Shift + middle mouse button") : tr("Alt + middle mouse button")},
+        {tr("Nearer, farther"), blender ? tr("Wheel") : tr("Wheel, Alt + right mouse button")},
+        {tr("Select"), tr("Click, or drag a box from nothing; Shift adds")},
         {tr("Take back what is unfinished"), tr("Esc or right mouse button")},
-        {tr("Frame all, frame the selection"), QStringLiteral("Home, F")},
+        {tr("Frame all, frame the selection"), keys({"frame-all", "frame-selection"})},
         {tr("Views along the axes"), QStringLiteral("1, 3, 7, 5")},
-        {tr("Tools"), QStringLiteral("Q, J, B, D, T")},
-        {tr("Precompute"), QStringLiteral("P")},
-        {tr("Record, play"), tr("R, space bar")},
-        {tr("Search commands"), QStringLiteral("F3")},
+        {tr("Tools"), keys({"tool-select", "tool-face", "tool-bone", "tool-pose", "tool-touch"})},
+        {tr("Precompute"), keys({"precompute"})},
+        {tr("Record, play"), keys({"record", "play"})},
+        {tr("Search commands"), keys({"search"})},
     };
     QString text = QStringLiteral("<table cellspacing='0' cellpadding='5' style='font-weight:400'>");
     for (const auto& [what, how] : rows) text += QStringLiteral("<tr><td style='padding-right:28px'>%1</td><td><b>%2</b></td></tr>").arg(what.toHtmlEscaped(), how.toHtmlEscaped());
