@@ -85,8 +85,8 @@ bool PrecomputeJob::start() {
             for (const Item& item : work->items) total += item.seconds;
             for (std::size_t i = 0; i < work->items.size(); ++i) {
                 Item& item = work->items[i];
-                work->current = int(i);
                 if (progress.cancelled()) return;
+                work->current = int(i);
                 item.key = responseKey(item.input);
                 const auto first = item.earlier ? item.earlier->response : item.known;
                 auto response = first                                 ? item.how->carry(*first)
