@@ -93,7 +93,7 @@ Result<void> readElement(const Document& document, const Json& arguments, Bone& 
     return {};
 }
 
-/// Refuses a bone that cannot be part of a forest, and a given parent that does not touch it.
+/// Refuses a bone that cannot be part of a forest, and a given parent that does not touch it or hangs on it.
 Result<Json> finishBone(Document& document, Bone bone) {
     document.bones.insert_or_assign(bone.id, std::make_shared<const Bone>(bone));
     PartId above = bone.parent;

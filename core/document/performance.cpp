@@ -85,15 +85,17 @@ double Performance::predict(const Document& document, const CharacterPlan& plan)
     trial->reset(pose);
     // One bone in three is turned a little, so that all springs work.
     for (std::size_t i = 0; i < pose.points.size(); i += 3) pose.points[i] += Vec3::Constant(0.05 * plan.input.skeleton.bones[0].length);
-    // The first ones find caches cold, and others are disturbed.
-    constexpr int kFrames = 40, kQuiet = kFrames / 4;
+    // The first ones find caches cold, and others are disturbed. Somebody waits for the answer.
+    constexpr std::size_t kFewest = 9, kMost = 40;
+    constexpr double kLongest = 4.0;  // ms, all together
     std::vector<double> times;
-    for (int frame = 0; frame < kFrames; ++frame) {
+    for (double sum = 0.0; times.size() < kFewest || (times.size() < kMost && sum < kLongest); sum += times.back()) {
         trial->step(1.0 / 60.0, pose, {});
         times.push_back(trial->milliseconds());
     }
-    std::nth_element(times.begin(), times.begin() + kQuiet, times.end());
-    return times[kQuiet];
+    const auto quiet = times.begin() + static_cast<std::ptrdiff_t>(times.size() / 4);
+    std::nth_element(times.begin(), quiet, times.end());
+    return *quiet;
 }
 
 std::optional<BoneDynamicsSettings::Ground> Performance::groundOf(const Effects& effects) const {
