@@ -577,8 +577,18 @@ void InspectorPanel::buildSolverMesh(const Items& items) {
                       gesture.commit();
                   });
     }
-    refreshers_.push_back([this, counted, tolerant, hadCount = counted(), hadTolerance = tolerant()] {
-        if (counted() != hadCount || tolerant() != hadTolerance) rebuildSoon();
+    const auto parts = [this, items] {
+        std::vector<std::shared_ptr<const Element>> found;
+        for (const SelectionItem& item : items)
+            if (const auto part = document_.document().elements.find(item.part); part != document_.document().elements.end()) found.push_back(part->second);
+        return found;
+    };
+    // Looked at again only when an element is another one: a drag refreshes in every frame.
+    refreshers_.push_back([this, parts, counted, tolerant, seen = parts(), hadCount = counted(), hadTolerance = tolerant()]() mutable {
+        if (auto now = parts(); now != seen) {
+            seen = std::move(now);
+            if (counted() != hadCount || tolerant() != hadTolerance) rebuildSoon();
+        }
     });
 }
 
