@@ -14,6 +14,8 @@ namespace imomushi {
 inline constexpr double kEndpointPixels = 12.0;
 inline constexpr double kBonePixels = 6.0;
 inline constexpr double kFaceCentrePixels = 14.0;
+/// A press that moves less than this before its release is a click, logical pixels.
+inline constexpr double kDragPixels = 3.0;
 
 /// A crossing of a ray with the surface of an element as it is posed now.
 struct RayHit {

@@ -11,8 +11,6 @@
 namespace imomushi {
 namespace {
 
-/// Logical pixels that a press may wander before it is a drag.
-constexpr double kDragThreshold = 3.0;
 /// Shift slows a drag to this.
 constexpr double kFine = 0.1;
 constexpr double kRadiansPerPixel = 0.5 * std::numbers::pi / 180.0;
@@ -96,7 +94,7 @@ void PoseTool::move(const PointerEvent& e) {
         return;
     }
     if (!drag_->gesture) {
-        if (std::hypot(e.x - drag_->pressX, e.y - drag_->pressY) < kDragThreshold) return;
+        if (std::hypot(e.x - drag_->pressX, e.y - drag_->pressY) < kDragPixels) return;
         drag_->gesture = std::make_unique<Gesture>(document_);
     }
     follow(e);

@@ -8,12 +8,6 @@
 #include "ui/tools/tool_texts.h"
 
 namespace imomushi {
-namespace {
-
-/// A press that moves less than this before its release is a click, logical pixels.
-constexpr double kClickPixels = 4.0;
-
-}  // namespace
 
 void selectByClick(StudioDocument& document, const std::optional<SelectionItem>& item, Qt::KeyboardModifiers modifiers) {
     if (!(modifiers & Qt::ShiftModifier)) {
@@ -99,7 +93,7 @@ void SelectTool::cancel() {
 }
 
 std::optional<QRectF> SelectTool::box() const {
-    if (!drag_ || (drag_->to - drag_->from).manhattanLength() < kClickPixels) return std::nullopt;
+    if (!drag_ || (drag_->to - drag_->from).manhattanLength() < kDragPixels) return std::nullopt;
     return QRectF(drag_->from, drag_->to).normalized();
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <Eigen/Geometry>
 #include <QRectF>
 #include <QString>
 #include <Qt>
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <functional>
 #include <memory>

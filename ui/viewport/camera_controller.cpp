@@ -216,11 +216,11 @@ void CameraController::aim(PointerEvent& e) const {
 }
 
 std::optional<Eigen::Vector2d> CameraController::onScreen(const Vec3& p) const {
-    const Vec3 c = axes().transpose() * (p - view_.target);
-    const double depth = orthographic_ ? view_.distance : view_.distance - c.z();
-    if (!(depth > 0.0)) return std::nullopt;
-    const double pixel = 2.0 * std::tan(kFov / 2.0) / height_ * depth;
-    return Eigen::Vector2d(width_ / 2.0 + c.x() / pixel, height_ / 2.0 - c.y() / pixel);
+    PointerEvent e;
+    e.x = width_ / 2.0;
+    e.y = height_ / 2.0;
+    aim(e);
+    return e.onScreen(p);
 }
 
 }  // namespace imomushi
