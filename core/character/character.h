@@ -6,10 +6,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "core/character/character_effects.h"
 #include "core/character/character_shape.h"
+#include "core/character/effect_settings.h"
+#include "core/character/frame_job.h"
 #include "core/character/response_format.h"
 #include "core/joints/joint_face.h"
 #include "core/reduction/element_response.h"
@@ -27,11 +29,7 @@ struct CharacterInput {
         std::shared_ptr<const ElementResponse> response;  ///< null: not precomputed, the element follows its bones rigidly
         double stiffness = 1.0;                           ///< relative shear modulus
         double density = 1000.0;                          ///< kg/m^3
-        bool heavy = false;                               ///< `gravity` acts here
-        bool inflated = false;                            ///< `inflate` acts here
-        bool warped = false;                              ///< keeps its volume under large motions (bend_warp.h)
-        double nu = 0.45;                                 ///< Poisson ratio; for that
-        bool touched = false;                             ///< `touch` acts here
+        double nu = 0.45;                                 ///< Poisson ratio
         std::vector<int> bones;                           ///< bones that run through it; empty: it stays at rest
         /// True: joint planes at its faces are not bisected, they turn with this element (model.md section 4, free ends).
         bool leadsJointPlanes = false;
@@ -51,7 +49,6 @@ struct CharacterInput {
     std::vector<Element> elements;
     std::vector<Joint> joints;  ///< every joint face belongs to exactly one joint
     BasisChoice basis;
-    bool smoothJoints = false;  ///< joints take the shape that balances their elements (joint_equilibrium.h) instead of a = b = 1 + c s
     CharacterEffects effects;
     ResponseFormat format = ResponseFormat::Float;
     int threads = 1;  ///< of a frame, 0: all of this machine; large characters only. They change no byte of what is shown
@@ -70,8 +67,9 @@ enum class FrameWarning : unsigned {
 /// Built once, then update() is the per-frame job: it neither allocates, locks nor fails.
 class Character {
 public:
-    /// Errors: "bad-value" when the input contradicts itself.
-    static Result<Character> build(CharacterInput input);
+    /// Takes over what `previous` has built for elements whose mesh, faces, response (the same objects) and settings did not change: an edit of one element
+    /// builds the tables of that element. Errors: "bad-value" when the input contradicts itself.
+    static Result<Character> build(CharacterInput input, const Character* previous = nullptr);
     Character(Character&&) noexcept;
     Character& operator=(Character&&) noexcept;
     ~Character();
@@ -82,8 +80,7 @@ public:
     InverseKinematics::Report solvePose(const std::vector<Hold>& holds, Pose& pose);
 
     /// Deforms all elements to `pose`. Elements whose v did not change are moved as they are (evaluated once more when that begins); those that
-    /// did not move either are left alone. `seconds` passed since the last update(), for effects that have a past; 0: none, what
-    /// swings stays where it swings.
+    /// did not move either are left alone. `seconds` passed since the last update(), for effects that have a past; 0: none, what oscillates stays at its phase.
     void update(const Pose& pose, double seconds = 0.0);
     /// Forgets all motion: the next update() jumps to its pose, at rest.
     void stop();
@@ -148,9 +145,9 @@ public:
         int evaluatedElements = 0;      ///< whose product was computed in the last update()
         int evaluatedVertices = 0;
         double poseMs = 0, jointsMs = 0, productMs = 0, normalsMs = 0;  ///< wall time by stage of the last solvePose() and update()
-        /// Of effects, within those stages; body loads with their share of the product by columns.
-        double gravityMs = 0, inflateMs = 0, jointDynamicsMs = 0, previousModelMs = 0, bendWarpMs = 0, touchMs = 0;
-        double equilibriumMs = 0;       ///< of jointsMs, with smooth joints
+        std::vector<EffectTime> effects;  ///< those that it has, within these stages; body loads with their share of the product by columns
+        /// Of one effect; 0: it has none such.
+        [[nodiscard]] double effectMs(std::string_view effect) const;
     };
     [[nodiscard]] const Stats& stats() const;
 
@@ -165,9 +162,9 @@ public:
     [[nodiscard]] double formatError(int element) const;
     [[nodiscard]] double formatError() const;  ///< of the worst element
 
-    /// Factor c of joint j in a = b = 1 + c s, s = mean outward shift of its faces in metres: the one of least elastic energy
+    /// Lateral contraction: factor c of joint j in a = b = 1 + c s, s = mean outward shift of its faces in metres: the one of least elastic energy
     /// when the bones are straight (model.md section 2). 1/m, negative: a stretched joint gets thinner. Of no effect with smooth joints.
-    [[nodiscard]] double shrink(int joint) const;
+    [[nodiscard]] double lateralContraction(int joint) const;
 
 private:
     struct State;

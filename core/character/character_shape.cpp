@@ -25,37 +25,37 @@ Quaterniond turned(const double* a, const double* b, double part) {
 
 ShapeLayout Character::shapeLayout() const {
     ShapeLayout layout;
-    for (const auto& e : state_->elements)
-        layout.elements.push_back({static_cast<int>(e.weights().size()), e.touched ? static_cast<int>(e.touched->shownForces.size()) : 0});
-    layout.joints = static_cast<int>(state_->joints.size());
-    layout.warping = state_->equilibrium ? state_->equilibrium->warpingShapes() : 0;
-    layout.nodes = static_cast<int>(state_->shownOffsets.size());
+    const Frame& f = state_->frame;
+    for (const auto& e : f.elements) layout.elements.push_back({static_cast<int>(e.weights().size()), static_cast<int>(e.patchForces.size())});
+    layout.joints = static_cast<int>(f.joints.size());
+    layout.warping = f.warpingShapes;
+    layout.nodes = static_cast<int>(f.offsets.size());
     return layout;
 }
 
 void Character::shape(double* to) const {
-    const State& s = *state_;
+    const Frame& s = state_->frame;
     for (const auto& e : s.elements) {
         to = put(to, e.rotation.coeffs().data(), 4);
         to = put(to, e.frame.shift.data(), 3);
         to = put(to, e.weights().data(), e.weights().size());
-        if (e.touched) to = put(to, e.touched->forces().data(), e.touched->forces().size());
+        to = put(to, e.patchForces.data(), e.patchForces.size());
     }
     for (const auto& j : s.joints) {
         to = put(to, j.turn.coeffs().data(), 4);
         to = put(to, j.map.linear.data(), 9);
         to = put(to, j.map.shift.data(), 3);
         *to++ = j.part;
-        if (s.equilibrium) to = put(to, j.warping.data(), j.warping.size());
+        to = put(to, j.warping.data(), j.warping.size());
     }
-    for (std::size_t i = 0; i < s.shownOffsets.size(); ++i) to = put(to, s.offset(static_cast<int>(i)).data(), 3);
+    for (const auto& offset : s.offsets) to = put(to, offset.data(), 3);
 }
 
 void Character::show(const double* from) {
-    State& s = *state_;
+    Frame& s = state_->frame;
     const auto start = std::chrono::steady_clock::now();
-    s.stats.evaluatedElements = s.stats.evaluatedVertices = 0;
-    s.updateWarnings = 0;
+    s.warnings = 0;
+    state_->jobs.begin();
     const auto take = [&from](double* to, Eigen::Index count) {
         std::copy_n(from, count, to);
         from += count;
@@ -64,30 +64,28 @@ void Character::show(const double* from) {
         take(e.rotation.coeffs().data(), 4);
         e.frame.linear = e.rotation.toRotationMatrix();
         take(e.frame.shift.data(), 3);
-        if (e.loads) {
-            take(e.loads->all.data(), e.loads->all.size());
-            e.v = e.loads->all.head(e.v.size());
+        if (e.withLoads.size() > 0) {
+            take(e.withLoads.data(), e.withLoads.size());
+            e.v = e.withLoads.head(e.v.size());
         } else {
             take(e.v.data(), e.v.size());
         }
-        if (!e.touched) continue;
-        e.touched->replayed = true;
-        take(e.touched->shownForces.data(), e.touched->shownForces.size());
+        take(e.patchForces.data(), e.patchForces.size());
     }
     for (auto& j : s.joints) {
         take(j.turn.coeffs().data(), 4);
         take(j.map.linear.data(), 9);
         take(j.map.shift.data(), 3);
         take(&j.part, 1);
-        if (s.equilibrium) take(j.warping.data(), j.warping.size());
+        take(j.warping.data(), j.warping.size());
     }
-    for (auto& offset : s.shownOffsets) take(offset.data(), 3);
+    for (auto& offset : s.offsets) take(offset.data(), 3);
     s.replaying = true;
-    s.showShape(start);
+    state_->showShape(start);
 }
 
 void Character::between(const double* a, const double* b, double part, double* to) const {
-    const State& s = *state_;
+    const Frame& s = state_->frame;
     const auto mix = [&](Eigen::Index count) {
         for (; count > 0; --count, ++a, ++b) *to++ = *a + part * (*b - *a);
     };
@@ -101,11 +99,11 @@ void Character::between(const double* a, const double* b, double part, double* t
         // About the middle of the element, as its box would move.
         const Matrix3d fromLinear = Eigen::Map<const Quaterniond>(a).toRotationMatrix(), toLinear = Eigen::Map<const Quaterniond>(b).toRotationMatrix();
         const Quaterniond q = turn();
-        const Vec3 place = mixed(fromLinear * e.middle + Eigen::Map<const Vec3>(a), toLinear * e.middle + Eigen::Map<const Vec3>(b), part);
-        const Vec3 shift = place - q.toRotationMatrix() * e.middle;
+        const Vec3 place = mixed(fromLinear * e.runtime->middle + Eigen::Map<const Vec3>(a), toLinear * e.runtime->middle + Eigen::Map<const Vec3>(b), part);
+        const Vec3 shift = place - q.toRotationMatrix() * e.runtime->middle;
         to = put(to, shift.data(), 3);
         a += 3, b += 3;
-        mix(e.weights().size() + (e.touched ? e.touched->shownForces.size() : 0));
+        mix(e.weights().size() + e.patchForces.size());
     }
     for (const auto& j : s.joints) {
         const Matrix3d fromTurn = Eigen::Map<const Quaterniond>(a).toRotationMatrix(), toTurn = Eigen::Map<const Quaterniond>(b).toRotationMatrix();
@@ -118,44 +116,37 @@ void Character::between(const double* a, const double* b, double part, double* t
         to = put(to, shift.data(), 3);
         a += 12, b += 12;
         mix(1);
-        if (!s.equilibrium) continue;
         for (Eigen::Index k = 0; k < j.warping.cols(); ++k, a += 3, b += 3) {
             const Vec3 w = now * mixed(fromTurn.transpose() * Eigen::Map<const Vec3>(a), toTurn.transpose() * Eigen::Map<const Vec3>(b), part);
             to = put(to, w.data(), 3);
         }
     }
-    mix(3 * static_cast<Eigen::Index>(s.shownOffsets.size()));
+    mix(3 * static_cast<Eigen::Index>(s.offsets.size()));
 }
 
-void Character::keepExact(bool exact) { state_->exact = exact; }
+void Character::keepExact(bool exact) { state_->frame.exact = exact; }
 
 Points Character::restPositions(int element) const {
-    Points out = state_->input.elements[static_cast<std::size_t>(element)].mesh->body.vertices;
-    for (const auto& h : state_->elements[static_cast<std::size_t>(element)].held) out.row(h.vertex) = h.rest.transpose();
+    Points out = state_->frame.input.elements[static_cast<std::size_t>(element)].mesh->body.vertices;
+    for (const auto& h : state_->frame.elements[static_cast<std::size_t>(element)].held) out.row(h.vertex) = h.rest.transpose();
     return out;
 }
 
 std::vector<std::int32_t> Character::heldVertices(int element) const {
     std::vector<std::int32_t> out;
-    for (const auto& h : state_->elements[static_cast<std::size_t>(element)].held) out.push_back(h.vertex);
+    for (const auto& h : state_->frame.elements[static_cast<std::size_t>(element)].held) out.push_back(h.vertex);
     return out;
 }
 
 Points Character::heldPositions(int element) const {
-    const auto& e = state_->elements[static_cast<std::size_t>(element)];
+    const auto& e = state_->frame.elements[static_cast<std::size_t>(element)];
     Points out(static_cast<Eigen::Index>(e.held.size()), 3);
-    for (std::size_t i = 0; i < e.held.size(); ++i) out.row(static_cast<Eigen::Index>(i)) = state_->heldAt(e, i).transpose();
+    for (std::size_t i = 0; i < e.held.size(); ++i) out.row(static_cast<Eigen::Index>(i)) = state_->frame.heldAt(e, i).transpose();
     return out;
 }
 
-std::vector<int> Character::loadColumns(int element) const {
-    const auto& loads = state_->elements[static_cast<std::size_t>(element)].loads;
-    std::vector<int> columns;
-    if (loads && loads->gravity) columns = {0, 1, 2};
-    if (loads && loads->inflated) columns.push_back(3);
-    return columns;
-}
+std::vector<int> Character::loadColumns(int element) const { return state_->frame.elements[static_cast<std::size_t>(element)].runtime->input.tables.loads; }
 
-bool Character::isWarped(int element) const { return state_->elements[static_cast<std::size_t>(element)].warped.has_value(); }
+bool Character::isWarped(int element) const { return state_->frame.elements[static_cast<std::size_t>(element)].runtime->warp != nullptr; }
 
 }  // namespace imomushi

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/character/character_state.h"
+#include "core/character/check_input.h"
 
 #include <cmath>
 
@@ -8,71 +8,107 @@ namespace imomushi {
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 
-Result<void> checkInput(const CharacterInput& input) {
-    const int points = static_cast<int>(input.skeleton.points.size());
-    const int bones = static_cast<int>(input.skeleton.bones.size());
-    const auto bad = [](const std::string& what) { return fail("bad-value", "The character contradicts itself: " + what + "."); };
-    const auto in = [](int i, int n) { return i >= 0 && i < n; };
-    for (int b = 0; b < bones; ++b) {
-        const auto& bone = input.skeleton.bones[b];
+namespace {
+
+tl::unexpected<Error> bad(const std::string& what) { return fail("bad-value", "The character contradicts itself: " + what + "."); }
+bool in(int i, int n) { return i >= 0 && i < n; }
+
+Result<void> checkSkeleton(const Skeleton& skeleton) {
+    const int points = static_cast<int>(skeleton.points.size());
+    for (int b = 0; b < static_cast<int>(skeleton.bones.size()); ++b) {
+        const auto& bone = skeleton.bones[static_cast<std::size_t>(b)];
         if (!in(bone.start, points) || !in(bone.end, points) || bone.start == bone.end) return bad("a bone has an end that is not there");
         if (bone.parent >= b) return bad("a bone comes before its parent");
         if (!(bone.length > 0.0) || !std::isfinite(bone.length)) return bad("a bone has no length");
         if (!(bone.minStretch >= 0.0) || !(bone.maxStretch >= bone.minStretch)) return bad("a bone's stretch limits are in the wrong order");
     }
-    for (const auto& p : input.skeleton.points)
+    for (const auto& p : skeleton.points)
         if (!allFinite(p)) return bad("a joint point is not a number");
-    for (const auto& element : input.elements) {
-        if (!element.mesh) return bad("an element has no mesh");
-        const auto vertices = element.mesh->body.vertices.rows();
-        if (!allFinite(element.mesh->body.vertices)) return bad("a vertex is not a number");
-        const auto& triangles = element.mesh->body.triangles;
-        if (triangles.size() > 0 && (triangles.minCoeff() < 0 || triangles.maxCoeff() >= vertices)) return bad("a triangle has a corner that is not there");
-        std::vector<char> onFace(vertices, 0);
-        for (const auto& face : element.faces) {
-            for (const auto v : face.vertices) {
-                if (v < 0 || v >= vertices) return bad("a joint face names a vertex that is not there");
-                if (onFace[v]++) return bad("two joint faces share a vertex");
-            }
-            for (const auto t : face.triangles)
-                if (t < 0 || t >= triangles.rows()) return bad("a joint face names a triangle that is not there");
+    return {};
+}
+
+Result<void> checkBody(const CharacterInput::Element& element) {
+    const auto vertices = element.mesh->body.vertices.rows();
+    if (!allFinite(element.mesh->body.vertices)) return bad("a vertex is not a number");
+    const auto& triangles = element.mesh->body.triangles;
+    if (triangles.size() > 0 && (triangles.minCoeff() < 0 || triangles.maxCoeff() >= vertices)) return bad("a triangle has a corner that is not there");
+    std::vector<char> onFace(static_cast<std::size_t>(vertices), 0);
+    for (const auto& face : element.faces) {
+        for (const auto v : face.vertices) {
+            if (v < 0 || v >= vertices) return bad("a joint face names a vertex that is not there");
+            if (onFace[static_cast<std::size_t>(v)]++) return bad("two joint faces share a vertex");
         }
-        for (const int b : element.bones)
-            if (!in(b, bones)) return bad("an element names a bone that is not there");
-        if (!(element.density > 0.0) || !std::isfinite(element.density)) return bad("an element has no density");
-        if (!element.response) continue;
-        const auto& r = *element.response;
-        bool fits = r.bases.size() == element.faces.size() && r.firstColumn.size() == element.faces.size() + 1;
-        for (std::size_t f = 0; fits && f < r.bases.size(); ++f) fits = r.firstColumn[f + 1] - r.firstColumn[f] == r.bases[f].columns();
-        fits = fits && r.response.rows() == 3 * static_cast<Eigen::Index>(r.freeVertices.size()) && r.response.cols() == r.columns() &&
-               r.stiffness.rows() == r.columns() && r.stiffness.cols() == r.columns() && allFinite(r.response) && allFinite(r.stiffness);
-        fits = fits && (r.loads.size() == 0 || (r.loads.rows() == r.response.rows() && r.loads.cols() == 4 && allFinite(r.loads) &&
-                                           r.loadForces.rows() == r.columns() && r.loadForces.cols() == 4 && allFinite(r.loadForces)));
-        std::size_t held = 0;
-        for (const auto& face : element.faces) held += face.vertices.size();
-        fits = fits && r.freeVertices.size() + held == static_cast<std::size_t>(vertices);
-        for (const auto v : r.freeVertices) fits = fits && v >= 0 && v < vertices && !onFace[v];
-        if (!fits) return bad("a response belongs to another mesh or other joint faces; precompute again");
+        for (const auto t : face.triangles)
+            if (t < 0 || t >= triangles.rows()) return bad("a joint face names a triangle that is not there");
     }
+    return {};
+}
+
+Result<void> checkResponse(const CharacterInput::Element& element) {
+    const auto& r = *element.response;
+    const auto vertices = element.mesh->body.vertices.rows();
+    bool fits = r.bases.size() == element.faces.size() && r.firstColumn.size() == element.faces.size() + 1;
+    for (std::size_t f = 0; fits && f < r.bases.size(); ++f) fits = r.firstColumn[f + 1] - r.firstColumn[f] == r.bases[f].columns();
+    fits = fits && r.response.rows() == 3 * static_cast<Eigen::Index>(r.freeVertices.size()) && r.response.cols() == r.columns() &&
+           r.stiffness.rows() == r.columns() && r.stiffness.cols() == r.columns() && allFinite(r.response) && allFinite(r.stiffness);
+    fits = fits && (r.loads.size() == 0 || (r.loads.rows() == r.response.rows() && r.loads.cols() == 4 && allFinite(r.loads) &&
+                                            r.loadForces.rows() == r.columns() && r.loadForces.cols() == 4 && allFinite(r.loadForces)));
+    std::vector<char> onFace(static_cast<std::size_t>(vertices), 0);
+    std::size_t held = 0;
+    for (const auto& face : element.faces) {
+        held += face.vertices.size();
+        for (const auto v : face.vertices) onFace[static_cast<std::size_t>(v)] = 1;
+    }
+    fits = fits && r.freeVertices.size() + held == static_cast<std::size_t>(vertices);
+    for (const auto v : r.freeVertices) fits = fits && v >= 0 && v < vertices && !onFace[static_cast<std::size_t>(v)];
+    if (!fits) return bad("a response belongs to another mesh or other joint faces; precompute again");
+    return {};
+}
+
+Result<void> checkJoints(const CharacterInput& input) {
+    const int points = static_cast<int>(input.skeleton.points.size()), bones = static_cast<int>(input.skeleton.bones.size());
     std::vector<std::vector<int>> used(input.elements.size());
     for (std::size_t e = 0; e < used.size(); ++e) used[e].assign(input.elements[e].faces.size(), 0);
     for (const auto& joint : input.joints) {
         if (joint.point < -1 || joint.point >= points || joint.faces.empty()) return bad("a joint has no face or no joint point");
         for (const auto& f : joint.faces) {
-            if (!in(f.element, static_cast<int>(input.elements.size())) || !in(f.face, static_cast<int>(used[f.element].size())))
+            if (!in(f.element, static_cast<int>(input.elements.size())) ||
+                !in(f.face, static_cast<int>(used[static_cast<std::size_t>(f.element)].size())))
                 return bad("a joint names a face that is not there");
             if (f.bone < -1 || f.bone >= bones) return bad("a joint names a bone that is not there");
-            ++used[f.element][f.face];
+            ++used[static_cast<std::size_t>(f.element)][static_cast<std::size_t>(f.face)];
         }
         if (!joint.welded.empty() && joint.faces.size() < 2) return bad("a joint welds a face to nothing");
+        const auto vertices = [&](std::size_t side) {
+            return static_cast<int>(input.elements[static_cast<std::size_t>(joint.faces[side].element)].mesh->body.vertices.rows());
+        };
         for (const auto& [a, b] : joint.welded)
-            if (!in(a, static_cast<int>(input.elements[joint.faces[0].element].mesh->body.vertices.rows())) ||
-                !in(b, static_cast<int>(input.elements[joint.faces[1].element].mesh->body.vertices.rows())))
-                return bad("a joint welds a vertex that is not there");
+            if (!in(a, vertices(0)) || !in(b, vertices(1))) return bad("a joint welds a vertex that is not there");
     }
     for (const auto& faces : used)
         for (const int n : faces)
             if (n != 1) return bad("a joint face belongs to no joint or to several");
+    return {};
+}
+
+}  // namespace
+
+Result<void> checkInput(const CharacterInput& input, const ElementRuntimes& known) {
+    if (auto ok = checkSkeleton(input.skeleton); !ok) return ok;
+    for (const auto& element : input.elements) {
+        if (!element.mesh) return bad("an element has no mesh");
+        const bool fits = known.knows(element.mesh, element.faces, element.response);
+        if (!fits)
+            if (auto ok = checkBody(element); !ok) return ok;
+        for (const int b : element.bones)
+            if (!in(b, static_cast<int>(input.skeleton.bones.size()))) return bad("an element names a bone that is not there");
+        if (!(element.density > 0.0) || !std::isfinite(element.density)) return bad("an element has no density");
+        if (!fits && element.response)
+            if (auto ok = checkResponse(element); !ok) return ok;
+    }
+    if (auto ok = checkJoints(input); !ok) return ok;
+    for (const auto& effect : input.effects)
+        if (auto ok = effect->validate(); !ok) return ok;
     return {};
 }
 

@@ -29,29 +29,37 @@ constexpr int kSignPatterns = 4;
 }  // namespace
 
 ResponseBlocks::ResponseBlocks(const Points& vertices, const std::vector<std::int32_t>& free, const Vec3& middle, const Eigen::MatrixXd& response,
-                               ResponseFormat format)
-    : format_(format) {
+                               ResponseFormat format) {
+    auto made = std::make_shared<Table>();
+    Table& t = *made;
+    table_ = made;
+    t.format = format;
     for (const auto v : free)
-        if (first_.empty() || v >= first_.back() + kVertexBlock) first_.push_back(v);
-    rest_ = AlignedBuffer<float>(count() * kStride);
+        if (t.first.empty() || v >= t.first.back() + kVertexBlock) t.first.push_back(v);
+    t.rest = AlignedBuffer<float>(count() * kStride);
     Points rest(static_cast<Eigen::Index>(free.size()), 3);
     std::size_t k = 0;
     for (std::size_t i = 0; i < free.size(); ++i) {
         rest.row(static_cast<Eigen::Index>(i)) = vertices.row(free[i]) - middle.transpose();
-        while (free[i] >= first_[k] + kVertexBlock) ++k;
+        while (free[i] >= t.first[k] + kVertexBlock) ++k;
         for (int axis = 0; axis < 3; ++axis)
-            rest_[k * kStride + axis * kVertexBlock + (free[i] - first_[k])] = static_cast<float>(rest(static_cast<Eigen::Index>(i), axis));
+            t.rest[k * kStride + axis * kVertexBlock + (free[i] - t.first[k])] = static_cast<float>(rest(static_cast<Eigen::Index>(i), axis));
     }
     if (response.cols() == 0 || free.empty()) return;
-    pack(free, findModes(rest, response));
-    error_ = measure(static_cast<std::size_t>(vertices.rows()), free, rest, response);
+    pack(free, findModes(rest, response, t), t);
+    const std::size_t columns = t.scale.size();
+    modal_ = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(columns));
+    columns_.assign(columns, 0.0f);
+    pairs_.assign(2 * ((columns + 1) / 2), 0);
+    groups_.assign((columns + kColumnGroup - 1) / kColumnGroup, 0.0f);
+    t.error = measure(static_cast<std::size_t>(vertices.rows()), free, rest, response);
 }
 
-// response * v = affine motion by (affineOf_ * v) + modes * (modesOf_ * v)
-Eigen::MatrixXd ResponseBlocks::findModes(const Points& rest, const Eigen::MatrixXd& response) {
+// response * v = affine motion by (affineOf * v) + modes * (modesOf * v)
+Eigen::MatrixXd ResponseBlocks::findModes(const Points& rest, const Eigen::MatrixXd& response, Table& t) {
     const Eigen::Index columns = response.cols(), points = response.rows() / 3;
     if (columns > kMostColumnsForModes) return response;
-    affineOf_ = Eigen::MatrixXd::Zero(12, columns);
+    t.affineOf = Eigen::MatrixXd::Zero(12, columns);
     // Columns of equal strength.
     Eigen::VectorXd size = response.cwiseAbs().colwise().maxCoeff();
     for (Eigen::Index c = 0; c < columns; ++c)
@@ -74,50 +82,46 @@ Eigen::MatrixXd ResponseBlocks::findModes(const Points& rest, const Eigen::Matri
         u.noalias() -= x * linear.transpose();
         Eigen::Matrix<double, 3, 4> fit;
         fit << linear, shift.transpose() - linear * mean.transpose();
-        affineOf_.col(c) = Eigen::Map<const Eigen::VectorXd>(fit.data(), 12) * size[c];
+        t.affineOf.col(c) = Eigen::Map<const Eigen::VectorXd>(fit.data(), 12) * size[c];
     }
 
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> gram(modes.transpose() * modes);
-    const double negligible = format_ == ResponseFormat::Float ? kNoModeOfFloat : kNoModeOfSixteenBits;
+    const double negligible = t.format == ResponseFormat::Float ? kNoModeOfFloat : kNoModeOfSixteenBits;
     Eigen::MatrixXd kept(response.rows(), columns);
-    modesOf_.resize(columns, columns);
+    t.modesOf.resize(columns, columns);
     Eigen::Index n = 0;
     for (Eigen::Index k = columns - 1; k >= 0; --k) {
         const auto part = gram.eigenvectors().col(k);
         kept.col(n).noalias() = modes * part;
         if (kept.col(n).cwiseAbs().maxCoeff() * part.cwiseAbs().maxCoeff() < negligible) continue;
-        modesOf_.row(n++) = part.cwiseProduct(size).transpose();
+        t.modesOf.row(n++) = part.cwiseProduct(size).transpose();
     }
-    modesOf_.conservativeResize(n, columns);
+    t.modesOf.conservativeResize(n, columns);
     kept.conservativeResize(Eigen::NoChange, n);
     return kept;
 }
 
-void ResponseBlocks::pack(const std::vector<std::int32_t>& free, const Eigen::MatrixXd& modes) {
+void ResponseBlocks::pack(const std::vector<std::int32_t>& free, const Eigen::MatrixXd& modes, Table& t) {
     const auto columns = static_cast<std::size_t>(modes.cols());
     const std::size_t pairs = (columns + 1) / 2;
-    modal_ = Eigen::VectorXd::Zero(modes.cols());
-    scale_.assign(columns, 0.0);
-    columns_.assign(columns, 0.0f);
-    pairs_.assign(2 * pairs, 0);
-    groups_.assign((columns + kColumnGroup - 1) / kColumnGroup, 0.0f);
-    const std::size_t entries = count() * kStride * (format_ == ResponseFormat::Int16 ? 2 * pairs : columns);
-    response_ = AlignedBuffer<std::byte>(entries * (format_ == ResponseFormat::Float ? sizeof(float) : sizeof(std::int16_t)));
-    auto* floats = reinterpret_cast<float*>(response_.data());
-    auto* halves = reinterpret_cast<Eigen::half*>(response_.data());
-    auto* integers = reinterpret_cast<std::int16_t*>(response_.data());
+    t.scale.assign(columns, 0.0);
+    const std::size_t entries = t.first.size() * kStride * (t.format == ResponseFormat::Int16 ? 2 * pairs : columns);
+    t.response = AlignedBuffer<std::byte>(entries * (t.format == ResponseFormat::Float ? sizeof(float) : sizeof(std::int16_t)));
+    auto* floats = reinterpret_cast<float*>(t.response.data());
+    auto* halves = reinterpret_cast<Eigen::half*>(t.response.data());
+    auto* integers = reinterpret_cast<std::int16_t*>(t.response.data());
     for (std::size_t c = 0; c < columns; ++c) {
         const auto column = modes.col(static_cast<Eigen::Index>(c));
         const double largest = column.cwiseAbs().maxCoeff();
-        scale_[c] = format_ == ResponseFormat::Float ? 1.0 : largest / (format_ == ResponseFormat::Half ? kLargestHalf : kLargestInt16);
-        const double factor = largest > 0.0 ? 1.0 / scale_[c] : 0.0;
+        t.scale[c] = t.format == ResponseFormat::Float ? 1.0 : largest / (t.format == ResponseFormat::Half ? kLargestHalf : kLargestInt16);
+        const double factor = largest > 0.0 ? 1.0 / t.scale[c] : 0.0;
         std::size_t k = 0;
         for (std::size_t i = 0; i < free.size(); ++i) {
-            while (free[i] >= first_[k] + kVertexBlock) ++k;
+            while (free[i] >= t.first[k] + kVertexBlock) ++k;
             for (std::size_t axis = 0; axis < 3; ++axis) {
                 const double entry = column[static_cast<Eigen::Index>(3 * i + axis)] * factor;
-                const std::size_t lane = axis * kVertexBlock + static_cast<std::size_t>(free[i] - first_[k]);
-                switch (format_) {
+                const std::size_t lane = axis * kVertexBlock + static_cast<std::size_t>(free[i] - t.first[k]);
+                switch (t.format) {
                     case ResponseFormat::Float: floats[(k * columns + c) * kStride + lane] = static_cast<float>(entry); break;
                     case ResponseFormat::Half: halves[(k * columns + c) * kStride + lane] = Eigen::half(static_cast<float>(entry)); break;
                     case ResponseFormat::Int16:
@@ -130,11 +134,12 @@ void ResponseBlocks::pack(const std::vector<std::int32_t>& free, const Eigen::Ma
 }
 
 void ResponseBlocks::weigh(const Eigen::VectorXd& v) {
-    const std::size_t columns = scale_.size();
-    if (affineOf_.cols() > 0) {
-        modal_.noalias() = modesOf_ * v;
+    const Table& t = *table_;
+    const std::size_t columns = t.scale.size();
+    if (t.affineOf.cols() > 0) {
+        modal_.noalias() = t.modesOf * v;
         Eigen::Matrix<double, 3, 4> affine;
-        Eigen::Map<Eigen::VectorXd>(affine.data(), 12).noalias() = affineOf_ * v;
+        Eigen::Map<Eigen::VectorXd>(affine.data(), 12).noalias() = t.affineOf * v;
         for (int i = 0; i < 3; ++i) {
             affine_.shift[i] = static_cast<float>(affine(i, 3));
             for (int k = 0; k < 3; ++k) affine_.linear[3 * i + k] = static_cast<float>((i == k ? 1.0 : 0.0) + affine(i, k));
@@ -142,27 +147,28 @@ void ResponseBlocks::weigh(const Eigen::VectorXd& v) {
     } else if (columns > 0) {
         modal_ = v;
     }
-    if (format_ != ResponseFormat::Int16) {
-        for (std::size_t c = 0; c < columns; ++c) columns_[c] = static_cast<float>(modal_[static_cast<Eigen::Index>(c)] * scale_[c]);
+    if (t.format != ResponseFormat::Int16) {
+        for (std::size_t c = 0; c < columns; ++c) columns_[c] = static_cast<float>(modal_[static_cast<Eigen::Index>(c)] * t.scale[c]);
         return;
     }
     for (std::size_t g = 0; g < groups_.size(); ++g) {
         const std::size_t begin = g * kColumnGroup, end = std::min(begin + kColumnGroup, columns);
         double sum = 0.0, largest = 0.0;
         for (std::size_t c = begin; c < end; ++c) {
-            const double weight = std::abs(modal_[static_cast<Eigen::Index>(c)] * scale_[c]);
+            const double weight = std::abs(modal_[static_cast<Eigen::Index>(c)] * t.scale[c]);
             sum += weight;
             largest = std::max(largest, weight);
         }
         const double factor = sum > kNoMotion ? std::min(kWeightSum / sum, kLargestInt16 / largest) : 0.0;
         for (std::size_t c = begin; c < end; ++c)
-            pairs_[c] = static_cast<std::int16_t>(std::lrint(modal_[static_cast<Eigen::Index>(c)] * scale_[c] * factor));
+            pairs_[c] = static_cast<std::int16_t>(std::lrint(modal_[static_cast<Eigen::Index>(c)] * t.scale[c] * factor));
         groups_[g] = factor > 0.0 ? static_cast<float>(1.0 / factor) : 0.0f;
     }
 }
 
 VertexBlocks ResponseBlocks::view() const {
-    return {format_, response_.data(), rest_.data(), first_.data(), static_cast<int>(scale_.size())};
+    const Table& t = *table_;
+    return {t.format, t.response.data(), t.rest.data(), t.first.data(), static_cast<int>(t.scale.size())};
 }
 
 double ResponseBlocks::measure(std::size_t vertices, const std::vector<std::int32_t>& free, const Points& rest, const Eigen::MatrixXd& response) {

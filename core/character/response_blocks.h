@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "core/character/aligned_buffer.h"
@@ -14,7 +15,7 @@ namespace imomushi {
 
 /// A' and the rest positions of an element as the frame reads them. What an affine motion of the whole element explains (rigid motions, uniform
 /// stretches) is done to their rest positions; the remainder is kept as modes, of which there are fewer than columns: 11 instead of 18 for
-/// an element between two parallel faces in the basis "affine".
+/// an element between two parallel faces in the basis "affine". Copies share all this, and have weights of their own.
 class ResponseBlocks {
 public:
     ResponseBlocks() = default;
@@ -27,32 +28,35 @@ public:
 
     [[nodiscard]] VertexBlocks view() const;
     [[nodiscard]] Weights weights() const { return {affine_, columns_.data(), pairs_.data(), groups_.data()}; }
-    [[nodiscard]] int modes() const { return static_cast<int>(scale_.size()); }
-    [[nodiscard]] std::size_t count() const { return first_.size(); }  ///< of blocks
-    [[nodiscard]] const std::int32_t* first() const { return first_.data(); }
-    [[nodiscard]] const AlignedBuffer<float>& rest() const { return rest_; }
-    [[nodiscard]] std::size_t responseBytes() const { return response_.bytes(); }
-    [[nodiscard]] std::size_t bytesPerBlock() const { return count() ? (response_.bytes() + rest_.bytes()) / count() : 0; }
+    [[nodiscard]] int modes() const { return static_cast<int>(table_->scale.size()); }
+    [[nodiscard]] std::size_t count() const { return table_->first.size(); }  ///< of blocks
+    [[nodiscard]] const std::int32_t* first() const { return table_->first.data(); }
+    [[nodiscard]] const AlignedBuffer<float>& rest() const { return table_->rest; }
+    [[nodiscard]] std::size_t responseBytes() const { return table_->response.bytes(); }
+    [[nodiscard]] std::size_t bytesPerBlock() const { return count() ? (table_->response.bytes() + table_->rest.bytes()) / count() : 0; }
     /// What the format costs: largest error of a displacement relative to the largest displacement, the worst of unit poses (each column
     /// alone, 64 of them at most) and of all columns together, each as strong as the others, with several signs. 0 without columns.
-    [[nodiscard]] double error() const { return error_; }
+    [[nodiscard]] double error() const { return table_->error; }
 
 private:
-    Eigen::MatrixXd findModes(const Points& rest, const Eigen::MatrixXd& response);
-    void pack(const std::vector<std::int32_t>& free, const Eigen::MatrixXd& modes);
+    struct Table {
+        ResponseFormat format = ResponseFormat::Float;
+        AlignedBuffer<std::byte> response;
+        AlignedBuffer<float> rest;
+        std::vector<std::int32_t> first;
+        Eigen::MatrixXd modesOf, affineOf;  // #modes x #columns, 12 x #columns: what v is multiplied with; empty: modes are columns
+        std::vector<double> scale;          // per mode: metres per unit of an entry
+        double error = 0.0;
+    };
+    static Eigen::MatrixXd findModes(const Points& rest, const Eigen::MatrixXd& response, Table& table);
+    static void pack(const std::vector<std::int32_t>& free, const Eigen::MatrixXd& modes, Table& table);
     [[nodiscard]] double measure(std::size_t vertices, const std::vector<std::int32_t>& free, const Points& rest, const Eigen::MatrixXd& response);
 
-    ResponseFormat format_ = ResponseFormat::Float;
-    AlignedBuffer<std::byte> response_;
-    AlignedBuffer<float> rest_;
-    std::vector<std::int32_t> first_;
-    Eigen::MatrixXd modesOf_, affineOf_;  // #modes x #columns, 12 x #columns: what v is multiplied with; empty: modes are columns
+    std::shared_ptr<const Table> table_ = std::make_shared<const Table>();
     Eigen::VectorXd modal_;               // of the last v
     AffineFloat affine_ = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-    std::vector<double> scale_;           // per mode: metres per unit of an entry
     std::vector<float> columns_, groups_;
     std::vector<std::int16_t> pairs_;
-    double error_ = 0.0;
 };
 
 }  // namespace imomushi

@@ -32,18 +32,9 @@ constexpr double kMostCoupling = 0.9;
 constexpr int kSweeps = 4, kRounds = 6;
 /// Slack in the tests whether solved forces are within their cones.
 constexpr double kSlack = 1e-9;
-/// Mean squared distance of the force of one bump from its centre, and of bumps mixed by their weights, in squared reaches; what each further mixing
-/// adds.
-constexpr double kOfBump = 0.25, kOfMixed = 0.42, kOfOverlap = 0.34;
-/// Weights to this power are narrowest without jumping from bump to bump.
-constexpr double kSharpest = 3.0;
-/// Patches of less than this share of the largest are left out of a finger: their parts are not seen, but their columns would be read.
-constexpr double kLeastShare = 1e-3;
 
-bool finite(const Vec3& v) { return std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z()); }
-
-/// A critically damped return to 0: exact for any time.
-void relax(double omega, double seconds, double& value, double& rate) {
+/// A critically damped return to 0, exact for any time: value'' = -2 omega value' - omega^2 value.
+void decay(double omega, double seconds, double& value, double& rate) {
     const double e = std::exp(-omega * seconds), slope = rate + omega * value;
     value = (value + slope * seconds) * e;
     rate = (rate - omega * slope * seconds) * e;
@@ -65,82 +56,23 @@ Result<void> checkTouchSettings(const TouchSettings& s) {
     return {};
 }
 
-Result<TouchContact> TouchContact::build(const TriangleMesh& body, std::span<const JointFace> faces, std::shared_ptr<const ElementResponse> response,
-                                         const TouchSettings& settings) {
+Result<TouchContact> TouchContact::build(std::shared_ptr<const TouchSurface> surface, const TouchSettings& settings) {
     if (auto ok = checkTouchSettings(settings); !ok) return tl::make_unexpected(ok.error());
-    const auto bad = [] { return fail("bad-value", "The element has no precomputed touch for this mesh; precompute it again with touch."); };
-    if (!response || response->touch.patches.count() == 0) return bad();
-    const TouchResponse& touch = response->touch;
-    const Eigen::Index columns = 3 * touch.patches.count();
-    const auto& p = touch.patches;
-    bool fits = p.first.size() == static_cast<std::size_t>(body.vertices.rows()) + 1 && p.patch.size() == p.weight.size() &&
-                touch.displacement.cols() == columns && touch.displacement.rows() == 3 * static_cast<Eigen::Index>(response->freeVertices.size()) &&
-                touch.compliance.rows() == columns && touch.compliance.cols() == columns && touch.forces.cols() == columns &&
-                touch.gradients.cols() == columns && touch.gradients.rows() == 9 * static_cast<Eigen::Index>(touch.probes.size());
-    fits =
-        fits && p.first.front() == 0 && static_cast<std::size_t>(p.first.back()) == p.patch.size() && std::is_sorted(p.first.begin(), p.first.end());
-    for (const std::int32_t i : p.patch) fits = fits && i >= 0 && i < p.count();
-    for (const std::int32_t v : response->freeVertices) fits = fits && v >= 0 && v < body.vertices.rows();
-    for (const JointFace& face : faces)
-        for (const std::int32_t f : face.triangles) fits = fits && f >= 0 && f < body.triangles.rows();
-    if (!fits) return bad();
-    return TouchContact(body, faces, std::move(response), settings);
+    return TouchContact(std::move(surface), settings);
 }
 
-TouchContact::TouchContact(const TriangleMesh& body, std::span<const JointFace> faces, std::shared_ptr<const ElementResponse> response,
-                           const TouchSettings& settings)
-    : response_(std::move(response)), settings_(settings), body_(body), normals_(vertexNormals(body)) {
-    const TouchPatches& patches = touch().patches;
-    const Eigen::Index count = patches.count(), columns = 3 * count;
-    size_ = (body.vertices.colwise().maxCoeff() - body.vertices.colwise().minCoeff()).norm();
-    row_.assign(static_cast<std::size_t>(body.vertices.rows()), -1);
-    for (std::size_t i = 0; i < response_->freeVertices.size(); ++i)
-        row_[static_cast<std::size_t>(response_->freeVertices[i])] = static_cast<std::int32_t>(3 * i);
-
-    std::vector<std::int32_t> held, which;
-    for (const JointFace& face : faces) held.insert(held.end(), face.triangles.begin(), face.triangles.end());
-    touchable_ = touchableTriangles(body, held);
-    const Eigen::MatrixXd weights = patches.dense();
-    overlap_ = Eigen::MatrixXd::Zero(count, count);
-    for (std::int32_t f = 0; f < body.triangles.rows(); ++f) {
-        if (!touchable_[static_cast<std::size_t>(f)]) continue;
-        which.push_back(f);
-        const double area = areaVector(body, f).norm();
-        for (int a = 0; a < 3; ++a) {
-            const std::int32_t v = body.triangles(f, a);
-            for (auto i = patches.first[static_cast<std::size_t>(v)]; i < patches.first[static_cast<std::size_t>(v) + 1]; ++i)
-                for (int b = 0; b < 3; ++b)
-                    overlap_.row(patches.patch[static_cast<std::size_t>(i)]) += area * (a == b ? 2.0 : 1.0) *
-                                                                                static_cast<double>(patches.weight[static_cast<std::size_t>(i)]) *
-                                                                                weights.row(body.triangles(f, b));
-        }
-    }
-    for (Eigen::Index p = 0; p < count; ++p) {
-        const double sum = overlap_.row(p).sum();
-        if (sum > 0.0)
-            overlap_.row(p) /= sum;
-        else
-            overlap_(p, p) = 1.0;
-    }
-    tree_ = std::make_unique<TriangleTree>(body, std::move(which));
-    largest_ = Eigen::VectorXd::Zero(count);
-    for (Eigen::Index c = 0; c < columns; ++c) {
-        double most = 0.0;
-        for (Eigen::Index i = 0; i < touch().displacement.rows(); i += 3)
-            most = std::max(most, static_cast<double>(touch().displacement.block<3, 1>(i, c).squaredNorm()));
-        largest_[c / 3] += std::sqrt(most);
-    }
-
+TouchContact::TouchContact(std::shared_ptr<const TouchSurface> surface, const TouchSettings& settings) : surface_(std::move(surface)), settings_(settings) {
+    const Eigen::Index count = touch().patches.count(), columns = 3 * count;
     for (Finger& finger : fingers_) {
         finger.weights = Eigen::VectorXd::Zero(count);
         finger.rows = Row3::Zero(3, columns);
         finger.gradients = Row3::Zero(3, touch().gradients.rows());
     }
     left_ = leftRate_ = total_ = before_ = Eigen::VectorXd::Zero(columns);
-    spread_ = spreadNext_ = Eigen::VectorXd::Zero(count);
+    weights_ = nextWeights_ = Eigen::VectorXd::Zero(count);
     gradients_ = Eigen::VectorXd::Zero(touch().gradients.rows());
     active_.reserve(kFingers);
-    grip_.resize(kFingers);
+    contact_.resize(kFingers);
     compliance_.assign(static_cast<std::size_t>(kFingers) * kFingers, Eigen::Matrix3d::Zero());
     matrix_.resize(static_cast<std::size_t>(9 * kFingers) * kFingers);
     right_.resize(3 * kFingers);
@@ -153,49 +85,8 @@ Result<void> TouchContact::set(const TouchSettings& settings) {
     return {};
 }
 
-TouchContact::Point TouchContact::nearest(const Vec3& rest) const {
-    if (!finite(rest)) return {};
-    const TriangleTree::Hit hit = tree_->nearest(rest);
-    return {hit.triangle, hit.barycentric, std::sqrt(hit.squaredDistance)};
-}
-
-TouchContact::Point TouchContact::nearestFacing(const Vec3& rest, const Vec3& direction) const {
-    if (!finite(rest) || !finite(direction)) return {};
-    const TriangleTree::Hit hit = tree_->nearestFacing(rest, direction);
-    return hit.triangle < 0 ? nearest(rest) : Point{hit.triangle, hit.barycentric, std::sqrt(hit.squaredDistance)};
-}
-
-double TouchContact::narrowest() const { return std::sqrt(kOfBump) * touch().patches.reach; }
-
-/// Which patches a finger presses: those around its point by their weights there, sharpened for a small finger, mixed with their neighbours for a
-/// large one.
-void TouchContact::spread(Finger& finger, double radius) {
-    const TouchPatches& patches = touch().patches;
-    spread_.setZero();
-    for (std::size_t c = 0; c < 3; ++c) {
-        const auto v = static_cast<std::size_t>(finger.corner[c]);
-        for (auto i = static_cast<std::size_t>(patches.first[v]); i < static_cast<std::size_t>(patches.first[v + 1]); ++i)
-            spread_[patches.patch[i]] += finger.point.barycentric[static_cast<Eigen::Index>(c)] * static_cast<double>(patches.weight[i]);
-    }
-    const double mixed = std::sqrt(kOfMixed) * patches.reach;
-    if (radius > 0.0 && radius < mixed) {
-        const double power = 1.0 + (kSharpest - 1.0) * std::min(1.0, (mixed - radius) / (mixed - narrowest()));
-        const double most = spread_.maxCoeff();
-        for (double& w : spread_) w = w > 0.0 ? std::pow(w / most, power) : 0.0;
-    } else if (radius > mixed) {
-        double mixings = std::min((radius * radius / (patches.reach * patches.reach) - kOfMixed) / kOfOverlap, static_cast<double>(kMostSpread));
-        for (; mixings > 0.0; mixings -= 1.0) {
-            spreadNext_.noalias() = overlap_.transpose() * spread_;
-            spread_ += std::min(mixings, 1.0) * (spreadNext_ - spread_);
-        }
-    }
-    const double most = spread_.maxCoeff();
-    for (double& w : spread_) w = std::max(0.0, w - kLeastShare * most);
-    finger.weights = spread_ / spread_.sum();
-}
-
 /// What the force of a finger does to the points of all, theirs to its point, and its own to the gradients.
-void TouchContact::measure(std::size_t finger) {
+void TouchContact::findCompliance(std::size_t finger) {
     Finger& f = fingers_[finger];
     const Eigen::MatrixXd& C = touch().compliance;
     double mean = 0.0;
@@ -227,28 +118,26 @@ double TouchContact::largestGradient(const Eigen::VectorXd& gradients) const {
 }
 
 bool TouchContact::place(int finger, const Point& point, double radius) {
-    if (finger < 0 || finger >= kFingers || point.triangle < 0 || point.triangle >= body_.triangles.rows() || !finite(point.barycentric) ||
-        !std::isfinite(radius) || radius < 0.0 || point.barycentric.minCoeff() < -kSlack || std::abs(point.barycentric.sum() - 1.0) > 1e-6)
-        return false;
-    if (!touchable_[static_cast<std::size_t>(point.triangle)]) return false;
+    if (finger < 0 || finger >= kFingers || !std::isfinite(radius) || radius < 0.0 || !surface_->canTouch(point)) return false;
     Finger& f = fingers_[static_cast<std::size_t>(finger)];
     f.point = point;
     f.point.barycentric = point.barycentric.cwiseMax(0.0);
     f.point.barycentric /= f.point.barycentric.sum();
-    for (std::size_t c = 0; c < 3; ++c) f.corner[c] = body_.triangles(point.triangle, static_cast<Eigen::Index>(c));
-    spread(f, radius);
+    f.corner = surface_->corners(point.triangle);
+    surface_->weigh(f.point, radius, weights_, nextWeights_);
+    f.weights = weights_;
     f.rows.setZero();
     for (std::size_t c = 0; c < 3; ++c) {
-        const std::int32_t row = row_[static_cast<std::size_t>(f.corner[c])];
+        const std::int32_t row = surface_->row(f.corner[c]);
         const double part = f.point.barycentric[static_cast<Eigen::Index>(c)];
         if (row >= 0 && part > 0.0) f.rows += part * touch().displacement.middleRows<3>(row).cast<double>();
     }
-    measure(static_cast<std::size_t>(finger));
+    findCompliance(static_cast<std::size_t>(finger));
     if (!f.down) {
         f.down = true;
         f.aimed = false;
-        f.behind = 1.0;
-        f.behindRate = 0.0;
+        f.remaining = 1.0;
+        f.remainingRate = 0.0;
         f.force.setZero();
         f.slip.setZero();
         f.state = State::Outside;
@@ -257,30 +146,30 @@ bool TouchContact::place(int finger, const Point& point, double radius) {
 }
 
 bool TouchContact::aim(int finger, const Vec3& wanted, const Vec3& normal) {
-    if (finger < 0 || finger >= kFingers || !finite(wanted) || !finite(normal)) return false;
+    if (finger < 0 || finger >= kFingers || !wanted.allFinite() || !normal.allFinite()) return false;
     Finger& f = fingers_[static_cast<std::size_t>(finger)];
     const Vec3 direction = unit(normal, Vec3::Zero());
     if (!f.down || direction.isZero(0.0)) return false;
     f.normal = direction;
-    const double length = wanted.stableNorm(), most = kFarthest * size_;
+    const double length = wanted.stableNorm(), most = kFarthest * surface_->size();
     f.wanted = length > most ? Vec3(wanted * (most / length)) : wanted;
     f.aimed = true;
     return true;
 }
 
 bool TouchContact::aim(int finger, const std::array<Vec3, 3>& corners, const Vec3& target, const Eigen::Matrix3d& axes) {
-    if (finger < 0 || finger >= kFingers || !fingers_[static_cast<std::size_t>(finger)].down || !finite(target) || !axes.array().isFinite().all())
+    if (finger < 0 || finger >= kFingers || !fingers_[static_cast<std::size_t>(finger)].down || !target.allFinite() || !axes.array().isFinite().all())
         return false;
     for (const Vec3& corner : corners)
-        if (!finite(corner)) return false;
+        if (!corner.allFinite()) return false;
     const Finger& f = fingers_[static_cast<std::size_t>(finger)];
     std::array<Vec3, 3> rest;
     Vec3 at = Vec3::Zero(), smooth = Vec3::Zero();
     for (std::size_t c = 0; c < 3; ++c) {
         const double part = f.point.barycentric[static_cast<Eigen::Index>(c)];
-        rest[c] = body_.vertices.row(f.corner[c]).transpose();
+        rest[c] = surface_->vertex(f.corner[c]);
         at += part * corners[c];
-        smooth += part * normals_.row(f.corner[c]).transpose();
+        smooth += part * surface_->normal(f.corner[c]);
     }
     // The smooth normal of the rest surface, carried along as a normal is: its products with the sides of the triangle stay.
     const auto dual = [](const Vec3& a, const Vec3& b, const Vec3& flat) {
@@ -308,8 +197,8 @@ void TouchContact::leave(Finger& finger) {
     }
     finger.force.setZero();
     finger.slip.setZero();
-    finger.behind = 1.0;
-    finger.behindRate = 0.0;
+    finger.remaining = 1.0;
+    finger.remainingRate = 0.0;
 }
 
 void TouchContact::lift(int finger) {
@@ -330,7 +219,7 @@ void TouchContact::reset() {
     left_.setZero();
     leftRate_.setZero();
     resting_ = true;
-    addUp();
+    sumForces();
 }
 
 void TouchContact::step(double seconds) {
@@ -340,7 +229,7 @@ void TouchContact::step(double seconds) {
     if (!inside && resting_ && idle_) return;  // and all fingers are up or outside
     advance(t);
     solve();
-    addUp();
+    sumForces();
 }
 
 void TouchContact::settle() {
@@ -349,12 +238,12 @@ void TouchContact::settle() {
     resting_ = true;
     for (Finger& finger : fingers_) {
         if (finger.wanted.dot(finger.normal) < 0.0)
-            finger.behind = finger.behindRate = 0.0;
+            finger.remaining = finger.remainingRate = 0.0;
         else
             finger.force.setZero();
     }
     solve();
-    addUp();
+    sumForces();
 }
 
 /// Dents of fingers that are gone go back, fingers that are inside come in.
@@ -367,9 +256,9 @@ void TouchContact::advance(double seconds) {
             const double slope = leftRate_[i] + omega * left_[i];
             left_[i] = (left_[i] + slope * seconds) * e;
             leftRate_[i] = (leftRate_[i] - omega * slope * seconds) * e;
-            most += largest_[i / 3] * (std::abs(left_[i]) + (omega > 0.0 ? std::abs(leftRate_[i]) / omega : 0.0));
+            most += surface_->largestDisplacement()[i / 3] * (std::abs(left_[i]) + (omega > 0.0 ? std::abs(leftRate_[i]) / omega : 0.0));
         }
-        if (most <= kGone * size_) {
+        if (most <= kGone * surface_->size()) {
             left_.setZero();
             leftRate_.setZero();
             resting_ = true;
@@ -382,15 +271,15 @@ void TouchContact::advance(double seconds) {
             continue;
         }
         if (settings_.pressSeconds > 0.0)
-            relax(kTenth / settings_.pressSeconds, seconds, finger.behind, finger.behindRate);
+            decay(kTenth / settings_.pressSeconds, seconds, finger.remaining, finger.remainingRate);
         else
-            finger.behind = finger.behindRate = 0.0;
-        if (finger.behind < kArrived) finger.behind = finger.behindRate = 0.0;
+            finger.remaining = finger.remainingRate = 0.0;
+        if (finger.remaining < kArrived) finger.remaining = finger.remainingRate = 0.0;
     }
 }
 
 /// What the point of an active finger still misses, without its own force.
-Vec3 TouchContact::missing(std::size_t i) const {
+Vec3 TouchContact::residual(std::size_t i) const {
     Vec3 out = fingers_[active_[i]].goal;
     for (std::size_t j = 0; j < active_.size(); ++j)
         if (j != i) out -= compliance(active_[i], active_[j]) * fingers_[active_[j]].force;
@@ -398,47 +287,47 @@ Vec3 TouchContact::missing(std::size_t i) const {
 }
 
 /// The force of a finger alone that moves its point by `gap`: none, sticking or slipping.
-void TouchContact::grip(const Eigen::Matrix3d& D, const Vec3& gap, Finger& f, Grip& how) const {
+void TouchContact::solveAlone(const Eigen::Matrix3d& D, const Vec3& gap, Finger& f, Contact& how) const {
     const Vec3& n = f.normal;
     const double push = n.dot(D * n);
     f.force.setZero();
-    how = Grip::None;
+    how = Contact::None;
     if (!(gap.dot(n) < 0.0) || !(push > 0.0)) return;
     f.force = D.inverse() * gap;
     double into = -n.dot(f.force);
     const Vec3 along = f.force + into * n;
-    how = Grip::Stick;
+    how = Contact::Stick;
     if (into > 0.0 && along.norm() <= settings_.friction * into) return;
     // Along the surface towards where sticking would drag it.
     f.slip = settings_.friction * unit(along, Vec3::Zero());
     const double drag = n.dot(D * f.slip);
     if (drag > kMostCoupling * push) f.slip *= kMostCoupling * push / drag;
     f.force = n.dot(gap) / (n.dot(D * f.slip) - push) * (f.slip - n);
-    how = Grip::Slip;
+    how = Contact::Slip;
 }
 
 /// One finger, with the others as they are.
 void TouchContact::sweep() {
-    for (std::size_t i = 0; i < active_.size(); ++i) grip(compliance(active_[i], active_[i]), missing(i), fingers_[active_[i]], grip_[i]);
+    for (std::size_t i = 0; i < active_.size(); ++i) solveAlone(compliance(active_[i], active_[i]), residual(i), fingers_[active_[i]], contact_[i]);
 }
 
 /// Solves the equations of all fingers that stick and slip at once. False, with the forces as they were: then others would stick or slip.
-bool TouchContact::polish() {
+bool TouchContact::solveTogether() {
     const std::size_t count = active_.size();
     std::array<std::size_t, kFingers + 1> at{};
-    for (std::size_t i = 0; i < count; ++i) at[i + 1] = at[i] + (grip_[i] == Grip::Stick ? 3u : grip_[i] == Grip::Slip ? 1u : 0u);
+    for (std::size_t i = 0; i < count; ++i) at[i + 1] = at[i] + (contact_[i] == Contact::Stick ? 3u : contact_[i] == Contact::Slip ? 1u : 0u);
     const std::size_t n = at[count];
     if (n == 0) return true;
     double* A = matrix_.data();
     for (std::size_t i = 0; i < count; ++i) {
         const Finger& f = fingers_[active_[i]];
-        const bool sticks = grip_[i] == Grip::Stick;
+        const bool sticks = contact_[i] == Contact::Stick;
         if (at[i + 1] == at[i]) continue;
         for (std::size_t j = 0; j < count; ++j) {
             const Eigen::Matrix3d& D = compliance(active_[i], active_[j]);
             const Finger& other = fingers_[active_[j]];
             if (at[j + 1] == at[j]) continue;
-            if (grip_[j] == Grip::Stick) {
+            if (contact_[j] == Contact::Stick) {
                 for (int k = 0; k < (sticks ? 3 : 1); ++k)
                     for (int l = 0; l < 3; ++l) A[(at[i] + k) * n + at[j] + l] = sticks ? D(k, l) : f.normal.dot(D.col(l));
             } else {
@@ -473,19 +362,19 @@ bool TouchContact::polish() {
     bool holds = true;
     for (std::size_t i = 0; i < count && holds; ++i) {
         Finger& f = fingers_[active_[i]];
-        if (grip_[i] == Grip::Stick) {
+        if (contact_[i] == Contact::Stick) {
             const Vec3 force(right_[at[i]], right_[at[i] + 1], right_[at[i] + 2]);
             const double into = -f.normal.dot(force);
             holds = into > 0.0 && (force + into * f.normal).norm() <= (1.0 + kSlack) * settings_.friction * into;
             f.force = force;
-        } else if (grip_[i] == Grip::Slip) {
+        } else if (contact_[i] == Contact::Slip) {
             const double into = right_[at[i]];
             f.force = into * (f.slip - f.normal);
             holds = into > 0.0;
         }
     }
     for (std::size_t i = 0; i < count && holds; ++i)
-        if (grip_[i] == Grip::None) holds = missing(i).dot(fingers_[active_[i]].normal) >= -kSlack * size_;
+        if (contact_[i] == Contact::None) holds = residual(i).dot(fingers_[active_[i]].normal) >= -kSlack * surface_->size();
     if (!holds)
         for (std::size_t i = 0; i < count; ++i) fingers_[active_[i]].force = kept_[i];
     return holds;
@@ -499,11 +388,11 @@ void TouchContact::solve() {
         if (!f.down) continue;
         f.state = State::Outside;
         if (!f.aimed || f.wanted.dot(f.normal) >= 0.0) continue;
-        f.goal = (1.0 - f.behind) * f.wanted;
+        f.goal = (1.0 - f.remaining) * f.wanted;
         // Alone it would press no deeper than the largest gradient.
         const Vec3 before = f.force;
-        Grip how{};
-        grip(compliance(i, i), f.goal, f, how);
+        Contact how{};
+        solveAlone(compliance(i, i), f.goal, f, how);
         gradients_.noalias() = f.gradients.transpose() * f.force;
         if (const double most = largestGradient(gradients_); most > settings_.mostStrain) {
             f.goal *= settings_.mostStrain / most;
@@ -519,17 +408,17 @@ void TouchContact::solve() {
     } else if (count > 1) {
         for (int round = 0; round < kRounds; ++round) {
             for (int k = 0; k < kSweeps; ++k) sweep();
-            if (polish()) break;
+            if (solveTogether()) break;
         }
     }
     for (std::size_t i = 0; i < count; ++i) {
         Finger& f = fingers_[active_[i]];
-        if (grip_[i] != Grip::None) f.state = grip_[i] == Grip::Stick ? State::Sticks : State::Slips;
+        if (contact_[i] != Contact::None) f.state = contact_[i] == Contact::Stick ? State::Sticks : State::Slips;
     }
 }
 
 /// Sums the forces, within the largest strain, and says how far points move.
-void TouchContact::addUp() {
+void TouchContact::sumForces() {
     before_.swap(total_);
     total_ = left_;
     bool any = !resting_;
@@ -571,10 +460,8 @@ void TouchContact::addJointForces(double shear, Eigen::VectorXd& forces) const {
 }
 
 std::size_t TouchContact::bytes() const {
-    const auto doubles = static_cast<std::size_t>(overlap_.size() + largest_.size() + normals_.size() + body_.vertices.size() + 4 * left_.size()) +
-                         static_cast<std::size_t>(kFingers) *
-                             static_cast<std::size_t>(fingers_[0].weights.size() + fingers_[0].rows.size() + fingers_[0].gradients.size());
-    return doubles * sizeof(double) + row_.size() * sizeof(std::int32_t) + static_cast<std::size_t>(body_.triangles.size()) * sizeof(std::int32_t);
+    const auto ofFinger = static_cast<std::size_t>(fingers_[0].weights.size() + fingers_[0].rows.size() + fingers_[0].gradients.size());
+    return (4 * static_cast<std::size_t>(left_.size()) + static_cast<std::size_t>(kFingers) * ofFinger) * sizeof(double) + surface_->bytes();
 }
 
 }  // namespace imomushi

@@ -9,8 +9,7 @@
 
 #include "core/base/result.h"
 #include "core/mesh/mesh.h"
-#include "core/reduction/element_response.h"
-#include "core/reduction/triangle_tree.h"
+#include "core/touch/touch_surface.h"
 
 namespace imomushi {
 
@@ -38,28 +37,18 @@ Result<void> checkTouchSettings(const TouchSettings& settings);
 class TouchContact {
 public:
     static constexpr int kFingers = 16;
-    static constexpr int kMostSpread = 8;  ///< see place()
 
-    /// `response` was made with ResponseInput::touch. Errors: "bad-value" (settings; a response without patches, or of another mesh).
-    static Result<TouchContact> build(const TriangleMesh& body, std::span<const JointFace> faces, std::shared_ptr<const ElementResponse> response,
-                                      const TouchSettings& settings);
+    /// Errors: "bad-value" (settings).
+    static Result<TouchContact> build(std::shared_ptr<const TouchSurface> surface, const TouchSettings& settings);
     /// Errors: "bad-value"; the old settings then stay.
     Result<void> set(const TouchSettings& settings);
 
-    /// A point of the surface that can be touched.
-    struct Point {
-        std::int32_t triangle = -1;  ///< of the body; -1: none
-        Vec3 barycentric = Vec3::Zero();
-        double distance = 0.0;  ///< m, from what was asked for
-    };
-    /// The nearest one to a place in the rest pose; with a direction, among those whose surface faces it (where a ray from outside came from: minus
-    /// the ray).
-    [[nodiscard]] Point nearest(const Vec3& rest) const;
-    [[nodiscard]] Point nearestFacing(const Vec3& rest, const Vec3& direction) const;
+    using Point = TouchSurface::Point;
+    [[nodiscard]] const TouchSurface& surface() const { return *surface_; }
 
     /// Puts a finger (0 ... kFingers - 1) down, or moves one that is down to another point of the flesh. radius: m, that of the finger tip; no finger
-    /// is smaller than a bump (about narrowest()), nor wider than kMostSpread bumps; 0: as smooth as bumps are. False, and nothing changes, where the
-    /// point cannot be touched (joint faces, cavities) or is not a number.
+    /// is smaller than TouchSurface::narrowest(), nor wider than TouchSurface::kMostSpread allows; 0: it presses the patches around its point by their
+    /// weights there. False, and nothing changes, where the point cannot be touched (joint faces, cavities) or is not a number.
     bool place(int finger, const Point& point, double radius);
     /// Where the finger wants its point, every frame. corners: those of triangle(finger) as the pose alone leaves them, target: in the same axes;
     /// axes: of the pose's displacement at the point relative to the rest axes (a rotation; how the pose turns the response of touch). False, and the
@@ -97,8 +86,6 @@ public:
     /// The flesh did not give way any further: mostStrain was reached, and the point is not where the finger is.
     [[nodiscard]] bool clamped(int finger) const { return fingers_[static_cast<std::size_t>(finger)].clamped; }
 
-    /// m: radius of the smallest finger.
-    [[nodiscard]] double narrowest() const;
     [[nodiscard]] std::size_t bytes() const;
 
 private:
@@ -112,48 +99,37 @@ private:
         Row3 rows;                // 3 x 3 P: displacement of its point by patch forces
         Row3 gradients;           // 3 x 9 #probes: of the displacement by its force
         Vec3 wanted = Vec3::Zero(), normal = Vec3::UnitZ();
-        double behind = 1.0, behindRate = 0.0;  // what is left of the way of coming in, 1 ... 0
+        double remaining = 1.0, remainingRate = 0.0;  // what is left of the way of coming in, 1 ... 0
         Vec3 force = Vec3::Zero(), slip = Vec3::Zero(), moved = Vec3::Zero();
         Vec3 goal = Vec3::Zero();  // of the displacement by all fingers, this frame
     };
-    enum class Grip : char { None, Stick, Slip };
+    enum class Contact : char { None, Stick, Slip };
 
-    TouchContact(const TriangleMesh& body, std::span<const JointFace> faces, std::shared_ptr<const ElementResponse> response,
-                 const TouchSettings& settings);
-    [[nodiscard]] const TouchResponse& touch() const { return response_->touch; }
-    void spread(Finger& finger, double radius);
-    void measure(std::size_t finger);
+    TouchContact(std::shared_ptr<const TouchSurface> surface, const TouchSettings& settings);
+    [[nodiscard]] const TouchResponse& touch() const { return surface_->touch(); }
+    void findCompliance(std::size_t finger);
     [[nodiscard]] Eigen::Matrix3d& compliance(std::size_t of, std::size_t by) { return compliance_[of * kFingers + by]; }
     [[nodiscard]] const Eigen::Matrix3d& compliance(std::size_t of, std::size_t by) const { return compliance_[of * kFingers + by]; }
     [[nodiscard]] double largestGradient(const Eigen::VectorXd& gradients) const;
-    void grip(const Eigen::Matrix3d& compliance, const Vec3& gap, Finger& finger, Grip& how) const;
+    void solveAlone(const Eigen::Matrix3d& compliance, const Vec3& gap, Finger& finger, Contact& how) const;
     void leave(Finger& finger);
     void advance(double seconds);
     void solve();
     void sweep();
-    bool polish();
-    [[nodiscard]] Vec3 missing(std::size_t i) const;
-    void addUp();
+    bool solveTogether();
+    [[nodiscard]] Vec3 residual(std::size_t i) const;
+    void sumForces();
 
-    std::shared_ptr<const ElementResponse> response_;
+    std::shared_ptr<const TouchSurface> surface_;
     TouchSettings settings_;
-    TriangleMesh body_;
-    Points normals_;                 // of the body at rest
-    std::vector<std::int32_t> row_;  // per body vertex: of displacement, -1: held
-    std::vector<char> touchable_;    // per triangle
-    std::unique_ptr<TriangleTree> tree_;
-    Eigen::MatrixXd overlap_;  // P x P, rows add up to 1: how patches share places
-    Eigen::VectorXd largest_;  // P: displacement of any vertex per force, m / m^2
-    double size_ = 1.0;
 
     std::array<Finger, kFingers> fingers_;
     Eigen::VectorXd left_, leftRate_, total_, before_;  // 3 P: dents of fingers that are gone, and all
-    Eigen::VectorXd spread_, spreadNext_;               // P
+    Eigen::VectorXd weights_, nextWeights_;             // P
     Eigen::VectorXd gradients_;                         // 9 #probes
     std::vector<std::size_t> active_;                   // fingers that are inside
-    std::vector<Grip> grip_;                            // of active_
-    std::vector<Eigen::Matrix3d>
-        compliance_;  // kFingers x kFingers: displacement of a finger's point by the force of another, of those that are down
+    std::vector<Contact> contact_;                      // of active_
+    std::vector<Eigen::Matrix3d> compliance_;           // kFingers x kFingers: displacement of a finger's point by the force of another, of those that are down
     std::vector<double> matrix_, right_;
     std::vector<Vec3> kept_;
     bool idle_ = true, resting_ = true;  // resting_: no dents of fingers that are gone

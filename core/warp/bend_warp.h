@@ -24,6 +24,8 @@ struct FaceMotion {
     Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
 };
 
+struct BendWarpTables;
+
 /// The shape of one element under large motions of its joint faces (model.md section 4): the linear response A' v, read as rotations and stretches of
 /// the triangles instead of displacements. To second order in the motion it is the linear response.
 ///
@@ -31,7 +33,7 @@ struct FaceMotion {
 ///   2  What two faces stretch along the line between them is done to the whole body first, with the contraction across it of a free bar. The rest
 ///      of A' v is carried along.
 ///   3  Its gradient on each triangle gives a rotation vector w and a strain e (the normal follows from the free surface: no shear there). The
-///      triangle wants to become R(w) exp(e) of itself; differences of principal strains are softened where they are large. Towards a face, triangles
+///      target of the triangle is R(w) exp(e) of itself; differences of principal strains are softened where they are large. Towards a face, triangles
 ///      take its rotation and stretch instead (but not its twist): two bodies that meet smoothly at rest go on doing so when their joint bends,
 ///      where linear elasticity has a singular crease along a rigid rim.
 ///   4  Vertices follow by least squares over the surface, with a prefactorised system; rotations are fitted to the result and it is solved again
@@ -52,6 +54,8 @@ public:
     /// Errors: "bad-value" when the response belongs to another body or other faces; "cancelled".
     static Result<BendWarp> build(const TriangleMesh& body, const std::vector<JointFace>& faces, const ElementResponse& response, double nu,
                                   std::span<const std::int32_t> blocks, const Vec3& middle, const Progress& progress);
+    /// On tables that others may share (BendWarpTables::build(), which build() is short for).
+    explicit BendWarp(std::shared_ptr<const BendWarpTables> tables);
     BendWarp(BendWarp&&) noexcept;
     BendWarp& operator=(BendWarp&&) noexcept;
     ~BendWarp();
@@ -74,7 +78,6 @@ public:
 
 private:
     struct State;
-    explicit BendWarp(std::unique_ptr<State> state);
     std::unique_ptr<State> state_;
 };
 

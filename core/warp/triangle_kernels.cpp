@@ -112,7 +112,7 @@ HWY_INLINE Three turned(const Three& w, V first, V second, const Three& a) {
     return along(first, wa, along(second, cross(w, wa), a));
 }
 
-struct Wish {
+struct Target {
     V p1x, p1y, p2x, p2y;
     Three x, y;
 };
@@ -124,7 +124,7 @@ HWY_INLINE V quickExp(V x) {
     return hn::Mul(twice, twice);
 }
 
-HWY_INLINE Wish wishOf(const Gradient& g) {
+HWY_INLINE Target targetOf(const Gradient& g) {
     const V one = set(1.0f), half = set(0.5f);
     // exp of the strain, in two dimensions: exp(mean) (cosh d + sinh d / d deviation).
     const V sum = hn::Mul(half, hn::Add(g.e11, g.e22)), most = hn::Mul(sum, set(1.0f / kMostStrain));
@@ -157,20 +157,20 @@ HWY_INLINE Wish wishOf(const Gradient& g) {
             turned(g.w, first, second, g.t2)};
 }
 
-// The rotation that brings the wish nearest to sides x1, x2: a polar decomposition of 3 x 2.
-HWY_INLINE void fit(V c11, V c12, V c22, const Three& x1, const Three& x2, Wish& wish) {
+// The rotation that brings the target nearest to sides x1, x2: a polar decomposition of 3 x 2.
+HWY_INLINE void fit(V c11, V c12, V c22, const Three& x1, const Three& x2, Target& target) {
     const V one = set(1.0f), guess = set(kGuess);
-    const V energy = hn::MulAdd(hn::Mul(set(0.5f), c11), twoProducts(wish.p1x, wish.p1x, wish.p1y, wish.p1y),
-                                hn::MulAdd(hn::Mul(set(0.5f), c22), twoProducts(wish.p2x, wish.p2x, wish.p2y, wish.p2y),
-                                           hn::Mul(c12, twoProducts(wish.p1x, wish.p2x, wish.p1y, wish.p2y))));
+    const V energy = hn::MulAdd(hn::Mul(set(0.5f), c11), twoProducts(target.p1x, target.p1x, target.p1y, target.p1y),
+                                hn::MulAdd(hn::Mul(set(0.5f), c22), twoProducts(target.p2x, target.p2x, target.p2y, target.p2y),
+                                           hn::Mul(c12, twoProducts(target.p1x, target.p2x, target.p1y, target.p2y))));
     const V over = hn::Div(one, hn::Max(energy, set(1e-30f)));
     const Three f1 = scaled(over, along(c11, x1, scaled(c12, x2))), f2 = scaled(over, along(c12, x1, scaled(c22, x2)));
-    const Three a = along(wish.p1x, f1, along(wish.p2x, f2, scaled(guess, wish.x))), b = along(wish.p1y, f1, along(wish.p2y, f2, scaled(guess, wish.y)));
+    const Three a = along(target.p1x, f1, along(target.p2x, f2, scaled(guess, target.x))), b = along(target.p1y, f1, along(target.p2y, f2, scaled(guess, target.y)));
     const V aa = dot(a, a), bb = dot(b, b), ab = dot(a, b);
     const V root = hn::Sqrt(hn::Max(hn::MulSub(aa, bb, hn::Mul(ab, ab)), set(1e-4f * kGuess * kGuess)));
     const V trace = hn::Sqrt(hn::Add(hn::Add(aa, bb), hn::Add(root, root))), by = hn::Div(one, hn::Mul(root, trace)), less = hn::Neg(ab);
-    wish.x = scaled(by, along(hn::Add(bb, root), a, scaled(less, b)));
-    wish.y = scaled(by, along(hn::Add(aa, root), b, scaled(less, a)));
+    target.x = scaled(by, along(hn::Add(bb, root), a, scaled(less, b)));
+    target.y = scaled(by, along(hn::Add(aa, root), b, scaled(less, a)));
 }
 
 // The forces of a batch, vector after vector.
@@ -178,8 +178,8 @@ struct Forces {
     alignas(64) float f1[4 * kWarpBatch], f2[4 * kWarpBatch];
 };
 
-HWY_INLINE void pull(V c11, V c12, V c22, const Three& x1, const Three& x2, const Wish& wish, Forces& out, std::size_t lane) {
-    const Three d1 = along(wish.p1x, wish.x, scaled(wish.p1y, wish.y)) - x1, d2 = along(wish.p2x, wish.x, scaled(wish.p2y, wish.y)) - x2;
+HWY_INLINE void pull(V c11, V c12, V c22, const Three& x1, const Three& x2, const Target& target, Forces& out, std::size_t lane) {
+    const Three d1 = along(target.p1x, target.x, scaled(target.p1y, target.y)) - x1, d2 = along(target.p2x, target.x, scaled(target.p2y, target.y)) - x2;
     const Three f1 = along(c11, d1, scaled(c12, d2)), f2 = along(c12, d1, scaled(c22, d2));
     const V nothing = hn::Zero(D());
     hn::StoreInterleaved4(f1.x, f1.y, f1.z, nothing, D(), out.f1 + 4 * lane);
@@ -198,7 +198,7 @@ HWY_INLINE void scatter(const WarpBatch& t, const Forces& forces, float* force) 
 }
 
 void pullToResponse(const WarpBatch* batches, std::size_t count, const FollowBatch* follow, std::size_t followCount, const FaceStrain* faces,
-                    const float* base, const float* displacement, const float* at, WishBatch* wishes, float* force) {
+                    const float* base, const float* displacement, const float* at, TargetBatch* targets, float* force) {
     Forces forces;
     std::size_t first = 0;
     for (std::size_t k = 0; k < count; ++k) {
@@ -210,32 +210,32 @@ void pullToResponse(const WarpBatch* batches, std::size_t count, const FollowBat
             Gradient g = own;
             for (std::size_t f = first; f < last; ++f)
                 followFace(faces[follow[f].face], hn::Mul(load(follow[f].part, lane), set(faces[follow[f].face].weight)), own, g);
-            const Wish wish = wishOf(g);
+            const Target target = targetOf(g);
             const Three x0 = gather(at, corner(t, 0, lane)), x1 = gather(at, corner(t, 1, lane)) - x0, x2 = gather(at, corner(t, 2, lane)) - x0;
-            pull(load(t.c11, lane), load(t.c12, lane), load(t.c22, lane), x1, x2, wish, forces, lane);
-            WishBatch& to = wishes[k];
-            store(wish.p1x, to.p1x, lane), store(wish.p1y, to.p1y, lane), store(wish.p2x, to.p2x, lane), store(wish.p2y, to.p2y, lane);
-            store(wish.x.x, to.x[0], lane), store(wish.x.y, to.x[1], lane), store(wish.x.z, to.x[2], lane);
-            store(wish.y.x, to.y[0], lane), store(wish.y.y, to.y[1], lane), store(wish.y.z, to.y[2], lane);
+            pull(load(t.c11, lane), load(t.c12, lane), load(t.c22, lane), x1, x2, target, forces, lane);
+            TargetBatch& to = targets[k];
+            store(target.p1x, to.p1x, lane), store(target.p1y, to.p1y, lane), store(target.p2x, to.p2x, lane), store(target.p2y, to.p2y, lane);
+            store(target.x.x, to.x[0], lane), store(target.x.y, to.x[1], lane), store(target.x.z, to.x[2], lane);
+            store(target.y.x, to.y[0], lane), store(target.y.y, to.y[1], lane), store(target.y.z, to.y[2], lane);
         }
         scatter(t, forces, force);
         first = last;
     }
 }
 
-void pullToFit(const WarpBatch* batches, std::size_t count, const float* at, const WishBatch* wishes, float* force) {
+void pullToFit(const WarpBatch* batches, std::size_t count, const float* at, const TargetBatch* targets, float* force) {
     Forces forces;
     for (std::size_t k = 0; k < count; ++k) {
         const WarpBatch& t = batches[k];
-        const WishBatch& from = wishes[k];
+        const TargetBatch& from = targets[k];
         for (std::size_t lane = 0; lane < kWarpBatch; lane += hn::Lanes(D())) {
-            Wish wish{load(from.p1x, lane), load(from.p1y, lane), load(from.p2x, lane), load(from.p2y, lane),
+            Target target{load(from.p1x, lane), load(from.p1y, lane), load(from.p2x, lane), load(from.p2y, lane),
                       {load(from.x[0], lane), load(from.x[1], lane), load(from.x[2], lane)},
                       {load(from.y[0], lane), load(from.y[1], lane), load(from.y[2], lane)}};
             const V c11 = load(t.c11, lane), c12 = load(t.c12, lane), c22 = load(t.c22, lane);
             const Three x0 = gather(at, corner(t, 0, lane)), x1 = gather(at, corner(t, 1, lane)) - x0, x2 = gather(at, corner(t, 2, lane)) - x0;
-            fit(c11, c12, c22, x1, x2, wish);
-            pull(c11, c12, c22, x1, x2, wish, forces, lane);
+            fit(c11, c12, c22, x1, x2, target);
+            pull(c11, c12, c22, x1, x2, target, forces, lane);
         }
         scatter(t, forces, force);
     }
@@ -265,12 +265,12 @@ HWY_EXPORT(pullToFit);
 HWY_EXPORT(addRotations);
 
 void pullToResponse(const WarpBatch* batches, std::size_t count, const FollowBatch* follow, std::size_t followCount, const FaceStrain* faces,
-                    const float* base, const float* displacement, const float* at, WishBatch* wishes, float* force) {
-    HWY_DYNAMIC_DISPATCH(pullToResponse)(batches, count, follow, followCount, faces, base, displacement, at, wishes, force);
+                    const float* base, const float* displacement, const float* at, TargetBatch* targets, float* force) {
+    HWY_DYNAMIC_DISPATCH(pullToResponse)(batches, count, follow, followCount, faces, base, displacement, at, targets, force);
 }
 
-void pullToFit(const WarpBatch* batches, std::size_t count, const float* at, const WishBatch* wishes, float* force) {
-    HWY_DYNAMIC_DISPATCH(pullToFit)(batches, count, at, wishes, force);
+void pullToFit(const WarpBatch* batches, std::size_t count, const float* at, const TargetBatch* targets, float* force) {
+    HWY_DYNAMIC_DISPATCH(pullToFit)(batches, count, at, targets, force);
 }
 
 void addRotations(const WarpBatch* batches, std::size_t triangles, const float* base, const float* displacement, float* sum) {

@@ -17,8 +17,8 @@ struct WarpBatch {
     float c11[kWarpBatch], c12[kWarpBatch], c22[kWarpBatch];
 };
 
-/// What triangles want to be: their two sides at rest after strains, in their planes, and the axes of the planes after rotations.
-struct WishBatch {
+/// The target shapes of triangles: their two sides at rest after strains, in their planes, and the axes of the planes after rotations.
+struct TargetBatch {
     float p1x[kWarpBatch], p1y[kWarpBatch], p2x[kWarpBatch], p2y[kWarpBatch];
     float x[3][kWarpBatch], y[3][kWarpBatch];
 };
@@ -35,13 +35,13 @@ struct FollowBatch {
     float part[kWarpBatch];
 };
 
-/// Wishes of `count` batches by the gradient of `displacement` over `base`, on a free surface, and by the faces that they follow (ascending by batch); adds the
+/// Targets of `count` batches by the gradient of `displacement` over `base`, on a free surface, and by the faces that they follow (ascending by batch); adds the
 /// forces of triangles that are at `at` towards them to `force`.
 void pullToResponse(const WarpBatch* batches, std::size_t count, const FollowBatch* follow, std::size_t followCount, const FaceStrain* faces,
-                    const float* base, const float* displacement, const float* at, WishBatch* wishes, float* force);
+                    const float* base, const float* displacement, const float* at, TargetBatch* targets, float* force);
 
-/// Adds the forces towards the wishes, turned to where the triangles are, as near as rotations go.
-void pullToFit(const WarpBatch* batches, std::size_t count, const float* at, const WishBatch* wishes, float* force);
+/// Adds the forces towards the targets, turned to where the triangles are, as near as rotations go.
+void pullToFit(const WarpBatch* batches, std::size_t count, const float* at, const TargetBatch* targets, float* force);
 
 /// Adds the rotation vectors of `triangles` triangles, that their gradient says, to sum (x y z).
 void addRotations(const WarpBatch* batches, std::size_t triangles, const float* base, const float* displacement, float* sum);

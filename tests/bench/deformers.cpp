@@ -14,6 +14,7 @@
 #include "core/base/parallel.h"
 #include "core/comparison/skin.h"
 #include "core/comparison/timing.h"
+#include "core/character/effects.h"
 #include "tests/support/deformer_cases.h"
 
 using namespace imomushi;
@@ -98,15 +99,16 @@ std::vector<Deformer> deformers() {
         for (const bool automatic : {false, true})
             out.push_back({std::string(name) + (automatic ? ", auto" : ", ramp"), [kind = kind, automatic](const DeformerCase& c) { return bySkin(c, kind, automatic); }});
     const auto warped = [](CharacterInput& input) {
-        for (auto& element : input.elements) element.warped = true, element.nu = kNu;
+        for (auto& element : input.elements) element.nu = kNu;
+        input.effects.set(BendWarpEffect{});
     };
     out.push_back({"character, plain linear", [](const DeformerCase& c) { return byCharacter(c, [](CharacterInput&) {}); }});
-    out.push_back({"character, smooth joints", [](const DeformerCase& c) { return byCharacter(c, [](CharacterInput& input) { input.smoothJoints = true; }); }});
+    out.push_back({"character, smooth joints", [](const DeformerCase& c) { return byCharacter(c, [](CharacterInput& input) { input.effects.set(SmoothJointsEffect{}); }); }});
     out.push_back({"character, bend warp", [warped](const DeformerCase& c) { return byCharacter(c, warped); }});
     out.push_back({"character, warp + smooth", [warped](const DeformerCase& c) {
                        return byCharacter(c, [warped](CharacterInput& input) {
                            warped(input);
-                           input.smoothJoints = true;
+                           input.effects.set(SmoothJointsEffect{});
                        });
                    }});
     return out;

@@ -17,6 +17,7 @@
 #include "core/document/seam.h"
 #include "core/document/session.h"
 #include "core/mesh/topology.h"
+#include "core/character/effects.h"
 #include "tests/character/full_joints.h"
 
 using namespace imomushi;
@@ -59,7 +60,7 @@ double microseconds(Character& c, const std::vector<Pose>& poses) {
     std::vector<double> times;
     for (int k = 0; k < 400; ++k) {
         c.update(poses[static_cast<std::size_t>(k) % poses.size()]);
-        times.push_back(1e3 * c.stats().equilibriumMs);
+        times.push_back(1e3 * c.stats().effectMs(SmoothJointsEffect::kName));
     }
     std::nth_element(times.begin(), times.begin() + 200, times.end());
     return times[200];
@@ -90,7 +91,7 @@ int main(int count, char** arguments) {
     for (int i = 1; i < count; ++i) bases.emplace_back(arguments[i]);
     for (const auto& name : bases) {
         CharacterInput input = full_joints::smooth(base, name == "straight" ? BasisChoice() : parseBasis(name).value(), mesh);
-        input.smoothJoints = name != "straight";
+        if (name != "straight") input.effects.set(SmoothJointsEffect{});
         auto c = Character::build(std::move(input)).value();
         std::printf("%-24s", name == "straight" ? "affine, a = b = 1 + c s" : name.c_str());
         full_joints::Difference all;
@@ -110,7 +111,7 @@ int main(int count, char** arguments) {
     for (std::size_t b = 0; b < bent.bend.size(); ++b) bent.bend[b] = (b == 2 ? 0.5 * std::numbers::pi : 0.0) * Vec3::UnitZ();
     for (const char* name : {"straight", "affine", "modes:6", "modes:12", "modes:24", "modes:36"}) {
         CharacterInput input = full_joints::smooth(base, std::string(name) == "straight" ? BasisChoice() : parseBasis(name).value(), mesh);
-        input.smoothJoints = std::string(name) != "straight";
+        if (std::string(name) != "straight") input.effects.set(SmoothJointsEffect{});
         auto c = Character::build(std::move(input)).value();
         const double rest = volume(c);
         const double restCrease = crease(c, c.input().joints[1]);

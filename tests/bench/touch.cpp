@@ -57,7 +57,7 @@ void frames() {
                 auto start = Clock::now();
                 for (int i = 0; i < fingers; ++i) {
                     const double turn = 2.4 * i + 0.001 * frame;
-                    contact.place(i, contact.nearest(Vec3(0.5 * std::cos(turn), 0.5 * std::sin(turn), 0.3 + 1.4 * i / 16.0)), 0.0);
+                    contact.place(i, contact.surface().nearest(Vec3(0.5 * std::cos(turn), 0.5 * std::sin(turn), 0.3 + 1.4 * i / 16.0)), 0.0);
                 }
                 placing = std::min(placing, 1e6 * secondsSince(start));
                 start = Clock::now();

@@ -25,11 +25,11 @@ TEST_CASE("elsewhere: whoever asks for a surface gets the bytes of a character t
             for (int e = 0; e < elements; ++e)
                 if (rarely(random)) (void)there.showElsewhere(e, coin(random));
             if (coin(random)) wander(here, random, pose);
-            if (input.effects.touch && rarely(random)) {
+            if (input.effects.has<TouchEffect>() && rarely(random)) {
                 const Vec3 at = input.elements[0].mesh->body.vertices.row(0).transpose();
                 for (Character* c : {&here, &there}) (void)c->setFinger(0, 0, at, 0.8 * at, 0.0);
             }
-            if (input.effects.touch && rarely(random))
+            if (input.effects.has<TouchEffect>() && rarely(random))
                 for (Character* c : {&here, &there}) c->liftFinger(0, 0);
             here.update(pose, 1.0 / 60.0);
             there.update(pose, 1.0 / 60.0);
@@ -71,15 +71,18 @@ TEST_CASE("elsewhere: a frame evaluates no vertex of such elements, nor allocate
 
 TEST_CASE("elsewhere: elements under the bend warp are made here, and touched ones while a finger presses") {
     CharacterInput input = caterpillar::make({});
-    input.elements[1].warped = true;
-    input.effects.touch.emplace();
+    BendWarpEffect warp;
+    warp.elements = {0, 1, 0, 0, 0};
+    input.effects.set(std::move(warp));
+    TouchEffect touch;
+    touch.elements = {0, 0, 1, 0, 0};
+    input.effects.set(std::move(touch));
     ResponseInput in;
     in.mesh = input.elements[2].mesh;
     in.faces = input.elements[2].faces;
     in.basis = input.basis;
     in.solverMesh = {SolverMeshSetting::Kind::AsIs, 0};
     in.touch = 6;
-    input.elements[2].touched = true;
     input.elements[2].response = std::make_shared<const ElementResponse>(buildResponse(in, {}).value());
     auto c = Character::build(std::move(input)).value();
     const auto& recipe = c.recipe();

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/character/effects.h"
 #include "core/character/character.h"
 #include "core/mesh/topology.h"
 
@@ -25,7 +26,7 @@ namespace imomushi::full_joints {
 /// The same character with responses of another basis, and smooth joints.
 inline CharacterInput smooth(CharacterInput input, const BasisChoice& basis, const SolverMeshSetting& solverMesh, double nu = 0.45) {
     input.basis = basis;
-    input.smoothJoints = true;
+    input.effects.set(SmoothJointsEffect{});
     for (auto& element : input.elements) {
         ResponseInput in;
         in.mesh = element.mesh;

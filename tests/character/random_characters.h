@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "core/character/effects.h"
 #include "tests/character/caterpillar.h"
 
 /// Caterpillars of any kind: number and size of elements, bases, formats, effects, rims that do not match.
@@ -29,28 +30,29 @@ inline CharacterInput randomCharacter(std::mt19937& random) {
     shape.basis = kBases[number(0, 4)];
     CharacterInput input = caterpillar::make(shape);
     input.format = static_cast<ResponseFormat>(number(0, 2));
-    input.smoothJoints = chance(0.4) && shape.basis != BasisKind::Full;
-    if (chance(0.4)) input.effects.gravity.emplace();
-    if (chance(0.4)) input.effects.inflate.emplace();
-    if (chance(0.3)) input.effects.jointDynamics.emplace();
-    if (chance(0.4)) input.effects.touch.emplace();
-    for (auto& element : input.elements) {
+    if (chance(0.4) && shape.basis != BasisKind::Full) input.effects.set(SmoothJointsEffect{});
+    if (chance(0.4)) input.effects.set(GravityEffect{});
+    if (chance(0.4)) input.effects.set(InflateEffect{});
+    if (chance(0.3)) input.effects.set(JointDynamicsEffect{});
+    if (chance(0.4)) input.effects.set(TouchEffect{});
+    BendWarpEffect warp;
+    warp.elements.assign(input.elements.size(), 0);
+    for (std::size_t e = 0; e < input.elements.size(); ++e) {
         if (chance(0.15)) continue;  // not precomputed: follows its bones rigidly
-        element.heavy = input.effects.gravity.has_value();
-        element.inflated = input.effects.inflate.has_value();
-        element.touched = input.effects.touch.has_value();
-        element.warped = chance(0.15);
+        auto& element = input.elements[e];
+        warp.elements[e] = chance(0.15);
         ResponseInput in;
         in.mesh = element.mesh;
         in.faces = element.faces;
         in.basis = input.basis;
         in.solverMesh = {SolverMeshSetting::Kind::AsIs, 0};
-        in.loads = element.heavy || element.inflated;
-        in.touch = element.touched ? 6 : 0;
+        in.loads = input.effects.has<GravityEffect>() || input.effects.has<InflateEffect>();
+        in.touch = input.effects.has<TouchEffect>() ? 6 : 0;
         auto made = buildResponse(in, {});
         REQUIRE_MESSAGE(made.has_value(), (made ? "" : made.error().message));
         element.response = std::make_shared<const ElementResponse>(std::move(*made));
     }
+    input.effects.set(std::move(warp));
     return input;
 }
 

@@ -5,6 +5,7 @@
 #include <random>
 #include <string>
 
+#include "core/character/effects.h"
 #include "core/character/character.h"
 #include "core/character/joint_equilibrium.h"
 #include "tests/character/caterpillar.h"
@@ -22,7 +23,7 @@ CharacterInput chain(const BasisChoice& basis, bool tips = true) {
     shape.basis = basis;
     shape.mirrored = true;
     CharacterInput input = caterpillar::make(shape);
-    input.smoothJoints = true;
+    input.effects.set(SmoothJointsEffect{});
     return input;
 }
 
@@ -164,7 +165,7 @@ TEST_CASE("smooth joints: faces that are not flat stay closed, and rest at rest"
     shape.dome = 0.4;
     CharacterInput input = caterpillar::make(shape);
     REQUIRE(!input.elements[1].faces[0].flat());
-    input.smoothJoints = true;
+    input.effects.set(SmoothJointsEffect{});
     auto c = Character::build(input).value();
     for (int e = 0; e < 3; ++e) CHECK((c.positions(e) - c.input().elements[e].mesh->body.vertices).cwiseAbs().maxCoeff() < 1e-9);
     for (const auto& pose : full_joints::standardPoses(3, Vec3::UnitZ())) {
@@ -176,11 +177,11 @@ TEST_CASE("smooth joints: faces that are not flat stay closed, and rest at rest"
 
 TEST_CASE("smooth joints: switched off, nothing warps, whatever the basis, and no time goes there") {
     CharacterInput input = chain({BasisKind::Modes, 5});
-    input.smoothJoints = false;
+    input.effects.erase<SmoothJointsEffect>();
     auto c = Character::build(input).value();
     for (const auto& chainPose : full_joints::standardPoses(4, Vec3::UnitZ())) {
         c.update(full_joints::poseOf(input.skeleton, chainPose));
-        CHECK(c.stats().equilibriumMs == 0.0);
+        CHECK(c.stats().effectMs(SmoothJointsEffect::kName) == 0.0);
         for (int e = 0; e < 4; ++e) {
             const auto& response = *input.elements[e].response;
             for (std::size_t f = 0; f < response.bases.size(); ++f)
@@ -192,7 +193,7 @@ TEST_CASE("smooth joints: switched off, nothing warps, whatever the basis, and n
 TEST_CASE("smooth joints: where a trunk meets two branches in one joint of three faces, the seam stays closed") {
     CharacterInput input;
     input.basis = {BasisKind::Modes, 12};
-    input.smoothJoints = true;
+    input.effects.set(SmoothJointsEffect{});
     input.skeleton.points = {Vec3(0, 0, 0), Vec3(0, 0, 1), Vec3(-0.25, 0, 2), Vec3(0.25, 0, 2)};
     for (const auto& [end, parent] : {std::pair(1, -1), std::pair(2, 0), std::pair(3, 0)}) {
         const int start = parent < 0 ? 0 : 1;

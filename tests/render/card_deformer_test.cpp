@@ -158,7 +158,7 @@ TEST_CASE("card: vertices and normals of any character are those that the proces
         for (int frame = 0; frame < 4; ++frame) {
             CAPTURE(frame);
             if (frame > 0) wander(twins.here(), random, pose);
-            if (input.effects.touch && frame == 2) {
+            if (input.effects.has<TouchEffect>() && frame == 2) {
                 const Vec3 at = input.elements[0].mesh->body.vertices.row(0).transpose();
                 for (Character* c : {&twins.here(), &twins.there()}) (void)c->setFinger(0, 0, at, 0.8 * at, 0.0);
             }

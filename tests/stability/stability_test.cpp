@@ -275,12 +275,12 @@ TEST_CASE("stability: of two materials 1e6 apart the stiff one decides how a joi
         REQUIRE(execute(session, scene.make).message == "");
         const auto& joints = session.character()->input().joints;
         for (std::size_t j = 0; j < joints.size(); ++j)
-            if (joints[j].faces.size() == 2) return session.character()->shrink(static_cast<int>(j));
+            if (joints[j].faces.size() == 2) return session.character()->lateralContraction(static_cast<int>(j));
         FAIL("no joint");
         return 0.0;
     };
     const double soft = shrinkAt(1.0, 1e-6), equal = shrinkAt(1.0, 1.0), stiff = shrinkAt(1.0, 1e6), most = shrinkAt(1e-6, 1e6);
-    INFO("shrink (1/m): ", soft, " where the second bar is soft, ", equal, " equal, ", stiff, " where it is stiff");
+    INFO("lateral contraction (1/m): ", soft, " where the second bar is soft, ", equal, " equal, ", stiff, " where it is stiff");
     CHECK(soft < equal);
     CHECK(equal < stiff);
     // Stretched alone, a bar of nu = 0 does not get thinner; its stiffness is as good as it is symmetric, a few per cent here.

@@ -31,7 +31,7 @@ void push(const Touched& body, TouchContact& contact, int i, double depth, const
 
 /// A finger in the middle of the triangle nearest to a place.
 TouchContact::Point put(TouchContact& contact, int i, const Vec3& place, double radius = 0.0) {
-    auto p = contact.nearest(place);
+    auto p = contact.surface().nearest(place);
     p.barycentric = Vec3::Constant(1.0 / 3.0);
     REQUIRE(contact.place(i, p, radius));
     return p;
@@ -134,7 +134,7 @@ TEST_CASE("touch: two fingers pinch from both sides, and many fingers all meet t
     CHECK(contact.force(1).x() > 0.0);
     CHECK(contact.force(0).norm() == doctest::Approx(contact.force(1).norm()).epsilon(0.1));
     // It gets wider across, as flesh that is pinched does.
-    const auto side = contact.nearest(Vec3(0, 0.5, 0.5));
+    const auto side = contact.surface().nearest(Vec3(0, 0.5, 0.5));
     CHECK(body.at(side, moved).y() > body.at(side, body.mesh.vertices).y() + 0.005);
 
     TouchContact many = body.contact();
@@ -367,18 +367,18 @@ TEST_CASE("touch: a wider finger presses more patches, softly wider") {
         CHECK(spread / sum >= lastSpread - 1e-12);
         lastSpread = spread / sum;
     }
-    CHECK(contact.narrowest() == doctest::Approx(0.5 * body.response->touch.patches.reach));
+    CHECK(contact.surface().narrowest() == doctest::Approx(0.5 * body.response->touch.patches.reach));
 }
 
 TEST_CASE("touch: what makes no sense is refused and changes nothing") {
     const Touched& body = shell();
     const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
     TouchContact contact = body.contact();
-    const auto p = contact.nearest(Vec3(0, 0, 2));
+    const auto p = contact.surface().nearest(Vec3(0, 0, 2));
     CHECK(p.distance == doctest::Approx(1.0).epsilon(0.02));
-    CHECK(contact.nearest(Vec3(nan, 0, 0)).triangle == -1);
+    CHECK(contact.surface().nearest(Vec3(nan, 0, 0)).triangle == -1);
     // From inside the cavity the outer surface is met, never the cavity's.
-    CHECK(contact.nearest(Vec3(0, 0, 0.6)).distance > 0.3);
+    CHECK(contact.surface().nearest(Vec3(0, 0, 0.6)).distance > 0.3);
     CHECK_FALSE(contact.place(-1, p, 0.0));
     CHECK_FALSE(contact.place(TouchContact::kFingers, p, 0.0));
     CHECK_FALSE(contact.place(0, p, -1.0));
@@ -414,8 +414,8 @@ TEST_CASE("touch: what makes no sense is refused and changes nothing") {
     bad = {};
     bad.releaseSeconds = nan;
     CHECK(contact.set(bad).error().code == "bad-value");
-    CHECK(TouchContact::build(ball().mesh, ball().faces, body.response, {}).error().code == "bad-value");
-    CHECK(TouchContact::build(body.mesh, body.faces, std::make_shared<const ElementResponse>(), {}).error().code == "bad-value");
+    CHECK(TouchSurface::build(ball().mesh, ball().faces, body.response).error().code == "bad-value");
+    CHECK(TouchSurface::build(body.mesh, body.faces, std::make_shared<const ElementResponse>()).error().code == "bad-value");
 }
 
 TEST_CASE("touch: random fingers for many frames stay finite and bounded, do not allocate, and do the same again") {
@@ -433,7 +433,7 @@ TEST_CASE("touch: random fingers for many frames stay finite and bounded, do not
                 const int i = static_cast<int>(random() % TouchContact::kFingers);
                 const auto what = random() % 12;
                 if (what == 0) contact.lift(i);
-                if (what == 1) contact.place(i, contact.nearest(2.0 * u()), std::abs(d(random)));
+                if (what == 1) contact.place(i, contact.surface().nearest(2.0 * u()), std::abs(d(random)));
                 if (what == 2 && frame % 7 == 0 && contact.down((i + 1) % TouchContact::kFingers)) {  // two at one place
                     TouchContact::Point p;
                     p.triangle = contact.triangle((i + 1) % TouchContact::kFingers);

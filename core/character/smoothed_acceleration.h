@@ -7,7 +7,7 @@ namespace imomushi {
 
 /// The acceleration of a moving place, as flesh feels it: that of a critically damped follower, which smooths what frames leave out. The place moves
 /// evenly within each frame, for which the follower is advanced exactly: the frame rate hardly matters and no frame is too long.
-class FeltAcceleration {
+class SmoothedAcceleration {
 public:
     static constexpr double kHertz = 6.0;  ///< of the follower: faster shakes are not felt
 

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/character/explicit_joints.h"
+#include "core/character/previous_model_job.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "core/character/frame.h"
+#include "core/character/frame_job.h"
+#include "core/dynamics/explicit_joint_dynamics.h"
 #include "core/mesh/topology.h"
 
 namespace imomushi {
@@ -17,9 +20,50 @@ namespace {
 constexpr double kStill = 1e-7;  // sizes per second: slower vertices rest
 constexpr double kLeastArea = 1e-3;  // of the mean: a vertex without a triangle of its own still has a mass
 
-}  // namespace
+class PreviousModelJob final : public FrameJob {
+public:
+    /// Errors: "bad-value": an element with joint faces has no response of basis "full"; numbers out of range.
+    static Result<PreviousModelJob> build(const CharacterInput& input, const PreviousModelEffect& settings);
 
-Result<ExplicitJoints> ExplicitJoints::build(const CharacterInput& input, const Settings& settings) {
+    [[nodiscard]] std::span<const Stage> stages() const override {
+        static constexpr Stage kStages[] = {Stage::FaceOffsets};
+        return kStages;
+    }
+    void run(Stage stage, Frame& frame) override;
+    /// It stops where numbers change.
+    void tune(const EffectSettings& settings) override;
+    [[nodiscard]] bool resting(const Frame&) const override { return dynamics_.velocity().cwiseAbs().maxCoeff() <= kStill * input_.size; }
+    void report(Frame& frame, double ms) const override { frame.setTime(PreviousModelEffect::kName, ms); }
+
+    /// Tells held vertices their nodes.
+    void number(Frame& frame) const;
+
+private:
+    struct Vertex {
+        int node = 0, joint = 0;
+        double area = 0.0;                     // m^2
+        Matrix3d axes = Matrix3d::Identity();  // of its face
+    };
+    struct Element {
+        std::vector<Vertex> held;        // in the order of columns
+        std::vector<std::size_t> first;  // of each face in `held`
+        Eigen::MatrixXd tractions;       // see ElementResponse; shear modulus 1
+        double stiffness = 1.0;
+        Matrix3d rotation = Matrix3d::Identity();  // of its frame, rest to world
+        Eigen::VectorXd wanted, v, traction;       // wanted: v as its bones have it
+    };
+    PreviousModelJob(ExplicitJointDynamics dynamics, PreviousModelEffect settings) : settings_(std::move(settings)), dynamics_(std::move(dynamics)) {}
+    void pull(const Eigen::VectorXd& displacement, Eigen::VectorXd& force);
+    static void place(const Element& element, const std::vector<Matrix3d>& rotation, const Eigen::VectorXd& displacement, Eigen::VectorXd& v);
+
+    PreviousModelEffect settings_;
+    ExplicitJointDynamics::Input input_;
+    ExplicitJointDynamics dynamics_;
+    std::vector<Matrix3d> rotation_;  // per joint, rest to world
+    std::vector<Element> elements_;
+};
+
+Result<PreviousModelJob> PreviousModelJob::build(const CharacterInput& input, const PreviousModelEffect& settings) {
     std::vector<Element> elements(input.elements.size());
     std::vector<double> depth(input.elements.size(), 0.0);  // m, of the flesh that a face vertex carries: volume over surface
     Vec3 low = Vec3::Constant(std::numeric_limits<double>::max()), high = -low;
@@ -103,40 +147,42 @@ Result<ExplicitJoints> ExplicitJoints::build(const CharacterInput& input, const 
     }
     auto dynamics = ExplicitJointDynamics::build(made);
     if (!dynamics) return tl::unexpected(dynamics.error());
-    ExplicitJoints out(std::move(*dynamics));
+    PreviousModelJob out(std::move(*dynamics), settings);
     out.input_ = std::move(made);
-    out.shearModulus_ = settings.shearModulus;
     out.rotation_.assign(input.joints.size(), Matrix3d::Identity());
     out.elements_ = std::move(elements);
     return out;
 }
 
-Result<void> ExplicitJoints::set(const Settings& settings) {
+void PreviousModelJob::tune(const EffectSettings& settings) {
+    const auto* asked = settingsAs<PreviousModelEffect>(settings);
+    if (!asked || (settings_.step == asked->step && settings_.damping == asked->damping && settings_.shearModulus == asked->shearModulus)) return;
     auto changed = input_;
-    changed.damping = settings.damping;
-    changed.seconds = settings.step;
+    changed.damping = asked->damping;
+    changed.seconds = asked->step;
     auto dynamics = ExplicitJointDynamics::build(changed);
-    if (!dynamics) return tl::unexpected(dynamics.error());
+    if (!dynamics) return;  // refused numbers leave it as it is
     input_ = std::move(changed);
     dynamics_ = std::move(*dynamics);
-    shearModulus_ = settings.shearModulus;
-    return {};
+    settings_ = *asked;
 }
 
-void ExplicitJoints::reset() { dynamics_.reset(Eigen::VectorXd::Zero(input_.mass.size())); }
-
-void ExplicitJoints::setElement(int element, const Matrix3d& rotation, const Eigen::VectorXd& v) {
-    auto& e = elements_[static_cast<std::size_t>(element)];
-    if (e.held.empty()) return;
-    e.rotation = rotation;
-    e.wanted = v;
+void PreviousModelJob::run(Stage, Frame& frame) {
+    for (std::size_t j = 0; j < rotation_.size(); ++j) rotation_[j] = frame.joints[j].turn.toRotationMatrix();
+    for (std::size_t e = 0; e < elements_.size(); ++e) {
+        if (elements_[e].held.empty()) continue;
+        elements_[e].rotation = frame.elements[e].frame.linear;
+        elements_[e].wanted = frame.elements[e].v;
+    }
+    if (frame.stopped) dynamics_.reset(Eigen::VectorXd::Zero(input_.mass.size()));
+    const auto forces = [this](const Eigen::VectorXd& displacement, Eigen::VectorXd& force) { pull(displacement, force); };
+    if (frame.seconds > 0.0 && !dynamics_.step(frame.seconds, forces)) frame.warn(FrameWarning::Diverged);
+    for (std::size_t e = 0; e < elements_.size(); ++e)
+        if (!elements_[e].held.empty()) place(elements_[e], rotation_, dynamics_.displacement(), frame.elements[e].v);
+    for (std::size_t n = 0; n < frame.offsets.size(); ++n) frame.offsets[n] = dynamics_.displacement().segment<3>(3 * static_cast<Eigen::Index>(n));
 }
 
-bool ExplicitJoints::step(double seconds) {
-    return dynamics_.step(seconds, [this](const Eigen::VectorXd& displacement, Eigen::VectorXd& force) { pull(displacement, force); });
-}
-
-void ExplicitJoints::place(const Element& e, const std::vector<Matrix3d>& rotation, const Eigen::VectorXd& displacement, Eigen::VectorXd& v) {
+void PreviousModelJob::place(const Element& e, const std::vector<Matrix3d>& rotation, const Eigen::VectorXd& displacement, Eigen::VectorXd& v) {
     for (std::size_t i = 0; i < e.held.size(); ++i) {
         const auto& h = e.held[i];
         const Vec3 world = rotation[static_cast<std::size_t>(h.joint)] * displacement.segment<3>(3 * static_cast<Eigen::Index>(h.node));
@@ -144,7 +190,7 @@ void ExplicitJoints::place(const Element& e, const std::vector<Matrix3d>& rotati
     }
 }
 
-void ExplicitJoints::pull(const Eigen::VectorXd& displacement, Eigen::VectorXd& force) {
+void PreviousModelJob::pull(const Eigen::VectorXd& displacement, Eigen::VectorXd& force) {
     force.setZero();
     for (auto& e : elements_) {
         if (e.held.empty()) continue;
@@ -155,21 +201,33 @@ void ExplicitJoints::pull(const Eigen::VectorXd& displacement, Eigen::VectorXd& 
             const auto& h = e.held[i];
             const Vec3 pulled = e.traction.segment<3>(3 * static_cast<Eigen::Index>(i));
             force.segment<3>(3 * static_cast<Eigen::Index>(h.node)) -=
-                shearModulus_ * e.stiffness * h.area * (rotation_[static_cast<std::size_t>(h.joint)].transpose() * (e.rotation * pulled));
+                settings_.shearModulus * e.stiffness * h.area * (rotation_[static_cast<std::size_t>(h.joint)].transpose() * (e.rotation * pulled));
         }
     }
 }
 
-void ExplicitJoints::addTo(int element, Eigen::VectorXd& v) const {
-    const auto& e = elements_[static_cast<std::size_t>(element)];
-    if (!e.held.empty()) place(e, rotation_, dynamics_.displacement(), v);
+void PreviousModelJob::number(Frame& frame) const {
+    frame.offsets.assign(static_cast<std::size_t>(input_.mass.size() / 3), Vec3::Zero());
+    for (std::size_t e = 0; e < elements_.size(); ++e) {
+        const auto& faces = frame.input.elements[e].faces;
+        std::vector<int> node(frame.elements[e].runtime->vertices, 0);
+        for (std::size_t f = 0; f < faces.size(); ++f)
+            for (std::size_t i = 0; i < faces[f].vertices.size(); ++i)
+                node[static_cast<std::size_t>(faces[f].vertices[i])] = elements_[e].held[elements_[e].first[f] + i].node;
+        for (auto& h : frame.elements[e].held) h.node = node[static_cast<std::size_t>(h.vertex)];
+    }
 }
 
-int ExplicitJoints::nodeOf(int element, int face, std::size_t i) const {
-    const auto& e = elements_[static_cast<std::size_t>(element)];
-    return e.held[e.first[static_cast<std::size_t>(face)] + i].node;
-}
+}  // namespace
 
-bool ExplicitJoints::resting() const { return dynamics_.velocity().cwiseAbs().maxCoeff() <= kStill * input_.size; }
+Result<void> PreviousModelEffect::addJob(Frame& frame, FrameJobs& jobs) const {
+    if (frame.input.basis != BasisKind::Full) return {};
+    for (const auto& e : frame.input.elements)
+        if (!e.faces.empty() && (!e.response || e.response->tractions.size() == 0)) return {};
+    auto made = PreviousModelJob::build(frame.input, *this);
+    if (!made) return tl::unexpected(made.error());
+    jobs.add<PreviousModelJob>(std::move(*made)).number(frame);
+    return {};
+}
 
 }  // namespace imomushi

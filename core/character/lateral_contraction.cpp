@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/character/shrink.h"
+#include "core/character/lateral_contraction.h"
 
 #include <Eigen/Cholesky>
 #include <cmath>
@@ -29,7 +29,7 @@ Eigen::VectorXd parametersOf(const CharacterInput::Element& element, int f, cons
 
 }  // namespace
 
-std::vector<double> leastEnergyShrink(const CharacterInput& input) {
+std::vector<double> leastEnergyContractions(const CharacterInput& input) {
     const int joints = static_cast<int>(input.joints.size());
     if (joints == 0) return {};
     std::vector<double> shift(joints, 0.0);  // mean outward, per unit of strain
@@ -70,24 +70,23 @@ std::vector<double> leastEnergyShrink(const CharacterInput& input) {
         const auto& element = input.elements[e];
         if (!element.response || element.response->columns() == 0) continue;
         const auto& response = *element.response;
-        const auto wide = [&](std::size_t face) {
-            JointMap stretched;
-            stretched.linear.diagonal() = Vec3(2.0, 2.0, 1.0);
-            return parametersOf(element, static_cast<int>(face), stretched);
-        };
-        for (std::size_t f = 0; f < jointOf[e].size(); ++f) {
-            const Eigen::VectorXd force = element.stiffness * (response.stiffness * wide(f));
+        JointMap stretched;
+        stretched.linear.diagonal() = Vec3(2.0, 2.0, 1.0);
+        std::vector<Eigen::VectorXd> wide;  // v when one face is stretched in its plane
+        for (std::size_t f = 0; f < jointOf[e].size(); ++f) wide.push_back(parametersOf(element, static_cast<int>(f), stretched));
+        for (std::size_t f = 0; f < wide.size(); ++f) {
+            const Eigen::VectorXd force = element.stiffness * (response.stiffness * wide[f]);
             right[jointOf[e][f]] -= force.dot(strained[e]);
-            for (std::size_t g = 0; g < jointOf[e].size(); ++g) matrix(jointOf[e][f], jointOf[e][g]) += force.dot(wide(g));
+            for (std::size_t g = 0; g < wide.size(); ++g) matrix(jointOf[e][f], jointOf[e][g]) += force.dot(wide[g]);
         }
     }
     // Joints without a response, and combinations that cost nothing, stay as they are.
     const double ridge = 1e-12 * std::max(matrix.diagonal().cwiseAbs().maxCoeff(), 1e-300);
     matrix.diagonal().array() += ridge;
-    const Eigen::VectorXd wide = matrix.ldlt().solve(right);
+    const Eigen::VectorXd stretch = matrix.ldlt().solve(right);
     std::vector<double> c(joints, 0.0);
     for (int j = 0; j < joints; ++j)
-        if (std::abs(shift[j]) > 0.0 && std::isfinite(wide[j])) c[j] = wide[j] / shift[j];
+        if (std::abs(shift[j]) > 0.0 && std::isfinite(stretch[j])) c[j] = stretch[j] / shift[j];
     return c;
 }
 

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/character/joint_jiggle.h"
+#include "core/character/joint_dynamics_job.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "core/character/frame.h"
+#include "core/character/frame_job.h"
+#include "core/dynamics/joint_dynamics.h"
 #include "core/mesh/topology.h"
 
 namespace imomushi {
@@ -52,10 +57,46 @@ Vec3 bounded(const Vec3& x, double most) {
     return n > 0.0 ? Vec3(bounded(n, most) / n * x) : x;
 }
 
-}  // namespace
+/// Where a joint is: rotation (rest to world), place (m, world) and in-plane stretch.
+struct Place {
+    Matrix3d rotation = Matrix3d::Identity();
+    Vec3 at = Vec3::Zero();
+    double stretch = 1.0;
+};
 
-Result<std::optional<JointJiggle>> JointJiggle::build(const CharacterInput& input, const CharacterInput::Joint& joint,
-                                                      const CharacterEffects::JointDynamics& settings) {
+/// One joint that jiggles.
+class JigglingJoint {
+public:
+    /// Nothing when no element of the joint has a response. `stiffness` of elements counts relative to each other only. Errors: "bad-value".
+    static Result<std::optional<JigglingJoint>> build(const CharacterInput& input, const CharacterInput::Joint& joint, const JointDynamicsEffect& settings);
+    /// Other frequency and damping; it stops. Errors: "bad-value"; then nothing changes.
+    Result<void> set(const JointDynamicsEffect& settings);
+
+    void reset(const Place& wanted);
+    /// One frame: `seconds` pass (>= 0; none: the joint stays as far from the pose as it is). `wanted`: where the pose has the joint; it is changed to where
+    /// the joint is, but for its stretch, which inPlane() multiplies.
+    void step(double seconds, Place& wanted);
+
+    [[nodiscard]] const Matrix3d& inPlane() const { return inPlane_; }  ///< stretch of its face besides that of the pose, about 1, rest axes
+    [[nodiscard]] bool resting() const { return dynamics_.resting(); }
+
+private:
+    JigglingJoint(JointDynamics dynamics, Eigen::MatrixXd mass, Eigen::MatrixXd stiffness)
+        : dynamics_(std::move(dynamics)), mass_(std::move(mass)), stiffness_(std::move(stiffness)) {}
+
+    void follow(const Place& wanted);
+
+    JointDynamics dynamics_;
+    Eigen::MatrixXd mass_, stiffness_;
+    Matrix3d axes_ = Matrix3d::Identity();               // of the first face, rest
+    double size_ = 1.0;                                  // m, of the largest face
+    Place last_;
+    Eigen::VectorXd target_ = Eigen::VectorXd::Zero(9);  // how far the pose has taken the joint in its own axes, all in all
+    Matrix3d inPlane_ = Matrix3d::Identity();
+};
+
+Result<std::optional<JigglingJoint>> JigglingJoint::build(const CharacterInput& input, const CharacterInput::Joint& joint,
+                                                          const JointDynamicsEffect& settings) {
     Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(kParameters, kParameters), stiffness = mass;
     const auto& firstFace = input.elements[static_cast<std::size_t>(joint.faces[0].element)].faces[static_cast<std::size_t>(joint.faces[0].face)];
     double size = 0.0;
@@ -100,20 +141,20 @@ Result<std::optional<JointJiggle>> JointJiggle::build(const CharacterInput& inpu
             mass += element.density * volume[face.vertices[i]] * (rows.transpose() * rows);
         }
     }
-    if (!any) return std::optional<JointJiggle>();
+    if (!any) return std::optional<JigglingJoint>();
     // What the basis cannot say (the twist of "paper") neither weighs nor resists: it is given a little mass, and follows.
     mass.diagonal().array() += 1e-9 * std::max(mass.diagonal().maxCoeff(), 1e-300);
     mass = (0.5 * (mass + mass.transpose())).eval();
     stiffness = (0.5 * (stiffness + stiffness.transpose())).eval();
     auto dynamics = JointDynamics::build({mass, stiffness, settings.hertz, settings.damping});
     if (!dynamics) return tl::unexpected(dynamics.error());
-    JointJiggle made(std::move(*dynamics), std::move(mass), std::move(stiffness));
+    JigglingJoint made(std::move(*dynamics), std::move(mass), std::move(stiffness));
     made.axes_ = firstFace.frame.axes;
     made.size_ = size;
-    return std::optional<JointJiggle>(std::move(made));
+    return std::optional<JigglingJoint>(std::move(made));
 }
 
-Result<void> JointJiggle::set(const CharacterEffects::JointDynamics& settings) {
+Result<void> JigglingJoint::set(const JointDynamicsEffect& settings) {
     auto dynamics = JointDynamics::build({mass_, stiffness_, settings.hertz, settings.damping});
     if (!dynamics) return tl::unexpected(dynamics.error());
     dynamics_ = std::move(*dynamics);
@@ -121,13 +162,13 @@ Result<void> JointJiggle::set(const CharacterEffects::JointDynamics& settings) {
     return {};
 }
 
-void JointJiggle::reset(const Place& wanted) {
+void JigglingJoint::reset(const Place& wanted) {
     last_ = wanted;
     target_.setZero();
     dynamics_.reset(target_);
 }
 
-void JointJiggle::follow(const Place& wanted) {
+void JigglingJoint::follow(const Place& wanted) {
     const Matrix3d turned = axes_.transpose() * last_.rotation.transpose() * wanted.rotation * axes_;
     const Vec3 shift = axes_.transpose() * (last_.rotation.transpose() * (wanted.at - last_.at));
     const Eigen::AngleAxisd turn(turned);
@@ -146,10 +187,10 @@ void JointJiggle::follow(const Place& wanted) {
     target_[8] += angle.z();
 }
 
-void JointJiggle::step(double seconds, Place& wanted, Matrix3d& stretch) {
+void JigglingJoint::step(double seconds, Place& wanted) {
     if (seconds > 0.0) follow(wanted);
     dynamics_.step(seconds, target_);
-    stretch.setIdentity();
+    inPlane_.setIdentity();
     if (dynamics_.resting()) return;
     const auto away = [this](int k) { return dynamics_.parameters()[k] - target_[k]; };
     const Vec3 tilt = bounded(Vec3(away(4), -away(3), away(8)), kMostTurn);
@@ -160,7 +201,80 @@ void JointJiggle::step(double seconds, Place& wanted, Matrix3d& stretch) {
     inPlane(0, 0) += bounded(away(0), kMostStretch);
     inPlane(1, 1) += bounded(away(2), kMostStretch);
     inPlane(0, 1) = inPlane(1, 0) = bounded(away(1), 0.5 * kMostStretch);
-    stretch = axes_ * inPlane * axes_.transpose();
+    inPlane_ = axes_ * inPlane * axes_.transpose();
+}
+
+class JointDynamicsJob final : public FrameJob {
+public:
+    static Result<JointDynamicsJob> build(const CharacterInput& input, const JointDynamicsEffect& settings) {
+        JointDynamicsJob made(settings);
+        for (const auto& joint : input.joints) {
+            auto jiggling = JigglingJoint::build(input, joint, settings);
+            if (!jiggling) return tl::unexpected(jiggling.error());
+            made.joints_.push_back(std::move(*jiggling));
+        }
+        return made;
+    }
+
+    [[nodiscard]] std::span<const Stage> stages() const override {
+        static constexpr Stage kStages[] = {Stage::Joints, Stage::JointMaps};
+        return kStages;
+    }
+
+    void run(Stage stage, Frame& frame) override {
+        for (std::size_t j = 0; j < joints_.size(); ++j) {
+            if (!joints_[j]) continue;
+            if (stage == Stage::Joints)
+                move(*joints_[j], frame, frame.joints[j]);
+            else if (!frame.smooth)
+                stretch(*joints_[j], frame.joints[j]);
+        }
+    }
+
+    void tune(const EffectSettings& settings) override {
+        const auto* asked = settingsAs<JointDynamicsEffect>(settings);
+        if (!asked || (settings_.hertz == asked->hertz && settings_.damping == asked->damping)) return;
+        settings_ = *asked;
+        for (auto& joint : joints_)
+            if (joint) (void)joint->set(settings_);  // refused numbers leave it as it is
+    }
+
+    [[nodiscard]] bool resting(const Frame&) const override {
+        return std::all_of(joints_.begin(), joints_.end(), [](const auto& joint) { return !joint || joint->resting(); });
+    }
+    void report(Frame& frame, double ms) const override { frame.setTime(JointDynamicsEffect::kName, ms); }
+
+private:
+    explicit JointDynamicsJob(JointDynamicsEffect settings) : settings_(std::move(settings)) {}
+
+    static void move(JigglingJoint& joint, const Frame& frame, JointFrame& out) {
+        Place place{out.rotation, out.at, out.stretch};
+        if (frame.stopped) joint.reset(place);
+        joint.step(frame.seconds, place);
+        if (!(place.rotation == out.rotation)) {
+            const Eigen::Quaterniond moved(place.rotation);
+            out.turn = moved.dot(out.turn) < 0.0 ? Eigen::Quaterniond(-moved.coeffs()) : moved;
+        }
+        out.rotation = place.rotation;
+        out.at = place.at;
+    }
+
+    static void stretch(const JigglingJoint& joint, JointFrame& out) {
+        out.map.linear = out.map.linear * joint.inPlane();
+        out.map.shift = out.at - out.map.linear * out.restPlace;
+    }
+
+    JointDynamicsEffect settings_;
+    std::vector<std::optional<JigglingJoint>> joints_;  // of the character; nothing: it does not jiggle
+};
+
+}  // namespace
+
+Result<void> JointDynamicsEffect::addJob(Frame& frame, FrameJobs& jobs) const {
+    auto made = JointDynamicsJob::build(frame.input, *this);
+    if (!made) return tl::unexpected(made.error());
+    jobs.add<JointDynamicsJob>(std::move(*made));
+    return {};
 }
 
 }  // namespace imomushi

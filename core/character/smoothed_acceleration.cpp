@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/character/felt_acceleration.h"
+#include "core/character/smoothed_acceleration.h"
 
 #include <cmath>
 #include <numbers>
@@ -7,11 +7,11 @@
 namespace imomushi {
 
 namespace {
-constexpr double kOmega = 2.0 * std::numbers::pi * FeltAcceleration::kHertz;
+constexpr double kOmega = 2.0 * std::numbers::pi * SmoothedAcceleration::kHertz;
 constexpr double kNothing = 1e-4;  // m/s^2: less is not felt
 }  // namespace
 
-void FeltAcceleration::reset(const Vec3& place) {
+void SmoothedAcceleration::reset(const Vec3& place) {
     place_ = follower_ = place;
     speed_.setZero();
     acceleration_.setZero();
@@ -19,7 +19,7 @@ void FeltAcceleration::reset(const Vec3& place) {
 }
 
 // f'' = w^2 (p - f) - 2 w f'. With p = p0 + s t the follower runs 2 s / w behind; what it is away from that, z, decays as (z0 + (z0' + w z0) t) exp(-w t).
-void FeltAcceleration::step(double seconds, const Vec3& place) {
+void SmoothedAcceleration::step(double seconds, const Vec3& place) {
     if (!(seconds > 0.0) || (resting_ && place == place_)) return;
     const Vec3 s = (place - place_) / seconds, behind = 2.0 / kOmega * s;
     const Vec3 z = follower_ - (place_ - behind), dz = speed_ - s, slope = dz + kOmega * z;

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "core/character/effect_settings.h"
+
+namespace imomushi {
+
+/// Elements keep their volume under large motions (core/warp/bend_warp.h): their shape is that of the warp instead of the product A' v.
+///   reads   JointFrame::map, turn, part; ElementFrame::frame, rotation, withLoads
+///   writes  ElementFrame::local, work
+struct BendWarpEffect : EffectOf<BendWarpEffect> {
+    static constexpr std::string_view kName = "bend-warp";
+    void ask(ElementTables& tables) const override;
+    [[nodiscard]] Result<void> addJob(Frame& frame, FrameJobs& jobs) const override;
+};
+
+}  // namespace imomushi

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "core/character/character.h"
+#include "core/character/element_runtime.h"
+
+namespace imomushi {
+
+/// Errors: "bad-value": indices that name nothing, numbers that are none, a response of another mesh. What `known` runtimes are made of is not looked at again.
+Result<void> checkInput(const CharacterInput& input, const ElementRuntimes& known);
+
+}  // namespace imomushi

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/character/response_blocks.h"
+#include "core/character/vertex_kernels.h"
+#include "core/joints/joint_face.h"
+#include "core/reduction/element_response.h"
+#include "core/touch/touch_blocks.h"
+#include "core/touch/touch_surface.h"
+#include "core/warp/bend_warp_tables.h"
+
+namespace imomushi {
+
+/// Which tables of an element effects ask for (EffectSettings::ask()).
+struct ElementTables {
+    std::vector<int> loads;  ///< columns of ElementResponse::loads that follow v, ascending
+    bool warp = false;       ///< ElementRuntime::warp
+    bool touch = false;      ///< ElementRuntime::touch
+    bool operator==(const ElementTables&) const = default;
+};
+
+/// What the frames of one element read and never change: it follows from its mesh, joint faces, response and settings alone, not from the pose nor from
+/// other elements. Characters share runtimes: one that is built again takes over those whose input did not change.
+struct ElementRuntime {
+    struct Input {
+        std::shared_ptr<const ElementMesh> mesh;
+        std::vector<JointFace> faces;
+        std::shared_ptr<const ElementResponse> response;  ///< may be null
+        std::vector<char> covered;  ///< per face, 1: another face of its joint covers it, and its triangles are not seen
+        ResponseFormat format = ResponseFormat::Float;
+        ElementTables tables;
+        double nu = 0.45;  ///< Poisson ratio, for the warp
+    };
+    /// Vertices whose triangles are all covered: they take the normal of their face.
+    struct Hidden {
+        std::int32_t vertex = 0;
+        int face = 0;
+        Vec3 normal = Vec3::UnitZ();  ///< at rest
+    };
+
+    /// Tables that the response has nothing for are left out. Errors: "bad-value" (the response belongs to another mesh or other faces).
+    static Result<std::shared_ptr<const ElementRuntime>> build(Input input);
+
+    [[nodiscard]] double scale() const { return size > 0.0 ? 1.0 / size : 1.0; }
+    [[nodiscard]] int columns() const { return input.response ? input.response->columns() : 0; }  ///< of v
+
+    Input input;
+    std::size_t vertices = 0;
+    Vec3 middle = Vec3::Zero();           ///< of its box at rest, m
+    double size = 0.0;                    ///< diagonal of its box, m
+    std::vector<Points> restOfFace;       ///< per face, its vertices in its axes; without a response: none
+    std::vector<std::int32_t> free;       ///< body vertices that no joint places
+    std::vector<Hidden> hidden;
+    std::vector<NormalStencil> stencils;  ///< per vertex
+    Eigen::VectorXd columnSize;           ///< per column (of v, then loads): the largest displacement per unit, m
+    ResponseBlocks blocks;
+    std::shared_ptr<const BendWarpTables> warp;  ///< null: not asked for
+    std::shared_ptr<const TouchSurface> touch;   ///< null: not asked for
+    TouchBlocks touchBlocks;
+};
+
+/// The runtimes of a character by their input.
+class ElementRuntimes {
+public:
+    void add(std::shared_ptr<const ElementRuntime> runtime);
+    /// Null: there is none of this input.
+    [[nodiscard]] std::shared_ptr<const ElementRuntime> find(const ElementRuntime::Input& input) const;
+    /// One of this mesh, these faces and this response exists: they fit each other.
+    [[nodiscard]] bool knows(const std::shared_ptr<const ElementMesh>& mesh, const std::vector<JointFace>& faces,
+                             const std::shared_ptr<const ElementResponse>& response) const;
+
+private:
+    std::unordered_multimap<const ElementMesh*, std::shared_ptr<const ElementRuntime>> byMesh_;
+};
+
+}  // namespace imomushi

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/character/aligned_buffer.h"
+#include "core/character/character.h"
+#include "core/character/element_runtime.h"
+#include "core/character/frame_crew.h"
+#include "core/character/vertex_kernels.h"
+#include "core/skeleton/bone_tree.h"
+
+// The plain data of a frame, which its steps and the jobs of effects read and write. Of the character's own files alone.
+namespace imomushi {
+
+/// x -> linear * x + shift, rest to world.
+struct AffineMap {
+    Eigen::Matrix3d linear = Eigen::Matrix3d::Identity();
+    Vec3 shift = Vec3::Zero();
+    [[nodiscard]] Vec3 operator()(const Vec3& p) const { return linear * p + shift; }
+    bool operator==(const AffineMap& o) const { return linear == o.linear && shift == o.shift; }
+};
+
+struct JointFrame {
+    // Fixed by the character.
+    Vec3 restPlace = Vec3::Zero();    // m
+    Vec3 restNormal = Vec3::UnitZ();
+    Vec3 restTangent = Vec3::Zero();  // that roll turns about; zero: no bones meet here
+    double contraction = 0.0;         // 1/m, see lateral_contraction.h
+    bool led = false;                 // its plane turns with elements that lead (CharacterInput::Element::leadsJointPlanes)
+    bool warped = false;              // an element keeps its volume here
+    double nu = 0.45;                 // Poisson ratio of that element
+
+    // Stage::Joints
+    Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  // rest to world; its sign says which way a bend went round
+    Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();    // the same
+    Vec3 at = Vec3::Zero();                                    // where restPlace is, m, world
+    double stretch = 1.0;                                      // in its plane
+    // Stage::JointMaps; Stage::Equilibrium
+    AffineMap map;
+    Eigen::Matrix3Xd warping;  // with smooth joints: world, per scalar shape
+    double part = 1.0;         // of its shape in equilibrium that is shown: less where it turns far and elements are warped
+};
+
+/// A vertex that its joint places, and the rest position that it is placed from.
+struct HeldVertex {
+    std::int32_t vertex = 0;
+    int joint = 0;
+    Vec3 rest = Vec3::Zero();
+    int node = 0;  // in Frame::offsets
+};
+
+/// A vertex of a seam, and its normal from this element alone.
+struct RimNormal {
+    std::int32_t vertex = 0;
+    Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();
+};
+
+/// What a frame does for the free vertices of an element: nothing; place what `local` has; evaluate the product; the same and keep it in `local`.
+enum class VertexWork { None, Place, Evaluate, EvaluateAndKeep };
+
+struct ElementFrame {
+    // Fixed by the character.
+    std::shared_ptr<const ElementRuntime> runtime;
+    double boneLength = 0.0;         // m, of its bones together
+    int anchorJoint = -1;            // it hangs on this joint; -1: on the middle of its bones
+    Vec3 restAnchor = Vec3::Zero();  // m
+    std::vector<int> jointOf;        // per face
+    std::vector<HeldVertex> held;
+    Eigen::MatrixXd heldShapes;      // with smooth joints: #shapes x #held, warping shapes of the joint, m
+
+    // Its motion, v, and columns after v.
+    Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+    AffineMap frame;                 // rest to world
+    Eigen::VectorXd v;
+    Eigen::VectorXd withLoads;       // v, then loads; without such columns: empty
+    Eigen::VectorXd jointForces;     // of loads on its joints, see ElementResponse::loadForces; empty: none
+    Eigen::VectorXd patchForces;     // of fingers, see TouchContact::patchForces(); empty: it feels no touch
+    [[nodiscard]] const Eigen::VectorXd& weights() const { return withLoads.size() > 0 ? withLoads : v; }
+    /// Where a free vertex is in the element's frame, m, by `local` or what has its layout.
+    [[nodiscard]] Vec3 localAt(std::int32_t vertex, const float* blocksOf) const;
+
+    // What was shown last.
+    AffineMap shownFrame;
+    Eigen::VectorXd shownWeights;
+    std::vector<AffineMap> shownJoints;          // per face
+    std::vector<Eigen::Matrix3Xd> shownWarping;  // per face, with smooth joints
+    bool shown = false, moved = false;
+    bool localShown = false;         // `local` belongs to shownWeights
+
+    // Vertices.
+    ResponseBlocks blocks;           // of the runtime, with the weights of this frame
+    bool wantsLocal = false;         // Stage::Weights: a job reads `local` in this frame
+    VertexWork work = VertexWork::None;
+    AffineFloat placement{};
+    AlignedBuffer<float> local;      // free vertices in the element's frame about its middle, in blocks, m
+    const float* dented = nullptr;   // the same with what Stage::Dents adds; null: nothing
+    AlignedBuffer<float> positions, normals;
+    std::vector<RimNormal> rim;
+    std::uint64_t revision = 0, moves = 0;  // moves: without changes of normals on seams
+
+    // Somebody else makes the surface (surface_recipe.h).
+    bool elsewhere = false;      // it is wanted
+    bool madeElsewhere = false;  // and done, since the last update()
+    bool pending = false;        // positions and normals here are not those of the last update()
+    bool seamsOpen = false;      // normals on seams are not
+};
+
+struct Frame {
+    // Threads share a frame in pieces of about this many bytes, and only frames with this many: less is done before a helper wakes up.
+    static constexpr std::size_t kBytesPerPiece = 1 << 17, kBytesWorthThreads = 1 << 20;
+
+    explicit Frame(CharacterInput given) : input(std::move(given)), tree(boneTree(input.skeleton)), pose(restPose(input.skeleton)) {}
+    Frame(const Frame&) = delete;
+    Frame& operator=(const Frame&) = delete;
+
+    /// body(part) for all pieces, on all threads where there are `bytes` enough.
+    template <class Part, class Body>
+    void share(std::size_t bytes, const std::vector<Part>& pieces, const Body& body) {
+        if (crew && bytes >= kBytesWorthThreads)
+            crew->run(pieces.size(), [&](std::size_t i) { body(pieces[i]); });
+        else
+            for (const auto& p : pieces) body(p);
+    }
+    void warn(FrameWarning warning) { warnings |= static_cast<unsigned>(warning); }
+    /// Where its joint has the i-th held vertex, m, world.
+    [[nodiscard]] Vec3 heldAt(const ElementFrame& element, std::size_t i) const;
+    void setTime(std::string_view effect, double ms);
+
+    const CharacterInput input;
+    const BoneTree tree;
+    std::vector<JointFrame> joints;
+    std::vector<ElementFrame> elements;
+    bool smooth = false;       // joints take their shape in Stage::Equilibrium, none from lateral contraction
+    int warpingShapes = 0;     // per joint, with smooth joints
+    std::vector<Vec3> offsets; // per node of the previous model: m, in the rest axes of its joint
+
+    Pose pose;                 // the last good one
+    double seconds = 0.0;      // that pass in this frame
+    bool stopped = true;       // it starts from rest
+    bool exact = false;        // see Character::keepExact()
+    bool replaying = false;    // it shows numbers of Character::shape(), jobs before Stage::Weights do not run
+    unsigned warnings = 0;     // of FrameWarning
+    double loadMsOfWarp = 0.0; // of Stage::LocalShape, spent on body loads
+    Character::Stats stats;
+    std::unique_ptr<FrameCrew> crew;
+};
+
+}  // namespace imomushi

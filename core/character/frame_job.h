@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/character/effect_settings.h"
+
+namespace imomushi {
+
+inline double milliseconds(std::chrono::steady_clock::time_point from, std::chrono::steady_clock::time_point to) {
+    return std::chrono::duration<double, std::milli>(to - from).count();
+}
+
+/// Where in a frame jobs run, in this order; what is there by then, and what a job may change (frame.h).
+enum class Stage {
+    Joints,       ///< rotation, place and in-plane stretch of joints
+    JointMaps,    ///< maps of joints, which follow from them
+    Loads,        ///< v of elements under these maps; columns after v, forces on joints
+    FaceOffsets,  ///< displacements of single vertices of joint faces; v with them
+    Equilibrium,  ///< maps of joints and v, final
+    Weights,      ///< all weights of elements are final; whether positions before placement are needed
+    LocalShape,   ///< what is evaluated is decided; positions before placement instead of a product
+    Dents,        ///< positions of free vertices; changes of them
+};
+inline constexpr std::size_t kStages = 8;
+
+/// One row of statistics.
+struct EffectTime {
+    std::string_view effect;
+    double ms = 0.0;
+};
+
+/// What an effect does in a frame: one job in one file, which reads and writes the plain data of a Frame and keeps a state of its own. Jobs of effects that a
+/// character does not have do not exist. Built once; run() and tune() neither allocate nor lock, and run() does not fail.
+class FrameJob {
+public:
+    virtual ~FrameJob() = default;
+
+    [[nodiscard]] virtual std::span<const Stage> stages() const = 0;
+    /// The part of the job that belongs to one of stages(). Frame::stopped: it forgets its motion first.
+    virtual void run(Stage stage, Frame& frame) = 0;
+    /// New numbers, if they are of its effect and valid.
+    virtual void tune(const EffectSettings&) {}
+    /// It changes nothing by itself: the next frame of the same pose is the same.
+    [[nodiscard]] virtual bool resting(const Frame&) const { return true; }
+    /// Bytes that a frame reads and writes for it, beyond the tables of elements.
+    [[nodiscard]] virtual std::size_t bytes() const { return 0; }
+    /// Sets the times of its effects in the statistics of the frame that ends. `ms`: of all its stages.
+    virtual void report(Frame& frame, double ms) const = 0;
+
+private:
+    friend class FrameJobs;
+    double ms_ = 0.0;
+};
+
+/// The jobs of a character, by stage.
+class FrameJobs {
+public:
+    /// Adds a job; of a kind that is there already, returns that one.
+    template <class Job, class... Arguments>
+    Job& add(Arguments&&... arguments) {
+        if (Job* known = find<Job>()) return *known;
+        auto made = std::make_unique<Job>(std::forward<Arguments>(arguments)...);
+        Job& job = *made;
+        for (const Stage stage : job.stages()) at_[static_cast<std::size_t>(stage)].push_back(&job);
+        all_.push_back(std::move(made));
+        return job;
+    }
+    /// Null: there is none.
+    template <class Job>
+    [[nodiscard]] Job* find() const {
+        for (const auto& job : all_)
+            if (auto* found = dynamic_cast<Job*>(job.get())) return found;
+        return nullptr;
+    }
+
+    void begin() {
+        for (const auto& job : all_) job->ms_ = 0.0;
+    }
+    void run(Stage stage, Frame& frame) {
+        for (FrameJob* job : at_[static_cast<std::size_t>(stage)]) {
+            const auto start = std::chrono::steady_clock::now();
+            job->run(stage, frame);
+            job->ms_ += milliseconds(start, std::chrono::steady_clock::now());
+        }
+    }
+    void report(Frame& frame) const {
+        for (const auto& job : all_) job->report(frame, job->ms_);
+    }
+    void tune(const CharacterEffects& effects) {
+        for (const auto& job : all_)
+            for (const auto& settings : effects) job->tune(*settings);
+    }
+    [[nodiscard]] bool resting(const Frame& frame) const {
+        for (const auto& job : all_)
+            if (!job->resting(frame)) return false;
+        return true;
+    }
+    [[nodiscard]] std::size_t bytes() const {
+        std::size_t sum = 0;
+        for (const auto& job : all_) sum += job->bytes();
+        return sum;
+    }
+
+private:
+    std::vector<std::unique_ptr<FrameJob>> all_;
+    std::array<std::vector<FrameJob*>, kStages> at_;
+};
+
+}  // namespace imomushi

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "core/character/effect_settings.h"
+
+namespace imomushi {
+
+/// Joints take the shape that balances their elements (joint_equilibrium.h) instead of a = b = 1 + c s. Not beside the previous model, which shapes joints
+/// itself.
+///   reads   JointFrame::rotation, map (rigid), turn; ElementFrame::frame, rotation, v (of rigid joints), jointForces
+///   writes  JointFrame::map, warping, part; ElementFrame::v
+struct SmoothJointsEffect : EffectOf<SmoothJointsEffect> {
+    static constexpr std::string_view kName = "smooth-joints";
+    [[nodiscard]] Result<void> addJob(Frame& frame, FrameJobs& jobs) const override;
+};
+
+}  // namespace imomushi

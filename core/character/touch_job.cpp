@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/character/touch_job.h"
+
+#include <algorithm>
+
+#include "core/character/frame.h"
+
+namespace imomushi {
+
+void TouchEffect::ask(ElementTables& tables) const { tables.touch = true; }
+
+Result<void> TouchEffect::addJob(Frame& frame, FrameJobs& jobs) const {
+    auto made = TouchJob::build(frame, *this);
+    if (!made) return tl::unexpected(made.error());
+    jobs.add<TouchJob>(std::move(*made));
+    return {};
+}
+
+Result<TouchJob> TouchJob::build(Frame& frame, const TouchSettings& settings) {
+    TouchJob made;
+    for (std::size_t e = 0; e < frame.elements.size(); ++e) {
+        auto& of = frame.elements[e];
+        if (!of.runtime->touch) continue;
+        auto contact = TouchContact::build(of.runtime->touch, settings);
+        if (!contact) return tl::unexpected(contact.error());
+        of.patchForces = Eigen::VectorXd::Zero(contact->patchForces().size());
+        made.elements_.push_back({static_cast<int>(e), std::move(*contact), of.runtime->touchBlocks, {}, AlignedBuffer<float>(of.local.size())});
+    }
+    return made;
+}
+
+std::span<const Stage> TouchJob::stages() const {
+    static constexpr Stage kStages[] = {Stage::Weights, Stage::Dents};
+    return kStages;
+}
+
+void TouchJob::run(Stage stage, Frame& frame) {
+    for (auto& touched : elements_) {
+        auto& out = frame.elements[static_cast<std::size_t>(touched.index)];
+        if (stage == Stage::Weights)
+            out.wantsLocal = active(touched, frame);
+        else if (out.wantsLocal)
+            press(touched, frame);
+        else if (!frame.replaying)
+            out.patchForces = touched.contact.patchForces();
+    }
+}
+
+bool TouchJob::active(const Element& touched, const Frame& frame) {
+    const auto& out = frame.elements[static_cast<std::size_t>(touched.index)];
+    if (frame.replaying) return out.dented || (out.patchForces.array() != 0.0).any();
+    bool down = !touched.contact.idle() || out.dented;
+    for (int i = 0; i < TouchContact::kFingers; ++i) down = down || touched.contact.down(i);
+    return down;
+}
+
+void TouchJob::press(Element& touched, Frame& frame) {
+    auto& out = frame.elements[static_cast<std::size_t>(touched.index)];
+    if (!frame.replaying) {
+        aimFingers(touched, frame);
+        out.patchForces = touched.contact.patchForces();
+    }
+    const bool dented = frame.replaying ? (out.patchForces.array() != 0.0).any() : !touched.contact.idle();
+    out.dented = dented ? touched.dented.data() : nullptr;
+    if (!dented) return;
+    touched.blocks.weigh(out.patchForces);
+    std::copy_n(out.local.data(), out.local.size(), touched.dented.data());
+    touched.blocks.add(0, out.blocks.count(), touched.dented.data());
+    place(touched.dented.data(), out.blocks.first(), out.placement, 0, out.blocks.count(), out.positions.data());
+}
+
+void TouchJob::aimFingers(Element& touched, const Frame& frame) {
+    const auto& of = frame.elements[static_cast<std::size_t>(touched.index)];
+    const Eigen::Matrix3d toElement = of.frame.linear.transpose();
+    const auto& triangles = of.runtime->input.mesh->body.triangles;
+    // Where the pose alone has a body vertex in the frame of its element.
+    const auto poseAt = [&](std::int32_t vertex) -> Vec3 {
+        const auto held = std::find_if(of.held.begin(), of.held.end(), [vertex](const HeldVertex& h) { return h.vertex == vertex; });
+        if (held == of.held.end()) return of.localAt(vertex, of.local.data());
+        return of.frame.linear.transpose() * (frame.heldAt(of, static_cast<std::size_t>(held - of.held.begin())) - of.frame.shift);
+    };
+    for (int i = 0; i < TouchContact::kFingers; ++i) {
+        if (!touched.contact.down(i)) continue;
+        std::array<Vec3, 3> corners;
+        for (int c = 0; c < 3; ++c) corners[static_cast<std::size_t>(c)] = poseAt(triangles(touched.contact.triangle(i), c));
+        touched.contact.aim(i, corners, toElement * (touched.fingers[static_cast<std::size_t>(i)].target - of.frame.shift));
+    }
+    if (frame.seconds > 0.0)
+        touched.contact.step(frame.seconds);
+    else
+        touched.contact.settle();
+}
+
+bool TouchJob::setFinger(int element, int finger, const Vec3& rest, const Vec3& target, double radius) {
+    const auto found = std::find_if(elements_.begin(), elements_.end(), [element](const Element& e) { return e.index == element; });
+    if (found == elements_.end() || !allFinite(target)) return false;
+    auto& known = found->fingers[static_cast<std::size_t>(finger)];
+    // A finger that only moves keeps its place: finding it again costs more than a frame.
+    if (!found->contact.down(finger) || rest != known.rest || radius != known.radius)
+        if (!found->contact.place(finger, found->contact.surface().nearest(rest), radius)) return false;
+    known = {rest, target, radius};
+    return true;
+}
+
+void TouchJob::liftFinger(int element, int finger) {
+    for (auto& e : elements_)
+        if (e.index == element) e.contact.lift(finger);
+}
+
+void TouchJob::tune(const EffectSettings& settings) {
+    if (const auto* asked = settingsAs<TouchEffect>(settings))
+        for (auto& e : elements_) (void)e.contact.set(*asked);  // refused numbers leave it as it is
+}
+
+bool TouchJob::resting(const Frame& frame) const {
+    return std::none_of(elements_.begin(), elements_.end(), [&](const Element& e) { return active(e, frame); });
+}
+
+std::size_t TouchJob::bytes() const {
+    std::size_t sum = 0;
+    for (const auto& e : elements_) sum += e.contact.bytes() + e.blocks.bytes() + e.dented.bytes();
+    return sum;
+}
+
+void TouchJob::report(Frame& frame, double ms) const { frame.setTime(TouchEffect::kName, ms); }
+
+}  // namespace imomushi
