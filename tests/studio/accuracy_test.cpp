@@ -14,10 +14,10 @@
 #include "core/document/accuracy_commands.h"
 #include "tests/studio/window.h"
 #include "ui/models/recent_files.h"
-#include "ui/panels/accuracy_errors.h"
-#include "ui/panels/accuracy_panel.h"
-#include "ui/panels/accuracy_plot.h"
-#include "ui/panels/appearance.h"
+#include "ui/panels/accuracy/accuracy_errors.h"
+#include "ui/panels/accuracy/accuracy_panel.h"
+#include "ui/panels/accuracy/accuracy_plot.h"
+#include "ui/widgets/appearance.h"
 
 using namespace imomushi;
 

@@ -7,12 +7,12 @@
 #include "ui/models/effect_texts.h"
 #include "ui/models/recent_files.h"
 #include "ui/models/texts.h"
-#include "ui/panels/appearance.h"
 #include "ui/panels/effects_panel.h"
-#include "ui/panels/inspector_panel.h"
-#include "ui/panels/number_field.h"
-#include "ui/panels/status_strip.h"
-#include "ui/panels/switch.h"
+#include "ui/panels/inspector/inspector_panel.h"
+#include "ui/widgets/appearance.h"
+#include "ui/widgets/number_field.h"
+#include "ui/widgets/switch.h"
+#include "ui/window/status_strip.h"
 
 using namespace imomushi;
 

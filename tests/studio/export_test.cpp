@@ -7,11 +7,11 @@
 #include <QSettings>
 
 #include "tests/studio/window.h"
+#include "ui/dialogs/export_dialog.h"
 #include "ui/jobs/export_job.h"
 #include "ui/models/recent_files.h"
-#include "ui/panels/appearance.h"
-#include "ui/panels/choice_card.h"
-#include "ui/panels/export_dialog.h"
+#include "ui/widgets/appearance.h"
+#include "ui/widgets/choice_card.h"
 
 using namespace imomushi;
 

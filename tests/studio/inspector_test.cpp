@@ -4,8 +4,8 @@
 #include <QLabel>
 
 #include "tests/studio/window.h"
-#include "ui/panels/inspector_panel.h"
-#include "ui/panels/number_field.h"
+#include "ui/panels/inspector/inspector_panel.h"
+#include "ui/widgets/number_field.h"
 
 using namespace imomushi;
 

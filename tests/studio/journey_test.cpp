@@ -6,7 +6,7 @@
 #include "tests/studio/window.h"
 #include "ui/panels/list_panels.h"
 #include "ui/panels/outliner_panel.h"
-#include "ui/panels/status_strip.h"
+#include "ui/window/status_strip.h"
 
 using namespace imomushi;
 

@@ -8,8 +8,8 @@
 #include <cstring>
 
 #include "core/io/import.h"
-#include "ui/panels/appearance.h"
 #include "ui/studio.h"
+#include "ui/widgets/appearance.h"
 
 int main(int argc, char** argv) {
     // importFile() starts this very program as its worker.

@@ -6,7 +6,7 @@
 #include <QTimer>
 
 #include "tests/studio/window.h"
-#include "ui/panels/recovery_dialog.h"
+#include "ui/dialogs/recovery_dialog.h"
 
 using namespace imomushi;
 

@@ -9,9 +9,9 @@
 #include "tests/studio/window.h"
 #include "ui/models/recent_files.h"
 #include "ui/models/texts.h"
-#include "ui/panels/appearance.h"
 #include "ui/panels/takes_panel.h"
 #include "ui/panels/time_bar.h"
+#include "ui/widgets/appearance.h"
 
 using namespace imomushi;
 

@@ -7,10 +7,10 @@
 #include <QTimer>
 
 #include "tests/studio/window.h"
+#include "ui/dialogs/preferences_dialog.h"
 #include "ui/models/recent_files.h"
-#include "ui/panels/appearance.h"
-#include "ui/panels/command_search.h"
-#include "ui/panels/preferences_dialog.h"
+#include "ui/widgets/appearance.h"
+#include "ui/window/command_search.h"
 
 using namespace imomushi;
 

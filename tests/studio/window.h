@@ -11,11 +11,11 @@
 #include <QTest>
 #include <memory>
 
-#include "ui/panels/file_flow.h"
-#include "ui/panels/import_dialog.h"
-#include "ui/panels/main_window.h"
-#include "ui/panels/studio_actions.h"
+#include "ui/dialogs/import_dialog.h"
 #include "ui/viewport/viewport_widget.h"
+#include "ui/window/file_flow.h"
+#include "ui/window/main_window.h"
+#include "ui/window/studio_actions.h"
 
 namespace imomushi {
 

@@ -9,10 +9,10 @@
 
 #include "tests/studio/window.h"
 #include "ui/models/texts.h"
-#include "ui/panels/appearance.h"
-#include "ui/panels/command_search.h"
-#include "ui/panels/number_field.h"
-#include "ui/panels/status_strip.h"
+#include "ui/widgets/appearance.h"
+#include "ui/widgets/number_field.h"
+#include "ui/window/command_search.h"
+#include "ui/window/status_strip.h"
 
 using namespace imomushi;
 
