@@ -4,25 +4,18 @@
 #include <array>
 #include <filesystem>
 #include <map>
-#include <memory>
 #include <span>
-#include <vector>
 
-#include "core/base/hash.h"
 #include "core/base/result.h"
 #include "core/document/document.h"
-#include "core/reduction/element_response.h"
+#include "core/document/response_rows.h"
 
 namespace imomushi {
 
 /// What a project file holds: the document and the responses that its elements have.
 struct Project {
     Document document;
-    struct Response {
-        ContentKey key, shape;  ///< as in the session: what it answers, and for which mesh, faces and basis it fits
-        std::shared_ptr<const ElementResponse> response;
-    };
-    std::map<PartId, Response> responses;  ///< by element; elements without one are left out
+    std::map<PartId, StoredResponse> responses;  ///< by element; elements without one are left out
 };
 
 /// "IMOM": SQLite's application id of a .imomushi file.

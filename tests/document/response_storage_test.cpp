@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/document/packed_response.h"
 #include "tests/document/workbench.h"
 
 using namespace imomushi;
@@ -50,4 +51,40 @@ TEST_CASE("storage: the response of touch opens as it was saved, and a broken on
     CHECK(refused([](TouchResponse& t) { t.displacement.conservativeResize(t.displacement.rows(), 17); }));
     CHECK(refused([](TouchResponse& t) { t.gradients(0, 0) = std::numeric_limits<float>::infinity(); }));
     CHECK(refused([](TouchResponse& t) { t.probes[0] = 1'000'000; }));
+}
+
+TEST_CASE("packed response: it comes back bit by bit, and what is damaged or belongs elsewhere is refused") {
+    Workbench w;
+    w.buildChain();
+    const Element& element = *w.session.document().elements.begin()->second;
+    ResponseInput input;
+    input.mesh = element.mesh;
+    input.faces = element.faces;
+    input.solverMesh = {SolverMeshSetting::Kind::AsIs, 0};
+    input.basis = {BasisKind::Modes, 4};
+    input.loads = true;
+    input.touch = 6;
+    const ElementResponse response = buildResponse(input, {}).value();
+    const auto packed = packResponse(response);
+    REQUIRE(packed);
+    const auto back = unpackResponse(*packed, input.mesh->body, input.faces);
+    REQUIRE(back);
+    CHECK(back->freeVertices == response.freeVertices);
+    CHECK(back->bases == response.bases);
+    CHECK(back->firstColumn == response.firstColumn);
+    CHECK(back->response == response.response);
+    CHECK(back->stiffness == response.stiffness);
+    CHECK(back->loads == response.loads);
+    CHECK(back->loadForces == response.loadForces);
+    CHECK(back->touch.displacement == response.touch.displacement);
+    CHECK(back->quality.error == response.quality.error);
+    CHECK(packResponse(*back).value() == *packed);
+
+    CHECK(unpackResponse({}, input.mesh->body, input.faces).error().code == "damaged");
+    CHECK(unpackResponse(std::span(*packed).first(packed->size() / 2), input.mesh->body, input.faces).error().code == "damaged");
+    CHECK(unpackResponse(*packed, input.mesh->body, std::span(input.faces).first(input.faces.size() - 1)).error().code == "damaged");
+    auto flipped = *packed;
+    flipped[flipped.size() / 2] ^= std::byte{1};
+    const auto read = unpackResponse(flipped, input.mesh->body, input.faces);
+    CHECK((!read || packResponse(*read).value() == *packed));  // a bit that belongs to no value changes nothing
 }
