@@ -59,7 +59,7 @@ Result<void> Character::State::build(const ElementRuntimes& known) {
     const int threads = input.threads > 0 ? input.threads : hardwareThreads();
     std::size_t bytes = jobs.bytes();
     for (const auto& e : frame.elements) bytes += e.blocks.count() * e.blocks.bytesPerBlock();
-    if (threads > 1 && bytes >= Frame::kBytesWorthThreads) frame.crew = std::make_unique<FrameCrew>(threads);
+    if (threads > 1 && bytes >= Frame::kBytesWorthThreads) frame.pool = ThreadPool::shared(threads);
     update(frame.pose, 0.0);
     return {};
 }

@@ -7,10 +7,10 @@
 #include <memory>
 #include <vector>
 
+#include "core/base/thread_pool.h"
 #include "core/character/aligned_buffer.h"
 #include "core/character/character.h"
 #include "core/character/element_runtime.h"
-#include "core/character/frame_crew.h"
 #include "core/character/vertex_kernels.h"
 #include "core/skeleton/bone_tree.h"
 
@@ -121,8 +121,8 @@ struct Frame {
     /// body(part) for all pieces, on all threads where there are `bytes` enough.
     template <class Part, class Body>
     void share(std::size_t bytes, const std::vector<Part>& pieces, const Body& body) {
-        if (crew && bytes >= kBytesWorthThreads)
-            crew->run(pieces.size(), [&](std::size_t i) { body(pieces[i]); });
+        if (pool && bytes >= kBytesWorthThreads)
+            pool->run(pieces.size(), [&](std::size_t i) { body(pieces[i]); });
         else
             for (const auto& p : pieces) body(p);
     }
@@ -147,7 +147,7 @@ struct Frame {
     unsigned warnings = 0;     // of FrameWarning
     double loadMsOfWarp = 0.0; // of Stage::LocalShape, spent on body loads
     Character::Stats stats;
-    std::unique_ptr<FrameCrew> crew;
+    std::shared_ptr<ThreadPool> pool;  // null: frames of this character are too small for threads
 };
 
 }  // namespace imomushi
