@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "core/accuracy/stand_in.h"
+#include "core/character/effects.h"
 #include "core/comparison/paper_caterpillar.h"
 #include "core/comparison/previous_model.h"
 #include "core/comparison/swing.h"
@@ -114,8 +115,8 @@ Result<std::vector<Divergence>> previousDivergence(const ComparedModels& models,
     CharacterInput input = withoutEffects(models.input);
     input.basis = BasisKind::Full;
     for (std::size_t e = 0; e < input.elements.size(); ++e) input.elements[e].response = models.full[e];
-    CharacterEffects::PreviousModel settings;
-    input.effects.previousModel = settings;
+    PreviousModelEffect settings;
+    input.effects.set(settings);
     const Skeleton skeleton = input.skeleton;
     auto character = Character::build(std::move(input));
     if (!character) return tl::unexpected(character.error());
@@ -136,7 +137,7 @@ Result<std::vector<Divergence>> previousDivergence(const ComparedModels& models,
             settings.shearModulus = stiffness;
             settings.step = one.step;
             CharacterEffects effects;
-            effects.previousModel = settings;
+            effects.set(settings);
             character->tune(effects);
             character->stop();
             character->update(rest, 0.0);

@@ -11,6 +11,7 @@
 #include <span>
 
 #include "core/accuracy/machine_share.h"
+#include "core/character/effects.h"
 #include "core/comparison/model_table.h"
 #include "core/comparison/previous_model.h"
 #include "core/reduction/congruence.h"
@@ -331,7 +332,7 @@ Result<FullSolution> FullSolution::build(const ReferenceInput& input, const Prog
     if (!smooth) return tl::unexpected(smooth.error());
     CharacterInput soft = plain;
     soft.basis = kSmooth;
-    soft.smoothJoints = true;
+    soft.effects.set(SmoothJointsEffect{});
     for (std::size_t e = 0; e < smooth->responses.size(); ++e) soft.elements[e].response = smooth->responses[e];
     auto equilibrium = Character::build(std::move(soft));
     if (!equilibrium) return tl::unexpected(equilibrium.error());

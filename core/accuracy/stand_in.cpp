@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "core/character/effects.h"
 #include "core/comparison/swing.h"
 #include "core/comparison/timing.h"
 #include "core/elasticity/boundary_equation.h"
@@ -65,15 +66,19 @@ std::shared_ptr<const ElementResponse> standInResponse(const ElementMesh& mesh, 
 }
 
 CharacterInput withStandIns(CharacterInput input) {
-    for (auto& e : input.elements)
-        e.response = e.faces.empty() ? nullptr : standInResponse(*e.mesh, e.faces, input.basis, e.heavy || e.inflated);
+    const auto* gravity = input.effects.find<GravityEffect>();
+    const auto* inflate = input.effects.find<InflateEffect>();
+    for (std::size_t i = 0; i < input.elements.size(); ++i) {
+        auto& e = input.elements[i];
+        const bool loads = (gravity && gravity->on(i)) || (inflate && inflate->on(i));
+        e.response = e.faces.empty() ? nullptr : standInResponse(*e.mesh, e.faces, input.basis, loads);
+    }
     return input;
 }
 
 Result<double> predictFrame(const CharacterInput& input, const Progress& progress) {
     CharacterInput stand = withStandIns(input);
-    stand.effects.touch.reset();
-    for (auto& e : stand.elements) e.touched = false;
+    stand.effects.erase<TouchEffect>();
     auto character = Character::build(std::move(stand));
     if (!character) return tl::unexpected(character.error());
     Swing swing(input.skeleton);

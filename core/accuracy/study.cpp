@@ -15,6 +15,7 @@
 #include "core/accuracy/stand_in.h"
 #include "core/accuracy/study_store.h"
 #include "core/base/parallel.h"
+#include "core/character/effects.h"
 #include "core/comparison/model_table.h"
 #include "core/comparison/previous_model.h"
 #include "core/comparison/swing.h"
@@ -73,7 +74,7 @@ CharacterInput characterAs(const StudyInput& input, const AccuracySetting& setti
     CharacterInput out = withoutEffects(input.reference.character);
     out.threads = input.reference.character.threads;
     out.basis = setting.basis;
-    out.smoothJoints = setting.smoothJoints;
+    if (setting.smoothJoints) out.effects.set(SmoothJointsEffect{});
     out.format = setting.format;
     for (auto& e : out.elements) e.response = nullptr;
     return out;
@@ -95,8 +96,9 @@ class Finger {
 public:
     explicit Finger(const CharacterInput& input) {
         Eigen::Index most = 0;
+        const auto* touch = input.effects.find<TouchEffect>();
         for (std::size_t e = 0; e < input.elements.size(); ++e)
-            if (input.elements[e].touched && input.elements[e].mesh->body.vertices.rows() > most) element_ = static_cast<int>(e), most = input.elements[e].mesh->body.vertices.rows();
+            if (touch && touch->on(e) && input.elements[e].mesh->body.vertices.rows() > most) element_ = static_cast<int>(e), most = input.elements[e].mesh->body.vertices.rows();
         if (element_ < 0) return;
         const auto& element = input.elements[static_cast<std::size_t>(element_)];
         const Points& rest = element.mesh->body.vertices;
@@ -420,10 +422,10 @@ private:
         EffectPoint out{effect.name, effect.predictedMs, -1.0, effect.unknown};
         if (!effect.unknown.empty()) return out;
         CharacterInput given = effect.with, plain = characterAs(input_, input_.present);
-        if (given.effects.touch) {
+        if (given.effects.has<TouchEffect>()) {
             for (std::size_t e = 0; e < given.elements.size(); ++e) plain.elements[e].response = given.elements[e].response;
         } else {
-            plain.smoothJoints = plain.smoothJoints && effect.name != "smooth-joints";
+            if (effect.name == SmoothJointsEffect::kName) plain.effects.erase<SmoothJointsEffect>();
             given = withStandIns(std::move(given));
             plain = withStandIns(std::move(plain));
         }

@@ -9,7 +9,7 @@
 #include "core/character/frame_job.h"
 #include "core/character/surface_recipe.h"
 #include "core/character/touch_job.h"
-#include "core/skeleton/inverse_kinematics.h"
+#include "core/skeleton/skeleton.h"
 
 // Of the character's own files alone.
 namespace imomushi {

@@ -3,10 +3,9 @@
 
 #include <cmath>
 
-namespace imomushi {
+#include "core/skeleton/bone_tree.h"
 
-using Eigen::Matrix3d;
-using Eigen::Quaterniond;
+namespace imomushi {
 
 namespace {
 

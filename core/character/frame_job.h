@@ -29,7 +29,7 @@ enum class Stage {
     LocalShape,   ///< what is evaluated is decided; positions before placement instead of a product
     Dents,        ///< positions of free vertices; changes of them
 };
-inline constexpr std::size_t kStages = 8;
+inline constexpr std::size_t kStageCount = 8;
 
 /// One row of statistics.
 struct EffectTime {
@@ -111,7 +111,7 @@ public:
 
 private:
     std::vector<std::unique_ptr<FrameJob>> all_;
-    std::array<std::vector<FrameJob*>, kStages> at_;
+    std::array<std::vector<FrameJob*>, kStageCount> at_;
 };
 
 }  // namespace imomushi

@@ -144,27 +144,6 @@ Result<Vec3> restPosition(const Document& document, const Bone::Place& start) {
     return fail("bad-place", "The ends of bones refer to each other in a circle: place one of them at a face or a point.");
 }
 
-CharacterEffects characterEffects(const Effects& effects) {
-    CharacterEffects made;
-    if (effects.has(EffectKind::Gravity))
-        made.gravity = {effects.vector(EffectKind::Gravity, "acceleration"), effects.number(EffectKind::Gravity, "inertia"),
-                        effects.number(EffectKind::Gravity, "shear-modulus")};
-    if (effects.has(EffectKind::Inflate))
-        made.inflate = {effects.number(EffectKind::Inflate, "pressure"), effects.number(EffectKind::Inflate, "breath"),
-                        effects.number(EffectKind::Inflate, "breath-hertz")};
-    if (effects.has(EffectKind::JointDynamics))
-        made.jointDynamics = {effects.number(EffectKind::JointDynamics, "hertz"), effects.number(EffectKind::JointDynamics, "damping")};
-    if (effects.has(EffectKind::PreviousModel))
-        made.previousModel = {effects.number(EffectKind::PreviousModel, "step"), effects.number(EffectKind::PreviousModel, "damping"),
-                              effects.number(EffectKind::PreviousModel, "shear-modulus")};
-    if (effects.has(EffectKind::Touch)) {
-        made.touch.emplace();
-        made.touch->friction = effects.number(EffectKind::Touch, "friction");
-        made.touch->releaseSeconds = effects.number(EffectKind::Touch, "release");
-    }
-    return made;
-}
-
 Result<CharacterPlan> planCharacter(const Document& document) {
     CharacterPlan plan;
     const Nodes nodes(document);
@@ -253,18 +232,13 @@ Result<CharacterPlan> planCharacter(const Document& document) {
     plan.input.basis = document.settings.basis;
     plan.input.format = document.settings.format;
     plan.input.threads = document.settings.threads;
-    plan.input.effects = characterEffects(document.effects);
-    plan.input.smoothJoints = document.effects.has(EffectKind::SmoothJoints);
+    plan.input.effects = characterEffects(document);
     for (const auto& [id, element] : document.elements) {
         CharacterInput::Element made;
         made.mesh = element->mesh;
         made.faces = element->faces;
         made.stiffness = element->stiffness;
         made.density = element->density;
-        made.heavy = document.effects.has(EffectKind::Gravity, id);
-        made.inflated = document.effects.has(EffectKind::Inflate, id);
-        made.warped = document.effects.has(EffectKind::BendWarp, id);
-        made.touched = document.effects.has(EffectKind::Touch, id);
         made.nu = element->nu;
         for (std::size_t b = 0; b < plan.bones.size(); ++b)
             if (document.bones.at(plan.bones[b])->element == id) made.bones.push_back(static_cast<int>(b));

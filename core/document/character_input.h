@@ -29,9 +29,6 @@ struct CharacterPlan {
 /// Errors: "zero-length", "bone-loop", "bad-place" (an endpoint that refers to what is not there, or to itself).
 Result<CharacterPlan> planCharacter(const Document& document);
 
-/// The effects that act on elements and joints, by their numbers.
-CharacterEffects characterEffects(const Effects& effects);
-
 /// Where a place is at rest, m. Errors: "bad-place".
 Result<Vec3> restPosition(const Document& document, const Bone::Place& place);
 

@@ -11,15 +11,11 @@ namespace imomushi {
 
 namespace {
 
-// Of a frame, in pairs of a collocation point and a triangle, whose time is measured on every machine: of a joint with its in-plane stretch alone; what it costs more
-// with warping modes, by their number and its square (smooth joints); of a joint that jiggles; of a warped vertex; of an entry of a matrix of tractions. Predictions
-// are replaced by what is measured once frames pass.
-constexpr double kJointPairs = 26.0, kWarpingPairs = 40.0, kModePairs = 1.0, kModesPairs = 0.86, kJigglePairs = 13.0, kWarpPairs = 1.45, kTractionPairs = 0.006;
-
 Result<EffectKind> effectOf(const Json& arguments) {
     const std::string& name = text(arguments, "effect");
     if (const auto kind = effectNamed(name)) return *kind;
-    std::vector<std::string> names(kEffectNames.begin(), kEffectNames.end());
+    std::vector<std::string> names;
+    for (std::size_t k = 0; k < kEffects; ++k) names.emplace_back(effectName(static_cast<EffectKind>(k)));
     return fail("no-such-effect", "There is no effect \"" + name + "\": " + listNames(names) + ".");
 }
 
@@ -98,63 +94,38 @@ Result<Json> disable(Session& session, const Json& arguments, const Progress&) {
 }  // namespace
 
 EffectCost Session::State::costOf(EffectKind kind) const {
+    const EffectDescriptor& effect = effectDescriptor(kind);
     EffectCost cost;
-    if (kind == EffectKind::BoneDynamics || kind == EffectKind::Ground) {
+    if (effect.scope == EffectScope::Bones) {
         Document asked = document;
         asked.effects[kind].enabled = true;
         const auto planned = planCharacter(asked);
         if (planned) cost.milliseconds = Performance::predict(asked, *planned);
         return cost;
     }
-    const double pairMs = 1e3 * machineRates().secondsPerPair;
-    if (kind == EffectKind::SmoothJoints || kind == EffectKind::JointDynamics) {
-        const auto planned = planCharacter(document);
-        if (!planned) return cost;
-        const double joints = static_cast<double>(planned->joints.size());
-        const double modes = document.settings.basis == BasisKind::Full ? BasisChoice::kMostModes : document.settings.basis.modes;
-        const double warping = modes > 0.0 ? kWarpingPairs + modes * (kModePairs + modes * kModesPairs) : 0.0;
-        cost.milliseconds = joints * pairMs * (kind == EffectKind::JointDynamics ? kJigglePairs : kJointPairs + warping);
-        return cost;
-    }
-    if (kind == EffectKind::PreviousModel) {
-        const double stepsPerFrame = 1.0 / (60.0 * document.effects.number(kind, "step"));
-        for (const auto& [id, element] : document.elements) {
-            double columns = 0.0;
-            for (const JointFace& face : element->faces) columns += 3.0 * static_cast<double>(face.vertices.size());
-            cost.milliseconds += kTractionPairs * pairMs * stepsPerFrame * columns * columns;
-            cost.bytes += static_cast<std::size_t>(columns * columns) * sizeof(double);
-            cost.precompute = cost.precompute || (columns > 0.0 && (document.settings.basis != BasisKind::Full || !responseOf(id, false)));
-        }
-        return cost;
-    }
-    if (!isOfElements(kind)) return cost;
-    const Effect& effect = document.effects[kind];
+    if (effect.pairs) cost.milliseconds = 1e3 * machineRates().secondsPerPair * effect.pairs(document);
     for (const auto& [id, element] : document.elements) {
-        if (element->faces.empty() || (effect.enabled && !document.effects.has(kind, id))) continue;
-        ResponseInput with = inputOf(id), without = with;
-        int columns = 0;
-        if (kind == EffectKind::Gravity || kind == EffectKind::Inflate) {
-            const EffectKind other = kind == EffectKind::Gravity ? EffectKind::Inflate : EffectKind::Gravity;
-            with.loads = true;
-            without.loads = document.effects.has(other, id);
-            columns = kind == EffectKind::Gravity ? 3 : 1;
-        } else if (kind == EffectKind::Touch) {
-            with.touch = static_cast<int>(std::lround(document.effects.number(kind, "patches")));
-            without.touch = 0;
-            columns = 3 * with.touch;
-        } else {
-            cost.milliseconds += kWarpPairs * pairMs * static_cast<double>(element->mesh->body.vertices.rows());
-            continue;
+        if (element->faces.empty()) continue;
+        if (effect.tractions) {
+            std::size_t columns = 0;
+            for (const JointFace& face : element->faces) columns += 3 * face.vertices.size();
+            cost.bytes += columns * columns * sizeof(double);
+            cost.precompute = cost.precompute || document.settings.basis != BasisKind::Full || !responseOf(id, false);
         }
+        if (!effect.ask || (document.effects.has(kind) && !document.effects.has(kind, id))) continue;
+        EffectColumns others = columnsAsked(document.effects, id, kind), all = others;
+        effect.ask(document.effects, all);
+        ResponseInput with = inputOf(id), without = with;
+        with.loads = all.loads, with.touch = all.patches;
+        without.loads = others.loads, without.touch = others.patches;
+        const int columns = effect.columns(document.effects);
         const ResponseEstimate more = estimateOf(with), less = estimateOf(without);
         const bool known = responses.find(responseKey(with)) != nullptr;
         cost.precompute = cost.precompute || !known;
         cost.columns += columns;
         cost.bytes += static_cast<std::size_t>(columns) * static_cast<std::size_t>(3 * element->mesh->body.vertices.rows()) * sizeof(float);
         if (!known && !sharedOf(id)) cost.seconds += more.seconds;
-        // Fingers read the columns of the patches around them, about a dozen; the others are read in every frame.
-        const int read = kind == EffectKind::Touch ? std::min(columns, 36) : columns;
-        if (more.columns > 0) cost.milliseconds += less.frameMilliseconds * read / std::max(1, less.columns);
+        if (more.columns > 0) cost.milliseconds += less.frameMilliseconds * std::min(columns, effect.mostRead) / std::max(1, less.columns);
     }
     return cost;
 }
@@ -224,11 +195,15 @@ std::string effectsHelp() {
 
 void addEffectCommands(CommandRegistry& registry) {
     using Type = CommandKey::Type;
-    std::string list;
-    for (const auto name : kEffectNames) list += (list.empty() ? "\"" : ", \"") + std::string(name) + "\"";
+    std::string list, ofElements;
+    for (std::size_t k = 0; k < kEffects; ++k) {
+        const auto kind = static_cast<EffectKind>(k);
+        list += (list.empty() ? "\"" : ", \"") + std::string(effectName(kind)) + "\"";
+        if (isOfElements(kind)) ofElements += (ofElements.empty() ? "" : ", ") + std::string(effectName(kind));
+    }
     const CommandKey effect{"effect", Type::Text, true, "One of " + list + "."};
     registry.add({"enable", "Turns an effect on and says what it will cost; what is off costs nothing. Some effects need a precompute then.",
-                  {effect, {"target", Type::Text, false, "On this element alone (bend-warp, gravity, inflate, touch); all unless given."}}, true, enable});
+                  {effect, {"target", Type::Text, false, "On this element alone (" + ofElements + "); all unless given."}}, true, enable});
     registry.add({"disable", "Turns an effect off; its settings stay.",
                   {effect, {"target", Type::Text, false, "On this element alone; all unless given."}}, true, disable});
 }

@@ -3,6 +3,11 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
+#include <iterator>
+
+#include "core/character/effects.h"
+#include "core/document/character_input.h"
 
 namespace imomushi {
 
@@ -40,7 +45,7 @@ constexpr EffectProperty kInflate[] = {
     {"breath-hertz", "Hz", 0.0, 100.0, one(0.25), 1, "breaths per second"},
 };
 constexpr EffectProperty kTouch[] = {
-    {"patches", "", 8.0, 256.0, one(48.0), 1, "how many patches of the surface fingers act on; more makes finer dents"},
+    {"patches", "", 8.0, 256.0, one(48.0), 1, "how many patches of the surface fingers act on; more makes finer dents", true, true},
     {"friction", "", 0.0, 10.0, one(1.0), 1, "Coulomb's coefficient between a finger and the surface"},
     {"release", "s", 0.0, 10.0, one(0.15), 1, "in which a dent goes back after a finger lifts"},
 };
@@ -49,31 +54,149 @@ constexpr EffectProperty kGround[] = {
     {"friction", "", 0.0, 10.0, one(0.6), 1, "Coulomb's coefficient, with bone dynamics"},
 };
 
+// Pairs (EffectDescriptor::pairs) of a joint with its in-plane stretch alone; what it costs more with warping modes, by their number and its square (smooth
+// joints); of a joint with dynamics; of a warped vertex; of an entry of a matrix of tractions.
+constexpr double kJointPairs = 26.0, kWarpingPairs = 40.0, kModePairs = 1.0, kModesPairs = 0.86, kDynamicPairs = 13.0, kWarpPairs = 1.45, kTractionPairs = 0.006;
+
+double jointsOf(const Document& document) {
+    const auto planned = planCharacter(document);
+    return planned ? static_cast<double>(planned->joints.size()) : 0.0;
+}
+
+double smoothJointsPairs(const Document& document) {
+    const double modes = document.settings.basis == BasisKind::Full ? BasisChoice::kMostModes : document.settings.basis.modes;
+    const double warping = modes > 0.0 ? kWarpingPairs + modes * (kModePairs + modes * kModesPairs) : 0.0;
+    return jointsOf(document) * (kJointPairs + warping);
+}
+
+double bendWarpPairs(const Document& document) {
+    const Effect& effect = document.effects[EffectKind::BendWarp];
+    double vertices = 0.0;
+    for (const auto& [id, element] : document.elements)
+        if (!element->faces.empty() && (!effect.enabled || document.effects.has(EffectKind::BendWarp, id)))
+            vertices += static_cast<double>(element->mesh->body.vertices.rows());
+    return kWarpPairs * vertices;
+}
+
+double previousModelPairs(const Document& document) {
+    const double stepsPerFrame = 1.0 / (60.0 * document.effects.number(EffectKind::PreviousModel, "step"));
+    double entries = 0.0;
+    for (const auto& [id, element] : document.elements) {
+        double columns = 0.0;
+        for (const JointFace& face : element->faces) columns += 3.0 * static_cast<double>(face.vertices.size());
+        entries += columns * columns;
+    }
+    return kTractionPairs * stepsPerFrame * entries;
+}
+
+using Made = std::shared_ptr<EffectSettings>;
+
+Made gravity(const Effects& effects) {
+    auto made = std::make_shared<GravityEffect>();
+    made->acceleration = effects.vector(EffectKind::Gravity, "acceleration");
+    made->inertia = effects.number(EffectKind::Gravity, "inertia");
+    made->shearModulus = effects.number(EffectKind::Gravity, "shear-modulus");
+    return made;
+}
+
+Made inflate(const Effects& effects) {
+    auto made = std::make_shared<InflateEffect>();
+    made->pressure = effects.number(EffectKind::Inflate, "pressure");
+    made->breath = effects.number(EffectKind::Inflate, "breath");
+    made->breathHertz = effects.number(EffectKind::Inflate, "breath-hertz");
+    return made;
+}
+
+Made jointDynamics(const Effects& effects) {
+    return std::make_shared<JointDynamicsEffect>(effects.number(EffectKind::JointDynamics, "hertz"), effects.number(EffectKind::JointDynamics, "damping"));
+}
+
+Made previousModel(const Effects& effects) {
+    auto made = std::make_shared<PreviousModelEffect>();
+    made->step = effects.number(EffectKind::PreviousModel, "step");
+    made->damping = effects.number(EffectKind::PreviousModel, "damping");
+    made->shearModulus = effects.number(EffectKind::PreviousModel, "shear-modulus");
+    return made;
+}
+
+Made touch(const Effects& effects) {
+    auto made = std::make_shared<TouchEffect>();
+    made->friction = effects.number(EffectKind::Touch, "friction");
+    made->releaseSeconds = effects.number(EffectKind::Touch, "release");
+    return made;
+}
+
+template <class T>
+Made plain(const Effects&) {
+    return std::make_shared<T>();
+}
+
+int patches(const Effects& effects) { return static_cast<int>(std::lround(effects.number(EffectKind::Touch, "patches"))); }
+
+// By kind.
+constexpr EffectDescriptor kTable[] = {
+    {.kind = EffectKind::BoneDynamics, .name = "bone-dynamics", .scope = EffectScope::Bones, .properties = kBoneDynamics},
+    {.kind = EffectKind::SmoothJoints, .name = SmoothJointsEffect::kName, .settings = plain<SmoothJointsEffect>, .pairs = smoothJointsPairs},
+    {.kind = EffectKind::BendWarp, .name = BendWarpEffect::kName, .scope = EffectScope::Elements, .settings = plain<BendWarpEffect>, .pairs = bendWarpPairs},
+    {.kind = EffectKind::JointDynamics, .name = JointDynamicsEffect::kName, .properties = kJointDynamics, .settings = jointDynamics,
+     .pairs = [](const Document& document) { return kDynamicPairs * jointsOf(document); }},
+    {.kind = EffectKind::PreviousModel, .name = PreviousModelEffect::kName, .properties = kPreviousModel, .settings = previousModel, .tractions = true,
+     .pairs = previousModelPairs},
+    {.kind = EffectKind::Gravity, .name = GravityEffect::kName, .scope = EffectScope::Elements, .properties = kGravity, .settings = gravity,
+     .ask = [](const Effects&, EffectColumns& columns) { columns.loads = true; }, .columns = [](const Effects&) { return 3; }},
+    {.kind = EffectKind::Inflate, .name = InflateEffect::kName, .scope = EffectScope::Elements, .properties = kInflate, .settings = inflate,
+     .ask = [](const Effects&, EffectColumns& columns) { columns.loads = true; }, .columns = [](const Effects&) { return 1; }},
+    // Fingers read the columns of the patches around them, about a dozen.
+    {.kind = EffectKind::Touch, .name = TouchEffect::kName, .scope = EffectScope::Elements, .properties = kTouch, .settings = touch,
+     .ask = [](const Effects& effects, EffectColumns& columns) { columns.patches = patches(effects); },
+     .columns = [](const Effects& effects) { return 3 * patches(effects); }, .mostRead = 36},
+    {.kind = EffectKind::Ground, .name = "ground", .scope = EffectScope::Bones, .properties = kGround},
+};
+static_assert(std::size(kTable) == kEffects);
+static_assert([] {
+    for (std::size_t k = 0; k < kEffects; ++k)
+        if (kTable[k].kind != static_cast<EffectKind>(k)) return false;
+    return true;
+}());
+
 }  // namespace
 
+const EffectDescriptor& effectDescriptor(EffectKind kind) { return kTable[static_cast<std::size_t>(kind)]; }
+
 std::optional<EffectKind> effectNamed(std::string_view name) {
-    const auto found = std::find(kEffectNames.begin(), kEffectNames.end(), name);
-    if (found == kEffectNames.end()) return std::nullopt;
-    return static_cast<EffectKind>(found - kEffectNames.begin());
+    const auto found = std::find_if(std::begin(kTable), std::end(kTable), [name](const EffectDescriptor& d) { return d.name == name; });
+    return found == std::end(kTable) ? std::nullopt : std::optional(found->kind);
 }
 
-std::span<const EffectProperty> effectProperties(EffectKind kind) {
-    switch (kind) {
-        case EffectKind::BoneDynamics: return kBoneDynamics;
-        case EffectKind::JointDynamics: return kJointDynamics;
-        case EffectKind::PreviousModel: return kPreviousModel;
-        case EffectKind::Gravity: return kGravity;
-        case EffectKind::Inflate: return kInflate;
-        case EffectKind::Touch: return kTouch;
-        case EffectKind::Ground: return kGround;
-        case EffectKind::SmoothJoints:
-        case EffectKind::BendWarp: break;
+EffectColumns columnsAsked(const Effects& effects, PartId element, EffectKind without) {
+    EffectColumns asked;
+    for (const EffectDescriptor& d : kTable)
+        if (d.ask && d.kind != without && effects.has(d.kind, element)) d.ask(effects, asked);
+    return asked;
+}
+
+bool sameOnCharacter(const Effects& a, const Effects& b) {
+    for (const EffectDescriptor& d : kTable) {
+        if (d.scope == EffectScope::Bones) continue;
+        if (a.has(d.kind) != b.has(d.kind)) return false;
+        if (!a.has(d.kind)) continue;
+        if (a[d.kind].elements != b[d.kind].elements) return false;
+        for (const EffectProperty& p : d.properties)
+            if (p.rebuilds && a.number(d.kind, p.name) != b.number(d.kind, p.name)) return false;
     }
-    return {};
+    return true;
 }
 
-bool isOfElements(EffectKind kind) {
-    return kind == EffectKind::BendWarp || kind == EffectKind::Gravity || kind == EffectKind::Inflate || kind == EffectKind::Touch;
+CharacterEffects characterEffects(const Document& document) {
+    CharacterEffects made;
+    for (const EffectDescriptor& d : kTable) {
+        if (!d.settings || !document.effects.has(d.kind)) continue;
+        auto settings = d.settings(document.effects);
+        if (!document.effects[d.kind].elements.empty())
+            for (const auto& [id, element] : document.elements) settings->elements.push_back(document.effects.has(d.kind, id));
+        made.set(std::move(settings));
+    }
+    return made;
 }
 
 Effects::Effects() {

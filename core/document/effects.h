@@ -3,31 +3,28 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
+#include <memory>
 #include <optional>
 #include <set>
 #include <span>
 #include <string_view>
 #include <vector>
 
+#include "core/character/effect_settings.h"
 #include "core/mesh/mesh.h"
 
 namespace imomushi {
+
+struct Document;
 
 /// Identity of a part within one document; never used again after the part is gone. 0: none.
 using PartId = std::uint64_t;
 
 /// What a scene may ask for beyond the static pose (model.md section 6). All are off until they are enabled; one that is off has no state, no columns
-/// and no row in the statistics.
-enum class EffectKind { BoneDynamics, SmoothJoints, BendWarp, JointDynamics, PreviousModel, Gravity, Inflate, Touch, Ground };
-
-/// Names of effects by kind: elements and bones cannot have them, so that one name says what a command means.
-inline constexpr std::array<std::string_view, 9> kEffectNames = {
-    "bone-dynamics", "smooth-joints", "bend-warp", "joint-dynamics", "previous-model", "gravity", "inflate", "touch", "ground"};
-inline constexpr std::size_t kEffects = kEffectNames.size();
-
-/// Nullopt: there is no such effect.
-std::optional<EffectKind> effectNamed(std::string_view name);
-inline std::string_view effectName(EffectKind kind) { return kEffectNames[static_cast<std::size_t>(kind)]; }
+/// and no row in the statistics. Everything else about an effect stands in one row of the table in effects.cpp.
+enum class EffectKind { BoneDynamics, SmoothJoints, BendWarp, JointDynamics, PreviousModel, Gravity, Inflate, Touch, Ground, kCount };
+inline constexpr std::size_t kEffects = static_cast<std::size_t>(EffectKind::kCount);
 
 /// A setting of an effect: one number, or a vector of three within the same range.
 struct EffectProperty {
@@ -37,12 +34,9 @@ struct EffectProperty {
     std::array<double, 3> initial = {0.0, 0.0, 0.0};
     int size = 1;           ///< 1 or 3
     std::string_view help;  ///< English, one clause
+    bool whole = false;     ///< whole numbers
+    bool rebuilds = false;  ///< the response depends on it: the character is built anew; other numbers change while it moves
 };
-
-/// In a fixed order: that of Effect::values.
-std::span<const EffectProperty> effectProperties(EffectKind kind);
-/// Whether the effect can be asked for on some elements alone.
-bool isOfElements(EffectKind kind);
 
 struct Effect {
     bool enabled = false;
@@ -73,5 +67,54 @@ public:
 private:
     std::array<Effect, kEffects> all_;
 };
+
+/// Columns of A' that effects ask of the response of an element (ResponseInput).
+struct EffectColumns {
+    bool loads = false;
+    int patches = 0;  ///< of touch
+    bool operator==(const EffectColumns&) const = default;
+};
+
+/// Which part of a character an effect acts on.
+enum class EffectScope {
+    Bones,       ///< before the character is deformed (Performance)
+    Character,   ///< its joints, or all of it
+    Elements,    ///< elements; some alone, if asked for
+};
+
+/// One effect: all that the document, its commands and the studio know of it. A function that is null has nothing to say.
+struct EffectDescriptor {
+    EffectKind kind;
+    std::string_view name;  ///< of commands and files; elements and bones cannot have it, so that one name says what a command means
+    EffectScope scope = EffectScope::Character;
+    std::span<const EffectProperty> properties;  ///< in the order of Effect::values
+    /// What the character is built with (core/character); null: it acts on bones.
+    std::shared_ptr<EffectSettings> (*settings)(const Effects&) = nullptr;
+    /// What it asks of the response of each element that it acts on, and how many columns these are.
+    void (*ask)(const Effects&, EffectColumns&) = nullptr;
+    int (*columns)(const Effects&) = nullptr;
+    int mostRead = std::numeric_limits<int>::max();  ///< of its columns, that a frame reads
+    /// It needs the tractions of responses in the basis "full".
+    bool tractions = false;
+    /// Predicted cost of a frame besides its columns, in pairs of a collocation point and a triangle, whose time is measured on every machine (machineRates()).
+    /// Predictions are replaced by what is measured once frames pass. Null, for effects on bones: a few frames are tried out.
+    double (*pairs)(const Document&) = nullptr;
+};
+
+/// By kind.
+const EffectDescriptor& effectDescriptor(EffectKind kind);
+inline std::string_view effectName(EffectKind kind) { return effectDescriptor(kind).name; }
+inline std::span<const EffectProperty> effectProperties(EffectKind kind) { return effectDescriptor(kind).properties; }
+/// Whether the effect can be asked for on some elements alone.
+inline bool isOfElements(EffectKind kind) { return effectDescriptor(kind).scope == EffectScope::Elements; }
+/// Nullopt: there is no such effect.
+std::optional<EffectKind> effectNamed(std::string_view name);
+
+/// What the effects that are on ask of the response of an element; `without`: but for this one.
+EffectColumns columnsAsked(const Effects& effects, PartId element, EffectKind without = EffectKind::kCount);
+/// Whether the same effects act on the same elements of a character, on the same responses: what differs can be tuned while it moves.
+bool sameOnCharacter(const Effects& a, const Effects& b);
+/// The effects of a document that act on elements and joints, by their numbers.
+CharacterEffects characterEffects(const Document& document);
 
 }  // namespace imomushi

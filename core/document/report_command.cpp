@@ -10,6 +10,7 @@
 #include "core/accuracy/stand_in.h"
 #include "core/accuracy/study_json.h"
 #include "core/base/parallel.h"
+#include "core/character/effects.h"
 #include "core/comparison/paper_caterpillar.h"
 #include "core/comparison/skin.h"
 #include "core/comparison/standard_poses.h"
@@ -107,7 +108,7 @@ Result<std::string> scalingPart(const CharacterInput& character, const Progress&
     for (const char* name : {"paper", "affine", "modes:5", "modes:12", "modes:24", "modes:36"}) {
         CharacterInput input = character;
         input.basis = parseBasis(name).value();
-        input.smoothJoints = true;
+        input.effects.set(SmoothJointsEffect{});
         if (auto ok = add(rows, name, std::move(input)); !ok) return tl::unexpected(ok.error());
     }
     out += table(rows);

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <optional>
 
+#include "core/character/effects.h"
 #include "core/character/joint_equilibrium.h"
-#include "core/character/load_bound.h"
-#include "core/character/shrink.h"
+#include "core/character/lateral_contraction.h"
 #include "core/skeleton/bone_tree.h"
 
 namespace imomushi {
@@ -32,7 +32,7 @@ Json loadsOf(const GltfContent& content, std::size_t e) {
     if (columns.empty()) return {};
     const Points& body = element.mesh->body.vertices;
     const Vec3 size = (body.colwise().maxCoeff() - body.colwise().minCoeff()).transpose();
-    Json out{{"column", element.response->columns()}, {"most", kMostLoaded * size.norm()}, {"sizes", Json::array()}};
+    Json out{{"column", element.response->columns()}, {"most", BodyLoadsJob::kMostLoaded * size.norm()}, {"sizes", Json::array()}};
     Eigen::MatrixXd forces(element.response->columns(), static_cast<Eigen::Index>(columns.size()));
     for (std::size_t i = 0; i < columns.size(); ++i) {
         const auto column = element.response->loads.col(columns[i]);
@@ -41,9 +41,9 @@ Json loadsOf(const GltfContent& content, std::size_t e) {
         out["sizes"].push_back(largest);
         forces.col(static_cast<Eigen::Index>(i)) = element.stiffness * element.response->loadForces.col(columns[i]);
     }
-    if (columns.front() == 0) out["softness"] = element.density / (effects.gravity->shearModulus * element.stiffness);
-    if (columns.back() == 3) out["pressure"] = effects.inflate->pressure / element.stiffness;
-    if (content.scene.character.smoothJoints) out["forces"] = rowByRow(forces);
+    if (columns.front() == 0) out["softness"] = element.density / (effects.find<GravityEffect>()->shearModulus * element.stiffness);
+    if (columns.back() == 3) out["pressure"] = effects.find<InflateEffect>()->pressure / element.stiffness;
+    if (effects.has<SmoothJointsEffect>()) out["forces"] = rowByRow(forces);
     return out;
 }
 
@@ -61,14 +61,14 @@ Json driverData(const GltfContent& content) {
                                 {"direction", numbers(tree.restDirection[b])}, {"rollSign", tree.rollSign[b]}, {"length", bone.length}});
     }
     std::optional<JointEquilibrium::Constants> smooth;
-    if (input.smoothJoints && !input.effects.previousModel) smooth = JointEquilibrium(input).constants();
+    if (input.effects.has<SmoothJointsEffect>() && !input.effects.has<PreviousModelEffect>()) smooth = JointEquilibrium(input).constants();
     if (smooth) {
         Json entries = Json::array();
         for (const auto& entry : smooth->entries) entries.push_back(entry);
         out["smooth"] = {{"entries", std::move(entries)}, {"parameters", smooth->parameters}, {"leastStiffness", JointEquilibrium::kLeastStiffness},
                          {"stretch", {JointEquilibrium::kLeastStretch, JointEquilibrium::kMostStretch}}, {"fold", JointEquilibrium::kMostFold}, {"slope", JointEquilibrium::kMostSlope}};
     }
-    if (input.effects.gravity) out["gravity"] = numbers(input.effects.gravity->acceleration);
+    if (const auto* gravity = input.effects.find<GravityEffect>()) out["gravity"] = numbers(gravity->acceleration);
     for (std::size_t e = 0; e < input.elements.size(); ++e) {
         const auto& element = input.elements[e];
         Json item{{"name", content.scene.elements[e]}, {"frame", content.scene.elements[e] + " frame"}, {"middle", numbers(content.morphs[e].middle)}, {"bones", element.bones}};
@@ -130,7 +130,7 @@ Json driverData(const GltfContent& content) {
             tangent.setZero();
         const Vec3 place = joint.point >= 0 ? skeleton.points[static_cast<std::size_t>(joint.point)] : first.origin;
         Json told{{"point", joint.point}, {"place", numbers(place)}, {"normal", numbers(Vec3(first.axes.col(2)))}, {"tangent", numbers(tangent)},
-                                 {"shrink", content.motion.character.shrink(static_cast<int>(j))}, {"led", led}, {"faces", std::move(faces)}};
+                                 {"shrink", content.motion.character.lateralContraction(static_cast<int>(j))}, {"led", led}, {"faces", std::move(faces)}};
         if (smooth) {
             told["axes"] = numbers(smooth->joints[j].axes);
             told["slopes"] = Json::array();

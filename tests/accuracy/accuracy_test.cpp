@@ -16,6 +16,7 @@
 #include "core/accuracy/stand_in.h"
 #include "core/accuracy/study.h"
 #include "core/accuracy/study_json.h"
+#include "core/character/effects.h"
 #include "core/comparison/paper_caterpillar.h"
 #include "tests/support/folder.h"
 
@@ -56,7 +57,7 @@ ErrorSum errorWith(const StudyInput& input, const Reference& reference, const Ba
     const auto solved = solveElements(elements, {}).value();
     CharacterInput given = input.reference.character;
     given.basis = basis;
-    given.smoothJoints = smooth;
+    if (smooth) given.effects.set(SmoothJointsEffect{});
     for (std::size_t e = 0; e < elements.size(); ++e) given.elements[e].response = solved.responses[e];
     auto character = Character::build(std::move(given)).value();
     ErrorSum sum;

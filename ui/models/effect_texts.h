@@ -10,7 +10,7 @@
 
 namespace imomushi {
 
-/// What an effect is called, and what it does in one sentence, translated.
+/// What an effect is called, and what it does in one sentence, translated; its name in English where there is no translation.
 QString effectTitle(EffectKind effect);
 QString effectHelp(EffectKind effect);
 

@@ -45,7 +45,7 @@ NumberField::Spec specOf(const EffectProperty& property, int part) {
     const double power = std::pow(10.0, std::floor(std::log10(size * spec.factor)));
     spec.step = power / 20.0;
     spec.decimals = std::max(0, 2 - int(std::lround(std::log10(power))));
-    if (property.name == "patches") {
+    if (property.whole) {
         spec.step = 1.0;
         spec.decimals = 0;
     }

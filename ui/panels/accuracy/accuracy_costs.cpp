@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/character/effects.h"
 #include "ui/models/effect_texts.h"
 #include "ui/widgets/appearance.h"
 
@@ -49,8 +50,9 @@ void FrameCostMeter::take(double cpuMs, double, int, double uploadMs) {
     const Character* character = document_.session().character();
     if (!character) return;
     const auto& s = character->stats();
-    std::array<double, Stages> now = {s.poseMs, s.jointsMs - (character->input().smoothJoints ? s.equilibriumMs : 0.0),
-                                      character->input().smoothJoints ? s.equilibriumMs : -1.0, s.productMs, s.normalsMs, uploadMs, 0.0};
+    const double equilibriumMs = s.effectMs(SmoothJointsEffect::kName);
+    std::array<double, Stages> now = {s.poseMs, s.jointsMs - equilibriumMs, character->input().effects.has<SmoothJointsEffect>() ? equilibriumMs : -1.0,
+                                      s.productMs, s.normalsMs, uploadMs, 0.0};
     now[Drawing] = std::max(0.0, cpuMs - s.poseMs - s.jointsMs - s.productMs - s.normalsMs - uploadMs);
     for (int i = 0; i < Stages; ++i) {
         double& mean = ms_[std::size_t(i)];
