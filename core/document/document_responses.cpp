@@ -136,10 +136,15 @@ std::shared_ptr<const ElementResponse> DocumentResponses::checked(std::shared_pt
     return response;
 }
 
-std::shared_ptr<const ElementResponse> DocumentResponses::freshOf(PartId element) const { return checked(store_->find(keyOf(element)), element); }
+std::shared_ptr<const ElementResponse> DocumentResponses::freshOf(PartId element) const { return checked(found(element), element); }
+
+std::shared_ptr<const ElementResponse> DocumentResponses::found(PartId element) const {
+    const Asked& known = asked(element);
+    return store_->find(known.key, known.element->mesh->body, known.element->faces);
+}
 
 std::shared_ptr<const ElementResponse> DocumentResponses::fittingOf(PartId element) const {
-    if (auto fresh = store_->find(keyOf(element))) return checked(std::move(fresh), element);
+    if (auto fresh = found(element)) return checked(std::move(fresh), element);
     const auto last = last_.find(element);
     return last != last_.end() && last->second.shape == shapeOf(element) ? checked(last->second.response, element) : nullptr;
 }
@@ -169,7 +174,6 @@ ResponseEstimate DocumentResponses::estimateOf(const ContentKey& key, const Resp
 
 Result<std::shared_ptr<const ElementResponse>> DocumentResponses::compute(PartId element, const Progress& progress) {
     if (auto known = freshOf(element)) return known;
-    const ResponseInput input = inputOf(element);
     Result<ElementResponse> built;
     if (const SharedResponse* shared = sharedOf(element)) {
         const auto first = compute(shared->from, progress);
@@ -177,21 +181,21 @@ Result<std::shared_ptr<const ElementResponse>> DocumentResponses::compute(PartId
         if (auto known = freshOf(element)) return known;  // the very same body in the same place
         built = shared->how->carry(**first);
     } else {
-        built = buildResponse(input, progress);
+        built = buildResponse(inputOf(element), progress);
     }
     if (!built) return fail(built.error().code, "\"" + document_.elements.at(element)->name + "\": " + built.error().message);
     auto response = std::make_shared<const ElementResponse>(std::move(*built));
-    insert(keyOf(element), input, response);
-    last_.insert_or_assign(element, Project::Response{keyOf(element), shapeOf(element), response});
+    insert(keyOf(element), response);
+    last_.insert_or_assign(element, StoredResponse{keyOf(element), shapeOf(element), response});
     return response;
 }
 
-void DocumentResponses::insert(const ContentKey& key, const ResponseInput& input, std::shared_ptr<const ElementResponse> response) {
+void DocumentResponses::insert(const ContentKey& key, std::shared_ptr<const ElementResponse> response) {
     unsaved_.insert(key);
-    store_->insert(key, input, std::move(response));
+    store_->insertComputed(key, std::move(response));
 }
 
-void DocumentResponses::bring(PartId element, const Project::Response& response) {
+void DocumentResponses::bring(PartId element, const StoredResponse& response) {
     store_->insert(response.key, response.response);
     last_.insert_or_assign(element, response);
 }
@@ -203,7 +207,7 @@ void DocumentResponses::refresh() {
     std::erase_if(last_, gone);
     std::erase_if(asked_, gone);
     for (const auto& [id, part] : document_.elements)
-        if (auto response = store_->find(keyOf(id))) last_.insert_or_assign(id, Project::Response{keyOf(id), shapeOf(id), std::move(response)});
+        if (auto response = found(id)) last_.insert_or_assign(id, StoredResponse{keyOf(id), shapeOf(id), std::move(response)});
 }
 
 bool DocumentResponses::unsaved() const {
