@@ -3,8 +3,9 @@
 #include <cmath>
 
 #include "core/document/command_support.h"
+#include "core/document/document_edit.h"
 #include "core/document/names.h"
-#include "core/document/session_state.h"
+#include "core/document/performance.h"
 #include "core/elasticity/machine_rates.h"
 
 namespace imomushi {
@@ -45,12 +46,12 @@ Json names(const Document& document, const Effect& effect) {
     return list;
 }
 
-Result<Json> enable(Session& session, const Json& arguments, const Progress&) {
-    Session::State& s = session.state();
-    const auto wanted = wantedOf(s.document, arguments);
+Result<Json> enable(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    Document& document = edit.document;
+    const auto wanted = wantedOf(document, arguments);
     if (!wanted) return tl::unexpected(wanted.error());
     const auto [kind, target] = *wanted;
-    Effect& effect = session.edit().effects[kind];
+    Effect& effect = document.effects[kind];
     if (target == 0)
         effect.elements.clear();
     else if (!effect.enabled)
@@ -59,8 +60,8 @@ Result<Json> enable(Session& session, const Json& arguments, const Progress&) {
         effect.elements.insert(target);
     effect.enabled = true;
     Json answer;
-    answer["on"] = names(s.document, effect);
-    const EffectCost cost = s.costOf(kind);
+    answer["on"] = names(document, effect);
+    const EffectCost cost = edit.responses().costOf(kind);
     answer["columns"] = cost.columns;
     answer["bytes"] = cost.bytes;
     answer["ms_per_frame"] = cost.milliseconds;
@@ -69,17 +70,17 @@ Result<Json> enable(Session& session, const Json& arguments, const Progress&) {
     return answer;
 }
 
-Result<Json> disable(Session& session, const Json& arguments, const Progress&) {
-    Session::State& s = session.state();
-    const auto wanted = wantedOf(s.document, arguments);
+Result<Json> disable(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    Document& document = edit.document;
+    const auto wanted = wantedOf(document, arguments);
     if (!wanted) return tl::unexpected(wanted.error());
     const auto [kind, target] = *wanted;
-    Effect& effect = session.edit().effects[kind];
-    if (!s.document.effects.has(kind) || (target != 0 && !s.document.effects.has(kind, target)))
+    Effect& effect = document.effects[kind];
+    if (!document.effects.has(kind) || (target != 0 && !document.effects.has(kind, target)))
         return fail("not-enabled", "\"" + std::string(effectName(kind)) + "\" is not enabled" + (target ? " there." : "."));
     if (target != 0) {
         if (effect.elements.empty())
-            for (const auto& [id, element] : s.document.elements) effect.elements.insert(id);
+            for (const auto& [id, element] : document.elements) effect.elements.insert(id);
         effect.elements.erase(target);
     }
     if (target == 0 || effect.elements.empty()) {
@@ -87,13 +88,14 @@ Result<Json> disable(Session& session, const Json& arguments, const Progress&) {
         effect.enabled = false;
     }
     if (kind == EffectKind::Touch)
-        std::erase_if(session.edit().touches, [&](const Touch& touch) { return !s.document.effects.has(EffectKind::Touch, touch.element); });
-    return Json{{"on", effect.enabled ? names(s.document, effect) : Json::array()}};
+        std::erase_if(document.touches, [&](const Touch& touch) { return !document.effects.has(EffectKind::Touch, touch.element); });
+    return Json{{"on", effect.enabled ? names(document, effect) : Json::array()}};
 }
 
 }  // namespace
 
-EffectCost Session::State::costOf(EffectKind kind) const {
+EffectCost DocumentResponses::costOf(EffectKind kind) const {
+    const Document& document = document_;
     const EffectDescriptor& effect = effectDescriptor(kind);
     EffectCost cost;
     if (effect.scope == EffectScope::Bones) {
@@ -110,17 +112,18 @@ EffectCost Session::State::costOf(EffectKind kind) const {
             std::size_t columns = 0;
             for (const JointFace& face : element->faces) columns += 3 * face.vertices.size();
             cost.bytes += columns * columns * sizeof(double);
-            cost.precompute = cost.precompute || document.settings.basis != BasisKind::Full || !responseOf(id, false);
+            cost.precompute = cost.precompute || document.settings.basis != BasisKind::Full || !freshOf(id);
         }
         if (!effect.ask || (document.effects.has(kind) && !document.effects.has(kind, id))) continue;
-        EffectColumns others = columnsAsked(document.effects, id, kind), all = others;
+        const EffectColumns others = columnsAsked(document.effects, id, kind);
+        EffectColumns all = others;
         effect.ask(document.effects, all);
         ResponseInput with = inputOf(id), without = with;
         with.loads = all.loads, with.touch = all.patches;
         without.loads = others.loads, without.touch = others.patches;
         const int columns = effect.columns(document.effects);
         const ResponseEstimate more = estimateOf(with), less = estimateOf(without);
-        const bool known = responses.find(responseKey(with)) != nullptr;
+        const bool known = store_->find(responseKey(with)) != nullptr;
         cost.precompute = cost.precompute || !known;
         cost.columns += columns;
         cost.bytes += static_cast<std::size_t>(columns) * static_cast<std::size_t>(3 * element->mesh->body.vertices.rows()) * sizeof(float);
@@ -202,10 +205,10 @@ void addEffectCommands(CommandRegistry& registry) {
         if (isOfElements(kind)) ofElements += (ofElements.empty() ? "" : ", ") + std::string(effectName(kind));
     }
     const CommandKey effect{"effect", Type::Text, true, "One of " + list + "."};
-    registry.add({"enable", "Turns an effect on and says what it will cost; what is off costs nothing. Some effects need a precompute then.",
-                  {effect, {"target", Type::Text, false, "On this element alone (" + ofElements + "); all unless given."}}, true, enable});
-    registry.add({"disable", "Turns an effect off; its settings stay.",
-                  {effect, {"target", Type::Text, false, "On this element alone; all unless given."}}, true, disable});
+    registry.addChange("enable", "Turns an effect on and says what it will cost; what is off costs nothing. Some effects need a precompute then.",
+                       {effect, {"target", Type::Text, false, "On this element alone (" + ofElements + "); all unless given."}}, enable);
+    registry.addChange("disable", "Turns an effect off; its settings stay.",
+                       {effect, {"target", Type::Text, false, "On this element alone; all unless given."}}, disable);
 }
 
 }  // namespace imomushi

@@ -32,7 +32,7 @@ Result<void> checkNameText(std::string_view name) {
 
 Result<void> checkNewName(const Document& document, std::string_view name) {
     if (auto ok = checkNameText(name); !ok) return ok;
-    if (name == "character" || std::find(kEffectNames.begin(), kEffectNames.end(), name) != kEffectNames.end())
+    if (name == "character" || effectNamed(name))
         return fail("bad-name", "The name \"" + std::string(name) + "\" belongs to the program: choose another.");
     if (document.elementNamed(name) || document.boneNamed(name))
         return fail("name-taken",

@@ -23,7 +23,7 @@ void writeEffects(Database& db, const Document& document) {
         settings(db, "INSERT INTO effect_settings VALUES (?,?,?,?,?)");
     for (std::size_t k = 0; k < kEffects; ++k) {
         const Effect& effect = document.effects[static_cast<EffectKind>(k)];
-        const std::string name(kEffectNames[k]);
+        const std::string name(effectName(static_cast<EffectKind>(k)));
         effects.row(name, effect.enabled);
         const double* at = effect.values.data();
         for (const EffectProperty& p : effectProperties(static_cast<EffectKind>(k))) {
