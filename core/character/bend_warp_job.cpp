@@ -15,15 +15,10 @@ namespace {
 
 class BendWarpJob final : public FrameJob {
 public:
-    explicit BendWarpJob(Frame& frame) {
+    explicit BendWarpJob(Frame& frame) : FrameJob(BendWarpEffect::kName, {Stage::LocalShape}) {
         for (std::size_t e = 0; e < frame.elements.size(); ++e)
             if (frame.elements[e].runtime->warp) add(frame, e);
         work_.reserve(elements_.size());
-    }
-
-    [[nodiscard]] std::span<const Stage> stages() const override {
-        static constexpr Stage kStages[] = {Stage::LocalShape};
-        return kStages;
     }
 
     void run(Stage, Frame& frame) override {

@@ -46,7 +46,7 @@ Result<void> InflateEffect::addJob(Frame& frame, FrameJobs& jobs) const {
     return {};
 }
 
-BodyLoadsJob::BodyLoadsJob(const Frame& frame) {
+BodyLoadsJob::BodyLoadsJob(const Frame& frame) : FrameJob({}, {Stage::Loads}) {
     for (const auto& e : frame.elements) {
         const auto& loads = e.runtime->input.tables.loads;
         auto& made = elements_.emplace_back();
@@ -54,11 +54,6 @@ BodyLoadsJob::BodyLoadsJob(const Frame& frame) {
         made.inflated = !loads.empty() && loads.back() == kPressureColumn;
         made.acceleration.reset(e.runtime->middle);
     }
-}
-
-std::span<const Stage> BodyLoadsJob::stages() const {
-    static constexpr Stage kStages[] = {Stage::Loads};
-    return kStages;
 }
 
 void BodyLoadsJob::run(Stage, Frame& frame) {

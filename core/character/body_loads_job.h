@@ -50,7 +50,6 @@ public:
     void add(const GravityEffect& gravity) { gravity_ = gravity; }
     void add(const InflateEffect& inflate) { inflate_ = inflate; }
 
-    [[nodiscard]] std::span<const Stage> stages() const override;
     void run(Stage stage, Frame& frame) override;
     void tune(const EffectSettings& settings) override;
     [[nodiscard]] bool resting(const Frame& frame) const override;

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "core/character/frame_job.h"
+
 namespace imomushi {
 
 Vec3 ElementFrame::localAt(std::int32_t vertex, const float* blocksOf) const {
@@ -20,6 +22,8 @@ Vec3 Frame::heldAt(const ElementFrame& element, std::size_t i) const {
     if (!offsets.empty()) p += joint.turn * offsets[static_cast<std::size_t>(h.node)];
     return p;
 }
+
+void FrameJob::report(Frame& frame, double ms) const { frame.setTime(effect_, ms); }
 
 void Frame::setTime(std::string_view effect, double ms) {
     const auto row = std::find_if(stats.effects.begin(), stats.effects.end(), [effect](const EffectTime& t) { return t.effect == effect; });

@@ -41,9 +41,11 @@ struct EffectTime {
 /// character does not have do not exist. Built once; run() and tune() neither allocate nor lock, and run() does not fail.
 class FrameJob {
 public:
+    FrameJob(const FrameJob&) = delete;
+    FrameJob& operator=(const FrameJob&) = delete;
     virtual ~FrameJob() = default;
 
-    [[nodiscard]] virtual std::span<const Stage> stages() const = 0;
+    [[nodiscard]] std::span<const Stage> stages() const { return stages_; }
     /// The part of the job that belongs to one of stages(). Frame::stopped: it forgets its motion first.
     virtual void run(Stage stage, Frame& frame) = 0;
     /// New numbers, if they are of its effect and valid.
@@ -52,11 +54,18 @@ public:
     [[nodiscard]] virtual bool resting(const Frame&) const { return true; }
     /// Bytes that a frame reads and writes for it, beyond the tables of elements.
     [[nodiscard]] virtual std::size_t bytes() const { return 0; }
-    /// Sets the times of its effects in the statistics of the frame that ends. `ms`: of all its stages.
-    virtual void report(Frame& frame, double ms) const = 0;
+    /// Sets the times of its effects in the statistics of the frame that ends, of one effect unless overridden. `ms`: of all its stages.
+    virtual void report(Frame& frame, double ms) const;
+
+protected:
+    /// effect: its name. stages: those in which it runs.
+    FrameJob(std::string_view effect, std::vector<Stage> stages) : effect_(effect), stages_(std::move(stages)) {}
+    FrameJob(FrameJob&&) noexcept = default;
 
 private:
     friend class FrameJobs;
+    std::string_view effect_;
+    std::vector<Stage> stages_;
     double ms_ = 0.0;
 };
 

@@ -216,11 +216,6 @@ public:
         return made;
     }
 
-    [[nodiscard]] std::span<const Stage> stages() const override {
-        static constexpr Stage kStages[] = {Stage::Joints, Stage::JointMaps};
-        return kStages;
-    }
-
     void run(Stage stage, Frame& frame) override {
         for (std::size_t j = 0; j < joints_.size(); ++j) {
             if (!joints_[j]) continue;
@@ -242,10 +237,10 @@ public:
     [[nodiscard]] bool resting(const Frame&) const override {
         return std::all_of(joints_.begin(), joints_.end(), [](const auto& joint) { return !joint || joint->resting(); });
     }
-    void report(Frame& frame, double ms) const override { frame.setTime(JointDynamicsEffect::kName, ms); }
 
 private:
-    explicit JointDynamicsJob(JointDynamicsEffect settings) : settings_(std::move(settings)) {}
+    explicit JointDynamicsJob(JointDynamicsEffect settings)
+        : FrameJob(JointDynamicsEffect::kName, {Stage::Joints, Stage::JointMaps}), settings_(std::move(settings)) {}
 
     static void move(JigglingJoint& joint, const Frame& frame, JointFrame& out) {
         Place place{out.rotation, out.at, out.stretch};

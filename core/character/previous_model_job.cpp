@@ -25,15 +25,10 @@ public:
     /// Errors: "bad-value": an element with joint faces has no response of basis "full"; numbers out of range.
     static Result<PreviousModelJob> build(const CharacterInput& input, const PreviousModelEffect& settings);
 
-    [[nodiscard]] std::span<const Stage> stages() const override {
-        static constexpr Stage kStages[] = {Stage::FaceOffsets};
-        return kStages;
-    }
     void run(Stage stage, Frame& frame) override;
     /// It stops where numbers change.
     void tune(const EffectSettings& settings) override;
     [[nodiscard]] bool resting(const Frame&) const override { return dynamics_.velocity().cwiseAbs().maxCoeff() <= kStill * input_.size; }
-    void report(Frame& frame, double ms) const override { frame.setTime(PreviousModelEffect::kName, ms); }
 
     /// Tells held vertices their nodes.
     void number(Frame& frame) const;
@@ -52,7 +47,8 @@ private:
         Matrix3d rotation = Matrix3d::Identity();  // of its frame, rest to world
         Eigen::VectorXd wanted, v, traction;       // wanted: v as its bones have it
     };
-    PreviousModelJob(ExplicitJointDynamics dynamics, PreviousModelEffect settings) : settings_(std::move(settings)), dynamics_(std::move(dynamics)) {}
+    PreviousModelJob(ExplicitJointDynamics dynamics, PreviousModelEffect settings)
+        : FrameJob(PreviousModelEffect::kName, {Stage::FaceOffsets}), settings_(std::move(settings)), dynamics_(std::move(dynamics)) {}
     void pull(const Eigen::VectorXd& displacement, Eigen::VectorXd& force);
     static void place(const Element& element, const std::vector<Matrix3d>& rotation, const Eigen::VectorXd& displacement, Eigen::VectorXd& v);
 

@@ -19,7 +19,7 @@ constexpr double kFadedAngle = 0.6;
 
 class SmoothJointsJob final : public FrameJob {
 public:
-    explicit SmoothJointsJob(Frame& frame) : equilibrium_(frame.input) {
+    explicit SmoothJointsJob(Frame& frame) : FrameJob(SmoothJointsEffect::kName, {Stage::Equilibrium}), equilibrium_(frame.input) {
         frame.smooth = true;
         const int shapes = frame.warpingShapes = equilibrium_.warpingShapes();
         for (auto& j : frame.joints) j.warping = Eigen::Matrix3Xd::Zero(3, shapes);
@@ -29,11 +29,6 @@ public:
             for (std::size_t i = 0; i < e.held.size(); ++i)
                 equilibrium_.shapes(e.held[i].joint, e.held[i].rest, e.heldShapes.col(static_cast<Eigen::Index>(i)).data());
         }
-    }
-
-    [[nodiscard]] std::span<const Stage> stages() const override {
-        static constexpr Stage kStages[] = {Stage::Equilibrium};
-        return kStages;
     }
 
     void run(Stage, Frame& frame) override {
@@ -60,7 +55,6 @@ public:
             if (elements[e].v.size() > 0) elements[e].v = equilibrium_.parameters(static_cast<int>(e));
     }
 
-    void report(Frame& frame, double ms) const override { frame.setTime(SmoothJointsEffect::kName, ms); }
 
 private:
     // The shape of a joint is of small motions. Where elements are warped it fades while the joint turns away from them: they keep their volume with rigid

@@ -29,11 +29,6 @@ Result<TouchJob> TouchJob::build(Frame& frame, const TouchSettings& settings) {
     return made;
 }
 
-std::span<const Stage> TouchJob::stages() const {
-    static constexpr Stage kStages[] = {Stage::Weights, Stage::Dents};
-    return kStages;
-}
-
 void TouchJob::run(Stage stage, Frame& frame) {
     for (auto& touched : elements_) {
         auto& out = frame.elements[static_cast<std::size_t>(touched.index)];
@@ -121,7 +116,5 @@ std::size_t TouchJob::bytes() const {
     for (const auto& e : elements_) sum += e.contact.bytes() + e.blocks.bytes() + e.dented.bytes();
     return sum;
 }
-
-void TouchJob::report(Frame& frame, double ms) const { frame.setTime(TouchEffect::kName, ms); }
 
 }  // namespace imomushi

@@ -34,14 +34,13 @@ public:
     bool setFinger(int element, int finger, const Vec3& rest, const Vec3& target, double radius);
     void liftFinger(int element, int finger);
 
-    [[nodiscard]] std::span<const Stage> stages() const override;
     void run(Stage stage, Frame& frame) override;
     void tune(const EffectSettings& settings) override;
     [[nodiscard]] bool resting(const Frame& frame) const override;
     [[nodiscard]] std::size_t bytes() const override;
-    void report(Frame& frame, double ms) const override;
 
 private:
+    TouchJob() : FrameJob(TouchEffect::kName, {Stage::Weights, Stage::Dents}) {}
     struct Finger {
         Vec3 rest, target;  // m, rest and world
         double radius = 0.0;
