@@ -6,7 +6,7 @@
 #include "core/document/command_support.h"
 #include "core/document/document_edit.h"
 #include "core/document/names.h"
-#include "core/document/storage.h"
+#include "core/document/project_file.h"
 #include "core/reduction/congruence.h"
 
 namespace imomushi {
@@ -80,7 +80,7 @@ void moveTake(Take& take, const Vec3& offset) {
 }
 
 /// Gives an element of this document its place, and its response with it: one does not depend on where a body stands. `known`: of the element as it stood.
-void moveElement(DocumentEdit& edit, PartId id, const Vec3& offset, const Project::Response* known) {
+void moveElement(DocumentEdit& edit, PartId id, const Vec3& offset, const StoredResponse* known) {
     const DocumentResponses& responses = edit.responses();
     const ResponseInput from = responses.inputOf(id);
     const ContentKey key = responses.keyOf(id), shape = responses.shapeOf(id);
@@ -140,7 +140,7 @@ Result<Json> append(DocumentEdit& edit, const Json& arguments, const Progress&) 
         element.name = freeName(here, element.name);
         tell("elements", element.name, there.elements.at(id)->name);
         const auto known = project->responses.find(id);
-        const Project::Response* response = known == project->responses.end() ? nullptr : &known->second;
+        const StoredResponse* response = known == project->responses.end() ? nullptr : &known->second;
         const PartId made = element.id;
         here.elements.emplace(made, std::make_shared<const Element>(std::move(element)));
         if (offset != Vec3::Zero()) {

@@ -38,14 +38,14 @@ public:
 
     Result<ImportResult> import(const ImportRequest& request, const Progress& progress) const { return importer_(request, progress); }
     /// A response comes with an element from another project. The session takes it in when the command has succeeded.
-    void bring(PartId element, Project::Response response) { brought_.emplace_back(element, std::move(response)); }
-    [[nodiscard]] const std::vector<std::pair<PartId, Project::Response>>& brought() const { return brought_; }
+    void bring(PartId element, StoredResponse response) { brought_.emplace_back(element, std::move(response)); }
+    [[nodiscard]] const std::vector<std::pair<PartId, StoredResponse>>& brought() const { return brought_; }
 
 private:
     LiveCharacter& live_;
     const DocumentResponses& responses_;
     const Importer& importer_;
-    std::vector<std::pair<PartId, Project::Response>> brought_;
+    std::vector<std::pair<PartId, StoredResponse>> brought_;
 };
 
 }  // namespace imomushi

@@ -2,6 +2,7 @@
 #include "core/document/document_responses.h"
 
 #include <cmath>
+#include <utility>
 
 #include "core/base/parallel.h"
 
@@ -97,33 +98,41 @@ const SharedResponse* DocumentResponses::sharedOf(PartId element) const {
 }
 
 void DocumentResponses::findShared() const {
-    Sharing now;
-    now.elements = document_.elements;
-    now.basis = document_.settings.basis;
-    now.effects = document_.effects;
-    std::map<ContentKey, std::vector<PartId>> computed;  // by parts: others cannot be congruent
+    const Sharing was = std::exchange(sharing_, {});
+    sharing_.elements = document_.elements;
+    sharing_.basis = document_.settings.basis;
+    sharing_.effects = document_.effects;
+    struct Candidate {
+        PartId id;
+        bool known;  // unchanged, and computed itself the last time too
+    };
+    std::map<ContentKey, std::vector<Candidate>> computed;  // by parts: others cannot be congruent
     for (const auto& [id, part] : document_.elements) {
         if (part->faces.empty()) continue;
+        const auto oldKey = was.keys.find(id);
+        const bool same = oldKey != was.keys.end() && oldKey->second == keyOf(id);
+        sharing_.keys.emplace(id, keyOf(id));
+        const auto last = same ? was.shared.find(id) : was.shared.end();
         auto& candidates = computed[partsOf(id)];
         bool found = false;
-        for (const PartId first : candidates) {
-            const std::pair pair(keyOf(first), keyOf(id));
-            const auto known = sharing_.pairs.find(pair);
-            std::shared_ptr<const Congruence> how;
-            if (known != sharing_.pairs.end()) {
-                how = known->second;
-            } else if (auto congruence = findCongruence(inputOf(first), inputOf(id))) {
-                how = std::make_shared<const Congruence>(std::move(*congruence));
+        for (const Candidate& first : candidates) {
+            if (same && first.known) {
+                if (last != was.shared.end() && last->second.from == first.id) {
+                    sharing_.shared.insert(*last);
+                    found = true;
+                    break;
+                }
+                // The last time, all up to the one it shared with were found not to be congruent.
+                if (last == was.shared.end() || first.id < last->second.from) continue;
             }
-            now.pairs.emplace(pair, how);
-            if (!how) continue;
-            now.shared[id] = {first, how};
+            auto congruence = findCongruence(inputOf(first.id), inputOf(id));
+            if (!congruence) continue;
+            sharing_.shared[id] = {first.id, std::make_shared<const Congruence>(std::move(*congruence))};
             found = true;
             break;
         }
-        if (!found) candidates.push_back(id);
+        if (!found) candidates.push_back({id, same && last == was.shared.end()});
     }
-    sharing_ = std::move(now);
 }
 
 // ---- what is there -----------------------------------------------------------------------------------------------------
@@ -136,10 +145,15 @@ std::shared_ptr<const ElementResponse> DocumentResponses::checked(std::shared_pt
     return response;
 }
 
-std::shared_ptr<const ElementResponse> DocumentResponses::freshOf(PartId element) const { return checked(store_->find(keyOf(element)), element); }
+std::shared_ptr<const ElementResponse> DocumentResponses::freshOf(PartId element) const { return checked(found(element), element); }
+
+std::shared_ptr<const ElementResponse> DocumentResponses::found(PartId element) const {
+    const Asked& known = asked(element);
+    return store_->find(known.key, known.element->mesh->body, known.element->faces);
+}
 
 std::shared_ptr<const ElementResponse> DocumentResponses::fittingOf(PartId element) const {
-    if (auto fresh = store_->find(keyOf(element))) return checked(std::move(fresh), element);
+    if (auto fresh = found(element)) return checked(std::move(fresh), element);
     const auto last = last_.find(element);
     return last != last_.end() && last->second.shape == shapeOf(element) ? checked(last->second.response, element) : nullptr;
 }
@@ -169,7 +183,6 @@ ResponseEstimate DocumentResponses::estimateOf(const ContentKey& key, const Resp
 
 Result<std::shared_ptr<const ElementResponse>> DocumentResponses::compute(PartId element, const Progress& progress) {
     if (auto known = freshOf(element)) return known;
-    const ResponseInput input = inputOf(element);
     Result<ElementResponse> built;
     if (const SharedResponse* shared = sharedOf(element)) {
         const auto first = compute(shared->from, progress);
@@ -177,21 +190,21 @@ Result<std::shared_ptr<const ElementResponse>> DocumentResponses::compute(PartId
         if (auto known = freshOf(element)) return known;  // the very same body in the same place
         built = shared->how->carry(**first);
     } else {
-        built = buildResponse(input, progress);
+        built = buildResponse(inputOf(element), progress);
     }
     if (!built) return fail(built.error().code, "\"" + document_.elements.at(element)->name + "\": " + built.error().message);
     auto response = std::make_shared<const ElementResponse>(std::move(*built));
-    insert(keyOf(element), input, response);
-    last_.insert_or_assign(element, Project::Response{keyOf(element), shapeOf(element), response});
+    insert(keyOf(element), response);
+    last_.insert_or_assign(element, StoredResponse{keyOf(element), shapeOf(element), response});
     return response;
 }
 
-void DocumentResponses::insert(const ContentKey& key, const ResponseInput& input, std::shared_ptr<const ElementResponse> response) {
+void DocumentResponses::insert(const ContentKey& key, std::shared_ptr<const ElementResponse> response) {
     unsaved_.insert(key);
-    store_->insert(key, input, std::move(response));
+    store_->insertComputed(key, std::move(response));
 }
 
-void DocumentResponses::bring(PartId element, const Project::Response& response) {
+void DocumentResponses::bring(PartId element, const StoredResponse& response) {
     store_->insert(response.key, response.response);
     last_.insert_or_assign(element, response);
 }
@@ -203,7 +216,7 @@ void DocumentResponses::refresh() {
     std::erase_if(last_, gone);
     std::erase_if(asked_, gone);
     for (const auto& [id, part] : document_.elements)
-        if (auto response = store_->find(keyOf(id))) last_.insert_or_assign(id, Project::Response{keyOf(id), shapeOf(id), std::move(response)});
+        if (auto response = found(id)) last_.insert_or_assign(id, StoredResponse{keyOf(id), shapeOf(id), std::move(response)});
 }
 
 bool DocumentResponses::unsaved() const {

@@ -10,7 +10,7 @@
 #include "core/base/progress.h"
 #include "core/document/document.h"
 #include "core/document/response_store.h"
-#include "core/document/storage.h"
+#include "core/document/stored_response.h"
 #include "core/reduction/congruence.h"
 #include "core/reduction/element_response.h"
 
@@ -69,15 +69,15 @@ public:
     /// The fresh response of an element with joint faces: known, taken over from a congruent element, or solved now. Errors: those of buildResponse().
     Result<std::shared_ptr<const ElementResponse>> compute(PartId element, const Progress& progress);
     /// Takes in a response that was computed elsewhere, from inputOf().
-    void insert(const ContentKey& key, const ResponseInput& input, std::shared_ptr<const ElementResponse> response);
+    void insert(const ContentKey& key, std::shared_ptr<const ElementResponse> response);
     /// Takes in a response that came with an element from a project file.
-    void bring(PartId element, const Project::Response& response);
+    void bring(PartId element, const StoredResponse& response);
 
     // ---- the project
     /// Remembers the fresh responses as the last ones of their elements; forgets elements that are gone.
     void refresh();
     /// The last response of each element, for its project file. Call refresh() before.
-    [[nodiscard]] const std::map<PartId, Project::Response>& last() const { return last_; }
+    [[nodiscard]] const std::map<PartId, StoredResponse>& last() const { return last_; }
     /// A response of an element was computed since the project was saved: work that would be lost.
     [[nodiscard]] bool unsaved() const;
     void markSaved();
@@ -100,17 +100,19 @@ private:
         std::optional<ContentKey> parts;              ///< of all that congruent elements have in common but coordinates
         std::weak_ptr<const ElementResponse> fitting; ///< the last response that was found to fit
     };
-    /// Who shares with whom, as of the other members. Pairs are remembered by content, so that changing one element compares only that one again.
+    /// Who shares with whom, as of `elements`, `basis` and `effects`.
     struct Sharing {
         std::map<PartId, std::shared_ptr<const Element>> elements;
         BasisChoice basis;
         Effects effects;
+        std::map<PartId, ContentKey> keys;          ///< of elements with joint faces
         std::map<PartId, SharedResponse> shared;
-        std::map<std::pair<ContentKey, ContentKey>, std::shared_ptr<const Congruence>> pairs;  ///< null: not congruent
     };
     [[nodiscard]] Wish wishOf(PartId element) const;
     Asked& asked(PartId element) const;
+    std::shared_ptr<const ElementResponse> found(PartId element) const;
     const ContentKey& partsOf(PartId element) const;
+    /// Compares only elements that changed since the last time, with others and among each other.
     void findShared() const;
     /// estimateResponse(), each answer remembered: it takes part of a second for many elements, and panels ask for every effect again and again.
     ResponseEstimate estimateOf(const ContentKey& key, const ResponseInput& input) const;
@@ -120,7 +122,7 @@ private:
 
     const Document& document_;
     const std::shared_ptr<ResponseStore> store_;
-    std::map<PartId, Project::Response> last_;  // held here, so that the store does not evict what the project file is to have
+    std::map<PartId, StoredResponse> last_;  // held here, so that the store does not evict what the project file is to have
     std::set<ContentKey> unsaved_;              // computed and in no project file yet
     mutable std::map<PartId, Asked> asked_;
     mutable Sharing sharing_;

@@ -4,8 +4,8 @@
 #include "core/document/command_support.h"
 #include "core/document/document_edit.h"
 #include "core/document/names.h"
+#include "core/document/project_file.h"
 #include "core/document/session_access.h"
-#include "core/document/storage.h"
 #include "core/io/atomic_file.h"
 
 namespace imomushi {

@@ -2,12 +2,15 @@
 #include "core/document/response_folder.h"
 
 #include <algorithm>
+#include <fstream>
+#include <iterator>
 #include <new>
 #include <optional>
 #include <string>
 #include <utility>
 
-#include "core/document/storage.h"
+#include "core/document/packed_response.h"
+#include "core/io/atomic_file.h"
 
 namespace imomushi {
 
@@ -22,25 +25,19 @@ std::optional<ContentKey> keyNamed(const std::filesystem::path& file) {
     return ContentKey{std::stoull(name.substr(0, 16), nullptr, 16), std::stoull(name.substr(16), nullptr, 16)};
 }
 
-/// A project of the one element that a response is of. Its look does not count: triangles are shown as they are.
-Project projectOf(const ContentKey& key, const ResponseInput& input, std::shared_ptr<const ElementResponse> response) {
-    auto mesh = std::make_shared<ElementMesh>();
-    mesh->body = input.mesh->body;
-    for (std::int32_t v = 0; v < mesh->body.vertices.rows(); ++v) mesh->look.bodyVertex.push_back(v);
-    mesh->look.triangles = mesh->body.triangles;
-    auto element = std::make_shared<Element>();
-    element->id = 1;
-    element->name = "element";
-    element->mesh = std::move(mesh);
-    element->faces = input.faces;
-    element->nu = input.nu;
-    element->solverMesh = input.solverMesh;
-    Project project;
-    project.document.settings.basis = input.basis;
-    project.document.nextId = 2;
-    project.document.elements.emplace(element->id, std::move(element));
-    project.responses.emplace(1, Project::Response{key, key, std::move(response)});
-    return project;
+/// What a file holds. Errors: those of packResponse().
+Result<std::string> contentOf(const ContentKey& key, const ElementResponse& response) {
+    const auto packed = packResponse(response);
+    if (!packed) return tl::unexpected(packed.error());
+    return key.hex().append(reinterpret_cast<const char*>(packed->data()), packed->size());
+}
+
+/// Null: it holds no such response.
+std::shared_ptr<const ElementResponse> responseIn(const std::string& content, const ContentKey& key, const TriangleMesh& body, std::span<const JointFace> faces) {
+    const std::string name = key.hex();
+    if (!content.starts_with(name)) return nullptr;
+    auto response = unpackResponse(std::as_bytes(std::span(content)).subspan(name.size()), body, faces);
+    return response ? std::make_shared<const ElementResponse>(std::move(*response)) : nullptr;
 }
 
 }  // namespace
@@ -71,26 +68,27 @@ ResponseFolder::~ResponseFolder() {
 
 std::filesystem::path ResponseFolder::pathOf(const ContentKey& key) const { return folder_ / (key.hex() + kSuffix); }
 
-std::shared_ptr<const ElementResponse> ResponseFolder::read(const ContentKey& key) {
+std::shared_ptr<const ElementResponse> ResponseFolder::read(const ContentKey& key, const TriangleMesh& body, std::span<const JointFace> faces) {
     const std::lock_guard lock(mutex_);
     const auto found = files_.find(key);
     if (found == files_.end()) return nullptr;
-    auto project = openProject(pathOf(key));
-    if (!project || project->responses.size() != 1 || project->responses.begin()->second.key != key) {
+    std::ifstream file(pathOf(key), std::ios::binary);
+    auto response = responseIn(std::string(std::istreambuf_iterator<char>(file), {}), key, body, faces);
+    if (!response) {
         remove(key);
         return nullptr;
     }
     found->second.used = std::filesystem::file_time_type::clock::now();
     std::error_code error;
     std::filesystem::last_write_time(pathOf(key), found->second.used, error);
-    return project->responses.begin()->second.response;
+    return response;
 }
 
-void ResponseFolder::write(const ContentKey& key, const ResponseInput& input, std::shared_ptr<const ElementResponse> response) {
+void ResponseFolder::write(const ContentKey& key, std::shared_ptr<const ElementResponse> response) {
     {
         const std::lock_guard lock(mutex_);
         if (files_.contains(key)) return;
-        jobs_.push_back({key, input, std::move(response)});
+        jobs_.push_back({key, std::move(response)});
     }
     wake_.notify_all();
 }
@@ -120,14 +118,14 @@ void ResponseFolder::work() {
         std::error_code error;
         std::filesystem::create_directories(folder_, error);
         const auto path = pathOf(job.key);
-        bool written = false;
+        std::uintmax_t bytes = 0;
         try {
-            written = saveProject(path, projectOf(job.key, job.input, std::move(job.response))).has_value();
+            if (const auto content = contentOf(job.key, *job.response); content && writeFileAtomically(path, *content)) bytes = content->size();
         } catch (const std::bad_alloc&) {  // then without
         }
-        const auto bytes = std::filesystem::file_size(path, error);
+        job.response.reset();
         lock.lock();
-        if (!written || error) continue;
+        if (bytes == 0) continue;
         files_[job.key] = {bytes, std::filesystem::file_time_type::clock::now()};
         bytes_ += bytes;
         evict();

@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <thread>
 
 #include "core/base/hash.h"
@@ -15,9 +16,8 @@
 
 namespace imomushi {
 
-/// Responses on disk, a file per content key: a project of the one element that it was computed for, KEY.response. A file appears whole or not at all and
-/// holds its digest (see saveProject()). One that is damaged, or holds another key than its name, counts as absent and is removed; files of other names are left
-/// alone. Beyond the limit the files that were used longest ago are removed. Failures to write are no errors: the response is computed again next time.
+/// Responses on disk, a file KEY.response per content key: the key and a packed response, which holds its digest. A file appears whole or not at all. One that is
+/// damaged, or holds another key than its name says, counts as absent and is removed; files of other names are left alone. Beyond the limit the files that were used longest ago are removed. Failures to write are no errors: the response is computed again next time.
 /// Thread-safe.
 class ResponseFolder {
 public:
@@ -28,10 +28,10 @@ public:
     ResponseFolder(const ResponseFolder&) = delete;
     ResponseFolder& operator=(const ResponseFolder&) = delete;
 
-    /// Null: absent.
-    [[nodiscard]] std::shared_ptr<const ElementResponse> read(const ContentKey& key);
+    /// Null: absent. `body`, `faces`: of an element with this key.
+    [[nodiscard]] std::shared_ptr<const ElementResponse> read(const ContentKey& key, const TriangleMesh& body, std::span<const JointFace> faces);
     /// In the background, in the order of the calls. Nothing where the key is there already.
-    void write(const ContentKey& key, const ResponseInput& input, std::shared_ptr<const ElementResponse> response);
+    void write(const ContentKey& key, std::shared_ptr<const ElementResponse> response);
 
 private:
     struct File {
@@ -40,7 +40,6 @@ private:
     };
     struct Job {
         ContentKey key;
-        ResponseInput input;
         std::shared_ptr<const ElementResponse> response;
     };
     [[nodiscard]] std::filesystem::path pathOf(const ContentKey& key) const;

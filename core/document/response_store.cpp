@@ -13,14 +13,23 @@ ResponseStore::ResponseStore(Limits limits, const std::filesystem::path& folder)
 
 ResponseStore::~ResponseStore() = default;
 
+std::shared_ptr<const ElementResponse> ResponseStore::inMemory(const ContentKey& key) {
+    const auto found = entries_.find(key);
+    if (found == entries_.end()) return nullptr;
+    uses_.splice(uses_.end(), uses_, found->second.use);
+    return found->second.response;
+}
+
 std::shared_ptr<const ElementResponse> ResponseStore::find(const ContentKey& key) {
     const std::lock_guard lock(mutex_);
-    if (const auto found = entries_.find(key); found != entries_.end()) {
-        uses_.splice(uses_.end(), uses_, found->second.use);
-        return found->second.response;
-    }
+    return inMemory(key);
+}
+
+std::shared_ptr<const ElementResponse> ResponseStore::find(const ContentKey& key, const TriangleMesh& body, std::span<const JointFace> faces) {
+    const std::lock_guard lock(mutex_);
+    if (auto known = inMemory(key)) return known;
     if (!folder_) return nullptr;
-    auto read = folder_->read(key);
+    auto read = folder_->read(key, body, faces);
     if (read) keep(key, read);
     return read;
 }
@@ -31,8 +40,8 @@ void ResponseStore::insert(const ContentKey& key, std::shared_ptr<const ElementR
     revision_.fetch_add(1, std::memory_order_release);
 }
 
-void ResponseStore::insert(const ContentKey& key, const ResponseInput& input, std::shared_ptr<const ElementResponse> response) {
-    if (folder_) folder_->write(key, input, response);
+void ResponseStore::insertComputed(const ContentKey& key, std::shared_ptr<const ElementResponse> response) {
+    if (folder_) folder_->write(key, response);
     insert(key, std::move(response));
 }
 

@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <span>
 
 #include "core/base/hash.h"
 #include "core/reduction/element_response.h"
@@ -34,14 +35,16 @@ public:
     ResponseStore(const ResponseStore&) = delete;
     ResponseStore& operator=(const ResponseStore&) = delete;
 
-    /// Null: neither in memory nor on disk.
+    /// In memory; null: not there.
     [[nodiscard]] std::shared_ptr<const ElementResponse> find(const ContentKey& key);
+    /// In memory or on disk; null: in neither. `body`, `faces`: of an element with this key.
+    [[nodiscard]] std::shared_ptr<const ElementResponse> find(const ContentKey& key, const TriangleMesh& body, std::span<const JointFace> faces);
     /// Into memory alone: what a project file holds has its place there.
     void insert(const ContentKey& key, std::shared_ptr<const ElementResponse> response);
-    /// Into the folder too, in the background. `input`: what it is the response of.
-    void insert(const ContentKey& key, const ResponseInput& input, std::shared_ptr<const ElementResponse> response);
+    /// Into the folder too, in the background.
+    void insertComputed(const ContentKey& key, std::shared_ptr<const ElementResponse> response);
 
-    /// Rises with every insert().
+    /// Rises with every insertion.
     [[nodiscard]] std::uint64_t revision() const { return revision_.load(std::memory_order_acquire); }
     [[nodiscard]] std::size_t count() const;  ///< in memory
     [[nodiscard]] std::size_t bytes() const;  ///< in memory
@@ -52,7 +55,9 @@ private:
         std::size_t bytes = 0;
         std::list<ContentKey>::iterator use;
     };
-    void keep(const ContentKey& key, std::shared_ptr<const ElementResponse> response);  // these two under the lock
+    // These three under the lock.
+    std::shared_ptr<const ElementResponse> inMemory(const ContentKey& key);
+    void keep(const ContentKey& key, std::shared_ptr<const ElementResponse> response);
     void evict();
 
     const Limits limits_;

@@ -7,6 +7,7 @@
 
 #include "core/document/command_support.h"
 #include "core/document/document_edit.h"
+#include "core/document/project_file.h"
 #include "core/document/session_access.h"
 
 namespace imomushi {

@@ -19,6 +19,7 @@ namespace imomushi {
 
 class LiveCharacter;
 struct CharacterPlan;
+struct Project;
 
 /// A document that is being worked on, with its responses and its live character. execute() is the one door for change; all else asks, or lets time pass.
 class Session {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/document/live_character.h"
+#include "core/document/project_file.h"
 #include "core/document/session.h"
 
 namespace imomushi {

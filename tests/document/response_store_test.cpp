@@ -22,6 +22,7 @@ struct Solved {
     ResponseInput input;
     ContentKey key;
     std::shared_ptr<const ElementResponse> response;
+    [[nodiscard]] std::shared_ptr<const ElementResponse> in(ResponseStore& store) const { return store.find(key, input.mesh->body, input.faces); }
 };
 Solved solved(Workbench& w, const char* basis = "affine") {
     w.buildChain();
@@ -109,14 +110,14 @@ TEST_CASE("response folder: what one process computed the next one finds, in eve
         Workbench w;
         const Solved s = solved(w, basis);
         REQUIRE(s.response);
-        ResponseStore(kRoom, folder.path()).insert(s.key, s.input, s.response);  // ends when it is written
+        ResponseStore(kRoom, folder.path()).insertComputed(s.key, s.response);  // ends when it is written
         REQUIRE(filesIn(folder.path()).size() == 1);
         CHECK(filesIn(folder.path())[0].filename() == s.key.hex() + ".response");
         ResponseStore store(kRoom, folder.path());
         CHECK(store.count() == 0);
-        const auto read = store.find(s.key);
+        const auto read = s.in(store);
         REQUIRE(read);
-        CHECK(store.find(s.key) == read);
+        CHECK(store.find(s.key) == read);  // in memory now
         CHECK(read->bases == s.response->bases);
         CHECK(read->freeVertices == s.response->freeVertices);
         CHECK(read->response == s.response->response);
@@ -149,7 +150,7 @@ TEST_CASE("response folder: a damaged file and one of another key are absent and
     const TestFolder folder;
     Workbench w;
     const Solved s = solved(w);
-    ResponseStore(kRoom, folder.path()).insert(s.key, s.input, s.response);
+    ResponseStore(kRoom, folder.path()).insertComputed(s.key, s.response);
     const auto file = filesIn(folder.path()).at(0);
     const std::string good = readFile(file);
     const auto name = [&](const ContentKey& k) { return k.hex() + ".response"; };
@@ -161,11 +162,11 @@ TEST_CASE("response folder: a damaged file and one of another key are absent and
     folder.write(name(s.key), damaged);
     {
         ResponseStore store(kRoom, folder.path());
-        CHECK(!store.find(s.key));
-        CHECK(!store.find(key(7)));
-        CHECK(!store.find(key(8)));
+        CHECK(!s.in(store));
+        CHECK(!store.find(key(7), s.input.mesh->body, s.input.faces));
+        CHECK(!store.find(key(8), s.input.mesh->body, s.input.faces));
         CHECK(filesIn(folder.path()) == std::vector{folder / "notes.txt"});
-        store.insert(s.key, s.input, s.response);  // takes its place again
+        store.insertComputed(s.key, s.response);  // takes its place again
     }
     CHECK(readFile(file) == good);
 }
@@ -174,7 +175,7 @@ TEST_CASE("response folder: beyond its bound the files that were used longest ag
     const TestFolder folder;
     Workbench w;
     const Solved s = solved(w);
-    ResponseStore(kRoom, folder.path()).insert(s.key, s.input, s.response);
+    ResponseStore(kRoom, folder.path()).insertComputed(s.key, s.response);
     const auto file = filesIn(folder.path()).at(0);
     const std::uintmax_t size = std::filesystem::file_size(file);
     const auto now = std::filesystem::file_time_type::clock::now();
@@ -188,7 +189,7 @@ TEST_CASE("response folder: beyond its bound the files that were used longest ag
     std::filesystem::last_write_time(file, now - std::chrono::hours(5));
     {
         ResponseStore store({kRoom.memory, 3 * size}, folder.path());
-        CHECK(store.find(s.key));  // used now
+        CHECK(s.in(store));  // used now
     }
     CHECK(std::filesystem::file_size(file) == size);
     ResponseStore({kRoom.memory, 2 * size}, folder.path());
