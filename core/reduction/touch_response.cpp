@@ -9,9 +9,9 @@
 
 #include "core/base/parallel.h"
 #include "core/mesh/topology.h"
+#include "core/mesh/triangle_tree.h"
 #include "core/reduction/mesh_pieces.h"
 #include "core/reduction/negative_part.h"
-#include "core/reduction/triangle_tree.h"
 
 namespace imomushi {
 namespace {
