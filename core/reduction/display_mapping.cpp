@@ -12,6 +12,7 @@
 #include "core/base/parallel.h"
 #include "core/mesh/bounds.h"
 #include "core/mesh/topology.h"
+#include "core/mesh/triangle_frame.h"
 #include "core/mesh/triangle_tree.h"
 
 namespace imomushi {
@@ -26,28 +27,8 @@ constexpr double kReach = 2.0;
 /// Vertices per piece of work: some milliseconds.
 constexpr std::size_t kGrain = 4096;
 
-/// What a free triangle needs for its displacement gradient.
-struct Frame {
-    std::array<Vec3, 3> slope;  ///< surface gradient of the linear function that is 1 at a corner
-    Vec3 normal = Vec3::Zero();
-    double area = 0.0;
-};
-
-/// False: no area.
-bool frameOf(const TriangleMesh& mesh, std::int32_t t, Frame& frame) {
-    std::array<Vec3, 3> p;
-    for (std::size_t c = 0; c < 3; ++c) p[c] = mesh.vertices.row(mesh.triangles(t, static_cast<Eigen::Index>(c)));
-    const Vec3 cross = (p[1] - p[0]).cross(p[2] - p[0]);
-    const double length = cross.norm();
-    if (!(length > 0.0)) return false;
-    frame.normal = cross / length;
-    frame.area = 0.5 * length;
-    for (std::size_t c = 0; c < 3; ++c) frame.slope[c] = frame.normal.cross(p[(c + 2) % 3] - p[(c + 1) % 3]) / length;
-    return true;
-}
-
 /// The gradient of a displacement with corner values u on a surface free of traction; stretch = nu / (1 - nu).
-Gradient gradientOf(const Frame& frame, const std::array<Vec3, 3>& u, double stretch) {
+Gradient gradientOf(const TriangleFrame& frame, const std::array<Vec3, 3>& u, double stretch) {
     Gradient along = Gradient::Zero();
     for (std::size_t c = 0; c < 3; ++c) along += u[c] * frame.slope[c].transpose();
     const Vec3 across = -(along.transpose() * frame.normal) - stretch * along.trace() * frame.normal;
@@ -78,9 +59,8 @@ Result<DisplayMapping> DisplayMapping::build(const Input& input, const Progress&
     }
     std::vector<std::int32_t> free;
     for (std::int32_t t = 0; t < solver.triangles.rows(); ++t) {
-        Frame frame;
         auto& flag = mapping.free_[static_cast<std::size_t>(t)];
-        if (flag && !frameOf(solver, t, frame)) flag = 0;
+        if (flag && !(triangleFrame(solver, t).area > 0.0)) flag = 0;
         if (flag) free.push_back(t);
     }
     if (free.empty()) return fail("no-free-surface", "The joint faces cover the whole surface that is solved on; make them smaller.");
@@ -163,8 +143,8 @@ Result<DisplayMapping::Mapped> DisplayMapping::apply(const Eigen::MatrixXd& disp
         const auto cornersOf = [&](std::int32_t t) { return std::array<Vec3, 3>{u(solver_.triangles(t, 0)), u(solver_.triangles(t, 1)), u(solver_.triangles(t, 2))}; };
         parallelFor(threads, triangles, kGrain, [&](std::size_t begin, std::size_t end) {
             for (std::size_t t = begin; t < end; ++t) {
-                Frame frame;
-                if (!free_[t] || !frameOf(solver_, static_cast<std::int32_t>(t), frame)) continue;
+                if (!free_[t]) continue;
+                const TriangleFrame frame = triangleFrame(solver_, static_cast<std::int32_t>(t));
                 ofTriangle[t] = gradientOf(frame, cornersOf(static_cast<std::int32_t>(t)), stretch);
                 area[t] = frame.area;
             }
