@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <unordered_map>
 
 #include "core/mesh/closest_point.h"
@@ -28,7 +29,7 @@ void addSeamPoints(const FaceOnBody& from, const FaceOnBody& to, bool ofFirst,
         for (int k = 0; k < 3; ++k) triangleAt.emplace(to.body->triangles(t, k), t);
     const double besideLimit = 10 * weldDistance(from, to);
     if (to.face->triangles.empty()) return;
-    const TriangleTree tree(*to.body, to.face->triangles);
+    std::optional<TriangleTree> tree;  // where all vertices are welded none is needed
     for (const std::int32_t v : from.face->vertices) {
         SeamPoint point;
         point.ofFirst = ofFirst;
@@ -57,9 +58,10 @@ void addSeamPoints(const FaceOnBody& from, const FaceOnBody& to, bool ofFirst,
                     nearest = q;
                 }
             };
-            offer(tree.nearest(p).triangle);
+            if (!tree) tree.emplace(*to.body, to.face->triangles);
+            offer(tree->nearest(p).triangle);
             const double rounding = kRounding * std::max(p.cwiseAbs().maxCoeff(), nearest.cwiseAbs().maxCoeff());
-            for (const std::int32_t t : tree.within(p, point.distance + rounding)) offer(t);
+            for (const std::int32_t t : tree->within(p, point.distance + rounding)) offer(t);
             if (point.triangle < 0) continue;
             const Vec3 normal = to.face->frame.axes.col(2);
             const Vec3 offset = p - nearest;
