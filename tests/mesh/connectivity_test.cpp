@@ -31,7 +31,7 @@ TEST_CASE("finite: infinities and NaN are found without a floating-point excepti
     Points p = Points::Ones(4, 3);
     CHECK(allFinite(p));
     CHECK(allFinite(p.row(2)));
-    for (const double bad : {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+    for (const double bad : {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::signaling_NaN()}) {
         p(2, 1) = bad;
         CHECK_FALSE(allFinite(p));
         CHECK_FALSE(allFinite(p.data(), 12));
