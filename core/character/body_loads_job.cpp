@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/finite.h"
 #include "core/character/frame.h"
 
 namespace imomushi {

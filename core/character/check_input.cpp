@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "core/skeleton/bone_tree.h"
+#include "core/base/finite.h"
 
 namespace imomushi {
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "core/base/finite.h"
 #include "core/character/frame.h"
 
 namespace imomushi {

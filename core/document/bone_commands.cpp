@@ -3,6 +3,7 @@
 #include "core/document/document_edit.h"
 #include "core/document/names.h"
 #include "core/document/seam.h"
+#include "core/mesh/winding_number.h"
 
 namespace imomushi {
 

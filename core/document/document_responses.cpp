@@ -2,6 +2,7 @@
 #include "core/document/document_responses.h"
 
 #include <cmath>
+#include <utility>
 
 #include "core/base/parallel.h"
 
@@ -97,33 +98,41 @@ const SharedResponse* DocumentResponses::sharedOf(PartId element) const {
 }
 
 void DocumentResponses::findShared() const {
-    Sharing now;
-    now.elements = document_.elements;
-    now.basis = document_.settings.basis;
-    now.effects = document_.effects;
-    std::map<ContentKey, std::vector<PartId>> computed;  // by parts: others cannot be congruent
+    const Sharing was = std::exchange(sharing_, {});
+    sharing_.elements = document_.elements;
+    sharing_.basis = document_.settings.basis;
+    sharing_.effects = document_.effects;
+    struct Candidate {
+        PartId id;
+        bool known;  // unchanged, and computed itself the last time too
+    };
+    std::map<ContentKey, std::vector<Candidate>> computed;  // by parts: others cannot be congruent
     for (const auto& [id, part] : document_.elements) {
         if (part->faces.empty()) continue;
+        const auto oldKey = was.keys.find(id);
+        const bool same = oldKey != was.keys.end() && oldKey->second == keyOf(id);
+        sharing_.keys.emplace(id, keyOf(id));
+        const auto last = same ? was.shared.find(id) : was.shared.end();
         auto& candidates = computed[partsOf(id)];
         bool found = false;
-        for (const PartId first : candidates) {
-            const std::pair pair(keyOf(first), keyOf(id));
-            const auto known = sharing_.pairs.find(pair);
-            std::shared_ptr<const Congruence> how;
-            if (known != sharing_.pairs.end()) {
-                how = known->second;
-            } else if (auto congruence = findCongruence(inputOf(first), inputOf(id))) {
-                how = std::make_shared<const Congruence>(std::move(*congruence));
+        for (const Candidate& first : candidates) {
+            if (same && first.known) {
+                if (last != was.shared.end() && last->second.from == first.id) {
+                    sharing_.shared.insert(*last);
+                    found = true;
+                    break;
+                }
+                // The last time, all up to the one it shared with were found not to be congruent.
+                if (last == was.shared.end() || first.id < last->second.from) continue;
             }
-            now.pairs.emplace(pair, how);
-            if (!how) continue;
-            now.shared[id] = {first, how};
+            auto congruence = findCongruence(inputOf(first.id), inputOf(id));
+            if (!congruence) continue;
+            sharing_.shared[id] = {first.id, std::make_shared<const Congruence>(std::move(*congruence))};
             found = true;
             break;
         }
-        if (!found) candidates.push_back(id);
+        if (!found) candidates.push_back({id, same && last == was.shared.end()});
     }
-    sharing_ = std::move(now);
 }
 
 // ---- what is there -----------------------------------------------------------------------------------------------------

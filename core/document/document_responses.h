@@ -100,18 +100,19 @@ private:
         std::optional<ContentKey> parts;              ///< of all that congruent elements have in common but coordinates
         std::weak_ptr<const ElementResponse> fitting; ///< the last response that was found to fit
     };
-    /// Who shares with whom, as of the other members. Pairs are remembered by content, so that changing one element compares only that one again.
+    /// Who shares with whom, as of `elements`, `basis` and `effects`.
     struct Sharing {
         std::map<PartId, std::shared_ptr<const Element>> elements;
         BasisChoice basis;
         Effects effects;
+        std::map<PartId, ContentKey> keys;          ///< of elements with joint faces
         std::map<PartId, SharedResponse> shared;
-        std::map<std::pair<ContentKey, ContentKey>, std::shared_ptr<const Congruence>> pairs;  ///< null: not congruent
     };
     [[nodiscard]] Wish wishOf(PartId element) const;
     Asked& asked(PartId element) const;
     std::shared_ptr<const ElementResponse> found(PartId element) const;
     const ContentKey& partsOf(PartId element) const;
+    /// Compares only elements that changed since the last time, with others and among each other.
     void findShared() const;
     /// estimateResponse(), each answer remembered: it takes part of a second for many elements, and panels ask for every effect again and again.
     ResponseEstimate estimateOf(const ContentKey& key, const ResponseInput& input) const;

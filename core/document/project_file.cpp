@@ -7,6 +7,7 @@
 
 #include "core/document/project_rows.h"
 #include "core/document/project_tables.h"
+#include "core/document/response_rows.h"
 #include "core/document/version.h"
 #include "core/io/atomic_file.h"
 
