@@ -6,10 +6,10 @@
 
 #include "core/accuracy/plot.h"
 #include "core/accuracy/study_json.h"
+#include "core/base/atomic_file.h"
 #include "core/document/command_support.h"
 #include "core/document/session_state.h"
 #include "core/document/take.h"
-#include "core/io/atomic_file.h"
 
 namespace imomushi {
 

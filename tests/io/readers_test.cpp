@@ -7,7 +7,7 @@
 
 #include "core/io/build_result.h"
 #include "core/io/message.h"
-#include "core/io/write_mesh.h"
+#include "core/mesh/write_mesh.h"
 #include "tests/io/files.h"
 #include "tests/support/shapes.h"
 

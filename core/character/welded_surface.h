@@ -7,8 +7,9 @@
 
 namespace imomushi {
 
-/// The surface of a character as a skin covers it: one surface over all elements, open where joined faces are not welded.
-struct SkinBody {
+/// The outer surface of a character as one mesh over all elements: vertices welded at joints are one, triangles inside joints are left out. It is open where
+/// joined faces are not welded. Skins of bones are made on it.
+struct WeldedSurface {
     Points vertices;                  ///< body vertices of all elements, one element after another, rest, m
     std::vector<int> first;           ///< per element: its first vertex; one more entry
     std::vector<std::int32_t> same;   ///< per vertex: the lowest of those welded to it, itself included
@@ -18,6 +19,6 @@ struct SkinBody {
 };
 
 /// `hidden`: finds what vertices inside joints take their weights from, too; else `weightOf` is empty.
-SkinBody skinBody(const CharacterInput& input, bool hidden = true);
+WeldedSurface weldedSurface(const CharacterInput& input, bool hidden = true);
 
 }  // namespace imomushi

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/comparison/standard_poses.h"
+#include "core/character/standard_poses.h"
 
 #include <numbers>
 

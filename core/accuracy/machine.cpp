@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/accuracy/machine_share.h"
+#include "core/accuracy/machine.h"
 
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <fstream>
 #include <mutex>
 #include <numeric>
 #include <thread>
@@ -17,12 +18,23 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kSeconds = 0.5, kLeast = 0.1;  // less is a moment of bad luck, which does not last as long as a precompute
-constexpr int kRounds = 20'000;  // of a block of work: some tenths of a millisecond, much less than a turn of the scheduler
+constexpr double kSeconds = 0.5, kLeast = 0.1;  // less does not last as long as a precompute
+constexpr int kRounds = 20'000;  // of a block of work: some tenths of a millisecond, much less than a time slice of the scheduler
 
 double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 }  // namespace
+
+std::string machineName() {
+    static const std::string name = [] {
+        std::ifstream file("/proc/cpuinfo");
+        for (std::string line; std::getline(file, line);)
+            if (line.starts_with("model name"))
+                if (const auto colon = line.find(": "); colon != std::string::npos) return line.substr(colon + 2) + ", " + std::to_string(hardwareThreads()) + " threads";
+        return std::to_string(hardwareThreads()) + " threads";
+    }();
+    return name;
+}
 
 double machineShare(int threads) {
     threads = std::clamp(threads, 1, hardwareThreads());

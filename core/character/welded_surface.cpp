@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/comparison/skin_body.h"
+#include "core/character/welded_surface.h"
 
 #include <algorithm>
 #include <limits>
@@ -7,8 +7,8 @@
 
 namespace imomushi {
 
-SkinBody skinBody(const CharacterInput& input, bool hidden) {
-    SkinBody out;
+WeldedSurface weldedSurface(const CharacterInput& input, bool hidden) {
+    WeldedSurface out;
     out.first = {0};
     std::vector<std::vector<char>> covered;
     for (const auto& e : input.elements) {

@@ -1,21 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/accuracy/stand_in.h"
+#include "core/accuracy/synthetic_response.h"
 
 #include <cmath>
-
-#include "core/comparison/swing.h"
-#include "core/comparison/timing.h"
-#include "core/elasticity/boundary_equation.h"
 
 namespace imomushi {
 
 namespace {
 
-constexpr double kSeconds = 0.1;
+constexpr int kLoads = 4;  // columns of ElementResponse::loads
 
 }  // namespace
 
-std::shared_ptr<const ElementResponse> standInResponse(const ElementMesh& mesh, const std::vector<JointFace>& faces, const BasisChoice& basis, bool loads) {
+std::shared_ptr<const ElementResponse> syntheticResponse(const ElementMesh& mesh, const std::vector<JointFace>& faces, const BasisChoice& basis, bool loads) {
     auto out = std::make_shared<ElementResponse>();
     const Points& rest = mesh.body.vertices;
     std::vector<char> held(static_cast<std::size_t>(rest.rows()), 0);
@@ -32,9 +28,9 @@ std::shared_ptr<const ElementResponse> standInResponse(const ElementMesh& mesh, 
     out->stiffness = Eigen::MatrixXd::Identity(columns, columns);
     if (basis == BasisKind::Full) out->tractions = Eigen::MatrixXd::Identity(columns, columns);
     if (loads) {
-        out->loads = Eigen::MatrixXd::Constant(3 * count, BoundaryEquation::kLoads, 1e-3);
+        out->loads = Eigen::MatrixXd::Constant(3 * count, kLoads, 1e-3);
         for (Eigen::Index i = 0; i < count; ++i) out->loads.middleRows<3>(3 * i) *= std::sin(static_cast<double>(i));
-        out->loadForces = Eigen::MatrixXd::Zero(columns, BoundaryEquation::kLoads);
+        out->loadForces = Eigen::MatrixXd::Zero(columns, kLoads);
     }
     for (Eigen::Index i = 0; i < count; ++i) {
         const Vec3 x = rest.row(out->freeVertices[static_cast<std::size_t>(i)]).transpose();
@@ -64,31 +60,10 @@ std::shared_ptr<const ElementResponse> standInResponse(const ElementMesh& mesh, 
     return out;
 }
 
-CharacterInput withStandIns(CharacterInput input) {
+CharacterInput withSyntheticResponses(CharacterInput input) {
     for (auto& e : input.elements)
-        e.response = e.faces.empty() ? nullptr : standInResponse(*e.mesh, e.faces, input.basis, e.heavy || e.inflated);
+        e.response = e.faces.empty() ? nullptr : syntheticResponse(*e.mesh, e.faces, input.basis, e.heavy || e.inflated);
     return input;
-}
-
-Result<double> predictFrame(const CharacterInput& input, const Progress& progress) {
-    CharacterInput stand = withStandIns(input);
-    stand.effects.touch.reset();
-    for (auto& e : stand.elements) e.touched = false;
-    auto character = Character::build(std::move(stand));
-    if (!character) return tl::unexpected(character.error());
-    Swing swing(input.skeleton);
-    Pose pose = restPose(input.skeleton);
-    double at = 0.0;
-    // As frames are measured in a study.
-    const double ms = quietSpreads(kSeconds,
-                                   {[&] {
-                                       swing.move(at += 0.013);
-                                       character->solvePose(swing.holds, pose);
-                                       character->update(pose, 1.0 / 60.0);
-                                   }},
-                                   progress)[0].median;
-    if (progress.cancelled()) return fail(kCancelled, "The prediction was cancelled.");
-    return ms;
 }
 
 }  // namespace imomushi

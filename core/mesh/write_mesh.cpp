@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/io/write_mesh.h"
+#include "core/mesh/write_mesh.h"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 #include <cmath>
 #include <string>
 
-#include "core/io/atomic_file.h"
+#include "core/base/atomic_file.h"
 
 namespace imomushi {
 namespace {
