@@ -11,7 +11,7 @@
 
 #include "core/io/raw_scene.h"
 
-// What the readers of all formats share: checks, messages, names, colours, polygons, textures.
+// What the readers of all formats share: checks, messages, numbers, polygons, textures.
 
 namespace imomushi {
 
@@ -39,9 +39,6 @@ void tell(RawScene& scene, Severity severity, const char* code, std::string text
 
 /// A number in decimal, in any locale; "nan" and "inf" are numbers that are not finite; so is what double cannot hold. False: no number.
 bool parseNumber(std::string_view token, double& value);
-
-/// sRGB (as cameras, paint programs and 8-bit vertex colours have it) to linear light, clamped to 0...1; NaN gives 1.
-float linearFromSrgb(double value);
 
 /// Splits the polygon `corners` (indices into `points`, which are finite or not) into #corners - 2 triangles, as positions in `corners`. Quads
 /// are cut so that the two halves do not fold over, at the shorter diagonal where both do; larger polygons by ears in their plane.

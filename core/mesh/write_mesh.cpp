@@ -10,6 +10,7 @@
 #include <string>
 
 #include "core/base/atomic_file.h"
+#include "core/base/finite.h"
 
 namespace imomushi {
 namespace {
@@ -62,7 +63,7 @@ std::string ply(const Points& vertices, const Triangles& triangles) {
 }  // namespace
 
 Result<void> writeMesh(const std::filesystem::path& path, const Points& vertices, const Triangles& triangles) {
-    if (!std::all_of(vertices.data(), vertices.data() + vertices.size(), [](double x) { return std::isfinite(x); }))
+    if (!allFinite(vertices))
         return fail("bad-value", "A vertex has a coordinate that is not finite, so '" + path.string() + "' was not written.");
     if (triangles.rows() > 0 && (triangles.minCoeff() < 0 || triangles.maxCoeff() >= vertices.rows()))
         return fail("bad-index", "A triangle refers to a vertex that does not exist, so '" + path.string() + "' was not written.");
