@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "core/io/message.h"
+#include "core/io/reader_support.h"
 #include "core/mesh/write_mesh.h"
 #include "tests/io/raw_scene.h"
 #include "tests/support/shapes.h"
