@@ -8,6 +8,7 @@
 #include <random>
 
 #include "core/skeleton/bone_tree.h"
+#include "core/skeleton/inverse_kinematics.h"
 #include "tests/dynamics/skeletons.h"
 #include "tests/support/allocations.h"
 
@@ -73,8 +74,8 @@ TEST_CASE("bone dynamics: a swinging bone has the frequency and damping that wer
                 CAPTURE(damping);
                 CAPTURE(angle);
                 BoneSpring spring;
-                spring.swingHertz = hertz;
-                spring.swingDamping = damping;
+                spring.bendHertz = hertz;
+                spring.bendDamping = damping;
                 spring.stretchHertz = 1000.0;  // it keeps its length
                 spring.stretchDamping = 1.0;
                 auto dynamics = make(s, spring);
@@ -101,9 +102,9 @@ TEST_CASE("bone dynamics: a bone swings at its frequency with all that hangs on 
     for (const bool fromEnd : {false, true}) {
         auto input = inputOf(s);
         BoneSpring stiff, soft;
-        stiff.stretchHertz = stiff.swingHertz = 300.0, stiff.stretchDamping = stiff.swingDamping = 1.0;
+        stiff.stretchHertz = stiff.bendHertz = 300.0, stiff.stretchDamping = stiff.bendDamping = 1.0;
         soft = stiff;
-        soft.swingHertz = 1.0, soft.swingDamping = 0.05;
+        soft.bendHertz = 1.0, soft.bendDamping = 0.05;
         input.settings.springs.assign(4, stiff);
         input.settings.springs[fromEnd ? 2 : 0] = soft;
         for (std::size_t i = 0; i < input.mass.size(); ++i) input.mass[i] = 1.0 + static_cast<double>(i * i);
@@ -212,8 +213,8 @@ Pose curled(const Skeleton& s, double time) {
 TEST_CASE("bone dynamics: a chain dragged along a path moves alike at 30, 60, 144 and uneven frames per second") {
     const Skeleton s = boneChain(5);
     BoneSpring spring;
-    spring.swingHertz = 1.5;
-    spring.swingDamping = 0.15;
+    spring.bendHertz = 1.5;
+    spring.bendDamping = 0.15;
     const std::vector<Hold> holds = {{0, Vec3::Zero()}};
     std::vector<std::vector<Pose>> seen;
     std::mt19937 random(3);
@@ -255,7 +256,7 @@ TEST_CASE("bone dynamics: a chain dragged along a path moves alike at 30, 60, 14
 TEST_CASE("bone dynamics: strong dampers take a bone along at once: after a start of its hold it lags by speed / (2 ratio omega)") {
     const Skeleton s = boneChain(1);
     BoneSpring spring;
-    spring.swingHertz = 0.5, spring.swingDamping = 10.0;
+    spring.bendHertz = 0.5, spring.bendDamping = 10.0;
     auto dynamics = make(s, spring);
     const std::vector<Hold> holds = {{0, Vec3::Zero()}};
     Pose pose = restPose(s);
@@ -273,8 +274,8 @@ TEST_CASE("bone dynamics: strong dampers take a bone along at once: after a star
 TEST_CASE("bone dynamics: bones that are stiff to the eye follow the kinematic pose") {
     const Skeleton s = boneChain(5);
     BoneSpring rigid;
-    rigid.stretchHertz = rigid.swingHertz = rigid.rollHertz = BoneSpring::kMostHertz;
-    rigid.stretchDamping = rigid.swingDamping = rigid.rollDamping = 1.0;
+    rigid.stretchHertz = rigid.bendHertz = rigid.rollHertz = BoneSpring::kMostHertz;
+    rigid.stretchDamping = rigid.bendDamping = rigid.rollDamping = 1.0;
     auto dynamics = make(s, rigid);
     dynamics.reset(curled(s, 0.0));
     const std::vector<Hold> holds = {{0, Vec3::Zero()}};
@@ -335,7 +336,7 @@ TEST_CASE("bone dynamics: energy never grows while nothing outside moves, whatev
 TEST_CASE("bone dynamics: what swings without damping keeps its energy") {
     const Skeleton s = boneChain(3);
     BoneSpring spring;
-    spring.stretchHertz = 4.0, spring.stretchDamping = 0.0, spring.swingHertz = 1.5, spring.swingDamping = 0.0;
+    spring.stretchHertz = 4.0, spring.stretchDamping = 0.0, spring.bendHertz = 1.5, spring.bendDamping = 0.0;
     auto dynamics = make(s, spring);
     const std::vector<Hold> holds = {{0, Vec3::Zero()}};
     Pose bent = restPose(s);
@@ -385,7 +386,7 @@ TEST_CASE("bone dynamics: a body that nothing holds keeps its momentum, a straig
 TEST_CASE("bone dynamics: gravity bends what is held by as much as its springs say, and what is free falls as a stone does") {
     const Skeleton s = boneChain(1);
     BoneSpring spring;
-    spring.swingHertz = 2.0, spring.swingDamping = 1.0, spring.stretchHertz = 100.0;
+    spring.bendHertz = 2.0, spring.bendDamping = 1.0, spring.stretchHertz = 100.0;
     auto input = inputOf(s, spring);
     input.settings.gravity = Vec3(0, -9.81, 0);
     auto dynamics = BoneDynamics::build(input).value();
@@ -624,7 +625,7 @@ TEST_CASE("bone dynamics: input that contradicts itself is refused with a reason
     CHECK(code(input) == "bad-value");
     for (const double hertz : {0.0, -1.0, 1001.0, std::numeric_limits<double>::quiet_NaN()}) {
         input = good;
-        input.settings.springs[0].swingHertz = hertz;
+        input.settings.springs[0].bendHertz = hertz;
         CHECK(code(input) == "bad-value");
     }
     input = good;
