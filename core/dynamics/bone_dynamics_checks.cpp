@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include "core/base/union_find.h"
 #include "core/dynamics/bone_dynamics_state.h"
 
 namespace imomushi {
@@ -52,19 +53,14 @@ Result<void> checkInput(const BoneDynamics::Input& input) {
         if (!within(m, 1e-60, 1e60)) return fail("bad-value", "A joint point has no mass: give every one a mass above zero.");
     for (const auto& p : input.skeleton.points)
         if (!allFinite(p) || p.cwiseAbs().maxCoeff() > 1e30) return fail("bad-value", "A joint point has no place: give every one finite coordinates.");
-    std::vector<int> leader(points);
-    for (int i = 0; i < points; ++i) leader[i] = i;
-    const auto find = [&leader](int i) {
-        while (leader[i] != i) i = leader[i] = leader[leader[i]];
-        return i;
-    };
+    UnionFind trees(input.skeleton.points.size());
     for (const auto& b : input.skeleton.bones) {
         if (b.start < 0 || b.end < 0 || b.start >= points || b.end >= points)
             return fail("bad-place", "A bone ends at a joint point that is not there: connect it to one that is.");
         if (!within(b.length, 1e-30, 1e30) || (input.skeleton.points[b.start] - input.skeleton.points[b.end]).norm() == 0.0)
             return fail("bad-value", "A bone has no length: move its ends apart.");
-        if (find(b.start) == find(b.end)) return fail("bone-loop", "The bones close a loop: bones form trees, so leave one bone of the loop out.");
-        leader[find(b.start)] = find(b.end);
+        if (trees.find(b.start) == trees.find(b.end)) return fail("bone-loop", "The bones close a loop: bones form trees, so leave one bone of the loop out.");
+        trees.unite(b.start, b.end);
     }
     return checkSettings(input.settings, input.skeleton.bones.size(), input.skeleton.points.size());
 }

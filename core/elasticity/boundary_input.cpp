@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "core/elasticity/finite.h"
+#include "core/base/finite.h"
 #include "core/mesh/topology.h"
 
 namespace imomushi {
@@ -20,7 +20,7 @@ Result<void> checkMesh(const TriangleMesh& mesh) {
     if (count < 4 || mesh.triangles.rows() < 4)
         return fail("not-closed", "The mesh has too few triangles to enclose a body; import a closed surface.");
     if (count > kMaxVertices) return fail("no-memory", "The mesh has too many vertices to be solved directly; reduce it first.");
-    if (!finite(mesh.vertices))
+    if (!allFinite(mesh.vertices))
         return fail("bad-value", "The mesh has a vertex that is not a finite point; repair the mesh.");
     if (mesh.triangles.minCoeff() < 0 || mesh.triangles.maxCoeff() >= count)
         return fail("bad-value", "A triangle of the mesh names a vertex that does not exist; repair the mesh.");

@@ -15,10 +15,10 @@
 #include <string>
 #include <thread>
 
+#include "core/base/finite.h"
 #include "core/base/parallel.h"
 #include "core/elasticity/boundary_input.h"
 #include "core/elasticity/dense_lu.h"
-#include "core/elasticity/finite.h"
 #include "core/elasticity/hierarchical_solver.h"
 #include "core/elasticity/kernels.h"
 #include "core/elasticity/machine_rates.h"
@@ -265,8 +265,8 @@ Result<void> BoundaryProblem::State::buildHierarchical(const Progress& progress)
 Result<BoundaryProblem::Solution> BoundaryProblem::solve(const Eigen::MatrixXd& held, const Loads& loads, const Progress& progress) {
     State& s = *state_;
     if (held.rows() != 3 * s.equation->heldCount()) return fail("bad-value", "The displacements do not match the held vertices.");
-    if (!finite(held)) return fail("bad-value", "A prescribed displacement is not finite.");
-    if (loads.tractions && (loads.tractions->rows() != s.equation->vertices() || !finite(*loads.tractions)))
+    if (!allFinite(held)) return fail("bad-value", "A prescribed displacement is not finite.");
+    if (loads.tractions && (loads.tractions->rows() != s.equation->vertices() || !allFinite(*loads.tractions)))
         return fail("bad-value", "The tractions do not match the vertices, or are not finite.");
     const auto start = Clock::now();
     auto x = s.hierarchical ? s.solveHierarchical(held, loads, progress) : s.solveDense(held, loads, progress);
@@ -329,7 +329,7 @@ Result<Eigen::MatrixXd> BoundaryProblem::State::solveDense(const Eigen::MatrixXd
         Eigen::VectorXd norm = residual.colwise().norm();
         for (std::int32_t c = 0; c < k; ++c) step.col(c) = (residual.col(c) / (norm[c] > 0.0 ? norm[c] : 1.0)).cast<float>();
         if (!lu.solve(step.data(), k, true, threads, progress)) return cancelled();
-        if (!finite(step)) break;
+        if (!allFinite(step)) break;
         Eigen::MatrixXd next = x + step.cast<double>() * norm.asDiagonal();
         Eigen::MatrixXd nextResidual = right;
         if (!subtractProduct(matrix.data(), ld, n, n, next.data(), k, nextResidual.data(), false, threads, progress)) return cancelled();

@@ -7,7 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/elasticity/finite.h"
+#include "core/base/finite.h"
+
 
 namespace imomushi {
 
@@ -26,7 +27,7 @@ LowRank fullyPivotedCross(std::vector<double>& a, std::int32_t m, std::int32_t n
     LowRank out;
     const std::int32_t worthwhile = m * n / (m + n);  // above, the dense block is smaller
     const double negligible = kCrossShare * tolerance;
-    if (!finite(a)) {
+    if (!allFinite(a)) {
         out.outcome = LowRank::Outcome::notFinite;
         return out;
     }
@@ -62,7 +63,7 @@ LowRank partiallyPivotedCross(const BlockSource& source, std::span<const std::in
     // The residual in the three rows of node i into `row`: row[3 j + a], 3 x n3 by columns.
     const auto takeRow = [&](std::int32_t i) {
         columns->rows(rowNodes.subspan(static_cast<std::size_t>(i), 1), row.data());
-        if (!finite(row)) return false;
+        if (!allFinite(row)) return false;
         if (rank > 0)
             cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, 3, n3, rank, -1.0, u.data() + 3 * i, m3, v.data(), n3, 1.0, row.data(), 3);
         return true;
@@ -109,7 +110,7 @@ LowRank partiallyPivotedCross(const BlockSource& source, std::span<const std::in
                 // A cross through rows below the tolerance would add rounding only.
                 if (best < 0 || std::sqrt(squared(row) * m) <= negligible) break;
                 source.columns(columnNodes.subspan(static_cast<std::size_t>(best), 1))->rows(rowNodes, column.data());
-                if (!finite(column)) {
+                if (!allFinite(column)) {
                     out.outcome = LowRank::Outcome::notFinite;
                     return out;
                 }

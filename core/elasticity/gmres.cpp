@@ -7,8 +7,8 @@
 #include <cmath>
 #include <vector>
 
+#include "core/base/finite.h"
 #include "core/base/parallel.h"
-#include "core/elasticity/finite.h"
 
 namespace imomushi {
 
@@ -145,7 +145,7 @@ bool gmres(const HierarchicalMatrix& matrix, const HodlrFactorisation& precondit
                 cblas_saxpy(n, static_cast<float>(s.g[static_cast<std::size_t>(i)]), column(basis[static_cast<std::size_t>(i)].data(), c), 1, to, 1);
         });
         if (progress.cancelled() || !preconditioner.solve(z.data(), k, threads, progress)) return false;
-        if (!finite(z)) break;
+        if (!allFinite(z)) break;
         Eigen::MatrixXd next = x;
         for (std::int32_t c = 0; c < k; ++c) next.col(c) += Eigen::Map<const Eigen::VectorXf>(column(z.data(), c), n).cast<double>() * small[static_cast<std::size_t>(c)].beta;
         Eigen::Map<Eigen::MatrixXf>(z.data(), n, k) = next.cast<float>();

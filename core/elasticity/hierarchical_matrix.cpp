@@ -13,10 +13,10 @@
 #include <string>
 #include <thread>
 
+#include "core/base/finite.h"
 #include "core/base/parallel.h"
 #include "core/elasticity/cross_approximation.h"
 #include "core/elasticity/dense_lu.h"
-#include "core/elasticity/finite.h"
 
 namespace imomushi {
 namespace {
@@ -119,7 +119,7 @@ Outcome buildBlock(const BlockSource& source, const ClusterTree& tree, const Sha
     const auto prepared = source.columns(columns);
     if (progress.cancelled()) return Outcome::cancelled;
     prepared->rows(rows, dense.data());
-    if (!finite(dense)) return Outcome::notFinite;
+    if (!allFinite(dense)) return Outcome::notFinite;
     block.rank = -1;
     block.u = rounded(dense);
     return Outcome::done;
@@ -139,7 +139,7 @@ double typicalRow(const BlockSource& source) {
         std::array<double, 9> block;
         const std::int32_t node[1] = {i};
         source.columns(node)->rows(node, block.data());
-        if (!finite(block)) continue;
+        if (!allFinite(block.data(), block.size())) continue;
         for (const double entry : block) sum += entry * entry;
     }
     return std::sqrt(sum / std::max(count, 1));

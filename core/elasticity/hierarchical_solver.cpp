@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "core/base/finite.h"
 #include "core/base/parallel.h"
-#include "core/elasticity/finite.h"
 #include "core/elasticity/dense_lu.h"
 #include "core/elasticity/gmres.h"
 #include "core/elasticity/hodlr_factorisation.h"
@@ -158,7 +158,7 @@ Result<void> HierarchicalSolver::solve(Eigen::MatrixXd& x, double goal, const Pr
     State& s = *state_;
     const std::int32_t n = s.matrix.size();
     if (x.rows() != n) return fail("bad-value", "The right-hand sides do not match the equations.");
-    if (!finite(x)) return fail("bad-value", "A right-hand side is not finite.");
+    if (!allFinite(x)) return fail("bad-value", "A right-hand side is not finite.");
     const auto start = Clock::now();
     const std::vector<std::int32_t>& order = s.matrix.tree().order();
     const auto k = static_cast<std::int32_t>(x.cols());

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <type_traits>
 
+#include "core/base/finite.h"
 #include "core/base/parallel.h"
-#include "core/elasticity/finite.h"
 
 namespace imomushi {
 
@@ -141,7 +141,7 @@ bool HodlrFactorisation::compress(const HierarchicalMatrix& matrix, int depth, i
             if (progress.cancelled()) return;
             std::vector<double> a(gram.begin() + static_cast<std::ptrdiff_t>(c * square), gram.begin() + static_cast<std::ptrdiff_t>((c + 1) * square));
             std::vector<double> lambda(static_cast<std::size_t>(k));
-            if (!finite(a) || LAPACKE_dsyevd(LAPACK_COL_MAJOR, 'V', 'U', k, a.data(), k, lambda.data()) != 0) {
+            if (!allFinite(a) || LAPACKE_dsyevd(LAPACK_COL_MAJOR, 'V', 'U', k, a.data(), k, lambda.data()) != 0) {
                 failed[c] = 1;
                 return;
             }

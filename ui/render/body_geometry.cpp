@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <map>
-#include <numeric>
+#include <span>
+
+#include "core/base/union_find.h"
+#include "core/mesh/vertex_corners.h"
 
 namespace imomushi::render {
 
@@ -24,15 +27,11 @@ Eigen::Vector3f unit(const Eigen::Vector3f& v) {
 }
 
 /// Splits the corners (triangle * 3 + corner) around one body vertex into groups; writes a group number per corner.
-void groupCorners(const std::vector<int>& corners, const ElementMesh& mesh, bool look, const std::vector<Eigen::Vector3f>& unitFacet,
+void groupCorners(std::span<const std::int32_t> corners, const ElementMesh& mesh, bool look, const std::vector<Eigen::Vector3f>& unitFacet,
                   std::vector<int>& group) {
     const int n = static_cast<int>(corners.size());
     group.resize(n);
-    std::iota(group.begin(), group.end(), 0);
-    const auto root = [&](int i) {
-        while (group[i] != i) i = group[i] = group[group[i]];
-        return i;
-    };
+    UnionFind sets(corners.size());
     const Triangles& t = mesh.body.triangles;
     for (int i = 0; i < n; ++i)
         for (int j = 0; j < i; ++j) {
@@ -48,9 +47,9 @@ void groupCorners(const std::vector<int>& corners, const ElementMesh& mesh, bool
                 const int nj = t(fj, (corners[j] % 3 + 1) % 3), pj = t(fj, (corners[j] % 3 + 2) % 3);
                 same = ni == pj || pi == nj;
             }
-            if (same) group[root(i)] = root(j);
+            if (same) sets.unite(i, j);
         }
-    for (int i = 0; i < n; ++i) group[i] = root(i);
+    for (int i = 0; i < n; ++i) group[i] = sets.find(i);
 }
 
 }  // namespace
@@ -68,9 +67,10 @@ BodyGeometry::BodyGeometry(const ElementMesh& mesh, const std::vector<std::int32
     const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> rest = mesh.body.vertices.cast<float>();
     for (int f = 0; f < faces; ++f) unitFacet[f] = unit(facetNormal(rest.data(), triangles_, f));
 
-    std::vector<std::vector<int>> around(vertices), coveredAround(vertices);
-    for (int f = 0; f < faces; ++f)
-        for (int c = 0; c < 3; ++c) (isCovered[f] ? coveredAround : around)[triangles_(f, c)].push_back(3 * f + c);
+    std::vector<char> isSeen(faces);
+    for (int f = 0; f < faces; ++f) isSeen[f] = !isCovered[f];
+    const std::span<const std::int32_t> corners(triangles_.data(), std::size_t(triangles_.size()));
+    const VertexCorners seenCorners(corners, std::size_t(vertices), isSeen), coveredCorners(corners, std::size_t(vertices), isCovered);
 
     // Groups, and display vertices: one for each pair of look vertex and group.
     corner_.assign(3 * std::size_t(faces), 0);
@@ -79,17 +79,18 @@ BodyGeometry::BodyGeometry(const ElementMesh& mesh, const std::vector<std::int32
     std::vector<int> group;
     std::map<std::pair<int, int>, std::uint32_t> known;
     for (int v = 0; v < vertices; ++v) {
-        groupCorners(around[v], mesh, lookNormals, unitFacet, group);
+        const auto around = seenCorners.at(v), coveredAround = coveredCorners.at(v);
+        groupCorners(around, mesh, lookNormals, unitFacet, group);
         known.clear();
         std::map<int, int> number;  // root -> group, -1: whole
         int partial = 0;
-        for (std::size_t i = 0; i < around[v].size(); ++i) {
+        for (std::size_t i = 0; i < around.size(); ++i) {
             const auto [at, added] = number.try_emplace(group[i], -1);
             if (!added) continue;
-            const bool whole = coveredAround[v].empty() && std::count(group.begin(), group.end(), group[i]) == static_cast<long>(group.size());
+            const bool whole = coveredAround.empty() && std::count(group.begin(), group.end(), group[i]) == static_cast<long>(group.size());
             if (whole) continue;
-            for (std::size_t k = 0; k < around[v].size(); ++k)
-                if (group[k] == group[i]) groupTriangles_.push_back(around[v][k] / 3);
+            for (std::size_t k = 0; k < around.size(); ++k)
+                if (group[k] == group[i]) groupTriangles_.push_back(around[k] / 3);
             at->second = static_cast<int>(groupStart_.size()) - 1;
             groupStart_.push_back(static_cast<int>(groupTriangles_.size()));
             seamGroup_[v] = at->second;
@@ -106,8 +107,8 @@ BodyGeometry::BodyGeometry(const ElementMesh& mesh, const std::vector<std::int32
             }
             corner_[corner] = at->second;
         };
-        for (std::size_t i = 0; i < around[v].size(); ++i) place(around[v][i], number[group[i]]);
-        for (const int corner : coveredAround[v]) place(corner, -1);
+        for (std::size_t i = 0; i < around.size(); ++i) place(around[i], number[group[i]]);
+        for (const int corner : coveredAround) place(corner, -1);
     }
     usedTriangles_ = groupTriangles_;
     std::sort(usedTriangles_.begin(), usedTriangles_.end());
