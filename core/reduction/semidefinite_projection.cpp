@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/reduction/negative_part.h"
+#include "core/reduction/semidefinite_projection.h"
 
 #include <cblas.h>
 #include <lapacke.h>
@@ -17,7 +17,7 @@ extern "C" void dlatrd_(const char* uplo, const lapack_int* n, const lapack_int*
 
 namespace imomushi {
 
-Result<Spectrum> removeNegativePart(Eigen::MatrixXd& symmetric, const Progress& progress) {
+Result<Spectrum> projectToSemidefinite(Eigen::MatrixXd& symmetric, const Progress& progress) {
     useSingleThreadedBlas();
     const auto cancelled = [] { return fail(kCancelled, "The precompute was cancelled."); };
     const auto notFinite = [] { return fail("singular", "The stiffness of the joints is not finite; choose larger joint faces."); };
@@ -25,7 +25,7 @@ Result<Spectrum> removeNegativePart(Eigen::MatrixXd& symmetric, const Progress& 
     if (n == 0) return Spectrum{};
     if (!allFinite(symmetric)) return notFinite();
 
-    // Tridiagonal form, as dsytrd does it (Dongarra, Hammarling and Sorensen 1989), a panel at a time.
+    // Tridiagonal form as LAPACK's dsytrd (Dongarra, Hammarling and Sorensen, J. Comput. Appl. Math. 27 (1989) 215), one panel per look at `progress`.
     constexpr lapack_int kPanel = 24;
     Eigen::MatrixXd reduced = symmetric;
     std::vector<double> diagonal(static_cast<std::size_t>(n)), beside(static_cast<std::size_t>(n)), tau(static_cast<std::size_t>(n));
@@ -51,7 +51,7 @@ Result<Spectrum> removeNegativePart(Eigen::MatrixXd& symmetric, const Progress& 
     const Spectrum out{values.front(), values.back()};
     const auto negative = static_cast<lapack_int>(std::lower_bound(values.begin(), values.end(), 0.0) - values.begin());
 
-    // The vectors of the negative ones, some at a time, and what they carry.
+    // Subtracts sum lambda v v^T over the negative eigenvalues, some at a time.
     constexpr lapack_int kBatch = 32;
     const FloatingPointGuard guard;
     for (lapack_int from = 0; from < negative; from += kBatch) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Large boundary equations in hierarchical form: seconds per stage, peak memory, residuals, and how far the estimate was off.
-//   bench_large [vertices] [cylinder|bar|plate] [tolerance] [goal] [Poisson ratio] [threads]
+//   bench_hierarchical_solver [vertices] [cylinder|bar|plate] [tolerance] [goal] [Poisson ratio] [threads]
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -10,7 +10,7 @@
 #include <string>
 
 #include "core/elasticity/boundary_equation.h"
-#include "core/elasticity/hierarchical_lu.h"
+#include "core/elasticity/hierarchical_solver.h"
 #include "tests/support/shapes.h"
 
 using namespace imomushi;
@@ -53,7 +53,7 @@ int main(int argc, char** argv) {
     std::setvbuf(stdout, nullptr, _IOLBF, 0);
     const double wanted = argc > 1 ? std::atof(argv[1]) : 2000;
     const std::string shape = argc > 2 ? argv[2] : "cylinder";
-    HierarchicalLu::Options options;
+    HierarchicalSolver::Options options;
     options.tolerance = argc > 3 ? std::atof(argv[3]) : options.tolerance;
     const double goal = argc > 4 ? std::atof(argv[4]) : 1e-5;
     const double nu = argc > 5 ? std::atof(argv[5]) : 0.45;
@@ -86,17 +86,17 @@ int main(int argc, char** argv) {
     std::printf("%s, %d vertices, nu %g, tolerance %g, %d threads\n", shape.c_str(), source->nodes(), nu, options.tolerance, options.threads);
     std::printf("right-hand sides         %.2f s\n", seconds(start));
     start = Clock::now();
-    const auto estimate = HierarchicalLu::estimate(*source, options, static_cast<std::int32_t>(x.cols()), goal, {});
+    const auto estimate = HierarchicalSolver::estimate(*source, options, static_cast<std::int32_t>(x.cols()), goal, {});
     if (!estimate) return std::puts(estimate.error().message.c_str()), 1;
     const double estimating = seconds(start), before = peakMegabytes();
     start = Clock::now();
     const double spent = processSeconds();
-    auto lu = HierarchicalLu::build(source, options, {});
-    if (!lu) return std::puts(lu.error().message.c_str()), 1;
-    const HierarchicalLu::Quality& q = lu->quality();
+    auto solver = HierarchicalSolver::build(source, options, {});
+    if (!solver) return std::puts(solver.error().message.c_str()), 1;
+    const HierarchicalSolver::Quality& q = solver->quality();
     std::printf("assembly                 %.2f s, %.0f MB, %.1f %% of dense\n", q.assembleSeconds, static_cast<double>(q.matrixBytes) / 1e6, 100.0 * q.compression);
     std::printf("factorisation            %.2f s, %.0f MB\n", q.factoriseSeconds, static_cast<double>(q.factorBytes) / 1e6);
-    const auto solved = lu->solve(x, goal, {});
+    const auto solved = solver->solve(x, goal, {});
     const double total = seconds(start), computed = (processSeconds() - spent) / options.threads;
     std::printf("solution                 %.2f s, %d steps for %d columns, %d times corrected, true residual %.1e\n", q.solveSeconds, q.iterations,
                 static_cast<int>(x.cols()), q.corrections, q.residual);

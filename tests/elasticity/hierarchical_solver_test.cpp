@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/elasticity/hierarchical_lu.h"
+#include "core/elasticity/hierarchical_solver.h"
 
 #include <doctest/doctest.h>
 #include <lapacke.h>
@@ -145,7 +145,7 @@ private:
     double diagonal_, coupling_;
 };
 
-std::size_t needed(const HierarchicalLu::Quality& q) { return q.matrixBytes + q.factorBytes + q.solveBytes; }
+std::size_t needed(const HierarchicalSolver::Quality& q) { return q.matrixBytes + q.factorBytes + q.solveBytes; }
 
 }  // namespace
 
@@ -153,34 +153,34 @@ TEST_CASE("hierarchical solution: the true residual is what was asked for, and t
     for (const auto& source : {sourceOf(cube(9), 0.3), sourceOf(plate(16), 0.4999), sourceOf(cube(5), 0.45, true)}) {
         const Eigen::MatrixXd a = denseMatrix(*source), inverted = inverse(a), b = source->someRightHandSides(5);
         const Eigen::MatrixXd exact = inverted * b;
-        auto lu = HierarchicalLu::build(source, {.tolerance = 1e-5, .threads = 2}, {});
-        REQUIRE(lu);
+        auto solver = HierarchicalSolver::build(source, {.tolerance = 1e-5, .threads = 2}, {});
+        REQUIRE(solver);
         for (const double goal : {1e-4, 1e-9}) {
             CAPTURE(goal);
             Eigen::MatrixXd x = b;
-            REQUIRE(lu->solve(x, goal, {}));
+            REQUIRE(solver->solve(x, goal, {}));
             const Eigen::MatrixXd residual = a * x - b;
             for (Eigen::Index c = 0; c < b.cols(); ++c) {
                 // Sums of 3 N terms in another order differ by rounding.
                 CHECK(residual.col(c).norm() <= goal * b.col(c).norm() + 1e-13 * a.norm() * x.col(c).norm());
                 CHECK((x - exact).col(c).norm() <= inverted.norm() * goal * b.col(c).norm());
             }
-            CHECK(lu->quality().residual <= goal);
+            CHECK(solver->quality().residual <= goal);
         }
     }
 }
 
 TEST_CASE("hierarchical solution: a right-hand side of zeros has the solution zero, among others too") {
     const auto source = sourceOf(cube(7), 0.3);
-    auto lu = HierarchicalLu::build(source, {}, {});
-    REQUIRE(lu);
+    auto solver = HierarchicalSolver::build(source, {}, {});
+    REQUIRE(solver);
     Eigen::MatrixXd x = source->someRightHandSides(3);
     x.col(1).setZero();
-    REQUIRE(lu->solve(x, 1e-6, {}));
+    REQUIRE(solver->solve(x, 1e-6, {}));
     CHECK(x.col(1).isZero(0.0));
     CHECK(!x.col(0).isZero(0.0));
     x.setZero();
-    REQUIRE(lu->solve(x, 1e-6, {}));
+    REQUIRE(solver->solve(x, 1e-6, {}));
     CHECK(x.isZero(0.0));
 }
 
@@ -237,10 +237,10 @@ TEST_CASE("hierarchical solution: the same bytes for any number of threads") {
     const Eigen::MatrixXd b = source->someRightHandSides(4);
     Eigen::MatrixXd first;
     for (const int threads : {1, 2, 5}) {
-        auto lu = HierarchicalLu::build(source, {.threads = threads}, {});
-        REQUIRE(lu);
+        auto solver = HierarchicalSolver::build(source, {.threads = threads}, {});
+        REQUIRE(solver);
         Eigen::MatrixXd x = b;
-        REQUIRE(lu->solve(x, 1e-7, {}));
+        REQUIRE(solver->solve(x, 1e-7, {}));
         if (threads == 1) first = x;
         CHECK(std::memcmp(x.data(), first.data(), sizeof(double) * static_cast<std::size_t>(x.size())) == 0);
     }
@@ -265,12 +265,12 @@ TEST_CASE("hierarchical solution: cancelling is noticed within one step of one b
                 }
             },
             stop.get_token());
-        auto lu = HierarchicalLu::build(source, {.threads = kThreads}, progress);
-        std::string code = lu ? "" : lu.error().code;
-        if (lu) {
+        auto solver = HierarchicalSolver::build(source, {.threads = kThreads}, progress);
+        std::string code = solver ? "" : solver.error().code;
+        if (solver) {
             Eigen::MatrixXd x = source->someRightHandSides(2);
             const Eigen::MatrixXd before = x;
-            const auto solved = lu->solve(x, 1e-6, progress);
+            const auto solved = solver->solve(x, 1e-6, progress);
             code = solved ? "" : solved.error().code;
             CHECK(x == before);
         }
@@ -283,28 +283,28 @@ TEST_CASE("hierarchical solution: cancelling is noticed within one step of one b
 
 TEST_CASE("hierarchical solution: what does not fit into the memory allowed is refused with the reason") {
     const auto source = sourceOf(cube(11), 0.3);
-    const auto hopeless = HierarchicalLu::build(source, {.memoryLimit = 1'000'000}, {});
+    const auto hopeless = HierarchicalSolver::build(source, {.memoryLimit = 1'000'000}, {});
     REQUIRE(!hopeless);
     CHECK(hopeless.error().code == "no-memory");
     CHECK(source->asked() == 0);
 
-    const auto enough = HierarchicalLu::build(source, {.threads = 2}, {});
+    const auto enough = HierarchicalSolver::build(source, {.threads = 2}, {});
     REQUIRE(enough);
-    const auto tight = HierarchicalLu::build(source, {.threads = 2, .memoryLimit = enough->quality().matrixBytes}, {});
+    const auto tight = HierarchicalSolver::build(source, {.threads = 2, .memoryLimit = enough->quality().matrixBytes}, {});
     REQUIRE(!tight);
     CHECK(tight.error().code == "no-memory");
 }
 
 TEST_CASE("hierarchical solution: the estimate of memory comes before and is right within a factor of 1.5") {
     for (const auto& source : {sourceOf(cube(13), 0.45), sourceOf(plate(22), 0.45)}) {
-        const auto estimate = HierarchicalLu::estimate(*source, {.threads = 2}, 2, 1e-4, {});
+        const auto estimate = HierarchicalSolver::estimate(*source, {.threads = 2}, 2, 1e-4, {});
         REQUIRE(estimate);
         CHECK(estimate->seconds > 0.0);
-        auto lu = HierarchicalLu::build(source, {.threads = 2}, {});
-        REQUIRE(lu);
+        auto solver = HierarchicalSolver::build(source, {.threads = 2}, {});
+        REQUIRE(solver);
         Eigen::MatrixXd x = source->someRightHandSides(2);
-        REQUIRE(lu->solve(x, 1e-4, {}));
-        const double ratio = static_cast<double>(estimate->bytes) / static_cast<double>(needed(lu->quality()));
+        REQUIRE(solver->solve(x, 1e-4, {}));
+        const double ratio = static_cast<double>(estimate->bytes) / static_cast<double>(needed(solver->quality()));
         CHECK(ratio > 1.0 / 1.5);
         CHECK(ratio < 1.5);
     }
@@ -314,27 +314,27 @@ TEST_CASE("hierarchical solution: few nodes, and nodes in one place, are no spec
     for (const std::int32_t count : {1, 2, 47, 49, 300}) {
         CAPTURE(count);
         const auto source = std::make_shared<LineSource>(count, 1.0, 0.05);
-        auto lu = HierarchicalLu::build(source, {}, {});
-        REQUIRE(lu);
+        auto solver = HierarchicalSolver::build(source, {}, {});
+        REQUIRE(solver);
         Eigen::MatrixXd b = Eigen::MatrixXd::Ones(3 * count, 1), x = b;
-        REQUIRE(lu->solve(x, 1e-10, {}));
+        REQUIRE(solver->solve(x, 1e-10, {}));
         CHECK((denseMatrix(*source) * x - b).norm() <= 2e-10 * b.norm());
     }
 }
 
 TEST_CASE("hierarchical solution: a singular matrix, and numbers that are none, are refused") {
-    const auto singular = HierarchicalLu::build(std::make_shared<LineSource>(300, 0.0, 0.0), {}, {});
+    const auto singular = HierarchicalSolver::build(std::make_shared<LineSource>(300, 0.0, 0.0), {}, {});
     REQUIRE(!singular);
     CHECK(singular.error().code == "singular");
 
-    const auto broken = HierarchicalLu::build(std::make_shared<LineSource>(300, 1.0, std::numeric_limits<double>::quiet_NaN()), {}, {});
+    const auto broken = HierarchicalSolver::build(std::make_shared<LineSource>(300, 1.0, std::numeric_limits<double>::quiet_NaN()), {}, {});
     REQUIRE(!broken);
     CHECK(broken.error().code == "bad-value");
 
-    auto lu = HierarchicalLu::build(std::make_shared<LineSource>(10, 1.0, 0.01), {}, {});
-    REQUIRE(lu);
+    auto solver = HierarchicalSolver::build(std::make_shared<LineSource>(10, 1.0, 0.01), {}, {});
+    REQUIRE(solver);
     Eigen::MatrixXd x = Eigen::MatrixXd::Constant(30, 1, std::numeric_limits<double>::infinity());
-    CHECK(lu->solve(x, 1e-6, {}).error().code == "bad-value");
+    CHECK(solver->solve(x, 1e-6, {}).error().code == "bad-value");
     x = Eigen::MatrixXd::Ones(29, 1);
-    CHECK(lu->solve(x, 1e-6, {}).error().code == "bad-value");
+    CHECK(solver->solve(x, 1e-6, {}).error().code == "bad-value");
 }
