@@ -9,7 +9,7 @@ exec >&2
 
 build_packages=(
     # tools
-    g++ cmake ninja-build pkg-config
+    g++ cmake ninja-build pkg-config ccache mold
     # studio
     qt6-base-dev qt6-tools-dev qt6-tools-dev-tools qt6-l10n-tools libqt6opengl6-dev 'qt6-svg-dev|libqt6svg6-dev'
     libgl-dev libegl-dev libepoxy-dev libpng-dev libturbojpeg0-dev

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# The studio: Qt 6.4 (Debian 12). models and tools know no widgets; widgets may use everything below them.
+# The studio: Qt 6.4 (Debian 12). models, jobs and tools know no widgets; widgets know no document; panels and dialogs know neither each other nor the window.
 find_package(Qt6 6.4 REQUIRED COMPONENTS Widgets OpenGLWidgets Svg LinguistTools)
 set(CMAKE_AUTOMOC ON)
 
@@ -13,8 +13,13 @@ target_compile_definitions(imomushi_models PRIVATE IMOMUSHI_SOURCE_DIR="${PROJEC
 imomushi_library(imomushi_jobs ui/jobs imomushi_models)
 imomushi_library(imomushi_tools ui/tools imomushi_models imomushi_scene)
 imomushi_library(imomushi_viewport ui/viewport imomushi_tools Qt6::OpenGLWidgets)
-imomushi_library(imomushi_panels ui/panels imomushi_viewport imomushi_jobs Qt6::Svg)
-imomushi_library(imomushi_studio ui imomushi_panels)
+imomushi_library(imomushi_widgets ui/widgets imomushi_base Qt6::Widgets Qt6::Svg)
+imomushi_library(imomushi_panels ui/panels imomushi_widgets imomushi_models)
+imomushi_library(imomushi_inspector ui/panels/inspector imomushi_widgets imomushi_tools)
+imomushi_library(imomushi_accuracy_panel ui/panels/accuracy imomushi_widgets imomushi_jobs)
+imomushi_library(imomushi_dialogs ui/dialogs imomushi_widgets imomushi_jobs)
+imomushi_library(imomushi_window ui/window imomushi_panels imomushi_inspector imomushi_accuracy_panel imomushi_dialogs imomushi_viewport)
+imomushi_library(imomushi_studio ui imomushi_window)
 
 # Icons and translations are part of the program: nothing has to be found at run time.
 file(GLOB icons CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/assets/icons/*.svg)

@@ -8,9 +8,9 @@
 
 #include "core/document/command.h"
 #include "core/document/version.h"
-#include "ui/panels/appearance.h"
-#include "ui/panels/file_flow.h"
-#include "ui/panels/main_window.h"
+#include "ui/widgets/appearance.h"
+#include "ui/window/file_flow.h"
+#include "ui/window/main_window.h"
 
 // A static library's resources must be asked for from outside any namespace.
 static void loadResources() { Q_INIT_RESOURCE(studio); }

@@ -1275,6 +1275,14 @@
         </message>
     </context>
     <context>
+        <name>imomushi::BackgroundJob</name>
+        <message>
+            <source>%1 · %2 left</source>
+            <comment>stage, time</comment>
+            <translation>%1 · 残り %2</translation>
+        </message>
+    </context>
+    <context>
         <name>imomushi::CommandSearch</name>
         <message>
             <source>Search commands</source>
@@ -2018,11 +2026,6 @@
         <message>
             <source>Cancel</source>
             <translation>キャンセル</translation>
-        </message>
-        <message>
-            <source>%1 · %2 left</source>
-            <comment>stage, time</comment>
-            <translation>%1 · 残り %2</translation>
         </message>
     </context>
     <context>

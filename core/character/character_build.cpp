@@ -45,7 +45,7 @@ Character::State::State(CharacterInput given)
         if (e.warped) bytes += e.warped->warp.cost().bytes;
     }
     bent.reserve(elements.size());
-    if (threads > 1 && bytes >= kBytesWorthThreads) crew = std::make_unique<FrameCrew>(threads);
+    if (threads > 1 && bytes >= kBytesWorthThreads) pool = ThreadPool::shared(threads);
     update(pose, 0.0);
 }
 

@@ -8,11 +8,11 @@
 #include <span>
 #include <vector>
 
+#include "core/base/thread_pool.h"
 #include "core/character/aligned_buffer.h"
 #include "core/character/character.h"
 #include "core/character/explicit_joints.h"
 #include "core/character/felt_acceleration.h"
-#include "core/character/frame_crew.h"
 #include "core/character/joint_equilibrium.h"
 #include "core/character/joint_jiggle.h"
 #include "core/character/normal_stencils.h"
@@ -200,8 +200,8 @@ struct Character::State {
     void assign(const Pose& p);
     template <class Part, class Body>
     void share(std::size_t bytes, const std::vector<Part>& pieces, const Body& body) {
-        if (crew && bytes >= kBytesWorthThreads)
-            crew->run(pieces.size(), [&](std::size_t i) { body(pieces[i]); });
+        if (pool && bytes >= kBytesWorthThreads)
+            pool->run(pieces.size(), [&](std::size_t i) { body(pieces[i]); });
         else
             for (const auto& p : pieces) body(p);
     }
@@ -278,7 +278,7 @@ struct Character::State {
     std::vector<SeamNormal> seams;
     std::vector<Piece> productPieces, normalPieces;
     std::vector<std::size_t> bent;  // elements that are bent in this frame
-    std::unique_ptr<FrameCrew> crew;
+    std::shared_ptr<ThreadPool> pool;               // null: the frames of this character are too small for threads
     std::unique_ptr<JointEquilibrium> equilibrium;  // null: joints are not smooth
     std::unique_ptr<SurfaceRecipe> recipe;          // null: nobody asked for it
     std::vector<char> seamOnly = std::vector<char>(input.elements.size(), 0);

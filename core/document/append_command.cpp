@@ -5,8 +5,8 @@
 
 #include "core/document/command_support.h"
 #include "core/document/names.h"
+#include "core/document/project_file.h"
 #include "core/document/session_state.h"
-#include "core/document/storage.h"
 #include "core/reduction/congruence.h"
 
 namespace imomushi {
@@ -80,7 +80,7 @@ void moveTake(Take& take, const Vec3& offset) {
 }
 
 /// Gives an element of this document its place, and its response with it: one does not depend on where a body stands. `known`: of the element as it stood.
-void moveElement(Session::State& s, PartId id, const Vec3& offset, const Project::Response* known) {
+void moveElement(Session::State& s, PartId id, const Vec3& offset, const StoredResponse* known) {
     const ResponseInput from = s.inputOf(id);
     const auto was = s.keysOf(id);
     exchangePart(s.document.elements, id, [&](Element& element) { element = moved(element, offset); });
@@ -144,7 +144,7 @@ Result<Json> append(Session& session, const Json& arguments, const Progress&) {
         element.name = freeName(here, element.name);
         tell("elements", element.name, there.elements.at(id)->name);
         const auto known = project->responses.find(id);
-        const Project::Response* response = known == project->responses.end() ? nullptr : &known->second;
+        const StoredResponse* response = known == project->responses.end() ? nullptr : &known->second;
         const PartId made = element.id;
         here.elements.emplace(made, std::make_shared<const Element>(std::move(element)));
         if (offset != Vec3::Zero()) {

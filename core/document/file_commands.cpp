@@ -3,8 +3,8 @@
 
 #include "core/document/command_support.h"
 #include "core/document/names.h"
+#include "core/document/project_file.h"
 #include "core/document/session_state.h"
-#include "core/document/storage.h"
 #include "core/io/atomic_file.h"
 
 namespace imomushi {

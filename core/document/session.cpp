@@ -9,8 +9,8 @@
 #include "core/base/parallel.h"
 #include "core/document/command_support.h"
 #include "core/document/names.h"
+#include "core/document/project_file.h"
 #include "core/document/session_state.h"
-#include "core/document/storage.h"
 
 namespace imomushi {
 
@@ -703,7 +703,7 @@ Project Session::project() {
     if (const auto alive = s.live(); alive)  // brings the last responses up to date
         for (const auto& [element, last] : s.lastResponses) {
             if (!s.document.elements.contains(element)) continue;
-            if (auto response = s.responses.find(last.key)) project.responses.emplace(element, Project::Response{last.key, last.shape, std::move(response)});
+            if (auto response = s.responses.find(last.key)) project.responses.emplace(element, StoredResponse{last.key, last.shape, std::move(response)});
         }
     return project;
 }

@@ -3,19 +3,20 @@
 
 #include <sqlite3.h>
 
+#include <memory>
+#include <new>
+
 #include "core/base/hash.h"
 
 namespace imomushi {
 
 namespace {
 
-/// SQLite's own limit of databases in memory is 1 GB; a project may be larger.
-constexpr sqlite3_int64 kLargestDatabase = sqlite3_int64{1} << 40;
-
 void check(sqlite3* handle, int code) {
     if (code != SQLITE_OK && code != SQLITE_DONE && code != SQLITE_ROW) throw DatabaseError(handle ? sqlite3_errmsg(handle) : sqlite3_errstr(code));
 }
 
+/// Databases of SQLite's ":memory:" have no limit of their own: those over 1 GB are saved too.
 sqlite3* openMemory() {
     sqlite3* handle = nullptr;
     const int code = sqlite3_open_v2(":memory:", &handle, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_MEMORY, nullptr);
@@ -35,12 +36,9 @@ sqlite3_stmt* prepare(Database& database, const char* sql) {
 
 }  // namespace
 
-Database::Database() : handle_(openMemory()) {
-    sqlite3_int64 limit = kLargestDatabase;
-    sqlite3_file_control(handle_, "main", SQLITE_FCNTL_SIZE_LIMIT, &limit);
-}
+Database::Database() : handle_(openMemory()) {}
 
-Database::Database(std::vector<char> file) : handle_(openMemory()) {
+Database::Database(std::span<const std::byte> file) : handle_(openMemory()) {
     try {
         auto* copy = static_cast<unsigned char*>(sqlite3_malloc64(file.size() + 1));
         if (!copy) throw std::bad_alloc();
@@ -69,19 +67,12 @@ std::int64_t Database::number(const char* sql) {
     return value;
 }
 
-std::string Database::file() {
+std::vector<std::byte> Database::file() {
     sqlite3_int64 size = 0;
-    unsigned char* bytes = sqlite3_serialize(handle_, "main", &size, 0);
+    const std::unique_ptr<unsigned char, decltype(&sqlite3_free)> bytes(sqlite3_serialize(handle_, "main", &size, 0), sqlite3_free);
     if (!bytes) throw std::bad_alloc();
-    std::string file;
-    try {
-        file.assign(reinterpret_cast<const char*>(bytes), static_cast<std::size_t>(size));
-    } catch (...) {
-        sqlite3_free(bytes);
-        throw;
-    }
-    sqlite3_free(bytes);
-    return file;
+    const auto* first = reinterpret_cast<const std::byte*>(bytes.get());
+    return {first, first + size};
 }
 
 std::string Database::digest(std::span<const char* const> tables) {

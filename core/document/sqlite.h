@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <limits>
@@ -18,23 +19,23 @@ struct sqlite3_stmt;
 
 namespace imomushi {
 
-/// Why a database could not be written or read. Stays inside storage.cpp.
+/// Why a database could not be written or read. Callers of saveProject(), openProject(), packResponse() and unpackResponse() get an Error instead.
 struct DatabaseError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// A database in memory: built row by row and turned into the bytes of a file, or the other way round.
+/// A database in memory: built row by row and turned into the bytes of a file, or the other way round. One value has 10^9 bytes at most (SQLite's default).
 class Database {
 public:
-    Database();                                   ///< empty
-    explicit Database(std::vector<char> file);    ///< the bytes of a file, read only
+    Database();                                          ///< empty
+    explicit Database(std::span<const std::byte> file);  ///< a copy of the bytes of a file, read only
     ~Database();
     Database(const Database&) = delete;
     Database& operator=(const Database&) = delete;
 
     void run(const char* sql);
     [[nodiscard]] std::int64_t number(const char* sql);
-    [[nodiscard]] std::string file();             ///< its bytes
+    [[nodiscard]] std::vector<std::byte> file();  ///< its bytes
     [[nodiscard]] sqlite3* handle() { return handle_; }
     /// Of the types and bytes of all values in `tables`, row by row: 32 hexadecimal digits.
     [[nodiscard]] std::string digest(std::span<const char* const> tables);

@@ -15,9 +15,9 @@
 #include <vector>
 
 #include "core/base/parallel.h"
+#include "core/base/thread_pool.h"
 #include "core/character/aligned_buffer.h"
 #include "core/character/character.h"
-#include "core/character/frame_crew.h"
 #include "core/character/normal_stencils.h"
 #include "core/character/response_blocks.h"
 #include "core/comparison/paper_caterpillar.h"
@@ -399,8 +399,8 @@ void million() {
     const int processors = hardwareThreads();
     const Tube tube(1000, 1000);
     const double vertices = static_cast<double>(tube.all.size());
-    std::vector<int> crews = {1};
-    if (processors > 1) crews.push_back(processors);
+    std::vector<int> counts = {1};
+    if (processors > 1) counts.push_back(processors);
     std::printf("\n%.0f vertices, 12 columns: product and placement against the memory triad (target: 80 %% of it)\n", vertices);
     std::printf("%-10s %8s %12s %10s %10s %14s %12s\n", "format", "threads", "ms", "GB/s", "triad", "of the triad", "error unit");
     constexpr std::size_t kTriad = std::size_t(1) << 25;
@@ -410,18 +410,18 @@ void million() {
         ResponseBlocks blocks(tube.mesh.vertices, tube.all, Vec3::Zero(), tube.response, format);
         AlignedBuffer<float> positions(3 * (tube.all.size() + kVertexBlock));
         blocks.weigh(v);
-        for (const int threads : crews) {
-            FrameCrew crew(threads);
+        for (const int threads : counts) {
+            ThreadPool pool(threads);
             const auto part = [](std::size_t i, std::size_t parts, std::size_t count) { return count * i / parts; };
             constexpr std::size_t kPieces = 512;
             const auto ms = mediansInTurn(12, kSeconds, {[&] {
-                                            crew.run(kPieces, [&](std::size_t i) {
+                                            pool.run(kPieces, [&](std::size_t i) {
                                                 const std::size_t begin = kTriad / kPieces * i;
                                                 reference::triad(a.data() + begin, b.data() + begin, c.data() + begin, 0.5f, kTriad / kPieces);
                                             });
                                         },
                                         [&] {
-                                            crew.run(kPieces, [&](std::size_t i) {
+                                            pool.run(kPieces, [&](std::size_t i) {
                                                 evaluateAndPlace(blocks.view(), blocks.weights(), kTurned, part(i, kPieces, blocks.count()),
                                                                  part(i + 1, kPieces, blocks.count()), nullptr, positions.data());
                                             });
@@ -435,7 +435,7 @@ void million() {
     std::printf("whole frames: positions and normals of a character of one element, bent a little more every frame\n");
     std::printf("%-10s %8s %12s %12s %12s %12s\n", "format", "threads", "product", "normals", "frame", "per second");
     for (const auto format : kFormats)
-        for (const int threads : crews) {
+        for (const int threads : counts) {
             CharacterInput input;
             input.basis = BasisKind::Paper;
             input.format = format;

@@ -8,7 +8,6 @@
 #include <numbers>
 #include <random>
 
-#include "core/character/frame_crew.h"
 #include "core/character/normal_stencils.h"
 #include "core/character/response_blocks.h"
 #include "tests/character/caterpillar.h"
@@ -260,23 +259,6 @@ TEST_CASE("engine: a vertex without triangles and triangles without area have so
     for (Eigen::Index i = 0; i < p.size(); ++i) positions[static_cast<std::size_t>(i)] = static_cast<float>(p.data()[i]);
     findNormals(positions.data(), stencils.data(), 1.0f, 0, 6, normals.data());
     for (int v = 0; v < 6; ++v) CHECK(Eigen::Map<const Eigen::Vector3f>(normals.data() + 3 * v).norm() == doctest::Approx(1.0));
-}
-
-TEST_CASE("engine: a crew does every chunk of every loop once") {
-    FrameCrew crew(4);
-    CHECK(crew.threads() == 4);
-    std::vector<std::atomic<int>> done(97);
-    int bad = 0;
-    for (int loop = 0; loop < 3000; ++loop) {
-        const std::size_t count = static_cast<std::size_t>(loop * 31 % 97);
-        for (auto& d : done) d = 0;
-        const auto before = allocations();
-        crew.run(count, [&](std::size_t i) { ++done[i]; });
-        if (allocations() != before) ++bad;
-        for (std::size_t i = 0; i < done.size(); ++i)
-            if (done[i] != (i < count ? 1 : 0)) ++bad;
-    }
-    CHECK(bad == 0);
 }
 
 TEST_CASE("engine: the number of threads changes no byte, and frames with threads allocate nothing") {

@@ -25,7 +25,7 @@ void sql(const std::filesystem::path& path, const std::string& statement) {
 /// Makes a tampered file look whole: what a hostile writer would do.
 void sign(const std::filesystem::path& path) {
     const std::string bytes = readFile(path);
-    Database db(std::vector<char>(bytes.begin(), bytes.end()));
+    Database db(std::as_bytes(std::span(bytes)));
     sql(path, "UPDATE info SET value='" + db.digest(kProjectTables) + "' WHERE name='digest'");
 }
 

@@ -8,8 +8,8 @@
 #include <fstream>
 #include <string>
 
+#include "core/document/project_file.h"
 #include "core/document/session.h"
-#include "core/document/storage.h"
 #include "tests/support/folder.h"
 #include "tests/support/shapes.h"
 

@@ -19,15 +19,13 @@ if(GMSH_INCLUDE AND GMSH_LIBRARY)
     target_link_libraries(imomushi_finite_elements PRIVATE ${GMSH_LIBRARY})
 endif()
 
-imomushi_test(finite_elements imomushi_finite_elements imomushi_reduction)
+imomushi_test(finite_elements NUMERIC imomushi_finite_elements imomushi_reduction)
 
 # Makes the answers of tests/data/reference: imomushi_reference FOLDER NAME [rim crease bulk growth]
 add_executable(imomushi_reference EXCLUDE_FROM_ALL ${CMAKE_CURRENT_SOURCE_DIR}/finite_elements/maker/main.cpp)
 target_link_libraries(imomushi_reference PRIVATE imomushi_finite_elements nlohmann_json::nlohmann_json)
 target_include_directories(imomushi_reference PRIVATE ${PROJECT_SOURCE_DIR})
 
-if(EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/bench/finite_elements.cpp)
-    imomushi_benchmark(finite_elements imomushi_finite_elements imomushi_reduction)
-    target_sources(bench_finite_elements PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/bench/quadrature_assembly.cpp)
-    target_compile_definitions(bench_finite_elements PRIVATE IMOMUSHI_TEST_DATA="${CMAKE_CURRENT_SOURCE_DIR}/data")
-endif()
+imomushi_benchmark(finite_elements imomushi_finite_elements imomushi_reduction)
+target_sources(bench_finite_elements PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/bench/quadrature_assembly.cpp)
+target_compile_definitions(bench_finite_elements PRIVATE IMOMUSHI_TEST_DATA="${CMAKE_CURRENT_SOURCE_DIR}/data")

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <doctest/doctest.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -11,53 +10,12 @@
 #include <vector>
 
 #include "core/io/write_mesh.h"
-#include "tests/support/folder.h"
+#include "tests/run/program.h"
 #include "tests/support/shapes.h"
 
 using namespace imomushi;
-using Json = nlohmann::ordered_json;
 
 namespace {
-
-const std::filesystem::path& folder() {
-    static const TestFolder folder;
-    return folder.path();
-}
-
-std::filesystem::path writeFile(const std::string& name, const std::string& bytes) {
-    const auto path = folder() / name;
-    std::ofstream(path, std::ios::binary) << bytes;
-    return path;
-}
-
-struct Run {
-    int status = -1;
-    std::string out, err;
-    std::vector<Json> answers;
-};
-
-/// Runs the program in a folder of its own, without display. `arguments` for the shell.
-Run program(const std::string& arguments) {
-    const auto out = folder() / "stdout", err = folder() / "stderr";
-    const std::string command = "cd '" + folder().string() + "' && env -u DISPLAY -u WAYLAND_DISPLAY '" IMOMUSHI_PROGRAM "' " + arguments + " >'" + out.string() +
-                                "' 2>'" + err.string() + "'";
-    const int status = std::system(command.c_str());
-    Run run;
-    run.status = WIFEXITED(status) ? WEXITSTATUS(status) : -2;
-    run.out = readFile(out);
-    run.err = readFile(err);
-    return run;
-}
-
-Run script(const std::string& lines, const std::string& options = "") {
-    const auto path = writeFile("script.jsonl", lines);
-    Run run = program("run " + options + " '" + path.string() + "'");
-    std::istringstream text(run.out);
-    for (std::string line; std::getline(text, line);) run.answers.push_back(Json::parse(line));
-    return run;
-}
-
-std::string codeOf(const Json& answer) { return answer["ok"].get<bool>() ? "ok" : answer["error"]["code"].get<std::string>(); }
 
 /// OBJ files of a chain of bars along z: bar0.obj, bar1.obj, ...
 void writeBars(int count) {
@@ -343,7 +301,6 @@ TEST_CASE("run: the paper's table of a character that is built in") {
 }
 
 TEST_CASE("run: what accuracy costs, as JSON, CSV and plots, within a budget of seconds") {
-    ::setenv("XDG_CACHE_HOME", folder().c_str(), 1);
     writeBars(2);
     const std::string ask = "{\"do\":\"accuracy\",\"path\":\"accuracy.json\",\"svg\":\"plot.svg\",\"csv\":\"accuracy.csv\",\"seconds\":2}\n";
     const Run r = script(wormScript(2) + ask + ask);
@@ -375,7 +332,6 @@ TEST_CASE("run: what accuracy costs, as JSON, CSV and plots, within a budget of 
 }
 
 TEST_CASE("run: a report with all its parts") {
-    ::setenv("XDG_CACHE_HOME", folder().c_str(), 1);
     writeBars(2);
     const Run r = script(wormScript(2) + "{\"do\":\"report\",\"path\":\"report.md\",\"seconds\":1}\n");
     REQUIRE(r.status == 0);

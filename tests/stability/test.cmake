@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # The hard cases of tests/support/hard_cases.h, through the commands an artist uses. Writes stability.md beside the test's program.
-imomushi_test(stability imomushi_document)
+imomushi_test(stability COST 100 imomushi_document)
 target_sources(test_stability PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/support/hard_cases.cpp)
 add_dependencies(test_stability test_import_worker)
 target_compile_definitions(test_stability PRIVATE
     IMOMUSHI_TEST_IMPORT_WORKER="$<TARGET_FILE:test_import_worker>"
     IMOMUSHI_STABILITY_TABLE="${PROJECT_BINARY_DIR}/stability.md")
-set_tests_properties(stability PROPERTIES TIMEOUT 600)
 
 # Leaves every hard case as a scene that the studio opens: imomushi_hard_cases [FOLDER]
 add_executable(imomushi_hard_cases EXCLUDE_FROM_ALL ${CMAKE_CURRENT_SOURCE_DIR}/stability/maker/main.cpp

@@ -7,12 +7,12 @@
 #include "ui/models/effect_texts.h"
 #include "ui/models/recent_files.h"
 #include "ui/models/texts.h"
-#include "ui/panels/appearance.h"
 #include "ui/panels/effects_panel.h"
-#include "ui/panels/inspector_panel.h"
-#include "ui/panels/number_field.h"
-#include "ui/panels/status_strip.h"
-#include "ui/panels/switch.h"
+#include "ui/panels/inspector/inspector_panel.h"
+#include "ui/widgets/appearance.h"
+#include "ui/widgets/number_field.h"
+#include "ui/widgets/switch.h"
+#include "ui/window/status_strip.h"
 
 using namespace imomushi;
 
@@ -21,14 +21,12 @@ namespace {
 /// The caterpillar, with the effects in front, in the drag tool.
 struct Effective : Window {
     explicit Effective(int sample = 0) {
-        window().files().open(samples()[sample].path);
-        settle(400);
+        open(samples()[sample].path);
         window().findChild<QDockWidget*>(QStringLiteral("effectsDock"))->raise();
         trigger("tool-pose");
         view().setFocus();
-        settle(500);
+        settle();
     }
-    ~Effective() { document().session().execute({{"do", "new"}}); }
 
     Switch& button(const char* effect) {
         auto* found = window().effects().findChild<Switch*>(QLatin1String(effect));
@@ -39,7 +37,7 @@ struct Effective : Window {
         Switch& s = button(effect);
         window().effects().ensureWidgetVisible(&s);
         QTest::mouseClick(&s, Qt::LeftButton, {}, s.rect().center());
-        settle(100);
+        settle();
     }
     NumberField* field(const char* property) {
         for (auto* f : window().effects().findChildren<NumberField*>(QLatin1String(property)))
@@ -55,7 +53,7 @@ struct Effective : Window {
         QTest::mousePress(&view(), Qt::LeftButton, {}, from);
         for (int i = 1; i <= 6; ++i) {
             QTest::mouseMove(&view(), from + by * i / 6);
-            settle(20);
+            settle();
         }
         QTest::mouseRelease(&view(), Qt::LeftButton, {}, from + by);
     }
@@ -83,10 +81,10 @@ TEST_CASE("effects: a switch turns one on with its settings and its price, as on
     QTest::mousePress(field, Qt::LeftButton, {}, middle);
     for (int i = 1; i <= 5; ++i) {
         QTest::mouseMove(field, middle + QPoint(6 * i, 0));
-        w.settle(20);
+        w.settle();
     }
     QTest::mouseRelease(field, Qt::LeftButton, {}, middle + QPoint(30, 0));
-    w.settle(100);
+    w.settle();
     CHECK(w.now().effects.number(EffectKind::BoneDynamics, "swing-hertz") > 3.0);
     CHECK(w.document().session().position() == before + 2);
 
@@ -103,43 +101,41 @@ TEST_CASE("effects: a switch turns one on with its settings and its price, as on
 TEST_CASE("effects: with bone dynamics the body goes on by itself after the drag, is drawn where it is, and comes back when it is let go") {
     Effective w;
     w.run({{"do", "enable"}, {"effect", "bone-dynamics"}});
-    w.settle(200);
-    REQUIRE(QTest::qWaitFor([&] { return !w.document().session().moving(); }, 30000));
+    w.settle();
+    waitFor([&] { return !w.document().session().moving(); });
     const EndpointRef end = w.lastEnd();
     const QPointF rest = *w.view().onScreen(end);
     w.drag(end, {30, -110});
     REQUIRE(w.now().held.contains(end));
     CHECK(w.document().session().moving());
     QSignalSpy steps(&w.document(), &StudioDocument::frameStepped);
-    w.settle(400);
-    CHECK(!steps.isEmpty());
+    waitFor([&] { return !steps.isEmpty(); });
     CHECK(w.document().effectMilliseconds(EffectKind::BoneDynamics).has_value());
     w.shoot("effects-moving");
     w.trigger("release");
     const QPointF released = *w.view().onScreen(end);
-    REQUIRE(QTest::qWaitFor([&] { return (*w.view().onScreen(end) - released).manhattanLength() > 20.0; }, 20000));
-    REQUIRE(QTest::qWaitFor([&] { return (*w.view().onScreen(end) - rest).manhattanLength() < 2.0; }, 30000));
+    waitFor([&] { return (*w.view().onScreen(end) - released).manhattanLength() > 20.0; });
+    waitFor([&] { return (*w.view().onScreen(end) - rest).manhattanLength() < 2.0; });
     w.shoot("effects-rest");
     // At rest nothing is computed any more.
-    REQUIRE(QTest::qWaitFor([&] { return !w.document().session().moving(); }, 60000));
-    w.settle(100);
+    waitFor([&] { return !w.document().session().moving(); });
+    w.settle();
     steps.clear();
-    w.settle(300);
-    CHECK(steps.isEmpty());
+    CHECK(stays([&] { return steps.isEmpty(); }));
 }
 
 TEST_CASE("effects: nothing is stepped while the start page hides the view, and it goes on afterwards") {
     Effective w;
     w.run({{"do", "enable"}, {"effect", "bone-dynamics"}});
     w.drag(w.lastEnd(), {0, -90});
+    REQUIRE(w.document().session().moving());
     w.window().showStart(true);
-    w.settle(100);
+    w.settle();
     QSignalSpy steps(&w.document(), &StudioDocument::frameStepped);
-    w.settle(400);
-    CHECK(steps.isEmpty());
+    CHECK(stays([&] { return steps.isEmpty(); }));
+    REQUIRE(w.document().session().moving());
     w.window().showStart(false);
-    w.settle(400);
-    CHECK(!steps.isEmpty());
+    waitFor([&] { return !steps.isEmpty(); });
 }
 
 TEST_CASE("effects: an effect is turned on for one element where that is selected, and the panel says on how many it works") {
@@ -148,7 +144,7 @@ TEST_CASE("effects: an effect is turned on for one element where that is selecte
     const PartId first = w.now().elements.begin()->first;
     w.document().select({{SelectionItem::Kind::Element, first, {}, false}});
     w.window().findChild<QDockWidget*>(QStringLiteral("inspectorDock"))->raise();
-    w.settle(200);
+    w.settle();
     // Found anew each time: what goes out of date has other rows.
     const auto gravity = [&]() -> Switch* {
         for (auto* s : w.window().inspector().widget()->findChildren<Switch*>())
@@ -159,18 +155,18 @@ TEST_CASE("effects: an effect is turned on for one element where that is selecte
     REQUIRE(here);
     w.window().inspector().ensureWidgetVisible(here);
     QTest::mouseClick(here, Qt::LeftButton, {}, here->rect().center());
-    w.settle(200);
+    w.settle();
     CHECK(w.now().effects.has(EffectKind::Gravity, first));
     CHECK(!w.now().effects.has(EffectKind::Gravity, w.now().elements.rbegin()->first));
     REQUIRE(gravity());
     CHECK(gravity()->isChecked());
     w.shoot("effects-here");
     w.window().findChild<QDockWidget*>(QStringLiteral("effectsDock"))->raise();
-    w.settle(600);
-    bool said = false;
-    for (auto* b : w.window().effects().findChildren<QPushButton*>())
-        said = said || (b->isVisible() && b->text() == QStringLiteral("1 of %1 elements").arg(w.now().elements.size()));
-    CHECK(said);
+    waitFor([&] {
+        for (auto* b : w.window().effects().findChildren<QPushButton*>())
+            if (b->isVisible() && b->text() == QStringLiteral("1 of %1 elements").arg(w.now().elements.size())) return true;
+        return false;
+    });
     w.shoot("effects-gravity");
     w.trigger("undo");
     CHECK(!w.now().effects.has(EffectKind::Gravity));
@@ -181,21 +177,21 @@ TEST_CASE("effects: the ground is a plane in the view, and all of it reads in Ja
     w.run({{"do", "enable"}, {"effect", "ground"}});
     w.run({{"do", "enable"}, {"effect", "bone-dynamics"}});
     w.run({{"do", "enable"}, {"effect", "gravity"}});
-    w.settle(1500);
+    w.settle();
     w.shoot("ground");
     Appearance::instance().setTheme(Appearance::Theme::Light);
-    w.settle(200);
+    w.settle();
     w.shoot("ground-light");
     Appearance::instance().setLanguage(QStringLiteral("ja"));
-    w.settle(400);
+    w.settle();
     CHECK(w.button("ground").accessibleName() == QStringLiteral("床"));
     w.shoot("effects-japanese");
     Appearance::instance().setTheme(Appearance::Theme::HighContrast);
-    w.settle(200);
+    w.settle();
     w.shoot("effects-contrast");
     Appearance::instance().setTheme(Appearance::Theme::Dark);
     Appearance::instance().setLanguage(QStringLiteral("en"));
-    w.settle(200);
+    w.settle();
 }
 
 TEST_CASE("effects: every effect and every setting has its words in the studio") {

@@ -7,11 +7,11 @@
 #include <QSettings>
 
 #include "tests/studio/window.h"
+#include "ui/dialogs/export_dialog.h"
 #include "ui/jobs/export_job.h"
 #include "ui/models/recent_files.h"
-#include "ui/panels/appearance.h"
-#include "ui/panels/choice_card.h"
-#include "ui/panels/export_dialog.h"
+#include "ui/widgets/appearance.h"
+#include "ui/widgets/choice_card.h"
 
 using namespace imomushi;
 
@@ -23,8 +23,7 @@ struct Exporting : Window {
 
     explicit Exporting(bool withTake = true) {
         QSettings().remove(QStringLiteral("export"));
-        window().files().open(samples()[0].path);
-        settle(300);
+        Window::open(samples()[0].path);
         if (withTake) {
             run({{"do", "record"}, {"take", "wave"}, {"action", "start"}});
             const auto& [id, bone] = *now().bones.rbegin();
@@ -35,14 +34,18 @@ struct Exporting : Window {
             }
             run({{"do", "record"}, {"take", "wave"}, {"action", "stop"}});
         }
-        open();
+        openDialog();
     }
-    ~Exporting() { document().session().execute({{"do", "new"}}); }
-    void open() {
+    void openDialog() {
         trigger("export");
         dialog = window().findChild<ExportDialog*>();
         REQUIRE(dialog);
         REQUIRE(QTest::qWaitForWindowExposed(dialog));
+    }
+    void leaveDialog() {
+        QTest::keyClick(window().findChild<ExportDialog*>(), Qt::Key_Escape);
+        waitFor([&] { return !window().findChild<ExportDialog*>(); });
+        activate();
     }
     std::optional<Vec3> endpoint(const EndpointRef& end) {
         const int point = document().session().pointIndex(end);
@@ -56,7 +59,7 @@ struct Exporting : Window {
     void write(const QString& to) {
         dialog->setPath(to);
         QTest::mouseClick(&button("exportButton"), Qt::LeftButton);
-        REQUIRE(QTest::qWaitFor([&] { return !dialog->job().running(); }, 120000));
+        waitFor([&] { return !dialog->job().running(); }, 120000);
         settle();
     }
     bool says(const QString& text) {
@@ -112,10 +115,8 @@ TEST_CASE("export: a preset sets the fields, a changed field is a key of its own
     CHECK(w.dialog->command().at("path").get<std::string>().ends_with(".glb"));
     w.write(w.path("rigged.glb"));
     CHECK(w.says(QStringLiteral("Read back")));
-    QTest::keyClick(w.dialog, Qt::Key_Escape);
-    w.settle(200);
-    w.activate();
-    w.open();
+    w.leaveDialog();
+    w.openDialog();
     CHECK(w.dialog->command().at("layout") == "rigged");
     CHECK(w.dialog->command().at("preset") == "unity");
     CHECK(w.dialog->command().at("split") == false);
@@ -152,14 +153,12 @@ TEST_CASE("export: it is cancelled at a click and leaves no file, and the studio
     w.run({{"do", "pin"}, {"endpoint", w.now().bones.begin()->second->name + "/start"}});  // the document is not locked
     QTest::mouseClick(&w.button("closeButton"), Qt::LeftButton);
     CHECK(!w.dialog->job().running());
-    w.settle(100);
+    w.settle();
     CHECK(w.dialog->isVisible());
     CHECK(w.says(QStringLiteral("Cancelled")));
-    w.settle(500);
-    CHECK(!QFileInfo::exists(w.path("never.glb")));
+    CHECK(stays([&] { return !QFileInfo::exists(w.path("never.glb")); }));
     QTest::mouseClick(&w.button("closeButton"), Qt::LeftButton);
-    w.settle(200);
-    CHECK(!w.window().findChild<ExportDialog*>());
+    waitFor([&] { return !w.window().findChild<ExportDialog*>(); });
 }
 
 TEST_CASE("export: a file that cannot be written is said, and nothing else happens") {
@@ -172,12 +171,10 @@ TEST_CASE("export: a file that cannot be written is said, and nothing else happe
 
 TEST_CASE("export: the dialog reads in light colours, in Japanese and at 125 %, and tells what becomes of effects") {
     Exporting w;
-    QTest::keyClick(w.dialog, Qt::Key_Escape);
-    w.settle(200);
-    w.activate();
+    w.leaveDialog();
     w.run({{"do", "enable"}, {"effect", "bone-dynamics"}});
     w.run({{"do", "enable"}, {"effect", "gravity"}});
-    w.open();
+    w.openDialog();
     w.choose("skinned");
     w.shoot("export-effects");
     w.write(w.path("skinned.glb"));
@@ -186,7 +183,7 @@ TEST_CASE("export: the dialog reads in light colours, in Japanese and at 125 %, 
     auto& look = Appearance::instance();
     look.setTheme(Appearance::Theme::Light);
     look.setLanguage(QStringLiteral("ja"));
-    w.settle(300);
+    w.settle();
     w.dialog = w.window().findChild<ExportDialog*>();
     REQUIRE(w.dialog);
     CHECK(w.dialog->windowTitle() == QStringLiteral("書き出し"));
@@ -196,12 +193,10 @@ TEST_CASE("export: the dialog reads in light colours, in Japanese and at 125 %, 
     look.setLanguage(QStringLiteral("en"));
     look.setTheme(Appearance::Theme::Dark);
     look.setScale(1.25);
-    w.settle(300);
-    QTest::keyClick(w.window().findChild<ExportDialog*>(), Qt::Key_Escape);
-    w.settle(200);
-    w.activate();
-    w.open();
+    w.settle();
+    w.leaveDialog();
+    w.openDialog();
     w.shoot("export-125");
     look.setScale(1.0);
-    w.settle(200);
+    w.settle();
 }

@@ -4,8 +4,8 @@
 #include <QLabel>
 
 #include "tests/studio/window.h"
-#include "ui/panels/inspector_panel.h"
-#include "ui/panels/number_field.h"
+#include "ui/panels/inspector/inspector_panel.h"
+#include "ui/widgets/number_field.h"
 
 using namespace imomushi;
 
@@ -39,9 +39,8 @@ void choose(Window& w, const char* label, const QString& text) {
     auto* box = row<QComboBox>(w, label);
     REQUIRE(box);
     QTest::mouseClick(box, Qt::LeftButton);
-    w.settle(200);
     QAbstractItemView* list = box->view();
-    REQUIRE(list->isVisible());
+    waitFor([&] { return list->isVisible(); });
     w.shoot("choices");
     const QModelIndex index = list->model()->index(box->findText(text), 0);
     REQUIRE(index.isValid());
@@ -49,11 +48,14 @@ void choose(Window& w, const char* label, const QString& text) {
     // A click takes what the pointer is over, and the list hears of that by way of the display: only of true moves, and not at once.
     const QPoint at = list->visualRect(index).center();
     QTest::mouseMove(list->viewport(), at + QPoint(5, 0));
-    w.settle(150);  // a list that has just opened takes no click yet
+    w.settle();
     QTest::mouseMove(list->viewport(), at);
-    REQUIRE(QTest::qWaitFor([&] { return list->currentIndex() == index; }));
-    QTest::mouseClick(list->viewport(), Qt::LeftButton, {}, at);
-    w.settle(200);
+    waitFor([&] { return list->currentIndex() == index; });
+    // A list that has just opened takes no click yet: once more where it stays open.
+    waitFor([&] {
+        if (list->isVisible()) QTest::mouseClick(list->viewport(), Qt::LeftButton, {}, at);
+        return !list->isVisible();
+    });
     w.activate();
 }
 
@@ -63,8 +65,8 @@ void precompute(Window& w) {
         if (b->text() == QStringLiteral("Precompute")) button = b;
     REQUIRE(button);
     QTest::mouseClick(button, Qt::LeftButton);
-    REQUIRE(QTest::qWaitFor([&] { return !w.window().precomputeJob().running(); }, 120000));
-    w.settle(200);
+    waitFor([&] { return !w.window().precomputeJob().running(); }, 120000);
+    w.settle();
 }
 
 }  // namespace
@@ -74,7 +76,7 @@ TEST_CASE("inspector: the solver mesh is chosen by clicks, shows its cost and it
     const QString file = QStringLiteral(IMOMUSHI_TEST_DATA "/reference/a_cylinder_coarse.obj");
     const PartId id = cylinder(w, "limb", file, 2.0);
     w.document().select({{SelectionItem::Kind::Element, id, {}, false}});
-    w.settle(200);
+    w.settle();
     const auto mesh = [&] { return solverMeshName(w.now().elements.at(id)->solverMesh); };
     CHECK(fact(w, "State") == QStringLiteral("Not yet"));
     CHECK(fact(w, "Typical error") == QStringLiteral("below 2 %"));
@@ -112,7 +114,6 @@ TEST_CASE("inspector: the solver mesh is chosen by clicks, shows its cost and it
     CHECK(mesh() == "as-is");
     CHECK(fact(w, "State") == QStringLiteral("Up to date"));
     CHECK(row<NumberField>(w, "To vertices") == nullptr);
-    w.run({{"do", "new"}});
 }
 
 TEST_CASE("inspector: dragging a number of a precomputed element is one undo step, though other rows come to be shown") {
@@ -121,7 +122,7 @@ TEST_CASE("inspector: dragging a number of a precomputed element is one undo ste
     w.run({{"do", "set"}, {"target", "limb"}, {"property", "solver-mesh"}, {"value", "as-is"}});
     w.run({{"do", "precompute"}});
     w.document().select({{SelectionItem::Kind::Element, id, {}, false}});
-    w.settle(200);
+    w.settle();
     const double before = w.now().elements.at(id)->nu;
     const int steps = w.document().session().position();
     auto* field = row<NumberField>(w, "Poisson ratio");
@@ -130,10 +131,10 @@ TEST_CASE("inspector: dragging a number of a precomputed element is one undo ste
     QTest::mousePress(field, Qt::LeftButton, {}, from);
     for (int i = 1; i <= 8; ++i) {
         QTest::mouseMove(field, from - QPoint(4 * i, 0));
-        w.settle(20);
+        w.settle();
     }
     QTest::mouseRelease(field, Qt::LeftButton, {}, from - QPoint(32, 0));
-    w.settle(200);
+    w.settle();
     CHECK(w.now().elements.at(id)->nu < before);
     CHECK(w.document().session().position() == steps + 1);
     CHECK(fact(w, "State") == QStringLiteral("Out of date"));
@@ -141,7 +142,6 @@ TEST_CASE("inspector: dragging a number of a precomputed element is one undo ste
     w.trigger("undo");
     CHECK(w.now().elements.at(id)->nu == before);
     CHECK(fact(w, "State") == QStringLiteral("Up to date"));
-    w.run({{"do", "new"}});
 }
 
 TEST_CASE("inspector: large solver meshes have a tolerance, which other choices keep") {
@@ -149,19 +149,18 @@ TEST_CASE("inspector: large solver meshes have a tolerance, which other choices 
     const PartId id = cylinder(w, "limb", QStringLiteral(IMOMUSHI_TEST_DATA "/reference/a_cylinder_coarse.obj"), 2.0);
     const auto mesh = [&] { return solverMeshName(w.now().elements.at(id)->solverMesh); };
     w.document().select({{SelectionItem::Kind::Element, id, {}, false}});
-    w.settle(200);
+    w.settle();
     CHECK_FALSE(row<QComboBox>(w, "Tolerance"));
     w.run({{"do", "set"}, {"target", "limb"}, {"property", "solver-mesh"}, {"value", "refined:9000"}});
-    w.settle(300);
+    w.settle();
     choose(w, "Tolerance", QStringLiteral("0.001"));
     CHECK(mesh() == "refined:9000@0.001");
     choose(w, "Solver mesh", QStringLiteral("Decimated"));
     CHECK(mesh().ends_with("@0.001"));
     choose(w, "Tolerance", QStringLiteral("0.00001"));
     CHECK(w.now().elements.at(id)->solverMesh.tolerance == SolverMeshSetting::kUsualTolerance);
-    w.settle(300);
+    w.settle();
     CHECK_FALSE(row<QComboBox>(w, "Tolerance"));
-    w.run({{"do", "new"}});
 }
 
 TEST_CASE("inspector: of two congruent elements the second says whose precompute it takes over, and several are set together") {
@@ -169,7 +168,7 @@ TEST_CASE("inspector: of two congruent elements the second says whose precompute
     const QString file = QStringLiteral(IMOMUSHI_TEST_DATA "/reference/a_cylinder_coarse.obj");
     const PartId one = cylinder(w, "one", file, 2.0), two = cylinder(w, "two", file, 2.0);
     w.document().select({{SelectionItem::Kind::Element, one, {}, false}, {SelectionItem::Kind::Element, two, {}, false}});
-    w.settle(200);
+    w.settle();
     choose(w, "Solver mesh", QStringLiteral("Decimated"));
     const int steps = w.document().session().position();
     CHECK(w.now().elements.at(one)->solverMesh.kind == SolverMeshSetting::Kind::Decimated);
@@ -180,17 +179,16 @@ TEST_CASE("inspector: of two congruent elements the second says whose precompute
     CHECK(w.now().elements.at(two)->solverMesh == SolverMeshSetting{});
 
     w.document().select({{SelectionItem::Kind::Element, two, {}, false}});
-    w.settle(200);
+    w.settle();
     CHECK(fact(w, "Shared with") == QStringLiteral("one"));
     w.run({{"do", "set"}, {"target", "one"}, {"property", "solver-mesh"}, {"value", "as-is"}});
-    w.settle(200);
+    w.settle();
     CHECK(fact(w, "Shared with").isEmpty());
     w.run({{"do", "set"}, {"target", "two"}, {"property", "solver-mesh"}, {"value", "as-is"}});
-    w.settle(200);
+    w.settle();
     precompute(w);
     CHECK(w.document().session().responseState(one) == Session::ResponseState::Fresh);
     CHECK(fact(w, "State") == QStringLiteral("Up to date"));
     CHECK(fact(w, "Shared with") == QStringLiteral("one"));
     w.shoot("shared");
-    w.run({{"do", "new"}});
 }

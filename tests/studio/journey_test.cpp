@@ -6,7 +6,7 @@
 #include "tests/studio/window.h"
 #include "ui/panels/list_panels.h"
 #include "ui/panels/outliner_panel.h"
-#include "ui/panels/status_strip.h"
+#include "ui/window/status_strip.h"
 
 using namespace imomushi;
 
@@ -49,7 +49,7 @@ TEST_CASE("studio: a mesh becomes a character by clicking, moves by dragging, an
     CHECK(w.document().session().responseState(element) == Session::ResponseState::None);
     w.window().actions()["precompute"]->trigger();  // without settling: so small an element takes less time than that
     CHECK(w.window().precomputeJob().running());
-    REQUIRE(QTest::qWaitFor([&] { return !w.window().precomputeJob().running(); }, 120000));
+    waitFor([&] { return !w.window().precomputeJob().running(); }, 120000);
     REQUIRE(w.document().session().responseState(element) == Session::ResponseState::Fresh);
     w.shoot("precomputed");
 
@@ -61,15 +61,15 @@ TEST_CASE("studio: a mesh becomes a character by clicking, moves by dragging, an
     const EndpointRef end{bone, atEnd};
     const QPoint from = w.view().onScreen(end)->toPoint();
     QTest::mouseMove(&w.view(), from);
-    w.settle(30);
+    w.settle();
     QTest::mousePress(&w.view(), Qt::LeftButton, {}, from);
     for (int i = 1; i <= 12; ++i) {
         QTest::mouseMove(&w.view(), from + QPoint(-4 * i, -10 * i));
-        w.settle(16);
+        w.settle();
     }
     w.shoot("dragging");
     QTest::mouseRelease(&w.view(), Qt::LeftButton, {}, from + QPoint(-48, -120));
-    w.settle(200);
+    w.settle();
     CHECK(w.document().session().position() == before + 1);
     REQUIRE(w.now().held.contains(end));
     // It follows the pointer: where the bone's end is drawn is where the mouse let go.
@@ -115,18 +115,20 @@ TEST_CASE("studio: a precompute that is cancelled answers at once and changes no
     const auto& element = *w.now().elements.begin()->second;
     w.run({{"do", "add-joint-face"}, {"element", element.name}, {"name", "a"}, {"plane", {{"origin", {0, 0, 2}}, {"normal", {0, 0, 1}}}}});
     w.run({{"do", "add-joint-face"}, {"element", element.name}, {"name", "b"}, {"plane", {{"origin", {0, 0, -2}}, {"normal", {0, 0, -1}}}}});
+    // Seconds of work: it cannot be done before it is cancelled.
+    w.run({{"do", "set"}, {"target", element.name}, {"property", "solver-mesh"}, {"value", "best"}});
     w.settle();
     w.trigger("precompute");
-    REQUIRE(w.window().precomputeJob().running());
-    w.settle(300);
-    w.shoot("computing");
+    PrecomputeJob& job = w.window().precomputeJob();
+    waitFor([&] { return !job.stage().isEmpty(); });
+    REQUIRE(job.running());
     bool ended = false;
-    QObject::connect(&w.window().precomputeJob(), &BackgroundJob::finished, [&](bool completed) { ended = !completed; });
-    w.window().precomputeJob().cancel();
+    const auto watch = QObject::connect(&job, &BackgroundJob::finished, [&](bool completed) { ended = !completed; });
+    job.cancel();
+    QObject::disconnect(watch);
     CHECK(ended);
-    CHECK(!w.window().precomputeJob().running());
+    CHECK(!job.running());
     CHECK(w.document().session().responseState(w.now().elements.begin()->first) == Session::ResponseState::None);
-    w.run({{"do", "new"}});
 }
 
 TEST_CASE("studio: in the outliner a bone is hung on another and joint faces are joined by dragging, each as one step") {
@@ -173,7 +175,6 @@ TEST_CASE("studio: in the outliner a bone is hung on another and joint faces are
     w.trigger("undo");
     CHECK(w.now().joints.empty());
     w.shoot("outliner-drag");
-    w.run({{"do", "new"}});
 }
 
 TEST_CASE("studio: elements that are done when a precompute is cancelled are kept") {
@@ -191,15 +192,14 @@ TEST_CASE("studio: elements that are done when a precompute is cancelled are kep
     const int steps = w.document().session().position();
     w.trigger("precompute");
     PrecomputeJob& job = w.window().precomputeJob();
-    REQUIRE(QTest::qWaitFor([&] { return job.element() == QString::fromStdString(w.now().elements.at(slow)->name); }, 60000));
+    waitFor([&] { return job.element() == QString::fromStdString(w.now().elements.at(slow)->name); });
     job.cancel();
     CHECK(job.kept() == 1);
     CHECK(w.document().session().responseState(quick) == Session::ResponseState::Fresh);
     CHECK(w.document().session().responseState(slow) == Session::ResponseState::None);
     CHECK(w.document().session().position() == steps);  // results are no steps
-    w.settle(300);
+    w.settle();
     w.shoot("kept");
-    w.run({{"do", "new"}});
 }
 
 TEST_CASE("studio: selection in the outliner is the selection of the document, and names are edited there") {
@@ -222,7 +222,6 @@ TEST_CASE("studio: selection in the outliner is the selection of the document, a
     CHECK(!w.now().elements.at(id)->visible);
     w.trigger("undo");
     CHECK(w.now().elements.at(id)->visible);
-    w.run({{"do", "new"}});
 }
 
 TEST_CASE("studio: a refused command is told in the window and changes nothing") {
@@ -235,5 +234,4 @@ TEST_CASE("studio: a refused command is told in the window and changes nothing")
     CHECK(!w.window().messages().text().isEmpty());
     CHECK(w.document().session().position() == before);
     w.shoot("refused");
-    w.run({{"do", "new"}});
 }

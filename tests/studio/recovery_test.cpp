@@ -2,11 +2,14 @@
 #include <QDir>
 #include <QFile>
 #include <QListWidget>
+#include <QSettings>
 #include <QStandardPaths>
-#include <QTimer>
+#include <pwd.h>
+#include <unistd.h>
 
 #include "tests/studio/window.h"
-#include "ui/panels/recovery_dialog.h"
+#include "tests/support/own_home.h"
+#include "ui/dialogs/recovery_dialog.h"
 
 using namespace imomushi;
 
@@ -26,21 +29,19 @@ QStringList copies(const QString& folder) { return QDir(folder).entryList({QStri
 void crash(Window& w) {
     QDir().mkpath(recoveryFolder());
     w.window().files().autosave().saveSoon();
-    REQUIRE(QTest::qWaitFor([&] { return !w.window().files().autosave().running(); }, 30000));
+    waitFor([&] { return !w.window().files().autosave().running(); });
     const QStringList files = QDir(recoveryFolder()).entryList(QDir::Files);
     for (const QString& file : files)
         if (!file.endsWith(QStringLiteral(".lock"))) REQUIRE(QFile::copy(QDir(recoveryFolder()).filePath(file), w.folder.filePath(file)));
     const QString from = w.folder.path();
-    w.made.reset();
+    w.end();
     REQUIRE(copies(recoveryFolder()).isEmpty());  // who ends well leaves nothing
     for (const QString& file : QDir(from).entryList(QDir::Files)) REQUIRE(QFile::copy(QDir(from).filePath(file), QDir(recoveryFolder()).filePath(file)));
 }
 
 /// Presses a button of the dialog that the next call opens.
 void answer(const char* text) {
-    QTimer::singleShot(300, [text] {
-        auto* dialog = qobject_cast<RecoveryDialog*>(QApplication::activeModalWidget());
-        REQUIRE(dialog);
+    whenModal<RecoveryDialog>([text](RecoveryDialog* dialog) {
         if (const QByteArray folder = qgetenv("IMOMUSHI_SCREENSHOTS"); !folder.isEmpty()) dialog->grab().save(QString::fromUtf8(folder) + QStringLiteral("/recovery.png"));
         for (auto* button : dialog->findChildren<QPushButton*>())
             if (button->text() == QLatin1String(text)) return QTest::mouseClick(button, Qt::LeftButton);
@@ -49,6 +50,28 @@ void answer(const char* text) {
 }
 
 }  // namespace
+
+TEST_CASE("recovery: tests of the studio keep nothing in the folders of whoever runs them") {
+    CHECK(ownHome().holdsAll());
+    const QString own = QString::fromStdString(ownHome().path().string());
+    using Where = QStandardPaths::StandardLocation;
+    for (const Where where : {QStandardPaths::AppDataLocation, QStandardPaths::AppLocalDataLocation, QStandardPaths::GenericDataLocation, QStandardPaths::CacheLocation,
+                              QStandardPaths::GenericCacheLocation, QStandardPaths::ConfigLocation, QStandardPaths::AppConfigLocation, QStandardPaths::DocumentsLocation, QStandardPaths::HomeLocation})
+        CHECK_MESSAGE(QStandardPaths::writableLocation(where).startsWith(own), QStandardPaths::writableLocation(where).toStdString());
+    CHECK(QSettings().fileName().startsWith(own));
+    CHECK(recoveryFolder().startsWith(own));
+    // Whose home it is in truth, whatever the environment says.
+    const passwd* user = ::getpwuid(::getuid());
+    REQUIRE(user);
+    CHECK(QDir(own) != QDir(QString::fromLocal8Bit(user->pw_dir)));
+    // And that is where a studio writes.
+    Window w;
+    w.run({{"do", "open"}, {"path", caterpillar()}, {"as", ""}});
+    w.run({{"do", "rename"}, {"target", "head"}, {"name", "changed"}});
+    w.window().files().autosave().saveSoon();
+    waitFor([&] { return w.window().files().autosave().kept(); });
+    CHECK(copies(own + QStringLiteral("/data/Imomushi/Imomushi/recovery")).size() == 1);
+}
 
 TEST_CASE("recovery: work that was never saved is offered at the next start, taken up with its history begun anew, and goes once it is saved") {
     QDir(recoveryFolder()).removeRecursively();
@@ -67,7 +90,7 @@ TEST_CASE("recovery: work that was never saved is offered at the next start, tak
     CHECK(w.document().session().path().empty());
     for (const auto& [id, element] : w.now().elements) CHECK(w.document().session().responseState(id) == Session::ResponseState::Fresh);
     // A new copy stands in for the old one before that goes.
-    REQUIRE(QTest::qWaitFor([&] { return !w.window().files().autosave().running(); }, 30000));
+    waitFor([&] { return !w.window().files().autosave().running(); });
     CHECK(copies(recoveryFolder()).size() == 1);
     w.run({{"do", "save"}, {"path", w.folder.filePath(QStringLiteral("kept.imomushi")).toStdString()}});
     CHECK(!w.document().session().modified());
@@ -84,7 +107,7 @@ TEST_CASE("recovery: the copy of a project knows its file, a studio that lives i
         w.run({{"do", "save"}, {"path", own}});
         w.run({{"do", "rename"}, {"target", "head"}, {"name", "changed"}});
         w.window().files().autosave().saveSoon();
-        REQUIRE(QTest::qWaitFor([&] { return !w.window().files().autosave().running(); }, 30000));
+        waitFor([&] { return !w.window().files().autosave().running(); });
         CHECK(copies(recoveryFolder()).size() == 1);
         CHECK(!w.window().files().offerRecovery());
         Autosave other(w.document(), recoveryFolder());

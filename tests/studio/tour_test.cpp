@@ -4,13 +4,14 @@
 #include <QLineEdit>
 #include <QMessageBox>
 #include <QTabWidget>
-#include <QTimer>
+#include <set>
 
 #include "tests/studio/window.h"
+#include "ui/dialogs/preferences_dialog.h"
 #include "ui/models/recent_files.h"
-#include "ui/panels/appearance.h"
-#include "ui/panels/command_search.h"
-#include "ui/panels/preferences_dialog.h"
+#include "ui/panels/list_panels.h"
+#include "ui/widgets/appearance.h"
+#include "ui/window/command_search.h"
 
 using namespace imomushi;
 
@@ -18,8 +19,7 @@ TEST_CASE("studio: samples open in one click and are ready to be dragged") {
     for (const Sample& sample : samples()) {
         CAPTURE(sample.name.toStdString());
         Window w;
-        w.window().files().open(sample.path);
-        w.settle(700);
+        w.open(sample.path);
         CHECK(!w.window().startShown());
         CHECK(!w.now().elements.empty());
         CHECK(!w.now().bones.empty());
@@ -30,7 +30,7 @@ TEST_CASE("studio: samples open in one click and are ready to be dragged") {
         w.shoot(qPrintable(QStringLiteral("sample-") + sample.name));
     }
     Window w;
-    w.settle(200);
+    w.settle();
     w.shoot("start-pictures");
 }
 
@@ -77,7 +77,7 @@ TEST_CASE("studio: a mesh that cannot be used says why, and cannot be imported")
     w.window().files().import({path});
     auto* dialog = w.window().findChild<ImportDialog*>();
     REQUIRE(dialog);
-    REQUIRE(QTest::qWaitFor([&] { return dialog->prepared() != nullptr; }, 20000));
+    waitFor([&] { return dialog->prepared() != nullptr; });
     w.settle();
     CHECK(!dialog->findChild<QPushButton*>(QStringLiteral("importButton"))->isEnabled());
     w.shoot("unusable");
@@ -90,23 +90,45 @@ TEST_CASE("studio: the history lists every step and goes there") {
     Window w;
     w.import(QStringLiteral(IMOMUSHI_TEST_DATA "/reference/a_cylinder_coarse.obj"));
     const std::string name = w.now().elements.begin()->second->name;
+    const int imported = w.document().session().position();
     w.run({{"do", "set"}, {"target", name}, {"property", "nu"}, {"value", 0.3}});
     w.run({{"do", "set"}, {"target", name}, {"property", "color"}, {"value", "#d08050"}});
     w.run({{"do", "rename"}, {"target", name}, {"name", "worm"}});
     w.run({{"do", "undo"}});
     w.window().findChild<QDockWidget*>(QStringLiteral("historyDock"))->raise();
-    w.settle(200);
+    HistoryModel& model = *w.window().history().model();
+    model.refresh();
     w.shoot("history");
-    w.run({{"do", "new"}});
+    REQUIRE(model.rowCount() == imported + 4);  // the beginning, the import, and three steps of which the last is undone
+    CHECK(model.position() == imported + 2);
+    const auto text = [&](int row) { return model.data(model.index(row), Qt::DisplayRole).toString(); };
+    const auto done = [&](int row) { return model.data(model.index(row), HistoryModel::DoneRole).toBool(); };
+    std::set<QString> texts;
+    for (int row = 0; row < model.rowCount(); ++row) {
+        CHECK(!text(row).isEmpty());
+        CHECK(done(row) == (row <= imported + 2));
+        texts.insert(text(row));
+    }
+    CHECK(int(texts.size()) == model.rowCount());  // no two steps read alike
+    CHECK(text(imported + 3).contains(QStringLiteral("worm")));
+    model.goTo(imported + 3);
+    REQUIRE(w.now().elementNamed("worm"));
+    CHECK(model.position() == imported + 3);
+    const auto color = w.now().elementNamed("worm")->color;
+    CHECK(w.now().elementNamed("worm")->nu == 0.3);
+    model.goTo(imported);
+    REQUIRE(w.now().elementNamed(name));
+    CHECK((w.now().elementNamed(name)->color - color).norm() > 0.1);
+    CHECK(w.now().elementNamed(name)->nu != 0.3);
+    model.goTo(0);
+    CHECK(w.now().elements.empty());
 }
 
 TEST_CASE("studio: closing asks about unsaved changes, and cancelling keeps the window") {
     Window w;
     w.import(QStringLiteral(IMOMUSHI_TEST_DATA "/reference/a_cylinder_coarse.obj"));
     const auto answer = [&](const QString& button, const char* picture) {
-        QTimer::singleShot(300, [&w, button, picture] {
-            auto* box = qobject_cast<QMessageBox*>(QApplication::activeModalWidget());
-            REQUIRE(box);
+        whenModal<QMessageBox>([&w, button, picture](QMessageBox* box) {
             if (picture) w.shoot(picture);
             for (QAbstractButton* b : box->buttons())
                 if (b->text() == button) b->click();
@@ -129,11 +151,9 @@ TEST_CASE("studio: dropped meshes are imported one after another, and what is ne
         auto* dialog = w.window().findChild<ImportDialog*>();
         REQUIRE(dialog);
         auto* button = dialog->findChild<QPushButton*>(QStringLiteral("importButton"));
-        REQUIRE(QTest::qWaitFor([&] { return button->isEnabled(); }, 20000));
+        waitFor([&] { return button->isEnabled(); });
         QTest::mouseClick(button, Qt::LeftButton);
-        w.settle(100);
-        CHECK(w.now().elements.size() == std::size_t(i));
+        waitFor([&] { return w.now().elements.size() == std::size_t(i); });
     }
     CHECK(w.now().elements.begin()->second->name != w.now().elements.rbegin()->second->name);
-    w.run({{"do", "new"}});
 }

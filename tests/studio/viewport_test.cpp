@@ -25,7 +25,6 @@ struct Posing : Window {
         end = {now().boneNamed("bone")->id, true};
         view().setFocus();
     }
-    ~Posing() { run({{"do", "new"}}); }
     QPoint at() { return view().onScreen(end)->toPoint(); }
     void beginDrag() {
         const QPoint from = at();
@@ -98,11 +97,11 @@ TEST_CASE("viewport: the middle button orbits, the wheel zooms to the pointer, a
 TEST_CASE("viewport: the axis ball and the number keys show the axis views") {
     Posing w;
     QTest::keyClick(&w.view(), Qt::Key_3);
-    REQUIRE(QTest::qWaitFor([&] { return !w.view().cameraController().moving(); }, 10000));
+    waitFor([&] { return !w.view().cameraController().moving(); });
     CHECK((w.view().cameraController().axes().col(2) - Vec3::UnitX()).norm() < 1e-9);
     // Seen along x, the ball has y at its top.
     QTest::mouseClick(&w.view(), Qt::LeftButton, {}, QPoint(w.view().width() - 56, 22));
-    REQUIRE(QTest::qWaitFor([&] { return !w.view().cameraController().moving(); }, 10000));
+    waitFor([&] { return !w.view().cameraController().moving(); });
     CHECK((w.view().cameraController().axes().col(2) - Vec3::UnitY()).norm() < 1e-9);
     QTest::keyClick(&w.view(), Qt::Key_5);
     CHECK(w.view().orthographic());
@@ -112,13 +111,16 @@ TEST_CASE("viewport: draws while something moves and is still when nothing does"
     Posing w;
     w.beginDrag();
     QTest::mouseRelease(&w.view(), Qt::LeftButton, {}, w.at());
-    w.settle(1500);
+    QSignalSpy steps(&w.document(), &StudioDocument::frameStepped);
+    waitFor([&] {
+        steps.clear();
+        return stays([&] { return steps.isEmpty(); });
+    });
     QSignalSpy frames(&w.view(), &ViewportWidget::frameMeasured);
-    w.settle(500);
-    CHECK(frames.isEmpty());
+    CHECK(stays([&] { return frames.isEmpty(); }));
     w.view().setViewAxis(ViewAxis::Front);
-    w.settle(1500);
-    CHECK(!frames.isEmpty());
+    REQUIRE(w.view().cameraController().moving());
+    waitFor([&] { return !frames.isEmpty(); });
     CHECK(frames.last().at(0).toDouble() > 0.0);
     CHECK(frames.last().at(2).toInt() == int(w.now().elements.begin()->second->mesh->body.vertices.rows()));
 }

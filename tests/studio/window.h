@@ -5,52 +5,191 @@
 
 #include <QApplication>
 #include <QCursor>
+#include <QDialog>
+#include <QLabel>
 #include <QPushButton>
 #include <QScreen>
 #include <QTemporaryDir>
 #include <QTest>
+#include <QTimer>
+#include <QToolButton>
+#include <algorithm>
+#include <cmath>
+#include <functional>
 #include <memory>
+#include <string>
 
-#include "ui/panels/file_flow.h"
-#include "ui/panels/import_dialog.h"
-#include "ui/panels/main_window.h"
-#include "ui/panels/studio_actions.h"
+#include "ui/dialogs/import_dialog.h"
+#include "ui/panels/accuracy/accuracy_panel.h"
 #include "ui/viewport/viewport_widget.h"
+#include "ui/widgets/appearance.h"
+#include "ui/window/file_flow.h"
+#include "ui/window/main_window.h"
+#include "ui/window/studio_actions.h"
 
 namespace imomushi {
 
-/// The window of the studio on the display of the test, with a folder to write into.
-struct Window {
-    CommandRegistry registry;
-    QTemporaryDir folder;
-    std::unique_ptr<MainWindow> made;
+constexpr int kWaitMs = 30000;  ///< for what must happen: many times what it takes on a busy machine
+constexpr int kFrameMs = 40;    ///< two frames of the view, so that one at least was stepped
 
-    explicit Window(QSize size = {1560, 960}) {
-        addCoreCommands(registry);
-        made = std::make_unique<MainWindow>(registry);
-        made->resize(size);
-        made->move(10, 10);
-        // The pointer of the display would move over the view whenever a dialog closes, with no button down.
-        QCursor::setPos(1599, 999);
-        made->show();
-        REQUIRE(QTest::qWaitForWindowExposed(made.get()));
-        activate();
+/// Waits until `condition` holds; the case ends where it never does.
+template <class Condition>
+void waitFor(Condition condition, int ms = kWaitMs) {
+    REQUIRE(QTest::qWaitFor(condition, ms));
+}
+/// Nothing of what would break `condition` happens in the time of many frames.
+template <class Condition>
+bool stays(Condition condition) {
+    return !QTest::qWaitFor([&] { return !condition(); }, 10 * kFrameMs);
+}
+
+/// Acts on the modal dialog that is opened next: by a timer, as the call that opens it returns when it closes.
+template <class Dialog>
+void whenModal(std::function<void(Dialog*)> act) {
+    auto* timer = new QTimer(qApp);
+    QObject::connect(timer, &QTimer::timeout, timer, [timer, act] {
+        auto* dialog = qobject_cast<Dialog*>(QApplication::activeModalWidget());
+        if (!dialog || !dialog->isVisible()) return;
+        timer->deleteLater();
+        timer->stop();
+        act(dialog);
+    });
+    timer->start(kFrameMs);
+}
+
+/// Labels and buttons in `root` that are smaller than their text.
+inline QStringList cutOff(const QWidget& root) {
+    QStringList found;
+    for (const QWidget* widget : root.findChildren<QWidget*>()) {
+        if (!widget->isVisible()) continue;
+        QString text;
+        QSize needed;
+        if (const auto* label = qobject_cast<const QLabel*>(widget)) {
+            text = label->text();
+            needed = label->wordWrap() ? QSize(0, label->heightForWidth(label->width())) : label->sizeHint();
+        } else if (const auto* button = qobject_cast<const QAbstractButton*>(widget)) {
+            text = button->text();
+            needed = button->minimumSizeHint();
+            const auto* tool = qobject_cast<const QToolButton*>(button);
+            if (tool && tool->toolButtonStyle() == Qt::ToolButtonIconOnly) text.clear();
+        }
+        if (!text.isEmpty() && (widget->width() < needed.width() || widget->height() < needed.height())) found << text;
+    }
+    return found;
+}
+/// The same, and those whose text has less contrast than WCAG 2.1 asks for (AA: 4.5 to 1).
+inline QStringList unreadable(const QWidget& root) {
+    QStringList found = cutOff(root);
+    const auto luminance = [](const QColor& c) {
+        const auto linear = [](double x) { return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4); };
+        return 0.2126 * linear(c.redF()) + 0.7152 * linear(c.greenF()) + 0.0722 * linear(c.blueF());
+    };
+    for (const QWidget* widget : root.findChildren<QWidget*>()) {
+        if (!widget->isVisible() || !widget->isEnabled()) continue;
+        const double a = luminance(widget->palette().color(widget->foregroundRole())), b = luminance(widget->palette().color(widget->backgroundRole()));
+        if ((std::max(a, b) + 0.05) / (std::min(a, b) + 0.05) < 4.5) found << QString::fromLatin1(widget->metaObject()->className()) + u' ' + widget->objectName();
+    }
+    return found;
+}
+
+/// The one window that the cases of a file share: made for its first case, and gone when another file begins. After each case it is put back as it was at first.
+class SharedStudio {
+public:
+    static SharedStudio& instance() {
+        static SharedStudio studio;
+        return studio;
+    }
+    MainWindow& open(const std::string& file, QSize size) {
+        if (file != file_) close();
+        file_ = file;
+        if (!made_) {
+            made_ = std::make_unique<MainWindow>(registry_);
+            made_->resize(size);
+            made_->move(10, 10);
+            // The pointer of the display would move over the view whenever a dialog closes, with no button down.
+            QCursor::setPos(1599, 999);
+            made_->show();
+            REQUIRE(QTest::qWaitForWindowExposed(made_.get()));
+            docks_ = made_->saveState();
+        }
+        made_->resize(size);
+        made_->show();
+        return *made_;
+    }
+    void putBack() {
+        if (!made_) return;
+        MainWindow& w = *made_;
+        w.viewport().cancel();
+        for (auto* dialog : w.findChildren<QDialog*>()) dialog->reject();
+        w.precomputeJob().cancel();
+        w.accuracy().job().cancel();
+        w.deck().stopRecording();
+        w.deck().setPlaying(false);
+        w.deck().leave();
+        w.document().session().execute({{"do", "new"}});
+        for (const char* off : {"loop", "count-in", "orthographic", "xray"})
+            if (w.actions()[off]->isChecked()) w.actions()[off]->trigger();
+        for (const char* on : {"bones", "grid"})
+            if (!w.actions()[on]->isChecked()) w.actions()[on]->trigger();
+        w.viewport().setTool(ToolKind::Select);
+        w.viewport().cameraController() = CameraController();
+        w.viewport().cameraController().setViewport(w.viewport().width(), w.viewport().height());
+        w.messages().hide();
+        w.restoreState(docks_);
+        w.showStart(true);
+        Appearance& appearance = Appearance::instance();
+        appearance.setTheme(Appearance::Theme::Dark);
+        appearance.setLanguage(QStringLiteral("en"));
+        appearance.setScale(1.0);
+        QCoreApplication::processEvents();
+    }
+    void close() { made_.reset(); }
+
+private:
+    SharedStudio() { addCoreCommands(registry_); }
+    CommandRegistry registry_;
+    std::string file_;
+    std::unique_ptr<MainWindow> made_;
+    QByteArray docks_;
+};
+
+/// One case with the studio's window on the display of the test, empty at first, and a folder to write into.
+struct Window {
+    QTemporaryDir folder;
+    MainWindow* shared;
+
+    explicit Window(QSize size = {1560, 960}, const char* file = __builtin_FILE()) : shared(&SharedStudio::instance().open(file, size)) { activate(); }
+    ~Window() { SharedStudio::instance().putBack(); }
+    Window(const Window&) = delete;
+    Window& operator=(const Window&) = delete;
+
+    /// Ends the studio in mid-case, as quitting it does; the next Window is a new one.
+    void end() {
+        SharedStudio::instance().close();
+        shared = nullptr;
     }
     /// No window manager gives the focus back when a dialog or a list closes.
     void activate() {
-        made->activateWindow();
-        REQUIRE(QTest::qWaitForWindowActive(made.get()));
+        shared->activateWindow();
+        REQUIRE(QTest::qWaitForWindowActive(shared));
         settle();
     }
 
-    MainWindow& window() { return *made; }
-    StudioDocument& document() { return made->document(); }
-    const Document& now() { return made->document().document(); }
-    ViewportWidget& view() { return made->viewport(); }
-    /// Lets so much time pass, and then what is queued happen: one slow frame must not use up all the time.
-    void settle(int ms = 60) {
-        QTest::qWait(ms);
+    MainWindow& window() { return *shared; }
+    StudioDocument& document() { return shared->document(); }
+    const Document& now() { return shared->document().document(); }
+    ViewportWidget& view() { return shared->viewport(); }
+    /// Lets the display, the queue and one frame of the view have their turn.
+    void settle() {
+        QCursor::pos();  // asks the display: what it had to tell before has arrived then
+        QTest::qWait(kFrameMs);
         for (int round = 0; round < 4; ++round) QCoreApplication::processEvents();
+    }
+    /// Until the camera stands where it is going.
+    void cameraStands() {
+        settle();
+        waitFor([&] { return !view().cameraController().moving(); });
+        settle();
     }
 
     void run(const Json& command) {
@@ -58,22 +197,28 @@ struct Window {
         REQUIRE_MESSAGE(answer.has_value(), (answer ? "" : answer.error().message));
     }
     void trigger(const char* action) {
-        QAction* a = made->actions()[action];
+        QAction* a = shared->actions()[action];
         REQUIRE_MESSAGE(a->isEnabled(), action);
         a->trigger();
         settle();
     }
     /// Imports a mesh through the dialog, as a person does.
     void import(const QString& path) {
-        made->files().import({path});
-        auto* dialog = made->findChild<ImportDialog*>();
+        shared->files().import({path});
+        auto* dialog = shared->findChild<ImportDialog*>();
         REQUIRE(dialog);
         auto* button = dialog->findChild<QPushButton*>(QStringLiteral("importButton"));
-        REQUIRE(QTest::qWaitFor([&] { return button->isEnabled(); }, 20000));
+        waitFor([&] { return button->isEnabled(); });
         shoot("import");
         QTest::mouseClick(button, Qt::LeftButton);
-        settle(400);  // the camera frames what came
+        cameraStands();  // it frames what came
         activate();
+    }
+    /// Opens a project, as the start page does.
+    void open(const QString& path) {
+        shared->files().open(path);
+        waitFor([&] { return !shared->startShown() && view().isVisible(); });
+        cameraStands();
     }
     QPoint onScreen(const Vec3& p) {
         const auto at = view().onScreen(p);
@@ -84,9 +229,9 @@ struct Window {
     }
     void click(QPoint at, Qt::KeyboardModifiers keys = {}) {
         QTest::mouseMove(&view(), at);
-        settle(30);
+        settle();
         QTest::mouseClick(&view(), Qt::LeftButton, keys, at);
-        settle(30);
+        settle();
     }
     void look(const Vec3& from) {
         view().cameraController().setDirection(-from, false);
@@ -97,7 +242,7 @@ struct Window {
     void shoot(const char* name) {
         const QString to = qEnvironmentVariable("IMOMUSHI_SCREENSHOTS");
         if (to.isEmpty()) return;
-        settle(250);
+        settle();
         QGuiApplication::primaryScreen()->grabWindow(0).save(to + u'/' + QLatin1String(name) + QStringLiteral(".png"));
     }
 };

@@ -9,10 +9,10 @@
 
 #include "tests/studio/window.h"
 #include "ui/models/texts.h"
-#include "ui/panels/appearance.h"
-#include "ui/panels/command_search.h"
-#include "ui/panels/number_field.h"
-#include "ui/panels/status_strip.h"
+#include "ui/widgets/appearance.h"
+#include "ui/widgets/number_field.h"
+#include "ui/window/command_search.h"
+#include "ui/window/status_strip.h"
 
 using namespace imomushi;
 
@@ -45,7 +45,6 @@ TEST_CASE("studio: every widget that takes the keyboard has a name for screen re
             CHECK_MESSAGE((named || widget->focusProxy()), std::string(widget->metaObject()->className()), " ", widget->objectName().toStdString());
         }
     }
-    w.run({{"do", "new"}});
 }
 
 TEST_CASE("studio: no two actions share a shortcut, and a changed one is kept") {
@@ -59,8 +58,10 @@ TEST_CASE("studio: no two actions share a shortcut, and a changed one is kept") 
         }
     w.window().actions().setShortcut("precompute", QKeySequence(QStringLiteral("Ctrl+9")));
     {
-        Window other;
-        CHECK(other.window().actions()["precompute"]->shortcut() == QKeySequence(QStringLiteral("Ctrl+9")));
+        CommandRegistry registry;
+        addCoreCommands(registry);
+        MainWindow other(registry);
+        CHECK(other.actions()["precompute"]->shortcut() == QKeySequence(QStringLiteral("Ctrl+9")));
     }
     w.window().actions().resetShortcuts();
     CHECK(w.window().actions()["precompute"]->shortcut() == QKeySequence(QStringLiteral("P")));
@@ -93,7 +94,6 @@ TEST_CASE("studio: language and theme change at run time, everywhere and back") 
     CHECK(w.window().palette().color(QPalette::Window) == dark);
     CHECK(w.window().status().hint() == hint);
     CHECK(w.window().menuBar()->actions().first()->text() == QStringLiteral("&File"));
-    w.run({{"do", "new"}});
 }
 
 TEST_CASE("studio: at 125 % everything grows and nothing is cut off") {
@@ -101,13 +101,14 @@ TEST_CASE("studio: at 125 % everything grows and nothing is cut off") {
     build(w);
     w.document().select({{SelectionItem::Kind::Element, w.now().elements.begin()->first, {}, false}});
     const int before = w.window().findChild<QToolBar*>(QStringLiteral("tools"))->iconSize().width();
+    CHECK(cutOff(w.window()).isEmpty());
     Appearance::instance().setScale(1.25);
     w.settle();
+    CHECK(cutOff(w.window()).isEmpty());
     CHECK(w.window().findChild<QToolBar*>(QStringLiteral("tools"))->iconSize().width() > before);
     w.shoot("125");
     Appearance::instance().setScale(1.0);
     w.settle();
-    w.run({{"do", "new"}});
 }
 
 TEST_CASE("number field: typing, dragging, taking back and resetting") {
@@ -141,8 +142,10 @@ TEST_CASE("number field: typing, dragging, taking back and resetting") {
     CHECK(kept == 1);  // the listener takes the drag back
 
     field.setValue(1.0);
+    field.activateWindow();
+    waitFor([&] { return field.isActiveWindow(); });
     field.setFocus();
-    QTest::qWait(30);
+    REQUIRE(field.hasFocus());
     field.selectAll();
     QTest::keyClicks(&field, QStringLiteral("99"));
     QTest::keyClick(&field, Qt::Key_Return);

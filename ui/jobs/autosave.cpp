@@ -7,7 +7,7 @@
 #include <QUuid>
 #include <filesystem>
 
-#include "core/document/storage.h"
+#include "core/document/project_file.h"
 #include "ui/models/texts.h"
 
 namespace imomushi {

@@ -14,8 +14,8 @@
 
 #include "ui/models/effect_texts.h"
 #include "ui/models/texts.h"
-#include "ui/panels/appearance.h"
-#include "ui/panels/switch.h"
+#include "ui/widgets/appearance.h"
+#include "ui/widgets/switch.h"
 
 namespace imomushi {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "ui/models/gesture.h"
 #include "ui/models/studio_document.h"
-#include "ui/panels/number_field.h"
+#include "ui/widgets/number_field.h"
 
 class QGridLayout;
 class QLabel;

@@ -7,8 +7,8 @@
 #include <QPainter>
 #include <QVBoxLayout>
 
-#include "ui/panels/appearance.h"
-#include "ui/panels/line_delegate.h"
+#include "ui/widgets/appearance.h"
+#include "ui/widgets/line_delegate.h"
 
 namespace imomushi {
 namespace {

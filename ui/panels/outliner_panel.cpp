@@ -10,8 +10,8 @@
 #include <QVBoxLayout>
 #include <functional>
 
-#include "ui/panels/appearance.h"
-#include "ui/panels/line_delegate.h"
+#include "ui/widgets/appearance.h"
+#include "ui/widgets/line_delegate.h"
 
 namespace imomushi {
 

@@ -13,14 +13,14 @@
 #include <QToolButton>
 
 #include "ui/models/texts.h"
-#include "ui/panels/appearance.h"
-#include "ui/panels/line_delegate.h"
-#include "ui/panels/studio_actions.h"
 #include "ui/panels/time_bar.h"
+#include "ui/widgets/action_set.h"
+#include "ui/widgets/appearance.h"
+#include "ui/widgets/line_delegate.h"
 
 namespace imomushi {
 
-TakesPanel::TakesPanel(StudioDocument& document, TakeDeck& deck, StudioActions& actions, QWidget* parent)
+TakesPanel::TakesPanel(StudioDocument& document, TakeDeck& deck, ActionSet& actions, QWidget* parent)
     : QWidget(parent), document_(document), deck_(deck), actions_(actions) {
     setObjectName(QStringLiteral("panel"));
     setAttribute(Qt::WA_StyledBackground);

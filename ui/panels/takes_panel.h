@@ -15,7 +15,7 @@ class QToolButton;
 
 namespace imomushi {
 
-class StudioActions;
+class ActionSet;
 class TimeBar;
 
 /// Records takes, lists them, and plays one along a time bar.
@@ -23,7 +23,7 @@ class TakesPanel : public QWidget {
     Q_OBJECT
 public:
     /// `actions`: "record", "play" and their like do what they say; the panel shows them as buttons.
-    TakesPanel(StudioDocument& document, TakeDeck& deck, StudioActions& actions, QWidget* parent = nullptr);
+    TakesPanel(StudioDocument& document, TakeDeck& deck, ActionSet& actions, QWidget* parent = nullptr);
     [[nodiscard]] QListView* list() const { return list_; }
     [[nodiscard]] TimeBar* bar() const { return bar_; }
     /// Edits the name of the chosen take.
@@ -42,7 +42,7 @@ private:
 
     StudioDocument& document_;
     TakeDeck& deck_;
-    StudioActions& actions_;
+    ActionSet& actions_;
     TakeModel* model_;
     QPushButton* record_;
     QListView* list_;

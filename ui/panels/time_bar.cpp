@@ -12,7 +12,7 @@
 #include <tuple>
 
 #include "ui/models/take_deck.h"
-#include "ui/panels/appearance.h"
+#include "ui/widgets/appearance.h"
 
 namespace imomushi {
 namespace {

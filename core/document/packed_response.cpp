@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/document/packed_response.h"
+
+#include <array>
+#include <string>
+
+#include "core/document/project_rows.h"
+#include "core/document/response_rows.h"
+
+namespace imomushi {
+
+namespace {
+
+/// "IMOR": SQLite's application id of a packed response. Its version changes with the tables.
+constexpr std::int64_t kApplicationId = 0x494d4f52, kPackVersion = 1;
+
+constexpr std::array<const char*, 2> kTables = {"responses", "touch_responses"};
+
+}  // namespace
+
+Result<std::vector<std::byte>> packResponse(const ElementResponse& response) {
+    try {
+        Database db;
+        db.run(("PRAGMA application_id=" + std::to_string(kApplicationId)).c_str());
+        db.run(("PRAGMA user_version=" + std::to_string(kPackVersion)).c_str());
+        db.run("BEGIN");
+        db.run("CREATE TABLE info (digest TEXT)");
+        createResponseTable(db);
+        createTouchTable(db);
+        const StoredResponse one{{}, {}, std::shared_ptr<const ElementResponse>(std::shared_ptr<void>(), &response)};
+        writeResponses(db, {&one, 1});
+        RowWriter(db, "INSERT INTO info VALUES (?)").row(db.digest(kTables));
+        db.run("COMMIT");
+        return db.file();
+    } catch (const DatabaseError& error) {
+        return fail("not-writable", std::string("The response could not be packed (") + error.what() + ").");
+    }
+}
+
+Result<ElementResponse> unpackResponse(std::span<const std::byte> bytes, const TriangleMesh& body, std::span<const JointFace> faces) {
+    try {
+        Database db(bytes);
+        require(db.number("PRAGMA application_id") == kApplicationId && db.number("PRAGMA user_version") == kPackVersion, "it has another format");
+        RowReader info(db, "SELECT digest FROM info");
+        require(info.next() && info.text() == db.digest(kTables), "its content does not match its digest");
+        auto rows = readResponses(db, true);
+        require(rows.size() == 1, "it does not hold one response");
+        ElementResponse response = std::move(*rows.begin()->second.response);
+        require(response.bases.size() == faces.size() && (response.freeVertices.empty() || response.freeVertices.back() < body.vertices.rows()), "it belongs to another element");
+        addWarping(response, body, faces);
+        return response;
+    } catch (const DatabaseError& reason) {
+        return fail("damaged", std::string("A packed response is damaged (") + reason.what() + "): compute it again.");
+    }
+}
+
+}  // namespace imomushi

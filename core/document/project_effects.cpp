@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+
+#include "core/document/project_rows.h"
+#include "core/document/project_tables.h"
+
+namespace imomushi {
+
+namespace {
+
+constexpr const char* kTables = R"(
+CREATE TABLE effects (effect TEXT PRIMARY KEY, enabled INTEGER);
+CREATE TABLE effect_elements (effect TEXT, element INTEGER, PRIMARY KEY (effect, element));
+CREATE TABLE effect_settings (effect TEXT, property TEXT, x REAL, y REAL, z REAL, PRIMARY KEY (effect, property));
+)";
+
+}  // namespace
+
+void createEffectTables(Database& db) { db.run(kTables); }
+
+void writeEffects(Database& db, const Document& document) {
+    RowWriter effects(db, "INSERT INTO effects VALUES (?,?)"), elements(db, "INSERT INTO effect_elements VALUES (?,?)"),
+        settings(db, "INSERT INTO effect_settings VALUES (?,?,?,?,?)");
+    for (std::size_t k = 0; k < kEffects; ++k) {
+        const Effect& effect = document.effects[static_cast<EffectKind>(k)];
+        const std::string name(kEffectNames[k]);
+        effects.row(name, effect.enabled);
+        const double* at = effect.values.data();
+        for (const EffectProperty& p : effectProperties(static_cast<EffectKind>(k))) {
+            settings.row(name, std::string(p.name), at[0], p.size == 3 ? at[1] : 0.0, p.size == 3 ? at[2] : 0.0);
+            at += p.size;
+        }
+        for (const PartId element : effect.elements) elements.row(name, element);
+    }
+}
+
+void readEffects(Database& db, Document& document) {
+    const auto kindOf = [](RowReader& rows) {
+        const auto kind = effectNamed(rows.text());
+        require(kind.has_value(), "an effect is unknown");
+        return *kind;
+    };
+    RowReader effects(db, "SELECT * FROM effects");
+    while (effects.next()) {
+        const EffectKind kind = kindOf(effects);
+        document.effects[kind].enabled = effects.boolean();
+    }
+    RowReader settings(db, "SELECT * FROM effect_settings");
+    while (settings.next()) {
+        const EffectKind kind = kindOf(settings);
+        const std::string name = settings.text();
+        const auto properties = effectProperties(kind);
+        const auto property = std::find_if(properties.begin(), properties.end(), [&](const EffectProperty& p) { return p.name == name; });
+        require(property != properties.end(), "a setting of an effect is unknown");
+        for (int i = 0; i < property->size; ++i)
+            document.effects[kind].values[static_cast<std::size_t>(Effects::place(kind, name) + i)] = settings.real(property->low, property->high);
+    }
+    RowReader elements(db, "SELECT * FROM effect_elements");
+    while (elements.next()) {
+        const EffectKind kind = kindOf(elements);
+        const PartId element = readId(elements);
+        require(isOfElements(kind) && document.elements.contains(element), "an effect is on an element that is not there");
+        document.effects[kind].elements.insert(element);
+    }
+}
+
+}  // namespace imomushi

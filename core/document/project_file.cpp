@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/document/project_file.h"
+
+#include <cstring>
+#include <fstream>
+#include <set>
+
+#include "core/document/project_rows.h"
+#include "core/document/project_tables.h"
+#include "core/document/version.h"
+#include "core/io/atomic_file.h"
+
+namespace imomushi {
+
+namespace {
+
+constexpr const char* kProjectTable = R"(
+CREATE TABLE info (name TEXT PRIMARY KEY, value TEXT NOT NULL);
+CREATE TABLE settings (basis TEXT, format TEXT, threads INTEGER, next_id INTEGER);
+)";
+
+constexpr const char* kUseTable = R"(
+CREATE TABLE element_responses (element INTEGER PRIMARY KEY, response INTEGER);
+)";
+
+/// In this order: the same project gives the same bytes.
+void createTables(Database& db) {
+    db.run(kProjectTable);
+    createElementTables(db);
+    createSkeletonTables(db);
+    createResponseTable(db);
+    db.run(kUseTable);
+    createTouchTable(db);
+    createTakeTables(db);
+    createEffectTables(db);
+}
+
+/// Each response once, though elements share it.
+void writeProjectResponses(Database& db, const Project& project) {
+    std::map<ContentKey, int> ids;
+    std::vector<StoredResponse> once;
+    for (const auto& [element, r] : project.responses)
+        if (ids.emplace(r.key, static_cast<int>(once.size()) + 1).second) once.push_back(r);
+    writeResponses(db, once);
+    RowWriter uses(db, "INSERT INTO element_responses VALUES (?,?)");
+    for (const auto& [element, r] : project.responses) uses.row(element, ids.at(r.key));
+}
+
+void readProjectResponses(Database& db, Project& project, bool withTouch) {
+    auto read = readResponses(db, withTouch);
+    std::set<std::int64_t> warped;  // elements that share a response are the same
+    RowReader uses(db, "SELECT * FROM element_responses ORDER BY element");
+    while (uses.next()) {
+        const PartId element = readId(uses);
+        const auto found = read.find(uses.integer());
+        require(project.document.elements.contains(element) && found != read.end(), "a response belongs to nothing");
+        const ResponseRow& row = found->second;
+        const Element& of = *project.document.elements.at(element);
+        if (warped.insert(found->first).second) addWarping(*row.response, of.mesh->body, of.faces);
+        project.responses.emplace(element, StoredResponse{row.key, row.shape, row.response});
+    }
+}
+
+Project readProject(Database& db, std::int64_t version) {
+    Project project;
+    Document& document = project.document;
+    RowReader settings(db, "SELECT * FROM settings");
+    require(settings.next(), "the settings are missing");
+    const auto basis = parseBasis(settings.text());
+    require(basis.has_value(), "the basis is unknown");
+    document.settings.basis = *basis;
+    const auto format = responseFormat(settings.text());
+    require(format.has_value(), "the format is unknown");
+    document.settings.format = *format;
+    document.settings.threads = static_cast<int>(settings.integer(0, 1024));
+    document.nextId = readId(settings);
+    readElements(db, document);
+    readSkeleton(db, document);
+    if (version >= 3) readProjectResponses(db, project, version >= 4);  // older ones are of older solvers
+    if (version >= 4) readEffects(db, document);
+    if (version >= 5) readTakes(db, document);
+    std::set<PartId> ids;
+    const auto unique = [&](PartId part) { require(part < document.nextId && ids.insert(part).second, "an id is used twice"); };
+    for (const auto& [part, element] : document.elements) unique(part);
+    for (const auto& [part, joint] : document.joints) unique(part);
+    for (const auto& [part, bone] : document.bones) unique(part);
+    for (const auto& [part, take] : document.takes) unique(part);
+    return project;
+}
+
+Result<std::vector<std::byte>> readBytes(const std::filesystem::path& path) {
+    const std::string name = "\"" + path.string() + "\"";
+    std::error_code error;
+    if (!std::filesystem::exists(path, error)) return fail("file-not-found", "There is no file " + name + ": check its path.");
+    if (!std::filesystem::is_regular_file(path, error)) return fail("not-readable", name + " is not a file: choose a .imomushi file.");
+    std::ifstream file(path, std::ios::binary | std::ios::ate);
+    const auto size = file ? static_cast<std::streamoff>(file.tellg()) : -1;
+    if (size < 0) return fail("not-readable", name + " cannot be read: check its permissions.");
+    std::vector<std::byte> bytes(static_cast<std::size_t>(size));
+    file.seekg(0);
+    if (!file.read(reinterpret_cast<char*>(bytes.data()), size)) return fail("not-readable", name + " cannot be read: check its disk.");
+    return bytes;
+}
+
+}  // namespace
+
+Result<void> saveProject(const std::filesystem::path& path, const Project& project) {
+    try {
+        Database db;
+        db.run("PRAGMA page_size=4096");
+        db.run(("PRAGMA application_id=" + std::to_string(kProjectApplicationId)).c_str());
+        db.run(("PRAGMA user_version=" + std::to_string(kProjectVersion)).c_str());
+        db.run("BEGIN");
+        createTables(db);
+        const Document& document = project.document;
+        {
+            RowWriter settings(db, "INSERT INTO settings VALUES (?,?,?,?)");
+            settings.row(basisName(document.settings.basis), formatName(document.settings.format), document.settings.threads, document.nextId);
+        }
+        writeElements(db, document);
+        writeSkeleton(db, document);
+        writeProjectResponses(db, project);
+        writeEffects(db, document);
+        writeTakes(db, document);
+        {
+            const std::string digest = db.digest(projectTables(kProjectVersion));
+            RowWriter info(db, "INSERT INTO info VALUES (?,?)");
+            info.row("program", std::string("imomushi ") + kVersion);
+            info.row("digest", digest);
+        }
+        db.run("COMMIT");
+        const auto file = db.file();
+        return writeFileAtomically(path, {reinterpret_cast<const char*>(file.data()), file.size()});
+    } catch (const DatabaseError& error) {
+        return fail("not-writable", std::string("The project could not be written (") + error.what() + "): nothing was changed on the disk.");
+    }
+}
+
+Result<Project> openProject(const std::filesystem::path& path) {
+    const std::string name = "\"" + path.string() + "\"";
+    auto bytes = readBytes(path);
+    if (!bytes) return tl::unexpected(bytes.error());
+    const auto notAProject = [&] { return fail("not-a-project", name + " is not an Imomushi project: choose a .imomushi file."); };
+    constexpr std::string_view kMagic("SQLite format 3\0", 16);
+    if (bytes->size() < 100 || std::memcmp(bytes->data(), kMagic.data(), kMagic.size()) != 0) return notAProject();
+    try {
+        Database db(*bytes);
+        *bytes = {};  // the database has a copy
+        if (db.number("PRAGMA application_id") != kProjectApplicationId) return notAProject();
+        const std::int64_t version = db.number("PRAGMA user_version");
+        if (version > kProjectVersion)
+            return fail("newer-version", name + " was written by a newer version of Imomushi (format " + std::to_string(version) + ", this program knows " +
+                                             std::to_string(kProjectVersion) + "): update the program.");
+        require(version >= 1, "its version is unknown");
+        RowReader info(db, "SELECT value FROM info WHERE name='digest'");
+        require(info.next() && info.text() == db.digest(projectTables(version)), "its content does not match its digest");
+        return readProject(db, version);
+    } catch (const DatabaseError& reason) {
+        return fail("damaged", name + " is damaged (" + reason.what() + "): open an earlier version of it.");
+    }
+}
+
+}  // namespace imomushi

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <map>
+#include <span>
+
+#include "core/base/result.h"
+#include "core/document/document.h"
+#include "core/document/response_rows.h"
+
+namespace imomushi {
+
+/// What a project file holds: the document and the responses that its elements have.
+struct Project {
+    Document document;
+    std::map<PartId, StoredResponse> responses;  ///< by element; elements without one are left out
+};
+
+/// "IMOM": SQLite's application id of a .imomushi file.
+inline constexpr int kProjectApplicationId = 0x494d4f4d;
+/// Version of the tables. A file of a newer one is refused.
+inline constexpr int kProjectVersion = 5;
+
+/// All tables that hold the project; "info" holds their digest. Effects and touch came with version 4, takes with 5.
+inline constexpr std::array<const char*, 20> kProjectTables = {"settings", "meshes", "materials", "textures",    "elements", "issues",    "faces",
+                                                               "joints",   "joint_faces", "bones",  "held", "pose",  "responses", "element_responses",
+                                                               "effects",  "effect_elements", "effect_settings", "touch_responses",
+                                                               "takes",    "take_targets"};
+[[nodiscard]] inline std::span<const char* const> projectTables(std::int64_t version) {
+    return std::span<const char* const>(kProjectTables).first(version >= 5 ? kProjectTables.size() : version == 4 ? kProjectTables.size() - 2 : kProjectTables.size() - 6);
+}
+
+/// Writes one self-contained SQLite file: beside its place first, on disk, then renamed, so that there is always a whole file. Nothing of an old
+/// file is lost when this fails. Errors: "not-writable", "disk-full".
+Result<void> saveProject(const std::filesystem::path& path, const Project& project);
+
+/// Reads a project without changing its file; trusts nothing in it.
+/// Errors: "file-not-found", "not-readable", "not-a-project", "newer-version", "damaged" with what is wrong.
+Result<Project> openProject(const std::filesystem::path& path);
+
+}  // namespace imomushi

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/base/hash.h"
+#include "core/document/sqlite.h"
+#include "core/reduction/element_response.h"
+
+// Responses as rows of two tables, "responses" and "touch_responses". Everything of a response is kept but the times of its precompute (the same work gives the
+// same bytes) and the warping of its faces, which follows from the mesh. All throw DatabaseError.
+
+namespace imomushi {
+
+/// A response and what it answers.
+struct StoredResponse {
+    ContentKey key, shape;  ///< of all that it depends on; and of mesh, faces and basis alone, for which it fits with another nu too
+    std::shared_ptr<const ElementResponse> response;
+};
+
+/// As read, before addWarping().
+struct ResponseRow {
+    ContentKey key, shape;
+    std::shared_ptr<ElementResponse> response;
+};
+
+void createResponseTable(Database& db);
+void createTouchTable(Database& db);
+/// Their ids are 1, 2, ...
+void writeResponses(Database& db, std::span<const StoredResponse> responses);
+/// By id, checked in themselves: sizes agree, all numbers are finite. `withTouch`: there is a table of touch.
+std::map<std::int64_t, ResponseRow> readResponses(Database& db, bool withTouch);
+/// Whether the bases of `response` have warping columns.
+[[nodiscard]] bool hasWarping(const ElementResponse& response);
+/// Works out the warping of the faces again. `faces`: those of the response, on `body`.
+void addWarping(ElementResponse& response, const TriangleMesh& body, std::span<const JointFace> faces);
+
+}  // namespace imomushi

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <QDialog>
+
+class QComboBox;
+class QLabel;
+class QTableWidget;
+class QTabWidget;
+
+namespace imomushi {
+
+class ActionSet;
+
+/// Look, language, navigation, who deforms, and shortcuts. Everything takes effect at once.
+class PreferencesDialog : public QDialog {
+    Q_OBJECT
+public:
+    explicit PreferencesDialog(ActionSet& actions, QWidget* parent = nullptr);
+
+signals:
+    void navigationChanged(int preset);
+    void deformOnChanged(int where);  ///< of ViewportWidget::DeformOn
+
+protected:
+    void changeEvent(QEvent* event) override;
+
+private:
+    void rebuild();
+    void fillShortcuts();
+    void markConflicts();
+    ActionSet& actions_;
+    QWidget* content_ = nullptr;
+    QTabWidget* tabs_ = nullptr;
+    QTableWidget* table_ = nullptr;
+    QLabel* conflict_ = nullptr;
+};
+
+}  // namespace imomushi

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/dialogs/recovery_dialog.h"
+
+#include <QFileInfo>
+#include <QHBoxLayout>
+#include <QLabel>
+#include <QListWidget>
+#include <QLocale>
+#include <QPushButton>
+#include <QVBoxLayout>
+#include <algorithm>
+
+#include "ui/widgets/appearance.h"
+
+namespace imomushi {
+
+RecoveryDialog::RecoveryDialog(const QList<Autosave::Found>& found, QWidget* parent) : QDialog(parent) {
+    setWindowTitle(tr("Unsaved work"));
+    auto* column = new QVBoxLayout(this);
+    column->setContentsMargins(px(22), px(20), px(22), px(18));
+    column->setSpacing(px(14));
+    auto* text = new QLabel(tr("Imomushi ended before this was saved. Take it up where it was?"), this);
+    text->setWordWrap(true);
+    column->addWidget(text);
+
+    list_ = new QListWidget(this);
+    list_->setAccessibleName(tr("Unsaved work"));
+    const QLocale locale;
+    for (int i = 0; i < found.size(); ++i) {
+        const auto& one = found.at(i);
+        const QString name = one.original.isEmpty() ? tr("New project, never saved") : QFileInfo(one.original).completeBaseName();
+        auto* item = new QListWidgetItem(tr("%1 · %2", "name, date and time").arg(name, locale.toString(one.time, QLocale::ShortFormat)), list_);
+        item->setData(Qt::UserRole, i);
+        item->setToolTip(one.original);
+    }
+    list_->setCurrentRow(0);
+    list_->setSizeAdjustPolicy(QAbstractScrollArea::AdjustToContents);
+    list_->setMinimumSize(px(380), px(std::min(16 + 44 * int(found.size()), 300)));
+    connect(list_, &QListWidget::itemActivated, this, &QDialog::accept);
+    column->addWidget(list_);
+
+    auto* row = new QHBoxLayout;
+    auto* throwAway = new QPushButton(tr("Delete"), this);
+    auto* later = new QPushButton(tr("Not now"), this);
+    auto* recover = new QPushButton(tr("Recover"), this);
+    recover->setDefault(true);
+    for (auto* button : {throwAway, later}) button->setAutoDefault(false);
+    row->addWidget(throwAway);
+    row->addStretch();
+    row->addWidget(later);
+    row->addWidget(recover);
+    column->addLayout(row);
+    connect(recover, &QPushButton::clicked, this, &QDialog::accept);
+    connect(later, &QPushButton::clicked, this, &QDialog::reject);
+    connect(throwAway, &QPushButton::clicked, this, [this, found] {
+        if (!list_->currentItem()) return;
+        Autosave::discard(found.at(chosen()));
+        delete list_->currentItem();
+        if (list_->count() == 0) reject();
+    });
+}
+
+int RecoveryDialog::chosen() const { return list_->currentItem()->data(Qt::UserRole).toInt(); }
+
+}  // namespace imomushi

@@ -1,0 +1,423 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/panels/accuracy/accuracy_panel.h"
+
+#include <QDoubleSpinBox>
+#include <QEvent>
+#include <QHBoxLayout>
+#include <QHeaderView>
+#include <QLabel>
+#include <QLocale>
+#include <QProgressBar>
+#include <QPushButton>
+#include <QScrollArea>
+#include <QSlider>
+#include <QTabBar>
+#include <QTabWidget>
+#include <QTableWidget>
+#include <algorithm>
+#include <cmath>
+
+#include "core/document/accuracy_commands.h"
+#include "ui/models/effect_texts.h"
+#include "ui/models/texts.h"
+#include "ui/panels/accuracy/accuracy_errors.h"
+#include "ui/panels/accuracy/accuracy_plot.h"
+#include "ui/panels/accuracy/accuracy_texts.h"
+#include "ui/widgets/appearance.h"
+
+namespace imomushi {
+namespace {
+
+constexpr int kRecallMs = 400;
+
+/// Sorts by what it stands for rather than by its text.
+class Cell : public QTableWidgetItem {
+public:
+    Cell(const QString& text, double value) : QTableWidgetItem(text), value_(value) {}
+    bool operator<(const QTableWidgetItem& other) const override { return value_ < static_cast<const Cell&>(other).value_; }
+
+private:
+    double value_;
+};
+
+constexpr int kCosts = 3;  // tab
+
+void asList(QTableWidget* table, int columns) {
+    table->setEditTriggers(QAbstractItemView::NoEditTriggers);
+    table->setSelectionBehavior(QAbstractItemView::SelectRows);
+    table->setSelectionMode(QAbstractItemView::SingleSelection);
+    table->verticalHeader()->hide();
+    table->setShowGrid(false);
+    table->setColumnCount(columns);
+}
+
+}  // namespace
+
+AccuracyPanel::AccuracyPanel(StudioDocument& document, FrameCostMeter& meter, QWidget* parent) : QWidget(parent), document_(document), job_(new AccuracyJob(this)) {
+    setObjectName(QStringLiteral("panel"));
+    setAttribute(Qt::WA_StyledBackground);
+    auto* all = new QHBoxLayout(this);
+    all->setContentsMargins(px(14), px(10), px(12), px(10));
+    all->setSpacing(px(14));
+
+    auto* left = new QWidget(this);
+    left->setObjectName(QStringLiteral("panel"));
+    left->setAttribute(Qt::WA_StyledBackground);
+    auto* column = new QVBoxLayout(left);
+    column->setContentsMargins(0, 0, px(10), 0);
+    column->setSpacing(px(6));
+    const auto label = [&](QVBoxLayout* into, const char* role) {
+        auto* l = new QLabel(left);
+        l->setWordWrap(true);
+        if (role) l->setProperty("role", role);
+        into->addWidget(l);
+        return l;
+    };
+    title_ = label(column, "section");
+    state_ = label(column, "muted");
+    auto* line = new QHBoxLayout;
+    measure_ = new QPushButton(left);
+    measure_->setObjectName(QStringLiteral("accuracyMeasure"));
+    progress_ = new QProgressBar(left);
+    progress_->setRange(0, 1000);
+    progress_->setTextVisible(false);
+    line->addWidget(measure_);
+    line->addWidget(progress_, 1);
+    column->addLayout(line);
+    auto* ends = new QHBoxLayout;
+    faster_ = new QLabel(left);
+    truer_ = new QLabel(left);
+    slider_ = new QSlider(Qt::Horizontal, left);
+    slider_->setObjectName(QStringLiteral("accuracySlider"));
+    slider_->setPageStep(1);
+    slider_->setTickPosition(QSlider::TicksBelow);
+    slider_->setTickInterval(1);
+    ends->addWidget(faster_);
+    ends->addWidget(slider_, 1);
+    ends->addWidget(truer_);
+    column->addLayout(ends);
+    chosenText_ = label(column, nullptr);
+    chosenText_->setTextFormat(Qt::RichText);
+    apply_ = new QPushButton(left);
+    apply_->setObjectName(QStringLiteral("accuracyApply"));
+    column->addWidget(apply_);
+    auto* money = new QHBoxLayout;
+    budgetLabel_ = new QLabel(left);
+    budget_ = new QDoubleSpinBox(left);
+    budget_->setObjectName(QStringLiteral("accuracyBudget"));
+    budget_->setRange(0.001, 1000.0);
+    budget_->setDecimals(3);
+    budget_->setValue(1000.0 / 60.0);
+    budget_->setSuffix(QStringLiteral(" ms"));
+    budgetUse_ = new QPushButton(left);
+    money->addWidget(budgetLabel_);
+    money->addWidget(budget_, 1);
+    money->addWidget(budgetUse_);
+    column->addLayout(money);
+    budgetText_ = label(column, "muted");
+    reference_ = label(column, "muted");
+    column->addStretch(1);
+    auto* scroll = new QScrollArea(this);
+    scroll->setWidget(left);
+    scroll->setWidgetResizable(true);
+    scroll->setFrameShape(QFrame::NoFrame);
+    scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+    const auto sized = [this, scroll] {
+        scroll->setFixedWidth(px(276));
+        setMinimumHeight(px(270));
+    };
+    sized();
+    connect(&Appearance::instance(), &Appearance::changed, this, sized);
+    all->addWidget(scroll);
+
+    frame_ = new AccuracyPlot(this);
+    frame_->setObjectName(QStringLiteral("accuracyPerFrame"));
+    precompute_ = new AccuracyPlot(this);
+    precompute_->setObjectName(QStringLiteral("accuracyPrecompute"));
+    all->addWidget(frame_, 5);
+    all->addWidget(precompute_, 5);
+
+    tabs_ = new QTabWidget(this);
+    tabs_->setDocumentMode(true);
+    tabs_->tabBar()->setUsesScrollButtons(true);
+    table_ = new QTableWidget(tabs_);
+    table_->setObjectName(QStringLiteral("accuracyTable"));
+    asList(table_, 7);
+    tabs_->addTab(table_, {});
+    errors_ = new AccuracyErrors(document, tabs_);
+    tabs_->addTab(errors_, {});
+    effects_ = new QTableWidget(tabs_);
+    effects_->setObjectName(QStringLiteral("accuracyEffects"));
+    asList(effects_, 4);
+    tabs_->addTab(effects_, {});
+    auto* costs = new QScrollArea(tabs_);
+    costs->setWidgetResizable(true);
+    costs->setFrameShape(QFrame::NoFrame);
+    costs->setWidget(new CostList(meter, costs));
+    tabs_->addTab(costs, {});
+    all->addWidget(tabs_, 7);
+
+    connect(measure_, &QPushButton::clicked, this, [this] { job_->running() ? job_->cancel() : start(); });
+    connect(apply_, &QPushButton::clicked, this, &AccuracyPanel::apply);
+    connect(slider_, &QSlider::valueChanged, this, [this](int at) {
+        if (at >= 0 && at < int(front_.size())) choose(int(front_[std::size_t(at)]));
+    });
+    connect(budget_, &QDoubleSpinBox::valueChanged, this, [this] { showState(); });
+    connect(budgetUse_, &QPushButton::clicked, this, [this] {
+        if (const int best = study_.best(budget_->value()); best >= 0) choose(best);
+    });
+    for (AccuracyPlot* plot : {frame_, precompute_}) connect(plot, &AccuracyPlot::clicked, this, &AccuracyPanel::choose);
+    connect(table_, &QTableWidget::itemSelectionChanged, this, [this] {
+        const auto rows = table_->selectionModel()->selectedRows();
+        if (!rows.empty()) choose(table_->item(rows.front().row(), 0)->data(Qt::UserRole).toInt());
+    });
+    connect(job_, &AccuracyJob::arrived, this, &AccuracyPanel::show);
+    connect(job_, &BackgroundJob::progressed, this, [this] { progress_->setValue(int(1000.0 * job_->fraction())); showState(); });
+    connect(job_, &BackgroundJob::finished, this, [this] { showState(); });
+    recall_.setSingleShot(true);
+    recall_.setInterval(kRecallMs);
+    connect(&recall_, &QTimer::timeout, this, &AccuracyPanel::recall);
+    const auto changed = [this] {
+        outdated_ = true;
+        errors_->setStudy(study_, true);
+        if (job_->running()) return;
+        if (isVisible()) recall_.start();
+        showState();
+    };
+    connect(&document, &StudioDocument::structureChanged, this, changed);
+    connect(&document, &StudioDocument::fileChanged, this, changed);
+    retranslate();
+}
+
+void AccuracyPanel::changeEvent(QEvent* event) {
+    QWidget::changeEvent(event);
+    if (event->type() == QEvent::LanguageChange) retranslate();
+}
+
+void AccuracyPanel::showEvent(QShowEvent* event) {
+    QWidget::showEvent(event);
+    if (outdated_ && !job_->running()) recall_.start();
+}
+
+void AccuracyPanel::retranslate() {
+    title_->setText(tr("What accuracy costs"));
+    faster_->setText(tr("faster"));
+    truer_->setText(tr("truer"));
+    slider_->setAccessibleName(tr("Faster to truer, along the front"));
+    apply_->setText(tr("Use this setting"));
+    apply_->setToolTip(tr("Sets basis, solver meshes, number format and smooth joints of the character, as one step that can be undone"));
+    budgetLabel_->setText(tr("Budget"));
+    budget_->setAccessibleName(tr("Budget per frame"));
+    budget_->setToolTip(tr("60 frames per second leave 16.7 ms for all that a program does in a frame"));
+    budgetUse_->setText(tr("Choose"));
+    progress_->setAccessibleName(tr("Progress of the measurements"));
+    frame_->setTitles(tr("Error against time per frame"), tr("ms per frame"), tr("error, %"));
+    precompute_->setTitles(tr("Error against precompute"), tr("s of precompute"), tr("error, %"));
+    const std::pair<QString, QString> tabs[] = {{tr("Table"), tr("Measured settings")}, {tr("Body"), tr("Error on the body")}, {tr("Effects"), tr("Price of effects")},
+                                                {tr("Frame"), tr("Cost of a frame")}};
+    for (int i = 0; i < 4; ++i) {
+        tabs_->setTabText(i, tabs[i].first);
+        tabs_->setTabToolTip(i, tabs[i].second);
+    }
+    tabs_->setAccessibleName(title_->text());
+    table_->setAccessibleName(tr("Measured settings"));
+    table_->setHorizontalHeaderLabels({tr("Setting"), tr("Error"), tr("Largest"), tr("Frame"), tr("Predicted"), tr("Precompute"), tr("Memory")});
+    effects_->setAccessibleName(tr("Price of effects"));
+    effects_->setHorizontalHeaderLabels({tr("Effect"), tr("Predicted"), tr("Measured"), tr("Off by")});
+    show(AccuracyStudy(study_));
+}
+
+void AccuracyPanel::recall() {
+    outdated_ = false;
+    const auto input = studyInput(document_.session());
+    show(input ? knownStudy(*input) : AccuracyStudy());
+}
+
+void AccuracyPanel::start() {
+    auto input = studyInput(document_.session());
+    if (!input) {
+        state_->setText(errorText(input.error()));
+        return;
+    }
+    outdated_ = false;
+    input->keeper = errors_->job().keeper();
+    job_->start(std::move(*input));
+    showState();
+}
+
+void AccuracyPanel::show(const AccuracyStudy& study) {
+    const bool chose = chosen_ >= 0 && chosen_ < int(study_.points.size());
+    const AccuracySetting known = chose ? study_.points[std::size_t(chosen_)].setting : AccuracySetting();
+    study_ = study;
+    front_ = study_.frontPerFrame();
+    chosen_ = -1;
+    for (std::size_t i = 0; chose && i < study_.points.size(); ++i)
+        if (study_.points[i].setting == known) chosen_ = int(i);
+    if (chosen_ < 0) chosen_ = study_.present();
+    showPoints();
+    showEffects();
+    showState();
+    showChosen();
+    errors_->setStudy(study_, outdated_);
+}
+
+QString AccuracyPanel::tip(int point) const {
+    const AccuracyPoint& p = study_.points[std::size_t(point)];
+    QStringList lines{settingText(p.setting)};
+    if (p.problem) lines << errorText(*p.problem);
+    lines << tr("error %1 (largest %2 of the diagonal)").arg(shareText(p.relative), diagonalText(p.percent));
+    lines << tr("frame %1 (99 of 100 within %2), predicted %3").arg(millisecondsText(p.frameMs), millisecondsText(p.frameP99Ms), millisecondsText(p.predictedMs));
+    lines << tr("precompute %1, predicted %2").arg(secondsText(p.precomputeSeconds), secondsText(p.predictedSeconds));
+    if (p.frameBytes >= 0.0) lines << tr("memory of a frame %1").arg(bytesText(p.frameBytes));
+    if (p.dominatedPerFrame && p.dominatedInPrecompute) lines << tr("another setting is at least as good in all");
+    if (study_.reference && p.relative >= 0.0 && p.relative < study_.floor())
+        lines << tr("below the error of the reference itself");
+    if (point == study_.present()) lines << tr("the present setting");
+    return lines.join(u'\n');
+}
+
+void AccuracyPanel::showPoints() {
+    const auto front = study_.frontInPrecompute();
+    std::vector<AccuracyPlot::Point> a, b;
+    for (std::size_t i = 0; i < study_.points.size(); ++i) {
+        const AccuracyPoint& p = study_.points[i];
+        const QString text = tip(int(i));
+        const bool now = int(i) == study_.present();
+        a.push_back({p.frameMs, 100.0 * p.relative, text, std::find(front_.begin(), front_.end(), i) != front_.end(), now});
+        b.push_back({p.precomputeSeconds, 100.0 * p.relative, text, std::find(front.begin(), front.end(), i) != front.end(), now});
+    }
+    for (AccuracyPlot* plot : {frame_, precompute_}) plot->setFloor(100.0 * study_.floor());
+    frame_->setPoints(std::move(a));
+    precompute_->setPoints(std::move(b));
+    const QSignalBlocker blocked(slider_);
+    slider_->setRange(0, std::max(0, int(front_.size()) - 1));
+    slider_->setEnabled(front_.size() > 1);
+
+    const QSignalBlocker quiet(table_);
+    table_->setSortingEnabled(false);
+    table_->setRowCount(int(study_.points.size()));
+    for (int i = 0; i < int(study_.points.size()); ++i) {
+        const AccuracyPoint& p = study_.points[std::size_t(i)];
+        const bool on = std::find(front_.begin(), front_.end(), std::size_t(i)) != front_.end();
+        const auto cell = [&](int column, const QString& text, double value) {
+            auto* item = new Cell(text, value < 0.0 ? INFINITY : value);
+            if (column > 0) item->setTextAlignment(Qt::AlignRight | Qt::AlignVCenter);
+            item->setToolTip(tip(i));
+            if (p.relative >= 0.0 && !on) item->setForeground(themeColor(Appearance::Role::Muted));
+            table_->setItem(i, column, item);
+        };
+        cell(0, (i == study_.present() ? QStringLiteral("□ ") : on ? QStringLiteral("● ") : QStringLiteral("○ ")) + settingText(p.setting), i);
+        table_->item(i, 0)->setData(Qt::UserRole, i);
+        cell(1, shareText(p.relative), p.relative);
+        cell(2, diagonalText(p.percent), p.percent);
+        cell(3, millisecondsText(p.frameMs), p.frameMs);
+        cell(4, millisecondsText(p.predictedMs), p.predictedMs);
+        cell(5, secondsText(p.precomputeSeconds), p.precomputeSeconds);
+        cell(6, p.frameBytes < 0.0 ? QStringLiteral("–") : bytesText(p.frameBytes), p.frameBytes);
+    }
+    table_->setSortingEnabled(true);
+    table_->horizontalHeader()->setSectionResizeMode(QHeaderView::ResizeToContents);
+    table_->horizontalHeader()->setSectionResizeMode(0, QHeaderView::Interactive);
+    table_->setColumnWidth(0, px(230));
+}
+
+void AccuracyPanel::showState() {
+    const bool running = job_->running();
+    measure_->setText(running ? tr("Stop") : study_.complete ? tr("Measured") : tr("Measure"));
+    measure_->setEnabled(running || (!study_.complete && !document_.document().elements.empty()));
+    progress_->setVisible(running);
+    const auto measured = std::count_if(study_.points.begin(), study_.points.end(), [](const AccuracyPoint& p) { return p.measured(); });
+    if (running) {
+        const double left = job_->secondsLeft();
+        state_->setText(left > 0.0 ? tr("%1 of %2 settings measured · about %3 left").arg(measured).arg(study_.points.size()).arg(durationText(left))
+                                   : tr("%1 of %2 settings measured").arg(measured).arg(study_.points.size()));
+    } else if (job_->error() && job_->error()->code != kCancelled) {
+        state_->setText(errorText(*job_->error()));
+    } else if (outdated_ && measured > 0) {
+        state_->setText(tr("The character changed since this was measured."));
+    } else {
+        state_->setText(measured == 0 ? tr("Not measured yet: it takes some minutes in the background, and can be stopped and continued.")
+                                      : tr("%1 of %2 settings measured on this machine").arg(measured).arg(study_.points.size()));
+    }
+    if (const auto& r = study_.reference) {
+        reference_->setText(tr("Errors are against the full solution on the mesh \"%1\". Its own error: %2 (largest %3), and %4 of its joint faces.")
+                                .arg(QString::fromStdString(r->mesh), r->relative < 0.0 ? tr("unknown") : shareText(r->relative), r->percent < 0.0 ? tr("unknown") : diagonalText(r->percent),
+                                     r->faceRelative < 0.0 ? tr("unknown") : shareText(r->faceRelative)));
+        reference_->setToolTip(QString::fromStdString(r->how));
+    } else {
+        reference_->setText({});
+    }
+    const double budget = budget_->value();
+    frame_->setBudget(budget);
+    const int best = study_.best(budget);
+    budgetUse_->setEnabled(best >= 0);
+    budgetText_->setText(best >= 0 ? tr("Best within it: %1").arg(settingText(study_.points[std::size_t(best)].setting)) : measured > 0 ? tr("Nothing that was measured is within it.") : QString());
+}
+
+void AccuracyPanel::choose(int point) {
+    if (point == chosen_ || point < 0 || point >= int(study_.points.size())) return;
+    chosen_ = point;
+    showChosen();
+}
+
+void AccuracyPanel::showChosen() {
+    frame_->setChosen(chosen_);
+    precompute_->setChosen(chosen_);
+    const bool any = chosen_ >= 0 && chosen_ < int(study_.points.size());
+    apply_->setEnabled(any && chosen_ != study_.present() && !outdated_);
+    if (!any) {
+        chosenText_->setText({});
+        return;
+    }
+    const AccuracyPoint& p = study_.points[std::size_t(chosen_)];
+    const double off = p.frameMs > 0.0 && p.predictedMs > 0.0 ? std::max(p.frameMs / p.predictedMs, p.predictedMs / p.frameMs) : 0.0;
+    chosenText_->setText(QStringLiteral("<b>%1</b><br>%2<br>%3")
+                             .arg(settingText(p.setting).toHtmlEscaped(),
+                                  tr("error %1 (largest %2 of the diagonal)").arg(shareText(p.relative), diagonalText(p.percent)),
+                                  off > 0.0 ? tr("%1 per frame (prediction off by × %2), %3 of precompute").arg(millisecondsText(p.frameMs), QLocale().toString(off, 'f', 2), secondsText(p.precomputeSeconds))
+                                            : tr("predicted: %1 per frame, %2 of precompute").arg(millisecondsText(p.predictedMs), secondsText(p.predictedSeconds))));
+    const auto at = std::find(front_.begin(), front_.end(), std::size_t(chosen_));
+    const QSignalBlocker blocked(slider_);
+    if (at != front_.end()) slider_->setValue(int(at - front_.begin()));
+    const QSignalBlocker quiet(table_);
+    for (int row = 0; row < table_->rowCount(); ++row)
+        if (table_->item(row, 0)->data(Qt::UserRole).toInt() == chosen_) table_->selectRow(row);
+}
+
+void AccuracyPanel::apply() {
+    if (chosen_ < 0 || chosen_ >= int(study_.points.size())) return;
+    const auto commands = settingCommands(document_.document(), study_.points[std::size_t(chosen_)].setting);
+    Session& session = document_.session();
+    session.beginGesture();
+    for (const Json& command : commands)
+        if (!document_.execute(command)) {
+            session.cancelGesture();
+            return;
+        }
+    session.endGesture();
+}
+
+void AccuracyPanel::showCosts() { tabs_->setCurrentIndex(kCosts); }
+
+void AccuracyPanel::showEffects() {
+    effects_->setRowCount(int(study_.effects.size()));
+    for (int i = 0; i < int(study_.effects.size()); ++i) {
+        const EffectPoint& e = study_.effects[std::size_t(i)];
+        const auto kind = effectNamed(e.effect);
+        const QString why = e.problem.empty() ? QString() : tr("Fingers need their own precompute: turn touch on, precompute, and measure again.");
+        const auto cell = [&](int column, const QString& text) {
+            auto* item = new QTableWidgetItem(text);
+            if (column > 0) item->setTextAlignment(Qt::AlignRight | Qt::AlignVCenter);
+            item->setToolTip(why);
+            effects_->setItem(i, column, item);
+        };
+        cell(0, kind ? effectTitle(*kind) : QString::fromStdString(e.effect));
+        cell(1, millisecondsText(e.predictedMs));
+        cell(2, why.isEmpty() ? millisecondsText(e.measuredMs) : tr("unknown"));
+        cell(3, e.off() < 0.0 ? QStringLiteral("–") : QStringLiteral("× ") + QLocale().toString(e.off(), 'f', 2));
+    }
+    effects_->horizontalHeader()->setSectionResizeMode(QHeaderView::ResizeToContents);
+    effects_->horizontalHeader()->setSectionResizeMode(0, QHeaderView::Stretch);
+}
+
+}  // namespace imomushi

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/widgets/line_delegate.h"
+
+#include <QApplication>
+#include <QPainter>
+
+#include "core/mesh/health.h"
+#include "ui/widgets/appearance.h"
+
+namespace imomushi {
+namespace {
+constexpr int kIcon = 17, kGap = 7;
+}
+
+QSize LineDelegate::sizeHint(const QStyleOptionViewItem& option, const QModelIndex& index) const {
+    const int line = option.fontMetrics.height();
+    const bool two = roles_.noteBelow && !index.data(roles_.note).toString().isEmpty();
+    const int text = option.fontMetrics.horizontalAdvance(index.data(Qt::DisplayRole).toString());
+    return {px(kIcon + kGap + 8) + text, two ? 2 * line + px(16) : line + px(11)};
+}
+
+void LineDelegate::paint(QPainter* painter, const QStyleOptionViewItem& option, const QModelIndex& index) const {
+    QStyleOptionViewItem row = option;
+    initStyleOption(&row, index);
+    row.text.clear();
+    row.icon = {};
+    const QWidget* widget = option.widget;
+    (widget ? widget->style() : QApplication::style())->drawControl(QStyle::CE_ItemViewItem, &row, painter, widget);
+
+    QRect rect = option.rect;
+    const QString icon = roles_.icon < 0 ? QString() : index.data(roles_.icon).toString();
+    const QString text = index.data(Qt::DisplayRole).toString();
+    const bool enabled = option.state & QStyle::State_Enabled;
+    if (!icon.isEmpty()) {
+        Appearance::Role role = Appearance::Role::Muted;
+        if (roles_.severity >= 0) {
+            const auto severity = Severity(index.data(roles_.severity).toInt());
+            role = severity == Severity::Error ? Appearance::Role::Error : severity == Severity::Warning ? Appearance::Role::Warning : Appearance::Role::Info;
+        } else if (icon == u"stale" || icon == u"none" || icon == u"eye-off" || icon == u"lock") {
+            role = icon == u"stale" ? Appearance::Role::Warning : Appearance::Role::Text;
+        }
+        QRect place(0, 0, px(kIcon), px(kIcon));
+        if (text.isEmpty()) {
+            place.moveCenter(rect.center());
+        } else {
+            place.moveTop(roles_.noteBelow ? rect.top() + px(8) : rect.center().y() - place.height() / 2);
+            place.moveLeft(rect.left() + px(3));
+        }
+        painter->setOpacity(icon == u"unlock" || icon == u"eye" ? 0.55 : 1.0);
+        themedIcon(icon, role).paint(painter, place);
+        painter->setOpacity(1.0);
+        rect.setLeft(place.right() + px(kGap));
+    } else {
+        rect.setLeft(rect.left() + px(8));
+    }
+    rect.setRight(rect.right() - px(4));
+    if (text.isEmpty()) return;
+
+    const QString note = roles_.note < 0 ? QString() : index.data(roles_.note).toString();
+    painter->setFont(option.font);
+    QColor ink = themeColor(Appearance::Role::Text);
+    if (!enabled) ink = themeColor(Appearance::Role::Muted);
+    if (roles_.noteBelow && !note.isEmpty()) {
+        const int line = option.fontMetrics.height();
+        const QRect top(rect.left(), rect.top() + px(7), rect.width(), line), below(rect.left(), top.bottom() + px(2), rect.width(), line);
+        painter->setPen(ink);
+        painter->drawText(top, Qt::AlignLeft | Qt::AlignVCenter, option.fontMetrics.elidedText(text, Qt::ElideRight, top.width()));
+        painter->setPen(themeColor(Appearance::Role::Muted));
+        painter->drawText(below, Qt::AlignLeft | Qt::AlignVCenter, option.fontMetrics.elidedText(note, Qt::ElideRight, below.width()));
+        return;
+    }
+    painter->setPen(ink);
+    const QString shown = option.fontMetrics.elidedText(text, Qt::ElideRight, rect.width());
+    painter->drawText(rect, Qt::AlignLeft | Qt::AlignVCenter, shown);
+    if (note.isEmpty()) return;
+    rect.setLeft(rect.left() + option.fontMetrics.horizontalAdvance(shown) + px(10));
+    if (rect.width() < px(30)) return;
+    painter->setPen(themeColor(Appearance::Role::Muted));
+    painter->drawText(rect, Qt::AlignLeft | Qt::AlignVCenter, option.fontMetrics.elidedText(note, Qt::ElideRight, rect.width()));
+}
+
+void LineDelegate::updateEditorGeometry(QWidget* editor, const QStyleOptionViewItem& option, const QModelIndex& index) const {
+    QStyledItemDelegate::updateEditorGeometry(editor, option, index);
+    editor->setGeometry(option.rect.adjusted(px(kIcon + kGap) - px(2), px(2), -px(2), -px(2)));
+}
+
+}  // namespace imomushi

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/widgets/number_field.h"
+
+#include <QAction>
+#include <QKeyEvent>
+#include <QLocale>
+#include <QMouseEvent>
+#include <algorithm>
+#include <cmath>
+
+#include "ui/widgets/appearance.h"
+
+namespace imomushi {
+namespace {
+constexpr double kDragThreshold = 3.0;  // logical pixels: below this a press is a click
+}
+
+NumberField::NumberField(Spec spec, QWidget* parent) : QLineEdit(parent), spec_(std::move(spec)) {
+    setCursor(Qt::SizeHorCursor);
+    setFocusPolicy(Qt::TabFocus);  // a press may begin a drag; only a click takes the focus, see mouseReleaseEvent()
+    reset_ = addAction(themedIcon(QStringLiteral("reset"), Appearance::Role::Muted), QLineEdit::TrailingPosition);
+    reset_->setToolTip(tr("Back to the default"));
+    reset_->setVisible(false);
+    connect(reset_, &QAction::triggered, this, [this] {
+        if (spec_.standard) once(*spec_.standard);
+    });
+    setToolTip(tr("Drag sideways, or click and type"));
+}
+
+void NumberField::setValue(std::optional<double> value) {
+    value_ = value;
+    reset_->setVisible(spec_.standard && (!value_ || std::abs(*value_ - *spec_.standard) > 1e-9 * (1.0 + std::abs(*spec_.standard))));
+    if (!typing_) showText();
+}
+
+void NumberField::showText() {
+    if (!value_) {
+        setText({});
+        setPlaceholderText(tr("different"));
+        return;
+    }
+    const double grain = std::pow(10.0, -spec_.decimals);
+    QString text = QLocale().toString(std::round(*value_ * spec_.factor / grain) * grain + 0.0, 'f', spec_.decimals);  // a zero has no sign
+    // 0.4500 reads worse than 0.45
+    if (text.contains(QLocale().decimalPoint())) {
+        while (text.endsWith(u'0')) text.chop(1);
+        if (text.endsWith(QLocale().decimalPoint())) text.chop(QLocale().decimalPoint().size());
+    }
+    if (!spec_.unit.isEmpty()) text += (spec_.unit == u"°" ? QString() : QStringLiteral("\u2009")) + spec_.unit;
+    setText(text);
+    setCursorPosition(0);
+}
+
+std::optional<double> NumberField::parse() const {
+    QString plain = text();
+    plain.remove(spec_.unit.isEmpty() ? QStringLiteral(" ") : spec_.unit);
+    plain.remove(QChar(0x2009));
+    plain = plain.trimmed();
+    bool ok = false;
+    double number = QLocale().toDouble(plain, &ok);
+    if (!ok) number = QLocale::c().toDouble(plain.replace(u',', u'.'), &ok);
+    if (!ok || !std::isfinite(number)) return std::nullopt;
+    return number / spec_.factor;
+}
+
+void NumberField::set(double value) {
+    value = std::clamp(value, spec_.low, spec_.high);
+    if (value_ && value == *value_) return;
+    setValue(value);
+    Q_EMIT valueEdited(value);
+}
+
+void NumberField::once(double value) {
+    Q_EMIT editStarted();
+    set(value);
+    Q_EMIT editEnded(true);
+}
+
+void NumberField::commitText() {
+    if (!typing_) return;
+    typing_ = false;
+    if (const auto number = parse(); number && isModified()) once(*number);
+    showText();
+    setModified(false);
+}
+
+void NumberField::mousePressEvent(QMouseEvent* event) {
+    if (event->button() != Qt::LeftButton || hasFocus() || isReadOnly()) {
+        QLineEdit::mousePressEvent(event);
+        return;
+    }
+    pressed_ = true;
+    dragging_ = false;
+    pressX_ = event->position().x();
+    dragValue_ = value_.value_or(spec_.standard.value_or(std::clamp(0.0, spec_.low, spec_.high)));
+}
+
+void NumberField::mouseMoveEvent(QMouseEvent* event) {
+    if (!pressed_) {
+        QLineEdit::mouseMoveEvent(event);
+        return;
+    }
+    const double x = event->position().x();
+    if (!dragging_) {
+        if (std::abs(x - pressX_) < kDragThreshold) return;
+        dragging_ = true;
+        Q_EMIT editStarted();
+        grabKeyboard();  // Esc takes the drag back
+    }
+    const double gain = event->modifiers() & Qt::ShiftModifier ? 0.1 : event->modifiers() & Qt::ControlModifier ? 10.0 : 1.0;
+    dragValue_ += (x - pressX_) * spec_.step * gain / spec_.factor;
+    pressX_ = x;
+    // Whole steps, so that dragged numbers stay readable.
+    const double grain = spec_.step * std::min(gain, 1.0) / spec_.factor;
+    set(std::round(dragValue_ / grain) * grain);
+}
+
+void NumberField::mouseReleaseEvent(QMouseEvent* event) {
+    if (!pressed_) {
+        QLineEdit::mouseReleaseEvent(event);
+        return;
+    }
+    pressed_ = false;
+    if (dragging_) {
+        dragging_ = false;
+        releaseKeyboard();
+        Q_EMIT editEnded(true);
+        return;
+    }
+    setFocus(Qt::MouseFocusReason);
+}
+
+void NumberField::mouseDoubleClickEvent(QMouseEvent* event) {
+    if (hasFocus()) selectAll();
+    else mousePressEvent(event);
+}
+
+void NumberField::keyPressEvent(QKeyEvent* event) {
+    if (dragging_) {
+        if (event->key() == Qt::Key_Escape) {
+            pressed_ = dragging_ = false;
+            releaseKeyboard();
+            Q_EMIT editEnded(false);
+        }
+        return;
+    }
+    switch (event->key()) {
+        case Qt::Key_Return:
+        case Qt::Key_Enter:
+            commitText();
+            typing_ = true;
+            selectAll();
+            return;
+        case Qt::Key_Escape:
+            typing_ = false;
+            showText();
+            clearFocus();
+            return;
+        case Qt::Key_Up:
+        case Qt::Key_Down: {
+            const double by = (event->key() == Qt::Key_Up ? 1.0 : -1.0) * spec_.step * (event->modifiers() & Qt::ShiftModifier ? 0.1 : event->modifiers() & Qt::ControlModifier ? 10.0 : 1.0);
+            typing_ = false;
+            once(parse().value_or(value_.value_or(0.0)) + by / spec_.factor);
+            typing_ = true;
+            selectAll();
+            return;
+        }
+        default: QLineEdit::keyPressEvent(event);
+    }
+}
+
+void NumberField::focusInEvent(QFocusEvent* event) {
+    QLineEdit::focusInEvent(event);
+    typing_ = !isReadOnly();
+    setModified(false);
+    setCursor(Qt::IBeamCursor);
+    QMetaObject::invokeMethod(this, &QLineEdit::selectAll, Qt::QueuedConnection);
+}
+
+void NumberField::focusOutEvent(QFocusEvent* event) {
+    QLineEdit::focusOutEvent(event);
+    commitText();
+    setCursor(Qt::SizeHorCursor);
+    deselect();
+}
+
+void NumberField::changeEvent(QEvent* event) {
+    QLineEdit::changeEvent(event);
+    if (event->type() == QEvent::LanguageChange) {
+        reset_->setToolTip(tr("Back to the default"));
+        setToolTip(tr("Drag sideways, or click and type"));
+        if (!typing_) showText();
+    }
+}
+
+}  // namespace imomushi

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/window/file_flow.h"
+
+#include <QDir>
+#include <QFileDialog>
+#include <QFileInfo>
+#include <QGuiApplication>
+#include <QMessageBox>
+#include <QPushButton>
+#include <QSettings>
+#include <QStandardPaths>
+#include <filesystem>
+
+#include "ui/dialogs/import_dialog.h"
+#include "ui/dialogs/recovery_dialog.h"
+#include "ui/models/texts.h"
+
+namespace imomushi {
+namespace {
+
+const QString kSuffix = QStringLiteral("imomushi");
+
+QString withSuffix(const QString& path, const QString& suffix) { return QFileInfo(path).suffix().toLower() == suffix ? path : path + u'.' + suffix; }
+
+QString recoveryFolder() { return QStandardPaths::writableLocation(QStandardPaths::AppDataLocation) + QStringLiteral("/recovery"); }
+
+QString pathOf(const Session& session) { return QString::fromStdString(session.path().string()); }
+
+}  // namespace
+
+/// What the import dialog read already, for the command to take.
+struct FileFlow::Prepared {
+    ImportRequest request;
+    std::shared_ptr<const Result<ImportResult>> result;
+};
+
+FileFlow::FileFlow(StudioDocument& document, QWidget* window)
+    : QObject(window), document_(document), window_(window), autosave_(document, recoveryFolder()), prepared_(std::make_shared<Prepared>()) {
+    connect(&autosave_, &Autosave::failed, &document, &StudioDocument::failed);
+    document.session().setImporter([prepared = prepared_](const ImportRequest& request, const Progress& progress) -> Result<ImportResult> {
+        const ImportRequest& r = prepared->request;
+        if (prepared->result && r.path == request.path && r.unit == request.unit && r.up == request.up && r.split == request.split) return *prepared->result;
+        return importFile(request, progress);
+    });
+}
+
+FileFlow::~FileFlow() { document_.session().setImporter({}); }
+
+QString FileFlow::folder() const {
+    const QString own = pathOf(document_.session());
+    if (!own.isEmpty() && !isSample(own)) return QFileInfo(own).absolutePath();
+    return QSettings().value(QStringLiteral("files/folder"), QStandardPaths::writableLocation(QStandardPaths::DocumentsLocation)).toString();
+}
+
+bool FileFlow::mayDiscard() {
+    Q_EMIT leaving();
+    if (!document_.session().modified()) return true;
+    QMessageBox box(window_);
+    box.setIcon(QMessageBox::NoIcon);
+    const QString path = pathOf(document_.session());
+    box.setWindowTitle(tr("Unsaved changes"));
+    box.setText(path.isEmpty() ? tr("Save the changes of this new project?") : tr("Save the changes of “%1”?").arg(QFileInfo(path).completeBaseName()));
+    box.setInformativeText(tr("They are lost otherwise."));
+    auto* keep = box.addButton(tr("Save"), QMessageBox::AcceptRole);
+    auto* drop = box.addButton(tr("Don’t save"), QMessageBox::DestructiveRole);
+    auto* cancel = box.addButton(tr("Cancel"), QMessageBox::RejectRole);
+    box.setDefaultButton(keep);
+    box.setEscapeButton(cancel);
+    box.exec();
+    if (box.clickedButton() == keep) return save();
+    return box.clickedButton() == drop;
+}
+
+bool FileFlow::offerRecovery() {
+    const QList<Autosave::Found> found = autosave_.found();
+    if (found.isEmpty()) return false;
+    RecoveryDialog dialog(found, window_);
+    if (dialog.exec() != QDialog::Accepted) return false;
+    const Autosave::Found chosen = found.at(dialog.chosen());
+    if (!document_.execute({{"do", "open"}, {"path", chosen.file.toStdString()}, {"as", chosen.original.toStdString()}})) return false;
+    // The old copy goes when there is a new one.
+    connect(&autosave_, &BackgroundJob::finished, this, [this, chosen] { if (autosave_.kept()) Autosave::discard(chosen); }, Qt::SingleShotConnection);
+    autosave_.saveSoon();
+    Q_EMIT opened();
+    return true;
+}
+
+void FileFlow::newProject() {
+    if (!mayDiscard()) return;
+    if (document_.execute({{"do", "new"}})) Q_EMIT opened();
+}
+
+void FileFlow::askOpen() {
+    const QString path = QFileDialog::getOpenFileName(window_, tr("Open a project"), folder(), tr("Imomushi projects (*.imomushi)"));
+    if (!path.isEmpty()) open(path);
+}
+
+void FileFlow::open(const QString& path) {
+    if (!mayDiscard()) return;
+    QGuiApplication::setOverrideCursor(Qt::WaitCursor);
+    const auto answer = document_.execute({{"do", "open"}, {"path", path.toStdString()}});
+    QGuiApplication::restoreOverrideCursor();
+    if (!answer) return;
+    if (!isSample(path)) QSettings().setValue(QStringLiteral("files/folder"), QFileInfo(path).absolutePath());
+    recent_.add(path);
+    Q_EMIT opened();
+}
+
+bool FileFlow::saveTo(const QString& path) {
+    const auto answer = document_.execute({{"do", "save"}, {"path", path.toStdString()}});
+    if (!answer) return false;
+    recent_.add(path);
+    Q_EMIT saved(path);
+    Q_EMIT said(tr("Saved “%1”").arg(QFileInfo(path).fileName()));
+    return true;
+}
+
+bool FileFlow::save() {
+    const QString path = pathOf(document_.session());
+    // Samples are everybody's: a changed one becomes the artist's own file.
+    return path.isEmpty() || isSample(path) ? saveAs() : saveTo(path);
+}
+
+bool FileFlow::saveAs() {
+    const QString own = pathOf(document_.session());
+    const QString name = own.isEmpty() ? tr("Character") : QFileInfo(own).completeBaseName();
+    const QString path = QFileDialog::getSaveFileName(window_, tr("Save the project as"), QDir(folder()).filePath(name + u'.' + kSuffix), tr("Imomushi projects (*.imomushi)"));
+    if (path.isEmpty()) return false;
+    QSettings().setValue(QStringLiteral("files/folder"), QFileInfo(path).absolutePath());
+    return saveTo(withSuffix(path, kSuffix));
+}
+
+void FileFlow::saveCopy() {
+    const QString own = pathOf(document_.session());
+    const QString name = own.isEmpty() ? tr("Character") : QFileInfo(own).completeBaseName();
+    QString path = QFileDialog::getSaveFileName(window_, tr("Save a copy"), QDir(folder()).filePath(tr("%1 copy").arg(name) + u'.' + kSuffix), tr("Imomushi projects (*.imomushi)"));
+    if (path.isEmpty()) return;
+    path = withSuffix(path, kSuffix);
+    if (document_.execute({{"do", "save"}, {"path", path.toStdString()}, {"copy", true}})) Q_EMIT said(tr("Saved a copy as “%1”").arg(QFileInfo(path).fileName()));
+}
+
+void FileFlow::saveScript() {
+    const QString path = QFileDialog::getSaveFileName(window_, tr("Save this session as a script"), QDir(folder()).filePath(QStringLiteral("script.jsonl")), tr("Scripts (*.jsonl)"));
+    if (path.isEmpty()) return;
+    if (document_.execute({{"do", "save-script"}, {"path", path.toStdString()}})) Q_EMIT said(tr("Saved “%1”").arg(QFileInfo(path).fileName()));
+}
+
+void FileFlow::writeMesh() {
+    const QString path = QFileDialog::getSaveFileName(window_, tr("Write the posed mesh"), QDir(folder()).filePath(QStringLiteral("pose.obj")), tr("Meshes (*.obj *.ply)"));
+    if (path.isEmpty()) return;
+    Json command = {{"do", "write-mesh"}, {"path", path.toStdString()}, {"state", "current"}};
+    const auto& selection = document_.selection();
+    if (selection.size() == 1 && selection.front().kind == SelectionItem::Kind::Element)
+        command["element"] = document_.document().elements.at(selection.front().part)->name;
+    if (document_.execute(command)) Q_EMIT said(tr("Wrote “%1”").arg(QFileInfo(path).fileName()));
+}
+
+void FileFlow::askImport() {
+    QStringList patterns;
+    for (const QString& suffix : meshSuffixes()) patterns << QStringLiteral("*.") + suffix;
+    const QString start = QSettings().value(QStringLiteral("files/mesh-folder"), folder()).toString();
+    const QStringList paths = QFileDialog::getOpenFileNames(window_, tr("Import meshes"), start, tr("Meshes (%1)").arg(patterns.join(u' ')));
+    if (paths.isEmpty()) return;
+    QSettings().setValue(QStringLiteral("files/mesh-folder"), QFileInfo(paths.first()).absolutePath());
+    import(paths);
+}
+
+void FileFlow::import(const QStringList& paths) {
+    waiting_ << paths;
+    if (!importing_) nextImport();
+}
+
+void FileFlow::nextImport() {
+    if (waiting_.isEmpty()) return;
+    importing_ = true;
+    auto* dialog = new ImportDialog(waiting_.takeFirst(), window_);
+    dialog->setAttribute(Qt::WA_DeleteOnClose);
+    connect(dialog, &QDialog::finished, this, [this, dialog](int answer) {
+        importing_ = false;
+        if (answer == QDialog::Accepted) {
+            *prepared_ = {dialog->request(), dialog->prepared()};
+            const auto done = document_.execute(dialog->command());
+            *prepared_ = {};
+            if (done) {
+                const Json& elements = done->at("elements");
+                std::vector<SelectionItem> items;
+                for (const Json& element : elements)
+                    if (const Element* e = document_.document().elementNamed(element.at("name").get<std::string>())) items.push_back({SelectionItem::Kind::Element, e->id, {}, false});
+                document_.select(std::move(items));
+                Q_EMIT imported(int(elements.size()));
+            }
+        }
+        nextImport();
+    });
+    dialog->open();
+}
+
+void FileFlow::drop(const QStringList& paths) {
+    QStringList meshes, projects, others;
+    for (const QString& path : paths) {
+        const QString suffix = QFileInfo(path).suffix().toLower();
+        (suffix == kSuffix ? projects : meshSuffixes().contains(suffix) ? meshes : others) << path;
+    }
+    if (!projects.isEmpty()) open(projects.last());
+    if (!meshes.isEmpty()) import(meshes);
+    if (!others.isEmpty()) Q_EMIT said(tr("“%1” is neither a mesh nor a project.").arg(QFileInfo(others.first()).fileName()));
+}
+
+}  // namespace imomushi

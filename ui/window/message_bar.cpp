@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/window/message_bar.h"
+
+#include <QEvent>
+#include <QHBoxLayout>
+#include <QLabel>
+#include <QProgressBar>
+#include <QPushButton>
+#include <QToolButton>
+#include <QVBoxLayout>
+
+#include "ui/jobs/background_job.h"
+#include "ui/jobs/progress_text.h"
+#include "ui/widgets/appearance.h"
+
+namespace imomushi {
+
+MessageBar::MessageBar(QWidget* parent) : QFrame(parent) {
+    setObjectName(QStringLiteral("toast"));
+    icon_ = new QLabel(this);
+    text_ = new QLabel(this);
+    text_->setWordWrap(true);
+    text_->setTextInteractionFlags(Qt::TextSelectableByMouse);
+    text_->setMinimumWidth(px(300));
+    action_ = new QPushButton(this);
+    action_->setObjectName(QStringLiteral("offer"));
+    action_->hide();
+    close_ = new QToolButton(this);
+    close_->setProperty("small", true);
+    close_->setIcon(themedIcon(QStringLiteral("close"), Appearance::Role::Muted));
+    close_->setToolTip(tr("Close"));
+    close_->setAccessibleName(tr("Close"));
+    auto* layout = new QHBoxLayout(this);
+    layout->setContentsMargins(px(14), px(9), px(8), px(9));
+    layout->setSpacing(px(10));
+    layout->addWidget(icon_);
+    layout->addWidget(text_, 1);
+    layout->addWidget(action_);
+    layout->addWidget(close_);
+    connect(action_, &QPushButton::clicked, this, [this] {
+        hide();
+        if (act_) act_();
+    });
+    connect(close_, &QToolButton::clicked, this, &QWidget::hide);
+    timer_.setSingleShot(true);
+    connect(&timer_, &QTimer::timeout, this, &QWidget::hide);
+    hide();
+}
+
+void MessageBar::say(const QString& text, Tone tone) {
+    static constexpr const char* kIcons[] = {"info", "check", "warning"};
+    static constexpr Appearance::Role kRoles[] = {Appearance::Role::Info, Appearance::Role::Good, Appearance::Role::Warning};
+    icon_->setPixmap(themedIcon(QLatin1String(kIcons[int(tone)]), kRoles[int(tone)]).pixmap(QSize(px(20), px(20)), devicePixelRatioF()));
+    text_->setText(text);
+    setAccessibleName(text);
+    action_->hide();
+    act_ = {};
+    show();
+    raise();
+    updateGeometry();
+    // Long enough to read: about 15 characters a second.
+    timer_.start(tone == Tone::Warning ? int(5000 + 70 * text.size()) : 4000);
+}
+
+void MessageBar::offer(const QString& text, const QString& label, std::function<void()> action) {
+    say(text, Tone::Info);
+    action_->setText(label);
+    action_->show();
+    act_ = std::move(action);
+    updateGeometry();
+    timer_.start(int(8000 + 70 * text.size()));
+}
+
+QString MessageBar::text() const { return text_->text(); }
+
+void MessageBar::enterEvent(QEnterEvent*) { timer_.stop(); }
+void MessageBar::leaveEvent(QEvent*) { timer_.start(2500); }
+
+void MessageBar::changeEvent(QEvent* event) {
+    QFrame::changeEvent(event);
+    if (event->type() != QEvent::LanguageChange) return;
+    close_->setToolTip(tr("Close"));
+    close_->setAccessibleName(tr("Close"));
+}
+
+JobCard::JobCard(QWidget* parent) : QFrame(parent) {
+    setObjectName(QStringLiteral("card"));
+    title_ = new QLabel(this);
+    detail_ = new QLabel(this);
+    detail_->setProperty("role", "muted");
+    bar_ = new QProgressBar(this);
+    bar_->setTextVisible(false);
+    bar_->setRange(0, 1000);
+    cancel_ = new QToolButton(this);
+    cancel_->setProperty("small", true);
+    cancel_->setIcon(themedIcon(QStringLiteral("close"), Appearance::Role::Text));
+    cancel_->setToolTip(tr("Cancel"));
+    cancel_->setAccessibleName(tr("Cancel"));
+    auto* top = new QHBoxLayout;
+    top->addWidget(title_, 1);
+    top->addWidget(detail_);
+    top->addWidget(cancel_);
+    auto* layout = new QVBoxLayout(this);
+    layout->setContentsMargins(px(14), px(8), px(10), px(12));
+    layout->setSpacing(px(7));
+    layout->addLayout(top);
+    layout->addWidget(bar_);
+    setMinimumWidth(px(380));
+    hide();
+}
+
+void JobCard::follow(BackgroundJob* job, std::function<QString()> title) {
+    const auto show = [this, job, title = std::move(title)] {
+        if (!job->running()) return;
+        title_->setText(title());
+        detail_->setText(progressText(*job));
+        bar_->setValue(int(1000.0 * job->fraction()));
+        setVisible(true);
+    };
+    connect(job, &BackgroundJob::progressed, this, show);
+    connect(job, &BackgroundJob::finished, this, [this] { setVisible(false); });
+    connect(cancel_, &QToolButton::clicked, job, &BackgroundJob::cancel);
+}
+
+void JobCard::changeEvent(QEvent* event) {
+    QFrame::changeEvent(event);
+    if (event->type() != QEvent::LanguageChange) return;
+    cancel_->setToolTip(tr("Cancel"));
+    cancel_->setAccessibleName(tr("Cancel"));
+}
+
+}  // namespace imomushi

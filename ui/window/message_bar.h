@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <QFrame>
+#include <QTimer>
+#include <functional>
+
+class QLabel;
+class QProgressBar;
+class QPushButton;
+class QToolButton;
+
+namespace imomushi {
+
+class BackgroundJob;
+
+/// One calm line over the viewport: what went wrong or what was done. Goes by itself; never stops the work.
+class MessageBar : public QFrame {
+    Q_OBJECT
+public:
+    enum class Tone { Info, Good, Warning };
+    explicit MessageBar(QWidget* parent);
+    void say(const QString& text, Tone tone);
+    /// With one thing to do about it, at a click.
+    void offer(const QString& text, const QString& label, std::function<void()> action);
+    [[nodiscard]] QString text() const;
+
+protected:
+    void enterEvent(QEnterEvent* event) override;
+    void leaveEvent(QEvent* event) override;
+    void changeEvent(QEvent* event) override;
+
+private:
+    QLabel* icon_;
+    QLabel* text_;
+    QPushButton* action_;
+    QToolButton* close_;
+    std::function<void()> act_;
+    QTimer timer_;
+};
+
+/// A job in the background: what it does, how far it is, how long it still takes, and a way to stop it.
+class JobCard : public QFrame {
+    Q_OBJECT
+public:
+    explicit JobCard(QWidget* parent);
+    /// Shown while `job` runs. `title` is asked again with each progress.
+    void follow(BackgroundJob* job, std::function<QString()> title);
+
+protected:
+    void changeEvent(QEvent* event) override;
+
+private:
+    QLabel* title_;
+    QLabel* detail_;
+    QProgressBar* bar_;
+    QToolButton* cancel_;
+};
+
+}  // namespace imomushi

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/window/status_strip.h"
+
+#include <QEvent>
+#include <QHBoxLayout>
+#include <QLabel>
+#include <QLocale>
+#include <QToolButton>
+
+#include "ui/models/effect_texts.h"
+#include "ui/models/texts.h"
+#include "ui/widgets/appearance.h"
+
+namespace imomushi {
+namespace {
+constexpr int kWarnedMs = 1500;
+}
+
+StatusStrip::StatusStrip(StudioDocument& document, std::function<PrecomputeEstimate()> estimate, QWidget* parent)
+    : QWidget(parent), document_(document), estimate_(std::move(estimate)) {
+    setObjectName(QStringLiteral("statusBar"));
+    setAttribute(Qt::WA_StyledBackground);
+    mouse_ = new QLabel(this);
+    hint_ = new QLabel(this);
+    hint_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
+    state_ = new QToolButton(this);
+    state_->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
+    warning_ = new QToolButton(this);
+    warning_->setObjectName(QStringLiteral("frameWarning"));
+    warning_->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
+    warning_->setFocusPolicy(Qt::NoFocus);
+    warning_->hide();
+    vertices_ = new QLabel(this);
+    ms_ = new QLabel(this);
+    fps_ = new QLabel(this);
+    for (QLabel* label : {vertices_, ms_, fps_}) label->setAlignment(Qt::AlignRight | Qt::AlignVCenter);
+    auto* layout = new QHBoxLayout(this);
+    layout->setContentsMargins(12, 3, 14, 4);
+    layout->setSpacing(8);
+    layout->addWidget(mouse_);
+    layout->addWidget(hint_, 1);
+    layout->addWidget(warning_);
+    layout->addWidget(state_);
+    for (QLabel* label : {vertices_, ms_, fps_}) layout->addWidget(label);
+    connect(state_, &QToolButton::clicked, this, &StatusStrip::precomputeWanted);
+    const auto soon = [this] {
+        if (scheduled_) return;
+        scheduled_ = true;
+        QMetaObject::invokeMethod(this, &StatusStrip::update, Qt::QueuedConnection);
+    };
+    warned_.setSingleShot(true);
+    warned_.setInterval(kWarnedMs);
+    connect(&warned_, &QTimer::timeout, this, [this] {
+        if (document_.warnings() != warnings_) showWarnings();
+    });
+    connect(&document, &StudioDocument::frameStepped, this, &StatusStrip::showWarnings);
+    connect(&document, &StudioDocument::poseChanged, this, &StatusStrip::showWarnings);
+    connect(&document, &StudioDocument::structureChanged, this, soon);
+    connect(&document, &StudioDocument::responsesChanged, this, soon);
+    connect(&document, &StudioDocument::fileChanged, this, soon);
+    connect(&Appearance::instance(), &Appearance::changed, this, soon);
+    update();
+}
+
+void StatusStrip::setHint(const QString& hint) {
+    hint_->setText(hint);
+    hint_->setToolTip(hint);
+}
+
+QString StatusStrip::hint() const { return hint_->text(); }
+
+void StatusStrip::setFrame(double cpuMs, double fps, int vertices) {
+    lastMs_ = cpuMs;
+    lastFps_ = fps;
+    lastVertices_ = vertices;
+    showFrame();
+    if (const Character* character = document_.session().character()) {
+        const auto& s = character->stats();
+        const QLocale locale;
+        const auto ms = [&](double value) { return locale.toString(value, 'f', 3); };
+        ms_->setToolTip(tr("Time of the processor for one frame, drawing included.\nOf it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms")
+                            .arg(ms(s.poseMs), ms(s.jointsMs), ms(s.productMs), ms(s.normalsMs)));
+    }
+}
+
+void StatusStrip::showFrame() {
+    const QLocale locale;
+    vertices_->setText(tr("%1 vertices").arg(locale.toString(lastVertices_)));
+    ms_->setText(lastMs_ < 0.0 ? QStringLiteral("– ms") : QStringLiteral("%1 ms").arg(locale.toString(lastMs_, 'f', lastMs_ < 10.0 ? 2 : 1)));
+    fps_->setText(lastMs_ < 0.0 || lastFps_ <= 0.0 ? QStringLiteral("– fps") : QStringLiteral("%1 fps").arg(locale.toString(lastFps_, 'f', 0)));
+}
+
+void StatusStrip::showWarnings() {
+    const unsigned now = document_.warnings();
+    if ((now | warnings_) != warnings_ || now == warnings_) {
+        if (now) warned_.start();
+    } else if (warned_.isActive()) {
+        return;  // some of them are gone, which can wait
+    }
+    if (now == warnings_) return;
+    warnings_ = now;
+    const auto texts = warningTexts(now);
+    warning_->setVisible(!texts.empty());
+    if (texts.empty()) return;
+    QStringList lines;
+    for (const WarningText& text : texts) lines << text.text;
+    warning_->setIcon(themedIcon(QStringLiteral("warning"), Appearance::Role::Warning));
+    warning_->setIconSize(QSize(px(16), px(16)));
+    warning_->setText(fontMetrics().elidedText(lines.front(), Qt::ElideRight, px(430)));
+    warning_->setToolTip(lines.join(u'\n'));
+    warning_->setAccessibleName(lines.join(u' '));
+}
+
+void StatusStrip::setBusy(const QString& text) {
+    if (busy_ == text) return;
+    busy_ = text;
+    update();
+}
+
+void StatusStrip::update() {
+    scheduled_ = false;
+    mouse_->setPixmap(themedIcon(QStringLiteral("mouse"), Appearance::Role::Muted).pixmap(QSize(px(16), px(16)), devicePixelRatioF()));
+    state_->setIconSize(QSize(px(16), px(16)));
+    setMinimumHeight(px(32));  // with and without the sign of the precompute
+    // Fixed widths, so that nothing jumps while numbers change.
+    ms_->setMinimumWidth(fontMetrics().horizontalAdvance(QStringLiteral("000.00 ms")) + px(4));
+    fps_->setMinimumWidth(fontMetrics().horizontalAdvance(QStringLiteral("000 fps")) + px(4));
+    int stale = 0, all = 0;
+    for (const auto& [id, element] : document_.document().elements) {
+        if (element->faces.empty()) continue;
+        ++all;
+        if (document_.session().responseState(id) != Session::ResponseState::Fresh) ++stale;
+    }
+    state_->setVisible(all > 0 || !busy_.isEmpty());
+    if (!busy_.isEmpty()) {
+        state_->setIcon(themedIcon(QStringLiteral("precompute"), Appearance::Role::Accent));
+        state_->setText(busy_);
+    } else if (stale > 0) {
+        state_->setIcon(themedIcon(QStringLiteral("stale"), Appearance::Role::Warning));
+        const PrecomputeEstimate cost = estimate_();
+        state_->setText(tr("%1 of %2 out of date · about %3, %4").arg(stale).arg(all).arg(durationText(cost.seconds), bytesText(cost.bytes)));
+        state_->setToolTip(tr("Precompute what is out of date (P): about %1, %2").arg(durationText(cost.seconds), bytesText(cost.bytes)));
+    } else {
+        state_->setIcon(themedIcon(QStringLiteral("fresh"), Appearance::Role::Good));
+        state_->setText(tr("Precomputed"));
+        state_->setToolTip(tr("All elements are up to date"));
+    }
+    state_->setAccessibleName(tr("State of the precompute: %1").arg(state_->text()));
+    fps_->setToolTip(tr("Frames per second of the viewport"));
+    showFrame();
+}
+
+void StatusStrip::changeEvent(QEvent* event) {
+    QWidget::changeEvent(event);
+    if (event->type() != QEvent::LanguageChange) return;
+    warnings_ = 0;
+    showWarnings();
+    update();
+}
+
+}  // namespace imomushi

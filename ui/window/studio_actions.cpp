@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/window/studio_actions.h"
+
+namespace imomushi {
+namespace {
+
+struct Row {
+    const char* id;
+    const char* icon;
+    const char* text;
+    const char* keys;  // portable text, several separated by "; "
+    bool checkable = false;
+};
+
+constexpr Row kRows[] = {
+    {"start", "home", QT_TRANSLATE_NOOP("Actions", "Start &page"), "Ctrl+Home"},
+    {"new", "new", QT_TRANSLATE_NOOP("Actions", "&New"), "Ctrl+N"},
+    {"open", "open", QT_TRANSLATE_NOOP("Actions", "&Open…"), "Ctrl+O"},
+    {"import", "import", QT_TRANSLATE_NOOP("Actions", "&Import mesh…"), "Ctrl+I"},
+    {"save", "save", QT_TRANSLATE_NOOP("Actions", "&Save"), "Ctrl+S"},
+    {"save-as", "", QT_TRANSLATE_NOOP("Actions", "Save &as…"), "Ctrl+Shift+S"},
+    {"save-copy", "", QT_TRANSLATE_NOOP("Actions", "Save a &copy…"), "Ctrl+Alt+S"},
+    {"save-script", "", QT_TRANSLATE_NOOP("Actions", "Save as s&cript…"), ""},
+    {"export", "export", QT_TRANSLATE_NOOP("Actions", "&Export…"), "Ctrl+E"},
+    {"write-mesh", "", QT_TRANSLATE_NOOP("Actions", "&Write posed mesh…"), ""},
+    {"quit", "", QT_TRANSLATE_NOOP("Actions", "&Quit"), "Ctrl+Q"},
+    {"undo", "undo", QT_TRANSLATE_NOOP("Actions", "&Undo"), "Ctrl+Z"},
+    {"redo", "redo", QT_TRANSLATE_NOOP("Actions", "&Redo"), "Ctrl+Shift+Z; Ctrl+Y"},
+    {"delete", "trash", QT_TRANSLATE_NOOP("Actions", "&Delete"), "Del"},
+    {"rename", "rename", QT_TRANSLATE_NOOP("Actions", "Re&name"), "F2"},
+    {"select-all", "", QT_TRANSLATE_NOOP("Actions", "Select &all elements"), "Ctrl+A"},
+    {"select-none", "", QT_TRANSLATE_NOOP("Actions", "Select &nothing"), "Ctrl+Shift+A"},
+    {"preferences", "settings", QT_TRANSLATE_NOOP("Actions", "&Preferences…"), "Ctrl+,"},
+    {"tool-select", "select", QT_TRANSLATE_NOOP("Actions", "&Select"), "Q", true},
+    {"tool-face", "face", QT_TRANSLATE_NOOP("Actions", "Joint &face"), "J", true},
+    {"tool-bone", "bone", QT_TRANSLATE_NOOP("Actions", "&Bone"), "B", true},
+    {"tool-pose", "pose", QT_TRANSLATE_NOOP("Actions", "&Drag"), "D", true},
+    {"tool-touch", "touch", QT_TRANSLATE_NOOP("Actions", "&Touch"), "T", true},
+    {"precompute", "precompute", QT_TRANSLATE_NOOP("Actions", "&Precompute"), "P"},
+    {"join", "joint", QT_TRANSLATE_NOOP("Actions", "&Join the selected faces"), "Ctrl+J"},
+    {"pin", "pin", QT_TRANSLATE_NOOP("Actions", "P&in or unpin"), "Shift+P"},
+    {"release", "release", QT_TRANSLATE_NOOP("Actions", "&Release everything held"), "Shift+R"},
+    {"rest", "rest", QT_TRANSLATE_NOOP("Actions", "Back to &rest"), "Alt+R"},
+    {"record", "record", QT_TRANSLATE_NOOP("Actions", "&Record"), "R"},
+    {"play", "play", QT_TRANSLATE_NOOP("Actions", "&Play"), "Space"},
+    {"take-back", "frame-back", QT_TRANSLATE_NOOP("Actions", "Frame &back"), "Alt+,"},
+    {"take-forward", "frame-forward", QT_TRANSLATE_NOOP("Actions", "Frame &forward"), "Alt+."},
+    {"loop", "loop", QT_TRANSLATE_NOOP("Actions", "&Loop"), "Alt+L", true},
+    {"mark-in", "mark-in", QT_TRANSLATE_NOOP("Actions", "Play fro&m here"), "I"},
+    {"mark-out", "mark-out", QT_TRANSLATE_NOOP("Actions", "Play &until here"), "O"},
+    {"mark-none", "", QT_TRANSLATE_NOOP("Actions", "Play the &whole take"), "Alt+I"},
+    {"trim-take", "trim", QT_TRANSLATE_NOOP("Actions", "&Trim the take to its marks"), "Alt+T"},
+    {"rename-take", "rename", QT_TRANSLATE_NOOP("Actions", "Re&name the take"), ""},
+    {"duplicate-take", "duplicate", QT_TRANSLATE_NOOP("Actions", "&Duplicate the take"), ""},
+    {"remove-take", "trash", QT_TRANSLATE_NOOP("Actions", "Remo&ve the take"), ""},
+    {"count-in", "count-in", QT_TRANSLATE_NOOP("Actions", "&Count three seconds before recording"), "", true},
+    {"leave-take", "live", QT_TRANSLATE_NOOP("Actions", "L&eave the take"), "Shift+Space"},
+    {"hide", "eye-off", QT_TRANSLATE_NOOP("Actions", "&Hide the selected elements"), "H"},
+    {"show-all", "eye", QT_TRANSLATE_NOOP("Actions", "&Show all elements"), "Alt+H"},
+    {"frame-all", "frame", QT_TRANSLATE_NOOP("Actions", "Frame &all"), "Home"},
+    {"frame-selection", "", QT_TRANSLATE_NOOP("Actions", "&Frame the selection"), "F"},
+    {"view-front", "", QT_TRANSLATE_NOOP("Actions", "Front"), ""},
+    {"view-right", "", QT_TRANSLATE_NOOP("Actions", "Right"), ""},
+    {"view-top", "", QT_TRANSLATE_NOOP("Actions", "Top"), ""},
+    {"orthographic", "", QT_TRANSLATE_NOOP("Actions", "&Orthographic"), "", true},
+    {"bones", "bones", QT_TRANSLATE_NOOP("Actions", "Show &bones"), "Alt+B", true},
+    {"grid", "grid", QT_TRANSLATE_NOOP("Actions", "Show &ground"), "Alt+G", true},
+    {"xray", "", QT_TRANSLATE_NOOP("Actions", "&See through bodies"), "Alt+X", true},
+    {"full-screen", "", QT_TRANSLATE_NOOP("Actions", "F&ull screen"), "F11", true},
+    {"theme-dark", "", QT_TRANSLATE_NOOP("Actions", "&Dark"), "", true},
+    {"theme-light", "", QT_TRANSLATE_NOOP("Actions", "&Light"), "", true},
+    {"theme-contrast", "", QT_TRANSLATE_NOOP("Actions", "High &contrast"), "", true},
+    {"language-en", "", "English", "", true},
+    {"language-ja", "", "日本語", "", true},
+    {"search", "search", QT_TRANSLATE_NOOP("Actions", "Search &commands…"), "F3; Ctrl+Shift+P"},
+    {"controls", "mouse", QT_TRANSLATE_NOOP("Actions", "&Mouse and keys"), "F1"},
+    {"about", "info", QT_TRANSLATE_NOOP("Actions", "&About Imomushi"), ""},
+};
+
+}  // namespace
+
+StudioActions::StudioActions(QWidget* window) : ActionSet(window, "Actions") {
+    for (const Row& row : kRows) add(row.id, row.icon, row.text, row.keys, row.checkable);
+    retranslate();
+}
+
+}  // namespace imomushi

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "ui/widgets/action_set.h"
+
+namespace imomushi {
+
+/// All actions of the studio, with their icons, texts and standard shortcuts. MainWindow says what they do.
+class StudioActions : public ActionSet {
+public:
+    explicit StudioActions(QWidget* window);
+};
+
+}  // namespace imomushi
