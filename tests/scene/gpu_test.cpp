@@ -100,7 +100,7 @@ TEST_CASE("gpu: samples have the same vertices and pictures, whoever deforms the
         keep(made, name + "-gpu");
         const int pixels = differing(expected, made);
         MESSAGE(name << ": " << elsewhere << " of " << character.recipe().elements.size() << " elements on the GPU; " << pixels << " pixels differ visibly");
-        // Vertices are the same; what is left is light that follows the extent of the character, which is known less exactly (Bounds).
+        // Vertices are the same; what is left is light that follows the extent of the character, which is known less exactly (BoundingBoxes).
         CHECK(pixels <= kWidth * kHeight / 500);
 
         auto& deformer = live.deformer;

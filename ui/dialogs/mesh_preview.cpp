@@ -5,6 +5,7 @@
 #include <QPainterPath>
 #include <cmath>
 
+#include "core/mesh/bounds.h"
 #include "ui/widgets/appearance.h"
 
 namespace imomushi {
@@ -25,9 +26,10 @@ void MeshPreview::show(const Result<ImportResult>& result) {
     invalidate();
     if (!result) return;
     Eigen::AlignedBox3d box;
-    for (const ImportedBody& body : result->bodies)
-        if (body.mesh.body.vertices.rows() > 0)
-            box.extend(Eigen::AlignedBox3d(body.mesh.body.vertices.colwise().minCoeff().transpose(), body.mesh.body.vertices.colwise().maxCoeff().transpose()));
+    for (const ImportedBody& body : result->bodies) {
+        const Bounds bounds = boundsOf(body.mesh.body.vertices);
+        if (body.mesh.body.vertices.rows() > 0) box.extend(Eigen::AlignedBox3d(bounds.low, bounds.high));
+    }
     const double radius = box.isEmpty() ? 0.0 : 0.5 * box.diagonal().norm();
     if (!(radius > 0.0) || !std::isfinite(radius)) return;
     // Files may hold any size anywhere, single precision not: by a power of ten, so that the lines of the grid stay powers of ten of a metre.

@@ -6,6 +6,8 @@
 #include <numeric>
 #include <utility>
 
+#include "core/mesh/vertex_corners.h"
+
 namespace imomushi::render {
 
 namespace {
@@ -23,7 +25,7 @@ Eigen::Vector3f unit(const Eigen::Vector3f& v) {
 }
 
 /// Splits the corners (triangle * 3 + corner) around one body vertex into groups; writes a group number per corner.
-void groupCorners(const std::vector<int>& corners, const ElementMesh& mesh, bool look, const std::vector<Eigen::Vector3f>& unitFacet,
+void groupCorners(std::span<const std::int32_t> corners, const ElementMesh& mesh, bool look, const std::vector<Eigen::Vector3f>& unitFacet,
                   std::vector<int>& group) {
     const int n = static_cast<int>(corners.size());
     group.resize(n);
@@ -58,18 +60,17 @@ BodyGeometry::BodyGeometry(const ElementMesh& mesh, const std::vector<std::int32
     const int vertices = static_cast<int>(mesh.body.vertices.rows()), faces = static_cast<int>(triangles_.rows());
     const bool hasLook = mesh.look.triangles.rows() == faces && !mesh.look.bodyVertex.empty();
     const bool lookNormals = hasLook && mesh.look.normals.rows() == static_cast<Eigen::Index>(mesh.look.bodyVertex.size());
-    std::vector<char> isCovered(faces, 0);
+    std::vector<char> isCovered(faces, 0), isShown(faces, 1);
     if (covered)
         for (const std::int32_t f : *covered)
-            if (f >= 0 && f < faces) isCovered[f] = 1;
+            if (f >= 0 && f < faces) isCovered[f] = 1, isShown[f] = 0;
 
     std::vector<Eigen::Vector3f> unitFacet(faces);
     const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> rest = mesh.body.vertices.cast<float>();
     for (int f = 0; f < faces; ++f) unitFacet[f] = unit(facetNormal(rest.data(), triangles_, f));
 
-    std::vector<std::vector<int>> around(vertices), coveredAround(vertices);
-    for (int f = 0; f < faces; ++f)
-        for (int c = 0; c < 3; ++c) (isCovered[f] ? coveredAround : around)[triangles_(f, c)].push_back(3 * f + c);
+    const std::span<const std::int32_t> corners(triangles_.data(), static_cast<std::size_t>(triangles_.size()));
+    const VertexCorners shownCorners(corners, static_cast<std::size_t>(vertices), isShown), coveredCorners(corners, static_cast<std::size_t>(vertices), isCovered);
 
     // Groups, and display vertices: one for each pair of look vertex and group.
     corner_.assign(3 * std::size_t(faces), 0);
@@ -84,18 +85,19 @@ BodyGeometry::BodyGeometry(const ElementMesh& mesh, const std::vector<std::int32
     std::vector<DisplayVertex> known;
     std::vector<std::pair<int, int>> number;  // root -> group, -1: whole
     for (int v = 0; v < vertices; ++v) {
-        groupCorners(around[v], mesh, lookNormals, unitFacet, group);
+        const auto around = shownCorners.at(v), coveredAround = coveredCorners.at(v);
+        groupCorners(around, mesh, lookNormals, unitFacet, group);
         known.clear();
         number.clear();
         const auto numberOf = [&](int root) { return std::find_if(number.begin(), number.end(), [&](const auto& entry) { return entry.first == root; }); };
         int partial = 0;
-        for (std::size_t i = 0; i < around[v].size(); ++i) {
+        for (std::size_t i = 0; i < around.size(); ++i) {
             if (numberOf(group[i]) != number.end()) continue;
             int& own = number.emplace_back(group[i], -1).second;
-            const bool whole = coveredAround[v].empty() && std::count(group.begin(), group.end(), group[i]) == static_cast<long>(group.size());
+            const bool whole = coveredAround.empty() && std::count(group.begin(), group.end(), group[i]) == static_cast<long>(group.size());
             if (whole) continue;
-            for (std::size_t k = 0; k < around[v].size(); ++k)
-                if (group[k] == group[i]) groupTriangles_.push_back(around[v][k] / 3);
+            for (std::size_t k = 0; k < around.size(); ++k)
+                if (group[k] == group[i]) groupTriangles_.push_back(around[k] / 3);
             own = static_cast<int>(groupStart_.size()) - 1;
             groupStart_.push_back(static_cast<int>(groupTriangles_.size()));
             seamGroup_[v] = own;
@@ -113,8 +115,8 @@ BodyGeometry::BodyGeometry(const ElementMesh& mesh, const std::vector<std::int32
             }
             corner_[corner] = at->index;
         };
-        for (std::size_t i = 0; i < around[v].size(); ++i) place(around[v][i], numberOf(group[i])->second);
-        for (const int corner : coveredAround[v]) place(corner, -1);
+        for (std::size_t i = 0; i < around.size(); ++i) place(around[i], numberOf(group[i])->second);
+        for (const int corner : coveredAround) place(corner, -1);
     }
     usedTriangles_ = groupTriangles_;
     std::sort(usedTriangles_.begin(), usedTriangles_.end());

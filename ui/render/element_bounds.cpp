@@ -77,8 +77,8 @@ void ElementBounds::prepare(const SurfaceRecipe::Element& element) {
 }
 
 // Of each cluster: all places between the least and the greatest that its modes reach.
-Bounds ElementBounds::at(const SurfaceRecipe::Element& element) const {
-    Bounds bounds;
+BoundingBoxes ElementBounds::at(const SurfaceRecipe::Element& element) const {
+    BoundingBoxes bounds;
     const auto& frame = element.frame;
     const Matrix3f shape = linearOf(frame.shape), placed = linearOf(frame.placement);
     const Eigen::Map<const Eigen::VectorXf> weights(frame.weights.data(), static_cast<Eigen::Index>(frame.weights.size()));

@@ -10,7 +10,7 @@
 namespace imomushi::render {
 
 /// Boxes around an element whose vertices only the GPU knows, world, m.
-struct Bounds {
+struct BoundingBoxes {
     Eigen::AlignedBox3f conservative;  ///< holds every vertex, up to some percent larger
     Eigen::AlignedBox3f tight;         ///< the size of the element within some tenths of a percent; vertices may lie outside
 };
@@ -20,7 +20,7 @@ class ElementBounds {
 public:
     void prepare(const SurfaceRecipe::Element& element);
     /// In the element's present frame. Allocates nothing.
-    [[nodiscard]] Bounds at(const SurfaceRecipe::Element& element) const;
+    [[nodiscard]] BoundingBoxes at(const SurfaceRecipe::Element& element) const;
 
 private:
     /// Vertices that are near each other at rest.

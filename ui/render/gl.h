@@ -4,7 +4,6 @@
 #include <epoxy/gl.h>
 
 #include <Eigen/Core>
-#include <cfenv>
 #include <initializer_list>
 #include <string>
 #include <utility>
@@ -123,18 +122,6 @@ private:
     Renderbuffer colorSamples_, depthSamples_;
     int width_ = 0, height_ = 0, samples_ = 0;
     GLenum colorFormat_ = 0, depthFormat_ = 0;
-};
-
-/// Floating-point traps off while it lives: drivers compute with infinities on purpose.
-class NoFloatingPointTraps {
-public:
-    NoFloatingPointTraps() { std::feholdexcept(&before_); }
-    ~NoFloatingPointTraps() { std::fesetenv(&before_); }
-    NoFloatingPointTraps(const NoFloatingPointTraps&) = delete;
-    NoFloatingPointTraps& operator=(const NoFloatingPointTraps&) = delete;
-
-private:
-    std::fenv_t before_{};
 };
 
 }  // namespace imomushi::render

@@ -39,7 +39,7 @@ public:
     void deform(const SurfaceRecipe& recipe);
     /// Counts the changes of an element and of what its normals follow from.
     [[nodiscard]] std::uint64_t version(int element) const { return elements_[static_cast<std::size_t>(element)].version; }
-    [[nodiscard]] const Bounds& bounds(int element) const { return elements_[static_cast<std::size_t>(element)].bounds; }
+    [[nodiscard]] const BoundingBoxes& bounds(int element) const { return elements_[static_cast<std::size_t>(element)].bounds; }
 
     [[nodiscard]] DisplayMap makeDisplayMap(int element, const BodyGeometry& geometry, const std::vector<Neighbour>& neighbours) const {
         return display_.makeMap(element, geometry, neighbours);
@@ -74,7 +74,7 @@ private:
         std::vector<int> neighbours;      ///< elements whose vertices its normals on seams read
         std::uint64_t revision = 0, version = 0;
         bool fresh = true, changed = false;
-        Bounds bounds;
+        BoundingBoxes bounds;
     };
     void uploadElement(const SurfaceRecipe::Element& element, ElementBuffers& buffers) const;
     void uploadFrame(const SurfaceRecipe::Element& element, ElementBuffers& buffers);

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <limits>
 
+#include "core/base/floating_point_guard.h"
 #include "ui/render/body_pass.h"
 #include "ui/render/body_store.h"
 #include "ui/render/frame.h"
@@ -103,7 +104,7 @@ Result<void> Renderer::prepare() {
 }
 
 bool Renderer::uploadCharacter(const SurfaceRecipe& recipe) {
-    const NoFloatingPointTraps quiet;
+    const FloatingPointGuard guard;
     return store_.deformer().upload(recipe);
 }
 
@@ -154,7 +155,7 @@ void Renderer::compose(const PassInput& in, unsigned target) const {
 
 void Renderer::draw(const Scene& scene, unsigned target, int width, int height) {
     if (width < 1 || height < 1) return;
-    const NoFloatingPointTraps quiet;
+    const FloatingPointGuard guard;
     resetState();
     const bool memory = samples_.resize(width, height, GL_SRGB8_ALPHA8, GL_DEPTH_COMPONENT24, kSamples) && picture_.resize(width, height, GL_SRGB8_ALPHA8, 0) &&
                         shadows_.resize(software_) && occlusion_.resize(width, height, software_);
@@ -184,7 +185,7 @@ void Renderer::releaseMemory() {
 SceneRenderer::Pick Renderer::pick(const Scene& scene, int width, int height, int x, int y) {
     Pick answer;
     if (width < 1 || height < 1 || x < 0 || y < 0 || x >= width || y >= height) return answer;
-    const NoFloatingPointTraps quiet;
+    const FloatingPointGuard guard;
     GLint before = 0, viewport[4] = {};
     glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &before);
     glGetIntegerv(GL_VIEWPORT, viewport);
@@ -209,7 +210,7 @@ SceneRenderer::Pick Renderer::pick(const Scene& scene, int width, int height, in
 }  // namespace
 
 Result<std::unique_ptr<SceneRenderer>> SceneRenderer::create() {
-    const NoFloatingPointTraps quiet;
+    const FloatingPointGuard guard;
     if (!epoxy_is_desktop_gl() || epoxy_gl_version() < 33)
         return fail("no-opengl", "The graphics driver offers no OpenGL 3.3: update it, or install Mesa's software driver.");
     auto renderer = std::make_unique<Renderer>();

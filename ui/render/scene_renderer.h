@@ -9,7 +9,8 @@
 
 namespace imomushi::render {
 
-/// Draws scenes with the OpenGL 3.3 core context that is current on this thread. No Qt.
+/// Draws scenes with the OpenGL 3.3 core context that is current on this thread. No Qt. Drivers compute with infinities on purpose: floating-point traps are off
+/// inside.
 class SceneRenderer {
 public:
     /// Errors: "no-opengl" (no 3.3 core context), "bad-shader" with the compiler's log.

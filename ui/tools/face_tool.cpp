@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/mesh/bounds.h"
 #include "ui/models/gesture.h"
 #include "ui/models/texts.h"
 #include "ui/tools/tool_texts.h"
@@ -24,11 +25,6 @@ constexpr double kMeetDistance = 0.01;
 constexpr double kMeetShape = 0.05;
 /// Normals of faces that meet are opposite to within about 8 degrees.
 constexpr double kMeetCosine = 0.99;
-
-double diagonal(const TriangleMesh& mesh) {
-    if (mesh.vertices.rows() == 0) return 0.0;
-    return (mesh.vertices.colwise().maxCoeff() - mesh.vertices.colwise().minCoeff()).norm();
-}
 
 Vec3 corner(const TriangleMesh& mesh, std::int32_t triangle, int c) { return mesh.vertices.row(mesh.triangles(triangle, c)); }
 
@@ -131,7 +127,7 @@ void FaceTool::look(PartId id) {
 }
 
 double FaceTool::tolerance(const Element& element) const {
-    return kTolerance * std::ldexp(1.0, widened_) * diagonal(element.mesh->body);
+    return kTolerance * std::ldexp(1.0, widened_) * diagonalOf(element.mesh->body.vertices);
 }
 
 void FaceTool::clearPreview() {
@@ -265,7 +261,7 @@ void FaceTool::movePlane(double steps) {
     previewPlane();
     const Element* of = element();
     if (!of) return;
-    const double step = 0.005 * steps * diagonal(of->mesh->body);
+    const double step = 0.005 * steps * diagonalOf(of->mesh->body.vertices);
     plane_->origin += step * plane_->normal;
     plane_->shownOrigin += step * plane_->shownNormal;
     previewPlane();
@@ -381,7 +377,7 @@ void FaceTool::decorate(render::Scene& scene) const {
     render::Marker gizmo;
     gizmo.shape = render::Marker::Shape::PlaneGizmo;
     gizmo.from = plane_->shownOrigin;
-    gizmo.to = plane_->shownOrigin + 0.25 * (of ? diagonal(of->mesh->body) : 1.0) * plane_->shownNormal;
+    gizmo.to = plane_->shownOrigin + 0.25 * (of ? diagonalOf(of->mesh->body.vertices) : 1.0) * plane_->shownNormal;
     scene.markers.push_back(std::move(gizmo));
 }
 

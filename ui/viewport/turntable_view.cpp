@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/io/raw_scene.h"
+#include "core/base/colour.h"
 #include "ui/models/texts.h"
 #include "ui/scene/framing.h"
 
