@@ -11,6 +11,7 @@
 #include "core/comparison/previous_model.h"
 #include "core/comparison/swing.h"
 #include "core/comparison/timing.h"
+#include "core/mesh/bounds.h"
 
 namespace imomushi {
 
@@ -150,7 +151,7 @@ Result<std::vector<Divergence>> previousDivergence(const ComparedModels& models,
                     const Points& body = models.input.elements[e].mesh->body.vertices;
                     const auto back = character->frame(static_cast<int>(e)).inverse();
                     const auto surface = character->surface(static_cast<int>(e));
-                    const double diagonal = (body.colwise().maxCoeff() - body.colwise().minCoeff()).norm();
+                    const double diagonal = diagonalOf(body);
                     for (Eigen::Index v = 0; v < body.rows(); ++v) {
                         const Vec3 now = Eigen::Map<const Eigen::Vector3f>(surface.positions + 3 * v).cast<double>();
                         one.largest = std::max(one.largest, (back * now - Vec3(body.row(v).transpose())).norm() / diagonal);

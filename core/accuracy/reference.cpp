@@ -13,6 +13,7 @@
 #include "core/accuracy/machine_share.h"
 #include "core/comparison/model_table.h"
 #include "core/comparison/previous_model.h"
+#include "core/mesh/bounds.h"
 #include "core/reduction/congruence.h"
 #include "core/reduction/solved_body.h"
 
@@ -49,7 +50,7 @@ ErrorSum difference(const std::vector<Points>& shown, const std::vector<Points>&
     for (std::size_t e = 0; e < wanted.size(); ++e) {
         const Points& rest = frames.input().elements[e].mesh->body.vertices;
         const auto frame = frames.frame(static_cast<int>(e));
-        const double diagonal = rest.rows() ? (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm() : 0.0;
+        const double diagonal = diagonalOf(rest);
         double largest = 0.0;
         for (Eigen::Index v = 0; v < rest.rows(); ++v) {
             if (!seen[e][static_cast<std::size_t>(v)]) continue;
@@ -134,7 +135,7 @@ std::vector<std::vector<float>> errorField(const Character& character, const Ref
     std::vector<std::vector<float>> out;
     for (std::size_t e = 0; e < shown.size(); ++e) {
         const Points& rest = character.input().elements[e].mesh->body.vertices;
-        const double diagonal = rest.rows() ? (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm() : 1.0;
+        const double diagonal = rest.rows() ? diagonalOf(rest) : 1.0;
         auto& field = out.emplace_back(static_cast<std::size_t>(rest.rows()), -1.0f);
         for (Eigen::Index v = 0; v < rest.rows(); ++v)
             if (reference.seen[e][static_cast<std::size_t>(v)])

@@ -7,8 +7,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "core/base/parallel.h"
+#include "core/mesh/vertex_corners.h"
 
 namespace imomushi {
 
@@ -28,29 +30,18 @@ constexpr double kLeastSine = 0.15;
 constexpr double kOffCentre = 1.0, kNarrow = 0.3, kTilted = 3.0;
 constexpr std::size_t kGrain = 4096;
 
-/// Triangles around every vertex.
-struct Rings {
-    std::vector<std::int32_t> first, triangle;
-    Rings(std::size_t vertices, const std::vector<std::int32_t>& triangles) : first(vertices + 1, 0), triangle(triangles.size()) {
-        for (const auto v : triangles) ++first[v + 1];
-        for (std::size_t v = 0; v < vertices; ++v) first[v + 1] += first[v];
-        auto next = first;
-        for (std::size_t i = 0; i < triangles.size(); ++i) triangle[next[triangles[i]]++] = static_cast<std::int32_t>(i / 3);
-    }
-};
-
 class Finder {
 public:
     Finder(const Points& vertices, const std::vector<std::int32_t>& triangles, double scale)
         : vertices_(vertices), triangles_(triangles), scale_(scale) {}
 
-    NormalStencil find(std::int32_t v, const std::int32_t* begin, const std::int32_t* end) {
+    NormalStencil find(std::int32_t v, std::span<const std::int32_t> corners) {
         NormalStencil best{v, v, v, v};
         points_.assign(1, v);
         Vec3 normal = Vec3::Zero(), centre = Vec3::Zero();
         double weight = 0.0;
-        for (const auto* t = begin; t != end; ++t) {
-            const std::int32_t* corner = triangles_.data() + 3 * static_cast<std::ptrdiff_t>(*t);
+        for (const std::int32_t at_v : corners) {
+            const std::int32_t* corner = triangles_.data() + at_v / 3 * 3;
             const Vec3 a = at(corner[0]), b = at(corner[1]), c = at(corner[2]);
             const Vec3 area = (b - a).cross(c - a);
             normal += area;
@@ -62,7 +53,7 @@ public:
         }
         if (!(weight > 0.0)) return best;
         // Triangles that cancel leave no normal to follow: that of the first one.
-        const std::int32_t* first = triangles_.data() + 3 * static_cast<std::ptrdiff_t>(*begin);
+        const std::int32_t* first = triangles_.data() + corners.front() / 3 * 3;
         best = {first[1], first[0], first[0], first[2]};
         if (!(normal.norm() > 1e-6 * weight)) return best;
         normal.normalize();
@@ -137,11 +128,11 @@ private:
 std::vector<NormalStencil> normalStencils(const Points& vertices, const std::vector<std::int32_t>& triangles, double scale) {
     const auto count = static_cast<std::size_t>(vertices.rows());
     std::vector<NormalStencil> out((count + kVertexBlock - 1) / kVertexBlock * kVertexBlock);
-    const Rings rings(count, triangles);
+    const VertexCorners corners(triangles, count);
     parallelFor(hardwareThreads(), count, kGrain, [&](std::size_t begin, std::size_t end) {
         Finder finder(vertices, triangles, scale);
         for (std::size_t v = begin; v < end; ++v)
-            out[v] = finder.find(static_cast<std::int32_t>(v), rings.triangle.data() + rings.first[v], rings.triangle.data() + rings.first[v + 1]);
+            out[v] = finder.find(static_cast<std::int32_t>(v), corners.at(static_cast<std::int32_t>(v)));
     });
     return out;
 }

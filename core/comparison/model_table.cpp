@@ -9,6 +9,7 @@
 #include "core/comparison/standard_poses.h"
 #include "core/comparison/swing.h"
 #include "core/comparison/timing.h"
+#include "core/mesh/bounds.h"
 
 namespace imomushi {
 
@@ -104,7 +105,7 @@ Result<ModelTable> compareModels(const ComparedModels& models, const Progress& p
             const auto& rest = given.elements[e].mesh->body.vertices;
             const auto frame = character->frame(static_cast<int>(e));
             const Points shown = character->positions(static_cast<int>(e));
-            const double diagonal = rest.rows() ? (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm() : 0.0;
+            const double diagonal = diagonalOf(rest);
             for (Eigen::Index p = 0; p < rest.rows(); ++p) {
                 if (!seen[e][static_cast<std::size_t>(p)]) continue;
                 const double miss = (shown.row(p) - (*wanted)[e].row(p)).squaredNorm();

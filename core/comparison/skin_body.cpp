@@ -3,7 +3,8 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
+
+#include "core/base/union_find.h"
 
 namespace imomushi {
 
@@ -18,24 +19,17 @@ SkinBody skinBody(const CharacterInput& input, bool hidden) {
     const int count = out.first.back();
     out.vertices.resize(count, 3);
     out.same.resize(static_cast<std::size_t>(count));
-    std::iota(out.same.begin(), out.same.end(), 0);
+    UnionFind sets(out.same.size());
     for (std::size_t e = 0; e < input.elements.size(); ++e)
         out.vertices.middleRows(out.first[e], out.first[e + 1] - out.first[e]) = input.elements[e].mesh->body.vertices;
-    const auto lowest = [&](std::int32_t v) {
-        while (out.same[v] != v) v = out.same[v];
-        return v;
-    };
     for (const auto& joint : input.joints) {
         if (joint.faces.size() < 2) continue;
         for (const auto& f : joint.faces)
             for (const auto t : input.elements[f.element].faces[f.face].triangles) covered[f.element][t] = 1;
-        for (const auto& [a, b] : joint.welded) {
-            const auto p = lowest(out.first[joint.faces[0].element] + a), q = lowest(out.first[joint.faces[1].element] + b);
-            out.same[std::max(p, q)] = std::min(p, q);
-        }
+        for (const auto& [a, b] : joint.welded) sets.unite(out.first[joint.faces[0].element] + a, out.first[joint.faces[1].element] + b);
     }
     for (std::int32_t v = 0; v < count; ++v) {
-        out.same[v] = lowest(v);
+        out.same[v] = sets.find(v);
         out.vertices.row(v) = out.vertices.row(out.same[v]).eval();
     }
     std::vector<std::int32_t> corners;

@@ -8,11 +8,11 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <numbers>
-#include <numeric>
 
+#include "core/base/finite.h"
 #include "core/mesh/topology.h"
-#include "core/reduction/triangle_tree.h"
+#include "core/mesh/triangle_tree.h"
+#include "core/mesh/winding_number.h"
 #include "core/skeleton/bone_tree.h"
 
 namespace imomushi {
@@ -80,22 +80,6 @@ double roundedRamp(double x) {
     if (x > 0.5) return 1.0 - roundedRamp(1.0 - x);
     if (x <= 0.0) return 0.0;
     return x < kRounded ? x * x / (2.0 * kRounded * (1.0 - kRounded)) : (x - 0.5 * kRounded) / (1.0 - kRounded);
-}
-
-/// Whether a place lies inside the surface: its winding number, by the solid angles of all triangles.
-bool inside(const TriangleMesh& mesh, const Vec3& p) {
-    double angle = 0.0;
-    for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) {
-        Vec3 r[3];
-        double n[3];
-        for (int c = 0; c < 3; ++c) {
-            r[c] = mesh.vertices.row(mesh.triangles(t, c)).transpose() - p;
-            n[c] = r[c].norm();
-        }
-        const double y = r[0].dot(r[1].cross(r[2])), x = n[0] * n[1] * n[2] + r[0].dot(r[1]) * n[2] + r[1].dot(r[2]) * n[0] + r[2].dot(r[0]) * n[1];
-        if (x != 0.0 || y != 0.0) angle += 2.0 * std::atan2(y, x);
-    }
-    return std::abs(angle) > 2.0 * std::numbers::pi;
 }
 
 /// Whether nothing lies between a place inside the body and a vertex with that normal: spheres that touch the surface are followed along the line.
@@ -203,9 +187,7 @@ Result<SkinWeights> automaticWeights(const SkinBody& body, const Skeleton& skele
     if (n == 0) return fail("too-small", "There is no surface to cover: import an element first.");
     const TriangleMesh mesh{body.vertices, triangles};
     const Points normals = vertexNormals(mesh);
-    std::vector<std::int32_t> every(static_cast<std::size_t>(triangles.rows()));
-    std::iota(every.begin(), every.end(), 0);
-    const TriangleTree surface(mesh, every);
+    const TriangleTree surface(mesh);
 
     std::vector<Eigen::Triplet<double>> entries;
     Eigen::VectorXd area = Eigen::VectorXd::Zero(n), heat = Eigen::VectorXd::Zero(n);
@@ -228,7 +210,7 @@ Result<SkinWeights> automaticWeights(const SkinBody& body, const Skeleton& skele
     Eigen::MatrixXd right = Eigen::MatrixXd::Zero(n, bones);
     std::vector<int> warmBones;  // a bone beside the body heats nothing
     for (int b = 0; b < bones; ++b)
-        if (inside(mesh, 0.5 * (skeleton.points[skeleton.bones[b].start] + skeleton.points[skeleton.bones[b].end]))) warmBones.push_back(b);
+        if (std::abs(windingNumber(mesh, 0.5 * (skeleton.points[skeleton.bones[b].start] + skeleton.points[skeleton.bones[b].end]))) > 0.5) warmBones.push_back(b);
     std::vector<std::pair<double, int>> near(warmBones.size());
     for (Eigen::Index i = 0; i < n; ++i) {
         if (i % 256 == 0 && progress.cancelled()) return cancelled();

@@ -126,7 +126,7 @@ Result<Json> append(Session& session, const Json& arguments, const Progress&) {
     if (const Json* given = find(arguments, "offset")) {
         offset = *vector3(*given);
         for (const PartId id : wanted)
-            if (const Points& v = there.elements.at(id)->mesh->body.vertices; v.rows() > 0 && !((v.rowwise() + offset.transpose()).cwiseAbs().maxCoeff() <= kLargestCoordinate))
+            if (const Points& v = there.elements.at(id)->mesh->body.vertices; v.rows() > 0 && !((v.rowwise() + offset.transpose()).cwiseAbs().maxCoeff() <= kMaxCoordinate))
                 return fail("bad-value", "\"offset\" takes the elements too far away.");
     }
 

@@ -4,6 +4,7 @@
 #include "core/document/names.h"
 #include "core/document/seam.h"
 #include "core/document/session.h"
+#include "core/mesh/winding_number.h"
 
 namespace imomushi {
 

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
 #include <queue>
 
+#include "core/base/union_find.h"
 #include "core/document/names.h"
 #include "core/document/seam.h"
 
@@ -17,24 +17,6 @@ namespace {
 constexpr double kSamePoint = 1e-9;
 /// An endpoint that was given as coordinates and lies this near to the centroid of a face, relative to the face, sits at the face.
 constexpr double kAtFace = 1e-6;
-
-class UnionFind {
-public:
-    explicit UnionFind(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
-    int find(int i) {
-        while (parent_[static_cast<std::size_t>(i)] != i) i = parent_[static_cast<std::size_t>(i)] = parent_[static_cast<std::size_t>(parent_[static_cast<std::size_t>(i)])];
-        return i;
-    }
-    /// The smaller index represents the set: what was created first decides.
-    void unite(int a, int b) {
-        a = find(a);
-        b = find(b);
-        parent_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
-    }
-
-private:
-    std::vector<int> parent_;
-};
 
 const Bone::Place& placeOf(const Bone& bone, bool atEnd) { return atEnd ? bone.end : bone.start; }
 

@@ -11,25 +11,24 @@
 
 #include "core/document/command.h"
 #include "core/document/document.h"
+#include "core/mesh/bounds.h"
 
 namespace imomushi {
 
-/// Coordinates beyond this (m) are refused: their sixth powers would still be finite, and no character is that far away.
-inline constexpr double kLargestCoordinate = 1e9;
 /// Whole numbers beyond this are refused: they all fit an int.
 inline constexpr std::int64_t kLargestInteger = 1'000'000'000;
 
 /// "a text", "three numbers [x,y,z]", ...
 std::string_view typeText(CommandKey::Type type);
 
-/// [x,y,z] of finite numbers within kLargestCoordinate.
+/// [x,y,z] of finite numbers within kMaxCoordinate.
 inline std::optional<Vec3> vector3(const Json& value) {
     if (!value.is_array() || value.size() != 3) return std::nullopt;
     Vec3 v;
     for (int i = 0; i < 3; ++i) {
         if (!value[static_cast<std::size_t>(i)].is_number()) return std::nullopt;
         v[i] = value[static_cast<std::size_t>(i)].get<double>();
-        if (!(std::abs(v[i]) <= kLargestCoordinate)) return std::nullopt;
+        if (!(std::abs(v[i]) <= kMaxCoordinate)) return std::nullopt;
     }
     return v;
 }

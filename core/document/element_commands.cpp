@@ -8,6 +8,7 @@
 #include "core/document/names.h"
 #include "core/document/seam.h"
 #include "core/document/session_state.h"
+#include "core/mesh/bounds.h"
 
 namespace imomushi {
 
@@ -17,11 +18,6 @@ namespace {
 constexpr double kPlaneTolerance = 1e-4;
 /// Faces farther apart than this, relative to their size, are not joined: the seam would show.
 constexpr double kLargestGap = 0.01;
-
-double diagonal(const TriangleMesh& body) {
-    if (body.vertices.rows() == 0) return 0.0;
-    return (body.vertices.colwise().maxCoeff() - body.vertices.colwise().minCoeff()).norm();
-}
 
 struct Plane {
     Vec3 origin, normal;
@@ -73,7 +69,7 @@ Result<Json> addJointFace(Session& session, const Json& arguments, const Progres
     const Json* plane = find(arguments, "plane");
     const Json* vertices = find(arguments, "vertices");
     if ((plane != nullptr) == (vertices != nullptr)) return fail("missing-key", "\"add-joint-face\" needs either \"plane\" or \"vertices\".");
-    const double size = diagonal(body);
+    const double size = diagonalOf(body.vertices);
 
     Result<JointFace> face = fail("no-patch", "");
     if (plane) {

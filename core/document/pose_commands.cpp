@@ -177,7 +177,7 @@ Result<Json> touch(Session& session, const Json& arguments, const Progress&) {
     if (!target) return fail("bad-type", "\"to\" must be three numbers [x,y,z], or null to lift the finger.");
     double radius = 0.0;
     if (const Json* given = find(arguments, "radius")) {
-        const auto value = numberWithin(*given, "radius", 0.0, kLargestCoordinate);
+        const auto value = numberWithin(*given, "radius", 0.0, kMaxCoordinate);
         if (!value) return tl::unexpected(value.error());
         radius = *value;
     }

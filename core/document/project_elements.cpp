@@ -225,8 +225,8 @@ void readElements(Database& db, Document& document) {
         f.frame.origin = Vec3(frame[0], frame[1], frame[2]);
         for (int k = 0; k < 9; ++k) f.frame.axes(k % 3, k / 3) = frame[static_cast<std::size_t>(3 + k)];
         f.area = faces.real();
-        f.size = faces.real(0.0, kLargestStoredCoordinate);
-        f.planarityError = faces.real(0.0, kLargestStoredCoordinate);
+        f.size = faces.real(0.0, kMaxCoordinate);
+        f.planarityError = faces.real(0.0, kMaxCoordinate);
         checkFace(f, e);
         e.faces.push_back(std::move(f));
     }

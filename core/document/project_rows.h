@@ -7,16 +7,15 @@
 #include <string>
 #include <vector>
 
+#include "core/base/finite.h"
 #include "core/document/document.h"
 #include "core/document/names.h"
 #include "core/document/sqlite.h"
+#include "core/mesh/bounds.h"
 
 // What the tables of a project file have in common: the limits of their values, and readers that refuse a value outside them. All throw DatabaseError.
 
 namespace imomushi {
-
-/// Of all coordinates and lengths in a project file, m. Import allows more, so a document can hold what can be saved but not opened again.
-inline constexpr double kLargestStoredCoordinate = 1e9;
 
 inline void require(bool ok, const char* what) {
     if (!ok) throw DatabaseError(what);
@@ -35,14 +34,10 @@ bool allWithin(const Values& values, Eigen::Index count) {
     return std::all_of(values.data(), values.data() + values.size(), [&](auto v) { return v >= 0 && v < count; });
 }
 
-template <class Values>
-bool allFinite(const Values& values) {
-    return std::all_of(values.data(), values.data() + values.size(), [](auto x) { return isFinite(x); });
-}
-
+/// Whether all are coordinates or lengths of a document, m. Import allows more, so a document can hold what can be saved but not opened again.
 template <class Values>
 bool allCoordinates(const Values& values) {
-    return allFinite(values) && std::all_of(values.data(), values.data() + values.size(), [](auto x) { return std::abs(x) <= kLargestStoredCoordinate; });
+    return allFinite(values) && std::all_of(values.data(), values.data() + values.size(), [](auto x) { return std::abs(x) <= kMaxCoordinate; });
 }
 
 /// Scripts and answers carry ids as JSON numbers, exact up to 2^53.

@@ -108,7 +108,7 @@ void readTakes(Database& db, Document& document) {
         auto& list = take->second->targets;
         readPosition(targets, list.size());
         Take::Target t;
-        t.time = targets.real(0.0, kLargestStoredCoordinate);
+        t.time = targets.real(0.0, kMaxCoordinate);
         t.bone = readId(targets);
         t.atEnd = targets.boolean();
         t.held = targets.boolean();

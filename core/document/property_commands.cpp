@@ -2,6 +2,7 @@
 #include <cmath>
 #include <functional>
 
+#include "core/base/colour.h"
 #include "core/document/command_support.h"
 #include "core/document/names.h"
 #include "core/document/session.h"
@@ -14,18 +15,13 @@ constexpr double kSmallestRatio = 1e-6, kLargestRatio = 1e6;  // relative stiffn
 constexpr double kSmallestDensity = 1e-3, kLargestDensity = 1e6;  // kg/m^3: from a near vacuum to more than any matter
 constexpr int kMostThreads = 1024;
 
-/// sRGB as people write it -> linear (IEC 61966-2-1).
-float linear(double encoded) {
-    return static_cast<float>(encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4));
-}
-
 Result<Eigen::Vector3f> colour(const Json& value) {
     const auto bad = [] { return fail("bad-value", "\"color\" must be \"#rrggbb\" with six hexadecimal digits."); };
     if (!value.is_string()) return bad();
     const std::string& text = value.get_ref<const std::string&>();
     if (text.size() != 7 || text[0] != '#' || text.find_first_not_of("0123456789abcdefABCDEF", 1) != std::string::npos) return bad();
     Eigen::Vector3f rgb;
-    for (int i = 0; i < 3; ++i) rgb[i] = linear(std::stoi(text.substr(static_cast<std::size_t>(1 + 2 * i), 2), nullptr, 16) / 255.0);
+    for (int i = 0; i < 3; ++i) rgb[i] = linearFromSrgb(std::stoi(text.substr(static_cast<std::size_t>(1 + 2 * i), 2), nullptr, 16) / 255.0);
     return rgb;
 }
 

@@ -18,6 +18,7 @@
 #include "core/document/command_support.h"
 #include "core/document/session_state.h"
 #include "core/io/atomic_file.h"
+#include "core/mesh/bounds.h"
 
 namespace imomushi {
 
@@ -269,7 +270,7 @@ Result<std::string> finiteElementPart(Session::State& s, const std::filesystem::
                 all += wanted.squaredNorm() * (result["case"] == "asym" || !held[static_cast<std::size_t>(v)] ? 1.0 : 0.0);
                 if (!held[static_cast<std::size_t>(v)]) wrong += miss;
             }
-            const double diagonal = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm();
+            const double diagonal = diagonalOf(rest);
             rows.push_back({name, result["case"].get<std::string>(), formatted("%.2f", result["nu"].get<double>()), formatted("%.2f", 100.0 * std::sqrt(wrong / std::max(all, 1e-300))),
                             formatted("%.3f", 100.0 * std::sqrt(largest) / diagonal)});
         }

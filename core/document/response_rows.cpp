@@ -34,7 +34,7 @@ ContentKey readKey(RowReader& rows) {
 TouchResponse readTouch(RowReader& rows, const std::vector<std::int32_t>& freeVertices, std::size_t g) {
     TouchResponse t;
     t.patches.centre = rows.array<std::int32_t>();
-    t.patches.reach = rows.real(0.0, kLargestStoredCoordinate);
+    t.patches.reach = rows.real(0.0, kMaxCoordinate);
     t.patches.first = rows.array<std::int32_t>();
     t.patches.patch = rows.array<std::int32_t>();
     t.patches.weight = rows.array<float>();

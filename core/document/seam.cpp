@@ -5,47 +5,22 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
+#include <optional>
 #include <unordered_map>
+
+#include "core/mesh/closest_point.h"
+#include "core/mesh/triangle_tree.h"
 
 namespace imomushi {
 
 namespace {
 
+/// Of distances between points, relative to their coordinates; many times as much.
+constexpr double kRounding = 1e-13;
+
 Vec3 row(const Points& points, std::int32_t i) { return points.row(i).transpose(); }
 
 double weldDistance(const FaceOnBody& a, const FaceOnBody& b) { return kWeldDistance * std::max(a.face->size, b.face->size); }
-
-/// Barycentric weights of the point of triangle (a, b, c) that is nearest to p (Ericson, Real-Time Collision Detection, 5.1.5).
-Vec3 nearestWeights(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
-    const Vec3 ab = b - a, ac = c - a, ap = p - a;
-    const double d1 = ab.dot(ap), d2 = ac.dot(ap);
-    if (d1 <= 0 && d2 <= 0) return {1, 0, 0};
-    const Vec3 bp = p - b;
-    const double d3 = ab.dot(bp), d4 = ac.dot(bp);
-    if (d3 >= 0 && d4 <= d3) return {0, 1, 0};
-    const double vc = d1 * d4 - d3 * d2;
-    if (vc <= 0 && d1 >= 0 && d3 <= 0) {
-        const double t = d1 - d3 > 0 ? d1 / (d1 - d3) : 0;
-        return {1 - t, t, 0};
-    }
-    const Vec3 cp = p - c;
-    const double d5 = ab.dot(cp), d6 = ac.dot(cp);
-    if (d6 >= 0 && d5 <= d6) return {0, 0, 1};
-    const double vb = d5 * d2 - d1 * d6;
-    if (vb <= 0 && d2 >= 0 && d6 <= 0) {
-        const double t = d2 - d6 > 0 ? d2 / (d2 - d6) : 0;
-        return {1 - t, 0, t};
-    }
-    const double va = d3 * d6 - d5 * d4;
-    if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
-        const double length = (d4 - d3) + (d5 - d6);
-        const double t = length > 0 ? (d4 - d3) / length : 0;
-        return {0, 1 - t, t};
-    }
-    const double sum = va + vb + vc;
-    return {va / sum, vb / sum, vc / sum};
-}
 
 void addSeamPoints(const FaceOnBody& from, const FaceOnBody& to, bool ofFirst,
                    const std::unordered_map<std::int32_t, std::int32_t>& welded, std::vector<SeamPoint>& seam) {
@@ -53,6 +28,8 @@ void addSeamPoints(const FaceOnBody& from, const FaceOnBody& to, bool ofFirst,
     for (const std::int32_t t : to.face->triangles)
         for (int k = 0; k < 3; ++k) triangleAt.emplace(to.body->triangles(t, k), t);
     const double besideLimit = 10 * weldDistance(from, to);
+    if (to.face->triangles.empty()) return;
+    std::optional<TriangleTree> tree;  // where all vertices are welded none is needed
     for (const std::int32_t v : from.face->vertices) {
         SeamPoint point;
         point.ofFirst = ofFirst;
@@ -63,22 +40,28 @@ void addSeamPoints(const FaceOnBody& from, const FaceOnBody& to, bool ofFirst,
             for (int k = 0; k < 3; ++k) point.weights[k] = to.body->triangles(point.triangle, k) == pair->second ? 1.0 : 0.0;
             point.distance = (p - row(to.body->vertices, pair->second)).norm();
         } else {
+            // Whatever is nearer than some triangle lies within its distance: the tree only leaves out what cannot be nearest.
             point.distance = std::numeric_limits<double>::max();
             Vec3 nearest = p;
-            for (const std::int32_t t : to.face->triangles) {
+            const auto offer = [&](std::int32_t t) {
                 const Vec3 a = row(to.body->vertices, to.body->triangles(t, 0));
                 const Vec3 b = row(to.body->vertices, to.body->triangles(t, 1));
                 const Vec3 c = row(to.body->vertices, to.body->triangles(t, 2));
-                const Vec3 w = nearestWeights(p, a, b, c);
+                const ClosestOnTriangle closest = closestOnTriangle(b - a, c - a, p - a, p - b, p - c);
+                const Vec3 w = closest.inside ? Vec3(closest.weights / (closest.weights[0] + closest.weights[1] + closest.weights[2])) : closest.weights;
                 const Vec3 q = w[0] * a + w[1] * b + w[2] * c;
                 const double distance = (p - q).norm();
-                if (distance < point.distance) {
+                if (distance < point.distance || (distance == point.distance && t < point.triangle)) {
                     point.distance = distance;
                     point.triangle = t;
                     point.weights = w;
                     nearest = q;
                 }
-            }
+            };
+            if (!tree) tree.emplace(*to.body, to.face->triangles);
+            offer(tree->nearest(p).triangle);
+            const double rounding = kRounding * std::max(p.cwiseAbs().maxCoeff(), nearest.cwiseAbs().maxCoeff());
+            for (const std::int32_t t : tree->within(p, point.distance + rounding)) offer(t);
             if (point.triangle < 0) continue;
             const Vec3 normal = to.face->frame.axes.col(2);
             const Vec3 offset = p - nearest;
@@ -167,6 +150,13 @@ double seamGap(const std::vector<SeamPoint>& seam, const TriangleMesh& bodyA, co
 double seamCrease(const FaceOnBody& faceA, const Points& a, const FaceOnBody& faceB, const Points& b) {
     const auto normalsA = rimNormals(faceA, a);
     const auto normalsB = rimNormals(faceB, b);
+    struct RimVertex {
+        Vec3 place;
+        const Vec3* normal;
+    };
+    std::vector<RimVertex> rimB;
+    for (const std::int32_t w : faceB.face->vertices)
+        if (const auto found = normalsB.find(w); found != normalsB.end()) rimB.push_back({row(faceB.body->vertices, w), &found->second});
     double crease = 0.0;
     for (const std::int32_t v : faceA.face->vertices) {
         const auto normalA = normalsA.find(v);
@@ -174,32 +164,16 @@ double seamCrease(const FaceOnBody& faceA, const Points& a, const FaceOnBody& fa
         const Vec3 p = row(faceA.body->vertices, v);
         double best = std::numeric_limits<double>::max();
         const Vec3* normal = nullptr;
-        for (const std::int32_t w : faceB.face->vertices) {
-            const auto normalB = normalsB.find(w);
-            if (normalB == normalsB.end()) continue;
-            const double distance = (row(faceB.body->vertices, w) - p).squaredNorm();
+        for (const RimVertex& w : rimB) {
+            const double distance = (w.place - p).squaredNorm();
             if (distance < best) {
                 best = distance;
-                normal = &normalB->second;
+                normal = w.normal;
             }
         }
         if (normal) crease = std::max(crease, std::atan2(normalA->second.cross(*normal).norm(), normalA->second.dot(*normal)));
     }
     return crease;
-}
-
-double windingNumber(const TriangleMesh& body, const Vec3& point) {
-    double solid = 0.0;
-    for (Eigen::Index t = 0; t < body.triangles.rows(); ++t) {
-        const Vec3 a = row(body.vertices, body.triangles(t, 0)) - point;
-        const Vec3 b = row(body.vertices, body.triangles(t, 1)) - point;
-        const Vec3 c = row(body.vertices, body.triangles(t, 2)) - point;
-        const double la = a.norm(), lb = b.norm(), lc = c.norm();
-        const double determinant = a.dot(b.cross(c));
-        const double rest = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
-        if (determinant != 0.0 || rest != 0.0) solid += 2.0 * std::atan2(determinant, rest);  // van Oosterom & Strackee 1983
-    }
-    return solid / (4.0 * std::numbers::pi);
 }
 
 }  // namespace imomushi

@@ -40,7 +40,4 @@ double seamGap(const std::vector<SeamPoint>& seam, const TriangleMesh& bodyA, co
 /// lie inside, do not count. `a`, `b`: positions of the bodies' vertices.
 double seamCrease(const FaceOnBody& faceA, const Points& a, const FaceOnBody& faceB, const Points& b);
 
-/// Winding number of the surface about a point: about 1 inside, 0 outside.
-double windingNumber(const TriangleMesh& body, const Vec3& point);
-
 }  // namespace imomushi

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -13,6 +12,8 @@
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "core/base/finite.h"
 
 struct sqlite3;
 struct sqlite3_stmt;
@@ -43,12 +44,6 @@ public:
 private:
     sqlite3* handle_ = nullptr;
 };
-
-/// Neither infinite nor NaN, by its bits: comparing a signalling NaN would trap.
-inline bool isFinite(double value) {
-    return (std::bit_cast<std::uint64_t>(value) & 0x7ff0000000000000u) != 0x7ff0000000000000u;
-}
-inline bool isFinite(float value) { return (std::bit_cast<std::uint32_t>(value) & 0x7f800000u) != 0x7f800000u; }
 
 /// Writes rows of one table: row(1, "name", blob, ...).
 class RowWriter {

@@ -15,6 +15,7 @@
 #include <string>
 #include <thread>
 
+#include "core/base/finite.h"
 #include "core/base/parallel.h"
 #include "core/elasticity/dense_lu.h"
 #include "core/elasticity/hierarchical_lu.h"
@@ -66,12 +67,6 @@ std::size_t availableMemory() {
     return pages > 0 && size > 0 ? static_cast<std::size_t>(pages) * static_cast<std::size_t>(size) : ~std::size_t{0};
 }
 
-/// Eigen's allFinite() subtracts infinities, which is a floating-point exception.
-template <class Matrix>
-bool finite(const Matrix& m) {
-    return std::all_of(m.data(), m.data() + m.size(), [](auto x) { return std::isfinite(x); });
-}
-
 std::string gigabytes(std::size_t bytes) {
     const auto tenths = static_cast<long>(std::lround(static_cast<double>(bytes) / 1e8));
     return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " GB";
@@ -90,7 +85,7 @@ Result<void> checkMesh(const TriangleMesh& mesh) {
     if (count < 4 || mesh.triangles.rows() < 4)
         return fail("not-closed", "The mesh has too few triangles to enclose a body; import a closed surface.");
     if (count > kMaxVertices) return fail("no-memory", "The mesh has too many vertices to be solved directly; reduce it first.");
-    if (!finite(mesh.vertices))
+    if (!allFinite(mesh.vertices))
         return fail("bad-value", "The mesh has a vertex that is not a finite point; repair the mesh.");
     if (mesh.triangles.minCoeff() < 0 || mesh.triangles.maxCoeff() >= count)
         return fail("bad-value", "A triangle of the mesh names a vertex that does not exist; repair the mesh.");
@@ -367,8 +362,8 @@ Result<void> BoundaryProblem::State::buildHierarchical(const Progress& progress)
 Result<BoundaryProblem::Solution> BoundaryProblem::solve(const Eigen::MatrixXd& held, const Loads& loads, const Progress& progress) {
     State& s = *state_;
     if (held.rows() != 3 * s.equation->heldCount()) return fail("bad-value", "The displacements do not match the held vertices.");
-    if (!finite(held)) return fail("bad-value", "A prescribed displacement is not finite.");
-    if (loads.tractions && (loads.tractions->rows() != s.equation->vertices() || !finite(*loads.tractions)))
+    if (!allFinite(held)) return fail("bad-value", "A prescribed displacement is not finite.");
+    if (loads.tractions && (loads.tractions->rows() != s.equation->vertices() || !allFinite(*loads.tractions)))
         return fail("bad-value", "The tractions do not match the vertices, or are not finite.");
     const auto start = Clock::now();
     auto x = s.hierarchical ? s.solveHierarchical(held, loads, progress) : s.solveDense(held, loads, progress);
@@ -431,7 +426,7 @@ Result<Eigen::MatrixXd> BoundaryProblem::State::solveDense(const Eigen::MatrixXd
         Eigen::VectorXd norm = residual.colwise().norm();
         for (std::int32_t c = 0; c < k; ++c) step.col(c) = (residual.col(c) / (norm[c] > 0.0 ? norm[c] : 1.0)).cast<float>();
         if (!lu.solve(step.data(), k, true, threads, progress)) return cancelled();
-        if (!finite(step)) break;
+        if (!allFinite(step)) break;
         Eigen::MatrixXd next = x + step.cast<double>() * norm.asDiagonal();
         Eigen::MatrixXd nextResidual = right;
         if (!subtractProduct(matrix.data(), ld, n, n, next.data(), k, nextResidual.data(), false, threads, progress)) return cancelled();

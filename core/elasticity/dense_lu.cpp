@@ -16,6 +16,7 @@
 #include <sys/mman.h>
 #endif
 
+#include "core/base/finite.h"
 #include "core/base/parallel.h"
 
 namespace imomushi {
@@ -174,7 +175,7 @@ bool DenseLu::reciprocalCondition(double norm1, int threads, const Progress& pro
     do {
         LAPACKE_slacn2_work(size_, v.data(), x.data(), sign.data(), &inverseNorm, &kase, state.data());
         if (kase != 0 && !solve(x.data(), 1, kase == 2, threads, progress)) return false;
-        if (!std::all_of(x.data(), x.data() + n, [](float value) { return std::isfinite(value); })) return true;  // singular to single precision
+        if (!allFinite(x.data(), static_cast<std::size_t>(n))) return true;  // singular to single precision
     } while (kase != 0);
     if (inverseNorm > 0.0f) rcond = 1.0 / (norm1 * static_cast<double>(inverseNorm));
     return true;

@@ -10,6 +10,7 @@
 #include <new>
 #include <string>
 
+#include "core/base/finite.h"
 #include "core/base/parallel.h"
 #include "core/elasticity/dense_lu.h"
 
@@ -45,10 +46,6 @@ constexpr std::int32_t kPieceRows = 64, kPieceColumns = 1024;
 /// Each correction solves for what is left by about the error of the hierarchical matrix, which is what it gains.
 constexpr double kInnerShare = 0.5;
 constexpr int kCorrections = 8;
-
-bool finite(const double* x, std::size_t count) {
-    return std::all_of(x, x + count, [](double value) { return std::isfinite(value); });
-}
 
 Error wasCancelled() { return {kCancelled, "The precompute was cancelled."}; }
 
@@ -206,7 +203,7 @@ bool HalvedFactor::compress(const HierarchicalMatrix& matrix, int depth, int thr
             if (progress.cancelled()) return;
             std::vector<double> a(gram.begin() + static_cast<std::ptrdiff_t>(c * square), gram.begin() + static_cast<std::ptrdiff_t>((c + 1) * square));
             std::vector<double> lambda(static_cast<std::size_t>(k));
-            if (!finite(a.data(), a.size()) || LAPACKE_dsyevd(LAPACK_COL_MAJOR, 'V', 'U', k, a.data(), k, lambda.data()) != 0) {
+            if (!allFinite(a.data(), a.size()) || LAPACKE_dsyevd(LAPACK_COL_MAJOR, 'V', 'U', k, a.data(), k, lambda.data()) != 0) {
                 failed[c] = 1;
                 return;
             }
@@ -497,7 +494,7 @@ bool HierarchicalLu::State::solveBatch(Eigen::MatrixXd& right, Eigen::MatrixXd& 
                 cblas_saxpy(n, static_cast<float>(s.g[static_cast<std::size_t>(i)]), column(basis[static_cast<std::size_t>(i)].data(), c), 1, to, 1);
         });
         if (progress.cancelled() || !factor.solve(z.data(), k, threads, progress)) return false;
-        if (!std::all_of(z.begin(), z.end(), [](float v) { return std::isfinite(v); })) break;
+        if (!allFinite(z.data(), z.size())) break;
         Eigen::MatrixXd next = x;
         for (std::int32_t c = 0; c < k; ++c) next.col(c) += Eigen::Map<const Eigen::VectorXf>(column(z.data(), c), n).cast<double>() * small[static_cast<std::size_t>(c)].beta;
         Eigen::Map<Eigen::MatrixXf>(z.data(), n, k) = next.cast<float>();
@@ -621,7 +618,7 @@ Result<void> HierarchicalLu::solve(Eigen::MatrixXd& x, double goal, const Progre
     State& s = *state_;
     const std::int32_t n = s.matrix.size();
     if (x.rows() != n) return fail("bad-value", "The right-hand sides do not match the equations.");
-    if (!finite(x.data(), static_cast<std::size_t>(x.size()))) return fail("bad-value", "A right-hand side is not finite.");
+    if (!allFinite(x.data(), static_cast<std::size_t>(x.size()))) return fail("bad-value", "A right-hand side is not finite.");
     const auto start = Clock::now();
     const std::vector<std::int32_t>& order = s.matrix.tree().order();
     const auto k = static_cast<std::int32_t>(x.cols());

@@ -12,6 +12,7 @@
 #include <string>
 #include <thread>
 
+#include "core/base/finite.h"
 #include "core/base/parallel.h"
 #include "core/elasticity/dense_lu.h"
 
@@ -94,15 +95,11 @@ struct Approximation {
     std::vector<double> u, v;
 };
 
-bool finite(const double* x, std::size_t count) {
-    return std::all_of(x, x + count, [](double value) { return std::isfinite(value); });
-}
-
 /// The same for a block that is evaluated as a whole, m x n by columns: the largest entry left is the next pivot, so that nothing is overlooked.
 Approximation approximateWhole(std::vector<double>& a, std::int32_t m, std::int32_t n, double tolerance) {
     Approximation out;
     const std::int32_t worthwhile = m * n / (m + n);
-    if (!finite(a.data(), a.size())) {
+    if (!allFinite(a.data(), a.size())) {
         out.outcome = Approximation::Outcome::notFinite;
         return out;
     }
@@ -139,7 +136,7 @@ Approximation approximate(const BlockSource& source, std::span<const std::int32_
     // What is left of the three rows of node i: row[3 j + a], 3 x n3 by columns.
     const auto takeRow = [&](std::int32_t i) {
         columns->rows(rowNodes.subspan(static_cast<std::size_t>(i), 1), row.data());
-        if (!finite(row.data(), row.size())) return false;
+        if (!allFinite(row.data(), row.size())) return false;
         if (rank > 0)
             cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, 3, n3, rank, -1.0, u.data() + 3 * i, m3, v.data(), n3, 1.0, row.data(), 3);
         return true;
@@ -186,7 +183,7 @@ Approximation approximate(const BlockSource& source, std::span<const std::int32_
                 // Rows this small say nothing about the others, and neither would their crosses.
                 if (best < 0 || std::sqrt(squared(row) * m) <= negligible) break;
                 source.columns(columnNodes.subspan(static_cast<std::size_t>(best), 1))->rows(rowNodes, column.data());
-                if (!finite(column.data(), column.size())) {
+                if (!allFinite(column.data(), column.size())) {
                     out.outcome = Approximation::Outcome::notFinite;
                     return out;
                 }
@@ -344,7 +341,7 @@ Outcome buildBlock(const BlockSource& source, const ClusterTree& tree, const Sha
     const auto prepared = source.columns(columns);
     if (progress.cancelled()) return Outcome::cancelled;
     prepared->rows(rows, dense.data());
-    if (!finite(dense.data(), dense.size())) return Outcome::notFinite;
+    if (!allFinite(dense.data(), dense.size())) return Outcome::notFinite;
     block.rank = -1;
     block.u = rounded(dense);
     return Outcome::done;
@@ -364,7 +361,7 @@ double usualRow(const BlockSource& source) {
         double block[9];
         const std::int32_t node[1] = {i};
         source.columns(node)->rows(node, block);
-        if (!finite(block, 9)) continue;
+        if (!allFinite(block, 9)) continue;
         for (const double entry : block) sum += entry * entry;
     }
     return std::sqrt(sum / std::max(count, 1));

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/mesh/bounds.h"
 #include "core/mesh/topology.h"
 
 namespace imomushi {
@@ -77,7 +78,7 @@ Result<ImportResult> buildResult(RawScene scene, const ImportRequest& request, c
     result.format = scene.format;
     result.issues = std::move(scene.issues);
     result.metresPerUnit = request.unit == Unit::AsInFile ? scene.metresPerUnit : metres(request.unit);
-    if (mesh.body.vertices.cwiseAbs().maxCoeff() > ImportedBody::kLargestCoordinate / std::max(1.0, result.metresPerUnit))
+    if (mesh.body.vertices.cwiseAbs().maxCoeff() > kMaxImportedCoordinate / std::max(1.0, result.metresPerUnit))
         return fail("non-finite", quoted + " has coordinates that are too large to compute with: scale the mesh down in the program that made it.");
     if (result.metresPerUnit != 1.0) mesh.body.vertices *= result.metresPerUnit;
     result.zUpConverted = request.up == UpAxis::AsInFile ? scene.zUp : request.up == UpAxis::Z;

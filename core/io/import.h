@@ -27,8 +27,6 @@ struct ImportRequest {
 /// One body out of a file: mended where it could be, with everything that was found told in `issues`.
 struct ImportedBody {
     std::string name;  ///< of the node, object or file; UTF-8, not empty, not unique
-    /// No coordinate is larger (m): beyond, a volume times an area would leave double's range.
-    static constexpr double kLargestCoordinate = 1e50;
     ElementMesh mesh;  ///< recentred never: coordinates as in the file after unit and axes
     std::vector<MeshIssue> issues;
     int components = 1;

@@ -6,7 +6,9 @@
 #include <cstring>
 #include <type_traits>
 
+#include "core/base/finite.h"
 #include "core/io/raw_scene.h"
+#include "core/mesh/bounds.h"
 
 namespace imomushi {
 namespace {
@@ -117,12 +119,6 @@ bool inRange(const std::vector<std::int32_t>& indices, Eigen::Index end) {
 
 bool inRange(const Triangles& t, Eigen::Index end) { return t.rows() == 0 || (t.minCoeff() >= 0 && t.maxCoeff() < end); }
 
-/// Without arithmetic on what may be no number (Eigen's allFinite() subtracts).
-template <class M>
-bool finite(const M& m) {
-    return std::all_of(m.data(), m.data() + m.size(), [](auto x) { return std::isfinite(x); });
-}
-
 /// `triangles`, `vertices`: how many there are to refer to.
 std::vector<MeshIssue> readIssues(Reader& r, Eigen::Index triangles, Eigen::Index vertices) {
     std::vector<MeshIssue> issues;
@@ -182,7 +178,7 @@ void readLook(Reader& r, const TriangleMesh& body, Look& look) {
         m.metallic = r.value<float>();
         m.roughness = r.value<float>();
         m.baseColorTexture = r.value<std::int32_t>();
-        if (color.rows() != 1 || !finite(color) || !std::isfinite(m.metallic) || !std::isfinite(m.roughness)) {
+        if (color.rows() != 1 || !allFinite(color) || !std::isfinite(m.metallic) || !std::isfinite(m.roughness)) {
             r.refuse();
             return;
         }
@@ -201,7 +197,7 @@ void readLook(Reader& r, const TriangleMesh& body, Look& look) {
     const auto fits = [&](Eigen::Index rows) { return rows == 0 || rows == renderVertices; };
     bool good = inRange(look.bodyVertex, body.vertices.rows()) && look.triangles.rows() == body.triangles.rows() &&
                 inRange(look.triangles, renderVertices) && fits(look.normals.rows()) && fits(look.texCoords.rows()) && fits(look.colors.rows()) &&
-                finite(look.normals) && finite(look.texCoords) && finite(look.colors) &&
+                allFinite(look.normals) && allFinite(look.texCoords) && allFinite(look.colors) &&
                 (look.material.empty() || static_cast<Eigen::Index>(look.material.size()) == body.triangles.rows()) &&
                 inRange(look.material, static_cast<Eigen::Index>(look.materials.size()));
     for (const Material& m : look.materials)
@@ -317,8 +313,8 @@ Result<ImportResult> decodeAnswer(std::string_view content) {
         r.matrix(body.mesh.body.vertices);
         r.matrix(body.mesh.body.triangles);
         const TriangleMesh& mesh = body.mesh.body;
-        if (!r.good() || mesh.triangles.rows() == 0 || !finite(mesh.vertices) || !inRange(mesh.triangles, mesh.vertices.rows()) ||
-            mesh.vertices.cwiseAbs().maxCoeff() > ImportedBody::kLargestCoordinate)
+        if (!r.good() || mesh.triangles.rows() == 0 || !allFinite(mesh.vertices) || !inRange(mesh.triangles, mesh.vertices.rows()) ||
+            mesh.vertices.cwiseAbs().maxCoeff() > kMaxImportedCoordinate)
             return contradicts();
         readLook(r, mesh, body.mesh.look);
         body.issues = readIssues(r, mesh.triangles.rows(), mesh.vertices.rows());

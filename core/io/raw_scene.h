@@ -62,8 +62,6 @@ bool parseNumber(std::string_view token, double& value);
 /// UTF-8 without control characters: bytes that are no UTF-8 are read as Latin-1. Never empty: `otherwise` stands in.
 std::string cleanName(std::string_view name, std::string_view otherwise);
 
-/// sRGB (as cameras, paint programs and 8-bit vertex colours have it) to linear light, clamped to 0...1; NaN gives 1.
-float linearFromSrgb(double value);
 
 /// Splits the polygon `corners` (indices into `points`, which are finite or not) into #corners - 2 triangles, as positions in `corners`. Quads
 /// are cut so that the two halves do not fold over, at the shorter diagonal where both do; larger polygons by ears in their plane.

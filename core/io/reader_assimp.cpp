@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/base/colour.h"
 #include "core/io/raw_scene.h"
 #include "core/io/text_scanner.h"
 

@@ -8,6 +8,7 @@
 #include <set>
 #include <unordered_map>
 
+#include "core/base/colour.h"
 #include "core/io/raw_scene.h"
 #include "core/io/text_scanner.h"
 

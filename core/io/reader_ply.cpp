@@ -8,6 +8,7 @@
 #include <cstring>
 #include <limits>
 
+#include "core/base/colour.h"
 #include "core/io/raw_scene.h"
 #include "core/io/text_scanner.h"
 

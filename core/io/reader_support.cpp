@@ -110,12 +110,6 @@ std::string cleanName(std::string_view name, std::string_view otherwise) {
     return clean.empty() ? std::string(otherwise) : clean;
 }
 
-float linearFromSrgb(double value) {
-    if (std::isnan(value)) return 1.0f;
-    value = std::clamp(value, 0.0, 1.0);
-    return static_cast<float>(value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4));
-}
-
 void triangulatePolygon(const std::vector<double>& points, const std::vector<std::int32_t>& corners,
                         std::vector<std::array<std::int32_t, 3>>& triangles) {
     triangles.clear();

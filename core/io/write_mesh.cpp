@@ -9,6 +9,7 @@
 #include <cmath>
 #include <string>
 
+#include "core/base/finite.h"
 #include "core/io/atomic_file.h"
 
 namespace imomushi {
@@ -62,7 +63,7 @@ std::string ply(const Points& vertices, const Triangles& triangles) {
 }  // namespace
 
 Result<void> writeMesh(const std::filesystem::path& path, const Points& vertices, const Triangles& triangles) {
-    if (!std::all_of(vertices.data(), vertices.data() + vertices.size(), [](double x) { return std::isfinite(x); }))
+    if (!allFinite(vertices))
         return fail("bad-value", "A vertex has a coordinate that is not finite, so '" + path.string() + "' was not written.");
     if (triangles.rows() > 0 && (triangles.minCoeff() < 0 || triangles.maxCoeff() >= vertices.rows()))
         return fail("bad-index", "A triangle refers to a vertex that does not exist, so '" + path.string() + "' was not written.");

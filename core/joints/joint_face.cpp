@@ -8,6 +8,11 @@
 #include <string>
 #include <unordered_map>
 
+#include "core/base/finite.h"
+#include "core/base/union_find.h"
+#include "core/mesh/edge_key.h"
+#include "core/mesh/topology.h"
+
 namespace imomushi {
 namespace {
 
@@ -17,13 +22,6 @@ const double kPlaneCosine = std::cos(10.0 * std::numbers::pi / 180.0);
 constexpr double kAxisTie = 1e-6;
 /// A patch that leaves its own plane farther than this part of its size has no sensible frame.
 constexpr double kLargestBulge = 0.5;
-
-/// Twice the area times the normal.
-Vec3 doubleAreaVector(const TriangleMesh& body, std::int32_t t) {
-    const auto corner = [&](int c) -> Vec3 { return body.vertices.row(body.triangles(t, c)); };
-    const Vec3 origin = corner(0);
-    return (corner(1) - origin).cross(corner(2) - origin);
-}
 
 FaceFrame frameOf(const Vec3& origin, const Vec3& z) {
     int axis = 0;
@@ -39,27 +37,18 @@ FaceFrame frameOf(const Vec3& origin, const Vec3& z) {
 
 /// The connected patches (over shared edges) of the chosen triangles, each ascending.
 std::vector<std::vector<std::int32_t>> patches(const TriangleMesh& body, const std::vector<std::int32_t>& chosen) {
-    const auto edgeKey = [](std::int32_t a, std::int32_t b) {
-        return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(std::min(a, b))) << 32) |
-               static_cast<std::uint32_t>(std::max(a, b));
-    };
-    std::vector<std::size_t> parent(chosen.size());
-    for (std::size_t i = 0; i < parent.size(); ++i) parent[i] = i;
-    const auto root = [&](std::size_t i) {
-        while (parent[i] != i) i = parent[i] = parent[parent[i]];
-        return i;
-    };
-    std::unordered_map<std::uint64_t, std::size_t> firstAt;
+    UnionFind sets(chosen.size());
+    std::unordered_map<std::uint64_t, std::int32_t> firstAt;
     for (std::size_t i = 0; i < chosen.size(); ++i)
         for (int c = 0; c < 3; ++c) {
-            const auto [place, fresh] = firstAt.try_emplace(
-                edgeKey(body.triangles(chosen[i], c), body.triangles(chosen[i], (c + 1) % 3)), i);
-            if (!fresh) parent[std::max(root(i), root(place->second))] = std::min(root(i), root(place->second));
+            const auto [place, fresh] =
+                firstAt.try_emplace(edgeKey(body.triangles(chosen[i], c), body.triangles(chosen[i], (c + 1) % 3)), static_cast<std::int32_t>(i));
+            if (!fresh) sets.unite(static_cast<std::int32_t>(i), place->second);
         }
     std::vector<std::vector<std::int32_t>> result;
-    std::unordered_map<std::size_t, std::size_t> indexOf;
+    std::unordered_map<std::int32_t, std::size_t> indexOf;
     for (std::size_t i = 0; i < chosen.size(); ++i) {
-        const auto [place, fresh] = indexOf.try_emplace(root(i), result.size());
+        const auto [place, fresh] = indexOf.try_emplace(sets.find(static_cast<std::int32_t>(i)), result.size());
         if (fresh) result.emplace_back();
         result[place->second].push_back(chosen[i]);
     }
@@ -78,23 +67,23 @@ Result<JointFace> faceOf(const TriangleMesh& body, std::vector<std::int32_t> tri
 
     // Relative to one of its own points, so that a face far from the world's origin loses no digits.
     const Vec3 near = body.vertices.row(face.vertices.front());
-    Vec3 areaVector = Vec3::Zero(), moment = Vec3::Zero();
+    Vec3 outward = Vec3::Zero(), moment = Vec3::Zero();
     double area = 0.0;
     for (const std::int32_t t : face.triangles) {
-        const Vec3 twice = doubleAreaVector(body, t);
+        const Vec3 twice = areaVector(body, t);
         Vec3 centre = Vec3::Zero();
         for (int c = 0; c < 3; ++c) centre += (body.vertices.row(body.triangles(t, c)).transpose() - near) / 3.0;
         const double a = 0.5 * twice.norm();
-        areaVector += 0.5 * twice;
+        outward += 0.5 * twice;
         moment += a * centre;
         area += a;
     }
     if (!(area > 0.0)) return fail("no-patch", "The patch has no area; choose triangles that are not degenerate.");
     // A patch that folds back on itself has an area vector much shorter than its area and no outward side.
-    if (!(areaVector.norm() > 0.3 * area))
+    if (!(outward.norm() > 0.3 * area))
         return fail("not-planar", "The patch bends too far to have one outward side; choose a flatter one.");
     face.area = area;
-    face.frame = frameOf(near + moment / area, areaVector.normalized());
+    face.frame = frameOf(near + moment / area, outward.normalized());
     for (const std::int32_t v : face.vertices) {
         const Vec3 p = face.frame.toLocal(body.vertices.row(v).transpose());
         face.size = std::max(face.size, p.norm());
@@ -108,7 +97,7 @@ Result<JointFace> faceOf(const TriangleMesh& body, std::vector<std::int32_t> tri
 }  // namespace
 
 Result<JointFace> jointFaceByPlane(const TriangleMesh& body, const Vec3& origin, const Vec3& normal, double tolerance) {
-    if (!origin.allFinite() || !normal.allFinite() || !(normal.norm() > 0.0))
+    if (!allFinite(origin) || !allFinite(normal) || !(normal.norm() > 0.0))
         return fail("bad-value", "The plane needs a finite origin and a normal that is not zero.");
     if (!(tolerance >= 0.0) || !std::isfinite(tolerance))
         return fail("bad-value", "The tolerance must be a finite number of at least 0.");
@@ -121,7 +110,7 @@ Result<JointFace> jointFaceByPlane(const TriangleMesh& body, const Vec3& origin,
             inside = std::abs(n.dot(p - origin)) <= tolerance;
         }
         if (!inside) continue;
-        const Vec3 twice = doubleAreaVector(body, t);
+        const Vec3 twice = areaVector(body, t);
         if (twice.dot(n) >= kPlaneCosine * twice.norm()) chosen.push_back(t);
     }
     if (chosen.empty())
@@ -131,7 +120,7 @@ Result<JointFace> jointFaceByPlane(const TriangleMesh& body, const Vec3& origin,
     auto found = patches(body, chosen);
     const auto area = [&](const std::vector<std::int32_t>& patch) {
         double sum = 0.0;
-        for (const std::int32_t t : patch) sum += doubleAreaVector(body, t).norm();
+        for (const std::int32_t t : patch) sum += areaVector(body, t).norm();
         return sum;
     };
     std::size_t largest = 0;
@@ -172,7 +161,7 @@ Result<JointFace> jointFaceByVertices(const TriangleMesh& body, const std::vecto
 Result<JointFace> jointFaceBySeed(const TriangleMesh& body, std::int32_t seed, double angle, double tolerance) {
     if (seed < 0 || seed >= body.triangles.rows())
         return fail("bad-index", "Triangle " + std::to_string(seed) + " does not exist.");
-    const Vec3 n = doubleAreaVector(body, seed).stableNormalized();
+    const Vec3 n = areaVector(body, seed).stableNormalized();
     const Vec3 origin = body.vertices.row(body.triangles(seed, 0));
     if (!(n.norm() > 0.5)) return fail("no-patch", "The triangle has no area; choose another one.");
     const double cosine = std::cos(std::clamp(angle, 0.0, std::numbers::pi));
@@ -183,7 +172,7 @@ Result<JointFace> jointFaceBySeed(const TriangleMesh& body, std::int32_t seed, d
             const Vec3 p = body.vertices.row(body.triangles(t, c));
             inside = std::abs(n.dot(p - origin)) <= tolerance;
         }
-        const Vec3 twice = doubleAreaVector(body, t);
+        const Vec3 twice = areaVector(body, t);
         if (t == seed || (inside && twice.dot(n) >= cosine * twice.norm())) chosen.push_back(t);
     }
     for (auto& patch : patches(body, chosen))

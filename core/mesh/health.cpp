@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/base/finite.h"
 #include "core/mesh/cgal/intersections.h"
 #include "core/mesh/shells.h"
 #include "core/mesh/topology.h"
@@ -22,15 +23,6 @@ constexpr double kThin = 1e-4;                 // mean thickness over size, belo
 
 bool indicesInRange(const TriangleMesh& mesh) {
     return mesh.triangles.rows() == 0 || (mesh.triangles.minCoeff() >= 0 && mesh.triangles.maxCoeff() < mesh.vertices.rows());
-}
-
-/// Without arithmetic on what may be no number (Eigen's allFinite() subtracts).
-bool finite(const Points& points, Eigen::Index row) {
-    return std::isfinite(points(row, 0)) && std::isfinite(points(row, 1)) && std::isfinite(points(row, 2));
-}
-
-bool finite(const Points& points) {
-    return std::all_of(points.data(), points.data() + points.size(), [](double x) { return std::isfinite(x); });
 }
 
 std::string counted(std::size_t n, const char* one, const char* many) {
@@ -86,7 +78,7 @@ EdgeFacts edgeFacts(const EdgeTable& edges) {
 
 MeshFacts meshFacts(const TriangleMesh& mesh) {
     MeshFacts facts;
-    if (mesh.vertices.rows() == 0 || mesh.triangles.rows() == 0 || !indicesInRange(mesh) || !finite(mesh.vertices)) return facts;
+    if (mesh.vertices.rows() == 0 || mesh.triangles.rows() == 0 || !indicesInRange(mesh) || !allFinite(mesh.vertices)) return facts;
     facts.low = mesh.vertices.colwise().minCoeff();
     facts.high = mesh.vertices.colwise().maxCoeff();
     const Vec3 centre = facts.low + (facts.high - facts.low) / 2;
@@ -122,7 +114,7 @@ std::vector<MeshIssue> checkMesh(const TriangleMesh& mesh) {
     }
     std::vector<std::int32_t> places;
     for (std::int32_t v = 0; v < mesh.vertices.rows(); ++v)
-        if (!finite(mesh.vertices, v)) places.push_back(v);
+        if (!allFinite(mesh.vertices.row(v))) places.push_back(v);
     if (!places.empty()) {
         showVertices(add(issue(Severity::Error, "non-finite",
                                counted(places.size(), "vertex has a coordinate that is", "vertices have coordinates that are") +

@@ -4,7 +4,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "core/mesh/winding_number.h"
 
 namespace imomushi {
 namespace {
@@ -22,21 +23,6 @@ bool liesIn(const TriangleMesh& mesh, const Shells::Shell& inner, const Shells::
 }
 
 }  // namespace
-
-double windingNumber(const TriangleMesh& mesh, const std::vector<std::int32_t>& triangles, const Vec3& point) {
-    // Solid angle of a triangle: van Oosterom and Strackee 1983.
-    double sum = 0.0;
-    for (const std::int32_t f : triangles) {
-        const Vec3 a = mesh.vertices.row(mesh.triangles(f, 0)).transpose() - point;
-        const Vec3 b = mesh.vertices.row(mesh.triangles(f, 1)).transpose() - point;
-        const Vec3 c = mesh.vertices.row(mesh.triangles(f, 2)).transpose() - point;
-        const double la = a.norm(), lb = b.norm(), lc = c.norm();
-        const double y = a.dot(b.cross(c));
-        const double x = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
-        if (y != 0.0 || x != 0.0) sum += std::atan2(y, x);
-    }
-    return sum / (2.0 * std::numbers::pi);
-}
 
 Shells findShells(const TriangleMesh& mesh, const std::vector<std::int32_t>& component, int count) {
     Shells result;

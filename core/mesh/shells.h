@@ -8,9 +8,6 @@
 
 namespace imomushi {
 
-/// How often the surface of triangles `triangles` winds around `point` (1 inside an outward closed surface, 0 outside; -1 inside an inward one).
-double windingNumber(const TriangleMesh& mesh, const std::vector<std::int32_t>& triangles, const Vec3& point);
-
 /// The connected, closed surfaces of a mesh and how they lie in each other.
 struct Shells {
     struct Shell {

@@ -8,27 +8,12 @@
 #include <tuple>
 #include <unordered_map>
 
+#include "core/base/union_find.h"
+
 namespace imomushi {
 namespace {
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
-
-/// Union of sets whose representative is their lowest member.
-class LowestOf {
-public:
-    explicit LowestOf(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
-    std::int32_t find(std::int32_t i) {
-        while (parent_[index(i)] != i) i = parent_[index(i)] = parent_[index(parent_[index(i)])];
-        return i;
-    }
-    void join(std::int32_t a, std::int32_t b) {
-        a = find(a), b = find(b);
-        if (a != b) parent_[index(std::max(a, b))] = std::min(a, b);
-    }
-
-private:
-    std::vector<std::int32_t> parent_;
-};
 
 }  // namespace
 
@@ -60,9 +45,9 @@ EdgeTable::EdgeTable(const Triangles& triangles) : edgeOf_(static_cast<std::size
 }
 
 std::vector<std::int32_t> edgeComponents(const Triangles& triangles, const EdgeTable& edges, int& count) {
-    LowestOf sets(static_cast<std::size_t>(triangles.rows()));
+    UnionFind sets(static_cast<std::size_t>(triangles.rows()));
     for (int e = 0; e < edges.size(); ++e)
-        for (const EdgeUse& use : edges.uses(e)) sets.join(edges.uses(e).front().triangle, use.triangle);
+        for (const EdgeUse& use : edges.uses(e)) sets.unite(edges.uses(e).front().triangle, use.triangle);
     std::vector<std::int32_t> component(static_cast<std::size_t>(triangles.rows()));
     count = 0;
     for (std::int32_t f = 0; f < triangles.rows(); ++f) {
@@ -112,7 +97,7 @@ std::vector<std::vector<std::int32_t>> boundaryLoops(const EdgeTable& edges) {
 
 std::vector<std::int32_t> nonManifoldVertices(const Triangles& triangles, const EdgeTable& edges) {
     // Corners at a vertex belong to one fan when a common edge of exactly two triangles leads from one to the other.
-    LowestOf fans(static_cast<std::size_t>(triangles.rows()) * 3);
+    UnionFind fans(static_cast<std::size_t>(triangles.rows()) * 3);
     const auto cornerAt = [&](std::int32_t f, std::int32_t v) {
         for (int k = 0; k < 3; ++k)
             if (triangles(f, k) == v) return f * 3 + k;
@@ -121,7 +106,7 @@ std::vector<std::int32_t> nonManifoldVertices(const Triangles& triangles, const 
     for (int e = 0; e < edges.size(); ++e) {
         const auto uses = edges.uses(e);
         if (uses.size() != 2) continue;
-        for (const std::int32_t v : {uses[0].low, uses[0].high}) fans.join(cornerAt(uses[0].triangle, v), cornerAt(uses[1].triangle, v));
+        for (const std::int32_t v : {uses[0].low, uses[0].high}) fans.unite(cornerAt(uses[0].triangle, v), cornerAt(uses[1].triangle, v));
     }
     std::vector<char> hasFan(triangles.rows() == 0 ? 0 : index(triangles.maxCoeff()) + 1, 0);
     std::vector<std::int32_t> bad;

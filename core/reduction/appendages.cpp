@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/reduction/appendages.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -14,6 +13,7 @@
 
 #include "core/mesh/cgal/intersections.h"
 #include "core/mesh/topology.h"
+#include "core/mesh/vertex_corners.h"
 
 namespace imomushi {
 namespace {
@@ -26,32 +26,11 @@ constexpr double kLowestCut = 0.5, kHighestCut = 1.0;
 constexpr int kTries = 12;
 /// A cap is a fan around its middle: each of its triangles must face the cap's way (cosine).
 constexpr double kFanFacing = 0.25;
-/// How strain fades with the distance from where it enters, in widths: 1 / 5.4 in a round rod, 1 / 2.7 in a flat one of the same perimeter.
-constexpr double kDecay = 0.25;
-/// Least share of the spread in one direction that a rotation can be told by.
-constexpr double kFlatSupport = 1e-9;
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-/// The triangles around each vertex.
-class Around {
-public:
-    Around(const Triangles& triangles, Eigen::Index vertices) : first_(static_cast<std::size_t>(vertices) + 1), list_(static_cast<std::size_t>(triangles.size())) {
-        for (Eigen::Index k = 0; k < triangles.size(); ++k) ++first_[at(triangles.data()[k]) + 1];
-        std::partial_sum(first_.begin(), first_.end(), first_.begin());
-        std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
-        for (std::int32_t t = 0; t < triangles.rows(); ++t)
-            for (int c = 0; c < 3; ++c) list_[next[at(triangles(t, c))]++] = t;
-    }
-    [[nodiscard]] std::span<const std::int32_t> of(std::int32_t v) const { return std::span(list_).subspan(first_[at(v)], first_[at(v) + 1] - first_[at(v)]); }
-
-private:
-    std::vector<std::size_t> first_;
-    std::vector<std::int32_t> list_;
-};
-
 /// Per vertex, m: along edges from the nearest joint face (Dijkstra).
-std::vector<double> distancesFrom(const TriangleMesh& body, std::span<const JointFace> faces, const Around& around) {
+std::vector<double> distancesFrom(const TriangleMesh& body, std::span<const JointFace> faces, const VertexCorners& around) {
     std::vector<double> distance(static_cast<std::size_t>(body.vertices.rows()), std::numeric_limits<double>::infinity());
     using Entry = std::pair<double, std::int32_t>;
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
@@ -64,9 +43,9 @@ std::vector<double> distancesFrom(const TriangleMesh& body, std::span<const Join
         const auto [d, v] = queue.top();
         queue.pop();
         if (d > distance[at(v)]) continue;
-        for (const std::int32_t t : around.of(v))
+        for (const std::int32_t corner : around.at(v))
             for (int c = 0; c < 3; ++c) {
-                const std::int32_t to = body.triangles(t, c);
+                const std::int32_t to = body.triangles(corner / 3, c);
                 const double reached = d + (body.vertices.row(to) - body.vertices.row(v)).norm();
                 if (reached < distance[at(to)]) {
                     distance[at(to)] = reached;
@@ -89,7 +68,7 @@ struct Foot {
 /// always reaches a face, since every vertex has a neighbour that is nearer.
 class Sweep {
 public:
-    Sweep(const TriangleMesh& body, const EdgeTable& edges, const Around& around, const std::vector<double>& distance)
+    Sweep(const TriangleMesh& body, const EdgeTable& edges, const VertexCorners& around, const std::vector<double>& distance)
         : body_(body), edges_(edges), around_(around), distance_(distance), parent_(distance.size(), -1), parts_(distance.size()), owner_(static_cast<std::size_t>(body.triangles.rows()), -1) {}
 
     /// The feet, none within another.
@@ -103,6 +82,7 @@ private:
         std::int32_t tip = 0;
         std::vector<Foot> feet;
     };
+    /// Unlike in UnionFind the vertex that was reached last represents its part.
     std::int32_t find(std::int32_t v) {
         while (parent_[at(v)] != v) v = parent_[at(v)] = parent_[at(parent_[at(v)])];
         return v;
@@ -112,7 +92,7 @@ private:
 
     const TriangleMesh& body_;
     const EdgeTable& edges_;
-    const Around& around_;
+    const VertexCorners& around_;
     const std::vector<double>& distance_;
     std::vector<std::int32_t> parent_;  ///< -1: not reached yet
     std::vector<Part> parts_;
@@ -123,7 +103,8 @@ void Sweep::add(std::int32_t v) {
     parent_[at(v)] = v;
     Part own{1, 0.0, 0.0, v, {}};
     int sides = 0;  // each edge at v is seen from both of its triangles
-    for (const std::int32_t t : around_.of(v)) {
+    for (const std::int32_t corner : around_.at(v)) {
+        const std::int32_t t = corner / 3;
         int reached = 0;
         for (int c = 0; c < 3; ++c) {
             const std::int32_t other = body_.triangles(t, c);
@@ -145,7 +126,8 @@ void Sweep::add(std::int32_t v) {
     }
     own.euler -= sides / 2;
     parts_[at(v)] = std::move(own);
-    for (const std::int32_t t : around_.of(v)) {
+    for (const std::int32_t corner : around_.at(v)) {
+        const std::int32_t t = corner / 3;
         if (owner_[at(t)] >= 0) continue;
         owner_[at(t)] = v;
         for (int c = 0; c < 3; ++c) {
@@ -195,13 +177,14 @@ struct Disc {
 };
 
 /// What lies around `tip` at least `level` away from the faces. Empty: no simple loop bounds it, it is not longer than wide, or no cap fits there.
-std::optional<Disc> discBeyond(const TriangleMesh& body, const EdgeTable& edges, const Around& around, const std::vector<double>& distance, std::int32_t tip, double level) {
+std::optional<Disc> discBeyond(const TriangleMesh& body, const EdgeTable& edges, const VertexCorners& around, const std::vector<double>& distance, std::int32_t tip, double level) {
     Disc out;
     std::vector<char> inside(distance.size()), taken(static_cast<std::size_t>(body.triangles.rows()));
     std::vector<std::int32_t> reached{tip};
     inside[at(tip)] = 1;
     for (std::size_t i = 0; i < reached.size(); ++i)
-        for (const std::int32_t t : around.of(reached[i])) {
+        for (const std::int32_t corner : around.at(reached[i])) {
+            const std::int32_t t = corner / 3;
             if (!taken[at(t)]) out.triangles.push_back(t);
             taken[at(t)] = 1;
             for (int c = 0; c < 3; ++c) {
@@ -261,7 +244,7 @@ std::optional<Disc> discBeyond(const TriangleMesh& body, const EdgeTable& edges,
 }
 
 /// The disc with the shortest loop somewhat above a foot.
-std::optional<Disc> bestDisc(const TriangleMesh& body, const EdgeTable& edges, const Around& around, const std::vector<double>& distance, const Foot& foot) {
+std::optional<Disc> bestDisc(const TriangleMesh& body, const EdgeTable& edges, const VertexCorners& around, const std::vector<double>& distance, const Foot& foot) {
     std::optional<Disc> best;
     for (int i = 0; i <= kTries; ++i) {
         const double above = foot.width * (kLowestCut + (kHighestCut - kLowestCut) * i / kTries);
@@ -271,59 +254,7 @@ std::optional<Disc> bestDisc(const TriangleMesh& body, const EdgeTable& edges, c
     return best;
 }
 
-Eigen::Matrix<double, 3, 6> rigidAt(const Vec3& arm) {
-    Eigen::Matrix<double, 3, 6> out;
-    out.leftCols<3>().setIdentity();
-    for (int axis = 0; axis < 3; ++axis) out.col(3 + axis) = Vec3::Unit(axis).cross(arm);
-    return out;
-}
-
 }  // namespace
-
-Eigen::MatrixXd TrimmedBody::onBody(const Points& body, const Eigen::MatrixXd& displacement) const {
-    Eigen::MatrixXd out(body.size(), displacement.cols());
-    for (std::size_t v = 0; v < bodyVertex.size(); ++v)
-        if (bodyVertex[v] >= 0) out.middleRows<3>(3 * bodyVertex[v]) = displacement.middleRows<3>(3 * static_cast<Eigen::Index>(v));
-    for (const Appendage& one : appendages) {
-        const auto n = static_cast<Eigen::Index>(one.support.size());
-        const auto where = [&](Eigen::Index i) -> Vec3 { return mesh.vertices.row(one.support[static_cast<std::size_t>(i)]).transpose(); };
-        // Each vertex of the support counts by its share of the cap's area.
-        const Vec3 origin = where(n - 1);
-        Eigen::VectorXd weight = Eigen::VectorXd::Zero(n);
-        for (Eigen::Index i = 0; i + 1 < n; ++i) {
-            const Eigen::Index next = (i + 1) % (n - 1);
-            const double area = (where(i) - origin).cross(where(next) - origin).norm();
-            for (const Eigen::Index corner : {i, next, n - 1}) weight[corner] += area;
-        }
-        weight /= weight.sum();
-        Eigen::MatrixXd R(3 * n, 6), around(3 * n, displacement.cols());
-        for (Eigen::Index i = 0; i < n; ++i) {
-            R.middleRows<3>(3 * i) = rigidAt((where(i) - origin) / one.width);
-            around.middleRows<3>(3 * i) = displacement.middleRows<3>(3 * one.support[static_cast<std::size_t>(i)]);
-        }
-        Eigen::MatrixXd weighed = R;
-        for (Eigen::Index i = 0; i < n; ++i) weighed.middleRows<3>(3 * i) *= weight[i];
-        const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> spread(weighed.transpose() * R);
-        const Eigen::Matrix<double, 6, 1> inverse = spread.eigenvalues().cwiseMax(kFlatSupport).cwiseInverse();
-        const Eigen::MatrixXd motion = spread.eigenvectors() * (inverse.asDiagonal() * (spread.eigenvectors().transpose() * (weighed.transpose() * around)));
-        around -= R * motion;
-        for (const std::int32_t v : one.dropped) {
-            const Vec3 x = body.row(v).transpose();
-            double nearest = std::numeric_limits<double>::infinity();
-            Eigen::VectorXd share(n - 1);
-            for (Eigen::Index i = 0; i + 1 < n; ++i) {
-                const double d = (x - where(i)).norm() / one.width;
-                nearest = std::min(nearest, d);
-                share[i] = weight[i] / (d * d * d * d);
-            }
-            share *= std::exp(-nearest / kDecay) / share.sum();
-            auto row = out.middleRows<3>(3 * v);
-            row = rigidAt((x - origin) / one.width) * motion;
-            for (Eigen::Index i = 0; i + 1 < n; ++i) row += share[i] * around.middleRows<3>(3 * i);
-        }
-    }
-    return out;
-}
 
 Result<TrimmedBody> withoutAppendages(const TriangleMesh& body, std::span<const JointFace> faces, const Progress& progress) {
     TrimmedBody whole{body, {faces.begin(), faces.end()}, std::vector<std::int32_t>(static_cast<std::size_t>(body.vertices.rows())), {}};
@@ -336,7 +267,7 @@ Result<TrimmedBody> withoutAppendages(const TriangleMesh& body, std::span<const 
     int shells = 0;
     edgeComponents(body.triangles, edges, shells);
     if (shells != 1) return whole;
-    const Around around(body.triangles, body.vertices.rows());
+    const VertexCorners around(body);
     const std::vector<double> distance = distancesFrom(body, faces, around);
 
     TrimmedBody out;

@@ -6,12 +6,14 @@
 #include <array>
 #include <atomic>
 #include <cmath>
-#include <numeric>
 #include <string>
 
+#include "core/base/finite.h"
 #include "core/base/parallel.h"
+#include "core/mesh/bounds.h"
 #include "core/mesh/topology.h"
-#include "core/reduction/triangle_tree.h"
+#include "core/mesh/triangle_frame.h"
+#include "core/mesh/triangle_tree.h"
 
 namespace imomushi {
 namespace {
@@ -25,33 +27,8 @@ constexpr double kReach = 2.0;
 /// Vertices per piece of work: some milliseconds.
 constexpr std::size_t kGrain = 4096;
 
-/// Eigen's own test subtracts infinities.
-bool finite(const double* values, Eigen::Index count) {
-    return std::all_of(values, values + count, [](double x) { return std::isfinite(x); });
-}
-
-/// What a free triangle needs for its displacement gradient.
-struct Frame {
-    std::array<Vec3, 3> slope;  ///< surface gradient of the linear function that is 1 at a corner
-    Vec3 normal = Vec3::Zero();
-    double area = 0.0;
-};
-
-/// False: no area.
-bool frameOf(const TriangleMesh& mesh, std::int32_t t, Frame& frame) {
-    std::array<Vec3, 3> p;
-    for (std::size_t c = 0; c < 3; ++c) p[c] = mesh.vertices.row(mesh.triangles(t, static_cast<Eigen::Index>(c)));
-    const Vec3 cross = (p[1] - p[0]).cross(p[2] - p[0]);
-    const double length = cross.norm();
-    if (!(length > 0.0)) return false;
-    frame.normal = cross / length;
-    frame.area = 0.5 * length;
-    for (std::size_t c = 0; c < 3; ++c) frame.slope[c] = frame.normal.cross(p[(c + 2) % 3] - p[(c + 1) % 3]) / length;
-    return true;
-}
-
 /// The gradient of a displacement with corner values u on a surface free of traction; stretch = nu / (1 - nu).
-Gradient gradientOf(const Frame& frame, const std::array<Vec3, 3>& u, double stretch) {
+Gradient gradientOf(const TriangleFrame& frame, const std::array<Vec3, 3>& u, double stretch) {
     Gradient along = Gradient::Zero();
     for (std::size_t c = 0; c < 3; ++c) along += u[c] * frame.slope[c].transpose();
     const Vec3 across = -(along.transpose() * frame.normal) - stretch * along.trace() * frame.normal;
@@ -67,7 +44,7 @@ Result<DisplayMapping> DisplayMapping::build(const Input& input, const Progress&
     if (!input.leaveOut.empty() && input.leaveOut.size() != count)
         return fail("bad-value", "The list of vertices to leave out has " + std::to_string(input.leaveOut.size()) + " entries for " +
                                      std::to_string(count) + " vertices; give one for each.");
-    if (!finite(display.vertices.data(), display.vertices.size()) || !finite(solver.vertices.data(), solver.vertices.size()))
+    if (!allFinite(display.vertices) || !allFinite(solver.vertices))
         return fail("bad-value", "A mesh has vertices that are not numbers; repair it first.");
     for (const TriangleMesh* mesh : {&display, &solver})
         if (mesh->triangles.size() > 0 && (mesh->triangles.minCoeff() < 0 || mesh->triangles.maxCoeff() >= mesh->vertices.rows()))
@@ -82,21 +59,14 @@ Result<DisplayMapping> DisplayMapping::build(const Input& input, const Progress&
     }
     std::vector<std::int32_t> free;
     for (std::int32_t t = 0; t < solver.triangles.rows(); ++t) {
-        Frame frame;
         auto& flag = mapping.free_[static_cast<std::size_t>(t)];
-        if (flag && !frameOf(solver, t, frame)) flag = 0;
+        if (flag && !(triangleFrame(solver, t).area > 0.0)) flag = 0;
         if (flag) free.push_back(t);
     }
     if (free.empty()) return fail("no-free-surface", "The joint faces cover the whole surface that is solved on; make them smaller.");
 
-    mapping.firstAt_.assign(static_cast<std::size_t>(solver.vertices.rows()) + 1, 0);
-    for (const std::int32_t t : free)
-        for (int c = 0; c < 3; ++c) ++mapping.firstAt_[static_cast<std::size_t>(solver.triangles(t, c)) + 1];
-    std::partial_sum(mapping.firstAt_.begin(), mapping.firstAt_.end(), mapping.firstAt_.begin());
-    mapping.around_.resize(static_cast<std::size_t>(mapping.firstAt_.back()));
-    std::vector<std::int32_t> next(mapping.firstAt_.begin(), mapping.firstAt_.end() - 1);
-    for (const std::int32_t t : free)
-        for (int c = 0; c < 3; ++c) mapping.around_[static_cast<std::size_t>(next[static_cast<std::size_t>(solver.triangles(t, c))]++)] = t;
+    mapping.around_ = VertexCorners({solver.triangles.data(), static_cast<std::size_t>(solver.triangles.size())}, static_cast<std::size_t>(solver.vertices.rows()),
+                                    mapping.free_);
 
     for (std::size_t v = 0; v < count; ++v)
         if (input.leaveOut.empty() || !input.leaveOut[v]) mapping.vertices_.push_back(static_cast<std::int32_t>(v));
@@ -122,7 +92,7 @@ Result<DisplayMapping> DisplayMapping::build(const Input& input, const Progress&
     });
     if (done != mapping.vertices_.size()) return fail(kCancelled, "Mapping the display was cancelled.");
 
-    const double diagonal = display.vertices.rows() > 0 ? (display.vertices.colwise().maxCoeff() - display.vertices.colwise().minCoeff()).norm() : 0.0;
+    const double diagonal = diagonalOf(display.vertices);
     double squares = 0.0, largest = 0.0;
     for (const Place& place : mapping.places_) {
         const double squared = place.offset.squaredNorm();
@@ -151,7 +121,7 @@ Result<DisplayMapping::Mapped> DisplayMapping::apply(const Eigen::MatrixXd& disp
         return fail("bad-value", "There are " + std::to_string(displacement.rows()) + " displacements for a solver mesh of " +
                                      std::to_string(solver_.vertices.rows()) + " vertices; give three for each.");
     if (!(nu >= 0.0 && nu <= 0.5)) return fail("bad-value", "The Poisson ratio is 0 to 0.5.");
-    if (!finite(displacement.data(), displacement.size())) return fail("bad-value", "Displacements are not numbers; precompute again.");
+    if (!allFinite(displacement)) return fail("bad-value", "Displacements are not numbers; precompute again.");
     const double stretch = nu / (1.0 - nu);
     const Eigen::Index columns = displacement.cols();
     const auto triangles = static_cast<std::size_t>(solver_.triangles.rows()), solverVertices = static_cast<std::size_t>(solver_.vertices.rows());
@@ -173,8 +143,8 @@ Result<DisplayMapping::Mapped> DisplayMapping::apply(const Eigen::MatrixXd& disp
         const auto cornersOf = [&](std::int32_t t) { return std::array<Vec3, 3>{u(solver_.triangles(t, 0)), u(solver_.triangles(t, 1)), u(solver_.triangles(t, 2))}; };
         parallelFor(threads, triangles, kGrain, [&](std::size_t begin, std::size_t end) {
             for (std::size_t t = begin; t < end; ++t) {
-                Frame frame;
-                if (!free_[t] || !frameOf(solver_, static_cast<std::int32_t>(t), frame)) continue;
+                if (!free_[t]) continue;
+                const TriangleFrame frame = triangleFrame(solver_, static_cast<std::int32_t>(t));
                 ofTriangle[t] = gradientOf(frame, cornersOf(static_cast<std::int32_t>(t)), stretch);
                 area[t] = frame.area;
             }
@@ -183,8 +153,8 @@ Result<DisplayMapping::Mapped> DisplayMapping::apply(const Eigen::MatrixXd& disp
             for (std::size_t v = begin; v < end; ++v) {
                 Gradient sum = Gradient::Zero();
                 double weight = 0.0;
-                for (std::int32_t i = firstAt_[v]; i < firstAt_[v + 1]; ++i) {
-                    const auto t = static_cast<std::size_t>(around_[static_cast<std::size_t>(i)]);
+                for (const std::int32_t corner : around_.at(static_cast<std::int32_t>(v))) {
+                    const auto t = static_cast<std::size_t>(corner / 3);
                     sum += area[t] * ofTriangle[t];
                     weight += area[t];
                 }
@@ -234,7 +204,7 @@ Result<DisplayMapping::Mapped> DisplayMapping::apply(const Eigen::MatrixXd& disp
 }
 
 std::size_t DisplayMapping::bytes() const {
-    return sizeof(Place) * places_.size() + sizeof(std::int32_t) * (vertices_.size() + firstAt_.size() + around_.size()) + free_.size() +
+    return sizeof(Place) * places_.size() + sizeof(std::int32_t) * vertices_.size() + around_.bytes() + free_.size() +
            sizeof(double) * static_cast<std::size_t>(solver_.vertices.size()) + sizeof(std::int32_t) * static_cast<std::size_t>(solver_.triangles.size());
 }
 

@@ -9,6 +9,7 @@
 #include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/mesh/mesh.h"
+#include "core/mesh/vertex_corners.h"
 
 namespace imomushi {
 
@@ -74,8 +75,7 @@ private:
     std::vector<Place> places_;  ///< of vertices_
     TriangleMesh solver_;
     std::vector<char> free_;             ///< per solver triangle
-    std::vector<std::int32_t> firstAt_;  ///< per solver vertex into around_, one more
-    std::vector<std::int32_t> around_;   ///< free triangles around each solver vertex
+    VertexCorners around_;               ///< of the free triangles, at each solver vertex
     Distance distance_;
 };
 

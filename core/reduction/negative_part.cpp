@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "core/base/finite.h"
 #include "core/base/floating_point_guard.h"
 #include "core/elasticity/dense_lu.h"
 
@@ -22,7 +23,7 @@ Result<Spectrum> removeNegativePart(Eigen::MatrixXd& symmetric, const Progress& 
     const auto notFinite = [] { return fail("singular", "The stiffness of the joints is not finite; choose larger joint faces."); };
     const auto n = static_cast<lapack_int>(symmetric.rows());
     if (n == 0) return Spectrum{};
-    if (!symmetric.allFinite()) return notFinite();
+    if (!allFinite(symmetric)) return notFinite();
 
     // Tridiagonal form, as dsytrd does it (Dongarra, Hammarling and Sorensen 1989), a panel at a time.
     constexpr lapack_int kPanel = 24;

@@ -14,10 +14,11 @@
 #include <tuple>
 #include <unordered_map>
 
+#include "core/mesh/edge_key.h"
 #include "core/mesh/topology.h"
+#include "core/mesh/triangle_tree.h"
 #include "core/reduction/mesh_pieces.h"
 #include "core/reduction/solver_mesh_setting.h"
-#include "core/reduction/triangle_tree.h"
 
 namespace imomushi {
 namespace {
@@ -31,11 +32,6 @@ struct Edge {
     std::int32_t low, high;
     auto operator<=>(const Edge&) const = default;
 };
-
-std::uint64_t key(std::int32_t a, std::int32_t b) {
-    return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(std::min(a, b))) << 32) |
-           static_cast<std::uint32_t>(std::max(a, b));
-}
 
 class Bisection {
 public:
@@ -91,18 +87,18 @@ private:
         return {grade((point(a) - point(b)).squaredNorm() / squaredSize_), std::min(a, b), std::max(a, b)};
     }
     [[nodiscard]] std::int32_t across(std::int32_t t, const Edge& e) const {
-        const auto& pair = neighbours_.at(key(e.low, e.high));
+        const auto& pair = neighbours_.at(edgeKey(e.low, e.high));
         return pair[0] == t ? pair[1] : pair[0];
     }
     void attach(std::int32_t t, int c) {
         const Corner& k = corner(t);
-        auto& pair = neighbours_.try_emplace(key(k[static_cast<std::size_t>(c)], k[static_cast<std::size_t>((c + 1) % 3)]),
+        auto& pair = neighbours_.try_emplace(edgeKey(k[static_cast<std::size_t>(c)], k[static_cast<std::size_t>((c + 1) % 3)]),
                                              std::array<std::int32_t, 2>{-1, -1})
                          .first->second;
         (pair[0] < 0 ? pair[0] : pair[1]) = t;
     }
     void replace(std::int32_t a, std::int32_t b, std::int32_t from, std::int32_t to) {
-        auto& pair = neighbours_.at(key(a, b));
+        auto& pair = neighbours_.at(edgeKey(a, b));
         (pair[0] == from ? pair[0] : pair[1]) = to;
     }
 
@@ -112,13 +108,13 @@ private:
         points_.push_back(0.5 * (point(e.low) + point(e.high)));
         origin_.push_back({{e.low, e.high, e.low}, {0.5, 0.5, 0.0}});
         changed_.clear();
-        const auto pair = neighbours_.at(key(e.low, e.high));
-        neighbours_.erase(key(e.low, e.high));
+        const auto pair = neighbours_.at(edgeKey(e.low, e.high));
+        neighbours_.erase(edgeKey(e.low, e.high));
         for (const std::int32_t t : pair) {
             if (t < 0) continue;
             Corner& k = corners_[static_cast<std::size_t>(t)];
             std::size_t c = 0;
-            while (key(k[c], k[(c + 1) % 3]) != key(e.low, e.high)) ++c;
+            while (edgeKey(k[c], k[(c + 1) % 3]) != edgeKey(e.low, e.high)) ++c;
             const std::int32_t a = k[c], b = k[(c + 1) % 3], apex = k[(c + 2) % 3];
             const auto half = static_cast<std::int32_t>(corners_.size());
             k = {a, middle, apex};
@@ -128,7 +124,7 @@ private:
             labels_.push_back(labels_[static_cast<std::size_t>(t)]);
             replace(b, apex, t, half);
             for (const auto& [p, q, owner] : {std::tuple{a, middle, t}, {middle, b, half}, {middle, apex, t}, {middle, apex, half}}) {
-                auto& entry = neighbours_.try_emplace(key(p, q), std::array<std::int32_t, 2>{-1, -1}).first->second;
+                auto& entry = neighbours_.try_emplace(edgeKey(p, q), std::array<std::int32_t, 2>{-1, -1}).first->second;
                 (entry[0] < 0 ? entry[0] : entry[1]) = owner;
             }
         }
@@ -230,16 +226,13 @@ Result<SolverMesh> refinedSolverMesh(const TriangleMesh& body, std::span<const J
                                             std::to_string(vertices) + "; use \"decimated:" + std::to_string(vertices) + "\" or a larger number.");
     if (vertices > SolverMeshSetting::kMost)
         return fail("bad-value", "A solver mesh has at most " + std::to_string(SolverMeshSetting::kMost) + " vertices; choose a smaller number.");
-    double area = 0.0;
-    for (std::int32_t t = 0; t < body.triangles.rows(); ++t) area += 0.5 * areaVector(body, t).norm();
+    const double area = surfaceArea(body);
     if (!(area > 0.0)) return fail("bad-value", "The body has no surface to refine; repair it first.");
 
     std::vector<std::int32_t> labels = labelsOf(body, faces);
     const TriangleMesh singular = singularEdges(body, labels);
-    std::vector<std::int32_t> all(static_cast<std::size_t>(singular.triangles.rows()));
-    for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<std::int32_t>(i);
     std::optional<TriangleTree> nearestEdge;
-    if (!all.empty()) nearestEdge.emplace(singular, std::move(all));
+    if (singular.triangles.rows() > 0) nearestEdge.emplace(singular);
 
     // The edge of equal equilateral triangles, two per vertex, that cover the surface.
     const double uniform = std::sqrt(2.0 * area / (std::sqrt(3.0) * vertices));

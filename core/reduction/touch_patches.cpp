@@ -6,11 +6,11 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <queue>
 #include <utility>
 
 #include "core/mesh/topology.h"
+#include "core/mesh/vertex_corners.h"
 #include "core/reduction/mesh_pieces.h"
 
 namespace imomushi {
@@ -26,21 +26,11 @@ constexpr std::size_t kVerticesPerPatch = 4;
 /// Distances along some of the triangles of a mesh.
 class Surface {
 public:
-    Surface(const TriangleMesh& mesh, const std::vector<char>& which) : mesh_(mesh), first_(static_cast<std::size_t>(mesh.vertices.rows()) + 1, 0) {
-        const auto each = [&](const auto& visit) {
-            for (std::int32_t f = 0; f < mesh.triangles.rows(); ++f)
-                if (which[static_cast<std::size_t>(f)])
-                    for (int c = 0; c < 3; ++c) visit(static_cast<std::size_t>(mesh.triangles(f, c)), f, c);
-        };
-        each([&](std::size_t v, std::int32_t, int) { ++first_[v + 1]; });
-        std::partial_sum(first_.begin(), first_.end(), first_.begin());
-        corners_.resize(first_.back());
-        std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
-        each([&](std::size_t v, std::int32_t f, int c) { corners_[next[v]++] = {f, c}; });
-        distance_.assign(first_.size() - 1, kFar);
-    }
+    Surface(const TriangleMesh& mesh, const std::vector<char>& which)
+        : mesh_(mesh), corners_({mesh.triangles.data(), static_cast<std::size_t>(mesh.triangles.size())}, static_cast<std::size_t>(mesh.vertices.rows()), which),
+          distance_(static_cast<std::size_t>(mesh.vertices.rows()), kFar) {}
 
-    [[nodiscard]] bool has(std::size_t v) const { return first_[v + 1] > first_[v]; }
+    [[nodiscard]] bool has(std::size_t v) const { return !corners_.at(static_cast<std::int32_t>(v)).empty(); }
 
     /// visit(v, distance) for every vertex nearer than `reach` to `from`. Does not go on beyond those where goOn(v, distance) is false.
     template <class GoOn, class Visit>
@@ -60,8 +50,8 @@ public:
             const auto [d, v] = front.top();
             front.pop();
             if (d > distance_[static_cast<std::size_t>(v)] || !goOn(v, d)) continue;
-            for (std::size_t i = first_[static_cast<std::size_t>(v)]; i < first_[static_cast<std::size_t>(v) + 1]; ++i) {
-                const auto& [f, c] = corners_[i];
+            for (const std::int32_t corner : corners_.at(v)) {
+                const std::int32_t f = corner / 3, c = corner % 3;
                 const std::int32_t p = mesh_.triangles(f, (c + 1) % 3), q = mesh_.triangles(f, (c + 2) % 3);
                 offer(p, d + length(v, p));
                 offer(q, d + length(v, q));
@@ -91,8 +81,7 @@ private:
     }
 
     const TriangleMesh& mesh_;
-    std::vector<std::size_t> first_;
-    std::vector<std::pair<std::int32_t, int>> corners_;  ///< triangle and corner, around each vertex
+    VertexCorners corners_;
     std::vector<double> distance_;
     std::vector<std::int32_t> touched_;
 };

@@ -9,9 +9,10 @@
 
 #include "core/base/parallel.h"
 #include "core/mesh/topology.h"
+#include "core/mesh/triangle_frame.h"
+#include "core/mesh/triangle_tree.h"
 #include "core/reduction/mesh_pieces.h"
 #include "core/reduction/negative_part.h"
-#include "core/reduction/triangle_tree.h"
 
 namespace imomushi {
 namespace {
@@ -46,25 +47,6 @@ Eigen::VectorXd integrals(const TriangleMesh& mesh, const std::vector<std::int32
 }
 
 /// Displacement gradient of a triangle: with tractions t over the shear modulus on it, along the surface by its corners u, across it by Hooke's law.
-struct TriangleFrame {
-    std::array<Vec3, 3> slope;  ///< surface gradient of the linear function that is 1 at a corner
-    Vec3 normal = Vec3::Zero();
-    double area = 0.0;  ///< 0: none
-};
-
-TriangleFrame frameOf(const TriangleMesh& mesh, std::int32_t f) {
-    TriangleFrame out;
-    std::array<Vec3, 3> p;
-    for (std::size_t c = 0; c < 3; ++c) p[c] = mesh.vertices.row(mesh.triangles(f, static_cast<Eigen::Index>(c))).transpose();
-    const Vec3 cross = (p[1] - p[0]).cross(p[2] - p[0]);
-    const double length = cross.norm();
-    if (!(length > 0.0)) return out;
-    out.normal = cross / length;
-    out.area = 0.5 * length;
-    for (std::size_t c = 0; c < 3; ++c) out.slope[c] = out.normal.cross(p[(c + 2) % 3] - p[(c + 1) % 3]) / length;
-    return out;
-}
-
 Eigen::Matrix3d gradientOf(const TriangleFrame& frame, const std::array<Vec3, 3>& u, const Vec3& traction, double nu) {
     Eigen::Matrix3d along = Eigen::Matrix3d::Zero();
     for (std::size_t c = 0; c < 3; ++c) along += u[c] * frame.slope[c].transpose();
@@ -194,7 +176,7 @@ Result<void> finishTouch(const TriangleMesh& body, std::span<const JointFace> fa
     std::vector<std::pair<std::int32_t, TriangleFrame>> frames;
     Eigen::VectorXd around = Eigen::VectorXd::Zero(vertices);
     eachTouchable(body, held, [&](std::int32_t f, double) {
-        const TriangleFrame frame = frameOf(body, f);
+        const TriangleFrame frame = triangleFrame(body, f);
         if (!(frame.area > 0.0)) return;
         frames.emplace_back(f, frame);
         for (int c = 0; c < 3; ++c) around[body.triangles(f, c)] += frame.area;

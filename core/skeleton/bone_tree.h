@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/base/finite.h"
 #include "core/skeleton/skeleton.h"
 
 namespace imomushi {
@@ -25,15 +26,6 @@ BoneTree boneTree(const Skeleton& skeleton);
 /// The rotation of least angle that takes the unit vector `from` to the unit vector `to`; real part >= 0. Opposite vectors: half a turn
 /// about some axis across them.
 Eigen::Quaterniond minimalRotation(const Vec3& from, const Vec3& to);
-
-/// No infinity and no NaN among the numbers; raises no floating-point exception (Eigen's allFinite() subtracts).
-template <class Dense>
-bool allFinite(const Eigen::DenseBase<Dense>& numbers) {
-    for (Eigen::Index c = 0; c < numbers.cols(); ++c)
-        for (Eigen::Index r = 0; r < numbers.rows(); ++r)
-            if (!std::isfinite(numbers.derived().coeff(r, c))) return false;
-    return true;
-}
 
 /// A pose of `skeleton` that can be used: right sizes, finite, unit frames to a factor of about two.
 bool fits(const Skeleton& skeleton, const Pose& pose);

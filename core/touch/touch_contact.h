@@ -9,8 +9,8 @@
 
 #include "core/base/result.h"
 #include "core/mesh/mesh.h"
+#include "core/mesh/triangle_tree.h"
 #include "core/reduction/element_response.h"
-#include "core/reduction/triangle_tree.h"
 
 namespace imomushi {
 

@@ -10,7 +10,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "core/reduction/triangle_tree.h"
+#include "core/base/union_find.h"
+#include "core/mesh/triangle_tree.h"
 #include "core/warp/sparse_factor.h"
 #include "core/warp/triangle_kernels.h"
 
@@ -339,19 +340,6 @@ struct BendWarp::State {
 
 namespace {
 
-struct Union {
-    explicit Union(std::size_t n) : parent(n) { std::iota(parent.begin(), parent.end(), 0); }
-    std::int32_t find(std::int32_t i) {
-        while (parent[i] != i) i = parent[i] = parent[parent[i]];
-        return i;
-    }
-    void join(std::int32_t a, std::int32_t b) {
-        a = find(a), b = find(b);
-        parent[std::max(a, b)] = std::min(a, b);
-    }
-    std::vector<std::int32_t> parent;
-};
-
 // 1 below 0, 0 above 1.
 double fade(double x) {
     const double t = std::clamp(x, 0.0, 1.0);
@@ -453,9 +441,9 @@ Result<BendWarp> BendWarp::build(const TriangleMesh& body, const std::vector<Joi
     std::vector<char> kind(n, 0);  // 0 solved, 1 one of a floating shell, 2 held
     for (const auto& face : faces)
         for (const auto v : face.vertices) kind[v] = 2;
-    Union shells(n);
+    UnionFind shells(static_cast<std::size_t>(n));
     for (Eigen::Index t = 0; t < body.triangles.rows(); ++t)
-        for (int c = 0; c < 2; ++c) shells.join(body.triangles(t, c), body.triangles(t, c + 1));
+        for (int c = 0; c < 2; ++c) shells.unite(body.triangles(t, c), body.triangles(t, c + 1));
     std::vector<char> holds(n, 0);
     for (std::size_t v = 0; v < n; ++v)
         if (kind[v] == 2) holds[shells.find(static_cast<std::int32_t>(v))] = 1;

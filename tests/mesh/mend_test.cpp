@@ -11,7 +11,7 @@
 #include "core/mesh/cgal/fill_hole.h"
 #include "core/mesh/cgal/intersections.h"
 #include "core/mesh/mend.h"
-#include "core/mesh/shells.h"
+#include "core/mesh/winding_number.h"
 #include "core/mesh/topology.h"
 #include "core/mesh/weld.h"
 #include "tests/support/shapes.h"

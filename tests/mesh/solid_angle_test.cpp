@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "core/mesh/shells.h"
+#include "core/mesh/winding_number.h"
 #include "tests/support/shapes.h"
 
 using namespace imomushi;

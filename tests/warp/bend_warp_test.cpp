@@ -5,7 +5,7 @@
 #include <random>
 
 #include "core/mesh/cgal/intersections.h"
-#include "core/mesh/shells.h"
+#include "core/mesh/winding_number.h"
 #include "tests/support/allocations.h"
 #include "tests/support/shapes.h"
 #include "tests/warp/bent_bodies.h"

@@ -3,9 +3,10 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <numeric>
+#include <span>
 #include <utility>
 
+#include "core/base/union_find.h"
 #include "core/mesh/vertex_corners.h"
 
 namespace imomushi::render {
@@ -29,11 +30,7 @@ void groupCorners(std::span<const std::int32_t> corners, const ElementMesh& mesh
                   std::vector<int>& group) {
     const int n = static_cast<int>(corners.size());
     group.resize(n);
-    std::iota(group.begin(), group.end(), 0);
-    const auto root = [&](int i) {
-        while (group[i] != i) i = group[i] = group[group[i]];
-        return i;
-    };
+    UnionFind sets(corners.size());
     const Triangles& t = mesh.body.triangles;
     for (int i = 0; i < n; ++i)
         for (int j = 0; j < i; ++j) {
@@ -49,9 +46,9 @@ void groupCorners(std::span<const std::int32_t> corners, const ElementMesh& mesh
                 const int nj = t(fj, (corners[j] % 3 + 1) % 3), pj = t(fj, (corners[j] % 3 + 2) % 3);
                 same = ni == pj || pi == nj;
             }
-            if (same) group[root(i)] = root(j);
+            if (same) sets.unite(i, j);
         }
-    for (int i = 0; i < n; ++i) group[i] = root(i);
+    for (int i = 0; i < n; ++i) group[i] = sets.find(i);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/mesh/bounds.h"
+#include "core/mesh/topology.h"
 #include "ui/models/gesture.h"
 #include "ui/models/texts.h"
 #include "ui/tools/tool_texts.h"
@@ -29,8 +30,7 @@ constexpr double kMeetCosine = 0.99;
 Vec3 corner(const TriangleMesh& mesh, std::int32_t triangle, int c) { return mesh.vertices.row(mesh.triangles(triangle, c)); }
 
 Vec3 normalOf(const TriangleMesh& mesh, std::int32_t triangle) {
-    const Vec3 a = corner(mesh, triangle, 0);
-    return (corner(mesh, triangle, 1) - a).cross(corner(mesh, triangle, 2) - a).stableNormalized();
+    return areaVector(mesh, triangle).stableNormalized();
 }
 
 /// The flat region of `mesh` that meets `face`, if there is one.

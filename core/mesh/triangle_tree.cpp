@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/reduction/triangle_tree.h"
+#include "core/mesh/triangle_tree.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -7,43 +7,31 @@
 #include <cassert>
 #include <numeric>
 
+#include "core/mesh/closest_point.h"
+
 namespace imomushi {
 namespace {
 
 constexpr std::int32_t kLeaf = 4;   ///< triangles that are tested without a box of their own
 constexpr std::size_t kDeepest = 64;  ///< halving 2^31 triangles cannot go deeper
 
-double ratio(double part, double whole) { return whole > 0.0 ? part / whole : 0.0; }
-
-/// The nearest point of triangle a b c to the origin (Ericson, Real-Time Collision Detection, section 5.1.5), for triangles without area too.
-Vec3 nearestToOrigin(const Vec3& a, const Vec3& b, const Vec3& c) {
-    const Vec3 ab = b - a, ac = c - a;
-    const double d1 = -ab.dot(a), d2 = -ac.dot(a);
-    if (d1 <= 0.0 && d2 <= 0.0) return {1.0, 0.0, 0.0};
-    const double d3 = -ab.dot(b), d4 = -ac.dot(b);
-    if (d3 >= 0.0 && d4 <= d3) return {0.0, 1.0, 0.0};
-    const double vc = d1 * d4 - d3 * d2;
-    if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) {
-        const double v = ratio(d1, d1 - d3);
-        return {1.0 - v, v, 0.0};
-    }
-    const double d5 = -ab.dot(c), d6 = -ac.dot(c);
-    if (d6 >= 0.0 && d5 <= d6) return {0.0, 0.0, 1.0};
-    const double vb = d5 * d2 - d1 * d6;
-    if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) {
-        const double w = ratio(d2, d2 - d6);
-        return {1.0 - w, 0.0, w};
-    }
-    const double va = d3 * d6 - d5 * d4;
-    if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0) {
-        const double w = ratio(d4 - d3, (d4 - d3) + (d5 - d6));
-        return {0.0, 1.0 - w, w};
-    }
-    const double v = ratio(vb, va + vb + vc), w = ratio(vc, va + vb + vc);
+Vec3 barycentric(const ClosestOnTriangle& closest) {
+    if (!closest.inside) return closest.weights;
+    const double sum = closest.weights[0] + closest.weights[1] + closest.weights[2];
+    if (!(sum > 0.0)) return {1.0, 0.0, 0.0};
+    const double v = closest.weights[1] / sum, w = closest.weights[2] / sum;
     return {1.0 - v - w, v, w};
 }
 
+std::vector<std::int32_t> allOf(const TriangleMesh& mesh) {
+    std::vector<std::int32_t> all(static_cast<std::size_t>(mesh.triangles.rows()));
+    std::iota(all.begin(), all.end(), 0);
+    return all;
+}
+
 }  // namespace
+
+TriangleTree::TriangleTree(const TriangleMesh& mesh) : TriangleTree(mesh, allOf(mesh)) {}
 
 TriangleTree::TriangleTree(const TriangleMesh& mesh, std::vector<std::int32_t> which) : order_(std::move(which)) {
     assert(!order_.empty());
@@ -129,13 +117,29 @@ TriangleTree::Hit TriangleTree::search(const Vec3& point, const Vec3& direction)
             const Corners& k = corners_[static_cast<std::size_t>(i)];
             if (kFacing && (k.b - k.a).cross(k.c - k.a).dot(direction) <= 0.0) continue;
             const Vec3 a = k.a - point, b = k.b - point, c = k.c - point;
-            const Vec3 weight = nearestToOrigin(a, b, c);
+            const Vec3 weight = barycentric(closestOnTriangle(b - a, c - a, -a, -b, -c));
             const double d = (weight[0] * a + weight[1] * b + weight[2] * c).squaredNorm();
             const std::int32_t t = order_[static_cast<std::size_t>(i)];
             if (d < best.squaredDistance || (d == best.squaredDistance && t < best.triangle)) best = {t, d, weight};
         }
     }
     return best;
+}
+
+std::vector<std::int32_t> TriangleTree::within(const Vec3& point, double distance) const {
+    std::vector<std::int32_t> out, open{0};
+    while (!open.empty()) {
+        const std::int32_t n = open.back();
+        const Node& node = nodes_[static_cast<std::size_t>(n)];
+        open.pop_back();
+        if ((node.low - point).cwiseMax(point - node.high).cwiseMax(0.0).norm() > distance) continue;
+        if (node.right >= 0)
+            open.insert(open.end(), {node.right, n + 1});
+        else
+            out.insert(out.end(), order_.begin() + node.begin, order_.begin() + node.end);
+    }
+    std::sort(out.begin(), out.end());
+    return out;
 }
 
 template TriangleTree::Hit TriangleTree::search<false>(const Vec3&, const Vec3&) const;

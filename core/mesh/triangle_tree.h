@@ -14,6 +14,8 @@ class TriangleTree {
 public:
     /// `which`: the triangles of `mesh` to search, at least one. The tree keeps a copy of their corners.
     TriangleTree(const TriangleMesh& mesh, std::vector<std::int32_t> which);
+    /// All of them.
+    explicit TriangleTree(const TriangleMesh& mesh);
 
     struct Hit {
         std::int32_t triangle = -1;  ///< -1: none
@@ -24,6 +26,8 @@ public:
     [[nodiscard]] Hit nearest(const Vec3& point) const { return search<false>(point, Vec3::Zero()); }
     /// The same among triangles whose normals are less than 90 degrees from `direction`.
     [[nodiscard]] Hit nearestFacing(const Vec3& point, const Vec3& direction) const { return search<true>(point, direction); }
+    /// All triangles with a point at most `distance` away, ascending, and perhaps some that are a little farther.
+    [[nodiscard]] std::vector<std::int32_t> within(const Vec3& point, double distance) const;
 
 private:
     struct Node {
