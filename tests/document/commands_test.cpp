@@ -235,7 +235,8 @@ TEST_CASE("precompute: of congruent elements the first is solved and the others 
     CHECK(estimate["elements"][1]["columns"] == 18);
     CHECK(estimate["elements"][1]["seconds"].get<double>() < 0.01 * estimate["elements"][0]["seconds"].get<double>());
     // One alone needs the one it shares with.
-    CHECK(w.good({{"do", "estimate"}, {"elements", {"B"}}})["seconds"] == estimate["seconds"]);
+    // The speed of the machine is measured again each time, so these are about the same; alone it would be a hundredth.
+    CHECK(w.good({{"do", "estimate"}, {"elements", {"B"}}})["seconds"].get<double>() > 0.1 * estimate["seconds"].get<double>());
 
     const Json one = w.good({{"do", "precompute"}, {"elements", {"B"}}});
     CHECK(one["elements"][0]["shared"] == "A");

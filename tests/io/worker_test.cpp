@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <doctest/doctest.h>
+#include <sys/wait.h>
 
-#include <chrono>
 #include <fstream>
 #include <thread>
 
@@ -89,8 +89,14 @@ TEST_CASE("import: cancelling answers at once") {
     ImportRequest request;
     request.path = folder.write("hang.obj", "v 0 0 0\n");
     std::stop_source stop;
+    // Once the worker is there.
+    const auto started = [] {
+        siginfo_t child{};
+        return ::waitid(P_ALL, 0, &child, WEXITED | WNOHANG | WNOWAIT) == 0;
+    };
+    REQUIRE_FALSE(started());
     std::jthread later([&] {
-        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        while (!started()) std::this_thread::yield();
         stop.request_stop();
     });
     // Without cancelling this would take 1000 s.

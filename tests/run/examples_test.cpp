@@ -174,7 +174,7 @@ TEST_CASE("examples: every solver mesh, effect, basis and layout that README.md 
     add({{"do", "record"}, {"take", "nod"}, {"action", "stop"}});
     int layouts = 0;
     for (const auto& [layout, files] : table("layout"))
-        for (const std::string& ending : all(files, "(\\.[a-z0-9]+)"))
+        for (const std::string& ending : all(files, "[ ,](\\.[a-z0-9]+)"))
             if (ending != ".fbx") {  // needs Blender
                 add({{"do", "export"}, {"path", layout + ending}, {"layout", layout}});
                 ++layouts;
@@ -216,8 +216,9 @@ TEST_CASE("examples: every choice that the help of a key offers is taken") {
             std::string text = tries.at(name);
             for (auto at = text.find('%'); at != std::string::npos; at = text.find('%')) text.replace(at, 1, choice);
             if (name == "export layout") text = std::regex_replace(text, std::regex(choice + "\\." + choice), choice + (choice == "cache" ? ".pc2" : ".glb"));
-            lines += text + "\n";
             // One effect at a time.
+            if (name == "disable effect") lines += std::regex_replace(text, std::regex("disable"), "enable") + "\n";
+            lines += text + "\n";
             if (name == "enable effect") lines += std::regex_replace(text, std::regex("enable"), "disable") + "\n";
         }
         ++tried;

@@ -174,20 +174,26 @@ TEST_CASE("effects: an effect is turned on for one element where that is selecte
 
 TEST_CASE("effects: the ground is a plane in the view, and all of it reads in Japanese and in light colours") {
     Effective w;
+    const QImage without = w.view().grabFramebuffer();
     w.run({{"do", "enable"}, {"effect", "ground"}});
+    waitFor([&] { return w.view().grabFramebuffer() != without; });
+    CHECK(unreadable(w.window().effects()).isEmpty());
     w.run({{"do", "enable"}, {"effect", "bone-dynamics"}});
     w.run({{"do", "enable"}, {"effect", "gravity"}});
     w.settle();
     w.shoot("ground");
     Appearance::instance().setTheme(Appearance::Theme::Light);
     w.settle();
+    CHECK(unreadable(w.window().effects()).isEmpty());
     w.shoot("ground-light");
     Appearance::instance().setLanguage(QStringLiteral("ja"));
     w.settle();
     CHECK(w.button("ground").accessibleName() == QStringLiteral("床"));
+    CHECK(unreadable(w.window().effects()).isEmpty());
     w.shoot("effects-japanese");
     Appearance::instance().setTheme(Appearance::Theme::HighContrast);
     w.settle();
+    CHECK(unreadable(w.window().effects()).isEmpty());
     w.shoot("effects-contrast");
     Appearance::instance().setTheme(Appearance::Theme::Dark);
     Appearance::instance().setLanguage(QStringLiteral("en"));

@@ -374,9 +374,11 @@ TEST_CASE("takes: the panel reads in every theme, in Japanese and at 125 %") {
     auto& look = Appearance::instance();
     look.setTheme(Appearance::Theme::Light);
     w.settle();
+    CHECK(unreadable(w.window().takes()).isEmpty());
     w.shoot("takes-light");
     look.setLanguage(QStringLiteral("ja"));
     w.settle();
+    CHECK(unreadable(w.window().takes()).isEmpty());
     w.shoot("takes-japanese");
     CHECK(w.list().accessibleName() == QStringLiteral("テイク"));
     QTest::keyClick(&w.view(), Qt::Key_R);
@@ -385,11 +387,13 @@ TEST_CASE("takes: the panel reads in every theme, in Japanese and at 125 %") {
     QTest::keyClick(&w.view(), Qt::Key_R);
     look.setTheme(Appearance::Theme::HighContrast);
     w.settle();
+    CHECK(unreadable(w.window().takes()).isEmpty());
     w.shoot("takes-contrast");
     look.setTheme(Appearance::Theme::Dark);
     look.setLanguage(QStringLiteral("en"));
     look.setScale(1.25);
     w.settle();
+    CHECK(unreadable(w.window().takes()).isEmpty());
     w.shoot("takes-125");
     look.setScale(1.0);
     w.settle();
