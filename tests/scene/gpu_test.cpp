@@ -8,8 +8,12 @@
 
 #include "tests/document/workbench.h"
 #include "tests/render/picture.h"
-#include "ui/render/card_deformer.h"
+#include "ui/render/gpu_deformer.h"
+#include "ui/render/image.h"
+#include "ui/render/offscreen.h"
+#include "ui/render/scene_renderer.h"
 #include "ui/scene/document_scene.h"
+#include "ui/scene/framing.h"
 
 using namespace imomushi;
 using Eigen::Vector3f;
@@ -23,7 +27,7 @@ constexpr int kWidth = 480, kHeight = 360;
 struct Live {
     Result<std::unique_ptr<render::OffscreenContext>> context = render::OffscreenContext::create();
     std::unique_ptr<render::SceneRenderer> renderer;
-    render::CardDeformer deformer;
+    render::GpuDeformer deformer;
     Live() {
         REQUIRE(context.has_value());
         auto made = render::SceneRenderer::create();
@@ -54,7 +58,7 @@ void keep(const Picture& picture, const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("card: samples have the same vertices and pictures, whoever deforms them") {
+TEST_CASE("gpu: samples have the same vertices and pictures, whoever deforms them") {
     if (!haveOpenGl()) return;
     Live live;
     for (const std::string name : {"caterpillar", "octopus", "figure"}) {
@@ -76,31 +80,31 @@ TEST_CASE("card: samples have the same vertices and pictures, whoever deforms th
             (void)session.execute({{"do", "drag"}, {"endpoint", bone.name + "/end"}, {"to", {target.x(), target.y(), target.z()}}});
 
         DocumentScene here, there;
-        render::Scene byProcessor, byCard;
+        render::Scene byProcessor, byGpu;
         here.update(session, {}, byProcessor);
-        byProcessor.camera = byCard.camera = framed(byProcessor, threeQuarterDirection(), double(kWidth) / kHeight);
+        byProcessor.camera = byGpu.camera = framed(byProcessor, threeQuarterDirection(), double(kWidth) / kHeight);
         const Picture expected = live.draw(byProcessor);
 
         SceneOptions options;
-        options.card = live.renderer.get();
-        there.update(session, options, byCard);
+        options.gpu = live.renderer.get();
+        there.update(session, options, byGpu);
         // From the next frame on.
         Character& character = *session.character();
         character.update(session.shownPose());
         int elsewhere = 0;
         for (const auto& e : character.recipe().elements) elsewhere += e.elsewhere;
         CHECK(elsewhere > 0);
-        there.update(session, options, byCard);
-        const Picture made = live.draw(byCard);
+        there.update(session, options, byGpu);
+        const Picture made = live.draw(byGpu);
         keep(expected, name + "-processor");
-        keep(made, name + "-card");
+        keep(made, name + "-gpu");
         const int pixels = differing(expected, made);
-        MESSAGE(name << ": " << elsewhere << " of " << character.recipe().elements.size() << " elements on the card; " << pixels << " pixels differ visibly");
-        // Vertices are the same; what is left is light that follows the extent of the character, which is known less exactly (CardDeformer::Bounds).
+        MESSAGE(name << ": " << elsewhere << " of " << character.recipe().elements.size() << " elements on the GPU; " << pixels << " pixels differ visibly");
+        // Vertices are the same; what is left is light that follows the extent of the character, which is known less exactly (BoundingBoxes).
         CHECK(pixels <= kWidth * kHeight / 500);
 
         auto& deformer = live.deformer;
-        REQUIRE(deformer.take(character.recipe()));
+        REQUIRE(deformer.upload(character.recipe()));
         deformer.deform(character.recipe());
         double worst = 0.0;
         for (int e = 0; e < static_cast<int>(character.recipe().elements.size()); ++e) {
@@ -108,7 +112,7 @@ TEST_CASE("card: samples have the same vertices and pictures, whoever deforms th
             const double size = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm();
             const auto s = character.surface(e);
             std::vector<float> positions(3 * static_cast<std::size_t>(s.vertices));
-            deformer.read(e, 0, s.vertices, positions.data());
+            deformer.readBack(e, 0, s.vertices, positions.data());
             for (std::size_t i = 0; i < positions.size(); i += 3)
                 worst = std::max(worst, (Eigen::Map<const Vector3f>(&positions[i]) - Eigen::Map<const Vector3f>(s.positions + i)).cast<double>().norm() / size);
         }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Two characters from one input and one pose: one evaluates its vertices, the other's are made by OpenGL and read back.
-#include "ui/render/card_deformer.h"
+#include "ui/render/gpu_deformer.h"
 
 #include <doctest/doctest.h>
 
@@ -11,6 +11,7 @@
 #include "core/character/character.h"
 #include "tests/character/random_characters.h"
 #include "tests/render/picture.h"
+#include "ui/render/offscreen.h"
 
 using namespace imomushi;
 using namespace imomushi::render;
@@ -19,7 +20,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-// What the card may get wrong of positions, relative to the size of an element.
+// What the GPU may get wrong of positions, relative to the size of an element.
 constexpr double kPositions = 1e-5;
 constexpr double kEpsilon = 6e-8;  // half a step of single precision
 
@@ -27,16 +28,16 @@ double sizeOf(const ElementMesh& mesh) {
     return (mesh.body.vertices.colwise().maxCoeff() - mesh.body.vertices.colwise().minCoeff()).norm();
 }
 
-/// A character that the card deforms, beside one that does it all by itself.
+/// A character that the GPU deforms, beside one that does it all by itself.
 class Twins {
 public:
     explicit Twins(const CharacterInput& input) : here_(Character::build(input).value()), there_(Character::build(input).value()) {
         REQUIRE(context_.has_value());
         const auto ready = deformer_.prepare();
         REQUIRE_MESSAGE(ready.has_value(), (ready ? "" : ready.error().message));
-        REQUIRE(deformer_.take(there_.recipe()));
+        REQUIRE(deformer_.upload(there_.recipe()));
         for (int e = 0; e < elements(); ++e)
-            CHECK(there_.showElsewhere(e, deformer_.fits(e)) == there_.recipe().elements[static_cast<std::size_t>(e)].possible);
+            CHECK(there_.showElsewhere(e, deformer_.supports(e)) == there_.recipe().elements[static_cast<std::size_t>(e)].possible);
         // Joined faces are covered, as in the studio.
         covered_.resize(input.elements.size());
         for (const auto& joint : input.joints)
@@ -51,7 +52,7 @@ public:
     [[nodiscard]] int elements() const { return static_cast<int>(here_.input().elements.size()); }
     Character& here() { return here_; }
     Character& there() { return there_; }
-    CardDeformer& deformer() { return deformer_; }
+    GpuDeformer& deformer() { return deformer_; }
 
     void update(const Pose& pose, double seconds = 0.0) {
         here_.update(pose, seconds);
@@ -66,7 +67,7 @@ public:
         for (int e = 0; e < elements(); ++e) {
             const auto s = here_.surface(e);
             std::vector<float> made(3 * static_cast<std::size_t>(s.vertices));
-            deformer_.read(e, 0, s.vertices, made.data());
+            deformer_.readBack(e, 0, s.vertices, made.data());
             double wrong = 0.0, far = 0.0;
             for (std::size_t i = 0; i < made.size(); i += 3) {
                 wrong = std::max(wrong, (Eigen::Map<const Vector3f>(&made[i]) - Eigen::Map<const Vector3f>(s.positions + i)).cast<double>().norm());
@@ -77,8 +78,8 @@ public:
             const auto& bounds = deformer_.bounds(e);
             for (std::size_t i = 0; i < made.size(); i += 3) {
                 const float slack = static_cast<float>(far * 1e-5);
-                CHECK((Eigen::Map<const Vector3f>(&made[i]) - bounds.holds.min()).minCoeff() >= -slack);
-                CHECK((bounds.holds.max() - Eigen::Map<const Vector3f>(&made[i])).minCoeff() >= -slack);
+                CHECK((Eigen::Map<const Vector3f>(&made[i]) - bounds.conservative.min()).minCoeff() >= -slack);
+                CHECK((bounds.conservative.max() - Eigen::Map<const Vector3f>(&made[i])).minCoeff() >= -slack);
             }
             lastWrong_ = std::max(lastWrong_, wrong + 2 * kEpsilon * far);
         }
@@ -89,7 +90,7 @@ public:
     /// as much as their ends move over their lengths, over the sine between them (a seam or a ring of triangles at most as much again).
     double wrongNormals() {
         double worst = 0.0;
-        std::vector<std::vector<CardDeformer::Neighbour>> neighbours(static_cast<std::size_t>(elements()));
+        std::vector<std::vector<GpuDeformer::Neighbour>> neighbours(static_cast<std::size_t>(elements()));
         for (int e = 0; e < elements(); ++e) geometry_[static_cast<std::size_t>(e)]->sumNormals(here_.surface(e).positions);
         for (const auto& joint : here_.input().joints) {
             if (joint.faces.size() < 2) continue;
@@ -114,7 +115,7 @@ public:
             glBindBuffer(GL_ARRAY_BUFFER, buffer);
             const auto bytes = static_cast<GLsizeiptr>(made.size() * sizeof(float));
             glBufferData(GL_ARRAY_BUFFER, bytes, nullptr, GL_DYNAMIC_COPY);
-            deformer_.dress(e, deformer_.makeDress(e, geometry, neighbours[static_cast<std::size_t>(e)]), buffer);
+            deformer_.writeDisplayVertices(e, deformer_.makeDisplayMap(e, geometry, neighbours[static_cast<std::size_t>(e)]), buffer);
             glBindBuffer(GL_ARRAY_BUFFER, buffer);
             glGetBufferSubData(GL_ARRAY_BUFFER, 0, bytes, made.data());
             CHECK(glGetError() == GL_NO_ERROR);
@@ -138,7 +139,7 @@ public:
 private:
     Result<std::unique_ptr<OffscreenContext>> context_ = OffscreenContext::create();
     Character here_, there_;
-    CardDeformer deformer_;
+    GpuDeformer deformer_;
     std::vector<std::vector<std::int32_t>> covered_;
     std::vector<std::unique_ptr<BodyGeometry>> geometry_;
     double lastWrong_ = 0.0, largest_ = 0.0;
@@ -146,7 +147,7 @@ private:
 
 }  // namespace
 
-TEST_CASE("card: vertices and normals of any character are those that the processor makes") {
+TEST_CASE("gpu: vertices and normals of any character are those that the processor makes") {
     if (!haveOpenGl()) return;
     std::mt19937 random(11);
     double positions = 0.0, normals = 0.0, largest = 0.0;
@@ -174,7 +175,7 @@ TEST_CASE("card: vertices and normals of any character are those that the proces
     MESSAGE("of what is allowed: positions " << positions << ", normals " << normals << "; normals differ by " << largest << " at most");
 }
 
-TEST_CASE("card: what does not move is neither uploaded nor made again") {
+TEST_CASE("gpu: what does not move is neither uploaded nor made again") {
     if (!haveOpenGl()) return;
     Twins twins(caterpillar::make({}));
     Pose pose = restPose(twins.here().input().skeleton);
@@ -195,13 +196,13 @@ TEST_CASE("card: what does not move is neither uploaded nor made again") {
     CHECK(twins.wrongPositions() <= 1.0);
 }
 
-TEST_CASE("card: another character is taken over, and a driver's state is left as it was") {
+TEST_CASE("gpu: another character is taken over, and a driver's state is left as it was") {
     if (!haveOpenGl()) return;
     Twins twins(caterpillar::make({}));
     twins.update(restPose(twins.here().input().skeleton));
     auto other = Character::build(caterpillar::make({})).value();
     CHECK(other.recipe().id != twins.there().recipe().id);
-    REQUIRE(twins.deformer().take(other.recipe()));
+    REQUIRE(twins.deformer().upload(other.recipe()));
     twins.deformer().deform(other.recipe());
     CHECK(twins.deformer().stats().copied == 5);
     for (const GLenum binding : {GL_TEXTURE_BINDING_BUFFER, GL_VERTEX_ARRAY_BINDING, GL_ARRAY_BUFFER_BINDING, GL_CURRENT_PROGRAM, GL_TRANSFORM_FEEDBACK_BUFFER_BINDING,

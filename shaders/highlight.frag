@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Triangles being chosen or pointed out: a tint with a fine chequer, so that it shows on any colour and without colour.
+// Highlighted triangles (being chosen, or the places of an issue): a tint with a fine chequer, so that it shows on any colour and without colour.
 #version 330 core
 #include "frame.glsl"
 uniform vec3 tint;
