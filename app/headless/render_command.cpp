@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "core/document/session.h"
+#include "core/document/session_access.h"
 #include "ui/render/image.h"
 #include "ui/render/offscreen.h"
 #include "ui/scene/document_scene.h"
@@ -55,7 +56,7 @@ Result<void> readCamera(const Json& given, render::Camera& camera) {
     return {};
 }
 
-Result<Json> run(Session& session, const Json& arguments, const Progress&) {
+Result<Json> run(SessionAccess& access, const Json& arguments, const Progress&) {
     const auto width = arguments.at("width").get<long long>(), height = arguments.at("height").get<long long>();
     if (width < 1 || height < 1 || width > render::kLargestSide || height > render::kLargestSide || width * height > render::kMostPixels)
         return fail("bad-value", "\"width\" and \"height\" are 1 to " + std::to_string(render::kLargestSide) + " pixels and at most " +
@@ -76,7 +77,7 @@ Result<Json> run(Session& session, const Json& arguments, const Progress&) {
     SceneOptions options;
     options.bones = options.faces = arguments.value("bones", false);
     DocumentScene view;
-    view.update(session, options, scene);
+    view.update(access.session, options, scene);
     // Out-of-date elements are marked for the artist in the studio, not in pictures.
     for (render::Body& body : scene.bodies) body.outdated = false;
 

@@ -59,7 +59,7 @@ constexpr std::pair<const char*, ToolKind> kTools[] = {
 
 }  // namespace
 
-MainWindow::MainWindow(const CommandRegistry& registry) : document_(registry) {
+MainWindow::MainWindow(const CommandRegistry& registry, std::shared_ptr<ResponseStore> store) : document_(registry, std::move(store)) {
     setObjectName(QStringLiteral("studio"));
     setAcceptDrops(true);
     setDockOptions(QMainWindow::AnimatedDocks | QMainWindow::AllowTabbedDocks | QMainWindow::AllowNestedDocks);

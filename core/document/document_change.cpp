@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/document/history.h"
+#include "core/document/document_change.h"
+
+#include <algorithm>
 
 namespace imomushi {
 
@@ -31,12 +33,26 @@ void exchangeParts(Map& document, Map& change) {
     }
 }
 
+bool samePose(const Pose& a, const Pose& b) {
+    if (a.points != b.points || a.roll != b.roll || a.frames.size() != b.frames.size()) return false;
+    for (std::size_t i = 0; i < a.frames.size(); ++i)
+        if (a.frames[i].coeffs() != b.frames[i].coeffs()) return false;
+    return true;
+}
+
+bool sameFaces(const std::vector<JointFace>& a, const std::vector<JointFace>& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const JointFace& p, const JointFace& q) {
+        return p.name == q.name && p.frame.origin == q.frame.origin;
+    });
+}
+
 }  // namespace
 
-bool DocumentChange::empty() const { return !structure() && held.empty() && !touches && !pose; }
+bool DocumentChange::empty() const { return !structure() && !posing(); }
 bool DocumentChange::structure() const { return !elements.empty() || !joints.empty() || !bones.empty() || !takes.empty() || settings || effects; }
+bool DocumentChange::posing() const { return !held.empty() || touches || pose; }
 
-DocumentChange difference(const Document& before, const Document& after, bool withPose) {
+DocumentChange difference(const Document& before, const Document& after) {
     DocumentChange change;
     change.elements = partsThatDiffer(before.elements, after.elements);
     change.joints = partsThatDiffer(before.joints, after.joints);
@@ -51,7 +67,7 @@ DocumentChange difference(const Document& before, const Document& after, bool wi
     if (!(before.settings == after.settings)) change.settings = before.settings;
     if (!(before.effects == after.effects)) change.effects = before.effects;
     if (!(before.touches == after.touches)) change.touches = before.touches;
-    if (withPose || !samePose(before.pose, after.pose)) change.pose = before.pose;
+    if (!samePose(before.pose, after.pose)) change.pose = before.pose;
     return change;
 }
 
@@ -76,23 +92,13 @@ void exchange(Document& document, DocumentChange& change) {
     if (change.pose) std::swap(document.pose, *change.pose);
 }
 
-bool samePose(const Pose& a, const Pose& b) {
-    if (a.points != b.points || a.roll != b.roll || a.frames.size() != b.frames.size()) return false;
-    for (std::size_t i = 0; i < a.frames.size(); ++i)
-        if (a.frames[i].coeffs() != b.frames[i].coeffs()) return false;
-    return true;
-}
-
-bool sameSkeleton(const Skeleton& a, const Skeleton& b) {
-    if (a.points != b.points || a.bones.size() != b.bones.size()) return false;
-    for (std::size_t i = 0; i < a.bones.size(); ++i) {
-        const auto& p = a.bones[i];
-        const auto& q = b.bones[i];
-        if (p.start != q.start || p.end != q.end || p.parent != q.parent || p.length != q.length ||
-            p.minStretch != q.minStretch || p.maxStretch != q.maxStretch)
-            return false;
-    }
-    return true;
+bool movesJointPoints(const DocumentChange& change, const Document& after) {
+    if (!change.bones.empty() || !change.joints.empty()) return true;
+    return std::any_of(change.elements.begin(), change.elements.end(), [&](const auto& part) {
+        const auto now = after.elements.find(part.first);
+        if (!part.second || now == after.elements.end()) return true;
+        return part.second->mesh != now->second->mesh || !sameFaces(part.second->faces, now->second->faces);
+    });
 }
 
 }  // namespace imomushi

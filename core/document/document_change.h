@@ -7,13 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "core/document/command.h"
 #include "core/document/document.h"
 
 namespace imomushi {
 
-/// The parts of a document that differ between two of its states, as they are in one of them. Undo and redo are the same exchange: what is
-/// here goes into the document, and what was there comes here. Absent parts are null.
+/// The parts that differ between two states of a document, as they are in one of the two. Undo and redo are the same exchange: what is here
+/// goes into the document, and what was there comes here. A part that is absent is null.
 struct DocumentChange {
     std::map<PartId, std::shared_ptr<const Element>> elements;
     std::map<PartId, std::shared_ptr<const Joint>> joints;
@@ -28,13 +27,15 @@ struct DocumentChange {
     [[nodiscard]] bool empty() const;
     /// Elements, joints, bones, settings, effects or takes differ.
     [[nodiscard]] bool structure() const;
+    /// Targets, fingers or the pose differ.
+    [[nodiscard]] bool posing() const;
 };
 
-/// What differs, as it is in `before`. The pose counts when `withPose` or when it differs.
-DocumentChange difference(const Document& before, const Document& after, bool withPose);
+/// What differs, as it is in `before`. Time grows with the number of parts, not with their size.
+DocumentChange difference(const Document& before, const Document& after);
 void exchange(Document& document, DocumentChange& change);
 
-bool samePose(const Pose& a, const Pose& b);
-bool sameSkeleton(const Skeleton& a, const Skeleton& b);
+/// Whether joint points can have moved: more than names and materials differ. `after`: the document that the change led to.
+bool movesJointPoints(const DocumentChange& change, const Document& after);
 
 }  // namespace imomushi
