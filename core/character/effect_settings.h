@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <concepts>
 #include <memory>
 #include <string_view>
 #include <utility>
@@ -66,7 +67,7 @@ public:
         erase(settings->name());
         all_.push_back(std::move(settings));
     }
-    template <class T>
+    template <std::derived_from<EffectSettings> T>
     void set(T settings) {
         set(std::shared_ptr<const EffectSettings>(std::make_shared<const T>(std::move(settings))));
     }

@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "core/document/character_change.h"
+#include "core/touch/touch_contact.h"
 
 namespace imomushi {
 

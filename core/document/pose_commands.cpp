@@ -8,6 +8,7 @@
 #include "core/document/document_edit.h"
 #include "core/document/names.h"
 #include "core/document/session_access.h"
+#include "core/touch/touch_contact.h"
 
 namespace imomushi {
 
