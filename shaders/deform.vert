@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Body vertices of one element from its joint parameters (core/character/surface_recipe.h), one per point. Four modes share a texel, and vertices that
+// Body vertices of one element from its joint parameters (core/character/deform_input.h), one per point. Four modes share a texel, and vertices that
 // follow each other read texels that do.
 #version 330 core
 #include "element_frame.glsl"

@@ -54,7 +54,7 @@ void Character::State::showShape(std::chrono::steady_clock::time_point start) {
     });
     for (auto& e : elements) holdNormals(e);
     closeSeams();
-    for (std::size_t e = 0; recipe && e < elements.size(); ++e) fillRecipe(e);
+    for (std::size_t e = 0; deformInput && e < elements.size(); ++e) fillDeformInput(e);
     const auto done = std::chrono::steady_clock::now();
     stats.jointsMs = milliseconds(start, weighed);
     stats.productMs = milliseconds(weighed, placed);

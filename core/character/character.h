@@ -19,7 +19,7 @@
 
 namespace imomushi {
 
-struct SurfaceRecipe;
+struct DeformInput;
 
 /// What a live character is made of; a document makes one (document/character_input.h). Indices, no names.
 struct CharacterInput {
@@ -102,15 +102,15 @@ public:
         int vertices = 0;
         std::uint64_t revision = 0;        ///< changes when the content does
     };
-    /// Of an element that is made elsewhere this evaluates its vertices now, on this thread.
+    /// Of an element that somebody else deforms this evaluates the vertices now, on this thread.
     [[nodiscard]] Surface surface(int element) const;
 
-    /// What the surfaces are made from, for whoever makes them elsewhere (surface_recipe.h). Kept up to date by update() from the first call on, which
+    /// With what others may deform the surfaces, a graphics card for one (deform_input.h). Kept up to date by update() from the first call on, which
     /// allocates.
-    const SurfaceRecipe& recipe();
-    /// From the next update() on, vertices of this element are made elsewhere, where it can be: update() leaves them alone but for frames in which a
-    /// finger presses. False: they are made here (the bend warp and joints of the previous model are more than a product).
-    bool showElsewhere(int element, bool elsewhere);
+    const DeformInput& deformInput();
+    /// From the next update() on, somebody else deforms this element, where it can be: update() leaves its vertices alone but for frames in which a
+    /// finger presses. False: it is deformed here (the bend warp and joints of the previous model are more than a product).
+    bool deformExternally(int element, bool external);
 
     /// The same pose in double precision for files and measurements: #body vertices x 3, world. Allocates.
     [[nodiscard]] Points positions(int element) const;

@@ -7,7 +7,7 @@
 
 #include "core/character/frame.h"
 #include "core/character/frame_job.h"
-#include "core/character/surface_recipe.h"
+#include "core/character/deform_input.h"
 #include "core/character/touch_job.h"
 #include "core/skeleton/skeleton.h"
 
@@ -64,10 +64,10 @@ struct Character::State {
     // True: the normal changed.
     bool closeSeam(const SeamNormal& s);
 
-    // Surfaces that are made elsewhere (surface_recipe.cpp).
-    [[nodiscard]] bool canBeElsewhere(const ElementFrame& e) const { return !e.runtime->warp && frame.offsets.empty(); }
-    void buildRecipe();
-    void fillRecipe(std::size_t e);
+    // Deformation by others (deform_input.cpp).
+    [[nodiscard]] bool canDeformExternally(const ElementFrame& e) const { return !e.runtime->warp && frame.offsets.empty(); }
+    void buildDeformInput();
+    void fillDeformInput(std::size_t e);
     // Positions and normals of an element as of the last update().
     void catchUp(std::size_t e);
     // The same without normals on seams.
@@ -81,7 +81,7 @@ struct Character::State {
     std::vector<std::vector<int>> jointsOf;  // per element: those that its faces belong to, ascending
     std::vector<SeamNormal> seams;
     std::vector<Piece> productPieces, normalPieces;
-    std::unique_ptr<SurfaceRecipe> recipe;  // null: nobody asked for it
+    std::unique_ptr<DeformInput> deformInput;  // null: nobody asked for it
     std::vector<char> seamOnly;             // per element, of one frame: only normals on its seams changed
     unsigned solveWarnings = 0;
 };

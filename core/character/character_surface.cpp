@@ -32,9 +32,9 @@ void Character::State::decideWork(std::size_t e) {
     // The bend warp bends by more than v says where the basis loses twist.
     if (runtime.warp && out.moved && frame.input.basis == BasisKind::Paper) sameShape = false;
     if (frame.exact || frame.replaying) sameShape = sameShape && out.weights() == out.shownWeights && !(runtime.warp && out.moved);
-    const bool elsewhere = out.elsewhere && !out.wantsLocal;
-    out.moved = out.moved || !sameShape || out.wantsLocal || elsewhere != out.madeElsewhere;
-    out.madeElsewhere = elsewhere;
+    const bool external = out.wantsExternal && !out.wantsLocal;
+    out.moved = out.moved || !sameShape || out.wantsLocal || external != out.external;
+    out.external = external;
     out.work = VertexWork::None;
     if (!out.moved) return;
     out.shownFrame = out.frame;
@@ -46,12 +46,12 @@ void Character::State::decideWork(std::size_t e) {
         out.placement.shift[i] = static_cast<float>(shift[i]);
         for (int k = 0; k < 3; ++k) out.placement.linear[3 * i + k] = static_cast<float>(out.frame.linear(i, k));
     }
-    out.pending = elsewhere;
+    out.pending = external;
     if (sameShape && out.localShown) {
-        out.work = elsewhere ? VertexWork::None : VertexWork::Place;
+        out.work = external ? VertexWork::None : VertexWork::Place;
         return;
     }
-    if (elsewhere) {
+    if (external) {
         out.localShown = false;
         if (!sameShape) out.shownWeights = out.weights();
         out.blocks.weigh(out.shownWeights);
@@ -120,7 +120,7 @@ bool Character::State::closeSeam(const SeamNormal& s) {
     const Eigen::Vector3f across = (1.0f - s.part) * rim[s.from].normal + s.part * rim[s.to].normal;
     const Eigen::Vector3f sum = own + across;
     const float length = sum.norm();
-    const Eigen::Vector3f n = length > SurfaceRecipe::kNoSeamNormal ? Eigen::Vector3f(sum / length) : own;
+    const Eigen::Vector3f n = length > DeformInput::kNoSeamNormal ? Eigen::Vector3f(sum / length) : own;
     float* to = out.normals.data() + 3 * static_cast<std::ptrdiff_t>(s.vertex);
     if (std::equal(n.data(), n.data() + 3, to)) return false;
     std::copy_n(n.data(), 3, to);

@@ -103,9 +103,9 @@ struct ElementFrame {
     std::vector<RimNormal> rim;
     std::uint64_t revision = 0, moves = 0;  // moves: without changes of normals on seams
 
-    // Somebody else makes the surface (surface_recipe.h).
-    bool elsewhere = false;      // it is wanted
-    bool madeElsewhere = false;  // and done, since the last update()
+    // Deformation by somebody else (deform_input.h).
+    bool wantsExternal = false;  // it is asked for
+    bool external = false;       // and done, since the last update()
     bool pending = false;        // positions and normals here are not those of the last update()
     bool seamsOpen = false;      // normals on seams are not
 };

@@ -65,7 +65,7 @@ Result<Motion> Motion::build(const ExportScene& scene, double fps, const Progres
         low = first ? l : low.cwiseMin(l);
         high = first ? h : high.cwiseMax(h);
         first = false;
-        character.showElsewhere(static_cast<int>(e), true);
+        character.deformExternally(static_cast<int>(e), true);
     }
     if (const double d = (high - low).norm(); d > 0.0) motion.diagonal = d;
 

@@ -110,12 +110,12 @@ void measure(int wanted, ResponseFormat format, int threads) {
     }
 
     GpuDeformer deformer;
-    if (!deformer.prepare() || !deformer.upload(character.recipe())) {
+    if (!deformer.prepare() || !deformer.upload(character.deformInput())) {
         std::printf("%9d vertices: the driver has no room for them\n", vertices);
         return;
     }
     for (std::size_t e = 0; e < elements; ++e) {
-        character.showElsewhere(static_cast<int>(e), deformer.supports(static_cast<int>(e)));
+        character.deformExternally(static_cast<int>(e), deformer.supports(static_cast<int>(e)));
         shown[e].displayMap = deformer.makeDisplayMap(static_cast<int>(e), *shown[e].geometry, {});
         glBindBuffer(GL_ARRAY_BUFFER, shown[e].vertices);
         glBufferData(GL_ARRAY_BUFFER, bytes(shown[e]), nullptr, GL_DYNAMIC_COPY);
@@ -126,7 +126,7 @@ void measure(int wanted, ResponseFormat format, int threads) {
         glFinish();
         const auto start = Clock::now();
         character.update(pose);
-        deformer.deform(character.recipe());
+        deformer.deform(character.deformInput());
         for (std::size_t e = 0; e < elements; ++e) deformer.writeDisplayVertices(static_cast<int>(e), shown[e].displayMap, shown[e].vertices);
         const double own = milliseconds(start);
         glFinish();

@@ -35,9 +35,9 @@ public:
         REQUIRE(context_.has_value());
         const auto ready = deformer_.prepare();
         REQUIRE_MESSAGE(ready.has_value(), (ready ? "" : ready.error().message));
-        REQUIRE(deformer_.upload(there_.recipe()));
+        REQUIRE(deformer_.upload(there_.deformInput()));
         for (int e = 0; e < elements(); ++e)
-            CHECK(there_.showElsewhere(e, deformer_.supports(e)) == there_.recipe().elements[static_cast<std::size_t>(e)].possible);
+            CHECK(there_.deformExternally(e, deformer_.supports(e)) == there_.deformInput().elements[static_cast<std::size_t>(e)].possible);
         // Joined faces are covered, as in the studio.
         covered_.resize(input.elements.size());
         for (const auto& joint : input.joints)
@@ -57,7 +57,7 @@ public:
     void update(const Pose& pose, double seconds = 0.0) {
         here_.update(pose, seconds);
         there_.update(pose, seconds);
-        deformer_.deform(there_.recipe());
+        deformer_.deform(there_.deformInput());
         CHECK(glGetError() == GL_NO_ERROR);
     }
 
@@ -201,9 +201,9 @@ TEST_CASE("gpu: another character is taken over, and a driver's state is left as
     Twins twins(caterpillar::make({}));
     twins.update(restPose(twins.here().input().skeleton));
     auto other = Character::build(caterpillar::make({})).value();
-    CHECK(other.recipe().id != twins.there().recipe().id);
-    REQUIRE(twins.deformer().upload(other.recipe()));
-    twins.deformer().deform(other.recipe());
+    CHECK(other.deformInput().id != twins.there().deformInput().id);
+    REQUIRE(twins.deformer().upload(other.deformInput()));
+    twins.deformer().deform(other.deformInput());
     CHECK(twins.deformer().stats().copied == 5);
     for (const GLenum binding : {GL_TEXTURE_BINDING_BUFFER, GL_VERTEX_ARRAY_BINDING, GL_ARRAY_BUFFER_BINDING, GL_CURRENT_PROGRAM, GL_TRANSFORM_FEEDBACK_BUFFER_BINDING,
                                  GL_RASTERIZER_DISCARD, GL_UNIFORM_BUFFER_BINDING}) {

@@ -91,23 +91,23 @@ TEST_CASE("gpu: samples have the same vertices and pictures, whoever deforms the
         // From the next frame on.
         Character& character = *session.character();
         character.update(session.shownPose());
-        int elsewhere = 0;
-        for (const auto& e : character.recipe().elements) elsewhere += e.elsewhere;
-        CHECK(elsewhere > 0);
+        int external = 0;
+        for (const auto& e : character.deformInput().elements) external += e.external;
+        CHECK(external > 0);
         there.update(session, options, byGpu);
         const Picture made = live.draw(byGpu);
         keep(expected, name + "-processor");
         keep(made, name + "-gpu");
         const int pixels = differing(expected, made);
-        MESSAGE(name << ": " << elsewhere << " of " << character.recipe().elements.size() << " elements on the GPU; " << pixels << " pixels differ visibly");
+        MESSAGE(name << ": " << external << " of " << character.deformInput().elements.size() << " elements on the GPU; " << pixels << " pixels differ visibly");
         // Vertices are the same; what is left is light that follows the extent of the character, which is known less exactly (BoundingBoxes).
         CHECK(pixels <= kWidth * kHeight / 500);
 
         auto& deformer = live.deformer;
-        REQUIRE(deformer.upload(character.recipe()));
-        deformer.deform(character.recipe());
+        REQUIRE(deformer.upload(character.deformInput()));
+        deformer.deform(character.deformInput());
         double worst = 0.0;
-        for (int e = 0; e < static_cast<int>(character.recipe().elements.size()); ++e) {
+        for (int e = 0; e < static_cast<int>(character.deformInput().elements.size()); ++e) {
             const auto& rest = character.input().elements[static_cast<std::size_t>(e)].mesh->body.vertices;
             const double size = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm();
             const auto s = character.surface(e);

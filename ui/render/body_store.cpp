@@ -89,15 +89,15 @@ void BodyStore::upload(const Body& body, GpuBody& gpu) {
 
 /// Bodies that the GPU deforms.
 void BodyStore::deformAll(const Scene& scene, const std::vector<GpuBody*>& drawn) {
-    if (!scene.recipe || deformer_.characterId() != scene.recipe->id) return;
-    deformer_.deform(*scene.recipe);
+    if (!scene.deformInput || deformer_.characterId() != scene.deformInput->id) return;
+    deformer_.deform(*scene.deformInput);
     for (std::size_t i = 0; i < drawn.size(); ++i) {
         if (!drawn[i] || drawn[i]->element < 0) continue;
         GpuBody& gpu = *drawn[i];
         const std::uint64_t version = deformer_.version(gpu.element);
-        gpu.changed = gpu.fresh || gpu.recipe != scene.recipe->id || gpu.version != version;
-        if (gpu.fresh || gpu.recipe != scene.recipe->id) gpu.displayMap = {};
-        gpu.recipe = scene.recipe->id;
+        gpu.changed = gpu.fresh || gpu.deformInput != scene.deformInput->id || gpu.version != version;
+        if (gpu.fresh || gpu.deformInput != scene.deformInput->id) gpu.displayMap = {};
+        gpu.deformInput = scene.deformInput->id;
         gpu.version = version;
         writeDisplayVertices(scene, drawn, i);
         const auto& bounds = deformer_.bounds(gpu.element);
@@ -150,7 +150,7 @@ void BodyStore::update(const Scene& scene, std::vector<GpuBody*>& drawn) {
     drawn.clear();
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
         const Body& body = scene.bodies[i];
-        const int element = scene.recipe && deformer_.characterId() == scene.recipe->id ? body.recipeElement : -1;
+        const int element = scene.deformInput && deformer_.characterId() == scene.deformInput->id ? body.deformElement : -1;
         int copies = 0;
         for (std::size_t j = 0; j < i; ++j) copies += scene.bodies[j].id == body.id;
         const std::pair key(body.id, copies);

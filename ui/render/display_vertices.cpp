@@ -32,13 +32,13 @@ void DisplayVertices::clear() {
     stencilsTexture_ = {}, stencilPartsTexture_ = {};
 }
 
-void DisplayVertices::upload(const SurfaceRecipe& recipe, std::vector<std::int32_t> firsts) {
+void DisplayVertices::upload(const DeformInput& deformInput, std::vector<std::int32_t> firsts) {
     first_ = std::move(firsts);
     std::vector<std::int32_t> stencils;
     std::vector<float> parts;
     normalOf_.clear();
     for (std::size_t e = 0; e < first_.size(); ++e) {
-        const auto& element = recipe.elements[e];
+        const auto& element = deformInput.elements[e];
         const std::int32_t first = first_[e];
         for (std::int32_t v = 0; v < element.vertices; ++v) {
             const NormalStencil& s = element.stencils[v];
@@ -48,7 +48,7 @@ void DisplayVertices::upload(const SurfaceRecipe& recipe, std::vector<std::int32
         }
         for (const auto& h : element.hidden) normalOf_[static_cast<std::size_t>(first + h.vertex)] = {first + h.vertex, kHidden, h.face, 0, 0.0f};
     }
-    for (const auto& s : recipe.seams) {
+    for (const auto& s : deformInput.seams) {
         const std::int32_t vertex = first_[static_cast<std::size_t>(s.element)] + s.vertex, other = first_[static_cast<std::size_t>(s.other)];
         normalOf_[static_cast<std::size_t>(vertex)] = {vertex, kSeam, other + s.from, other + s.to, s.part};
     }

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/character/surface_recipe.h"
+#include "core/character/deform_input.h"
 #include "ui/render/body_geometry.h"
 #include "ui/render/gl.h"
 
@@ -32,7 +32,7 @@ public:
     /// Errors: "bad-shader".
     Result<void> prepare();
     /// Uploads the stencils of normals; `first`: per element, its first body vertex.
-    void upload(const SurfaceRecipe& recipe, std::vector<std::int32_t> first);
+    void upload(const DeformInput& deformInput, std::vector<std::int32_t> first);
     [[nodiscard]] Map makeMap(int element, const BodyGeometry& geometry, const std::vector<Neighbour>& neighbours) const;
     /// Fills `vertices`: BodyGeometry::kFloats per display vertex. `elementFrame`: the uniform buffer of its element; `positions`: texture of all body vertices.
     void write(const Map& map, GLuint elementFrame, GLuint positions, GLuint vertices) const;

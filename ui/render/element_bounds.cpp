@@ -25,7 +25,7 @@ Vector3f shiftOf(const AffineFloat& a) { return Eigen::Map<const Vector3f>(a.shi
 
 }  // namespace
 
-void ElementBounds::prepare(const SurfaceRecipe::Element& element) {
+void ElementBounds::prepare(const DeformInput::Element& element) {
     std::vector<int> met(static_cast<std::size_t>(element.faces), 0), heldBy(met);
     for (const auto& h : element.held) ++heldBy[static_cast<std::size_t>(h.face)];
     for (std::size_t i = 0; i < element.held.size(); ++i) {
@@ -77,7 +77,7 @@ void ElementBounds::prepare(const SurfaceRecipe::Element& element) {
 }
 
 // Of each cluster: all places between the least and the greatest that its modes reach.
-BoundingBoxes ElementBounds::at(const SurfaceRecipe::Element& element) const {
+BoundingBoxes ElementBounds::at(const DeformInput::Element& element) const {
     BoundingBoxes bounds;
     const auto& frame = element.frame;
     const Matrix3f shape = linearOf(frame.shape), placed = linearOf(frame.placement);

@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "core/character/surface_recipe.h"
+#include "core/character/deform_input.h"
 
 namespace imomushi::render {
 
@@ -18,9 +18,9 @@ struct BoundingBoxes {
 /// Computes them from joint parameters: free vertices that are near each other at rest are taken together in clusters.
 class ElementBounds {
 public:
-    void prepare(const SurfaceRecipe::Element& element);
+    void prepare(const DeformInput::Element& element);
     /// In the element's present frame. Allocates nothing.
-    [[nodiscard]] BoundingBoxes at(const SurfaceRecipe::Element& element) const;
+    [[nodiscard]] BoundingBoxes at(const DeformInput::Element& element) const;
 
 private:
     /// Vertices that are near each other at rest.

@@ -22,7 +22,7 @@ int vectorsFor(int n) { return (n + 3) / 4; }
 
 /// A' with four modes to a texel: per texel of modes, per axis, per body vertex.
 template <class T, class Convert>
-std::vector<T> packModes(const SurfaceRecipe::Element& element, int modeVectors, const Convert& convert) {
+std::vector<T> packModes(const DeformInput::Element& element, int modeVectors, const Convert& convert) {
     const VertexBlockReader reader(element);
     const auto n = static_cast<std::size_t>(element.vertices);
     std::vector<T> out(12 * n * static_cast<std::size_t>(modeVectors), T(0));
@@ -66,18 +66,18 @@ void GpuDeformer::clear() {
     positionsTexture_ = {};
 }
 
-bool GpuDeformer::upload(const SurfaceRecipe& recipe) {
-    if (id_ == recipe.id) return uploaded_;
+bool GpuDeformer::upload(const DeformInput& deformInput) {
+    if (id_ == deformInput.id) return uploaded_;
     clear();
-    id_ = recipe.id;
+    id_ = deformInput.id;
     GLint texels = 0;
     glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
     while (glGetError() != GL_NO_ERROR) {}
-    elements_.resize(recipe.elements.size());
+    elements_.resize(deformInput.elements.size());
     std::int64_t total = 0;
     std::vector<std::int32_t> firsts;
     for (std::size_t e = 0; e < elements_.size(); ++e) {
-        const auto& element = recipe.elements[e];
+        const auto& element = deformInput.elements[e];
         ElementBuffers& own = elements_[e];
         own.first = static_cast<int>(total);
         firsts.push_back(own.first);
@@ -93,12 +93,12 @@ bool GpuDeformer::upload(const SurfaceRecipe& recipe) {
         total += element.vertices;
     }
     if (total > texels || total == 0) return false;
-    for (std::size_t e = 0; e < elements_.size(); ++e) uploadElement(recipe.elements[e], elements_[e]);
-    for (const auto& s : recipe.seams) {
+    for (std::size_t e = 0; e < elements_.size(); ++e) uploadElement(deformInput.elements[e], elements_[e]);
+    for (const auto& s : deformInput.seams) {
         auto& neighbours = elements_[static_cast<std::size_t>(s.element)].neighbours;
         if (std::find(neighbours.begin(), neighbours.end(), s.other) == neighbours.end()) neighbours.push_back(s.other);
     }
-    display_.upload(recipe, std::move(firsts));
+    display_.upload(deformInput, std::move(firsts));
     positions_ = makeBuffer();
     glBindBuffer(GL_TEXTURE_BUFFER, positions_);
     glBufferData(GL_TEXTURE_BUFFER, static_cast<GLsizeiptr>(total * 4 * static_cast<std::int64_t>(sizeof(float))), nullptr, GL_DYNAMIC_COPY);
@@ -108,12 +108,12 @@ bool GpuDeformer::upload(const SurfaceRecipe& recipe) {
     uploaded_ = glGetError() == GL_NO_ERROR;
     if (!uploaded_) {
         clear();
-        id_ = recipe.id;
+        id_ = deformInput.id;
     }
     return uploaded_;
 }
 
-void GpuDeformer::uploadElement(const SurfaceRecipe::Element& element, ElementBuffers& own) const {
+void GpuDeformer::uploadElement(const DeformInput::Element& element, ElementBuffers& own) const {
     own.frameNumbers.resize(4 * static_cast<std::size_t>(kHeader + own.modeVectors + own.faces * (4 + 3 * own.shapeVectors)));
     // As large as the block in the shader, whatever is used of it.
     own.frame = makeBuffer(GL_UNIFORM_BUFFER, std::vector<float>(4 * (kHeader + kMostVectors), 0.0f), GL_DYNAMIC_DRAW);
@@ -168,7 +168,7 @@ void GpuDeformer::uploadElement(const SurfaceRecipe::Element& element, ElementBu
 
 // ---- frame -----------------------------------------------------------------------------------------------------------
 
-void GpuDeformer::uploadFrame(const SurfaceRecipe::Element& element, ElementBuffers& own) {
+void GpuDeformer::uploadFrame(const DeformInput::Element& element, ElementBuffers& own) {
     const auto& frame = element.frame;
     float* out = own.frameNumbers.data();
     writeRows(frame.shape, out);
@@ -191,7 +191,7 @@ void GpuDeformer::uploadFrame(const SurfaceRecipe::Element& element, ElementBuff
     stats_.uploaded += bytes;
 }
 
-void GpuDeformer::uploadPositions(const SurfaceRecipe::Element& element, ElementBuffers& own) {
+void GpuDeformer::uploadPositions(const DeformInput::Element& element, ElementBuffers& own) {
     const auto n = static_cast<std::size_t>(own.vertices);
     staging_.resize(4 * n);
     own.bounds = {};
@@ -206,17 +206,17 @@ void GpuDeformer::uploadPositions(const SurfaceRecipe::Element& element, Element
     stats_.uploaded += 16 * n;
 }
 
-void GpuDeformer::deform(const SurfaceRecipe& recipe) {
+void GpuDeformer::deform(const DeformInput& deformInput) {
     stats_ = {};
     for (std::size_t e = 0; e < elements_.size(); ++e) {
-        const auto& element = recipe.elements[e];
+        const auto& element = deformInput.elements[e];
         ElementBuffers& own = elements_[e];
         own.changed = own.fresh || own.revision != element.frame.revision;
         if (!own.changed) continue;
         own.fresh = false;
         own.revision = element.frame.revision;
         uploadFrame(element, own);
-        if (element.elsewhere && own.supported) {
+        if (element.external && own.supported) {
             ++stats_.deformed;
             own.bounds = own.boundsOf.at(element);
         } else {
@@ -228,7 +228,7 @@ void GpuDeformer::deform(const SurfaceRecipe& recipe) {
     deform_.use();
     for (std::size_t e = 0; e < elements_.size(); ++e) {
         const ElementBuffers& own = elements_[e];
-        if (!own.changed || !recipe.elements[e].elsewhere || !own.supported) continue;
+        if (!own.changed || !deformInput.elements[e].external || !own.supported) continue;
         glBindBufferBase(GL_UNIFORM_BUFFER, 1, own.frame);
         bindBufferTexture(kResponse, own.integers ? 0 : GLuint(own.responseTexture));
         bindBufferTexture(kIntegerResponse, own.integers ? GLuint(own.responseTexture) : 0);

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/character/surface_recipe.h"
+#include "core/character/deform_input.h"
 #include "ui/render/body_geometry.h"
 #include "ui/render/display_vertices.h"
 #include "ui/render/element_bounds.h"
@@ -30,13 +30,13 @@ public:
     Result<void> prepare();
 
     /// Uploads a character, unless it is the one that is there. False: the driver has no room for it.
-    bool upload(const SurfaceRecipe& recipe);
+    bool upload(const DeformInput& deformInput);
     /// The GPU can deform this element of the uploaded character.
     [[nodiscard]] bool supports(int element) const { return elements_[static_cast<std::size_t>(element)].supported; }
-    [[nodiscard]] std::uint64_t characterId() const { return id_; }  ///< SurfaceRecipe::id of the uploaded one, 0: none
+    [[nodiscard]] std::uint64_t characterId() const { return id_; }  ///< DeformInput::id of the uploaded one, 0: none
 
     /// Body vertices of all elements that changed.
-    void deform(const SurfaceRecipe& recipe);
+    void deform(const DeformInput& deformInput);
     /// Counts the changes of an element and of what its normals follow from.
     [[nodiscard]] std::uint64_t version(int element) const { return elements_[static_cast<std::size_t>(element)].version; }
     [[nodiscard]] const BoundingBoxes& bounds(int element) const { return elements_[static_cast<std::size_t>(element)].bounds; }
@@ -76,9 +76,9 @@ private:
         bool fresh = true, changed = false;
         BoundingBoxes bounds;
     };
-    void uploadElement(const SurfaceRecipe::Element& element, ElementBuffers& buffers) const;
-    void uploadFrame(const SurfaceRecipe::Element& element, ElementBuffers& buffers);
-    void uploadPositions(const SurfaceRecipe::Element& element, ElementBuffers& buffers);
+    void uploadElement(const DeformInput::Element& element, ElementBuffers& buffers) const;
+    void uploadFrame(const DeformInput::Element& element, ElementBuffers& buffers);
+    void uploadPositions(const DeformInput::Element& element, ElementBuffers& buffers);
 
     Program deform_;
     DisplayVertices display_;

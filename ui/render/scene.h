@@ -11,7 +11,7 @@
 #include "ui/render/camera.h"
 
 namespace imomushi {
-struct SurfaceRecipe;
+struct DeformInput;
 }
 
 namespace imomushi::render {
@@ -22,7 +22,7 @@ struct Body {
     std::shared_ptr<const ElementMesh> mesh;    ///< topology and look
     const float* positions = nullptr;           ///< #body vertices x 3, world
     const float* normals = nullptr;             ///< #body vertices x 3, world, unit; null: computed from the triangles
-    int recipeElement = -1;                     ///< of Scene::recipe, which it is drawn from: positions and normals are not read. -1: from these
+    int deformElement = -1;                     ///< of Scene::deformInput, which it is drawn from: positions and normals are not read. -1: from these
     std::uint64_t revision = 0;
     Eigen::Vector3f color = Eigen::Vector3f::Constant(0.7f);  ///< linear; where the look has none
     bool visible = true;                        ///< false: not drawn, but its buffers stay on the graphics card
@@ -62,8 +62,8 @@ struct Scene {
     std::vector<Body> bodies;
     std::vector<Seam> seams;
     std::vector<Marker> markers;
-    /// What bodies with a recipeElement are made from (core/character/surface_recipe.h): all of one character, uploaded by SceneRenderer::uploadCharacter().
-    const SurfaceRecipe* recipe = nullptr;
+    /// What bodies with a deformElement are made from (core/character/deform_input.h): all of one character, uploaded by SceneRenderer::uploadCharacter().
+    const DeformInput* deformInput = nullptr;
     bool grid = true;
     bool groundShadow = true;         ///< soft shadow on the ground, also without the grid
     double ground = 0.0;              ///< m, world height of grid and shadow

@@ -60,7 +60,7 @@ public:
     Result<void> prepare();
     void draw(const Scene& scene, unsigned target, int width, int height) override;
     Pick pick(const Scene& scene, int width, int height, int x, int y) override;
-    bool uploadCharacter(const SurfaceRecipe& recipe) override;
+    bool uploadCharacter(const DeformInput& deformInput) override;
     [[nodiscard]] double uploadMs() const override { return uploadMs_; }
     [[nodiscard]] bool deforms(int element) const override { return store_.deformer().supports(element); }
     [[nodiscard]] bool software() const override { return software_; }
@@ -103,9 +103,9 @@ Result<void> Renderer::prepare() {
     return {};
 }
 
-bool Renderer::uploadCharacter(const SurfaceRecipe& recipe) {
+bool Renderer::uploadCharacter(const DeformInput& deformInput) {
     const FloatingPointGuard guard;
-    return store_.deformer().upload(recipe);
+    return store_.deformer().upload(deformInput);
 }
 
 PassInput Renderer::update(const Scene& scene, int width, int height) {

@@ -33,7 +33,7 @@ public:
     virtual Pick pick(const Scene& scene, int width, int height, int x, int y) = 0;
 
     /// Uploads what never changes of a character, unless it is there already. False: the driver has no room for it.
-    virtual bool uploadCharacter(const SurfaceRecipe& recipe) = 0;
+    virtual bool uploadCharacter(const DeformInput& deformInput) = 0;
     /// The GPU can deform this element of the uploaded character.
     [[nodiscard]] virtual bool deforms(int element) const = 0;
     /// OpenGL without a graphics card: deforming with it would cost more than without.

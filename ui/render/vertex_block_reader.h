@@ -5,14 +5,14 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/character/surface_recipe.h"
+#include "core/character/deform_input.h"
 
 namespace imomushi::render {
 
 /// Reads the free vertices of an element out of the blocks in which the processor keeps them (VertexBlocks), in any number format.
 class VertexBlockReader {
 public:
-    explicit VertexBlockReader(const SurfaceRecipe::Element& element)
+    explicit VertexBlockReader(const DeformInput::Element& element)
         : element_(element), blocks_(element.blocks), columns_(static_cast<std::size_t>(blocks_.columns)), pairs_((columns_ + 1) / 2) {}
 
     /// Where a vertex is: its block, and the lane of its x.
@@ -49,7 +49,7 @@ public:
     [[nodiscard]] std::size_t modes() const { return columns_; }
 
 private:
-    const SurfaceRecipe::Element& element_;
+    const DeformInput::Element& element_;
     const VertexBlocks& blocks_;
     const std::size_t columns_, pairs_;
 };

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "core/base/hash.h"
-#include "core/character/surface_recipe.h"
+#include "core/character/deform_input.h"
 #include "core/document/character_input.h"
 #include "core/document/seam.h"
 #include "ui/scene/rim.h"
@@ -91,9 +91,9 @@ void DocumentScene::update(Session& session, const SceneOptions& options, render
         }
 
     Character* character = session.character();
-    scene.recipe = character && options.gpu && options.gpu->uploadCharacter(character->recipe()) ? &character->recipe() : nullptr;
+    scene.deformInput = character && options.gpu && options.gpu->uploadCharacter(character->deformInput()) ? &character->deformInput() : nullptr;
     for (int i = 0; character && i < static_cast<int>(character->input().elements.size()); ++i)
-        (void)character->showElsewhere(i, scene.recipe && options.gpu->deforms(i));
+        (void)character->deformExternally(i, scene.deformInput && options.gpu->deforms(i));
     scene.ground = 0.0;
     for (const auto& [id, element] : document.elements) {
         if (!element->visible || !element->mesh) continue;
@@ -111,12 +111,12 @@ void DocumentScene::update(Session& session, const SceneOptions& options, render
         body.outdated = session.responseState(id) == Session::ResponseState::Stale;
         body.positions = p.restPositions.data();
         const int index = character ? session.elementIndex(id) : -1;
-        const SurfaceRecipe::Element* made = index >= 0 && scene.recipe ? &scene.recipe->elements[static_cast<std::size_t>(index)] : nullptr;
+        const DeformInput::Element* made = index >= 0 && scene.deformInput ? &scene.deformInput->elements[static_cast<std::size_t>(index)] : nullptr;
         ContentHasher content;
         if (made && made->vertices == element->mesh->body.vertices.rows()) {
-            body.recipeElement = index;
+            body.deformElement = index;
             body.positions = options.faces ? character->surface(index).positions : nullptr;  // for their outlines
-            content.number(scene.recipe->id);
+            content.number(scene.deformInput->id);
             content.number(made->frame.revision);
             body.revision = content.key().low;
             scene.bodies.push_back(std::move(body));

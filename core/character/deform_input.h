@@ -9,13 +9,13 @@
 
 namespace imomushi {
 
-/// What it takes to make the surfaces of a character elsewhere than in Character::update(), on a graphics card: what never changes, and per element
+/// With what others than Character::update() deform the surfaces of a character, on a graphics card: what never changes, and per element
 /// the numbers of the frame, of which there are as many as joint parameters. Pointers are into the character, and valid as long as it.
 ///
 /// Free vertices:  x = placement(shape(rest) + sum over modes of weight * response)      (VertexBlocks; m, world)
 /// Held vertices:  x = joints[face](rest) + sum over shapes of warping[face] * shape
 /// Normals:        of stencils from those positions; on seams the direction of own + across, see Seam; hidden ones are those of their face.
-struct SurfaceRecipe {
+struct DeformInput {
     struct Held {
         std::int32_t vertex = 0;
         int face = 0;
@@ -35,8 +35,8 @@ struct SurfaceRecipe {
         std::vector<Eigen::Vector3f> faceNormals; ///< per face: unit, world, of hidden vertices
     };
     struct Element {
-        bool possible = false;                ///< Character::showElsewhere() is not refused
-        bool elsewhere = false;               ///< in this frame; else `positions` are up to date
+        bool possible = false;                ///< Character::deformExternally() is not refused
+        bool external = false;                ///< in this frame; else `positions` are up to date
         const float* positions = nullptr;     ///< #vertices x 3, m, world
         int vertices = 0, faces = 0;
         float scale = 1.0f;                   ///< of normals, see findNormals()

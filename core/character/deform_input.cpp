@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Surfaces that are made elsewhere: what they are made from, and catching up when somebody asks for them here.
-#include "core/character/surface_recipe.h"
+// What others deform surfaces with, and catching up when somebody asks for them here.
+#include "core/character/deform_input.h"
 
 #include <atomic>
 
@@ -21,16 +21,16 @@ AffineFloat toFloat(const Eigen::Matrix3d& linear, const Vec3& shift) {
 
 }  // namespace
 
-void Character::State::buildRecipe() {
+void Character::State::buildDeformInput() {
     static std::atomic<std::uint64_t> made{0};
-    recipe = std::make_unique<SurfaceRecipe>();
-    recipe->id = ++made;
-    recipe->elements.resize(frame.elements.size());
+    deformInput = std::make_unique<DeformInput>();
+    deformInput->id = ++made;
+    deformInput->elements.resize(frame.elements.size());
     for (std::size_t e = 0; e < frame.elements.size(); ++e) {
         const auto& from = frame.elements[e];
         const auto& runtime = *from.runtime;
-        auto& out = recipe->elements[e];
-        out.possible = canBeElsewhere(from);
+        auto& out = deformInput->elements[e];
+        out.possible = canDeformExternally(from);
         out.positions = from.positions.data();
         out.vertices = static_cast<int>(runtime.vertices);
         out.faces = static_cast<int>(from.jointOf.size());
@@ -51,24 +51,24 @@ void Character::State::buildRecipe() {
         out.frame.joints.resize(from.jointOf.size());
         out.frame.warping.resize(from.jointOf.size() * 3 * static_cast<std::size_t>(out.shapes.rows()));
         out.frame.faceNormals.resize(from.jointOf.size());
-        fillRecipe(e);
+        fillDeformInput(e);
     }
     for (const auto& s : seams) {
         const auto& rim = frame.elements[static_cast<std::size_t>(s.other)].rim;
-        recipe->seams.push_back({s.element, s.other, s.vertex, rim[static_cast<std::size_t>(s.from)].vertex, rim[static_cast<std::size_t>(s.to)].vertex, s.part});
+        deformInput->seams.push_back({s.element, s.other, s.vertex, rim[static_cast<std::size_t>(s.from)].vertex, rim[static_cast<std::size_t>(s.to)].vertex, s.part});
     }
 }
 
-void Character::State::fillRecipe(std::size_t e) {
+void Character::State::fillDeformInput(std::size_t e) {
     const auto& from = frame.elements[e];
-    auto& out = recipe->elements[e];
+    auto& out = deformInput->elements[e];
     auto& to = out.frame;
     if (to.revision == from.moves) return;
     to.revision = from.moves;
-    out.elsewhere = from.madeElsewhere;
+    out.external = from.external;
     for (std::size_t f = 0; f < from.jointOf.size(); ++f)
         to.faceNormals[f] = (frame.joints[static_cast<std::size_t>(from.jointOf[f])].map.linear * frame.input.elements[e].faces[f].frame.axes.col(2)).normalized().cast<float>();
-    if (!out.elsewhere) return;
+    if (!out.external) return;
     const Weights weights = from.blocks.weights();
     to.shape = weights.affine;
     to.placement = from.placement;
@@ -112,15 +112,15 @@ void Character::State::evaluateHere(std::size_t e) {
     holdNormals(out);
 }
 
-const SurfaceRecipe& Character::recipe() {
-    if (!state_->recipe) state_->buildRecipe();
-    return *state_->recipe;
+const DeformInput& Character::deformInput() {
+    if (!state_->deformInput) state_->buildDeformInput();
+    return *state_->deformInput;
 }
 
-bool Character::showElsewhere(int element, bool elsewhere) {
+bool Character::deformExternally(int element, bool external) {
     auto& e = state_->frame.elements[static_cast<std::size_t>(element)];
-    e.elsewhere = elsewhere && state_->canBeElsewhere(e);
-    return e.elsewhere;
+    e.wantsExternal = external && state_->canDeformExternally(e);
+    return e.wantsExternal;
 }
 
 }  // namespace imomushi
