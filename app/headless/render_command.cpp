@@ -4,8 +4,12 @@
 #include <cmath>
 #include <optional>
 
+#include "core/document/session.h"
 #include "core/document/session_access.h"
+#include "ui/render/image.h"
+#include "ui/render/offscreen.h"
 #include "ui/scene/document_scene.h"
+#include "ui/scene/framing.h"
 
 namespace imomushi {
 
@@ -75,7 +79,7 @@ Result<Json> run(SessionAccess& access, const Json& arguments, const Progress&) 
     DocumentScene view;
     view.update(access.session, options, scene);
     // Out-of-date elements are marked for the artist in the studio, not in pictures.
-    for (render::Body& body : scene.bodies) body.dimmed = false;
+    for (render::Body& body : scene.bodies) body.outdated = false;
 
     if (arguments.contains("camera")) {
         if (const auto good = readCamera(arguments.at("camera"), scene.camera); !good) return tl::unexpected(good.error());

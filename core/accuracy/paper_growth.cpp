@@ -6,10 +6,10 @@
 #include <cmath>
 #include <functional>
 
-#include "core/accuracy/stand_in.h"
+#include "core/accuracy/synthetic_response.h"
 #include "core/comparison/paper_caterpillar.h"
 #include "core/comparison/previous_model.h"
-#include "core/comparison/swing.h"
+#include "core/comparison/test_motion.h"
 #include "core/comparison/timing.h"
 #include "core/mesh/bounds.h"
 
@@ -33,7 +33,7 @@ int verticesOf(const CharacterInput& input) {
 }
 
 /// Raises the number of cells around until a frame takes too long, then halves the interval until it is within 4 %.
-/// A frame costs as the cells around to the power `power`.
+/// The time of a frame grows with the number of cells around to the power `power`.
 Result<Growth> grow(int step, double power, double seconds, const Progress& progress, const std::function<Result<Growth::Point>(int around)>& measure) {
     const auto start = Clock::now();
     Growth out;
@@ -68,14 +68,14 @@ Result<Growth> growProposed(int threads, double seconds, const Progress& progres
         const int vertices = verticesOf(input);
         input.threads = threads;
         const Skeleton skeleton = input.skeleton;
-        auto character = Character::build(withStandIns(std::move(input)));
+        auto character = Character::build(withSyntheticResponses(std::move(input)));
         if (!character) return tl::unexpected(character.error());
-        Swing swing(skeleton);
+        TestMotion motion(skeleton);
         Pose pose = restPose(skeleton);
         double at = 0.0;
         const auto ms = mediansInTurn(kRounds, kSecondsOfSize, {[&] {
-                                          swing.move(at += 0.013);
-                                          character->solvePose(swing.holds, pose);
+                                          motion.move(at += 0.013);
+                                          character->solvePose(motion.holds, pose);
                                           character->update(pose);
                                       }},
                                       progress);
@@ -89,18 +89,18 @@ Result<Growth> growPrevious(double seconds, const Progress& progress) {
         const int vertices = verticesOf(input);
         input.basis = BasisKind::Full;
         // Elements 0, 1, 3 and 4 are the same body.
-        for (const std::size_t e : {0, 2}) input.elements[e].response = standInResponse(*input.elements[e].mesh, input.elements[e].faces, BasisKind::Full, false);
+        for (const std::size_t e : {0, 2}) input.elements[e].response = syntheticResponse(*input.elements[e].mesh, input.elements[e].faces, BasisKind::Full, false);
         for (const std::size_t e : {1, 3, 4}) input.elements[e].response = input.elements[0].response;
         const Skeleton skeleton = input.skeleton;
         auto model = PreviousModel::build(std::move(input), progress);
         if (!model) return tl::unexpected(model.error());
-        Swing swing(skeleton);
+        TestMotion motion(skeleton);
         Pose pose = restPose(skeleton);
         double at = 0.0, overhead = 0.0;
         int count = 0;
         const auto ms = mediansInTurn(kRounds, kSecondsOfSize, {[&] {
-                                          swing.move(at += 0.013);
-                                          (void)model->frame(swing.holds, pose);
+                                          motion.move(at += 0.013);
+                                          (void)model->frame(motion.holds, pose);
                                           overhead += model->overheadMs();
                                           ++count;
                                       }},

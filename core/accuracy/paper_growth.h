@@ -19,7 +19,7 @@ struct Growth {
     bool bounded = false;       ///< a larger one was too slow; otherwise there was no time to find one
 };
 
-/// The proposed model (basis "paper", float) on so many threads, or the previous model on one. Responses are stand-ins (stand_in.h): a frame costs the same, and no machine
+/// The proposed model (basis "paper", float) on so many threads, or the previous model on one. Responses are synthetic (synthetic_response.h): a frame costs the same, and no machine
 /// could solve so many vertices. `seconds`: of growing, at most about. Errors: "cancelled", "no-memory".
 Result<Growth> growProposed(int threads, double seconds, const Progress& progress);
 Result<Growth> growPrevious(double seconds, const Progress& progress);

@@ -8,7 +8,7 @@ namespace imomushi {
 
 namespace {
 
-/// Less of a gain in error is none: it is paid for, and nobody can tell it.
+/// A smaller gain in error does not count: nobody can see it.
 constexpr double kGain = 0.01;
 
 }  // namespace

@@ -7,7 +7,7 @@
 
 namespace imomushi {
 
-/// What is given and what is got; less is better in both.
+/// Two quantities to minimise at once.
 struct Trade {
     double cost = 0.0, error = 0.0;
     bool known = true;  ///< false: one of them is not; it takes no part

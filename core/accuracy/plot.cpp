@@ -130,7 +130,7 @@ std::string ScatterPlot::svg() const {
     for (const auto& p : points)
         if (p.front && shown(p.x, p.y)) front.push_back(&p);
     std::sort(front.begin(), front.end(), [](const PlotPoint* a, const PlotPoint* b) { return a->x < b->x; });
-    // A step is what is known: between two points nothing better was measured.
+    // The front is a staircase: nothing better was measured between two points.
     std::string path;
     for (std::size_t i = 0; i < front.size(); ++i)
         path += i == 0 ? "M" + n(page.px(front[i]->x)) + " " + n(page.py(front[i]->y)) : "H" + n(page.px(front[i]->x)) + "V" + n(page.py(front[i]->y));

@@ -10,7 +10,7 @@
 #include <optional>
 #include <span>
 
-#include "core/accuracy/machine_share.h"
+#include "core/accuracy/machine.h"
 #include "core/comparison/model_table.h"
 #include "core/comparison/previous_model.h"
 #include "core/mesh/bounds.h"
@@ -26,7 +26,7 @@ using Clock = std::chrono::steady_clock;
 
 double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-/// Strips and bubbles leave a tenth of the error of the plain mesh (solved_body.h: measured on 24 bodies, 0.3 to 2.5 times the estimate).
+/// Rim layers and bubble functions leave a tenth of the error of the plain mesh (solved_body.h: measured on 24 bodies, 0.3 to 2.5 times the estimate).
 constexpr double kErrorLeft = 0.1;
 /// Motions of joint faces that are smooth.
 const BasisChoice kSmooth(BasisKind::Modes, BasisChoice::kMostModes);
@@ -44,7 +44,7 @@ std::vector<ResponseInput> asked(const std::vector<ResponseInput>& elements, con
     return out;
 }
 
-/// Both as positions in the world; `frames` of a character in the same pose.
+/// `shown` and `wanted` are world positions; `frames`: a character in the same pose.
 ErrorSum difference(const std::vector<Points>& shown, const std::vector<Points>& wanted, const std::vector<std::vector<char>>& seen, const Character& frames) {
     ErrorSum sum;
     for (std::size_t e = 0; e < wanted.size(); ++e) {

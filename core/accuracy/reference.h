@@ -9,7 +9,7 @@
 #include "core/base/hash.h"
 #include "core/base/progress.h"
 #include "core/character/character.h"
-#include "core/comparison/standard_poses.h"
+#include "core/character/standard_poses.h"
 
 namespace imomushi {
 

@@ -34,7 +34,7 @@ struct AccuracySetting {
 /// For people and as a key of stored figures: "modes:12 + smooth joints, solved on default, float".
 std::string settingName(const AccuracySetting& setting);
 
-/// What a study tries, the cheap and telling ones first, `present` before all: bases with and without smooth joints, solver meshes, number formats; and tolerances, on
+/// The settings that a study measures, cheap ones that differ much first, `present` before all: bases with and without smooth joints, solver meshes, number formats; and tolerances, on
 /// the present mesh and the best one, where they are among the `hierarchical` ones, which alone take notice of them.
 std::vector<AccuracySetting> studiedSettings(const AccuracySetting& present, const std::vector<MeshChoice>& hierarchical = {});
 

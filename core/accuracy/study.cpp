@@ -3,456 +3,26 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <chrono>
-#include <cmath>
 #include <cstdlib>
-#include <fstream>
-#include <map>
 
-#include "core/accuracy/machine_share.h"
+#include "core/accuracy/machine.h"
 #include "core/accuracy/pareto.h"
-#include "core/accuracy/pose_error.h"
-#include "core/accuracy/stand_in.h"
 #include "core/accuracy/study_store.h"
-#include "core/base/parallel.h"
-#include "core/comparison/model_table.h"
-#include "core/comparison/previous_model.h"
-#include "core/comparison/swing.h"
-#include "core/comparison/timing.h"
 
 namespace imomushi {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-constexpr int kVersion = 3;          // of stored figures: whenever the same input would give others
-constexpr double kSeconds = 1.2;     // of one measurement of frames
-constexpr double kQuickSeconds = 0.3;  // the same in a study of a few seconds
-constexpr double kQuickStudy = 20.0;
-/// Of the time a study may take: for the reference.
-constexpr double kReferenceShare = 0.5;
-/// A precompute that is quicker than this is done three times, and the median counts.
-constexpr double kQuickPrecompute = 0.5;
-constexpr const char* kNoMemory = "no-memory";
+constexpr int kVersion = 3;  // of stored figures: whenever the same input would give others
 /// Differences of frames below this are those of the clock and the machine, ms.
 constexpr double kLeastMs = 1e-3;
-/// A full solution of more than this is not kept for whoever might ask for it later.
-constexpr std::size_t kKeptBytes = std::size_t{512} << 20;
-/// How deep a finger presses, in diagonals of its element.
-constexpr double kPressed = 0.03;
 
-tl::unexpected<Error> cancelled() { return fail(kCancelled, "The study was cancelled."); }
-double since(Clock::time_point from) { return std::chrono::duration<double>(Clock::now() - from).count(); }
-
-void flag(AccuracyStudy& study) {
-    std::vector<Trade> frame, precompute;
-    for (const auto& p : study.points) {
-        frame.push_back({p.frameMs, p.relative, p.relative >= 0.0 && p.frameMs >= 0.0});
-        precompute.push_back({p.precomputeSeconds, p.relative, p.relative >= 0.0 && p.precomputeSeconds >= 0.0});
-    }
-    const auto a = dominated(frame), b = dominated(precompute);
-    for (std::size_t i = 0; i < study.points.size(); ++i) {
-        study.points[i].dominatedPerFrame = a[i] != 0;
-        study.points[i].dominatedInPrecompute = b[i] != 0;
-    }
+/// Points by one of their costs.
+std::vector<Trade> tradesBy(double AccuracyPoint::*cost, const std::vector<AccuracyPoint>& points) {
+    std::vector<Trade> trades;
+    for (const auto& p : points) trades.push_back({p.*cost, p.relative, p.relative >= 0.0 && p.*cost >= 0.0});
+    return trades;
 }
-
-std::vector<ResponseInput> solvedAs(const StudyInput& input, const AccuracySetting& setting) {
-    auto out = input.reference.elements;
-    for (auto& in : out) {
-        in.basis = setting.previous ? BasisChoice(BasisKind::Full) : setting.basis;
-        in.solverMesh = setting.mesh.on(static_cast<int>(in.mesh->body.vertices.rows()), in.solverMesh);
-        in.loads = false;
-        in.touch = 0;
-    }
-    return out;
-}
-
-CharacterInput characterAs(const StudyInput& input, const AccuracySetting& setting) {
-    CharacterInput out = withoutEffects(input.reference.character);
-    out.threads = input.reference.character.threads;
-    out.basis = setting.basis;
-    out.smoothJoints = setting.smoothJoints;
-    out.format = setting.format;
-    for (auto& e : out.elements) e.response = nullptr;
-    return out;
-}
-
-/// Solver meshes, among those that a study tries, for which some element is solved in hierarchical form.
-std::vector<MeshChoice> hierarchicalMeshes(const StudyInput& input) {
-    std::vector<MeshChoice> out, seen;
-    for (const AccuracySetting& setting : studiedSettings(input.present)) {
-        if (setting.previous || std::find(seen.begin(), seen.end(), setting.mesh) != seen.end()) continue;
-        seen.push_back(setting.mesh);
-        if (!setting.mesh.own && anyHierarchical(solvedAs(input, setting))) out.push_back(setting.mesh);
-    }
-    return out;
-}
-
-/// A finger on the element of most vertices, where its joint faces are farthest.
-class Finger {
-public:
-    explicit Finger(const CharacterInput& input) {
-        Eigen::Index most = 0;
-        for (std::size_t e = 0; e < input.elements.size(); ++e)
-            if (input.elements[e].touched && input.elements[e].mesh->body.vertices.rows() > most) element_ = static_cast<int>(e), most = input.elements[e].mesh->body.vertices.rows();
-        if (element_ < 0) return;
-        const auto& element = input.elements[static_cast<std::size_t>(element_)];
-        const Points& rest = element.mesh->body.vertices;
-        double farthest = -1.0;
-        for (Eigen::Index v = 0; v < rest.rows(); ++v) {
-            double nearest = 1e300;
-            for (const JointFace& face : element.faces)
-                for (const auto held : face.vertices) nearest = std::min(nearest, (rest.row(v) - rest.row(held)).squaredNorm());
-            if (nearest > farthest) farthest = nearest, point_ = rest.row(v).transpose();
-        }
-        const Vec3 low = rest.colwise().minCoeff().transpose(), high = rest.colwise().maxCoeff().transpose();
-        pressed_ = point_ + kPressed * (high - low).norm() * (0.5 * (low + high) - point_).normalized();
-    }
-    void press(Character& character) const {
-        if (element_ >= 0) (void)character.setFinger(element_, 0, point_, character.frame(element_) * pressed_, 0.0);
-    }
-
-private:
-    int element_ = -1;
-    Vec3 point_ = Vec3::Zero(), pressed_ = Vec3::Zero();  // m, at rest
-};
-
-/// Frames of one character while its bones swing.
-class Frames {
-public:
-    explicit Frames(Character& character, const StudyInput::Effect* effect = nullptr)
-        : character_(character), effect_(effect), finger_(character.input()), swing_(character.input().skeleton), pose_(restPose(character.input().skeleton)) {}
-    void operator()() {
-        constexpr double kFrame = 1.0 / 60.0;
-        swing_.move(at_ += 0.013);
-        character_.solvePose(swing_.holds, pose_);
-        finger_.press(character_);
-        character_.update(effect_ && effect_->step ? effect_->step(kFrame, pose_, swing_.holds) : pose_, kFrame);
-    }
-
-private:
-    Character& character_;
-    const StudyInput::Effect* effect_;
-    Finger finger_;
-    Swing swing_;
-    Pose pose_;
-    double at_ = 0.0;
-};
-
-/// Runs a study: what its steps share.
-class Runner {
-public:
-    Runner(const StudyInput& input, const StudyListener& listener, const Progress& progress)
-        : input_(input), listener_(listener), progress_(progress), store_(input.store, studyKey(input)), start_(Clock::now()) {
-        study_ = knownStudy(input);
-        spentBefore_ = study_.seconds;
-        for (const AccuracySetting& setting : studiedSettings(input.present, hierarchicalMeshes(input)))
-            if (std::none_of(study_.points.begin(), study_.points.end(), [&](const AccuracyPoint& p) { return p.setting == setting; })) study_.points.emplace_back().setting = setting;
-    }
-
-    Result<AccuracyStudy> run() {
-        if (input_.reference.character.skeleton.bones.empty()) return fail("no-bone", "There is no bone to move the character by: add bones first.");
-        if (study_.reference) {
-            // With much more time than before the reference can be better: then all errors are others. Estimates vary, and must not throw figures away.
-            ReferenceInput in = referenceInput();
-            in.seconds *= 0.5;
-            const auto mesh = referenceMesh(in);
-            if (mesh && referenceRank(solverMeshName({*mesh, 0})) > referenceRank(study_.reference->mesh)) {
-                study_.reference.reset();
-                for (auto& p : study_.points) {
-                    AccuracyPoint again;
-                    again.setting = p.setting;
-                    p = std::move(again);
-                }
-            }
-        }
-        if (auto ok = predict(); !ok) return tl::unexpected(ok.error());
-        const auto waiting = [](const AccuracyPoint& p) { return !p.measured() && !p.problem; };
-        const bool any = std::any_of(study_.points.begin(), study_.points.end(), waiting);
-        if (any && !study_.reference)
-            if (auto ok = refer(); !ok) return tl::unexpected(ok.error());
-        if (auto ok = yardstick(); !ok) return tl::unexpected(ok.error());
-        double done = 0.0, all = 0.0;
-        for (const auto& p : study_.points) all += waiting(p) ? std::max(0.0, p.predictedSeconds) + 1.0 : 0.0;
-        for (auto& p : study_.points) {
-            if (!waiting(p)) continue;
-            if (progress_.cancelled()) return cancelled();
-            const double cost = std::max(0.0, p.predictedSeconds);
-            if (&p != &study_.points.front() && input_.seconds > 0.0 && since(start_) + cost > input_.seconds) continue;  // stays waiting
-            const auto part = progress_.part(0.4 + 0.55 * done / all, 0.4 + 0.55 * (done + cost + 1.0) / all);
-            part.report("measure", 0.0);
-            if (auto ok = measure(p, part); !ok) {
-                if (ok.error().code == kCancelled) return tl::unexpected(ok.error());
-                p.problem = ok.error();
-            }
-            done += cost + 1.0;
-            tell();
-            if (&p == &study_.points.front())
-                if (auto ok = priceAll(); !ok) return tl::unexpected(ok.error());
-        }
-        if (auto ok = priceAll(); !ok) return tl::unexpected(ok.error());
-        study_.complete = std::none_of(study_.points.begin(), study_.points.end(), waiting);
-        tell();
-        return study_;
-    }
-
-private:
-    [[nodiscard]] double frameSeconds() const { return input_.seconds > 0.0 && input_.seconds <= kQuickStudy ? kQuickSeconds : kSeconds; }
-
-    void tell() {
-        flag(study_);
-        study_.seconds = spentBefore_ + since(start_);
-        store_.save(study_);
-        if (listener_) listener_(study_);
-    }
-
-    /// Of the machine, as it was on average so far: what else runs comes and goes within seconds.
-    double share() {
-        shares_.push_back(machineShare(input_.reference.elements.front().threads));
-        double sum = 0.0;
-        for (const double s : shares_) sum += s;
-        return sum / static_cast<double>(shares_.size());
-    }
-
-    Result<void> predict() {
-        const double now = share();
-        for (auto& p : study_.points) {
-            if (progress_.cancelled()) return cancelled();
-            if (p.predictedSeconds >= 0.0) continue;
-            const auto cost = estimateElements(solvedAs(input_, p.setting));
-            p.predictedSeconds = cost.seconds / now;
-            p.precomputeBytes = static_cast<double>(cost.bytes);
-            if (p.setting.previous) continue;
-            const auto ms = predictFrame(characterAs(input_, p.setting), progress_);
-            if (ms) p.predictedMs = *ms;
-            if (!ms && ms.error().code == kCancelled) return tl::unexpected(ms.error());
-        }
-        tell();
-        return {};
-    }
-
-    [[nodiscard]] ReferenceInput referenceInput() const {
-        ReferenceInput in = input_.reference;
-        if (input_.seconds > 0.0) in.seconds = kReferenceShare * input_.seconds;
-        return in;
-    }
-
-    Result<void> refer() {
-        const Progress progress = progress_.part(0.05, 0.4);
-        auto made = input_.keeper ? input_.keeper->reference(referenceInput(), kKeptBytes, progress) : buildReference(referenceInput(), progress);
-        if (made)
-            study_.reference = std::move(*made);
-        else if (made.error().code != kNoMemory)
-            return tl::unexpected(made.error());
-        tell();
-        return {};
-    }
-
-    /// A character of stand-ins that costs what the present one does about.
-    Result<void> yardstick() {
-        CharacterInput c = characterAs(input_, {});
-        auto built = Character::build(withStandIns(std::move(c)));
-        if (!built) return tl::unexpected(built.error());
-        yard_.emplace(std::move(*built));
-        yardFrames_.emplace(*yard_);
-        quicken(quietSpreads(frameSeconds(), {[this] { (*yardFrames_)(); }}, progress_)[0].median);
-        return {};
-    }
-
-    /// All figures are those of the machine as it is when it is quickest: what was measured before counts for as much less as the yardstick turns out to be quicker.
-    void quicken(double ms) {
-        if (ms <= 0.0 || (study_.yardMs > 0.0 && ms >= study_.yardMs)) return;
-        const double share = study_.yardMs > 0.0 ? ms / study_.yardMs : 1.0;
-        study_.yardMs = ms;
-        for (auto& p : study_.points)
-            if (p.measured()) p.frameMs *= share, p.frameP99Ms *= share;
-        for (auto& e : study_.effects)
-            if (e.measuredMs >= 0.0) e.measuredMs *= share;
-    }
-
-    /// Median and 99th percentile of each loop, as if the machine were as quick as it has ever been in this study.
-    std::vector<Spread> inTurn(std::vector<std::function<void()>> loops) {
-        loops.insert(loops.begin(), [this] { (*yardFrames_)(); });
-        auto spreads = quietSpreads(frameSeconds(), loops, progress_);
-        const double yard = spreads[0].median;
-        spreads.erase(spreads.begin());
-        if (yard <= 0.0) return spreads;
-        quicken(yard);
-        for (Spread& s : spreads) s.median *= study_.yardMs / yard, s.p99 *= study_.yardMs / yard;
-        return spreads;
-    }
-
-    Result<void> measure(AccuracyPoint& p, const Progress& progress) {
-        const auto inputs = solvedAs(input_, p.setting);
-        if (p.precomputeBytes > input_.reference.bytes)
-            return fail(kNoMemory, "Its precompute would need more memory than a study may take.");
-        auto solved = solutions(inputs, p, progress);
-        if (!solved) return tl::unexpected(solved.error());
-        if (p.setting.previous) return measurePrevious(p, std::move(*solved), progress);
-        CharacterInput given = characterAs(input_, p.setting);
-        for (std::size_t e = 0; e < solved->size(); ++e) given.elements[e].response = (*solved)[e];
-        auto character = Character::build(std::move(given));
-        if (!character) return tl::unexpected(character.error());
-        p.frameBytes = 0.0;
-        for (std::size_t e = 0; e < solved->size(); ++e) {
-            const auto memory = character->memory(static_cast<int>(e));
-            p.frameBytes += static_cast<double>(memory.response + memory.surface);
-        }
-        if (study_.reference) {
-            ErrorSum sum;
-            p.errors.clear();
-            for (std::size_t i = 0; i < input_.reference.poses.size(); ++i) {
-                if (progress.cancelled()) return cancelled();
-                character->update(input_.reference.poses[i].pose);
-                const ErrorSum one = errorOf(*character, *study_.reference, i);
-                p.errors.push_back(one.error());
-                sum.add(one);
-            }
-            p.relative = sum.error().relative;
-            p.percent = sum.error().percent;
-        }
-        Frames frames(*character);
-        const Spread ms = inTurn({[&] { frames(); }})[0];
-        if (progress.cancelled()) return cancelled();
-        p.frameMs = ms.median;
-        p.frameP99Ms = ms.p99;
-        return {};
-    }
-
-    Result<void> measurePrevious(AccuracyPoint& p, std::vector<std::shared_ptr<const ElementResponse>> full, const Progress& progress) {
-        CharacterInput given = characterAs(input_, p.setting);
-        given.threads = 1;
-        for (std::size_t e = 0; e < full.size(); ++e) given.elements[e].response = full[e];
-        const CharacterInput plain = withoutEffects(characterAs(input_, p.setting));
-        auto model = PreviousModel::build(std::move(given), progress);
-        if (!model) return tl::unexpected(model.error());
-        p.frameBytes = static_cast<double>(model->matrixBytes());
-        if (study_.reference) {
-            auto frames = Character::build(plain);
-            if (!frames) return tl::unexpected(frames.error());
-            ErrorSum sum;
-            p.errors.clear();
-            for (std::size_t i = 0; i < input_.reference.poses.size(); ++i) {
-                const auto statics = model->statics(input_.reference.poses[i].pose, progress);
-                if (!statics) return tl::unexpected(statics.error());
-                frames->update(input_.reference.poses[i].pose);
-                const ErrorSum one = errorOf(*frames, *statics, *study_.reference, i);
-                p.errors.push_back(one.error());
-                sum.add(one);
-            }
-            p.relative = sum.error().relative;
-            p.percent = sum.error().percent;
-        }
-        Swing swing(input_.reference.character.skeleton);
-        Pose pose = restPose(input_.reference.character.skeleton);
-        double at = 0.0, overhead = 0.0;
-        int count = 0;
-        const Spread ms = inTurn({[&] {
-            swing.move(at += 0.013);
-            (void)model->frame(swing.holds, pose);
-            overhead += model->overheadMs();
-            ++count;
-        }})[0];
-        if (progress.cancelled()) return cancelled();
-        p.frameMs = std::max(0.0, ms.median - overhead / std::max(1, count));
-        p.frameP99Ms = std::max(0.0, ms.p99 - overhead / std::max(1, count));
-        return {};
-    }
-
-    /// Responses are kept while the next settings may need them: formats and smooth joints change none.
-    Result<std::vector<std::shared_ptr<const ElementResponse>>> solutions(const std::vector<ResponseInput>& inputs, AccuracyPoint& p, const Progress& progress) {
-        ContentHasher hasher;
-        for (const auto& in : inputs) {
-            const ContentKey key = responseKey(in);
-            hasher.number(key.high);
-            hasher.number(key.low);
-        }
-        const ContentKey key = hasher.key();
-        auto& kept = kept_[key];
-        if (kept.responses.empty()) {
-            // What else the machine has to do may have changed since the study began.
-            kept.predicted = estimateElements(inputs).seconds / share();
-            std::vector<double> seconds;
-            do {
-                auto solved = solveElements(inputs, progress);
-                if (!solved) {
-                    kept_.erase(key);
-                    return tl::unexpected(solved.error());
-                }
-                double sum = 0.0;
-                for (const double s : solved->seconds) sum += s;
-                seconds.push_back(sum);
-                kept.responses = std::move(solved->responses);
-            } while (seconds.size() < 3 && seconds.back() < kQuickPrecompute);
-            std::sort(seconds.begin(), seconds.end());
-            kept.seconds = seconds[seconds.size() / 2];
-        }
-        p.precomputeSeconds = kept.seconds;
-        p.predictedSeconds = kept.predicted;
-        auto out = kept.responses;
-        // Which settings still need them?
-        const bool again = std::any_of(study_.points.begin(), study_.points.end(), [&](const AccuracyPoint& other) {
-            return &other != &p && !other.measured() && !other.problem && other.setting.mesh == p.setting.mesh && other.setting.previous == p.setting.previous &&
-                   (other.setting.previous || other.setting.basis == p.setting.basis);
-        });
-        if (!again) kept_.erase(key);
-        return out;
-    }
-
-    /// What is not known yet.
-    Result<void> priceAll() {
-        for (const auto& effect : input_.effects) {
-            if (progress_.cancelled()) return cancelled();
-            const auto known = std::find_if(study_.effects.begin(), study_.effects.end(), [&](const EffectPoint& e) { return e.effect == effect.name; });
-            if (known != study_.effects.end()) {
-                if (known->measuredMs >= 0.0 || !effect.unknown.empty()) continue;
-                study_.effects.erase(known);
-            }
-            if (auto point = price(effect)) study_.effects.push_back(std::move(*point));
-            tell();
-        }
-        return {};
-    }
-
-    Result<EffectPoint> price(const StudyInput::Effect& effect) {
-        EffectPoint out{effect.name, effect.predictedMs, -1.0, effect.unknown};
-        if (!effect.unknown.empty()) return out;
-        CharacterInput given = effect.with, plain = characterAs(input_, input_.present);
-        if (given.effects.touch) {
-            for (std::size_t e = 0; e < given.elements.size(); ++e) plain.elements[e].response = given.elements[e].response;
-        } else {
-            plain.smoothJoints = plain.smoothJoints && effect.name != "smooth-joints";
-            given = withStandIns(std::move(given));
-            plain = withStandIns(std::move(plain));
-        }
-        auto on = Character::build(std::move(given));
-        if (!on) return tl::unexpected(on.error());
-        auto off = Character::build(std::move(plain));
-        if (!off) return tl::unexpected(off.error());
-        Frames a(*on, &effect), b(*off);
-        const auto both = inTurn({[&] { a(); }, [&] { b(); }});
-        out.measuredMs = std::max(0.0, both[0].median - both[1].median);
-        return out;
-    }
-
-    const StudyInput& input_;
-    const StudyListener& listener_;
-    const Progress& progress_;
-    StudyStore store_;
-    Clock::time_point start_;
-    AccuracyStudy study_;
-    double spentBefore_ = 0.0;
-    std::vector<double> shares_;
-    std::optional<Character> yard_;
-    std::optional<Frames> yardFrames_;
-    struct Kept {
-        std::vector<std::shared_ptr<const ElementResponse>> responses;
-        double seconds = 0.0, predicted = 0.0;
-    };
-    std::map<ContentKey, Kept> kept_;
-};
 
 }  // namespace
 
@@ -461,16 +31,15 @@ double EffectPoint::off() const {
     return less < 0.0 || more < kLeastMs ? -1.0 : more / std::max(less, kLeastMs);
 }
 
-std::vector<std::size_t> AccuracyStudy::frontPerFrame() const {
-    std::vector<Trade> trades;
-    for (const auto& p : points) trades.push_back({p.frameMs, p.relative, p.relative >= 0.0 && p.frameMs >= 0.0});
-    return paretoFront(trades);
-}
+std::vector<std::size_t> AccuracyStudy::frontPerFrame() const { return paretoFront(tradesBy(&AccuracyPoint::frameMs, points)); }
+std::vector<std::size_t> AccuracyStudy::frontInPrecompute() const { return paretoFront(tradesBy(&AccuracyPoint::precomputeSeconds, points)); }
 
-std::vector<std::size_t> AccuracyStudy::frontInPrecompute() const {
-    std::vector<Trade> trades;
-    for (const auto& p : points) trades.push_back({p.precomputeSeconds, p.relative, p.relative >= 0.0 && p.precomputeSeconds >= 0.0});
-    return paretoFront(trades);
+void AccuracyStudy::markDominated() {
+    const auto perFrame = dominated(tradesBy(&AccuracyPoint::frameMs, points)), inPrecompute = dominated(tradesBy(&AccuracyPoint::precomputeSeconds, points));
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        points[i].dominatedPerFrame = perFrame[i] != 0;
+        points[i].dominatedInPrecompute = inPrecompute[i] != 0;
+    }
 }
 
 int AccuracyStudy::best(double ms) const {
@@ -511,7 +80,7 @@ AccuracyStudy knownStudy(const StudyInput& input) {
     study.machine = machineName();
     study.poses.clear();
     for (const auto& pose : input.reference.poses) study.poses.push_back(pose.name);
-    // The points of now, with what is known of them.
+    // The settings of this version of studies, with the figures that are known.
     std::vector<AccuracyPoint> points;
     for (const AccuracySetting& setting : studiedSettings(input.present)) {
         AccuracyPoint point;
@@ -524,23 +93,8 @@ AccuracyStudy knownStudy(const StudyInput& input) {
         if (known.setting.mesh.tolerance != SolverMeshSetting::kUsualTolerance && known.setting.mesh.tolerance != input.present.mesh.tolerance) points.push_back(known);
     study.points = std::move(points);
     study.complete = std::all_of(study.points.begin(), study.points.end(), [](const AccuracyPoint& p) { return p.measured() || p.problem; });
-    flag(study);
+    study.markDominated();
     return study;
-}
-
-Result<AccuracyStudy> runStudy(const StudyInput& input, const StudyListener& listener, const Progress& progress) {
-    return Runner(input, listener, progress).run();
-}
-
-std::string machineName() {
-    static const std::string name = [] {
-        std::ifstream file("/proc/cpuinfo");
-        for (std::string line; std::getline(file, line);)
-            if (line.starts_with("model name"))
-                if (const auto colon = line.find(": "); colon != std::string::npos) return line.substr(colon + 2) + ", " + std::to_string(hardwareThreads()) + " threads";
-        return std::to_string(hardwareThreads()) + " threads";
-    }();
-    return name;
 }
 
 std::filesystem::path studyFolder() {

@@ -47,7 +47,7 @@ struct EffectPoint {
 struct StudyInput {
     ReferenceInput reference;          ///< the character with its present basis, joints and format, and how its elements are solved
     AccuracySetting present;
-    /// An effect, the present character that has it alone, and what it is predicted to cost. Frames with and without it are measured with stand-ins, since most effects
+    /// An effect, the present character that has it alone, and what it is predicted to cost. Frames with and without it are measured with synthetic responses, since most effects
     /// would need a precompute of their own; only fingers press on true responses, one of them on the element of most vertices.
     struct Effect {
         std::string name;
@@ -72,7 +72,7 @@ struct AccuracyStudy {
     std::string machine;               ///< processor and number of threads
     bool complete = false;             ///< nothing is waiting
     double seconds = 0.0;              ///< spent, over all runs
-    double yardMs = 0.0;               ///< the least that a frame of the yardstick took, see runStudy(); 0: not measured yet
+    double calibrationMs = 0.0;        ///< the least that a calibration frame took, see runStudy(); 0: not measured yet
 
     /// Errors (relative) below this are those of the reference rather than of a point: they cannot be told apart. 0: unknown.
     [[nodiscard]] double floor() const { return reference ? std::max({0.0, reference->relative, reference->faceRelative}) : 0.0; }
@@ -80,6 +80,8 @@ struct AccuracyStudy {
     [[nodiscard]] std::vector<std::size_t> frontPerFrame() const;
     [[nodiscard]] std::vector<std::size_t> frontInPrecompute() const;
     [[nodiscard]] int present() const { return points.empty() ? -1 : 0; }  ///< index of the present setting
+    /// Sets which points are dominated.
+    void markDominated();
     /// The point of least error whose frame takes at most `ms`, -1: none.
     [[nodiscard]] int best(double ms) const;
 };
@@ -87,20 +89,18 @@ struct AccuracyStudy {
 /// Everything that the figures depend on: elements, skeleton, joints, poses, present setting, machine and the version of studies.
 ContentKey studyKey(const StudyInput& input);
 
-/// What runs the study tells with every change: a point, an effect or the reference arrived.
+/// Called with the study whenever a point, an effect or the reference was added.
 using StudyListener = std::function<void(const AccuracyStudy&)>;
 
-/// Measures whatever `input.store` does not know yet; what arrives is stored at once, so that a study that was cancelled goes on where it was. Every frame time is
-/// measured in turn with one yardstick, in the quietest quarter of the time, and given as its ratio to the yardstick then, times the least that this ever took in the
-/// study: figures are those of the machine when nothing disturbs it, and those of two studies can be compared.
+/// Measures what `input.store` does not have yet and stores each figure at once, so that a cancelled study continues later. Every frame time is
+/// measured in turn with the same calibration frames (the character in the default setting with synthetic responses), in the quietest quarter of the time. What is kept is its ratio to
+/// the calibration frame then, times the least that a calibration frame ever took in the study: figures are those of an undisturbed machine, and two studies can be compared.
 /// Errors: those of buildReference() other than "no-memory" (then errors stay unknown), "no-bone", "cancelled".
 Result<AccuracyStudy> runStudy(const StudyInput& input, const StudyListener& listener, const Progress& progress);
 
-/// What is stored already, without measuring anything: all points, most of them waiting perhaps.
+/// The study as far as it is stored, without measuring anything: all points, those without figures included.
 AccuracyStudy knownStudy(const StudyInput& input);
 
-/// "AMD EPYC ..., 2 threads".
-std::string machineName();
 /// Where studies are kept unless told otherwise: XDG_CACHE_HOME or ~/.cache, imomushi/accuracy. A measurement belongs to a machine and not to a project, so it
 /// does not travel with the file. Empty: no home.
 std::filesystem::path studyFolder();

@@ -70,7 +70,7 @@ std::optional<AccuracySetting> settingFromJson(const Json& json) {
 }  // namespace
 
 Json studyJson(const AccuracyStudy& study) {
-    Json out{{"machine", study.machine}, {"complete", study.complete}, {"seconds", study.seconds}, {"yardstick_ms", known(study.yardMs)}, {"poses", study.poses}};
+    Json out{{"machine", study.machine}, {"complete", study.complete}, {"seconds", study.seconds}, {"yardstick_ms", known(study.calibrationMs)}, {"poses", study.poses}};
     if (const auto& r = study.reference)
         out["reference"] = {{"solution", "full"},
                             {"solver_mesh", r->mesh},
@@ -121,7 +121,7 @@ AccuracyStudy studyFromJson(const Json& json) {
     if (!json.is_object()) return out;
     out.machine = text(json, "machine");
     out.seconds = std::max(0.0, number(json, "seconds"));
-    out.yardMs = std::max(0.0, number(json, "yardstick_ms"));
+    out.calibrationMs = std::max(0.0, number(json, "yardstick_ms"));
     const auto pair = [](const Json& at, const char* key, double& relative, double& percent) {
         const auto found = at.find(key);
         if (found == at.end() || !found->is_object()) return;

@@ -8,8 +8,8 @@
 #include <system_error>
 
 #include "core/accuracy/study_json.h"
+#include "core/base/atomic_file.h"
 #include "core/comparison/model_table.h"
-#include "core/io/atomic_file.h"
 
 namespace imomushi {
 

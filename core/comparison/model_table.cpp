@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "core/character/response_blocks.h"
+#include "core/character/standard_poses.h"
 #include "core/comparison/previous_model.h"
-#include "core/comparison/standard_poses.h"
-#include "core/comparison/swing.h"
+#include "core/comparison/test_motion.h"
 #include "core/comparison/timing.h"
 #include "core/mesh/bounds.h"
 
@@ -89,7 +89,7 @@ Result<ModelTable> compareModels(const ComparedModels& models, const Progress& p
     previous.columns = baseline->columns();
     previous.bytes = previous.frameBytes = baseline->matrixBytes();
 
-    // Errors first: they leave both in the last random pose, which is what the products then run on.
+    // Errors come first: they leave both models in the last random pose, in which the products are then timed.
     const auto seen = seenVertices(given);
     const auto poses = standardPoses(given.skeleton);
     std::vector<Eigen::VectorXd> v;
@@ -121,18 +121,18 @@ Result<ModelTable> compareModels(const ComparedModels& models, const Progress& p
         if (given.elements[e].response) v.push_back(character->jointParameters(static_cast<int>(e)));
 
     progress.report("measure", 0.6);
-    Swing swing(given.skeleton);
+    TestMotion motion(given.skeleton);
     Pose oldPose = restPose(given.skeleton), pose = oldPose;
     double at = 0.0;
     std::vector<double> overhead;
     const auto frames = mediansInTurn(kRounds, kSeconds,
                                       {[&] {
-                                           swing.move(at += 0.013);
-                                           character->solvePose(swing.holds, pose);
+                                           motion.move(at += 0.013);
+                                           character->solvePose(motion.holds, pose);
                                            character->update(pose);
                                        },
                                        [&] {
-                                           table.diverged = !baseline->frame(swing.holds, oldPose) || table.diverged;
+                                           table.diverged = !baseline->frame(motion.holds, oldPose) || table.diverged;
                                            overhead.push_back(baseline->overheadMs());
                                        }},
                                       progress.part(0.6, 0.8));

@@ -71,7 +71,7 @@ CharacterInput paperCaterpillar(int around, int elements) {
         if (joint.faces.size() == 2) {
             const auto& below = input.elements[j - 1];
             const auto& above = input.elements[j];
-            // Both caps were made of the same numbers.
+            // Both caps have the same coordinates: vertices correspond by index.
             std::map<std::pair<double, double>, std::int32_t> places;
             for (const auto b : above.faces[0].vertices) places[{above.mesh->body.vertices(b, 0), above.mesh->body.vertices(b, 1)}] = b;
             for (const auto a : below.faces[1].vertices)

@@ -1,18 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Joints are carried by a Character whose elements are rigid: it places joint faces as bones want them (targets). What their vertices do beyond that
-// is `offset`, in the axes of the joint as bones carry it, one per vertex, shared by welded ones. From both follows what each element's matrix is fed with.
-#include "core/comparison/previous_model.h"
+#include "core/comparison/previous_model_state.h"
 
 #include <cblas.h>
 
-#include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-
-#include "core/character/aligned_buffer.h"
-#include "core/character/normal_stencils.h"
-#include "core/dynamics/explicit_joint_dynamics.h"
 
 namespace imomushi {
 
@@ -23,63 +16,9 @@ constexpr double kDamping = 10.0;      // 1/s
 // The explicit step is stable below (step * fastest frequency)^2 = 4; the damping and an estimate of the frequency want room.
 constexpr double kSafeStep = 1.0;
 constexpr int kPowerSteps = 40;
-constexpr double kStaticsResidual = 1e-8;  // of forces, relative: errors of the models are a thousand times larger
-constexpr int kStaticsSteps = 2000;
-constexpr double kLeastArea = 1e-6;    // of the mean: a vertex without a triangle of its own still has a mass
-
-using Eigen::Matrix3d;
+constexpr double kLeastArea = 1e-6;    // of the mean area of a vertex: masses are areas and must not be 0
 
 }  // namespace
-
-struct PreviousModel::State {
-    struct Node {  // a joint-face vertex, or welded ones of both faces
-        Vec3 rest = Vec3::Zero();
-        double area = 0.0;
-    };
-    struct Joint {
-        int element = 0;  // of its first face
-        std::vector<Node> nodes;
-        std::vector<std::int32_t> vertices;  // of the first face, as its first nodes
-        Vec3 middle = Vec3::Zero();          // of these, at rest
-        Matrix3d axes = Matrix3d::Identity();  // rest to world, as bones carry the joint: offsets are in these
-        Eigen::VectorXd force;              // of the tractions on offsets
-        Eigen::MatrixXd held;               // 3 #nodes x 6, orthonormal with areas as weights
-        std::vector<ExplicitJointDynamics> dynamics;  // one
-    };
-    struct FaceVertex {
-        std::int32_t vertex = 0;
-        int joint = 0, node = 0;
-        double area = 0.0;
-        Matrix3d axes = Matrix3d::Identity();  // of its face: those of the columns of the response
-    };
-    struct Element {
-        std::vector<FaceVertex> held;  // in the order of columns
-        std::vector<std::int32_t> free;
-        Points rest;
-        double scale = 1.0;
-        Eigen::MatrixXf matrix;        // (3 #free + 3 #held) x 3 #held, all in the rest axes of the element
-        Eigen::VectorXf x, y;
-        std::vector<NormalStencil> stencils;
-        AlignedBuffer<float> positions, normals;
-        double stiffness = 1.0;
-    };
-
-    explicit State(Character given) : carrier(std::move(given)) {}
-
-    Character carrier;
-    std::vector<std::shared_ptr<const ElementResponse>> responses;
-    std::vector<Joint> joints;
-    std::vector<Element> elements;
-    double overhead = 0.0;
-
-    void prepare(const CharacterInput& input);
-    void orient();
-    Result<void> weigh();
-    [[nodiscard]] double fastest();
-    void feed(std::size_t e, const Eigen::Isometry3d& frame, const float* targets);
-    void pull(std::size_t e, const Eigen::Isometry3d& frame);
-    void place(std::size_t e, const Eigen::Isometry3d& frame);
-};
 
 void PreviousModel::State::prepare(const CharacterInput& input) {
     joints.resize(input.joints.size());
@@ -189,7 +128,7 @@ void PreviousModel::State::prepare(const CharacterInput& input) {
     }
 }
 
-// How the carrier has turned the joints: the rotation nearest to what it did with their first faces (Kabsch).
+// Sets `axes` of each joint: the rotation that best fits how the carrier moved the vertices of its first face (Kabsch).
 void PreviousModel::State::orient() {
     for (auto& joint : joints) {
         const float* now = carrier.surface(joint.element).positions;
@@ -204,7 +143,7 @@ void PreviousModel::State::orient() {
     }
 }
 
-// The square of the fastest frequency for masses that are areas, by the power method at rest.
+// The largest squared angular frequency of the joint-face vertices when their masses equal their areas: the largest eigenvalue, by the power method at rest.
 double PreviousModel::State::fastest() {
     std::vector<Eigen::VectorXd> w(joints.size());
     double seed = 0.5, most = 0.0, norm = 0.0;
@@ -256,7 +195,7 @@ Result<void> PreviousModel::State::weigh() {
     return {};
 }
 
-// What the joint faces of an element do, in its rest axes.
+// Writes the displacements of the joint-face vertices of an element, in its rest axes, to `x`.
 void PreviousModel::State::feed(std::size_t e, const Eigen::Isometry3d& frame, const float* targets) {
     auto& out = elements[e];
     const Matrix3d back = frame.linear().transpose();
@@ -283,7 +222,7 @@ void PreviousModel::State::place(std::size_t e, const Eigen::Isometry3d& frame) 
     findNormals(out.positions.data(), out.stencils.data(), static_cast<float>(out.scale), 0, static_cast<std::size_t>(out.rest.rows()), out.normals.data());
 }
 
-// Tractions pull the joint-face vertices back.
+// Adds the forces of the tractions on the joint-face vertices of an element.
 void PreviousModel::State::pull(std::size_t e, const Eigen::Isometry3d& frame) {
     auto& out = elements[e];
     if (out.x.size() == 0) return;
@@ -366,101 +305,6 @@ int PreviousModel::columns() const {
     int count = 0;
     for (const auto& e : state_->elements) count += static_cast<int>(e.matrix.cols());
     return count;
-}
-
-// Least energy by conjugate gradients in offsets times the root of their area, within what the bones leave free.
-Result<std::vector<Points>> PreviousModel::statics(const Pose& pose, const Progress& progress) {
-    State& s = *state_;
-    s.carrier.update(pose);
-    s.orient();
-    const std::size_t count = s.elements.size();
-    std::vector<Points> out;
-    std::vector<Eigen::VectorXd> wanted(count);  // joint parameters of the faces as bones carry them
-    for (std::size_t e = 0; e < count; ++e) {
-        out.push_back(s.carrier.positions(static_cast<int>(e)));
-        const auto frame = s.carrier.frame(static_cast<int>(e));
-        const auto& held = s.elements[e].held;
-        wanted[e].resize(3 * static_cast<Eigen::Index>(held.size()));
-        for (std::size_t i = 0; i < held.size(); ++i)
-            wanted[e].segment<3>(3 * static_cast<Eigen::Index>(i)) =
-                held[i].axes.transpose() * (frame.linear().transpose() * (out[e].row(held[i].vertex).transpose() - frame.translation()) -
-                                            s.elements[e].rest.row(held[i].vertex).transpose());
-    }
-    std::vector<Eigen::Index> first = {0};
-    for (const auto& joint : s.joints) first.push_back(first.back() + joint.force.size());
-    Eigen::VectorXd root(first.back());
-    for (std::size_t j = 0; j < s.joints.size(); ++j)
-        for (std::size_t i = 0; i < s.joints[j].nodes.size(); ++i)
-            root.segment<3>(first[j] + 3 * static_cast<Eigen::Index>(i)).setConstant(std::sqrt(s.joints[j].nodes[i].area));
-    const auto turn = [&](std::size_t e, const State::FaceVertex& h) -> Matrix3d {
-        return h.axes.transpose() * s.carrier.frame(static_cast<int>(e)).linear().transpose() * s.joints[h.joint].axes;
-    };
-    const auto parameters = [&](std::size_t e, const Eigen::VectorXd& w) {
-        Eigen::VectorXd v(wanted[e].size());
-        for (std::size_t i = 0; i < s.elements[e].held.size(); ++i) {
-            const auto& h = s.elements[e].held[i];
-            v.segment<3>(3 * static_cast<Eigen::Index>(i)) = turn(e, h) * w.segment<3>(first[h.joint] + 3 * h.node);
-        }
-        return v;
-    };
-    const auto free = [&](Eigen::VectorXd& y) {  // symmetric: held motions are orthonormal in these coordinates
-        for (std::size_t j = 0; j < s.joints.size(); ++j) {
-            const Eigen::Index n = first[j + 1] - first[j];
-            const auto weight = root.segment(first[j], n);
-            for (int k = 0; k < 6; ++k) {
-                const Eigen::VectorXd motion = s.joints[j].held.col(k).cwiseProduct(weight);
-                y.segment(first[j], n) -= motion * motion.dot(y.segment(first[j], n));
-            }
-        }
-    };
-    const auto forces = [&](const std::vector<Eigen::VectorXd>& v) {  // energy's derivative
-        Eigen::VectorXd f = Eigen::VectorXd::Zero(root.size());
-        for (std::size_t e = 0; e < count; ++e) {
-            if (!s.responses[e]) continue;
-            const Eigen::VectorXd k = s.elements[e].stiffness * (s.responses[e]->stiffness * v[e]);
-            for (std::size_t i = 0; i < s.elements[e].held.size(); ++i) {
-                const auto& h = s.elements[e].held[i];
-                f.segment<3>(first[h.joint] + 3 * h.node) += turn(e, h).transpose() * k.segment<3>(3 * static_cast<Eigen::Index>(i));
-            }
-        }
-        f = f.cwiseQuotient(root);
-        free(f);
-        return f;
-    };
-    const auto apply = [&](const Eigen::VectorXd& y) {
-        const Eigen::VectorXd w = y.cwiseQuotient(root);
-        std::vector<Eigen::VectorXd> v;
-        for (std::size_t e = 0; e < count; ++e) v.push_back(parameters(e, w));
-        return forces(v);
-    };
-    Eigen::VectorXd y = Eigen::VectorXd::Zero(root.size()), r = -forces(wanted), p = r;
-    double square = r.squaredNorm();
-    const double enough = kStaticsResidual * kStaticsResidual * square;
-    for (int step = 0; square > enough && square > 0.0; ++step) {
-        if (progress.cancelled()) return fail(kCancelled, "The comparison was cancelled.");
-        if (step == kStaticsSteps) return fail("not-solved", "The equilibrium of the joint faces was not found: check the element's precompute (rcond).");
-        const Eigen::VectorXd a = apply(p);
-        const double along = p.dot(a);
-        if (!(along > 0.0)) break;  // a direction without stiffness
-        const double part = square / along;
-        y += part * p;
-        r -= part * a;
-        const double next = r.squaredNorm();
-        p = r + next / square * p;
-        square = next;
-    }
-    const Eigen::VectorXd w = y.cwiseQuotient(root);
-    for (std::size_t e = 0; e < count; ++e) {
-        const auto& element = s.elements[e];
-        const auto frame = s.carrier.frame(static_cast<int>(e));
-        for (const auto& h : element.held)
-            out[e].row(h.vertex) += (s.joints[h.joint].axes * w.segment<3>(first[h.joint] + 3 * h.node)).transpose();
-        if (!s.responses[e]) continue;
-        const Eigen::VectorXd u = s.responses[e]->response * (wanted[e] + parameters(e, w));
-        for (std::size_t i = 0; i < element.free.size(); ++i)
-            out[e].row(element.free[i]) = (frame * Vec3(element.rest.row(element.free[i]).transpose() + u.segment<3>(3 * static_cast<Eigen::Index>(i)))).transpose();
-    }
-    return out;
 }
 
 }  // namespace imomushi

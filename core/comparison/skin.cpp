@@ -18,7 +18,7 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 
 constexpr int kNodes = Skin::kSegments + 1;
-/// Handles of this part of a bone's length make a quarter of a circle of two bones that meet at right angles.
+/// Bezier handles of this part of a bone's length make a quarter of a circle of two bones that meet at right angles.
 constexpr double kHandle = 0.390464;
 constexpr int kCurveSamples = 64;
 /// A bone this near to its rest length is not stretched: rounding.
@@ -238,7 +238,7 @@ Skin::Skin(Skin&&) noexcept = default;
 Skin& Skin::operator=(Skin&&) noexcept = default;
 Skin::~Skin() = default;
 
-Result<Skin> Skin::build(const SkinBody& body, const Skeleton& skeleton, const SkinWeights& weights, SkinKind kind) {
+Result<Skin> Skin::build(const WeldedSurface& body, const Skeleton& skeleton, const SkinWeights& weights, SkinKind kind) {
     const std::size_t bones = skeleton.bones.size();
     if (bones == 0) return fail("no-bone", "There is no bone for the skin to follow: add bones first.");
     if (bones > 4096) return fail("bad-value", "There are more than 4096 bones: a skin cannot tell so many apart.");

@@ -20,7 +20,7 @@ enum class SkinKind { LinearBlend, DualQuaternion, Spline };
 class Skin {
 public:
     /// Errors: "bad-value" where body, skeleton and weights do not belong together, "no-bone".
-    static Result<Skin> build(const SkinBody& body, const Skeleton& skeleton, const SkinWeights& weights, SkinKind kind);
+    static Result<Skin> build(const WeldedSurface& body, const Skeleton& skeleton, const SkinWeights& weights, SkinKind kind);
     Skin(Skin&&) noexcept;
     Skin& operator=(Skin&&) noexcept;
     ~Skin();

@@ -21,14 +21,14 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// A ramp over about one diameter of the body: bends neither pinch nor reach far along the limb.
+/// Length of a ramp in diameters of the body at the joint: shorter ramps pinch in a bend, longer ones bend much of the limb.
 constexpr double kRampDiameters = 1.12;
 /// This part of a ramp at each end is rounded, so that weights have no kink.
 constexpr double kRounded = 0.1;
 /// Factor of H. Baran and Popovic have 1 and name .22, where the heat on the surface spreads as it would in the volume; with .3 the skins of a bent
 /// cylinder lose as much volume as with the automatic weights of Blender, or a little less (tests/bench/deformers.cpp).
 constexpr double kHeat = 0.3;
-/// Bones within this of the nearest, relative, heat a vertex alike.
+/// Bones whose distance is within this of the nearest one, relative, get the same heat.
 constexpr double kSameDistance = 1e-4;
 /// A line of sight keeps this far from the surface, relative to its length, but for its ends, and meets the surface at this slope.
 constexpr double kSight = 1e-3, kSightStart = 0.05, kGrazing = 0.05;
@@ -44,7 +44,7 @@ Vec3 nearestOnBone(const Skeleton& skeleton, int b, const Vec3& p) {
     return from + std::clamp((p - from).dot(along) / along.squaredNorm(), 0.0, 1.0) * along;
 }
 
-Result<void> check(const SkinBody& body, const Skeleton& skeleton) {
+Result<void> check(const WeldedSurface& body, const Skeleton& skeleton) {
     if (body.vertices.rows() == 0) return fail("too-small", "There is no surface to cover: import an element first.");
     if (skeleton.bones.empty()) return fail("no-bone", "There is no bone for the skin to follow: add bones first.");
     if (!allFinite(body.vertices)) return fail("bad-value", "A vertex is not a number: repair the mesh.");
@@ -70,8 +70,8 @@ void keepMost(std::vector<std::pair<double, int>>& all, SkinWeights::Vertex& ver
     }
 }
 
-/// Vertices inside joints take the weights of the rim.
-void spread(const SkinBody& body, SkinWeights& weights) {
+/// Copies weights to the vertices inside joints, from the nearest vertex that is seen.
+void spread(const WeldedSurface& body, SkinWeights& weights) {
     for (std::size_t v = 0; v < weights.vertices.size(); ++v) weights.vertices[v] = weights.vertices[static_cast<std::size_t>(body.weightOf[v])];
 }
 
@@ -101,7 +101,7 @@ bool sees(const TriangleTree& surface, const Vec3& from, const Vec3& vertex, con
 
 }  // namespace
 
-Result<SkinWeights> rampWeights(const SkinBody& body, const Skeleton& skeleton, double length) {
+Result<SkinWeights> rampWeights(const WeldedSurface& body, const Skeleton& skeleton, double length) {
     if (auto ok = check(body, skeleton); !ok) return tl::unexpected(ok.error());
     if (!std::isfinite(length) || length < 0.0) return fail("bad-value", "The length of a ramp is negative: choose 0 or more metres.");
     const auto start = Clock::now();
@@ -168,7 +168,7 @@ Result<SkinWeights> rampWeights(const SkinBody& body, const Skeleton& skeleton, 
     return out;
 }
 
-Result<SkinWeights> automaticWeights(const SkinBody& body, const Skeleton& skeleton, const Progress& progress) {
+Result<SkinWeights> automaticWeights(const WeldedSurface& body, const Skeleton& skeleton, const Progress& progress) {
     if (auto ok = check(body, skeleton); !ok) return tl::unexpected(ok.error());
     const auto cancelled = [] { return fail(kCancelled, "The skin was cancelled."); };
     const auto start = Clock::now();

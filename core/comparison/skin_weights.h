@@ -6,7 +6,7 @@
 
 #include "core/base/progress.h"
 #include "core/base/result.h"
-#include "core/comparison/skin_body.h"
+#include "core/character/welded_surface.h"
 
 namespace imomushi {
 
@@ -20,7 +20,7 @@ struct SkinWeights {
     std::vector<Vertex> vertices;
     double seconds = 0.0;   ///< wall time
     double dropped = 0.0;   ///< largest part of a vertex's weights that went to a ninth bone and beyond, before they were brought to sum 1
-    int unseen = 0;         ///< automatic: vertices that see no bone and take their weights from their neighbours
+    int unseen = 0;         ///< automatic: vertices with no bone in line of sight, whose weights diffuse from their neighbours
     double residual = 0.0;  ///< automatic: of the solution, relative
 
     [[nodiscard]] std::size_t bytes() const { return vertices.size() * sizeof(Vertex); }
@@ -29,11 +29,11 @@ struct SkinWeights {
 /// By hand, as an artist paints a simple limb: a vertex belongs to its nearest bone and passes over to each bone that meets it in a smooth ramp across
 /// the plane between the two. `length` (m): of all ramps; 0: by the body's diameter at each joint.
 /// Errors: "no-bone", "bad-value", "too-small" (a body without vertices).
-Result<SkinWeights> rampWeights(const SkinBody& body, const Skeleton& skeleton, double length);
+Result<SkinWeights> rampWeights(const WeldedSurface& body, const Skeleton& skeleton, double length);
 
 /// Bone heat (Baran and Popovic, "Automatic rigging and animation of 3D characters", SIGGRAPH 2007, section 4): L w + H w = H p, L the surface Laplacian, H
 /// = .3 / squared distance to the nearest bone that a vertex sees from inside.
 /// Errors: "no-bone", "too-small", "no-heat" (a part of the surface sees no bone), "not-solved", "cancelled".
-Result<SkinWeights> automaticWeights(const SkinBody& body, const Skeleton& skeleton, const Progress& progress);
+Result<SkinWeights> automaticWeights(const WeldedSurface& body, const Skeleton& skeleton, const Progress& progress);
 
 }  // namespace imomushi

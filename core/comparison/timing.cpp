@@ -13,9 +13,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr int kLeastRounds = 5, kWarmRounds = 2;
-/// Rounds that are as quiet as each other: as short as what disturbs a machine, and enough for a median.
+/// Rounds of a stretch: short against a disturbance of the machine, and enough for a median.
 constexpr std::size_t kStretch = 15;
-constexpr std::size_t kQuietShare = 4;  // one in so many
+constexpr std::size_t kQuietShare = 4;  // one stretch in so many counts
 
 double since(Clock::time_point from) { return std::chrono::duration<double>(Clock::now() - from).count(); }
 

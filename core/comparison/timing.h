@@ -10,7 +10,7 @@ namespace imomushi {
 
 /// Runs several loops in turn, so that what disturbs the machine disturbs all: the median of each, in milliseconds. Each runs twice and the second time
 /// counts: its data are in the caches as far as they fit, as in a program that draws little else. At least a few rounds, then until
-/// `rounds` are done, `seconds` are over, or nobody wants the result.
+/// `rounds` are done, `seconds` are over, or `progress` is cancelled.
 std::vector<double> mediansInTurn(int rounds, double seconds, const std::vector<std::function<void()>>& loops, const Progress& progress = {});
 
 /// The same with the 99th percentile of each loop beside its median.
@@ -19,7 +19,8 @@ struct Spread {
 };
 std::vector<Spread> spreadsInTurn(int rounds, double seconds, const std::vector<std::function<void()>>& loops, const Progress& progress = {});
 
-/// The same of only those stretches of time in which the machine was left alone: the quarter in which the first loop, a yardstick, was quickest. Runs for `seconds`.
+/// The same of only those stretches of time in which nothing else disturbed the machine: the quarter in which the first loop, which calibrates, was quickest. Runs for
+/// `seconds`.
 std::vector<Spread> quietSpreads(double seconds, const std::vector<std::function<void()>>& loops, const Progress& progress = {});
 
 }  // namespace imomushi

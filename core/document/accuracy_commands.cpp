@@ -6,12 +6,12 @@
 
 #include "core/accuracy/plot.h"
 #include "core/accuracy/study_json.h"
+#include "core/base/atomic_file.h"
 #include "core/document/command_support.h"
 #include "core/document/character_input.h"
 #include "core/document/performance.h"
 #include "core/document/session_access.h"
 #include "core/document/take.h"
-#include "core/io/atomic_file.h"
 
 namespace imomushi {
 

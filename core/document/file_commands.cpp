@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 
+#include "core/base/atomic_file.h"
 #include "core/document/command_support.h"
 #include "core/document/document_edit.h"
 #include "core/document/names.h"
 #include "core/document/project_file.h"
 #include "core/document/session_access.h"
-#include "core/io/atomic_file.h"
 
 namespace imomushi {
 

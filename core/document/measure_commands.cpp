@@ -7,8 +7,8 @@
 #include "core/document/command_support.h"
 #include "core/document/seam.h"
 #include "core/document/session_access.h"
-#include "core/io/write_mesh.h"
 #include "core/mesh/topology.h"
+#include "core/mesh/write_mesh.h"
 
 namespace imomushi {
 

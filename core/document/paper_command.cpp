@@ -6,13 +6,13 @@
 
 #include "core/accuracy/paper_growth.h"
 #include "core/accuracy/plot.h"
+#include "core/base/atomic_file.h"
 #include "core/base/parallel.h"
 #include "core/comparison/model_table.h"
 #include "core/comparison/paper_caterpillar.h"
-#include "core/document/command_support.h"
 #include "core/document/character_input.h"
+#include "core/document/command_support.h"
 #include "core/document/session_access.h"
-#include "core/io/atomic_file.h"
 
 namespace imomushi {
 

@@ -5,11 +5,11 @@
 #include <fstream>
 #include <set>
 
+#include "core/base/atomic_file.h"
 #include "core/document/project_rows.h"
 #include "core/document/project_tables.h"
 #include "core/document/response_rows.h"
 #include "core/document/version.h"
-#include "core/io/atomic_file.h"
 
 namespace imomushi {
 

@@ -7,18 +7,18 @@
 #include <functional>
 #include <iterator>
 
-#include "core/accuracy/stand_in.h"
+#include "core/accuracy/frame_prediction.h"
 #include "core/accuracy/study_json.h"
+#include "core/base/atomic_file.h"
 #include "core/base/parallel.h"
+#include "core/character/standard_poses.h"
 #include "core/comparison/paper_caterpillar.h"
 #include "core/comparison/skin.h"
-#include "core/comparison/standard_poses.h"
 #include "core/comparison/timing.h"
 #include "core/document/accuracy_commands.h"
-#include "core/document/command_support.h"
 #include "core/document/character_input.h"
+#include "core/document/command_support.h"
 #include "core/document/session_access.h"
-#include "core/io/atomic_file.h"
 #include "core/mesh/bounds.h"
 
 namespace imomushi {
@@ -128,7 +128,7 @@ struct Quality {
     double volume = 0.0;     ///< relative change
     double worst = 1.0;      ///< least shape of a triangle (4 sqrt 3 area / squared edges), relative to rest
 };
-Quality qualityOf(const SkinBody& body, const std::function<Vec3(std::int32_t)>& at) {
+Quality qualityOf(const WeldedSurface& body, const std::function<Vec3(std::int32_t)>& at) {
     const auto rest = [&](std::int32_t v) -> Vec3 { return body.vertices.row(v).transpose(); };
     const auto volume = [&](const std::function<Vec3(std::int32_t)>& point) {
         double sum = 0.0;
@@ -152,7 +152,7 @@ Quality qualityOf(const SkinBody& body, const std::function<Vec3(std::int32_t)>&
 
 Result<std::string> skinPart(const CharacterInput& character, const Progress& progress) {
     std::string out = "## Against skins\n\nThe same bones and poses. Volume: change of the whole body; shape: of its worst triangle, 1 as at rest, 0 folded flat.\n\n";
-    const SkinBody body = skinBody(character);
+    const WeldedSurface body = weldedSurface(character);
     auto weights = automaticWeights(body, character.skeleton, progress);
     const bool automatic = weights.has_value();
     if (!automatic) {

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "core/document/packed_response.h"
-#include "core/io/atomic_file.h"
+#include "core/base/atomic_file.h"
 
 namespace imomushi {
 

@@ -9,8 +9,8 @@
 #include <set>
 #include <string_view>
 
-#include "core/io/atomic_file.h"
-#include "core/io/write_mesh.h"
+#include "core/base/atomic_file.h"
+#include "core/mesh/write_mesh.h"
 
 namespace imomushi {
 

@@ -24,7 +24,7 @@ Json numbers(const Dense& values) {
 
 Json rowByRow(const Eigen::MatrixXd& matrix) { return numbers(Eigen::MatrixXd(matrix.transpose())); }
 
-/// What body loads do to an element, null: nothing.
+/// The body loads of an element as JSON, null: none.
 Json loadsOf(const GltfContent& content, std::size_t e) {
     const auto& element = content.scene.character.elements[e];
     const auto& effects = content.scene.character.effects;

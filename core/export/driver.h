@@ -7,8 +7,8 @@
 
 namespace imomushi {
 
-/// What moves a rigged character live (assets/drivers): from joint points to the frames of elements and the weights of their targets, by the steps of the
-/// studio's own frame. In `extras.imomushi` of the skeleton's node; metres, radians, matrices column by column:
+/// The data of live drivers for a rigged character (assets/drivers): they compute the frames of elements and the weights of their targets from the joint points, by the
+/// same steps as the studio's own frame. In `extras.imomushi` of the skeleton's node; metres, radians, matrices column by column:
 ///   version   1
 ///   points    [{name, rest}]: joint points
 ///   bones     [{name, start, end, parent, tree, direction, rollSign, length}]: start and end are points; parent: the bone that it hangs on, -1: none;

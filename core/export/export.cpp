@@ -3,11 +3,11 @@
 
 #include <algorithm>
 
+#include "core/base/atomic_file.h"
 #include "core/export/cache_writer.h"
 #include "core/export/fbx.h"
 #include "core/export/gltf_check.h"
 #include "core/export/gltf_writer.h"
-#include "core/io/atomic_file.h"
 
 namespace imomushi {
 
@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kBeforeBlender = 0.2;  // of the work for an .fbx file
 
-/// The shape in which nothing is moved or deformed, by loads neither.
+/// The numbers of the rest shape without body loads.
 std::vector<double> plainShape(const ShapeLayout& layout) {
     std::vector<double> shape(static_cast<std::size_t>(layout.size()), 0.0);
     const auto one = [&](int at) { shape[static_cast<std::size_t>(at)] = 1.0; };

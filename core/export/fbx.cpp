@@ -15,7 +15,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/io/atomic_file.h"
+#include "core/base/atomic_file.h"
 
 extern char** environ;
 
@@ -133,7 +133,7 @@ open(shown, "w").write(repr(worst))
 
 constexpr double kUsual = 5.0;  // s, of a small character: then the progress is at two thirds
 
-/// What is left of a conversion goes with it.
+/// Deletes the files of a conversion at the end of its scope.
 struct Folder {
     std::filesystem::path path;
     Folder() {

@@ -31,7 +31,7 @@ namespace {
 constexpr std::size_t kFrames = 10;                                // of each clip
 constexpr std::size_t kPiece = 1024, kBetweenReports = 32 * kPiece;  // vertices
 
-/// Thrown and caught in this file: the file does not say what was meant.
+/// Thrown and caught in this file: what was read back differs from what was written.
 struct Unreadable {
     std::string why;
 };
@@ -75,7 +75,7 @@ std::vector<float> numbersOf(const tinygltf::Model& model, int index) {
     return out;
 }
 
-/// Where the nodes of a file are at a time.
+/// Global transforms of the nodes of a file at one time.
 class Player {
 public:
     explicit Player(const tinygltf::Model& model) : model_(model) {

@@ -8,6 +8,7 @@
 
 #include "core/export/driver.h"
 #include "core/export/gltf_file.h"
+#include "core/export/key_reduction.h"
 
 namespace imomushi {
 
@@ -323,7 +324,7 @@ private:
         file_.add("animations", {{"name", scene_.clips[c].name}, {"samplers", std::move(samplers)}, {"channels", std::move(channels)}});
     }
 
-    static constexpr double kAlways = 1e-9;  // keys that say less than this part of the diagonal say nothing in single precision
+    static constexpr double kAlways = 1e-9;  // of the diagonal: smaller motions are lost in single precision, so their keys are always left out
 
     const GltfContent& content_;
     const ExportScene& scene_;

@@ -13,9 +13,9 @@ using Eigen::VectorXd;
 
 namespace {
 
-// What columns leave over below this part of the diagonal is rounding: no targets are fitted to it.
+// Residuals below this part of the diagonal are rounding errors: no targets are fitted to them.
 constexpr double kRounding = 2e-7;
-// Fitted targets are enough when they leave less than this part of the diagonal.
+// No more targets are fitted when the residual is below this part of the diagonal.
 constexpr double kFitted = 1e-5;
 // Frames that targets are fitted to; the others get the weights that suit them.
 constexpr std::size_t kFitFrames = 96;
@@ -63,7 +63,7 @@ public:
         const std::size_t count = scene_.character.elements.size();
         std::vector<Work> all(count);
         for (std::size_t e = 0; e < count; ++e) begin(e, all[e]);
-        // What columns leave over, at some frames; then what to do about it, at all.
+        // Residuals of the columns at some frames; from them the fitted targets; then their weights at all frames.
         for (std::size_t s = 0; s < sample_.size(); ++s) {
             if (progress_.cancelled()) return fail(kCancelled, "The export was cancelled.");
             progress_.report("fit", 0.3 * static_cast<double>(s) / static_cast<double>(sample_.size()));
@@ -174,7 +174,7 @@ private:
         w.residuals.resize(3 * (w.whole ? w.rest.rows() : static_cast<Eigen::Index>(w.held.size())), static_cast<Eigen::Index>(sample_.size()));
     }
 
-    /// Of the shape that the character shows, which is that of `key`: what columns do not say, in the axes of the element.
+    /// Positions less columns times weights, in the axes of the element, of the shape that the character shows (that of `key`).
     [[nodiscard]] VectorXd residual(std::size_t e, const Work& w, const Key& key) const {
         const int index = static_cast<int>(e);
         const Eigen::Isometry3d frame = motion_.character.frame(index);
@@ -195,7 +195,7 @@ private:
         return out;
     }
 
-    /// Targets for what columns leave over: left singular vectors of it over the sample, until little is left.
+    /// Fitted targets: left singular vectors of the residuals over the sample, until the residual is small.
     void fit(Work& w) const {
         ExportError left = errorOf(w.residuals);
         if (left.largest > kRounding) {
@@ -246,7 +246,7 @@ private:
         const Eigen::Index most = options_.targets > 0 ? options_.targets : kMostTargets;
         if (targets.cols() > most) reduce(most, targets, weights, matrix, out.names, errors);
 
-        // Scale, and drop what does nothing.
+        // Scales targets so that weights stay within -1 ... 1, and drops those that move nothing.
         std::vector<Eigen::Index> used;
         VectorXd scale = VectorXd::Zero(targets.cols());
         out.reach.resize(targets.cols());
@@ -255,7 +255,7 @@ private:
             measure(targets.col(c), largest, squares);
             out.reach[c] = std::sqrt(largest);
             scale[c] = weights.row(c).cwiseAbs().maxCoeff();
-            // A live character moves as far as half of its element in any way.
+            // Other poses of a live character may move a vertex by half the size of its element.
             const double size = 2.0 * w.rest.rowwise().norm().maxCoeff();
             if (live_ && out.reach[c] > 0.0 && matrix.row(c).cwiseAbs().maxCoeff() > 0.0) scale[c] = std::max(scale[c], 0.5 * size / out.reach[c]);
             if (scale[c] * out.reach[c] > (live_ ? 0.0 : 1e-9 * motion_.diagonal)) used.push_back(c);
@@ -307,7 +307,7 @@ private:
         const MatrixXd fromEven = metric.eigenvectors() * inverse.asDiagonal();
         const MatrixXd even = toEven * weights;
         MatrixXd spread = even * even.transpose();
-        // Ways that the clips never go follow in the order of what a unit does.
+        // A small multiple of the metric orders the directions in which the clips never move.
         const VectorXd unit = toEven.colwise().squaredNorm().transpose();
         spread += 1e-9 * std::max(spread.trace(), 1e-300) / std::max(unit.sum(), 1e-300) * (toEven * toEven.transpose());
         const Eigen::SelfAdjointEigenSolver<MatrixXd> principal(spread);
@@ -367,45 +367,6 @@ private:
 Result<std::vector<ElementMorphs>> buildMorphs(Motion& motion, const ExportScene& scene, const ExportOptions& options, bool live, MorphErrors& errors,
                                                const Progress& progress) {
     return Builder(motion, scene, options, live, progress).build(errors);
-}
-
-std::vector<std::size_t> neededKeys(const ElementMorphs& morphs, const ElementMorphs::Track& track, double tolerance) {
-    const std::size_t count = track.times.size();
-    std::vector<char> keep(count, 0);
-    keep.front() = keep.back() = 1;
-    const double radius = morphs.rest.rows() > 0 ? morphs.rest.rowwise().norm().maxCoeff() : 0.0;
-    const auto miss = [&](std::size_t from, std::size_t to, std::size_t at) {
-        const auto a = static_cast<Eigen::Index>(from), b = static_cast<Eigen::Index>(to), i = static_cast<Eigen::Index>(at);
-        const double part = (track.times[at] - track.times[from]) / (track.times[to] - track.times[from]);
-        const Eigen::Quaterniond p(Eigen::Vector4d(track.rotations.col(a))), q(Eigen::Vector4d(track.rotations.col(b))), is(Eigen::Vector4d(track.rotations.col(i)));
-        const double turned = p.slerp(part, q).angularDistance(is);
-        const double moved = (track.places.col(a) + part * (track.places.col(b) - track.places.col(a)) - track.places.col(i)).norm();
-        const double shaped =
-            (track.weights.col(a) + part * (track.weights.col(b) - track.weights.col(a)) - track.weights.col(i)).cwiseAbs().dot(morphs.reach);
-        // Targets add to the radius by as much as they reach; their own error is in `shaped`.
-        return turned * (radius + track.weights.col(i).cwiseAbs().dot(morphs.reach)) + moved + shaped;
-    };
-    std::vector<std::pair<std::size_t, std::size_t>> open{{0, count - 1}};
-    while (!open.empty()) {
-        const auto [from, to] = open.back();
-        open.pop_back();
-        double worst = tolerance;
-        std::size_t at = 0;
-        for (std::size_t i = from + 1; i < to; ++i)
-            if (const double m = miss(from, to, i); m > worst) worst = m, at = i;
-        if (at == 0) continue;
-        keep[at] = 1;
-        open.emplace_back(from, at);
-        open.emplace_back(at, to);
-    }
-    std::vector<std::size_t> keys;
-    for (std::size_t i = 0; i < count; ++i)
-        if (keep[i]) keys.push_back(i);
-    // Nothing moves: one key says it.
-    if (keys.size() == 2 && track.rotations.col(0) == track.rotations.rightCols<1>() && track.places.col(0) == track.places.rightCols<1>() &&
-        track.weights.col(0) == track.weights.rightCols<1>())
-        keys.pop_back();
-    return keys;
 }
 
 }  // namespace imomushi

@@ -42,7 +42,4 @@ Result<std::vector<ElementMorphs>> buildMorphs(Motion& motion, const ExportScene
 inline constexpr int kMostFitted = 24;
 inline constexpr int kMostTargets = 128;  // more are a burden in every engine; phones failed above 240
 
-/// Rows of `track` that linear interpolation needs, the first and the last included, so that no vertex is farther than `tolerance` (m) from where it was.
-std::vector<std::size_t> neededKeys(const ElementMorphs& morphs, const ElementMorphs::Track& track, double tolerance);
-
 }  // namespace imomushi

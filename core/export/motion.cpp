@@ -15,7 +15,7 @@ namespace imomushi {
 
 namespace {
 
-/// Character::build() cannot be cancelled and takes a second for a large character: who cancels leaves it behind.
+/// Character::build() cannot be cancelled and takes a second for a large character: it runs in a thread of its own, which goes on alone after a cancel.
 Result<Character> buildCharacter(const CharacterInput& input, const Progress& progress) {
     struct Work {
         std::mutex mutex;

@@ -7,7 +7,7 @@
 
 namespace imomushi {
 
-/// The clips of a scene as shapes of a character of its own, at the times of their keys.
+/// The clips of a scene sampled at their keys: one shape (ShapeLayout) per key, of a character that this owns.
 class Motion {
 public:
     struct Clip {

@@ -8,7 +8,7 @@ namespace imomushi {
 
 namespace {
 
-// A normal of the file that leaves the smooth one by more than this belongs to an edge that is meant.
+// A normal of the file that differs from the smooth one by more than this marks a sharp edge of the artist: it is kept.
 constexpr float kSmooth = 0.7f;  // cosine
 
 }  // namespace

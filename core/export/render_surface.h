@@ -9,7 +9,7 @@
 
 namespace imomushi {
 
-/// The surface of an element as other programs draw it: what the import kept of its look, without the triangles inside joints.
+/// The render mesh of an element: attributes and materials of the imported file, without the triangles inside joints.
 struct RenderSurface {
     std::vector<std::int32_t> body;  ///< per vertex: its body vertex
     Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> normals;    ///< unit, at rest, smooth across joints

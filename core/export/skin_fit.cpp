@@ -7,19 +7,19 @@
 #include <map>
 
 #include "core/base/parallel.h"
-#include "core/comparison/skin_body.h"
-#include "core/comparison/standard_poses.h"
+#include "core/character/standard_poses.h"
+#include "core/character/welded_surface.h"
 #include "core/export/body_frames.h"
 
 namespace imomushi {
 
 namespace {
 
-// What standard poses count for, over all frames of the clips: they keep weights sensible where the clips say nothing.
+// Weight of all standard poses in the least squares, relative to all frames of the clips: a regularisation for bones that the clips do not move.
 constexpr double kStandard = 0.01;
-// Joints that say the same share a vertex: this part of the diagonal of the normal equations keeps them from fighting.
+// Ridge term, relative to the diagonal of the normal equations: joints with the same motion then share a vertex evenly.
 constexpr double kRidge = 1e-6;
-// Weights and places are found in turn so many times, where loads deform the body at rest.
+// Alternations between weights and bind positions, where loads deform the body at rest.
 constexpr int kRounds = 4;
 // More joints than this are never near one vertex: the farthest are left out.
 constexpr int kMostCandidates = 24;
@@ -63,15 +63,15 @@ SmallVector solveWeights(const Small& normal) {
     }
 }
 
-/// The rigid motion that is nearest to what an element does under body loads: linear in the weights of its shape, in its own axes.
-struct Flesh {
+/// The rigid motion that best fits the deformation of an element by body loads: linear in the weights of its shape, in its own axes.
+struct LoadMotion {
     Vec3 middle = Vec3::Zero();  // m, at rest
     Eigen::Matrix3Xd shift, turn;  // m and radians per weight; no columns: there are no loads
 };
 
-/// Vertices count by how far loads move them.
-Flesh fleshOf(const CharacterInput::Element& element, const std::vector<int>& loads) {
-    Flesh out;
+/// Least squares, each vertex weighted by how far loads move it.
+LoadMotion loadMotionOf(const CharacterInput::Element& element, const std::vector<int>& loads) {
+    LoadMotion out;
     if (loads.empty()) return out;
     const auto& r = *element.response;
     const Points& rest = element.mesh->body.vertices;
@@ -83,7 +83,7 @@ Flesh fleshOf(const CharacterInput::Element& element, const std::vector<int>& lo
         sum += mass[i];
         out.middle += mass[i] * rest.row(r.freeVertices[static_cast<std::size_t>(i)]).transpose();
     }
-    if (!(sum > 0.0)) return Flesh{};
+    if (!(sum > 0.0)) return LoadMotion{};
     out.middle /= sum;
     out.shift = out.turn = Eigen::Matrix3Xd::Zero(3, all);
     Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
@@ -113,7 +113,7 @@ struct LocalMotions {
     std::vector<Eigen::Matrix<double, 3, 4>> at;  // frame by frame
 };
 
-/// One vertex: what it follows, where it goes.
+/// The least squares problem of one vertex.
 struct VertexFit {
     const LocalMotions& motions;
     const std::vector<int>& follows;  // places in motions.joints
@@ -197,14 +197,14 @@ Result<FittedSkin> fitSkin(Motion& motion, const ExportScene& scene, const Progr
         skin.joints.push_back({scene.elements[static_cast<std::size_t>(f.element)] + " " + face.name,
                                joint.point >= 0 ? input.skeleton.points[static_cast<std::size_t>(joint.point)] : face.frame.origin});
     }
-    // Flesh that loads move has a joint of its own.
-    std::vector<Flesh> flesh;
-    std::vector<int> fleshJoint(elements, -1);
+    // The rigid motion by body loads has a joint of its own.
+    std::vector<LoadMotion> loadMotions;
+    std::vector<int> loadJoint(elements, -1);
     for (std::size_t e = 0; e < elements; ++e) {
-        flesh.push_back(fleshOf(input.elements[e], character.loadColumns(static_cast<int>(e))));
-        if (flesh[e].shift.cols() == 0) continue;
-        fleshJoint[e] = static_cast<int>(skin.joints.size());
-        skin.joints.push_back({scene.elements[e] + " flesh", flesh[e].middle});
+        loadMotions.push_back(loadMotionOf(input.elements[e], character.loadColumns(static_cast<int>(e))));
+        if (loadMotion[e].shift.cols() == 0) continue;
+        loadJoint[e] = static_cast<int>(skin.joints.size());
+        skin.joints.push_back({scene.elements[e] + " flesh", loadMotions[e].middle});
     }
     const auto rotationOf = [&](const double* shape, std::size_t j) { return Eigen::Quaterniond(shape + layout.joint(static_cast<int>(j))); };
     const auto placeOf = [&](const double* shape, std::size_t j) -> Vec3 {
@@ -223,22 +223,22 @@ Result<FittedSkin> fitSkin(Motion& motion, const ExportScene& scene, const Progr
         for (std::size_t j = 0; j < joints; ++j)
             if (jointOf[j] >= 0) out.push_back(isometry(rotationOf(shape, j), skin.joints[static_cast<std::size_t>(jointOf[j])].origin, placeOf(shape, j)));
         for (std::size_t e = 0; e < elements; ++e) {
-            if (fleshJoint[e] < 0) continue;
-            const Eigen::Map<const Eigen::VectorXd> weights(shape + layout.element(e) + ShapeLayout::kFrame, flesh[e].shift.cols());
-            const Vec3 turn = flesh[e].turn * weights, place = flesh[e].middle + flesh[e].shift * weights;
+            if (loadJoint[e] < 0) continue;
+            const Eigen::Map<const Eigen::VectorXd> weights(shape + layout.element(e) + ShapeLayout::kFrame, loadMotions[e].shift.cols());
+            const Vec3 turn = loadMotions[e].turn * weights, place = loadMotions[e].middle + loadMotions[e].shift * weights;
             const double angle = turn.norm();
             const Eigen::Quaterniond rotation(angle > 0.0 ? Eigen::AngleAxisd(angle, turn / angle) : Eigen::AngleAxisd::Identity());
-            out.push_back(out[e] * isometry(rotation, flesh[e].middle, place));
+            out.push_back(out[e] * isometry(rotation, loadMotions[e].middle, place));
         }
         return out;
     };
 
-    // Candidates of an element: itself, its flesh, its planes, and the elements across them.
+    // Candidates of an element: its frame, its load joint, its joint planes, and the frames of the elements across them.
     std::vector<std::vector<int>> candidates(elements);
     for (std::size_t e = 0; e < elements; ++e) {
         auto& list = candidates[e];
         list.push_back(static_cast<int>(e));
-        if (fleshJoint[e] >= 0) list.push_back(fleshJoint[e]);
+        if (loadJoint[e] >= 0) list.push_back(loadJoint[e]);
         for (std::size_t j = 0; j < joints; ++j) {
             if (jointOf[j] < 0) continue;
             const auto& faces = input.joints[j].faces;
@@ -248,12 +248,12 @@ Result<FittedSkin> fitSkin(Motion& motion, const ExportScene& scene, const Progr
                 if (std::find(list.begin(), list.end(), f.element) == list.end()) list.push_back(f.element);
         }
     }
-    const SkinBody body = skinBody(input, false);
+    const WeldedSurface body = weldedSurface(input, false);
     const auto vertices = static_cast<std::size_t>(body.vertices.rows());
     std::vector<int> elementOf(vertices);
     for (std::size_t e = 0; e < elements; ++e)
         std::fill(elementOf.begin() + body.first[e], elementOf.begin() + body.first[e + 1], static_cast<int>(e));
-    // Vertices that are welded follow what any of them may.
+    // Welded vertices have the candidates of all their elements.
     std::vector<std::vector<int>> welded(vertices);  // per lowest vertex: elements beside its own
     for (std::size_t v = 0; v < vertices; ++v)
         if (const auto lowest = static_cast<std::size_t>(body.same[v]); lowest != v) welded[lowest].push_back(elementOf[v]);
@@ -289,7 +289,7 @@ Result<FittedSkin> fitSkin(Motion& motion, const ExportScene& scene, const Progr
     std::vector<Vec3> places(skin.settled ? vertices : 0);
     double largest = 0.0, squares = 0.0;
     for (std::size_t e = 0; e < elements; ++e) {
-        // What its vertices may follow: by itself, and with each set of elements that vertices are welded to.
+        // One list of candidates for the vertices of the element alone, one for each set of elements that some are welded to.
         LocalMotions local;
         std::map<std::vector<int>, std::vector<int>> followed;
         const auto first = static_cast<std::size_t>(body.first[e]), last = static_cast<std::size_t>(body.first[e + 1]);

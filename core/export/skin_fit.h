@@ -12,7 +12,7 @@
 namespace imomushi {
 
 /// Linear blend skinning that is as near to the elastic body as its poses allow. Joints of the skin: the frame of each element, each plane where
-/// elements meet, and, where body loads act, the flesh of an element: the rigid motion that is nearest to its deformation.
+/// elements meet, and, where body loads act, a load joint per element: the rigid motion that best fits its deformation by the loads.
 struct FittedSkin {
     static constexpr int kMost = 4;
     struct Vertex {
@@ -38,7 +38,7 @@ struct FittedSkin {
 };
 
 /// Weights, and where it is settled the bind positions, by least squares over frames of the clips and a little over the standard poses of the skeleton
-/// (comparison/standard_poses.h) and its rest; weights are not negative, and welded vertices have the same. Errors: "cancelled".
+/// (character/standard_poses.h) and its rest; weights are not negative, and welded vertices have the same. Errors: "cancelled".
 Result<FittedSkin> fitSkin(Motion& motion, const ExportScene& scene, const Progress& progress);
 
 }  // namespace imomushi

@@ -44,7 +44,7 @@ Result<void> checkFinite(const RawScene& scene, const std::string& quoted) {
                                   ": repair the mesh in the program that made it.");
 }
 
-/// Normals without length come from some writers: the body's own stand in.
+/// Some writers give normals of length 0: those of the body replace them.
 void replaceZeroNormals(ElementMesh& mesh) {
     Look& look = mesh.look;
     Points smooth;

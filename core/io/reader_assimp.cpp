@@ -11,7 +11,7 @@
 #include <cstring>
 
 #include "core/base/colour.h"
-#include "core/io/raw_scene.h"
+#include "core/io/reader_support.h"
 #include "core/io/text_scanner.h"
 
 namespace imomushi {
@@ -164,7 +164,7 @@ private:
 
     Result<void> mesh(const aiMesh& from, const aiNode& at, const Matrix& world) {
         const auto first = points_.size() / 3;
-        if (first + from.mNumVertices > std::size_t{1} << 30) return fail("too-large", file_.quoted() + " has more vertices than can be handled: reduce the mesh.");
+        if (first + from.mNumVertices > kMostVertices) return tooManyVertices(file_);
         if (!from.mVertices || from.mNumVertices == 0) return {};
         morphs_ += from.mNumAnimMeshes;
         const std::string name = cleanName(text(at.mName), cleanName(text(from.mName), "mesh"));

@@ -9,7 +9,7 @@
 #include <unordered_map>
 
 #include "core/base/colour.h"
-#include "core/io/raw_scene.h"
+#include "core/io/reader_support.h"
 #include "core/io/text_scanner.h"
 
 namespace imomushi {
@@ -121,7 +121,7 @@ private:
         if (*n < 3 || *n > 8 || *n == 5)
             return badFile(file_, number_, "a vertex needs three coordinates and has " + std::to_string(*n) + " numbers.");
         const auto index = static_cast<std::int32_t>(points_.size() / 3);
-        if (points_.size() / 3 >= std::size_t{1} << 30) return fail("too-large", file_.quoted() + " has more vertices than can be handled: reduce the mesh.");
+        if (points_.size() / 3 >= kMostVertices) return tooManyVertices(file_);
         points_.insert(points_.end(), x, x + 3);
         if (!std::isfinite(x[0]) || !std::isfinite(x[1]) || !std::isfinite(x[2]))
             scene_.nonFinite.emplace_back(index, "line " + std::to_string(number_));
@@ -141,8 +141,8 @@ private:
         const auto n = numbers(line, x);
         if (!n) return tl::unexpected(n.error());
         if (*n < 1) return badFile(file_, number_, "a texture coordinate has no numbers.");
-        texCoords_.push_back(finite(x[0], badTexCoords_));
-        texCoords_.push_back(1.0f - finite(x[1], badTexCoords_));
+        texCoords_.push_back(attributeOrZero(x[0], badTexCoords_));
+        texCoords_.push_back(1.0f - attributeOrZero(x[1], badTexCoords_));
         return {};
     }
 
@@ -155,12 +155,6 @@ private:
         for (int k = 0; k < 3; ++k) normals_.push_back(std::isfinite(length) && length > 0.0 ? static_cast<float>(x[k] / length) : 0.0f);
         badNormals_ += !std::isfinite(length);
         return {};
-    }
-
-    static float finite(double x, std::size_t& bad) {
-        if (std::isfinite(x) && std::abs(x) < 1e30) return static_cast<float>(x);
-        ++bad;
-        return 0.0f;
     }
 
     /// "5", "-1": from 1, or backwards from the last one. -1: there is none.

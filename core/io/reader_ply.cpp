@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "core/base/colour.h"
-#include "core/io/raw_scene.h"
+#include "core/io/reader_support.h"
 #include "core/io/text_scanner.h"
 
 namespace imomushi {
@@ -330,8 +330,7 @@ private:
         }
         if (polygons > 0) tell(scene_, Severity::Info, "not-triangles", std::to_string(polygons) + (polygons == 1 ? " polygon was" : " polygons were") + " cut into triangles.", polygons);
         if (fewCorners_ > 0) tell(scene_, Severity::Info, "degenerate", std::to_string(fewCorners_) + " faces with fewer than three corners left out.", fewCorners_);
-        if (badAttributes_ > 0)
-            tell(scene_, Severity::Warning, "non-finite", std::to_string(badAttributes_) + " numbers in colours, texture coordinates or normals not finite; they were replaced.", badAttributes_);
+        tellReplacedAttributes(scene_, badAttributes_);
 
         ElementMesh& mesh = scene_.surface.mesh;
         const auto n = static_cast<Eigen::Index>(triangles.size() / 3);

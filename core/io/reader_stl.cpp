@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "core/io/raw_scene.h"
+#include "core/io/reader_support.h"
 #include "core/io/text_scanner.h"
 
 namespace imomushi {

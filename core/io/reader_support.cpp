@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/io/reader_support.h"
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cctype>
@@ -7,7 +9,6 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "core/io/raw_scene.h"
 #include "core/mesh/cgal/fill_hole.h"
 
 namespace imomushi {
@@ -62,6 +63,13 @@ std::string formatOf(const std::filesystem::path& path) {
 
 tl::unexpected<Error> badFile(const SourceFile& file, std::size_t line, const std::string& what) {
     return fail("bad-file", file.quoted() + (line > 0 ? ", line " + std::to_string(line) : std::string()) + ": " + what);
+}
+
+tl::unexpected<Error> tooManyVertices(const SourceFile& file) { return fail("too-large", file.quoted() + " has more vertices than can be handled: reduce the mesh."); }
+
+void tellReplacedAttributes(RawScene& scene, std::size_t count) {
+    if (count > 0)
+        tell(scene, Severity::Warning, "non-finite", std::to_string(count) + " numbers in colours, texture coordinates or normals not finite; they were replaced.", count);
 }
 
 void tell(RawScene& scene, Severity severity, const char* code, std::string text, std::size_t count, bool fixed) {

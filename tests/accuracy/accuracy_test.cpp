@@ -10,12 +10,13 @@
 #include <set>
 #include <stop_token>
 
+#include "core/accuracy/frame_prediction.h"
 #include "core/accuracy/pareto.h"
 #include "core/accuracy/plot.h"
 #include "core/accuracy/pose_error.h"
-#include "core/accuracy/stand_in.h"
 #include "core/accuracy/study.h"
 #include "core/accuracy/study_json.h"
+#include "core/accuracy/synthetic_response.h"
 #include "core/comparison/paper_caterpillar.h"
 #include "tests/support/folder.h"
 
@@ -188,7 +189,7 @@ TEST_CASE("poses: the error in one pose is that of a study there, and the full s
     CHECK(keeper.measure(input, Progress({}, stop.get_token())).error().code == kCancelled);
 }
 
-TEST_CASE("stand-ins: a frame reads about as many bytes with them as with true responses, and no fewer") {
+TEST_CASE("synthetic responses: a frame reads about as many bytes with them as with true responses, and no fewer") {
     const auto input = smallStudy();
     for (const BasisKind basis : {BasisKind::Paper, BasisKind::Affine}) {
         auto elements = input.reference.elements;
@@ -196,13 +197,13 @@ TEST_CASE("stand-ins: a frame reads about as many bytes with them as with true r
         const auto solved = solveElements(elements, {}).value();
         CharacterInput real = input.reference.character;
         real.basis = basis;
-        const auto stand = Character::build(withStandIns(real)).value();
+        const auto synthetic = Character::build(withSyntheticResponses(real)).value();
         for (std::size_t e = 0; e < elements.size(); ++e) real.elements[e].response = solved.responses[e];
         const auto character = Character::build(std::move(real)).value();
-        // Between parallel faces uniform tension is no mode of its own, which a stand-in does not know: one mode of eleven.
+        // Between parallel faces uniform tension is no mode of its own, which a synthetic response does not know: one mode of eleven.
         for (int e = 0; e < int(elements.size()); ++e) {
-            CHECK(stand.memory(e).response >= character.memory(e).response);
-            CHECK(double(stand.memory(e).response) <= 1.1 * double(character.memory(e).response));
+            CHECK(synthetic.memory(e).response >= character.memory(e).response);
+            CHECK(double(synthetic.memory(e).response) <= 1.1 * double(character.memory(e).response));
         }
     }
     CHECK(predictFrame(input.reference.character).value() > 0.0);
@@ -256,7 +257,7 @@ TEST_CASE("study: what was measured is kept, and not measured again") {
     CHECK_FALSE(kept.complete);
     const auto second = runStudy(input, {}, {}).value();
     // Times are told in those of the yardstick, which a quieter moment makes shorter.
-    CHECK(second.points[0].frameMs / second.yardMs == doctest::Approx(kept.points[0].frameMs / kept.yardMs).epsilon(1e-9));
+    CHECK(second.points[0].frameMs / second.calibrationMs == doctest::Approx(kept.points[0].frameMs / kept.calibrationMs).epsilon(1e-9));
     CHECK(second.points[0].relative == kept.points[0].relative);
     for (std::size_t i = 0; i < kept.reference->positions.size(); ++i)
         for (std::size_t e = 0; e < kept.reference->positions[i].size(); ++e) CHECK(second.reference->positions[i][e] == kept.reference->positions[i][e]);

@@ -5,9 +5,9 @@
 
 #include <stop_token>
 
+#include "core/character/standard_poses.h"
 #include "core/comparison/paper_caterpillar.h"
 #include "core/comparison/previous_model.h"
-#include "core/comparison/standard_poses.h"
 #include "core/skeleton/bone_tree.h"
 #include "tests/character/caterpillar.h"
 

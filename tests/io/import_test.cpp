@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "core/io/import.h"
-#include "core/io/write_mesh.h"
+#include "core/mesh/write_mesh.h"
 #include "tests/io/files.h"
 
 using namespace imomushi;

@@ -5,7 +5,8 @@
 #include <cstring>
 
 #include "core/io/message.h"
-#include "core/io/write_mesh.h"
+#include "core/io/reader_support.h"
+#include "core/mesh/write_mesh.h"
 #include "tests/io/raw_scene.h"
 #include "tests/support/shapes.h"
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/io/write_mesh.h"
+#include "core/mesh/write_mesh.h"
 #include "tests/run/program.h"
 #include "tests/support/shapes.h"
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/stability/scene.h"
 
+#include "core/base/atomic_file.h"
 #include "core/document/command_support.h"
-#include "core/io/atomic_file.h"
-#include "core/io/write_mesh.h"
+#include "core/mesh/write_mesh.h"
 
 namespace imomushi {
 namespace {

@@ -81,7 +81,7 @@ Pose posed(const Skeleton& skeleton, const Vec3& axis, const std::vector<double>
 }
 
 DeformerCase made(std::string name, const CharacterInput& input, Pose pose, const Vec3& seamOrigin, const Vec3& seamNormal) {
-    return {std::move(name), input, skinBody(input), std::move(pose), seamOrigin, seamNormal};
+    return {std::move(name), input, weldedSurface(input), std::move(pose), seamOrigin, seamNormal};
 }
 
 CharacterInput cylinder(const std::string& folder) {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/comparison/skin_body.h"
+#include "core/character/welded_surface.h"
 
 /// What deformers are judged by: the same characters and poses for tests, benchmarks and samples.
 namespace imomushi {
@@ -12,7 +12,7 @@ namespace imomushi {
 struct DeformerCase {
     std::string name;
     CharacterInput input;   ///< without responses; far caps are held by their bones
-    SkinBody surface;       ///< of input: closed
+    WeldedSurface surface;       ///< of input: closed
     Pose pose;
     Vec3 seamOrigin = Vec3::Zero(), seamNormal = Vec3::UnitX();  ///< the plane of the joint that is looked at, at rest
 };

@@ -246,7 +246,7 @@ void MainWindow::buildDocks() {
     connect(effects_, &EffectsPanel::precomputeWanted, this, &MainWindow::startPrecompute);
     connect(status_, &StatusStrip::precomputeWanted, this, &MainWindow::startPrecompute);
     connect(issues_, &IssuesPanel::frameWanted, this, [this] { viewport_->frameSelection(); });
-    connect(issues_, &IssuesPanel::markWanted, viewport_, &ViewportWidget::setMarkedTriangles);
+    connect(issues_, &IssuesPanel::markWanted, viewport_, &ViewportWidget::setHighlightedTriangles);
     connect(issues_, &IssuesPanel::worthChanged, this, [this] {
         const int worth = issues_->worth();
         issuesDock_->setWindowTitle(worth > 0 ? tr("Issues (%1)").arg(worth) : tr("Issues"));

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/accuracy/frame_prediction.h"
+
+#include "core/accuracy/synthetic_response.h"
+#include "core/comparison/test_motion.h"
+#include "core/comparison/timing.h"
+
+namespace imomushi {
+
+namespace {
+
+constexpr double kSeconds = 0.1;
+
+}  // namespace
+
+Result<double> predictFrame(const CharacterInput& input, const Progress& progress) {
+    CharacterInput synthetic = withSyntheticResponses(input);
+    synthetic.effects.touch.reset();
+    for (auto& e : synthetic.elements) e.touched = false;
+    auto character = Character::build(std::move(synthetic));
+    if (!character) return tl::unexpected(character.error());
+    TestMotion motion(input.skeleton);
+    Pose pose = restPose(input.skeleton);
+    double at = 0.0;
+    // As frames are measured in a study.
+    const double ms = quietSpreads(kSeconds,
+                                   {[&] {
+                                       motion.move(at += 0.013);
+                                       character->solvePose(motion.holds, pose);
+                                       character->update(pose, 1.0 / 60.0);
+                                   }},
+                                   progress)[0].median;
+    if (progress.cancelled()) return fail(kCancelled, "The prediction was cancelled.");
+    return ms;
+}
+
+}  // namespace imomushi

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/accuracy/study_frames.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+
+namespace imomushi {
+
+namespace {
+
+/// How deep the finger presses, in diagonals of its element.
+constexpr double kPressed = 0.03;
+
+}  // namespace
+
+TestFinger::TestFinger(const CharacterInput& input) {
+    Eigen::Index most = 0;
+    for (std::size_t e = 0; e < input.elements.size(); ++e)
+        if (input.elements[e].touched && input.elements[e].mesh->body.vertices.rows() > most) element_ = static_cast<int>(e), most = input.elements[e].mesh->body.vertices.rows();
+    if (element_ < 0) return;
+    const auto& element = input.elements[static_cast<std::size_t>(element_)];
+    const Points& rest = element.mesh->body.vertices;
+    double farthest = -1.0;
+    for (Eigen::Index v = 0; v < rest.rows(); ++v) {
+        double nearest = 1e300;
+        for (const JointFace& face : element.faces)
+            for (const auto held : face.vertices) nearest = std::min(nearest, (rest.row(v) - rest.row(held)).squaredNorm());
+        if (nearest > farthest) farthest = nearest, point_ = rest.row(v).transpose();
+    }
+    const Vec3 low = rest.colwise().minCoeff().transpose(), high = rest.colwise().maxCoeff().transpose();
+    pressed_ = point_ + kPressed * (high - low).norm() * (0.5 * (low + high) - point_).normalized();
+}
+
+void TestFinger::press(Character& character) const {
+    if (element_ >= 0) (void)character.setFinger(element_, 0, point_, character.frame(element_) * pressed_, 0.0);
+}
+
+StudyFrames::StudyFrames(Character& character, const StudyInput::Effect* effect)
+    : character_(character), effect_(effect), finger_(character.input()), motion_(character.input().skeleton), pose_(restPose(character.input().skeleton)) {}
+
+void StudyFrames::operator()() {
+    constexpr double kFrame = 1.0 / 60.0;
+    motion_.move(phase_ += 0.013);
+    character_.solvePose(motion_.holds, pose_);
+    finger_.press(character_);
+    character_.update(effect_ && effect_->step ? effect_->step(kFrame, pose_, motion_.holds) : pose_, kFrame);
+}
+
+}  // namespace imomushi
