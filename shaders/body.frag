@@ -16,7 +16,8 @@ uniform sampler2D baseTexture;
 uniform sampler2D occlusionMap;  // of occlusion.frag
 uniform float opacity;
 uniform float hovered;
-uniform float dimmed;
+uniform float outdated;
+uniform bool dataColors;
 out vec4 outColor;
 
 const vec3 kKey = vec3(1.00, 0.955, 0.895) * 0.92;
@@ -44,7 +45,7 @@ vec3 surroundings(vec3 r, float rough) {
 }
 
 void main() {
-    vec3 n = normalize(worldNormal);
+    vec3 n = normalize(gl_FrontFacing ? worldNormal : -worldNormal);  // back faces are drawn of open meshes only
     vec3 v = towardsEye(worldPosition);
     float nv = clamp(dot(n, v), 1e-3, 1.0);
 
@@ -97,12 +98,17 @@ void main() {
     vec3 color = toneMap(light);
 
     // Out of date: calmer colours under diagonal hatching that keeps its width on the screen.
-    if (dimmed > 0.5) {
+    if (outdated > 0.5) {
         float grey = dot(color, vec3(0.2126, 0.7152, 0.0722));
         color = mix(color, vec3(grey), 0.45);
         float period = 9.0 * frame.forward.w;
         float along = abs(fract((gl_FragCoord.x + gl_FragCoord.y) / period) - 0.5) * period;
         color *= mix(1.0, 0.72, 1.0 - smoothstep(1.1 * frame.forward.w, 1.1 * frame.forward.w + 1.0, along));
+    }
+    // Data keeps its colour, but for a little shape: 0.8 to 1 of its sRGB value, lit from above the camera.
+    if (dataColors) {
+        vec3 above = normalize(0.3 * frame.right.xyz + 0.5 * frame.above.xyz - 0.81 * frame.forward.xyz);
+        color = base * pow(0.8 + 0.2 * max(dot(n, above), 0.0), 2.2);
     }
     if (hovered > 0.5) color = mix(color, vec3(0.55, 0.80, 1.0), 0.03 + 0.22 * edge);
     outColor = vec4(color, 1.0) * opacity;

@@ -2,7 +2,7 @@
 // Body vertices of one element from its joint parameters (core/character/surface_recipe.h), one per point. Four modes share a texel, and vertices that
 // follow each other read texels that do.
 #version 330 core
-#include "drive.glsl"
+#include "element_frame.glsl"
 layout(location = 0) in vec3 rest;           // m: from the middle of the element, or from the rest place of its joint
 layout(location = 1) in ivec2 held;          // face (-1: free), index among held vertices
 uniform samplerBuffer response;              // per four modes, per axis, per vertex
@@ -17,33 +17,33 @@ vec3 transformed(vec4 x, vec4 y, vec4 z, vec3 p) {
 void main() {
     vec3 at;
     if (held.x < 0) {
-        at = transformed(drive.shape[0], drive.shape[1], drive.shape[2], rest);
+        at = transformed(element.shape[0], element.shape[1], element.shape[2], rest);
         int texel = gl_VertexID;
-        if (drive.size.w != 0) {
-            for (int q = 0; q < drive.size.x; ++q) {
-                vec4 w = drive.numbers[q];
+        if (element.size.w != 0) {
+            for (int q = 0; q < element.size.x; ++q) {
+                vec4 w = element.numbers[q];
                 at.x += dot(vec4(texelFetch(integerResponse, texel)), w);
-                at.y += dot(vec4(texelFetch(integerResponse, texel + drive.size.y)), w);
-                at.z += dot(vec4(texelFetch(integerResponse, texel + 2 * drive.size.y)), w);
-                texel += 3 * drive.size.y;
+                at.y += dot(vec4(texelFetch(integerResponse, texel + element.size.y)), w);
+                at.z += dot(vec4(texelFetch(integerResponse, texel + 2 * element.size.y)), w);
+                texel += 3 * element.size.y;
             }
         } else {
-            for (int q = 0; q < drive.size.x; ++q) {
-                vec4 w = drive.numbers[q];
+            for (int q = 0; q < element.size.x; ++q) {
+                vec4 w = element.numbers[q];
                 at.x += dot(texelFetch(response, texel), w);
-                at.y += dot(texelFetch(response, texel + drive.size.y), w);
-                at.z += dot(texelFetch(response, texel + 2 * drive.size.y), w);
-                texel += 3 * drive.size.y;
+                at.y += dot(texelFetch(response, texel + element.size.y), w);
+                at.z += dot(texelFetch(response, texel + 2 * element.size.y), w);
+                texel += 3 * element.size.y;
             }
         }
-        at = transformed(drive.placement[0], drive.placement[1], drive.placement[2], at);
+        at = transformed(element.placement[0], element.placement[1], element.placement[2], at);
     } else {
         int n = firstOfFace(held.x);
-        at = transformed(drive.numbers[n], drive.numbers[n + 1], drive.numbers[n + 2], rest);
-        for (int q = 0; q < drive.size.z; ++q) {
-            vec4 s = texelFetch(shapes, held.y * drive.size.z + q);
+        at = transformed(element.numbers[n], element.numbers[n + 1], element.numbers[n + 2], rest);
+        for (int q = 0; q < element.size.z; ++q) {
+            vec4 s = texelFetch(shapes, held.y * element.size.z + q);
             int w = n + 4 + 3 * q;
-            at += vec3(dot(drive.numbers[w], s), dot(drive.numbers[w + 1], s), dot(drive.numbers[w + 2], s));
+            at += vec3(dot(element.numbers[w], s), dot(element.numbers[w + 1], s), dot(element.numbers[w + 2], s));
         }
     }
     point = vec4(at, 1.0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What all passes of a frame share. Lengths in metres unless said otherwise; laid out as FrameBlock in scene_renderer.cpp.
+// What all passes of a frame share. Lengths in metres unless said otherwise; laid out as FrameBlock in ui/render/frame.h.
 layout(std140) uniform Frame {
     mat4 viewProjection;
     mat4 view;

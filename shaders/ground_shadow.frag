@@ -2,7 +2,7 @@
 // Shade of the ground around the character: red as in height.frag, green the shadow of the key light, softer the higher what casts it.
 #version 330 core
 #include "frame.glsl"
-#include "disc.glsl"
+#include "disc_samples.glsl"
 in vec2 uv;
 uniform sampler2D heightMap;
 uniform sampler2D shadowDepth;  // compared here, not by the sampler
@@ -14,7 +14,7 @@ void main() {
     q.z = min(q.z, 1.0);
     float search = 0.03, blockers = 0.0, depth = 0.0;
     for (int i = 0; i < kTaps; ++i) {
-        float d = texture(shadowDepth, q.xy + kDisc[i] * search).r;
+        float d = texture(shadowDepth, q.xy + kDiscSamples[i] * search).r;
         if (d < q.z - 0.002) {
             blockers += 1.0;
             depth += d;
@@ -24,7 +24,7 @@ void main() {
     if (blockers > 0.5) {
         float penumbra = clamp((q.z - depth / blockers) * 0.12, 0.004, 0.05);
         for (int i = 0; i < kTaps; ++i) {
-            vec2 at = q.xy + kDisc[i] * penumbra;
+            vec2 at = q.xy + kDiscSamples[i] * penumbra;
             shade += texture(shadowDepth, at).r < q.z - 0.002 ? 1.0 : 0.0;
         }
         shade /= float(kTaps);

@@ -4,7 +4,7 @@
 #version 330 core
 #include "frame.glsl"
 #include "tone.glsl"
-#include "disc.glsl"
+#include "disc_samples.glsl"
 in vec2 uv;
 uniform sampler2D surface;
 uniform sampler2DShadow shadowMap;
@@ -22,7 +22,7 @@ float keyVisible(vec3 p, vec3 n, float turn) {
     vec3 q = (frame.shadow * vec4(p + n * frame.projection.z, 1.0)).xyz * 0.5 + 0.5;
     vec2 x = vec2(cos(turn), sin(turn)) * frame.keyDirection.w, y = vec2(-x.y, x.x);
     float sum = 0.0;
-    for (int i = 0; i < kTaps; ++i) sum += texture(shadowMap, vec3(q.xy + kDisc[i].x * x + kDisc[i].y * y, q.z - 0.0007));
+    for (int i = 0; i < kTaps; ++i) sum += texture(shadowMap, vec3(q.xy + kDiscSamples[i].x * x + kDiscSamples[i].y * y, q.z - 0.0007));
     return sum / float(kTaps);
 }
 

@@ -7,6 +7,6 @@ in vec3 worldNormal;
 out vec4 outSurface;
 
 void main() {
-    vec3 n = normalize(mat3(frame.view) * worldNormal);
+    vec3 n = normalize(mat3(frame.view) * (gl_FrontFacing ? worldNormal : -worldNormal));
     outSurface = vec4(n, -(frame.view * vec4(worldPosition, 1.0)).z);
 }

@@ -4,9 +4,13 @@
 #include <QApplication>
 #include <QFileInfo>
 #include <QIcon>
+#include <QStandardPaths>
 #include <QTimer>
+#include <filesystem>
+#include <memory>
 
 #include "core/document/command.h"
+#include "core/document/response_store.h"
 #include "core/document/version.h"
 #include "ui/widgets/appearance.h"
 #include "ui/window/file_flow.h"
@@ -33,7 +37,9 @@ int runStudio(int argc, char** argv) {
     prepareStudio();
     CommandRegistry registry;
     addCoreCommands(registry);
-    MainWindow window(registry);
+    // What was computed once is there for other projects too.
+    const QString cache = QStandardPaths::writableLocation(QStandardPaths::CacheLocation) + QStringLiteral("/responses");
+    MainWindow window(registry, std::make_shared<ResponseStore>(ResponseStore::Limits{}, std::filesystem::path(cache.toStdString())));
     window.show();
     QStringList files;
     for (const QString& argument : QCoreApplication::arguments().mid(1))

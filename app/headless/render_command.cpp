@@ -5,7 +5,11 @@
 #include <optional>
 
 #include "core/document/session.h"
+#include "core/document/session_access.h"
+#include "ui/render/image.h"
+#include "ui/render/offscreen.h"
 #include "ui/scene/document_scene.h"
+#include "ui/scene/framing.h"
 
 namespace imomushi {
 
@@ -52,7 +56,7 @@ Result<void> readCamera(const Json& given, render::Camera& camera) {
     return {};
 }
 
-Result<Json> run(Session& session, const Json& arguments, const Progress&) {
+Result<Json> run(SessionAccess& access, const Json& arguments, const Progress&) {
     const auto width = arguments.at("width").get<long long>(), height = arguments.at("height").get<long long>();
     if (width < 1 || height < 1 || width > render::kLargestSide || height > render::kLargestSide || width * height > render::kMostPixels)
         return fail("bad-value", "\"width\" and \"height\" are 1 to " + std::to_string(render::kLargestSide) + " pixels and at most " +
@@ -73,9 +77,9 @@ Result<Json> run(Session& session, const Json& arguments, const Progress&) {
     SceneOptions options;
     options.bones = options.faces = arguments.value("bones", false);
     DocumentScene view;
-    view.update(session, options, scene);
+    view.update(access.session, options, scene);
     // Out-of-date elements are marked for the artist in the studio, not in pictures.
-    for (render::Body& body : scene.bodies) body.dimmed = false;
+    for (render::Body& body : scene.bodies) body.outdated = false;
 
     if (arguments.contains("camera")) {
         if (const auto good = readCamera(arguments.at("camera"), scene.camera); !good) return tl::unexpected(good.error());

@@ -20,9 +20,10 @@ namespace {
 constexpr int kDeepestNesting = 64;
 
 constexpr const char* kUsage =
-    "Usage: imomushi run [--keep-going] SCRIPT\n"
+    "Usage: imomushi run [--keep-going] [--cache FOLDER] SCRIPT\n"
     "SCRIPT holds one JSON object per line ({\"do\": \"open\", \"path\": \"a.imomushi\"}); \"-\" is standard input.\n"
-    "--keep-going goes on after a command that failed. imomushi run --help lists all commands.\n";
+    "--keep-going goes on after a command that failed. --cache keeps what is precomputed in a folder, for other scripts and projects.\n"
+    "imomushi run --help lists all commands.\n";
 
 void printHelp(std::ostream& out) {
     out << kUsage
@@ -119,7 +120,9 @@ Result<Json> parseScriptLine(const std::string& line) {
 int runMain(const std::vector<std::string>& arguments, std::istream& in, std::ostream& out, std::ostream& err) {
     bool keepGoing = false, options = true;
     std::vector<std::string> scripts;
-    for (const std::string& argument : arguments) {
+    std::string cache;
+    for (std::size_t i = 0; i < arguments.size(); ++i) {
+        const std::string& argument = arguments[i];
         if (options && argument == "--") {
             options = false;
         } else if (options && argument == "--keep-going") {
@@ -127,6 +130,12 @@ int runMain(const std::vector<std::string>& arguments, std::istream& in, std::os
         } else if (options && (argument == "--help" || argument == "-h")) {
             printHelp(out);
             return 0;
+        } else if (options && argument == "--cache") {
+            if (++i == arguments.size() || arguments[i].empty()) {
+                err << "imomushi run: --cache needs a folder.\n" << kUsage;
+                return 2;
+            }
+            cache = arguments[i];
         } else if (options && argument.size() > 1 && argument[0] == '-') {
             err << "imomushi run: there is no option " << argument << ".\n" << kUsage;
             return 2;
@@ -150,7 +159,7 @@ int runMain(const std::vector<std::string>& arguments, std::istream& in, std::os
     std::istream& script = scripts[0] == "-" ? in : file;
 
     const CommandRegistry registry = headlessRegistry();
-    Session session(registry);
+    Session session(registry, cache.empty() ? nullptr : std::make_shared<ResponseStore>(ResponseStore::Limits{}, cache));
     bool allWell = true;
     std::string line;
     for (int number = 1; std::getline(script, line); ++number) {

@@ -14,7 +14,7 @@ struct Error {
     std::string message;
 };
 
-/// The value of an operation, or the reason why there is none. Nothing in core throws across a public interface.
+/// The value of an operation, or the reason why there is none. Failures are returned, not thrown; only std::bad_alloc may leave a room.
 template <class T>
 using Result = tl::expected<T, Error>;
 

@@ -13,7 +13,7 @@
 #include "core/character/response_format.h"
 #include "core/joints/joint_face.h"
 #include "core/reduction/element_response.h"
-#include "core/skeleton/skeleton.h"
+#include "core/skeleton/inverse_kinematics.h"
 
 namespace imomushi {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/character/joint_equilibrium.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <set>
 #include <vector>
 
+#include "core/base/block_cholesky.h"
 #include "core/joints/warping.h"
 
 namespace imomushi {
@@ -28,101 +28,6 @@ double boundFactor(double x, double limit) {
     const double part = x / limit, cube = part * part * part;
     return 1.0 / std::sqrt(std::cbrt(1.0 + cube * cube));
 }
-
-/// A sparse symmetric positive definite matrix of dense blocks, one row per joint; pattern and fill are found once.
-class BlockSystem {
-public:
-    BlockSystem() = default;
-    BlockSystem(const std::vector<int>& sizes, const std::set<std::pair<int, int>>& pairs) : position_(sizes.size()) {
-        const int n = static_cast<int>(sizes.size());
-        std::vector<std::set<int>> graph(n);
-        for (const auto& [i, j] : pairs)
-            if (i != j) graph[i].insert(j), graph[j].insert(i);
-        std::vector<char> done(n, 0);
-        std::vector<std::vector<int>> below;
-        for (int k = 0; k < n; ++k) {
-            int next = -1;
-            for (int i = 0; i < n; ++i)
-                if (!done[i] && (next < 0 || graph[i].size() < graph[next].size())) next = i;
-            done[next] = 1;
-            position_[next] = k;
-            order_.push_back(next);
-            below.emplace_back(graph[next].begin(), graph[next].end());
-            for (const int a : graph[next]) {
-                graph[a].erase(next);
-                for (const int b : graph[next])
-                    if (a != b) graph[a].insert(b);
-            }
-        }
-        columns_.resize(n);
-        for (int k = 0; k < n; ++k) {
-            auto& column = columns_[k];
-            const int size = sizes[order_[k]];
-            column.diagonal = MatrixXd::Zero(size, size);
-            for (int& row : below[k]) row = position_[row];
-            std::sort(below[k].begin(), below[k].end());
-            for (const int row : below[k]) column.below.push_back({row, MatrixXd::Zero(sizes[order_[row]], size)});
-        }
-    }
-
-    void setZero() {
-        for (auto& c : columns_) {
-            c.diagonal.setZero();
-            for (auto& b : c.below) b.block.setZero();
-        }
-    }
-    /// The block of rows i and columns j, or of rows j and columns i: `transposed` then. Only the lower triangle of diagonal ones is read.
-    MatrixXd& block(int i, int j, bool& transposed) {
-        const int a = position_[i], b = position_[j];
-        transposed = a < b;
-        return a == b ? columns_[a].diagonal : *find(std::max(a, b), std::min(a, b));
-    }
-    MatrixXd& diagonal(int i) { return columns_[position_[i]].diagonal; }
-
-    [[nodiscard]] bool factorise() {
-        for (auto& c : columns_) {
-            if (c.diagonal.rows() == 0) continue;
-            Eigen::Ref<MatrixXd> lower(c.diagonal);
-            if (Eigen::LLT<Eigen::Ref<MatrixXd>>(lower).info() != Eigen::Success) return false;
-            for (std::size_t a = 0; a < c.below.size(); ++a) {
-                auto& row = c.below[a];
-                c.diagonal.triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(row.block);
-                for (std::size_t b = 0; b < a; ++b) find(row.row, c.below[b].row)->noalias() -= row.block * c.below[b].block.transpose();
-                columns_[row.row].diagonal.noalias() -= row.block * row.block.transpose();
-            }
-        }
-        return true;
-    }
-    /// Replaces the right sides, one per row, by the solution.
-    void solve(std::vector<VectorXd>& x) const {
-        for (std::size_t k = 0; k < columns_.size(); ++k) {
-            const auto& c = columns_[k];
-            c.diagonal.triangularView<Eigen::Lower>().solveInPlace(x[order_[k]]);
-            for (const auto& row : c.below) x[order_[row.row]].noalias() -= row.block * x[order_[k]];
-        }
-        for (std::size_t k = columns_.size(); k-- > 0;) {
-            const auto& c = columns_[k];
-            for (const auto& row : c.below) x[order_[k]].noalias() -= row.block.transpose() * x[order_[row.row]];
-            c.diagonal.triangularView<Eigen::Lower>().transpose().solveInPlace(x[order_[k]]);
-        }
-    }
-
-private:
-    struct Below {
-        int row = 0;
-        MatrixXd block;
-    };
-    struct Column {
-        MatrixXd diagonal;
-        std::vector<Below> below;  // ascending rows
-    };
-    MatrixXd* find(int row, int column) {
-        auto& below = columns_[column].below;
-        return &std::lower_bound(below.begin(), below.end(), row, [](const Below& b, int r) { return b.row < r; })->block;
-    }
-    std::vector<int> position_, order_;  // of a row in the order of elimination, and back
-    std::vector<Column> columns_;        // in that order
-};
 
 }  // namespace
 
@@ -181,7 +86,7 @@ struct JointEquilibrium::State {
         }
         std::vector<int> sizes;
         for (const char f : free) sizes.push_back(f ? 3 + modes : 0);
-        system = BlockSystem(sizes, pairs);
+        system = BlockCholesky<Eigen::Dynamic>(sizes, {pairs.begin(), pairs.end()});
         for (const int size : sizes) right.emplace_back(VectorXd::Zero(size));
     }
 
@@ -442,7 +347,7 @@ struct JointEquilibrium::State {
     std::vector<std::vector<Term>> terms;  // of each entry of a joint's table, column by column
     std::vector<Joint> joints;
     std::vector<Element> elements;
-    BlockSystem system;
+    BlockCholesky<Eigen::Dynamic> system;
     std::vector<VectorXd> right;  // per joint; the solution after solve()
 };
 

@@ -8,7 +8,9 @@
 #include "core/accuracy/study_json.h"
 #include "core/base/atomic_file.h"
 #include "core/document/command_support.h"
-#include "core/document/session_state.h"
+#include "core/document/character_input.h"
+#include "core/document/performance.h"
+#include "core/document/session_access.h"
 #include "core/document/take.h"
 
 namespace imomushi {
@@ -26,8 +28,8 @@ struct PlainCharacter {
     ReferenceInput reference;
     std::vector<PartId> elements;
 };
-Result<PlainCharacter> plainCharacter(const Session::State& s) {
-    PlainCharacter out{s.document, {}, {}};
+Result<PlainCharacter> plainCharacter(const Session& session) {
+    PlainCharacter out{session.document(), {}, {}};
     for (std::size_t k = 0; k < kEffects; ++k)
         if (static_cast<EffectKind>(k) != EffectKind::SmoothJoints) out.document.effects[static_cast<EffectKind>(k)].enabled = false;
     auto plan = planCharacter(out.document);
@@ -37,13 +39,13 @@ Result<PlainCharacter> plainCharacter(const Session::State& s) {
     out.elements = std::move(plan->elements);
     bool any = false;
     for (const PartId id : out.elements) {
-        out.reference.elements.push_back(s.inputOf(id));
+        out.reference.elements.push_back(session.responseInput(id));
         any = any || !out.reference.elements.back().faces.empty();
     }
     if (!any) return fail("no-face", "No element has a joint face: there is nothing to study before faces are added.");
     const Skeleton& skeleton = out.reference.character.skeleton;
     out.reference.poses = standardPoses(skeleton);
-    for (const auto& [id, take] : s.document.takes)
+    for (const auto& [id, take] : session.document().takes)
         for (const int quarter : {1, 2, 3}) {
             const double time = 0.25 * quarter * take->duration();
             out.reference.poses.push_back({take->name + " " + std::to_string(25 * quarter) + " %", takePose(*take, momentAt(take->times, time), plan->bones, skeleton)});
@@ -52,9 +54,9 @@ Result<PlainCharacter> plainCharacter(const Session::State& s) {
 }
 
 /// How an effect is measured: by the present character with it alone. Nothing where such a character cannot be made.
-std::optional<StudyInput::Effect> pricedEffect(Session::State& s, const Document& plain, EffectKind kind) {
+std::optional<StudyInput::Effect> pricedEffect(const Session& session, const Document& plain, EffectKind kind) {
     Document with = plain;
-    with.effects[kind] = s.document.effects[kind];
+    with.effects[kind] = session.document().effects[kind];
     with.effects[kind].enabled = true;
     with.effects[kind].elements.clear();
     auto planned = planCharacter(with);
@@ -69,12 +71,12 @@ std::optional<StudyInput::Effect> pricedEffect(Session::State& s, const Document
             return performance->pose();
         };
     } else {
-        out.predictedMs = s.costOf(kind).milliseconds;
+        out.predictedMs = session.effectCost(kind).milliseconds;
     }
     if (kind == EffectKind::Touch) {
         for (std::size_t e = 0; e < planned->elements.size(); ++e) {
             auto& element = planned->input.elements[e];
-            element.response = s.responseOf(planned->elements[e], false);
+            element.response = session.response(planned->elements[e]);
             if (!element.faces.empty() && (!element.response || element.response->touch.patches.count() == 0)) out.unknown = kNoTouch;
         }
     }
@@ -143,7 +145,8 @@ Result<Json> accuracyOfPose(Session& session, const Json& arguments, const std::
     return answer;
 }
 
-Result<Json> accuracy(Session& session, const Json& arguments, const Progress& progress) {
+Result<Json> accuracy(SessionAccess& access, const Json& arguments, const Progress& progress) {
+    Session& session = access.session;
     const auto path = outputPath(arguments, "path", {".json"});
     if (!path) return tl::unexpected(path.error());
     const auto svg = outputPath(arguments, "svg", {".svg"});
@@ -205,35 +208,33 @@ AccuracySetting presentSetting(const Document& document) {
 }
 
 Result<ReferenceInput> studiedCharacter(Session& session) {
-    auto plain = plainCharacter(session.state());
+    auto plain = plainCharacter(session);
     if (!plain) return tl::unexpected(plain.error());
     return std::move(plain->reference);
 }
 
 Result<StudyInput> studyInput(Session& session) {
-    Session::State& s = session.state();
-    auto plain = plainCharacter(s);
+    auto plain = plainCharacter(session);
     if (!plain) return tl::unexpected(plain.error());
     StudyInput out;
-    out.present = presentSetting(s.document);
+    out.present = presentSetting(session.document());
     out.store = studyFolder();
     out.reference = std::move(plain->reference);
     for (const EffectKind kind : kPriced)
-        if (auto effect = pricedEffect(s, plain->document, kind)) out.effects.push_back(std::move(*effect));
+        if (auto effect = pricedEffect(session, plain->document, kind)) out.effects.push_back(std::move(*effect));
     return out;
 }
 
 Result<PoseErrorInput> poseErrorInput(Session& session) {
-    Session::State& s = session.state();
-    auto plain = plainCharacter(s);
+    auto plain = plainCharacter(session);
     if (!plain) return tl::unexpected(plain.error());
     PoseErrorInput out{std::move(plain->reference), {}};
     out.shown = out.reference.character;
     for (std::size_t e = 0; e < plain->elements.size(); ++e) {
         auto& element = out.shown.elements[e];
-        element.response = s.responseOf(plain->elements[e], false);
+        element.response = session.response(plain->elements[e]);
         if (!element.response && !element.faces.empty())
-            return fail("not-precomputed", "\"" + s.document.elements.at(plain->elements[e])->name + "\" is not precomputed as it is now: run \"precompute\" first.");
+            return fail("not-precomputed", "\"" + session.document().elements.at(plain->elements[e])->name + "\" is not precomputed as it is now: run \"precompute\" first.");
     }
     const Pose& pose = session.shownPose();
     out.reference.poses = {{"current", pose.points.empty() ? restPose(out.shown.skeleton) : pose}};
@@ -264,18 +265,18 @@ std::vector<Json> settingCommands(const Document& document, const AccuracySettin
 
 void addAccuracyCommands(CommandRegistry& registry) {
     using Type = CommandKey::Type;
-    registry.add({"accuracy",
-                  "What accuracy costs: bases, solver meshes and number formats of this character, each with precompute seconds, bytes, milliseconds per frame and error against the "
-                  "full solution on the finest affordable solver mesh, measured on this machine. What is known from before is not measured again.",
-                  {{"path", Type::Text, true, "The table, .json."},
-                   {"svg", Type::Text, false, "Plot of error against time per frame, NAME.svg; that against the precompute goes beside it as NAME-precompute.svg."},
-                   {"csv", Type::Text, false, "The table as .csv."},
-                   {"seconds", Type::Number, false, "About how long it may take, s (0.1 to 1e6): what does not fit stays unknown and is done by the next study. No limit unless given."},
-                   {"fresh", Type::Boolean, false, "Forget what is known and measure all anew."},
-                   {"pose", Type::Text, false,
-                    "\"current\": no table, but the error of the character as it is set in the pose that it shows now, of every vertex too (% of the diagonal of its element; null: "
-                    "not seen). Then \"seconds\" are for the full solution."}},
-                  false, accuracy});
+    registry.addAction("accuracy",
+                       "What accuracy costs: bases, solver meshes and number formats of this character, each with precompute seconds, bytes, milliseconds per frame and error against the "
+                       "full solution on the finest affordable solver mesh, measured on this machine. What is known from before is not measured again.",
+                       {{"path", Type::Text, true, "The table, .json."},
+                        {"svg", Type::Text, false, "Plot of error against time per frame, NAME.svg; that against the precompute goes beside it as NAME-precompute.svg."},
+                        {"csv", Type::Text, false, "The table as .csv."},
+                        {"seconds", Type::Number, false, "About how long it may take, s (0.1 to 1e6): what does not fit stays unknown and is done by the next study. No limit unless given."},
+                        {"fresh", Type::Boolean, false, "Forget what is known and measure all anew."},
+                        {"pose", Type::Text, false,
+                         "\"current\": no table, but the error of the character as it is set in the pose that it shows now, of every vertex too (% of the diagonal of its element; null: "
+                         "not seen). Then \"seconds\" are for the full solution."}},
+                       accuracy);
 }
 
 }  // namespace imomushi

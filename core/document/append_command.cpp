@@ -4,9 +4,9 @@
 #include <set>
 
 #include "core/document/command_support.h"
+#include "core/document/document_edit.h"
 #include "core/document/names.h"
 #include "core/document/project_file.h"
-#include "core/document/session_state.h"
 #include "core/reduction/congruence.h"
 
 namespace imomushi {
@@ -80,21 +80,18 @@ void moveTake(Take& take, const Vec3& offset) {
 }
 
 /// Gives an element of this document its place, and its response with it: one does not depend on where a body stands. `known`: of the element as it stood.
-void moveElement(Session::State& s, PartId id, const Vec3& offset, const StoredResponse* known) {
-    const ResponseInput from = s.inputOf(id);
-    const auto was = s.keysOf(id);
-    exchangePart(s.document.elements, id, [&](Element& element) { element = moved(element, offset); });
-    if (!known || (was.key != known->key && was.shape != known->shape)) return;
-    const auto congruence = findCongruence(from, s.inputOf(id));
+void moveElement(DocumentEdit& edit, PartId id, const Vec3& offset, const StoredResponse* known) {
+    const DocumentResponses& responses = edit.responses();
+    const ResponseInput from = responses.inputOf(id);
+    const ContentKey key = responses.keyOf(id), shape = responses.shapeOf(id);
+    exchangePart(edit.document.elements, id, [&](Element& element) { element = moved(element, offset); });
+    if (!known || (key != known->key && shape != known->shape)) return;
+    const auto congruence = findCongruence(from, responses.inputOf(id));
     if (!congruence) return;
     auto carried = congruence->carry(*known->response);
     if (!carried) return;
     // One that only fits has no key of its own: that of the shape stands in.
-    const auto now = s.keysOf(id);
-    const ContentKey key = was.key == known->key ? now.key : now.shape;
-    s.responses.insert(key, std::make_shared<const ElementResponse>(std::move(*carried)));
-    s.lastResponses.insert_or_assign(id, Session::State::LastResponse{key, now.shape});
-    s.pending.responses = true;
+    edit.bring(id, {key == known->key ? responses.keyOf(id) : responses.shapeOf(id), responses.shapeOf(id), std::make_shared<const ElementResponse>(std::move(*carried))});
 }
 
 std::string freeTakeName(const Document& document, const std::string& wish) {
@@ -103,7 +100,7 @@ std::string freeTakeName(const Document& document, const std::string& wish) {
     return name;
 }
 
-Result<Json> append(Session& session, const Json& arguments, const Progress&) {
+Result<Json> append(DocumentEdit& edit, const Json& arguments, const Progress&) {
     const std::string& path = text(arguments, "path");
     if (path.empty() || path.find('\0') != std::string::npos) return fail("bad-value", "\"path\" is empty or holds a zero byte.");
     const auto project = openProject(path);
@@ -130,8 +127,7 @@ Result<Json> append(Session& session, const Json& arguments, const Progress&) {
                 return fail("bad-value", "\"offset\" takes the elements too far away.");
     }
 
-    Session::State& s = session.state();
-    Document& here = session.edit();
+    Document& here = edit.document;
     Guests guests(here, there);
     Json answer{{"elements", Json::array()}, {"bones", Json::array()}, {"takes", Json::array()}, {"renamed", Json::array()}};
     const auto tell = [&](const char* list, const std::string& name, const std::string& wish) {
@@ -148,11 +144,9 @@ Result<Json> append(Session& session, const Json& arguments, const Progress&) {
         const PartId made = element.id;
         here.elements.emplace(made, std::make_shared<const Element>(std::move(element)));
         if (offset != Vec3::Zero()) {
-            moveElement(s, made, offset, response);
+            moveElement(edit, made, offset, response);
         } else if (response) {
-            s.responses.insert(response->key, response->response);
-            s.lastResponses.insert_or_assign(made, Session::State::LastResponse{response->key, response->shape});
-            s.pending.responses = true;
+            edit.bring(made, *response);
         }
     }
     for (const auto& [id, joint] : there.joints) {
@@ -200,13 +194,13 @@ Result<Json> append(Session& session, const Json& arguments, const Progress&) {
 
 void addAppendCommand(CommandRegistry& registry) {
     using Type = CommandKey::Type;
-    registry.add({"append",
-                  "Adds the elements of another project, with their joint faces, joints, bones and results, where they are there or beside that. Names that are "
-                  "taken get a number, which is told. Whole projects bring their takes, which show their poses.",
-                  {{"path", Type::Text, true, "A .imomushi file."},
-                   {"offset", Type::Vector3, false, "Metres that they are shifted by, with their bones and takes ([0,0,0])."},
-                   {"elements", Type::Array, false, "Names of these elements alone, with the bones through them (all unless given)."}},
-                  true, append});
+    registry.addChange("append",
+                       "Adds the elements of another project, with their joint faces, joints, bones and results, where they are there or beside that. Names that are "
+                       "taken get a number, which is told. Whole projects bring their takes, which show their poses.",
+                       {{"path", Type::Text, true, "A .imomushi file."},
+                        {"offset", Type::Vector3, false, "Metres that they are shifted by, with their bones and takes ([0,0,0])."},
+                        {"elements", Type::Array, false, "Names of these elements alone, with the bones through them (all unless given)."}},
+                       append);
 }
 
 }  // namespace imomushi

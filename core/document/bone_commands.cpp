@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/document/character_input.h"
 #include "core/document/command_support.h"
+#include "core/document/document_edit.h"
 #include "core/document/names.h"
 #include "core/document/seam.h"
-#include "core/document/session.h"
 #include "core/mesh/winding_number.h"
 
 namespace imomushi {
@@ -95,7 +94,8 @@ Result<void> readElement(const Document& document, const Json& arguments, Bone& 
 }
 
 /// Refuses a bone that cannot be part of a forest, and a given parent that does not touch it or hangs on it.
-Result<Json> finishBone(Document& document, Bone bone) {
+Result<Json> finishBone(DocumentEdit& edit, Bone bone) {
+    Document& document = edit.document;
     document.bones.insert_or_assign(bone.id, std::make_shared<const Bone>(bone));
     PartId above = bone.parent;
     for (std::size_t i = 0; above != 0 && i < document.bones.size(); ++i) {
@@ -103,8 +103,9 @@ Result<Json> finishBone(Document& document, Bone bone) {
             return fail("bad-parent", "The bone \"" + bone.name + "\" cannot hang on \"" + document.bones.at(bone.parent)->name + "\", which hangs on it: choose another parent.");
         above = document.bones.at(above)->parent;
     }
-    const auto plan = planCharacter(document);
-    if (!plan) return tl::unexpected(plan.error());
+    const auto planned = edit.planned();
+    if (!planned) return tl::unexpected(planned.error());
+    const CharacterPlan* plan = planned->get();
     const int index = plan->boneIndex(bone.id);
     const auto& skeleton = plan->input.skeleton;
     if (bone.parent != 0) {
@@ -125,8 +126,8 @@ Result<Json> finishBone(Document& document, Bone bone) {
     return answer;
 }
 
-Result<Json> addBone(Session& session, const Json& arguments, const Progress&) {
-    Document& document = session.edit();
+Result<Json> addBone(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    Document& document = edit.document;
     if (auto ok = checkNewName(document, text(arguments, "name")); !ok) return tl::unexpected(ok.error());
     Bone bone;
     bone.id = document.nextId++;
@@ -137,21 +138,21 @@ Result<Json> addBone(Session& session, const Json& arguments, const Progress&) {
     } else {
         bone.element = elementThrough(document, bone);
     }
-    return finishBone(document, std::move(bone));
+    return finishBone(edit, std::move(bone));
 }
 
-Result<Json> editBone(Session& session, const Json& arguments, const Progress&) {
-    Document& document = session.edit();
+Result<Json> editBone(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    Document& document = edit.document;
     const auto found = boneOf(document, text(arguments, "name"));
     if (!found) return tl::unexpected(found.error());
     Bone bone = **found;
     if (auto ok = readBone(document, arguments, bone); !ok) return tl::unexpected(ok.error());
     if (auto ok = readElement(document, arguments, bone); !ok) return tl::unexpected(ok.error());
-    return finishBone(document, std::move(bone));
+    return finishBone(edit, std::move(bone));
 }
 
-Result<Json> removeBone(Session& session, const Json& arguments, const Progress&) {
-    Document& document = session.edit();
+Result<Json> removeBone(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    Document& document = edit.document;
     const auto found = boneOf(document, text(arguments, "name"));
     if (!found) return tl::unexpected(found.error());
     const std::shared_ptr<const Bone> gone = *found;
@@ -176,8 +177,9 @@ Result<Json> removeBone(Session& session, const Json& arguments, const Progress&
         });
     }
     // A parent that no longer touches is none.
-    const auto plan = planCharacter(document);
-    if (!plan) return tl::unexpected(plan.error());
+    const auto planned = edit.planned();
+    if (!planned) return tl::unexpected(planned.error());
+    const CharacterPlan* plan = planned->get();
     for (const PartId id : ids) {
         const Bone& bone = *document.bones.at(id);
         if (bone.parent == 0) continue;
@@ -195,28 +197,28 @@ Result<Json> removeBone(Session& session, const Json& arguments, const Progress&
 void addBoneCommands(CommandRegistry& registry) {
     using Type = CommandKey::Type;
     const char* place = "\"element/face\" (its centroid), \"bone/start\", \"bone/end\" or [x,y,z] in metres at rest.";
-    registry.add({"add-bone",
-                  "Adds a bone from joint point to joint point. Bones that share a point form a tree, whose first bone is the root.",
-                  {{"name", Type::Text, true, "A name that no element or bone has."},
-                   {"element", Type::Text, false, "The element that it runs through (found from its ends unless given; \"\": none)."},
-                   {"from", Type::Any, true, std::string("Where it starts: ") + place},
-                   {"to", Type::Any, true, std::string("Where it ends: ") + place},
-                   {"parent", Type::Text, false, "A bone that shares a joint point with it (found unless given)."},
-                   {"roll", Type::Number, false, "Radians about its direction at rest (0)."}},
-                  true, addBone});
-    registry.add({"edit-bone",
-                  "Changes a bone; keys that are left out stay as they are.",
-                  {{"name", Type::Text, true, "The bone."},
-                   {"element", Type::Text, false, "The element that it runs through (\"\": none)."},
-                   {"from", Type::Any, false, std::string("Where it starts: ") + place},
-                   {"to", Type::Any, false, std::string("Where it ends: ") + place},
-                   {"parent", Type::Text, false, "A bone that shares a joint point with it (\"\": found from the joint points)."},
-                   {"roll", Type::Number, false, "Radians about its direction at rest."}},
-                  true, editBone});
-    registry.add({"remove-bone",
-                  "Removes a bone; bones that ended at it stay where they are.",
-                  {{"name", Type::Text, true, "The bone."}},
-                  true, removeBone});
+    registry.addChange("add-bone",
+                       "Adds a bone from joint point to joint point. Bones that share a point form a tree, whose first bone is the root.",
+                       {{"name", Type::Text, true, "A name that no element or bone has."},
+                        {"element", Type::Text, false, "The element that it runs through (found from its ends unless given; \"\": none)."},
+                        {"from", Type::Any, true, std::string("Where it starts: ") + place},
+                        {"to", Type::Any, true, std::string("Where it ends: ") + place},
+                        {"parent", Type::Text, false, "A bone that shares a joint point with it (found unless given)."},
+                        {"roll", Type::Number, false, "Radians about its direction at rest (0)."}},
+                       addBone);
+    registry.addChange("edit-bone",
+                       "Changes a bone; keys that are left out stay as they are.",
+                       {{"name", Type::Text, true, "The bone."},
+                        {"element", Type::Text, false, "The element that it runs through (\"\": none)."},
+                        {"from", Type::Any, false, std::string("Where it starts: ") + place},
+                        {"to", Type::Any, false, std::string("Where it ends: ") + place},
+                        {"parent", Type::Text, false, "A bone that shares a joint point with it (\"\": found from the joint points)."},
+                        {"roll", Type::Number, false, "Radians about its direction at rest."}},
+                       editBone);
+    registry.addChange("remove-bone",
+                       "Removes a bone; bones that ended at it stay where they are.",
+                       {{"name", Type::Text, true, "The bone."}},
+                       removeBone);
 }
 
 }  // namespace imomushi

@@ -61,6 +61,14 @@ std::string_view typeText(CommandKey::Type type) {
 
 void CommandRegistry::add(Command command) { commands_.push_back(std::move(command)); }
 
+void CommandRegistry::addChange(std::string name, std::string help, std::vector<CommandKey> keys, decltype(Command::change) change, decltype(Command::pose) pose) {
+    add({std::move(name), std::move(help), std::move(keys), std::move(change), std::move(pose), {}});
+}
+
+void CommandRegistry::addAction(std::string name, std::string help, std::vector<CommandKey> keys, decltype(Command::run) run) {
+    add({std::move(name), std::move(help), std::move(keys), {}, {}, std::move(run)});
+}
+
 const Command* CommandRegistry::find(std::string_view name) const {
     const auto found = std::find_if(commands_.begin(), commands_.end(), [&](const Command& c) { return c.name == name; });
     return found == commands_.end() ? nullptr : &*found;

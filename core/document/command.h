@@ -11,7 +11,9 @@
 
 namespace imomushi {
 
-class Session;
+class DocumentEdit;
+class LiveCharacter;
+class SessionAccess;
 using Json = nlohmann::ordered_json;
 
 /// One key of a command, for checking and for `imomushi run --help`.
@@ -23,22 +25,28 @@ struct CommandKey {
     std::string help;  ///< one English sentence, with unit and range
 };
 
-/// A thing an artist can do: the same for studio, scripts, recovery and tests.
+/// A thing an artist can do: the same for studio, scripts, recovery and tests. Either `change` or `run` does it. `arguments` are the whole object, already
+/// checked against `keys`. The answer is what the command adds to {"line","do","ok"}.
 struct Command {
     std::string name;  ///< value of "do"
     std::string help;
     std::vector<CommandKey> keys;
-    /// True: goes on the undo stack as one step and into the journal.
-    bool changesDocument = false;
-    /// Does it. `arguments`: the whole object, already checked against `keys`. The answer is what the command adds to {"line","do","ok"}.
-    /// Changes the document through Session::edit() only.
-    std::function<Result<Json>(Session&, const Json& arguments, const Progress&)> run;
+    /// Changes the document, and reaches nothing else. Becomes one undo step and a line of the script.
+    std::function<Result<Json>(DocumentEdit&, const Json& arguments, const Progress&)> change = {};
+    /// After `change`, where there is one: brings the live character to the pose that was asked for and completes the answer of `change`.
+    std::function<Result<Json>(LiveCharacter&, const Json& arguments, Json answer)> pose = {};
+    /// Asks, or acts on the live character, responses, history and files.
+    std::function<Result<Json>(SessionAccess&, const Json& arguments, const Progress&)> run = {};
+
+    [[nodiscard]] bool changesDocument() const { return static_cast<bool>(change); }
 };
 
 /// All commands that exist in this program, by name.
 class CommandRegistry {
 public:
     void add(Command command);
+    void addChange(std::string name, std::string help, std::vector<CommandKey> keys, decltype(Command::change) change, decltype(Command::pose) pose = {});
+    void addAction(std::string name, std::string help, std::vector<CommandKey> keys, decltype(Command::run) run);
     [[nodiscard]] const Command* find(std::string_view name) const;
     [[nodiscard]] const std::vector<Command>& all() const { return commands_; }
 

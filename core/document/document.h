@@ -35,7 +35,7 @@ struct Element {
     Eigen::Vector3f color = Eigen::Vector3f(0.55f, 0.75f, 0.45f);
     bool visible = true;
     bool locked = false;     ///< not picked or changed in the viewport
-    /// Where the boundary problem is solved: "default" (the project chooses) or "as-is" (on the body itself).
+    /// Where the boundary problem is solved.
     SolverMeshSetting solverMesh;
     /// Who turns the joint planes of this element: Auto = the element itself where it has a single face, the bisector otherwise.
     enum class JointPlanes { Auto, Bisector, Element } jointPlanes = JointPlanes::Auto;
@@ -105,7 +105,8 @@ struct CharacterSettings {
     bool operator==(const CharacterSettings&) const = default;
 };
 
-/// What the artist authors, as immutable parts. Only commands (command.h) change it, by exchanging parts (history.h).
+/// What the artist authors, in immutable parts: a change replaces a part by another one. Commands change it (document_edit.h); as frames pass, inverse kinematics
+/// moves `pose` and glides advance (live_character.h).
 struct Document {
     std::map<PartId, std::shared_ptr<const Element>> elements;  ///< in order of creation
     std::map<PartId, std::shared_ptr<const Joint>> joints;

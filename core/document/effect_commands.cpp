@@ -3,8 +3,9 @@
 #include <cmath>
 
 #include "core/document/command_support.h"
+#include "core/document/document_edit.h"
 #include "core/document/names.h"
-#include "core/document/session_state.h"
+#include "core/document/performance.h"
 #include "core/elasticity/machine_rates.h"
 
 namespace imomushi {
@@ -49,12 +50,12 @@ Json names(const Document& document, const Effect& effect) {
     return list;
 }
 
-Result<Json> enable(Session& session, const Json& arguments, const Progress&) {
-    Session::State& s = session.state();
-    const auto wanted = wantedOf(s.document, arguments);
+Result<Json> enable(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    Document& document = edit.document;
+    const auto wanted = wantedOf(document, arguments);
     if (!wanted) return tl::unexpected(wanted.error());
     const auto [kind, target] = *wanted;
-    Effect& effect = session.edit().effects[kind];
+    Effect& effect = document.effects[kind];
     if (target == 0)
         effect.elements.clear();
     else if (!effect.enabled)
@@ -63,8 +64,8 @@ Result<Json> enable(Session& session, const Json& arguments, const Progress&) {
         effect.elements.insert(target);
     effect.enabled = true;
     Json answer;
-    answer["on"] = names(s.document, effect);
-    const EffectCost cost = s.costOf(kind);
+    answer["on"] = names(document, effect);
+    const EffectCost cost = edit.responses().costOf(kind);
     answer["columns"] = cost.columns;
     answer["bytes"] = cost.bytes;
     answer["ms_per_frame"] = cost.milliseconds;
@@ -73,17 +74,17 @@ Result<Json> enable(Session& session, const Json& arguments, const Progress&) {
     return answer;
 }
 
-Result<Json> disable(Session& session, const Json& arguments, const Progress&) {
-    Session::State& s = session.state();
-    const auto wanted = wantedOf(s.document, arguments);
+Result<Json> disable(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    Document& document = edit.document;
+    const auto wanted = wantedOf(document, arguments);
     if (!wanted) return tl::unexpected(wanted.error());
     const auto [kind, target] = *wanted;
-    Effect& effect = session.edit().effects[kind];
-    if (!s.document.effects.has(kind) || (target != 0 && !s.document.effects.has(kind, target)))
+    Effect& effect = document.effects[kind];
+    if (!document.effects.has(kind) || (target != 0 && !document.effects.has(kind, target)))
         return fail("not-enabled", "\"" + std::string(effectName(kind)) + "\" is not enabled" + (target ? " there." : "."));
     if (target != 0) {
         if (effect.elements.empty())
-            for (const auto& [id, element] : s.document.elements) effect.elements.insert(id);
+            for (const auto& [id, element] : document.elements) effect.elements.insert(id);
         effect.elements.erase(target);
     }
     if (target == 0 || effect.elements.empty()) {
@@ -91,13 +92,14 @@ Result<Json> disable(Session& session, const Json& arguments, const Progress&) {
         effect.enabled = false;
     }
     if (kind == EffectKind::Touch)
-        std::erase_if(session.edit().touches, [&](const Touch& touch) { return !s.document.effects.has(EffectKind::Touch, touch.element); });
-    return Json{{"on", effect.enabled ? names(s.document, effect) : Json::array()}};
+        std::erase_if(document.touches, [&](const Touch& touch) { return !document.effects.has(EffectKind::Touch, touch.element); });
+    return Json{{"on", effect.enabled ? names(document, effect) : Json::array()}};
 }
 
 }  // namespace
 
-EffectCost Session::State::costOf(EffectKind kind) const {
+EffectCost DocumentResponses::costOf(EffectKind kind) const {
+    const Document& document = document_;
     EffectCost cost;
     if (kind == EffectKind::BoneDynamics || kind == EffectKind::Ground) {
         Document asked = document;
@@ -123,7 +125,7 @@ EffectCost Session::State::costOf(EffectKind kind) const {
             for (const JointFace& face : element->faces) columns += 3.0 * static_cast<double>(face.vertices.size());
             cost.milliseconds += kTractionPairs * pairMs * stepsPerFrame * columns * columns;
             cost.bytes += static_cast<std::size_t>(columns * columns) * sizeof(double);
-            cost.precompute = cost.precompute || (columns > 0.0 && (document.settings.basis != BasisKind::Full || !responseOf(id, false)));
+            cost.precompute = cost.precompute || (columns > 0.0 && (document.settings.basis != BasisKind::Full || !freshOf(id)));
         }
         return cost;
     }
@@ -147,7 +149,7 @@ EffectCost Session::State::costOf(EffectKind kind) const {
             continue;
         }
         const ResponseEstimate more = estimateOf(with), less = estimateOf(without);
-        const bool known = responses.find(responseKey(with)) != nullptr;
+        const bool known = store_->find(responseKey(with)) != nullptr;
         cost.precompute = cost.precompute || !known;
         cost.columns += columns;
         cost.bytes += static_cast<std::size_t>(columns) * static_cast<std::size_t>(3 * element->mesh->body.vertices.rows()) * sizeof(float);
@@ -227,10 +229,10 @@ void addEffectCommands(CommandRegistry& registry) {
     std::string list;
     for (const auto name : kEffectNames) list += (list.empty() ? "\"" : ", \"") + std::string(name) + "\"";
     const CommandKey effect{"effect", Type::Text, true, "One of " + list + "."};
-    registry.add({"enable", "Turns an effect on and says what it will cost; what is off costs nothing. Some effects need a precompute then.",
-                  {effect, {"target", Type::Text, false, "On this element alone (bend-warp, gravity, inflate, touch); all unless given."}}, true, enable});
-    registry.add({"disable", "Turns an effect off; its settings stay.",
-                  {effect, {"target", Type::Text, false, "On this element alone; all unless given."}}, true, disable});
+    registry.addChange("enable", "Turns an effect on and says what it will cost; what is off costs nothing. Some effects need a precompute then.",
+                       {effect, {"target", Type::Text, false, "On this element alone (bend-warp, gravity, inflate, touch); all unless given."}}, enable);
+    registry.addChange("disable", "Turns an effect off; its settings stay.",
+                       {effect, {"target", Type::Text, false, "On this element alone; all unless given."}}, disable);
 }
 
 }  // namespace imomushi

@@ -3,11 +3,10 @@
 #include <cmath>
 #include <cstdio>
 
-#include "core/document/character_input.h"
 #include "core/document/command_support.h"
+#include "core/document/document_edit.h"
 #include "core/document/names.h"
 #include "core/document/seam.h"
-#include "core/document/session_state.h"
 #include "core/mesh/bounds.h"
 
 namespace imomushi {
@@ -57,8 +56,8 @@ Json frameJson(const FaceFrame& frame) {
     return Json{{"origin", json(frame.origin)}, {"x", json(frame.axes.col(0))}, {"y", json(frame.axes.col(1))}, {"z", json(frame.axes.col(2))}};
 }
 
-Result<Json> addJointFace(Session& session, const Json& arguments, const Progress&) {
-    Document& document = session.edit();
+Result<Json> addJointFace(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    Document& document = edit.document;
     const auto element = elementOf(document, text(arguments, "element"));
     if (!element) return tl::unexpected(element.error());
     const std::string& name = text(arguments, "name");
@@ -118,8 +117,8 @@ const JointFace& faceOf(const Document& document, const FaceRef& ref) {
     return element.faces[static_cast<std::size_t>(element.faceIndex(ref.face))];
 }
 
-Result<Json> join(Session& session, const Json& arguments, const Progress&) {
-    Document& document = session.edit();
+Result<Json> join(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    Document& document = edit.document;
     const auto a = document.face(text(arguments, "a"));
     if (!a) return tl::unexpected(a.error());
     const auto b = document.face(text(arguments, "b"));
@@ -176,8 +175,8 @@ void leaveJoint(Document& document, const FaceRef& face) {
     if (document.joints.at(id)->faces.size() < 2) document.joints.erase(id);
 }
 
-Result<Json> unjoin(Session& session, const Json& arguments, const Progress&) {
-    Document& document = session.edit();
+Result<Json> unjoin(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    Document& document = edit.document;
     const auto face = document.face(text(arguments, "face"));
     if (!face) return tl::unexpected(face.error());
     if (!document.jointOf(*face)) return fail("not-joined", "The face \"" + text(arguments, "face") + "\" is not joined.");
@@ -203,8 +202,8 @@ void freeBones(Document& document, const std::vector<FaceRef>& faces) {
     }
 }
 
-Result<Json> removeJointFace(Session& session, const Json& arguments, const Progress&) {
-    Document& document = session.edit();
+Result<Json> removeJointFace(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    Document& document = edit.document;
     const auto face = document.face(text(arguments, "face"));
     if (!face) return tl::unexpected(face.error());
     leaveJoint(document, *face);
@@ -213,8 +212,8 @@ Result<Json> removeJointFace(Session& session, const Json& arguments, const Prog
     return Json::object();
 }
 
-Result<Json> removeElement(Session& session, const Json& arguments, const Progress&) {
-    Document& document = session.edit();
+Result<Json> removeElement(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    Document& document = edit.document;
     const auto element = elementOf(document, text(arguments, "name"));
     if (!element) return tl::unexpected(element.error());
     const PartId gone = (*element)->id;
@@ -232,7 +231,6 @@ Result<Json> removeElement(Session& session, const Json& arguments, const Progre
     }
     std::erase_if(document.touches, [gone](const Touch& touch) { return touch.element == gone; });
     document.elements.erase(gone);
-    session.state().results.erase(gone);
     return Json::object();
 }
 
@@ -241,26 +239,26 @@ Result<Json> removeElement(Session& session, const Json& arguments, const Progre
 void addElementCommands(CommandRegistry& registry) {
     using Type = CommandKey::Type;
     const CommandKey path{"face", Type::Text, true, "\"element/face\"."};
-    registry.add({"add-joint-face",
-                  "Makes a patch of an element's surface a joint face: by plane the largest connected patch in it, by vertices the triangles whose "
-                  "corners are all named.",
-                  {{"element", Type::Text, true, "The element."},
-                   {"name", Type::Text, true, "A name that no other face of the element has."},
-                   {"plane", Type::Object, false, "{\"origin\": [x,y,z], \"normal\": [x,y,z]}, metres, normal outward."},
-                   {"tolerance", Type::Number, false, "Metres that a corner may lie off the plane (1e-4 of the element's diagonal)."},
-                   {"vertices", Type::Array, false, "Body vertices, counted from 0."}},
-                  true, addJointFace});
-    registry.add({"join",
-                  "Joins two faces so that they look like one surface in every pose; moves nothing. A face that is joined already takes the other "
-                  "one into its joint.",
-                  {{"a", Type::Text, true, "\"element/face\"."}, {"b", Type::Text, true, "\"element/face\" of another element."}},
-                  true, join});
-    registry.add({"unjoin", "Takes a face out of its joint.", {path}, true, unjoin});
-    registry.add({"remove-joint-face", "Removes a joint face; bones that ended at it stay where they are.", {path}, true, removeJointFace});
-    registry.add({"remove-element",
-                  "Removes an element with its joint faces; bones that ended at them stay where they are.",
-                  {{"name", Type::Text, true, "The element."}},
-                  true, removeElement});
+    registry.addChange("add-joint-face",
+                       "Makes a patch of an element's surface a joint face: by plane the largest connected patch in it, by vertices the triangles whose "
+                       "corners are all named.",
+                       {{"element", Type::Text, true, "The element."},
+                        {"name", Type::Text, true, "A name that no other face of the element has."},
+                        {"plane", Type::Object, false, "{\"origin\": [x,y,z], \"normal\": [x,y,z]}, metres, normal outward."},
+                        {"tolerance", Type::Number, false, "Metres that a corner may lie off the plane (1e-4 of the element's diagonal)."},
+                        {"vertices", Type::Array, false, "Body vertices, counted from 0."}},
+                       addJointFace);
+    registry.addChange("join",
+                       "Joins two faces so that they look like one surface in every pose; moves nothing. A face that is joined already takes the other "
+                       "one into its joint.",
+                       {{"a", Type::Text, true, "\"element/face\"."}, {"b", Type::Text, true, "\"element/face\" of another element."}},
+                       join);
+    registry.addChange("unjoin", "Takes a face out of its joint.", {path}, unjoin);
+    registry.addChange("remove-joint-face", "Removes a joint face; bones that ended at it stay where they are.", {path}, removeJointFace);
+    registry.addChange("remove-element",
+                       "Removes an element with its joint faces; bones that ended at them stay where they are.",
+                       {{"name", Type::Text, true, "The element."}},
+                       removeElement);
 }
 
 }  // namespace imomushi

@@ -6,7 +6,8 @@
 
 #include "core/document/command_support.h"
 #include "core/document/names.h"
-#include "core/document/session_state.h"
+#include "core/document/character_input.h"
+#include "core/document/session_access.h"
 
 namespace imomushi {
 
@@ -36,14 +37,14 @@ std::string namesOf(const List& list) {
 Json errorJson(const ExportError& error) { return Json{{"max_percent", 100.0 * error.largest}, {"rms_percent", 100.0 * error.rms}}; }
 
 /// Takes as clips. One that was recorded on another character is its poses.
-ExportClip clipOf(const std::shared_ptr<const Take>& take, Session::State& s, std::vector<ExportWarning>& warnings) {
+ExportClip clipOf(const std::shared_ptr<const Take>& take, const CharacterPlan& shown, const Character& character, std::vector<ExportWarning>& warnings) {
     ExportClip clip{take->name, take->times, {}, {}};
-    if (take->elements == s.plan.elements && take->layout == s.character->shapeLayout()) {
+    if (take->elements == shown.elements && take->layout == character.shapeLayout()) {
         clip.shape = [take](std::size_t frame, double* numbers) { take->shapes.at(frame, numbers); };
         return clip;
     }
     warnings.push_back({"poses-only", take->name, "The character is not what it was when \"" + take->name + "\" was recorded: its poses are written without what effects added."});
-    for (std::size_t f = 0; f < take->times.size(); ++f) clip.poses.push_back(takePose(*take, {f, 0.0}, s.plan.bones, s.plan.input.skeleton));
+    for (std::size_t f = 0; f < take->times.size(); ++f) clip.poses.push_back(takePose(*take, {f, 0.0}, shown.bones, shown.input.skeleton));
     return clip;
 }
 
@@ -83,8 +84,8 @@ Json effectJson(const ExportPlan& plan, const ExportReport& report, EffectKind k
     return told("exact");
 }
 
-Result<Json> exportCommand(Session& session, const Json& arguments, const Progress& progress) {
-    const auto plan = planExport(session, arguments);
+Result<Json> exportCommand(SessionAccess& access, const Json& arguments, const Progress& progress) {
+    const auto plan = planExport(access.session, arguments);
     if (!plan) return tl::unexpected(plan.error());
     return runExport(*plan, progress);
 }
@@ -104,7 +105,7 @@ std::span<const ExportPreset> exportPresets() {
 }
 
 Result<ExportPlan> planExport(Session& session, const Json& arguments) {
-    Session::State& s = session.state();
+    const Document& document = session.document();
     ExportPlan plan;
     if (const Json* name = find(arguments, "preset")) {
         const auto presets = exportPresets();
@@ -146,27 +147,29 @@ Result<ExportPlan> planExport(Session& session, const Json& arguments) {
     plan.options.quantised = arguments.value("quantise", plan.options.quantised);
     plan.options.normals = arguments.value("normals", plan.options.normals);
 
-    const auto alive = s.live();
+    const auto alive = session.builtCharacter();
     if (!alive) return tl::unexpected(alive.error());
-    if (!*alive || s.document.elements.empty()) return fail("no-element", "There is nothing to export: import an element first.");
+    if (!*alive || document.elements.empty()) return fail("no-element", "There is nothing to export: import an element first.");
+    const Character& character = **alive;
+    const CharacterPlan& shown = session.plan();
     plan.scene.name = plan.path.stem().string();
-    plan.scene.character = s.character->input();
-    plan.scene.character.effects = characterEffects(s.document.effects);  // their numbers of now
-    for (const PartId id : s.plan.elements) {
-        const Element& element = *s.document.elements.at(id);
+    plan.scene.character = character.input();
+    plan.scene.character.effects = characterEffects(document.effects);  // their numbers of now
+    for (const PartId id : shown.elements) {
+        const Element& element = *document.elements.at(id);
         plan.scene.elements.push_back(element.name);
         plan.scene.colors.push_back(element.color);
-        if (!element.faces.empty() && !s.responseOf(id, true))
+        if (!element.faces.empty() && !session.responses().fittingOf(id))
             plan.warnings.push_back({"not-precomputed", element.name, "\"" + element.name + "\" is not precomputed and follows its bones rigidly: precompute it first."});
     }
-    for (const PartId id : s.plan.bones) plan.scene.bones.push_back(s.document.bones.at(id)->name);
-    plan.scene.points.resize(s.plan.input.skeleton.points.size());
-    for (const auto& [end, point] : s.plan.points)
-        if (auto& name = plan.scene.points[static_cast<std::size_t>(point)]; name.empty()) name = endpointText(s.document, end);
+    for (const PartId id : shown.bones) plan.scene.bones.push_back(document.bones.at(id)->name);
+    plan.scene.points.resize(shown.input.skeleton.points.size());
+    for (const auto& [end, point] : shown.points)
+        if (auto& name = plan.scene.points[static_cast<std::size_t>(point)]; name.empty()) name = endpointText(document, end);
 
-    const auto takes = takesOf(s.document, find(arguments, "take"));
+    const auto takes = takesOf(document, find(arguments, "take"));
     if (!takes) return tl::unexpected(takes.error());
-    for (const auto& take : *takes) plan.scene.clips.push_back(clipOf(take, s, plan.warnings));
+    for (const auto& take : *takes) plan.scene.clips.push_back(clipOf(take, shown, character, plan.warnings));
     plan.performed = !plan.scene.clips.empty();
     const Json* pose = find(arguments, "pose");
     if (pose && !pose->is_boolean() && !pose->is_string()) return fail("bad-type", "\"pose\" must be true, false or the name of a clip.");
@@ -177,12 +180,12 @@ Result<ExportPlan> planExport(Session& session, const Json& arguments) {
         const auto taken = [&](const std::string& name) { return std::any_of(plan.scene.clips.begin(), plan.scene.clips.end(), [&](const ExportClip& c) { return c.name == name; }); };
         std::string name = wish;
         for (int n = 2; taken(name); ++n) name = wish + " " + std::to_string(n);
-        std::vector<double> shape(static_cast<std::size_t>(s.character->shapeLayout().size()));
-        s.character->shape(shape.data());
+        std::vector<double> shape(static_cast<std::size_t>(character.shapeLayout().size()));
+        character.shape(shape.data());
         plan.scene.clips.push_back({name, {0.0}, [shape](std::size_t, double* numbers) { std::copy(shape.begin(), shape.end(), numbers); }, {}});
     }
     for (std::size_t k = 0; k < kEffects; ++k)
-        if (const auto kind = static_cast<EffectKind>(k); s.document.effects.has(kind)) plan.effects.push_back(kind);
+        if (const auto kind = static_cast<EffectKind>(k); document.effects.has(kind)) plan.effects.push_back(kind);
     return plan;
 }
 
@@ -217,24 +220,24 @@ void addExportCommands(CommandRegistry& registry) {
     using Type = CommandKey::Type;
     std::string presets;
     for (const auto& preset : exportPresets()) presets += std::string(presets.empty() ? "\"" : "; \"") + preset.name + "\": " + preset.help;
-    registry.add({"export",
-                  "Writes the character with its takes for other programs, reads the file back and compares it. Errors are distances over the bounding-box "
-                  "diagonal of the character. Metres, +Y up, times from 0.",
-                  {{"path", Type::Text, true, "A file that ends in .glb, or in .fbx, which needs Blender; for caches in .pc2, .mdd, .obj or .ply (a file per frame, numbered)."},
-                   {"layout", Type::Text, true,
-                    "\"baked\": a node and morph targets per element; \"rigged\": the same in one skeleton, with what drives it live; \"skinned\": weights "
-                    "of four joints per vertex, no morph targets; \"cache\": all vertices in all frames."},
-                   {"take", Type::Any, false, "The take, or a list of takes (all takes unless given). Caches and sequences of several go to a file or folder each, after their names."},
-                   {"pose", Type::Any, false,
-                    "true, or the name of a clip: what is shown now goes out too, as a clip of one frame (without takes it always does; \"take\": [] leaves them out)."},
-                   {"fps", Type::Number, false, "Keys per second, up to 1000 (the frames of the take)."},
-                   {"preset", Type::Text, false, presets + "."},
-                   {"targets", Type::Any, false, "Morph targets per element: a number (4 or 8 for phones), or \"all\". What is dropped is said."},
-                   {"split", Type::Boolean, false, "A target for each sign of a weight, for programs that clamp weights to 0 ... 1 (false)."},
-                   {"quantise", Type::Boolean, false, "16 bits per coordinate and weight, by KHR_mesh_quantization (false). What that rounds is said."},
-                   {"normals", Type::Boolean, false, "Morph targets move normals too (false: engines find them, or leave them)."},
-                   {"tolerance", Type::Number, false, "Keys are left out where the others say the same within this part of the diagonal (0)."}},
-                  false, exportCommand});
+    registry.addAction("export",
+                       "Writes the character with its takes for other programs, reads the file back and compares it. Errors are distances over the bounding-box "
+                       "diagonal of the character. Metres, +Y up, times from 0.",
+                       {{"path", Type::Text, true, "A file that ends in .glb, or in .fbx, which needs Blender; for caches in .pc2, .mdd, .obj or .ply (a file per frame, numbered)."},
+                        {"layout", Type::Text, true,
+                         "\"baked\": a node and morph targets per element; \"rigged\": the same in one skeleton, with what drives it live; \"skinned\": weights "
+                         "of four joints per vertex, no morph targets; \"cache\": all vertices in all frames."},
+                        {"take", Type::Any, false, "The take, or a list of takes (all takes unless given). Caches and sequences of several go to a file or folder each, after their names."},
+                        {"pose", Type::Any, false,
+                         "true, or the name of a clip: what is shown now goes out too, as a clip of one frame (without takes it always does; \"take\": [] leaves them out)."},
+                        {"fps", Type::Number, false, "Keys per second, up to 1000 (the frames of the take)."},
+                        {"preset", Type::Text, false, presets + "."},
+                        {"targets", Type::Any, false, "Morph targets per element: a number (4 or 8 for phones), or \"all\". What is dropped is said."},
+                        {"split", Type::Boolean, false, "A target for each sign of a weight, for programs that clamp weights to 0 ... 1 (false)."},
+                        {"quantise", Type::Boolean, false, "16 bits per coordinate and weight, by KHR_mesh_quantization (false). What that rounds is said."},
+                        {"normals", Type::Boolean, false, "Morph targets move normals too (false: engines find them, or leave them)."},
+                        {"tolerance", Type::Number, false, "Keys are left out where the others say the same within this part of the diagonal (0)."}},
+                       exportCommand);
 }
 
 }  // namespace imomushi

@@ -3,9 +3,10 @@
 
 #include "core/base/atomic_file.h"
 #include "core/document/command_support.h"
+#include "core/document/document_edit.h"
 #include "core/document/names.h"
 #include "core/document/project_file.h"
-#include "core/document/session_state.h"
+#include "core/document/session_access.h"
 
 namespace imomushi {
 
@@ -13,11 +14,11 @@ namespace {
 
 constexpr const char* kSuffix = ".imomushi";
 
-const char* stateText(Session::ResponseState state) {
+const char* stateText(ResponseState state) {
     switch (state) {
-        case Session::ResponseState::Fresh: return "fresh";
-        case Session::ResponseState::Stale: return "stale";
-        case Session::ResponseState::None: return "none";
+        case ResponseState::Fresh: return "fresh";
+        case ResponseState::Stale: return "stale";
+        case ResponseState::None: return "none";
     }
     return "none";
 }
@@ -61,14 +62,16 @@ Json contents(const Session& session) {
 }
 
 /// Parents as the character sees them: what nobody gave is found from the joint points.
-void addFoundParents(Session::State& s, Json& answer) {
-    if (!s.live()) return;
+void addFoundParents(Session& session, Json& answer) {
+    if (!session.builtCharacter()) return;
+    const CharacterPlan& plan = session.plan();
+    const auto& bones = session.document().bones;
+    auto bone = bones.begin();  // lines are in the order of the document
     for (Json& line : answer["bones"]) {
-        const Bone* bone = s.document.boneNamed(line["name"].get_ref<const std::string&>());
-        const int index = s.plan.boneIndex(bone->id);
+        const int index = plan.boneIndex((bone++)->first);
         if (index < 0) continue;
-        const int parent = s.plan.input.skeleton.bones[static_cast<std::size_t>(index)].parent;
-        line["parent"] = parent < 0 ? Json() : Json(s.document.bones.at(s.plan.bones[static_cast<std::size_t>(parent)])->name);
+        const int parent = plan.input.skeleton.bones[static_cast<std::size_t>(index)].parent;
+        line["parent"] = parent < 0 ? Json() : Json(bones.at(plan.bones[static_cast<std::size_t>(parent)])->name);
     }
 }
 
@@ -78,44 +81,37 @@ Result<std::filesystem::path> pathOf(const Json& arguments) {
     return std::filesystem::path(path);
 }
 
-Result<Json> newDocument(Session& session, const Json& arguments, const Progress&) {
+Result<Json> newDocument(SessionAccess& access, const Json& arguments, const Progress&) {
     std::filesystem::path path;
     if (arguments.contains("path")) {
         const auto given = pathOf(arguments);
         if (!given) return tl::unexpected(given.error());
         path = *given;
     }
-    session.state().replaceDocument({}, path, arguments);
+    access.replace({}, path, true, arguments);
     return Json::object();
 }
 
-Result<Json> open(Session& session, const Json& arguments, const Progress&) {
+Result<Json> open(SessionAccess& access, const Json& arguments, const Progress&) {
     const auto path = pathOf(arguments);
     if (!path) return tl::unexpected(path.error());
     auto project = openProject(*path);
     if (!project) return tl::unexpected(project.error());
-    Session::State& s = session.state();
     const Json* original = find(arguments, "as");
-    s.replaceDocument(std::move(project->document), original ? std::filesystem::path(original->get_ref<const std::string&>()) : *path, arguments);
-    if (original) s.savedPosition = -1;
-    for (auto& [element, stored] : project->responses) {
-        s.responses.insert(stored.key, stored.response);
-        s.lastResponses.insert_or_assign(element, Session::State::LastResponse{stored.key, stored.shape});
-    }
-    Json answer = contents(session);
-    addFoundParents(s, answer);
+    access.replace(std::move(*project), original ? std::filesystem::path(original->get_ref<const std::string&>()) : *path, !original, arguments);
+    Json answer = contents(access.session);
+    addFoundParents(access.session, answer);
     return answer;
 }
 
-Result<Json> list(Session& session, const Json&, const Progress&) {
-    Json answer = contents(session);
-    addFoundParents(session.state(), answer);
+Result<Json> list(SessionAccess& access, const Json&, const Progress&) {
+    Json answer = contents(access.session);
+    addFoundParents(access.session, answer);
     return answer;
 }
 
-Result<Json> save(Session& session, const Json& arguments, const Progress&) {
-    Session::State& s = session.state();
-    std::filesystem::path path = s.path;
+Result<Json> save(SessionAccess& access, const Json& arguments, const Progress&) {
+    std::filesystem::path path = access.session.path();
     if (arguments.contains("path")) {
         const auto given = pathOf(arguments);
         if (!given) return tl::unexpected(given.error());
@@ -123,23 +119,19 @@ Result<Json> save(Session& session, const Json& arguments, const Progress&) {
     }
     if (path.empty()) return fail("missing-key", "The project was never saved: give \"save\" a \"path\" that ends in .imomushi.");
     if (path.extension() != kSuffix) return fail("bad-value", "\"path\" must end in .imomushi.");
-    if (auto saved = saveProject(path, session.project()); !saved) return tl::unexpected(saved.error());
-    if (!arguments.value("copy", false)) {
-        s.path = path;
-        s.savedPosition = s.position;
-        s.pending.file = true;
-    }
+    if (auto saved = saveProject(path, access.session.project()); !saved) return tl::unexpected(saved.error());
+    if (!arguments.value("copy", false)) access.markSaved(path);
     std::error_code error;
     return Json{{"bytes", std::filesystem::file_size(path, error)}};
 }
 
-Result<Json> saveScript(Session& session, const Json& arguments, const Progress&) {
+Result<Json> saveScript(SessionAccess& access, const Json& arguments, const Progress&) {
     const auto path = pathOf(arguments);
     if (!path) return tl::unexpected(path.error());
     std::string lines;
-    for (const Json& line : session.script()) lines += line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+    for (const Json& line : access.session.script()) lines += line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
     if (auto written = writeFileAtomically(*path, lines); !written) return tl::unexpected(written.error());
-    return Json{{"commands", session.script().size()}};
+    return Json{{"commands", access.session.script().size()}};
 }
 
 template <class Value>
@@ -166,8 +158,8 @@ Error refusal(const ImportedBody& body) {
     return {"open", "\"" + body.name + "\" is not a closed surface: close its holes in a modelling program."};
 }
 
-Result<Json> importElement(Session& session, const Json& arguments, const Progress& progress) {
-    Session::State& s = session.state();
+Result<Json> importElement(DocumentEdit& edit, const Json& arguments, const Progress& progress) {
+    Document& document = edit.document;
     ImportRequest request;
     const auto path = pathOf(arguments);
     if (!path) return tl::unexpected(path.error());
@@ -180,9 +172,9 @@ Result<Json> importElement(Session& session, const Json& arguments, const Progre
     request.up = *up;
     request.split = arguments.value("split", false);
     if (const Json* name = find(arguments, "name"))
-        if (auto ok = checkNewName(s.document, name->get_ref<const std::string&>()); !ok) return tl::unexpected(ok.error());
+        if (auto ok = checkNewName(document, name->get_ref<const std::string&>()); !ok) return tl::unexpected(ok.error());
 
-    auto imported = s.importer(request, progress);
+    auto imported = edit.import(request, progress);
     if (!imported) return tl::unexpected(imported.error());
     const auto usable = std::count_if(imported->bodies.begin(), imported->bodies.end(), [](const ImportedBody& body) { return body.closed; });
     if (imported->bodies.empty()) return fail("empty-mesh", "\"" + path->string() + "\" holds no surface.");
@@ -191,7 +183,6 @@ Result<Json> importElement(Session& session, const Json& arguments, const Progre
         return fail(error.code, error.message);
     }
 
-    Document& document = session.edit();
     Json elements = Json::array(), issues = Json::array();
     for (const MeshIssue& issue : imported->issues) issues.push_back(issueJson(issue));
     for (ImportedBody& body : imported->bodies) {
@@ -237,25 +228,25 @@ Result<Json> importElement(Session& session, const Json& arguments, const Progre
 
 void addFileCommands(CommandRegistry& registry) {
     using Type = CommandKey::Type;
-    registry.add({"new", "Begins an empty document; the history begins anew.", {{"path", Type::Text, false, "Where a later save without a path goes."}}, false, newDocument});
-    registry.add({"open", "Opens a project; the history begins anew.",
-                  {{"path", Type::Text, true, "A .imomushi file."},
-                   {"as", Type::Text, false, "The file that this is an unsaved copy of, empty: of none. For recovery."}}, false, open});
-    registry.add({"save",
-                  "Saves the project in one file, responses included. An old file is replaced whole or not at all.",
-                  {{"path", Type::Text, false, "A file that ends in .imomushi (where it was opened or saved last unless given)."},
-                   {"copy", Type::Boolean, false, "Leaves the session with its old path and its unsaved changes (false)."}},
-                  false, save});
-    registry.add({"save-script", "Saves the commands of this session, without those that were undone, as a script.", {{"path", Type::Text, true, "The file."}}, false, saveScript});
-    registry.add({"list", "What is in the document: the answer of open.", {}, false, list});
-    registry.add({"import-element",
-                  "Imports a mesh (OBJ, PLY, STL, glTF, GLB, FBX, DAE) as one element or several. Mends what can be mended and tells it.",
-                  {{"path", Type::Text, true, "The file."},
-                   {"name", Type::Text, false, "A name that no element or bone has (from the file unless given; numbered where there are several)."},
-                   {"unit", Type::Text, false, "\"mm\", \"cm\" or \"m\": the unit of the file (its own unless given; metres where it has none)."},
-                   {"up", Type::Text, false, "\"y\" or \"z\": the axis of the file that points up (its own unless given; y where it has none)."},
-                   {"split", Type::Boolean, false, "One element per connected component (false)."}},
-                  true, importElement});
+    registry.addAction("new", "Begins an empty document; the history begins anew.", {{"path", Type::Text, false, "Where a later save without a path goes."}}, newDocument);
+    registry.addAction("open", "Opens a project; the history begins anew.",
+                       {{"path", Type::Text, true, "A .imomushi file."},
+                        {"as", Type::Text, false, "The file that this is an unsaved copy of, empty: of none. For recovery."}}, open);
+    registry.addAction("save",
+                       "Saves the project in one file, responses included. An old file is replaced whole or not at all.",
+                       {{"path", Type::Text, false, "A file that ends in .imomushi (where it was opened or saved last unless given)."},
+                        {"copy", Type::Boolean, false, "Leaves the session with its old path and its unsaved changes (false)."}},
+                       save);
+    registry.addAction("save-script", "Saves the commands of this session, without those that were undone, as a script.", {{"path", Type::Text, true, "The file."}}, saveScript);
+    registry.addAction("list", "What is in the document: the answer of open.", {}, list);
+    registry.addChange("import-element",
+                       "Imports a mesh (OBJ, PLY, STL, glTF, GLB, FBX, DAE) as one element or several. Mends what can be mended and tells it.",
+                       {{"path", Type::Text, true, "The file."},
+                        {"name", Type::Text, false, "A name that no element or bone has (from the file unless given; numbered where there are several)."},
+                        {"unit", Type::Text, false, "\"mm\", \"cm\" or \"m\": the unit of the file (its own unless given; metres where it has none)."},
+                        {"up", Type::Text, false, "\"y\" or \"z\": the axis of the file that points up (its own unless given; y where it has none)."},
+                        {"split", Type::Boolean, false, "One element per connected component (false)."}},
+                       importElement);
 }
 
 }  // namespace imomushi

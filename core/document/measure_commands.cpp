@@ -6,7 +6,7 @@
 
 #include "core/document/command_support.h"
 #include "core/document/seam.h"
-#include "core/document/session_state.h"
+#include "core/document/session_access.h"
 #include "core/mesh/topology.h"
 #include "core/mesh/write_mesh.h"
 
@@ -22,42 +22,42 @@ std::vector<PartId> elementsOf(const Document& document, const std::shared_ptr<c
 }
 
 /// The largest value of `figure` over all pairs of joined faces (of `only`, where given).
-double largestAtSeams(Session::State& s, const std::shared_ptr<const Element>& only,
+double largestAtSeams(Session& session, const std::shared_ptr<const Element>& only,
                       const std::function<double(const FaceOnBody&, const Points&, const FaceOnBody&, const Points&)>& figure) {
     double largest = 0.0;
     const auto on = [&](const FaceRef& ref) {
-        const Element& element = *s.document.elements.at(ref.element);
+        const Element& element = *session.document().elements.at(ref.element);
         return FaceOnBody{&element.mesh->body, &element.faces[static_cast<std::size_t>(element.faceIndex(ref.face))]};
     };
-    for (const auto& [id, joint] : s.document.joints)
+    for (const auto& [id, joint] : session.document().joints)
         for (std::size_t i = 0; i < joint->faces.size(); ++i)
             for (std::size_t k = i + 1; k < joint->faces.size(); ++k) {
                 const FaceRef &a = joint->faces[i], &b = joint->faces[k];
                 if (only && a.element != only->id && b.element != only->id) continue;
-                largest = std::max(largest, figure(on(a), s.currentPositions(a.element), on(b), s.currentPositions(b.element)));
+                largest = std::max(largest, figure(on(a), session.positionsOf(a.element), on(b), session.positionsOf(b.element)));
             }
     return largest;
 }
 
-Result<Json> measure(Session& session, const Json& arguments, const Progress&) {
-    Session::State& s = session.state();
+Result<Json> measure(SessionAccess& access, const Json& arguments, const Progress&) {
+    Session& session = access.session;
     const std::string& what = text(arguments, "what");
     std::shared_ptr<const Element> element;
     if (const Json* name = find(arguments, "element")) {
-        const auto found = elementOf(s.document, name->get_ref<const std::string&>());
+        const auto found = elementOf(session.document(), name->get_ref<const std::string&>());
         if (!found) return tl::unexpected(found.error());
         element = *found;
     }
     const auto needs = [&](const char* key) { return fail("missing-key", "To measure \"" + what + "\", \"measure\" needs the key \"" + key + "\"."); };
     if (what != "stiffness")
-        if (auto alive = s.live(); !alive) return tl::unexpected(alive.error());
+        if (auto alive = session.builtCharacter(); !alive) return tl::unexpected(alive.error());
 
     Json answer;
     if (what == "volume" || what == "area") {
         double sum = 0.0;
-        for (const PartId id : elementsOf(s.document, element)) {
-            const Triangles& triangles = s.document.elements.at(id)->mesh->body.triangles;
-            const Points points = s.currentPositions(id);
+        for (const PartId id : elementsOf(session.document(), element)) {
+            const Triangles& triangles = session.document().elements.at(id)->mesh->body.triangles;
+            const Points points = session.positionsOf(id);
             if (what == "volume") {
                 sum += enclosedVolume(points, triangles);
                 continue;
@@ -71,14 +71,14 @@ Result<Json> measure(Session& session, const Json& arguments, const Progress&) {
         }
         answer["value"] = sum;
     } else if (what == "gap") {
-        answer["value"] = largestAtSeams(s, element, [](const FaceOnBody& a, const Points& atA, const FaceOnBody& b, const Points& atB) {
+        answer["value"] = largestAtSeams(session, element, [](const FaceOnBody& a, const Points& atA, const FaceOnBody& b, const Points& atB) {
             return seamGap(seamPoints(a, b), *a.body, atA, *b.body, atB);
         });
     } else if (what == "crease") {
-        answer["value"] = largestAtSeams(s, element, seamCrease);
+        answer["value"] = largestAtSeams(session, element, seamCrease);
     } else if (what == "stiffness") {
         if (!element) return needs("element");
-        const auto response = s.responseOf(element->id, false);
+        const auto response = session.response(element->id);
         if (!response) return fail("not-precomputed", "The element \"" + element->name + "\" has no fresh response: run precompute first.");
         Json rows = Json::array();
         for (Eigen::Index i = 0; i < response->stiffness.rows(); ++i) {
@@ -94,8 +94,8 @@ Result<Json> measure(Session& session, const Json& arguments, const Progress&) {
     } else if (what == "bounds") {
         Vec3 low = Vec3::Zero(), high = Vec3::Zero();
         bool first = true;
-        for (const PartId id : elementsOf(s.document, element)) {
-            const Points points = s.currentPositions(id);
+        for (const PartId id : elementsOf(session.document(), element)) {
+            const Points points = session.positionsOf(id);
             const Vec3 l = points.colwise().minCoeff().transpose(), h = points.colwise().maxCoeff().transpose();
             low = first ? l : low.cwiseMin(l);
             high = first ? h : high.cwiseMax(h);
@@ -104,16 +104,16 @@ Result<Json> measure(Session& session, const Json& arguments, const Progress&) {
         answer["value"] = {{"low", json(low)}, {"high", json(high)}};
     } else if (what == "position") {
         if (!arguments.contains("endpoint")) return needs("endpoint");
-        const auto end = s.document.endpoint(text(arguments, "endpoint"));
+        const auto end = session.document().endpoint(text(arguments, "endpoint"));
         if (!end) return tl::unexpected(end.error());
-        const auto position = s.positionOf(*end);
+        const auto position = session.positionOf(*end);
         if (!position) return tl::unexpected(position.error());
         answer["value"] = json(*position);
     } else if (what == "length") {
         if (!arguments.contains("bone")) return needs("bone");
-        const auto bone = boneOf(s.document, text(arguments, "bone"));
+        const auto bone = boneOf(session.document(), text(arguments, "bone"));
         if (!bone) return tl::unexpected(bone.error());
-        const auto start = s.positionOf({(*bone)->id, false}), end = s.positionOf({(*bone)->id, true});
+        const auto start = session.positionOf({(*bone)->id, false}), end = session.positionOf({(*bone)->id, true});
         if (!start || !end) return tl::unexpected((start ? end : start).error());
         answer["value"] = (*end - *start).norm();
     } else {
@@ -122,31 +122,31 @@ Result<Json> measure(Session& session, const Json& arguments, const Progress&) {
     return answer;
 }
 
-Result<Json> writeMeshCommand(Session& session, const Json& arguments, const Progress&) {
-    Session::State& s = session.state();
+Result<Json> writeMeshCommand(SessionAccess& access, const Json& arguments, const Progress&) {
+    Session& session = access.session;
     std::shared_ptr<const Element> element;
     if (const Json* name = find(arguments, "element")) {
-        const auto found = elementOf(s.document, name->get_ref<const std::string&>());
+        const auto found = elementOf(session.document(), name->get_ref<const std::string&>());
         if (!found) return tl::unexpected(found.error());
         element = *found;
     }
     const std::string state = arguments.contains("state") ? text(arguments, "state") : "current";
     if (state != "rest" && state != "current") return fail("bad-value", "\"state\" must be \"rest\" or \"current\".");
     if (state == "current")
-        if (auto alive = s.live(); !alive) return tl::unexpected(alive.error());
-    const auto ids = elementsOf(s.document, element);
+        if (auto alive = session.builtCharacter(); !alive) return tl::unexpected(alive.error());
+    const auto ids = elementsOf(session.document(), element);
     if (ids.empty()) return fail("no-element", "There is no element to write: import one first.");
     Eigen::Index vertexCount = 0, triangleCount = 0;
     for (const PartId id : ids) {
-        vertexCount += s.document.elements.at(id)->mesh->body.vertices.rows();
-        triangleCount += s.document.elements.at(id)->mesh->body.triangles.rows();
+        vertexCount += session.document().elements.at(id)->mesh->body.vertices.rows();
+        triangleCount += session.document().elements.at(id)->mesh->body.triangles.rows();
     }
     Points vertices(vertexCount, 3);
     Triangles triangles(triangleCount, 3);
     Eigen::Index v = 0, t = 0;
     for (const PartId id : ids) {
-        const TriangleMesh& body = s.document.elements.at(id)->mesh->body;
-        vertices.middleRows(v, body.vertices.rows()) = state == "rest" ? body.vertices : s.currentPositions(id);
+        const TriangleMesh& body = session.document().elements.at(id)->mesh->body;
+        vertices.middleRows(v, body.vertices.rows()) = state == "rest" ? body.vertices : session.positionsOf(id);
         triangles.middleRows(t, body.triangles.rows()) = body.triangles.array() + static_cast<std::int32_t>(v);
         v += body.vertices.rows();
         t += body.triangles.rows();
@@ -159,22 +159,22 @@ Result<Json> writeMeshCommand(Session& session, const Json& arguments, const Pro
 
 void addMeasureCommands(CommandRegistry& registry) {
     using Type = CommandKey::Type;
-    registry.add({"measure",
-                  "Measures the character as it is now: \"volume\" (m^3) and \"area\" (m^2) of an element or of all; \"gap\" (largest distance between "
-                  "joined faces, m); \"crease\" (largest normal jump at a seam, radians); \"stiffness\" (K of an element, rows of numbers: faces by "
-                  "creation, columns as in eq. (5), then the rest of the basis); \"bounds\" (low and high corner, m); \"position\" of an endpoint (m); "
-                  "\"length\" of a bone (m).",
-                  {{"what", Type::Text, true, "One of the names above."},
-                   {"element", Type::Text, false, "The element (all unless given)."},
-                   {"endpoint", Type::Text, false, "For position: \"bone/start\" or \"bone/end\"."},
-                   {"bone", Type::Text, false, "For length: the bone."}},
-                  false, measure});
-    registry.add({"write-mesh",
-                  "Writes body vertices in their order, double precision, metres. Without an element all elements one after the other.",
-                  {{"path", Type::Text, true, "A file that ends in .obj or .ply."},
-                   {"element", Type::Text, false, "The element (all unless given)."},
-                   {"state", Type::Text, false, "\"rest\" or \"current\" (unless given)."}},
-                  false, writeMeshCommand});
+    registry.addAction("measure",
+                       "Measures the character as it is now: \"volume\" (m^3) and \"area\" (m^2) of an element or of all; \"gap\" (largest distance between "
+                       "joined faces, m); \"crease\" (largest normal jump at a seam, radians); \"stiffness\" (K of an element, rows of numbers: faces by "
+                       "creation, columns as in eq. (5), then the rest of the basis); \"bounds\" (low and high corner, m); \"position\" of an endpoint (m); "
+                       "\"length\" of a bone (m).",
+                       {{"what", Type::Text, true, "One of the names above."},
+                        {"element", Type::Text, false, "The element (all unless given)."},
+                        {"endpoint", Type::Text, false, "For position: \"bone/start\" or \"bone/end\"."},
+                        {"bone", Type::Text, false, "For length: the bone."}},
+                       measure);
+    registry.addAction("write-mesh",
+                       "Writes body vertices in their order, double precision, metres. Without an element all elements one after the other.",
+                       {{"path", Type::Text, true, "A file that ends in .obj or .ply."},
+                        {"element", Type::Text, false, "The element (all unless given)."},
+                        {"state", Type::Text, false, "\"rest\" or \"current\" (unless given)."}},
+                       writeMeshCommand);
 }
 
 }  // namespace imomushi

@@ -10,8 +10,9 @@
 #include "core/base/parallel.h"
 #include "core/comparison/model_table.h"
 #include "core/comparison/paper_caterpillar.h"
+#include "core/document/character_input.h"
 #include "core/document/command_support.h"
-#include "core/document/session_state.h"
+#include "core/document/session_access.h"
 
 namespace imomushi {
 
@@ -35,18 +36,18 @@ std::string formatted(const char* format, double value) {
     return out;
 }
 
-Result<std::shared_ptr<const ElementResponse>> solved(const ResponseCache& cache, ResponseInput in, BasisKind basis, const std::string& name, const Progress& progress) {
+Result<std::shared_ptr<const ElementResponse>> solved(ResponseStore& store, ResponseInput in, BasisKind basis, const std::string& name, const Progress& progress) {
     in.basis = basis;
     in.loads = false;
-    if (auto known = cache.find(responseKey(in))) return known;
+    if (auto known = store.find(responseKey(in))) return known;
     auto built = buildResponse(in, progress);
     if (!built) return fail(built.error().code, "\"" + name + "\": " + built.error().message);
     return std::make_shared<const ElementResponse>(std::move(*built));
 }
 
 /// The document's character. Responses of this comparison are not kept in the session: they would be saved with the project.
-Result<ComparedModels> modelsOf(Session::State& s, const Progress& progress) {
-    auto plan = planCharacter(s.document);
+Result<ComparedModels> modelsOf(Session& session, const Progress& progress) {
+    auto plan = planCharacter(session.document());
     if (!plan) return tl::unexpected(plan.error());
     ComparedModels out;
     out.input = std::move(plan->input);
@@ -54,7 +55,7 @@ Result<ComparedModels> modelsOf(Session::State& s, const Progress& progress) {
     std::size_t faces = 0;
     double kept = 0.0, peak = 0.0;
     for (const PartId id : plan->elements) {
-        ResponseInput in = s.inputOf(id);
+        ResponseInput in = session.responseInput(id);
         faces += in.faces.size();
         if (in.faces.empty()) continue;
         in.basis = BasisKind::Full;
@@ -69,14 +70,14 @@ Result<ComparedModels> modelsOf(Session::State& s, const Progress& progress) {
                                      formatted("%.0f", 1e-9 * kMostBytes) + " GB: use coarser elements, or an empty document for the paper's caterpillar.");
     const double count = static_cast<double>(plan->elements.size());
     for (std::size_t e = 0; e < plan->elements.size(); ++e) {
-        const ResponseInput in = s.inputOf(plan->elements[e]);
-        const std::string& name = s.document.elements.at(plan->elements[e])->name;
+        const ResponseInput in = session.responseInput(plan->elements[e]);
+        const std::string& name = session.document().elements.at(plan->elements[e])->name;
         std::shared_ptr<const ElementResponse> full;
         if (!in.faces.empty()) {
             const double at = static_cast<double>(e);
-            auto paper = solved(s.responses, in, BasisKind::Paper, name, progress.part(at / count, (at + 0.3) / count));
+            auto paper = solved(session.responses().store(), in, BasisKind::Paper, name, progress.part(at / count, (at + 0.3) / count));
             if (!paper) return tl::unexpected(paper.error());
-            auto all = solved(s.responses, in, BasisKind::Full, name, progress.part((at + 0.3) / count, (at + 1.0) / count));
+            auto all = solved(session.responses().store(), in, BasisKind::Full, name, progress.part((at + 0.3) / count, (at + 1.0) / count));
             if (!all) return tl::unexpected(all.error());
             out.input.elements[e].response = std::move(*paper);
             full = std::move(*all);
@@ -282,20 +283,20 @@ std::string csv(const ModelTable& table, const Limits& limits) {
     return out;
 }
 
-Result<Json> paper(Session& session, const Json& arguments, const Progress& progress) {
-    Session::State& s = session.state();
+Result<Json> paper(SessionAccess& access, const Json& arguments, const Progress& progress) {
+    Session& session = access.session;
     const auto path = outputPath(arguments, "path", {".json", ".md", ".csv"});
     if (!path) return tl::unexpected(path.error());
     const auto svg = outputPath(arguments, "svg", {".svg"});
     if (!svg) return tl::unexpected(svg.error());
-    const bool empty = s.document.elements.empty();
+    const bool empty = session.document().elements.empty();
     double seconds = kGrowthSeconds;
     if (const Json* given = find(arguments, "seconds")) {
         const auto value = numberWithin(*given, "seconds", 0.0, 1e6);
         if (!value) return tl::unexpected(value.error());
         seconds = *value;
     }
-    auto models = empty ? solvedPaperCaterpillar(progress.part(0.0, 0.1)) : modelsOf(s, progress.part(0.0, 0.8));
+    auto models = empty ? solvedPaperCaterpillar(progress.part(0.0, 0.1)) : modelsOf(session, progress.part(0.0, 0.8));
     if (!models) return tl::unexpected(models.error());
     const auto table = compareModels(*models, empty ? progress.part(0.1, 0.3) : progress.part(0.8, 1.0));
     if (!table) return tl::unexpected(table.error());
@@ -324,13 +325,13 @@ Result<Json> paper(Session& session, const Json& arguments, const Progress& prog
 
 void addPaperCommand(CommandRegistry& registry) {
     using Type = CommandKey::Type;
-    registry.add({"paper",
-                  "The paper's table of this character, or of a caterpillar of the paper's size where the document is empty: the proposed model in the basis "
-                  "\"paper\" beside the previous one, both solved and measured now (float, one thread), with the error between them and the paper's figures.",
-                  {{"path", Type::Text, false, "Also writes the table to this file: .json, .md or .csv."},
-                   {"svg", Type::Text, false, "Of the caterpillar: plots the divergence of the previous model to NAME.svg, and its growth to NAME-growth.svg."},
-                   {"seconds", Type::Number, false, "How long the caterpillar is grown at most for each model and number of threads, s (30 unless given); 0: neither growth nor divergence."}},
-                  false, paper});
+    registry.addAction("paper",
+                       "The paper's table of this character, or of a caterpillar of the paper's size where the document is empty: the proposed model in the basis "
+                       "\"paper\" beside the previous one, both solved and measured now (float, one thread), with the error between them and the paper's figures.",
+                       {{"path", Type::Text, false, "Also writes the table to this file: .json, .md or .csv."},
+                        {"svg", Type::Text, false, "Of the caterpillar: plots the divergence of the previous model to NAME.svg, and its growth to NAME-growth.svg."},
+                        {"seconds", Type::Number, false, "How long the caterpillar is grown at most for each model and number of threads, s (30 unless given); 0: neither growth nor divergence."}},
+                       paper);
 }
 
 }  // namespace imomushi

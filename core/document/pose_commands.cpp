@@ -5,8 +5,9 @@
 #include <cmath>
 
 #include "core/document/command_support.h"
+#include "core/document/document_edit.h"
 #include "core/document/names.h"
-#include "core/document/session_state.h"
+#include "core/document/session_access.h"
 
 namespace imomushi {
 
@@ -24,53 +25,54 @@ Json texts(const std::vector<std::string>& list) {
 }
 
 /// What is held at the joint point of `end`: an endpoint of another bone may be the same point.
-std::map<EndpointRef, Held>::iterator heldAt(Session::State& s, const EndpointRef& end) {
-    const int point = s.plan.pointIndex(end);
-    return std::find_if(s.document.held.begin(), s.document.held.end(),
-                        [&](const auto& held) { return s.plan.pointIndex(held.first) == point; });
+std::map<EndpointRef, Held>::iterator heldAt(Document& document, const CharacterPlan& plan, const EndpointRef& end) {
+    const int point = plan.pointIndex(end);
+    return std::find_if(document.held.begin(), document.held.end(), [&](const auto& held) { return plan.pointIndex(held.first) == point; });
 }
 
-Result<EndpointRef> endpointOf(Session::State& s, const Json& arguments) {
-    auto end = s.document.endpoint(text(arguments, "endpoint"));
-    if (!end) return end;
-    if (auto alive = s.live(); !alive) return tl::unexpected(alive.error());
-    return end;
-}
-
-Result<Json> pin(Session& session, const Json& arguments, const Progress&) {
-    Session::State& s = session.state();
-    const auto end = endpointOf(s, arguments);
+/// The endpoint that a command names, and the character that shows it.
+struct ShownEndpoint {
+    EndpointRef end;
+    const CharacterPlan& plan;
+};
+Result<ShownEndpoint> endpointOf(const DocumentEdit& edit, const Json& arguments) {
+    const auto end = edit.document.endpoint(text(arguments, "endpoint"));
     if (!end) return tl::unexpected(end.error());
-    const auto position = s.positionOf(*end);
+    const auto plan = edit.shownPlan();
+    if (!plan) return tl::unexpected(plan.error());
+    return ShownEndpoint{*end, **plan};
+}
+
+Result<Json> pin(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    const auto shown = endpointOf(edit, arguments);
+    if (!shown) return tl::unexpected(shown.error());
+    const auto position = edit.positionOf(shown->end);
     if (!position) return tl::unexpected(position.error());
-    Document& document = session.edit();
-    if (const auto held = heldAt(s, *end); held != document.held.end()) {
+    if (const auto held = heldAt(edit.document, shown->plan, shown->end); held != edit.document.held.end()) {
         held->second.pinned = true;
     } else {
         Held made;
         made.pinned = true;
         made.target = *position;
-        document.held.emplace(*end, made);
+        edit.document.held.emplace(shown->end, made);
     }
     return Json::object();
 }
 
-Result<Json> unpin(Session& session, const Json& arguments, const Progress&) {
-    Session::State& s = session.state();
-    const auto end = endpointOf(s, arguments);
-    if (!end) return tl::unexpected(end.error());
-    const auto held = heldAt(s, *end);
-    if (held == s.document.held.end() || !held->second.pinned)
+Result<Json> unpin(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    const auto shown = endpointOf(edit, arguments);
+    if (!shown) return tl::unexpected(shown.error());
+    const auto held = heldAt(edit.document, shown->plan, shown->end);
+    if (held == edit.document.held.end() || !held->second.pinned)
         return fail("not-pinned", "The endpoint \"" + text(arguments, "endpoint") + "\" is not pinned.");
-    session.edit().held.erase(held);
+    edit.document.held.erase(held);
     return Json::object();
 }
 
-Result<Json> drag(Session& session, const Json& arguments, const Progress&) {
-    Session::State& s = session.state();
-    const auto end = endpointOf(s, arguments);
-    if (!end) return tl::unexpected(end.error());
-    const auto position = s.positionOf(*end);
+Result<Json> drag(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    const auto shown = endpointOf(edit, arguments);
+    if (!shown) return tl::unexpected(shown.error());
+    const auto position = edit.positionOf(shown->end);
     if (!position) return tl::unexpected(position.error());
     Held made;
     made.target = *vector3(arguments.at("to"));
@@ -85,43 +87,49 @@ Result<Json> drag(Session& session, const Json& arguments, const Progress&) {
         made.seconds = *given;
     }
     made.from = *position;
-    const auto point = static_cast<std::size_t>(s.plan.pointIndex(*end));
-    if (!s.document.pose.roll.empty()) made.fromRoll = s.document.pose.roll[point];
-    Document& document = session.edit();
-    if (const auto held = heldAt(s, *end); held != document.held.end()) {
+    Document& document = edit.document;
+    if (!document.pose.roll.empty()) made.fromRoll = document.pose.roll[static_cast<std::size_t>(shown->plan.pointIndex(shown->end))];
+    if (const auto held = heldAt(document, shown->plan, shown->end); held != document.held.end()) {
         made.pinned = held->second.pinned;
         if (!made.roll) made.roll = held->second.roll;
         document.held.erase(held);
     }
-    document.held.insert_or_assign(*end, made);
-    s.results.clear();
-    if (made.seconds > 0.0) return Json{{"seconds", made.seconds}, {"warnings", texts(s.warningTexts(0))}};
-    // With bone dynamics the body follows as frames pass.
-    if (s.document.effects.has(EffectKind::BoneDynamics))
-        return Json{{"distance", (*position - made.target).norm()}, {"position", json(*position)}, {"settled", false}, {"warnings", texts(s.warningTexts(0))}};
+    document.held.insert_or_assign(shown->end, made);
+    return Json::object();
+}
 
-    const auto settled = s.settle();
+Result<Json> showDrag(LiveCharacter& live, const Json& arguments, Json) {
+    const Document& document = live.document();
+    const EndpointRef end = *document.endpoint(text(arguments, "endpoint"));
+    const Held held = document.held.at(end);
+    live.hidePositions();
+    if (held.seconds > 0.0) return Json{{"seconds", held.seconds}, {"warnings", texts(live.warningTexts(0))}};
+    // With bone dynamics the body follows as frames pass.
+    if (document.effects.has(EffectKind::BoneDynamics))
+        return Json{{"distance", (held.from - held.target).norm()}, {"position", json(held.from)}, {"settled", false}, {"warnings", texts(live.warningTexts(0))}};
+
+    const auto settled = live.settle();
     if (!settled) return tl::unexpected(settled.error());
-    const auto now = s.positionOf(*end);
+    const auto now = live.positionOf(end);
     if (!now) return tl::unexpected(now.error());
     Json answer;
-    answer["distance"] = (*now - made.target).norm();
+    answer["distance"] = (*now - held.target).norm();
     answer["position"] = json(*now);
     answer["settled"] = settled->settled;
     answer["iterations"] = settled->iterations;
     answer["ms"] = settled->milliseconds;
-    answer["warnings"] = texts(s.warningTexts(settled->warnings));
+    answer["warnings"] = texts(live.warningTexts(settled->warnings));
     return answer;
 }
 
-Result<Json> release(Session& session, const Json& arguments, const Progress&) {
-    Session::State& s = session.state();
+Result<Json> release(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    auto& all = edit.document.held;
     int released = 0;
     const auto let = [&](std::map<EndpointRef, Held>::iterator held) -> Result<std::map<EndpointRef, Held>::iterator> {
         ++released;
-        if (!held->second.pinned) return session.edit().held.erase(held);
+        if (!held->second.pinned) return all.erase(held);
         // A pin that was dragged stays a pin, where it is now.
-        const auto position = s.positionOf(held->first);
+        const auto position = edit.positionOf(held->first);
         if (!position) return tl::unexpected(position.error());
         Held pinned;
         pinned.pinned = true;
@@ -130,45 +138,50 @@ Result<Json> release(Session& session, const Json& arguments, const Progress&) {
         return std::next(held);
     };
     if (arguments.contains("endpoint")) {
-        const auto end = endpointOf(s, arguments);
-        if (!end) return tl::unexpected(end.error());
-        const auto held = heldAt(s, *end);
-        if (held == s.document.held.end()) return fail("not-held", "The endpoint \"" + text(arguments, "endpoint") + "\" is not held.");
+        const auto shown = endpointOf(edit, arguments);
+        if (!shown) return tl::unexpected(shown.error());
+        const auto held = heldAt(edit.document, shown->plan, shown->end);
+        if (held == all.end()) return fail("not-held", "The endpoint \"" + text(arguments, "endpoint") + "\" is not held.");
         if (auto done = let(held); !done) return tl::unexpected(done.error());
     } else {
-        for (auto held = session.edit().held.begin(); held != session.edit().held.end();) {
+        for (auto held = all.begin(); held != all.end();) {
             auto next = let(held);
             if (!next) return tl::unexpected(next.error());
             held = *next;
         }
     }
-    if (released > 0 && s.document.effects.has(EffectKind::BoneDynamics)) {
-        if (auto alive = s.live(); !alive) return tl::unexpected(alive.error());
-        s.relax();
-    }
     return Json{{"released", released}};
 }
 
-Result<Json> rest(Session& session, const Json&, const Progress&) {
-    Session::State& s = session.state();
-    if (auto alive = s.live(); !alive) return tl::unexpected(alive.error());
-    Document& document = session.edit();
+Result<Json> showRelease(LiveCharacter& live, const Json&, Json answer) {
+    if (answer["released"] > 0 && live.document().effects.has(EffectKind::BoneDynamics))
+        if (auto ok = live.returnToRest(); !ok) return tl::unexpected(ok.error());
+    return answer;
+}
+
+Result<Json> rest(DocumentEdit& edit, const Json&, const Progress&) {
+    const auto plan = edit.shownPlan();
+    if (!plan) return tl::unexpected(plan.error());
+    Document& document = edit.document;
     document.pose = {};
     document.touches.clear();
     std::erase_if(document.held, [](const auto& held) { return !held.second.pinned; });
     for (auto& [end, held] : document.held) {
         held = {};
         held.pinned = true;
-        held.target = s.plan.input.skeleton.points[static_cast<std::size_t>(s.plan.pointIndex(end))];
+        held.target = (*plan)->input.skeleton.points[static_cast<std::size_t>((*plan)->pointIndex(end))];
     }
-    s.results.clear();
-    s.jumpToPose();
     return Json::object();
 }
 
-Result<Json> touch(Session& session, const Json& arguments, const Progress&) {
-    Session::State& s = session.state();
-    const auto element = elementOf(s.document, text(arguments, "element"));
+Result<Json> showRest(LiveCharacter& live, const Json&, Json answer) {
+    live.hidePositions();
+    live.jumpToPose();
+    return answer;
+}
+
+Result<Json> touch(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    const auto element = elementOf(edit.document, text(arguments, "element"));
     if (!element) return tl::unexpected(element.error());
     const PartId id = (*element)->id;
     const Vec3 point = *vector3(arguments.at("point"));
@@ -181,25 +194,25 @@ Result<Json> touch(Session& session, const Json& arguments, const Progress&) {
         if (!value) return tl::unexpected(value.error());
         radius = *value;
     }
-    auto& touches = session.edit().touches;
+    auto& touches = edit.document.touches;
     const auto known = std::find_if(touches.begin(), touches.end(), [&](const Touch& t) { return t.element == id && t.point == point; });
     if (to.is_null()) {
         if (known == touches.end()) return fail("not-touched", "No finger is at that point of \"" + (*element)->name + "\": lift it by the point where it was put down.");
         const int finger = known->finger;
         touches.erase(known);
-        if (auto alive = s.live(); !alive) return tl::unexpected(alive.error());
+        if (auto plan = edit.shownPlan(); !plan) return tl::unexpected(plan.error());
         return Json{{"finger", finger}};
     }
-    if (!s.document.effects.has(EffectKind::Touch, id))
+    if (!edit.document.effects.has(EffectKind::Touch, id))
         return fail("not-enabled", "Fingers need the effect \"touch\" on \"" + (*element)->name + "\": enable it, and precompute.");
-    const auto alive = s.live();
-    if (!alive) return tl::unexpected(alive.error());
-    const auto response = s.responseOf(id, true);
+    if (auto plan = edit.shownPlan(); !plan) return tl::unexpected(plan.error());
+    const auto response = edit.responses().fittingOf(id);
     if (!response || response->touch.columns() == 0)
         return fail("not-precomputed", "\"" + (*element)->name + "\" is not precomputed for fingers: precompute it (it needs a joint face that holds it).");
     Touch made{id, 0, point, *target, radius};
     if (known != touches.end()) {
         made.finger = known->finger;
+        *known = made;
     } else {
         const auto taken = [&](int finger) {
             return std::any_of(touches.begin(), touches.end(), [&](const Touch& t) { return t.element == id && t.finger == finger; });
@@ -207,15 +220,20 @@ Result<Json> touch(Session& session, const Json& arguments, const Progress&) {
         while (made.finger < TouchContact::kFingers && taken(made.finger)) ++made.finger;
         if (made.finger == TouchContact::kFingers)
             return fail("too-many-fingers", "\"" + (*element)->name + "\" has " + std::to_string(TouchContact::kFingers) + " fingers already: lift one.");
-    }
-    if (!s.character->setFinger(s.plan.elementIndex(id), made.finger, point, *target, radius))
-        return fail("not-touchable", "That point of \"" + (*element)->name + "\" cannot be touched: choose one of its free surface.");
-    if (known != touches.end())
-        *known = made;
-    else
         touches.push_back(made);
-    s.showPose();
+    }
     return Json{{"finger", made.finger}};
+}
+
+Result<Json> showTouch(LiveCharacter& live, const Json& arguments, Json answer) {
+    if (arguments.at("to").is_null()) return answer;
+    const Vec3 point = *vector3(arguments.at("point"));
+    const Document& document = live.document();
+    const PartId element = document.elementNamed(text(arguments, "element"))->id;
+    const auto put = std::find_if(document.touches.begin(), document.touches.end(), [&](const Touch& t) { return t.element == element && t.point == point; });
+    if (!live.putFinger(*put))
+        return fail("not-touchable", "That point of \"" + text(arguments, "element") + "\" cannot be touched: choose one of its free surface.");
+    return answer;
 }
 
 bool isFinite(const Character& character, const Pose& pose, std::size_t elements) {
@@ -229,8 +247,9 @@ bool isFinite(const Character& character, const Pose& pose, std::size_t elements
     return true;
 }
 
-Result<Json> step(Session& session, const Json& arguments, const Progress& progress) {
-    Session::State& s = session.state();
+Result<Json> step(SessionAccess& access, const Json& arguments, const Progress& progress) {
+    LiveCharacter& live = access.live;
+    const Document& document = access.document();
     const auto frames = numberWithin(arguments.at("frames"), "frames", 1, kMostFrames);
     if (!frames) return tl::unexpected(frames.error());
     const int count = static_cast<int>(*frames);
@@ -246,31 +265,32 @@ Result<Json> step(Session& session, const Json& arguments, const Progress& progr
             times.push_back(*value);
         }
     }
-    const auto alive = s.live();
+    const auto alive = live.built();
     if (!alive) return tl::unexpected(alive.error());
     std::vector<double> total, pose, joints, product, normals;
     std::array<std::vector<double>, kEffects> effects;
     unsigned warnings = 0;
     bool finite = true, timeDropped = false;
-    s.results.clear();
+    live.hidePositions();
+    const Character* character = *alive;
     for (int frame = 0; frame < count; ++frame) {
         if (progress.cancelled()) return fail(kCancelled, "Stepping was cancelled.");
         const auto start = std::chrono::steady_clock::now();
-        session.stepFrame(times[times.size() > 1 ? static_cast<std::size_t>(frame) : 0]);
+        live.stepFrame(times[times.size() > 1 ? static_cast<std::size_t>(frame) : 0]);
         total.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
-        if (!s.character) continue;
-        const Character::Stats& stats = s.character->stats();
+        if (!character) continue;
+        const Character::Stats& stats = character->stats();
         warnings |= stats.warnings;
-        timeDropped = timeDropped || (s.performance && (s.performance->warnings() & static_cast<unsigned>(DynamicsWarning::TimeDropped)) != 0);
+        timeDropped = timeDropped || live.droppedTime();
         for (std::size_t k = 0; k < kEffects; ++k)
-            if (s.effectMs[k] >= 0.0) effects[k].push_back(s.effectMs[k]);
+            if (const auto ms = live.effectMilliseconds(static_cast<EffectKind>(k))) effects[k].push_back(*ms);
         pose.push_back(stats.poseMs);
         joints.push_back(stats.jointsMs);
         product.push_back(stats.productMs);
         normals.push_back(stats.normalsMs);
-        finite = finite && isFinite(*s.character, s.document.pose, s.plan.elements.size());
+        finite = finite && isFinite(*character, document.pose, live.plan().elements.size());
     }
-    s.pending.pose = true;
+    access.changedPose();
     Json answer;
     answer["frames"] = count;
     answer["ms_per_frame"] = summary(std::move(total));
@@ -279,12 +299,12 @@ Result<Json> step(Session& session, const Json& arguments, const Progress& progr
                         {"product", summary(std::move(product))},
                         {"normals", summary(std::move(normals))}};
     // What the number format costs in accuracy, beside what it saves in time.
-    answer["format"] = formatName(s.document.settings.format);
-    answer["format_error"] = s.character ? s.character->formatError() : 0.0;
+    answer["format"] = formatName(document.settings.format);
+    answer["format_error"] = character ? character->formatError() : 0.0;
     answer["effects"] = Json::object();
     for (std::size_t k = 0; k < kEffects; ++k)
         if (!effects[k].empty()) answer["effects"][std::string(kEffectNames[k])] = summary(std::move(effects[k]));
-    std::vector<std::string> said = s.warningTexts(warnings);
+    std::vector<std::string> said = live.warningTexts(warnings);
     if (timeDropped) said.emplace_back("A frame lasted longer than a quarter of a second: bone dynamics moved for that long only; step with a smaller dt.");
     answer["warnings"] = texts(said);
     answer["finite"] = finite;
@@ -296,31 +316,31 @@ Result<Json> step(Session& session, const Json& arguments, const Progress& progr
 void addPoseCommands(CommandRegistry& registry) {
     using Type = CommandKey::Type;
     const CommandKey endpoint{"endpoint", Type::Text, true, "\"bone/start\" or \"bone/end\"."};
-    registry.add({"pin", "Holds an endpoint where it is, until it is unpinned.", {endpoint}, true, pin});
-    registry.add({"unpin", "Lets a pinned endpoint go.", {endpoint}, true, unpin});
-    registry.add({"drag",
-                  "Moves an endpoint; it stays held at the target until it is released. Without seconds the static pose is found before the answer.",
-                  {endpoint,
-                   {"to", Type::Vector3, true, "Where to, metres. Out of reach: as near as the bones can stretch."},
-                   {"roll", Type::Number, false, "Twist of the bone's end about its axis, radians from rest."},
-                   {"seconds", Type::Number, false, "Glides there in this time while step runs."}},
-                  true, drag});
-    registry.add({"release",
-                  "Lets dragged endpoints go; the pose stays. A pin that was dragged stays a pin where it is now.",
-                  {{"endpoint", Type::Text, false, "\"bone/start\" or \"bone/end\" (all unless given)."}},
-                  true, release});
-    registry.add({"touch",
-                  "Presses a finger into the surface, or moves or lifts one. It pushes, never pulls, and comes and goes smoothly as frames pass. Needs the effect \"touch\".",
-                  {{"element", Type::Text, true, "The element."},
-                   {"point", Type::Vector3, true, "Where on its surface, metres, in the rest pose; also names the finger afterwards."},
-                   {"to", Type::Any, true, "Where that point is pushed, metres, in the world; null lifts the finger."},
-                   {"radius", Type::Number, false, "Of the finger tip, metres (as small as the patches allow)."}},
-                  true, touch});
-    registry.add({"rest", "The rest pose: all dragged endpoints released, pins back at rest, all velocities zero.", {}, true, rest});
-    registry.add({"step",
-                  "Performs frames: glides, poses, deformation.",
-                  {{"frames", Type::Integer, true, "How many, from 1."}, {"dt", Type::Any, false, "Seconds from frame to frame (1/60), up to 10: a number, or one for each frame."}},
-                  false, step});
+    registry.addChange("pin", "Holds an endpoint where it is, until it is unpinned.", {endpoint}, pin);
+    registry.addChange("unpin", "Lets a pinned endpoint go.", {endpoint}, unpin);
+    registry.addChange("drag",
+                       "Moves an endpoint; it stays held at the target until it is released. Without seconds the static pose is found before the answer.",
+                       {endpoint,
+                        {"to", Type::Vector3, true, "Where to, metres. Out of reach: as near as the bones can stretch."},
+                        {"roll", Type::Number, false, "Twist of the bone's end about its axis, radians from rest."},
+                        {"seconds", Type::Number, false, "Glides there in this time while step runs."}},
+                       drag, showDrag);
+    registry.addChange("release",
+                       "Lets dragged endpoints go; the pose stays. A pin that was dragged stays a pin where it is now.",
+                       {{"endpoint", Type::Text, false, "\"bone/start\" or \"bone/end\" (all unless given)."}},
+                       release, showRelease);
+    registry.addChange("touch",
+                       "Presses a finger into the surface, or moves or lifts one. It pushes, never pulls, and comes and goes smoothly as frames pass. Needs the effect \"touch\".",
+                       {{"element", Type::Text, true, "The element."},
+                        {"point", Type::Vector3, true, "Where on its surface, metres, in the rest pose; also names the finger afterwards."},
+                        {"to", Type::Any, true, "Where that point is pushed, metres, in the world; null lifts the finger."},
+                        {"radius", Type::Number, false, "Of the finger tip, metres (as small as the patches allow)."}},
+                       touch, showTouch);
+    registry.addChange("rest", "The rest pose: all dragged endpoints released, pins back at rest, all velocities zero.", {}, rest, showRest);
+    registry.addAction("step",
+                       "Performs frames: glides, poses, deformation.",
+                       {{"frames", Type::Integer, true, "How many, from 1."}, {"dt", Type::Any, false, "Seconds from frame to frame (1/60), up to 10: a number, or one for each frame."}},
+                       step);
 }
 
 }  // namespace imomushi

@@ -8,7 +8,7 @@
 
 #include "core/base/result.h"
 #include "core/document/document.h"
-#include "core/document/response_rows.h"
+#include "core/document/stored_response.h"
 
 namespace imomushi {
 

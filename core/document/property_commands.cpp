@@ -4,8 +4,8 @@
 
 #include "core/base/colour.h"
 #include "core/document/command_support.h"
+#include "core/document/document_edit.h"
 #include "core/document/names.h"
-#include "core/document/session.h"
 
 namespace imomushi {
 
@@ -136,8 +136,8 @@ Result<void> setCharacter(CharacterSettings& settings, const std::string& proper
     return noSuchProperty("The character", property, "basis, format and threads");
 }
 
-Result<Json> set(Session& session, const Json& arguments, const Progress&) {
-    Document& document = session.edit();
+Result<Json> set(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    Document& document = edit.document;
     const std::string& target = text(arguments, "target");
     const std::string& property = text(arguments, "property");
     const Json& value = arguments.at("value");
@@ -176,8 +176,8 @@ void renameFace(Document& document, const FaceRef& face, const std::string& name
         });
 }
 
-Result<Json> rename(Session& session, const Json& arguments, const Progress&) {
-    Document& document = session.edit();
+Result<Json> rename(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    Document& document = edit.document;
     const std::string& target = text(arguments, "target");
     const std::string& name = text(arguments, "name");
     if (target.find('/') != std::string::npos) {
@@ -205,20 +205,20 @@ Result<Json> rename(Session& session, const Json& arguments, const Progress&) {
 
 void addPropertyCommands(CommandRegistry& registry) {
     using Type = CommandKey::Type;
-    registry.add({"set",
-                  "Sets a property. Element: nu (0 to 0.5), stiffness (relative, 1e-6 to 1e6), density (kg/m^3), solver-mesh (\"default\", \"best\", \"as-is\", \"refined:N\", \"decimated:N\"; N vertices; \"@T\" after it: the tolerance of solutions of more than 5000 nodes, 1e-6 to 0.01), "
-                  "joint-planes (\"auto\", \"bisector\", \"element\": who turns the planes of its joints), color (\"#rrggbb\"), visible, locked. "
-                  "Bone: min-stretch (0.01 to 1), max-stretch (1 to 100, of the rest length), roll (radians at rest). "
-                  "Character: basis (\"paper\", \"affine\", \"modes:1\" to \"modes:36\", \"full\"), format (\"float\", \"half\", \"int16\"), threads (0: all)." + effectsHelp(),
-                  {{"target", Type::Text, true, "An element, a bone, an effect, or \"character\"."},
-                   {"property", Type::Text, true, "The name of the property."},
-                   {"value", Type::Any, true, "Its value."}},
-                  true, set});
-    registry.add({"rename",
-                  "Gives an element, a bone or a joint face another name.",
-                  {{"target", Type::Text, true, "An element, a bone, or \"element/face\"."},
-                   {"name", Type::Text, true, "The new name; for a face without its element."}},
-                  true, rename});
+    registry.addChange("set",
+                       "Sets a property. Element: nu (0 to 0.5), stiffness (relative, 1e-6 to 1e6), density (kg/m^3), solver-mesh (\"default\", \"best\", \"as-is\", \"refined:N\", \"decimated:N\"; N vertices; \"@T\" after it: the tolerance of solutions of more than 5000 nodes, 1e-6 to 0.01), "
+                       "joint-planes (\"auto\", \"bisector\", \"element\": who turns the planes of its joints), color (\"#rrggbb\"), visible, locked. "
+                       "Bone: min-stretch (0.01 to 1), max-stretch (1 to 100, of the rest length), roll (radians at rest). "
+                       "Character: basis (\"paper\", \"affine\", \"modes:1\" to \"modes:36\", \"full\"), format (\"float\", \"half\", \"int16\"), threads (0: all)." + effectsHelp(),
+                       {{"target", Type::Text, true, "An element, a bone, an effect, or \"character\"."},
+                        {"property", Type::Text, true, "The name of the property."},
+                        {"value", Type::Any, true, "Its value."}},
+                       set);
+    registry.addChange("rename",
+                       "Gives an element, a bone or a joint face another name.",
+                       {{"target", Type::Text, true, "An element, a bone, or \"element/face\"."},
+                        {"name", Type::Text, true, "The new name; for a face without its element."}},
+                       rename);
 }
 
 }  // namespace imomushi

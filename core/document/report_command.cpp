@@ -16,8 +16,9 @@
 #include "core/comparison/skin.h"
 #include "core/comparison/timing.h"
 #include "core/document/accuracy_commands.h"
+#include "core/document/character_input.h"
 #include "core/document/command_support.h"
-#include "core/document/session_state.h"
+#include "core/document/session_access.h"
 #include "core/mesh/bounds.h"
 
 namespace imomushi {
@@ -207,9 +208,9 @@ Result<std::string> skinPart(const CharacterInput& character, const Progress& pr
            "Skins give positions alone; the character's time includes normals.\n\n";
 }
 
-Result<std::string> previousPart(Session::State& s, const Progress& progress) {
-    const bool empty = s.document.elements.empty();
-    Session other(s.registry);
+Result<std::string> previousPart(const Session& session, const Progress& progress) {
+    const bool empty = session.document().elements.empty();
+    Session other(session.registry());
     // In an empty document "paper" takes the paper's caterpillar; the document's own comparison is a command of its own.
     auto answer = other.execute({{"do", "paper"}, {"seconds", 0}}, progress);
     if (!answer) return tl::unexpected(answer.error());
@@ -229,7 +230,7 @@ Result<std::string> previousPart(Session::State& s, const Progress& progress) {
 }
 
 /// Answers of finite elements for single elements: NAME.obj, NAME.faces.json (vertices of each face) and NAME.json (results) of a folder.
-Result<std::string> finiteElementPart(Session::State& s, const std::filesystem::path& folder, const Progress& progress) {
+Result<std::string> finiteElementPart(const Session& session, const std::filesystem::path& folder, const Progress& progress) {
     std::vector<std::filesystem::path> bodies;
     std::error_code error;
     for (const auto& file : std::filesystem::directory_iterator(folder, error))
@@ -246,7 +247,7 @@ Result<std::string> finiteElementPart(Session::State& s, const std::filesystem::
         const std::string name = bodies[i].stem().string();
         const Json faces = read(std::filesystem::path(bodies[i]).replace_extension(".faces.json")), answers = read(std::filesystem::path(bodies[i]).replace_extension(".json"));
         if (!faces.is_object() || !answers.is_object() || !faces.contains("faces") || !answers.contains("results")) continue;
-        Session other(s.registry);
+        Session other(session.registry());
         if (auto ok = other.execute({{"do", "import-element"}, {"path", bodies[i].string()}, {"name", "body"}}, progress); !ok) return tl::unexpected(ok.error());
         for (const Json& face : faces["faces"])
             if (auto ok = other.execute({{"do", "add-joint-face"}, {"element", "body"}, {"name", face["name"]}, {"vertices", face["vertices"]}}); !ok) return tl::unexpected(ok.error());
@@ -257,7 +258,7 @@ Result<std::string> finiteElementPart(Session::State& s, const std::filesystem::
             const PartId id = other.document().elements.begin()->first;
             const Element& element = *other.document().elements.begin()->second;
             const Points& rest = element.mesh->body.vertices;
-            const Points u = other.state().currentPositions(id) - rest;
+            const Points u = other.positionsOf(id) - rest;
             if (result["displacement"].size() != static_cast<std::size_t>(rest.rows())) continue;
             std::vector<char> held(static_cast<std::size_t>(rest.rows()), 0);
             for (const JointFace& face : element.faces)
@@ -279,8 +280,8 @@ Result<std::string> finiteElementPart(Session::State& s, const std::filesystem::
            "vertices, as free ones hardly move).\n\n" + table(rows);
 }
 
-Result<Json> report(Session& session, const Json& arguments, const Progress& progress) {
-    Session::State& s = session.state();
+Result<Json> report(SessionAccess& access, const Json& arguments, const Progress& progress) {
+    Session& session = access.session;
     const auto path = outputPath(arguments, "path", {".md"});
     if (!path) return tl::unexpected(path.error());
     auto input = studyInput(session);
@@ -292,10 +293,10 @@ Result<Json> report(Session& session, const Json& arguments, const Progress& pro
     }
     const auto study = runStudy(*input, {}, progress.part(0.0, 0.7));
     if (!study) return tl::unexpected(study.error());
-    auto alive = s.live();
+    auto alive = session.builtCharacter();
     if (!alive) return tl::unexpected(alive.error());
     CharacterInput plain = input->reference.character;
-    for (std::size_t e = 0; e < plain.elements.size(); ++e) plain.elements[e].response = s.plan.input.elements[e].response;
+    for (std::size_t e = 0; e < plain.elements.size(); ++e) plain.elements[e].response = session.plan().input.elements[e].response;
     int vertices = 0, missing = 0;
     for (const auto& e : plain.elements) {
         vertices += static_cast<int>(e.mesh->body.vertices.rows());
@@ -314,11 +315,11 @@ Result<Json> report(Session& session, const Json& arguments, const Progress& pro
     } else {
         out += "## Against skins\n\nNot compared: some elements are not precomputed. Run \"precompute\" first.\n\n";
     }
-    const auto previous = previousPart(s, progress.part(0.9, 0.95));
+    const auto previous = previousPart(session, progress.part(0.9, 0.95));
     if (!previous) return tl::unexpected(previous.error());
     out += *previous;
     if (const Json* references = find(arguments, "references")) {
-        const auto elements = finiteElementPart(s, references->get<std::string>(), progress.part(0.95, 1.0));
+        const auto elements = finiteElementPart(session, references->get<std::string>(), progress.part(0.95, 1.0));
         if (!elements) return tl::unexpected(elements.error());
         out += *elements;
     }
@@ -330,13 +331,13 @@ Result<Json> report(Session& session, const Json& arguments, const Progress& pro
 
 void addReportCommand(CommandRegistry& registry) {
     using Type = CommandKey::Type;
-    registry.add({"report",
-                  "Writes a report of this character on this machine, with figures of this run: accuracy and cost, scaling with vertices, elements, joint modes and threads, and "
-                  "comparisons with skins, the paper's previous model and finite elements.",
-                  {{"path", Type::Text, true, "The report, .md."},
-                   {"seconds", Type::Number, false, "About how long the study of accuracy may take, s (0.1 to 1e6). No limit unless given."},
-                   {"references", Type::Text, false, "A folder of finite-element answers: NAME.obj, NAME.faces.json and NAME.json."}},
-                  false, report});
+    registry.addAction("report",
+                       "Writes a report of this character on this machine, with figures of this run: accuracy and cost, scaling with vertices, elements, joint modes and threads, and "
+                       "comparisons with skins, the paper's previous model and finite elements.",
+                       {{"path", Type::Text, true, "The report, .md."},
+                        {"seconds", Type::Number, false, "About how long the study of accuracy may take, s (0.1 to 1e6). No limit unless given."},
+                        {"references", Type::Text, false, "A folder of finite-element answers: NAME.obj, NAME.faces.json and NAME.json."}},
+                       report);
 }
 
 }  // namespace imomushi

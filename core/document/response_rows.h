@@ -9,18 +9,13 @@
 
 #include "core/base/hash.h"
 #include "core/document/sqlite.h"
+#include "core/document/stored_response.h"
 #include "core/reduction/element_response.h"
 
 // Responses as rows of two tables, "responses" and "touch_responses". Everything of a response is kept but the times of its precompute (the same work gives the
 // same bytes) and the warping of its faces, which follows from the mesh. All throw DatabaseError.
 
 namespace imomushi {
-
-/// A response and what it answers.
-struct StoredResponse {
-    ContentKey key, shape;  ///< of all that it depends on; and of mesh, faces and basis alone, for which it fits with another nu too
-    std::shared_ptr<const ElementResponse> response;
-};
 
 /// As read, before addWarping().
 struct ResponseRow {

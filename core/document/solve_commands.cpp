@@ -6,7 +6,7 @@
 #include <set>
 
 #include "core/document/command_support.h"
-#include "core/document/session_state.h"
+#include "core/document/session_access.h"
 
 namespace imomushi {
 
@@ -31,7 +31,8 @@ Result<std::vector<PartId>> chosen(const Document& document, const Json& argumen
     return ids;
 }
 
-Result<Json> estimate(Session& session, const Json& arguments, const Progress&) {
+Result<Json> estimate(SessionAccess& access, const Json& arguments, const Progress&) {
+    const Session& session = access.session;
     const auto ids = chosen(session.document(), arguments);
     if (!ids) return tl::unexpected(ids.error());
     Json list = Json::array();
@@ -40,7 +41,7 @@ Result<Json> estimate(Session& session, const Json& arguments, const Progress&) 
     std::set<PartId> needed;  // by others, itself not asked for
     for (const PartId id : *ids) {
         const Element& element = *session.document().elements.at(id);
-        const Session::SharedResponse* shared = session.sharedResponse(id);
+        const SharedResponse* shared = session.sharedResponse(id);
         const ResponseEstimate estimated = session.responseEstimate(id);
         Json line = {{"name", element.name},
                      {"vertices", element.mesh->body.vertices.rows()},
@@ -50,7 +51,7 @@ Result<Json> estimate(Session& session, const Json& arguments, const Progress&) 
                      {"ms_per_frame", estimated.frameMilliseconds}};
         if (shared) {
             line["shared"] = session.document().elements.at(shared->from)->name;
-            const bool known = session.responseState(shared->from) == Session::ResponseState::Fresh;
+            const bool known = session.responseState(shared->from) == ResponseState::Fresh;
             if (!known && std::find(ids->begin(), ids->end(), shared->from) == ids->end()) needed.insert(shared->from);
         }
         list.push_back(std::move(line));
@@ -66,33 +67,15 @@ Result<Json> estimate(Session& session, const Json& arguments, const Progress&) 
     return Json{{"elements", std::move(list)}, {"seconds", seconds}, {"peak_bytes", bytes}, {"ms_per_frame", milliseconds}};
 }
 
-/// The fresh response of an element with joint faces: from the cache, from a congruent element, or solved now.
-Result<std::shared_ptr<const ElementResponse>> freshResponse(Session::State& s, PartId id, const Progress& progress) {
-    if (auto known = s.responseOf(id, false)) return known;
-    Result<ElementResponse> built;
-    if (const Session::SharedResponse* shared = s.sharedOf(id)) {
-        const auto first = freshResponse(s, shared->from, progress);
-        if (!first) return first;
-        if (auto known = s.responseOf(id, false)) return known;  // the very same body in the same place
-        built = shared->how->carry(**first);
-    } else {
-        built = buildResponse(s.inputOf(id), progress);
-    }
-    if (!built) return fail(built.error().code, "\"" + s.document.elements.at(id)->name + "\": " + built.error().message);
-    auto response = std::make_shared<const ElementResponse>(std::move(*built));
-    s.responses.insert(s.keysOf(id).key, response);
-    s.pending.responses = true;
-    return response;
-}
-
-Result<Json> precompute(Session& session, const Json& arguments, const Progress& progress) {
-    Session::State& s = session.state();
-    const auto ids = chosen(s.document, arguments);
+Result<Json> precompute(SessionAccess& access, const Json& arguments, const Progress& progress) {
+    const Document& document = access.document();
+    DocumentResponses& responses = access.responses;
+    const auto ids = chosen(document, arguments);
     if (!ids) return tl::unexpected(ids.error());
     Json list = Json::array();
     double done = 0.0;
     for (const PartId id : *ids) {
-        const Element& element = *s.document.elements.at(id);
+        const Element& element = *document.elements.at(id);
         Json line;
         line["name"] = element.name;
         line["vertices"] = element.mesh->body.vertices.rows();
@@ -103,9 +86,9 @@ Result<Json> precompute(Session& session, const Json& arguments, const Progress&
             line["columns"] = 0;
             line["note"] = "no joint face: the element follows its bone rigidly";
         } else {
-            const bool cached = s.responseOf(id, false) != nullptr;
+            const bool cached = responses.freshOf(id) != nullptr;
             const auto start = std::chrono::steady_clock::now();
-            const auto fresh = freshResponse(s, id, progress.part(done, next));
+            const auto fresh = responses.compute(id, progress.part(done, next));
             if (!fresh) return tl::unexpected(fresh.error());
             const double seconds = cached ? 0.0 : std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
             const auto& response = *fresh;
@@ -123,15 +106,16 @@ Result<Json> precompute(Session& session, const Json& arguments, const Progress&
                 line["mapping_error"] = response->quality.mappingError;
                 line["shape_error"] = response->quality.shapeError;
             }
-            if (const Session::SharedResponse* shared = s.sharedOf(id)) line["shared"] = s.document.elements.at(shared->from)->name;
+            if (const SharedResponse* shared = responses.sharedOf(id)) line["shared"] = document.elements.at(shared->from)->name;
             line["cached"] = cached;
         }
         list.push_back(std::move(line));
         done = next;
     }
-    if (auto alive = s.live(); !alive) return tl::unexpected(alive.error());
-    s.pending.responses = s.pending.pose = true;
-    s.note(arguments);
+    if (auto alive = access.live.built(); !alive) return tl::unexpected(alive.error());
+    access.changedResponses();
+    access.changedPose();
+    access.note(arguments);
     return Json{{"elements", std::move(list)}};
 }
 
@@ -204,9 +188,9 @@ Eigen::VectorXd project(const TriangleMesh& body, const JointFace& face, const F
     return C.completeOrthogonalDecomposition().solve(u);
 }
 
-Result<Json> deform(Session& session, const Json& arguments, const Progress& progress) {
-    Session::State& s = session.state();
-    const auto found = elementOf(s.document, text(arguments, "element"));
+Result<Json> deform(SessionAccess& access, const Json& arguments, const Progress& progress) {
+    const Document& document = access.document();
+    const auto found = elementOf(document, text(arguments, "element"));
     if (!found) return tl::unexpected(found.error());
     const Element& element = **found;
     const TriangleMesh& body = element.mesh->body;
@@ -219,7 +203,7 @@ Result<Json> deform(Session& session, const Json& arguments, const Progress& pro
     for (const auto& item : arguments.at("faces").items()) {
         const int index = element.faceIndex(item.key());
         if (index < 0) {
-            const auto error = s.document.face(element.name + "/" + item.key());
+            const auto error = document.face(element.name + "/" + item.key());
             return tl::unexpected(error.error());
         }
         if (!item.value().is_object()) return fail("bad-type", "A face needs an object: {a, b, theta1, theta2, dz} or {vertices}.");
@@ -233,9 +217,11 @@ Result<Json> deform(Session& session, const Json& arguments, const Progress& pro
     answer["model"] = model;
     Points positions;
     // A response of full basis is the full solution, for any displacement of the faces.
-    if (model == "reduced" || s.document.settings.basis == BasisKind::Full) {
-        const auto fresh = freshResponse(s, element.id, progress);
+    if (model == "reduced" || document.settings.basis == BasisKind::Full) {
+        const bool known = access.responses.freshOf(element.id) != nullptr;
+        const auto fresh = access.responses.compute(element.id, progress);
         if (!fresh) return tl::unexpected(fresh.error());
+        if (!known) access.changedResponses();
         const auto& response = *fresh;
         Eigen::VectorXd v = Eigen::VectorXd::Zero(response->columns());
         double lost = 0.0, worst = 0.0;
@@ -265,14 +251,14 @@ Result<Json> deform(Session& session, const Json& arguments, const Progress& pro
     } else {
         std::vector<Points> displacement;
         for (std::size_t f = 0; f < element.faces.size(); ++f) displacement.push_back(faceDisplacement(body, element.faces[f], requests[f]));
-        auto solved = solveFull(s.inputOf(element.id), displacement, progress);
+        auto solved = solveFull(access.responses.inputOf(element.id), displacement, progress);
         if (!solved) return tl::unexpected(solved.error());
         positions = body.vertices + *solved;
     }
     if (!positions.allFinite()) return fail("not-finite", "The deformation is not finite: use smaller displacements.");
     answer["vertices"] = positions.rows();
     answer["max_displacement"] = (positions - body.vertices).rowwise().norm().maxCoeff();
-    s.results.insert_or_assign(element.id, std::move(positions));
+    access.live.showPositions(element.id, std::move(positions));
     return answer;
 }
 
@@ -281,15 +267,15 @@ Result<Json> deform(Session& session, const Json& arguments, const Progress& pro
 void addSolveCommands(CommandRegistry& registry) {
     using Type = CommandKey::Type;
     const CommandKey elements{"elements", Type::Array, false, "Names of elements (all unless given)."};
-    registry.add({"estimate", "What a precompute will cost on this machine: seconds, bytes, milliseconds per frame.", {elements}, false, estimate});
-    registry.add({"precompute", "Solves the elements for their joint faces; what is known already is not solved again.", {elements}, false, precompute});
-    registry.add({"deform-element",
-                  "Statics of one element alone in its own rest frame. write-mesh \"current\" writes the result until the next drag, step or rest.",
-                  {{"element", Type::Text, true, "The element."},
-                   {"faces", Type::Object, true,
-                    "{face: {a, b, theta1, theta2, dz}} as in eq. (5), or {face: {\"vertices\": {index: [dx,dy,dz]}}}; what is not named is at rest."},
-                   {"model", Type::Text, false, "\"reduced\" (unless given; precomputes the element where that is missing), \"full\" or \"previous\" (the statics of full)."}},
-                  false, deform});
+    registry.addAction("estimate", "What a precompute will cost on this machine: seconds, bytes, milliseconds per frame.", {elements}, estimate);
+    registry.addAction("precompute", "Solves the elements for their joint faces; what is known already is not solved again.", {elements}, precompute);
+    registry.addAction("deform-element",
+                       "Statics of one element alone in its own rest frame. write-mesh \"current\" writes the result until the next drag, step or rest.",
+                       {{"element", Type::Text, true, "The element."},
+                        {"faces", Type::Object, true,
+                         "{face: {a, b, theta1, theta2, dz}} as in eq. (5), or {face: {\"vertices\": {index: [dx,dy,dz]}}}; what is not named is at rest."},
+                        {"model", Type::Text, false, "\"reduced\" (unless given; precomputes the element where that is missing), \"full\" or \"previous\" (the statics of full)."}},
+                       deform);
 }
 
 }  // namespace imomushi

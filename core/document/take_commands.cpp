@@ -3,8 +3,9 @@
 #include <chrono>
 
 #include "core/document/command_support.h"
+#include "core/document/document_edit.h"
 #include "core/document/names.h"
-#include "core/document/session_state.h"
+#include "core/document/session_access.h"
 
 namespace imomushi {
 
@@ -23,20 +24,21 @@ Json takeJson(const Take& take) {
     return Json{{"take", take.name}, {"frames", take.times.size()}, {"seconds", take.duration()}, {"bytes", take.bytes()}};
 }
 
-Result<Json> record(Session& session, const Json& arguments, const Progress&) {
-    Session::State& s = session.state();
+Result<Json> record(SessionAccess& access, const Json& arguments, const Progress&) {
+    const auto& recording = access.live.recording();
     const std::string &name = text(arguments, "take"), &action = text(arguments, "action");
     if (action == "start") {
-        if (s.recording) return fail("already-recording", "The take \"" + s.recording->take.name + "\" is being recorded: stop that first.");
-        if (auto ok = checkTakeName(s.document, name); !ok) return tl::unexpected(ok.error());
-        if (auto started = s.startRecording(name, arguments); !started) return tl::unexpected(started.error());
+        if (recording) return fail("already-recording", "The take \"" + recording->take.name + "\" is being recorded: stop that first.");
+        if (auto ok = checkTakeName(access.document(), name); !ok) return tl::unexpected(ok.error());
+        if (auto started = access.live.startRecording(name); !started) return tl::unexpected(started.error());
+        access.note(arguments);
         return Json{{"take", name}};
     }
     if (action != "stop") return fail("bad-value", "\"action\" must be \"start\" or \"stop\".");
-    if (!s.recording) return fail("not-recording", "Nothing is being recorded: start first.");
-    if (s.recording->take.name != name) return fail("not-recording", "\"" + s.recording->take.name + "\" is being recorded, not \"" + name + "\".");
-    const bool whole = s.recording->going;
-    const auto take = s.stopRecording(arguments);
+    if (!recording) return fail("not-recording", "Nothing is being recorded: start first.");
+    if (recording->take.name != name) return fail("not-recording", "\"" + recording->take.name + "\" is being recorded, not \"" + name + "\".");
+    const bool whole = recording->going;
+    const auto take = access.addTake(access.live.stopRecording(), arguments);
     Json answer = takeJson(*take);
     answer["whole"] = whole;
     answer["warnings"] = Json::array();
@@ -44,11 +46,11 @@ Result<Json> record(Session& session, const Json& arguments, const Progress&) {
     return answer;
 }
 
-Result<Json> play(Session& session, const Json& arguments, const Progress& progress) {
-    Session::State& s = session.state();
-    const auto take = takeOf(s.document, text(arguments, "take"));
+Result<Json> play(SessionAccess& access, const Json& arguments, const Progress& progress) {
+    const auto& recording = access.live.recording();
+    const auto take = takeOf(access.document(), text(arguments, "take"));
     if (!take) return tl::unexpected(take.error());
-    if (s.recording) return fail("already-recording", "The take \"" + s.recording->take.name + "\" is being recorded: stop that first.");
+    if (recording) return fail("already-recording", "The take \"" + recording->take.name + "\" is being recorded: stop that first.");
     const Take& t = **take;
     std::vector<double> times = t.times, milliseconds;
     if (const Json* time = find(arguments, "time")) {
@@ -60,12 +62,12 @@ Result<Json> play(Session& session, const Json& arguments, const Progress& progr
     for (const double time : times) {
         if (progress.cancelled()) return fail(kCancelled, "Playing was cancelled.");
         const auto start = std::chrono::steady_clock::now();
-        const auto shown = s.showTake(t, time);
+        const auto shown = access.live.showTake(t, time);
         if (!shown) return tl::unexpected(shown.error());
         milliseconds.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
         exact = exact && *shown;
     }
-    s.pending.pose = true;
+    access.changedPose();
     Json answer{{"time", times.back()}, {"frames", t.times.size()}, {"seconds", t.duration()}, {"exact", exact}};
     answer["ms_per_frame"] = summary(std::move(milliseconds));
     answer["warnings"] = Json::array();
@@ -74,22 +76,22 @@ Result<Json> play(Session& session, const Json& arguments, const Progress& progr
     return answer;
 }
 
-Result<Json> renameTake(Session& session, const Json& arguments, const Progress&) {
-    const auto take = takeOf(session.document(), text(arguments, "take"));
+Result<Json> renameTake(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    const auto take = takeOf(edit.document, text(arguments, "take"));
     if (!take) return tl::unexpected(take.error());
     const std::string& name = text(arguments, "name");
     if (name == (*take)->name) return Json::object();
-    if (auto ok = checkTakeName(session.document(), name); !ok) return tl::unexpected(ok.error());
-    exchangePart(session.edit().takes, (*take)->id, [&](Take& t) { t.name = name; });
+    if (auto ok = checkTakeName(edit.document, name); !ok) return tl::unexpected(ok.error());
+    exchangePart(edit.document.takes, (*take)->id, [&](Take& t) { t.name = name; });
     return Json::object();
 }
 
-Result<Json> duplicateTake(Session& session, const Json& arguments, const Progress&) {
-    const auto take = takeOf(session.document(), text(arguments, "take"));
+Result<Json> duplicateTake(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    const auto take = takeOf(edit.document, text(arguments, "take"));
     if (!take) return tl::unexpected(take.error());
     const std::string& name = text(arguments, "name");
-    if (auto ok = checkTakeName(session.document(), name); !ok) return tl::unexpected(ok.error());
-    Document& document = session.edit();
+    if (auto ok = checkTakeName(edit.document, name); !ok) return tl::unexpected(ok.error());
+    Document& document = edit.document;
     Take copy = **take;
     copy.id = document.nextId++;
     copy.name = name;
@@ -98,8 +100,8 @@ Result<Json> duplicateTake(Session& session, const Json& arguments, const Progre
     return answer;
 }
 
-Result<Json> trimTake(Session& session, const Json& arguments, const Progress&) {
-    const auto take = takeOf(session.document(), text(arguments, "take"));
+Result<Json> trimTake(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    const auto take = takeOf(edit.document, text(arguments, "take"));
     if (!take) return tl::unexpected(take.error());
     const std::vector<double>& times = (*take)->times;
     double from = 0.0, to = (*take)->duration();
@@ -114,14 +116,14 @@ Result<Json> trimTake(Session& session, const Json& arguments, const Progress&) 
     if (first >= last) return fail("bad-value", "No frame of the take lies between \"from\" and \"to\": choose times farther apart.");
     auto kept = std::make_shared<const Take>(takePart(**take, static_cast<std::size_t>(first - times.begin()), static_cast<std::size_t>(last - first)));
     const Json answer = takeJson(*kept);
-    session.edit().takes.at(kept->id) = std::move(kept);
+    edit.document.takes.at(kept->id) = std::move(kept);
     return answer;
 }
 
-Result<Json> removeTake(Session& session, const Json& arguments, const Progress&) {
-    const auto take = takeOf(session.document(), text(arguments, "take"));
+Result<Json> removeTake(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    const auto take = takeOf(edit.document, text(arguments, "take"));
     if (!take) return tl::unexpected(take.error());
-    session.edit().takes.erase((*take)->id);
+    edit.document.takes.erase((*take)->id);
     return Json::object();
 }
 
@@ -130,21 +132,21 @@ Result<Json> removeTake(Session& session, const Json& arguments, const Progress&
 void addTakeCommands(CommandRegistry& registry) {
     using Type = CommandKey::Type;
     const CommandKey take{"take", Type::Text, true, "The take."};
-    registry.add({"record",
-                  "Records a take: what is shown when it starts, and each frame that is stepped until it stops. Stopping is one step of the history.",
-                  {{"take", Type::Text, true, "Its name, which no other take has."}, {"action", Type::Text, true, "\"start\" or \"stop\"."}},
-                  false, record});
-    registry.add({"play",
-                  "Shows a take as it was seen, until a frame is stepped or the pose is changed; what is held and posed stays as it is.",
-                  {take, {"time", Type::Number, false, "Seconds from its start, between frames too; without it the whole take is stepped, to its end."}},
-                  false, play});
-    registry.add({"rename-take", "Gives a take another name.", {take, {"name", Type::Text, true, "A name that no other take has."}}, true, renameTake});
-    registry.add({"duplicate-take", "Makes a copy of a take.", {take, {"name", Type::Text, true, "A name that no other take has."}}, true, duplicateTake});
-    registry.add({"trim-take",
-                  "Keeps the frames of a take between two times, these included; they begin at 0 again.",
-                  {take, {"from", Type::Number, false, "Seconds from its start (0)."}, {"to", Type::Number, false, "Seconds from its start (its end)."}},
-                  true, trimTake});
-    registry.add({"remove-take", "Removes a take.", {take}, true, removeTake});
+    registry.addAction("record",
+                       "Records a take: what is shown when it starts, and each frame that is stepped until it stops. Stopping is one step of the history.",
+                       {{"take", Type::Text, true, "Its name, which no other take has."}, {"action", Type::Text, true, "\"start\" or \"stop\"."}},
+                       record);
+    registry.addAction("play",
+                       "Shows a take as it was seen, until a frame is stepped or the pose is changed; what is held and posed stays as it is.",
+                       {take, {"time", Type::Number, false, "Seconds from its start, between frames too; without it the whole take is stepped, to its end."}},
+                       play);
+    registry.addChange("rename-take", "Gives a take another name.", {take, {"name", Type::Text, true, "A name that no other take has."}}, renameTake);
+    registry.addChange("duplicate-take", "Makes a copy of a take.", {take, {"name", Type::Text, true, "A name that no other take has."}}, duplicateTake);
+    registry.addChange("trim-take",
+                       "Keeps the frames of a take between two times, these included; they begin at 0 again.",
+                       {take, {"from", Type::Number, false, "Seconds from its start (0)."}, {"to", Type::Number, false, "Seconds from its start (its end)."}},
+                       trimTake);
+    registry.addChange("remove-take", "Removes a take.", {take}, removeTake);
 }
 
 }  // namespace imomushi

@@ -12,12 +12,11 @@
 
 namespace imomushi {
 
-/// How a bone yields. Frequencies in Hz are those at which the lighter side of the character, rigid but for this spring, swings against what is
-/// held; 0.01 (a slow sway) ... 1000 (rigid to the eye), characters live at 1 ... 10. Damping ratios 0 (swings for ever) ... 10; 0.2 follows through
-/// a few times, 1 returns without overshoot.
+/// The spring-dampers of a bone. Frequencies in Hz are those of the lighter side of the character, rigid but for this spring, against what is held; 0.01 (a
+/// slow sway) ... 1000 (looks rigid), usual are 1 ... 10. Damping ratios 0 (oscillates for ever) ... 10; 0.2 overshoots a few times, 1 is critical.
 struct BoneSpring {
     double stretchHertz = 5.0, stretchDamping = 0.4;  ///< of its length
-    double swingHertz = 2.5, swingDamping = 0.3;      ///< of its angle to the parent bone, or to the pose where it starts at a held point
+    double bendHertz = 2.5, bendDamping = 0.3;      ///< of the bend angle to its parent bone, or to the pose where it starts at a held point
     double rollHertz = 3.0, rollDamping = 0.3;        ///< of its twist about itself
 
     static constexpr double kLeastHertz = 0.01, kMostHertz = 1000.0, kMostDamping = 10.0;
@@ -53,7 +52,7 @@ enum class DynamicsWarning : unsigned {
 /// kinematic pose.
 ///
 /// Length: the potential k L^2 (r - 1/r)^2 / 8, r = length / kinematic length L, whose frequency does not depend on the amplitude and which no
-/// finite force collapses; beyond the stretch limits of the bone a stiff spring beside it. Angle: k theta^2 / 2 between a bone and where its parent carries it; at a held point every bone swings against its own
+/// finite force collapses; beyond the stretch limits of the bone a stiff spring beside it. Angle: k theta^2 / 2 between a bone and where its parent carries it; at a held point every bone is measured against its own
 /// kinematic direction instead. Damping acts on the rates of the same lengths and angles, relative to the kinematic pose's.
 /// Roll is one linear spring per bone between the rolls of its joint points. Angles are compared in space with those of the kinematic pose: a tree
 /// that flies freely and is bent at rest feels a torque back to the kinematic orientation; a straight one does not.

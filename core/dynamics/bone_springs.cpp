@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Angles are compared in space: a bone is carried by its parent as by the rotation of least angle from the parent's kinematic direction to its present
-// one. That is a potential of the joint points alone, without history.
+// Bend angles are measured in space: a parent carries its child by the rotation of least angle from the parent's kinematic direction to its present one.
+// The energy is thus a function of the joint points alone, without history.
 #include "core/dynamics/bone_springs.h"
 
 #include <algorithm>
@@ -15,13 +15,13 @@ using Eigen::Matrix3d;
 
 namespace {
 
-// Parts of a bone's kinematic length below which its direction and its arm mean nothing. The potential keeps bones far longer.
+// Of a bone's kinematic length: a shorter one has no direction. The potential keeps bones far longer.
 constexpr double kCollapsed = 1e-2;
-// A bone that turned farther than this from its kinematic direction (1 + cosine) has no rotation of least angle to speak of.
+// 1 + cosine of the angle to the kinematic direction: below it the rotation of least angle is not unique.
 constexpr double kOpposite = 1e-6;
-// Steps of Newton count on less: the true stiffness there is without bounds.
+// The same where Newton's matrix is assembled, as the exact stiffness is unbounded there.
 constexpr double kNearlyOpposite = 1e-2;
-// Beyond the stretch limits of a bone another spring pushes back, stiff to the eye.
+// A spring beyond the stretch limits of a bone, stiff enough to look rigid.
 constexpr double kLimitHertz = 20.0;
 constexpr double kLimitDamping = 0.5;
 
@@ -31,7 +31,7 @@ Matrix3d cross(const Vec3& a) {
     return m;
 }
 
-// b, turned as a turns to u by the rotation of least angle.
+// b, rotated by the rotation of least angle from a to u (unit vectors).
 Vec3 turned(const Vec3& a, const Vec3& u, const Vec3& b) {
     const Vec3 v = a.cross(u);
     const Vec3 across = v.cross(b);
@@ -40,8 +40,8 @@ Vec3 turned(const Vec3& a, const Vec3& u, const Vec3& b) {
 
 double angleBetween(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
-// What moves when two sides swing against each other; a side with held points stands still, unless both do.
-double movingPart(double one, bool oneHeld, double other, bool otherHeld) {
+// Reduced mass (or inertia) of two parts that oscillate against each other. A part with held points stands still, unless both have some.
+double reducedMass(double one, bool oneHeld, double other, bool otherHeld) {
     if (oneHeld != otherHeld) return oneHeld ? other : one;
     if (one <= 0.0 || other <= 0.0) return std::max({one, other, 0.0});
     return one / (one + other) * other;
@@ -80,42 +80,42 @@ BoneSprings::BoneSprings(const Skeleton& skeleton, const std::vector<double>& ma
 
     for (int b = 0; b < bones; ++b) {
         const auto& bone = skeleton.bones[b];
-        const auto touch = [](Swing& swing, int point, double onParent, double onChild) {
+        const auto touch = [](Bend& bend, int point, double onParent, double onChild) {
             int i = 0;
-            while (i < swing.count && swing.point[i] != point) ++i;
-            swing.count = std::max(swing.count, i + 1);
-            swing.point[i] = point;
-            swing.onParent[i] += onParent;
-            swing.onChild[i] += onChild;
+            while (i < bend.count && bend.point[i] != point) ++i;
+            bend.count = std::max(bend.count, i + 1);
+            bend.point[i] = point;
+            bend.onParent[i] += onParent;
+            bend.onChild[i] += onChild;
         };
         for (const int hinge : {bone.start, bone.end}) {
-            Swing swing;
-            swing.child = b;
-            swing.hinge = hinge;
-            touch(swing, bone.start, 0, -1), touch(swing, bone.end, 0, 1);
-            swings_.push_back(swing);
+            Bend bend;
+            bend.child = b;
+            bend.hinge = hinge;
+            touch(bend, bone.start, 0, -1), touch(bend, bone.end, 0, 1);
+            bends_.push_back(bend);
         }
         if (tree_.parent[b] < 0) continue;
-        Swing swing;
-        swing.parent = tree_.parent[b];
-        swing.child = b;
-        const auto& parent = skeleton.bones[swing.parent];
+        Bend bend;
+        bend.parent = tree_.parent[b];
+        bend.child = b;
+        const auto& parent = skeleton.bones[bend.parent];
         for (const int p : {bone.start, bone.end})
-            if (p == parent.start || p == parent.end) swing.hinge = p;
-        touch(swing, parent.start, -1, 0), touch(swing, parent.end, 1, 0), touch(swing, bone.start, 0, -1), touch(swing, bone.end, 0, 1);
-        for (int i = 0; i < swing.count; ++i)
-            for (int j = 0; j < i; ++j) pairs_.emplace_back(swing.point[i], swing.point[j]);
-        swings_.push_back(swing);
+            if (p == parent.start || p == parent.end) bend.hinge = p;
+        touch(bend, parent.start, -1, 0), touch(bend, parent.end, 1, 0), touch(bend, bone.start, 0, -1), touch(bend, bone.end, 0, 1);
+        for (int i = 0; i < bend.count; ++i)
+            for (int j = 0; j < i; ++j) pairs_.emplace_back(bend.point[i], bend.point[j]);
+        bends_.push_back(bend);
     }
     stretch_.resize(bones), limit_.resize(bones), roll_.resize(bones), arms_.resize(bones);
     return_.resize(points), below_.resize(points);
     rollDiagonal_.resize(points), rollBelow_.resize(points);
 }
 
-BoneSprings::Side BoneSprings::beyond(int from, int to) const {
+BoneSprings::MassMoments BoneSprings::beyond(int from, int to) const {
     if (above_[to] == from) return below_[to];
-    Side side = below_[root_[from]];
-    const Side& cut = below_[from];
+    MassMoments side = below_[root_[from]];
+    const MassMoments& cut = below_[from];
     side.mass -= cut.mass;
     side.first -= cut.first;
     side.second -= cut.second;
@@ -126,7 +126,7 @@ BoneSprings::Side BoneSprings::beyond(int from, int to) const {
 void BoneSprings::calibrate(std::span<const BoneSpring> springs, double returnHertz, const std::vector<char>& held) {
     const auto place = [&](int i) -> Vec3 { return skeleton_.points[i] - skeleton_.points[root_[i]]; };
     for (const int i : order_) {
-        below_[i] = Side{};
+        below_[i] = MassMoments{};
         if (held[i]) {
             below_[i].held = 1;
             continue;
@@ -135,69 +135,69 @@ void BoneSprings::calibrate(std::span<const BoneSpring> springs, double returnHe
     }
     for (auto i = order_.rbegin(); i != order_.rend(); ++i) {
         if (above_[*i] < 0) continue;
-        Side& sum = below_[above_[*i]];
-        const Side& part = below_[*i];
+        MassMoments& sum = below_[above_[*i]];
+        const MassMoments& part = below_[*i];
         sum.mass += part.mass;
         sum.second += part.second;
         sum.first += part.first;
         sum.held += part.held;
     }
-    // At least that of the point next to `about`: sums cancel.
-    const auto inertia = [&](const Side& side, int about, int next) {
+    // About the point `about`; differences of sums cancel: no less than that of the neighbour `next`.
+    const auto inertia = [&](const MassMoments& side, int about, int next) {
         const Vec3 p = place(about);
         const double least = held[next] ? 0.0 : mass_[next] * (skeleton_.points[next] - skeleton_.points[about]).squaredNorm();
         return std::max(side.second - 2.0 * p.dot(side.first) + side.mass * p.squaredNorm(), least);
     };
-    const auto gain = [](double moving, double hertz, double ratio) -> Gain {
+    const auto springDamper = [](double mass, double hertz, double ratio) -> SpringDamper {
         const double omega = 2.0 * M_PI * hertz;
-        return {moving * omega * omega, 2.0 * ratio * moving * omega};
+        return {mass * omega * omega, 2.0 * ratio * mass * omega};
     };
     const auto springOf = [&](int bone) -> const BoneSpring& { return springs[springs.size() > 1 ? bone : 0]; };
 
     for (std::size_t b = 0; b < stretch_.size(); ++b) {
         const auto& bone = skeleton_.bones[b];
         const BoneSpring& spring = springOf(static_cast<int>(b));
-        const Side one = beyond(bone.start, bone.end), other = beyond(bone.end, bone.start);
-        // Sums cancel: at least what the nearer points say.
+        const MassMoments one = beyond(bone.start, bone.end), other = beyond(bone.end, bone.start);
+        // Differences of sums cancel: no less than what the bone's own points give.
         const double least = std::min(held[bone.start] ? mass_[bone.end] : mass_[bone.start], held[bone.end] ? mass_[bone.start] : mass_[bone.end]);
-        const double moving = std::max(movingPart(one.mass, one.held > 0, other.mass, other.held > 0), 0.5 * least);
-        stretch_[b] = gain(moving, spring.stretchHertz, spring.stretchDamping);
-        limit_[b] = gain(moving, kLimitHertz, kLimitDamping);
-        roll_[b] = gain(moving * rollArm_ * rollArm_, spring.rollHertz, spring.rollDamping);
+        const double mass = std::max(reducedMass(one.mass, one.held > 0, other.mass, other.held > 0), 0.5 * least);
+        stretch_[b] = springDamper(mass, spring.stretchHertz, spring.stretchDamping);
+        limit_[b] = springDamper(mass, kLimitHertz, kLimitDamping);
+        roll_[b] = springDamper(mass * rollArm_ * rollArm_, spring.rollHertz, spring.rollDamping);
     }
-    for (auto& swing : swings_) {
-        const auto& bone = skeleton_.bones[swing.child];
-        const BoneSpring& spring = springOf(swing.child);
-        double moving = 0.0;
-        if (swing.hinge >= 0) {
-            const int far = bone.start + bone.end - swing.hinge;
-            const Side child = beyond(swing.hinge, far);
-            const double childInertia = inertia(child, swing.hinge, far);
-            if (swing.parent < 0) {
-                swing.active = held[swing.hinge] && !held[far];
-                moving = childInertia;
+    for (auto& bend : bends_) {
+        const auto& bone = skeleton_.bones[bend.child];
+        const BoneSpring& spring = springOf(bend.child);
+        double mass = 0.0;
+        if (bend.hinge >= 0) {
+            const int far = bone.start + bone.end - bend.hinge;
+            const MassMoments child = beyond(bend.hinge, far);
+            const double childInertia = inertia(child, bend.hinge, far);
+            if (bend.parent < 0) {
+                bend.active = held[bend.hinge] && !held[far];
+                mass = childInertia;
             } else {
-                swing.active = !held[swing.hinge];
-                const auto& parent = skeleton_.bones[swing.parent];
-                const int near = parent.start + parent.end - swing.hinge;
-                Side rest = below_[root_[swing.hinge]];
+                bend.active = !held[bend.hinge];
+                const auto& parent = skeleton_.bones[bend.parent];
+                const int near = parent.start + parent.end - bend.hinge;
+                MassMoments rest = below_[root_[bend.hinge]];
                 rest.mass -= child.mass;
                 rest.second -= child.second;
                 rest.first -= child.first;
                 rest.held -= child.held;
-                moving = movingPart(childInertia, child.held > 0, inertia(rest, swing.hinge, near), rest.held > 0);
+                mass = reducedMass(childInertia, child.held > 0, inertia(rest, bend.hinge, near), rest.held > 0);
             }
         } else {  // bones that do not touch: two trees, joined by this angle only
-            const auto& parent = skeleton_.bones[swing.parent];
-            swing.active = true;
-            const Side& one = below_[root_[bone.start]];
-            const Side& other = below_[root_[parent.end]];
-            moving = movingPart(inertia(one, bone.start, bone.end), one.held > 0, inertia(other, parent.end, parent.start), other.held > 0);
+            const auto& parent = skeleton_.bones[bend.parent];
+            bend.active = true;
+            const MassMoments& one = below_[root_[bone.start]];
+            const MassMoments& other = below_[root_[parent.end]];
+            mass = reducedMass(inertia(one, bone.start, bone.end), one.held > 0, inertia(other, parent.end, parent.start), other.held > 0);
         }
-        swing.gain = gain(moving, spring.swingHertz, spring.swingDamping);
+        bend.spring = springDamper(mass, spring.bendHertz, spring.bendDamping);
     }
     for (std::size_t i = 0; i < return_.size(); ++i)
-        return_[i] = below_[root_[i]].held > 0 ? Gain{} : gain(mass_[i], returnHertz, 1.0);
+        return_[i] = below_[root_[i]].held > 0 ? SpringDamper{} : springDamper(mass_[i], returnHertz, 1.0);
 }
 
 void BoneSprings::arms(const std::vector<Vec3>& x, const BoneTargets& targets) const {
@@ -210,14 +210,14 @@ void BoneSprings::arms(const std::vector<Vec3>& x, const BoneTargets& targets) c
     }
 }
 
-// Where the parent carries the child's direction: unit.
-Vec3 BoneSprings::carried(const Swing& swing, const BoneTargets& targets) const {
-    if (swing.parent < 0) return targets.direction[swing.child];
-    return turned(targets.direction[swing.parent], arms_[swing.parent].direction, targets.direction[swing.child]);
+// The child's kinematic direction as the parent carries it: unit.
+Vec3 BoneSprings::carried(const Bend& bend, const BoneTargets& targets) const {
+    if (bend.parent < 0) return targets.direction[bend.child];
+    return turned(targets.direction[bend.parent], arms_[bend.parent].direction, targets.direction[bend.child]);
 }
 
-// The spring that keeps a bone within its stretch limits. What the kinematic pose asks for is within them. Beyond the upper limit it is linear, below
-// the lower one it is a bone's potential again, which nothing collapses.
+// The spring beyond the stretch limits, which give way to the kinematic length. Linear beyond the upper limit; below the lower one the potential of a bone
+// again, which no finite force collapses.
 BoneSprings::Limit BoneSprings::limit(std::size_t b, const BoneTargets& targets) const {
     const auto& bone = skeleton_.bones[b];
     const double length = arms_[b].length, k = limit_[b].stiffness;
@@ -237,17 +237,17 @@ double BoneSprings::energy(const std::vector<Vec3>& x, const BoneTargets& target
         const double strain = 0.5 * (r - 1.0 / r) * length;
         sum += 0.5 * stretch_[b].stiffness * strain * strain + limit(b, targets).energy;
     }
-    for (const auto& swing : swings_) {
-        if (!swing.active) continue;
-        const double angle = angleBetween(carried(swing, targets), arms_[swing.child].direction);
-        sum += 0.5 * swing.gain.stiffness * angle * angle;
+    for (const auto& bend : bends_) {
+        if (!bend.active) continue;
+        const double angle = angleBetween(carried(bend, targets), arms_[bend.child].direction);
+        sum += 0.5 * bend.spring.stiffness * angle * angle;
     }
     for (std::size_t i = 0; i < return_.size(); ++i)
         if (return_[i].stiffness > 0.0) sum += 0.5 * return_[i].stiffness * (x[i] - targets.points[i]).squaredNorm();
     return sum;
 }
 
-void BoneSprings::add(BlockCholesky& system, int i, int j, const Matrix3d& block, const std::vector<Freedom>& freedom, const Vec3& normal) const {
+void BoneSprings::add(BlockCholesky<3>& system, int i, int j, const Matrix3d& block, const std::vector<Freedom>& freedom, const Vec3& normal) const {
     if (freedom[i] == Freedom::Fixed || freedom[j] == Freedom::Fixed) return;
     if (freedom[i] == Freedom::Free && freedom[j] == Freedom::Free) return system.add(i, j, block);
     Matrix3d within = block;
@@ -257,7 +257,7 @@ void BoneSprings::add(BlockCholesky& system, int i, int j, const Matrix3d& block
 }
 
 void BoneSprings::forces(const std::vector<Vec3>& x, const std::vector<Vec3>& v, const BoneTargets& targets, const Motion& motion,
-                         std::vector<Vec3>& force, BlockCholesky* system, double seconds, const std::vector<Freedom>& freedom, const Vec3& normal) {
+                         std::vector<Vec3>& force, BlockCholesky<3>* system, double seconds, const std::vector<Freedom>& freedom, const Vec3& normal) {
     const Matrix3d eye = Matrix3d::Identity();
     arms(x, targets);
     for (std::size_t b = 0; b < arms_.size(); ++b) {
@@ -288,33 +288,33 @@ void BoneSprings::forces(const std::vector<Vec3>& x, const std::vector<Vec3>& v,
         add(*system, bone.end, bone.end, h, freedom, normal);
         add(*system, bone.start, bone.end, -h, freedom, normal);
     }
-    for (const auto& swing : swings_) {
-        if (!swing.active) continue;
-        const Arm& child = arms_[swing.child];
+    for (const auto& bend : bends_) {
+        if (!bend.active) continue;
+        const Arm& child = arms_[bend.child];
         const Vec3& u = child.direction;
-        const Vec3 t = carried(swing, targets);
+        const Vec3 t = carried(bend, targets);
         const Vec3 tu = t.cross(u);
         const double sine = tu.norm(), angle = std::atan2(sine, t.dot(u));
         const Vec3 axis = sine > 1e-12 ? Vec3(tu / sine) : Vec3(Vec3::Zero());
-        const auto& bone = skeleton_.bones[swing.child];
+        const auto& bone = skeleton_.bones[bend.child];
         Vec3 turning = child.turn * (v[bone.end] - v[bone.start]);
-        const Arm* parent = swing.parent < 0 ? nullptr : &arms_[swing.parent];
+        const Arm* parent = bend.parent < 0 ? nullptr : &arms_[bend.parent];
         if (parent) {
-            const auto& p = skeleton_.bones[swing.parent];
+            const auto& p = skeleton_.bones[bend.parent];
             turning -= parent->carries * (v[p.end] - v[p.start]);
         }
-        if (motion.from) turning -= carried(swing, *motion.from).cross(carried(swing, *motion.to)) / motion.seconds;
+        if (motion.from) turning -= carried(bend, *motion.from).cross(carried(bend, *motion.to)) / motion.seconds;
         turning -= u * u.dot(turning);
-        const Vec3 torque = -(swing.gain.stiffness * angle * axis + swing.gain.damping * turning);
+        const Vec3 torque = -(bend.spring.stiffness * angle * axis + bend.spring.damping * turning);
         const Vec3 onChild = child.turn.transpose() * torque;
         Vec3 onParent = Vec3::Zero();
         if (parent) onParent = -(parent->carries.transpose() * torque);
-        for (int i = 0; i < swing.count; ++i) force[swing.point[i]] += swing.onChild[i] * onChild + swing.onParent[i] * onParent;
+        for (int i = 0; i < bend.count; ++i) force[bend.point[i]] += bend.onChild[i] * onChild + bend.onParent[i] * onParent;
         if (!system) continue;
-        // Across the bend an angle's energy is less curved than along it, and concave beyond a right angle.
-        const double across = sine > 1e-6 ? std::max(angle * t.dot(u) / sine, 0.0) : (t.dot(u) > 0.0 ? 1.0 : 0.0);
-        const Matrix3d w = (swing.gain.stiffness * across + swing.gain.damping / seconds) * (eye - u * u.transpose()) +
-                           swing.gain.stiffness * (1.0 - across) * axis * axis.transpose();
+        // The Hessian of k angle^2 / 2 is k about the bend axis and k angle / tan(angle) across it, negative beyond a right angle and set to zero there.
+        const double acrossShare = sine > 1e-6 ? std::max(angle * t.dot(u) / sine, 0.0) : (t.dot(u) > 0.0 ? 1.0 : 0.0);
+        const Matrix3d w = (bend.spring.stiffness * acrossShare + bend.spring.damping / seconds) * (eye - u * u.transpose()) +
+                           bend.spring.stiffness * (1.0 - acrossShare) * axis * axis.transpose();
         const Matrix3d wc = w * child.turn;
         const Matrix3d cc = child.turn.transpose() * wc;
         Matrix3d pp = Matrix3d::Zero(), pc = pp;
@@ -322,15 +322,15 @@ void BoneSprings::forces(const std::vector<Vec3>& x, const std::vector<Vec3>& v,
             pp.noalias() = parent->carriesAbout.transpose() * (w * parent->carriesAbout);
             pc.noalias() = -parent->carriesAbout.transpose() * wc;
         }
-        for (int i = 0; i < swing.count; ++i)
+        for (int i = 0; i < bend.count; ++i)
             for (int j = 0; j <= i; ++j) {
-                const double ci = swing.onChild[i], cj = swing.onChild[j], pi = swing.onParent[i], pj = swing.onParent[j];
+                const double ci = bend.onChild[i], cj = bend.onChild[j], pi = bend.onParent[i], pj = bend.onParent[j];
                 const Matrix3d block = ci * cj * cc + pi * pj * pp + pi * cj * pc + ci * pj * pc.transpose();
-                add(*system, swing.point[i], swing.point[j], block, freedom, normal);
+                add(*system, bend.point[i], bend.point[j], block, freedom, normal);
             }
     }
     for (std::size_t i = 0; i < return_.size(); ++i) {
-        const Gain& g = return_[i];
+        const SpringDamper& g = return_[i];
         if (g.stiffness <= 0.0) continue;
         Vec3 rate = v[i];
         if (motion.from) rate -= (motion.to->points[i] - motion.from->points[i]) / motion.seconds;
@@ -344,13 +344,13 @@ void BoneSprings::solveRoll(const BoneTargets& targets, const Motion& motion, do
                             const std::vector<double>& predictedRate, const std::vector<char>& held, std::vector<double>& roll) {
     const double s = 1.0 / seconds;
     const auto rate = [&](int i) { return motion.from ? (motion.to->roll[i] - motion.from->roll[i]) / motion.seconds : 0.0; };
-    // Where a point is held its row says that its roll stays.
+    // Tridiagonal along each branch: Gaussian elimination from the leaves to the roots (Thomas algorithm on a tree). Rows of held points keep their roll.
     for (const int i : order_) {
         rollBelow_[i] = 0.0;
         rollDiagonal_[i] = 1.0;
         if (held[i]) continue;
         const double inertia = mass_[i] * rollArm_ * rollArm_;
-        const Gain& g = return_[i];
+        const SpringDamper& g = return_[i];
         const double stiffness = g.stiffness * rollArm_ * rollArm_, damping = g.damping * rollArm_ * rollArm_;
         rollDiagonal_[i] = inertia * s * s + damping * s + stiffness;
         roll[i] = inertia * (s * s * predicted[i] + s * predictedRate[i]) + damping * (s * predicted[i] + rate(i)) + stiffness * targets.roll[i];
@@ -358,7 +358,7 @@ void BoneSprings::solveRoll(const BoneTargets& targets, const Motion& motion, do
     for (const int i : order_) {
         const int p = above_[i];
         if (p < 0) continue;
-        const Gain& g = roll_[aboveBone_[i]];
+        const SpringDamper& g = roll_[aboveBone_[i]];
         const double weight = g.stiffness + g.damping * s;
         const double pull = g.stiffness * (targets.roll[i] - targets.roll[p]) + g.damping * (s * (predicted[i] - predicted[p]) + rate(i) - rate(p));
         if (!held[i]) rollDiagonal_[i] += weight, roll[i] += pull;

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/skeleton/block_cholesky.h"
+#include "core/base/block_cholesky.h"
 #include "core/skeleton/bone_tree.h"
 #include "core/skeleton/skeleton.h"
 
@@ -32,7 +32,7 @@ public:
     /// mass: kg per joint point, > 0. The bones must form a forest.
     BoneSprings(const Skeleton& skeleton, const std::vector<double>& mass);
 
-    /// Stiffness and damping from frequencies, with what hangs on what for these held points. springs: one or one per bone.
+    /// Stiffness and damping from frequencies and damping ratios, with the reduced masses that these held points leave. springs: one or one per bone.
     void calibrate(std::span<const BoneSpring> springs, double returnHertz, const std::vector<char>& held);
 
     /// J, at joint points x.
@@ -44,70 +44,71 @@ public:
         const BoneTargets* to = nullptr;
         double seconds = 1.0;
     };
-    /// Adds to `force` (N per joint point) what springs and dampers do at positions x and velocities v. With `system` it adds
+    /// Adds the forces of springs and dampers at positions x and velocities v to `force` (N per joint point). With `system` it adds
     /// -d force / d x - d force / d v / seconds to it, made positive semidefinite, between points that are not fixed; for those on the plane with that
     /// unit `normal` only within the plane.
     void forces(const std::vector<Vec3>& x, const std::vector<Vec3>& v, const BoneTargets& targets, const Motion& motion, std::vector<Vec3>& force,
-                BlockCholesky* system, double seconds, const std::vector<Freedom>& freedom, const Vec3& normal);
+                BlockCholesky<3>* system, double seconds, const std::vector<Freedom>& freedom, const Vec3& normal);
 
     /// Pairs of joint points that `system` couples.
     [[nodiscard]] const std::vector<std::pair<int, int>>& pairs() const { return pairs_; }
     [[nodiscard]] const BoneTree& tree() const { return tree_; }
 
-    /// Rolls are linear springs along the bones: solves (inertia / s^2 + damping / s + stiffness) roll = the same for `predicted` positions and
-    /// velocities, s = seconds, in linear time. `roll` in: where `held`, prescribed.
+    /// Implicit Euler step of the rolls, which are linear springs along the bones, in linear time: solves (inertia / s^2 + damping / s + stiffness) roll = right
+    /// side of `predicted` rolls and rates, s = seconds. `roll` in: prescribed where `held`.
     void solveRoll(const BoneTargets& targets, const Motion& motion, double seconds, const std::vector<double>& predicted,
                    const std::vector<double>& predictedRate, const std::vector<char>& held, std::vector<double>& roll);
 
 private:
-    struct Gain {
+    struct SpringDamper {
         double stiffness = 0.0, damping = 0.0;
     };
-    struct Swing {
+    // A spring on the bend angle between two bones.
+    struct Bend {
         int parent = -1;  // bone; -1: against the direction of the kinematic pose, where the child starts at a held point
         int child = -1;   // bone
         int hinge = -1;   // common joint point
         bool active = false;
-        Gain gain;        // N m, N m s
+        SpringDamper spring;      // N m, N m s
         int count = 0;
         int point[4] = {};
         double onParent[4] = {}, onChild[4] = {};  // -1 start, +1 end
     };
-    struct Side {  // of a skeleton cut at a joint point: what is free there, and how many held points
-        double mass = 0.0, second = 0.0;
-        Vec3 first = Vec3::Zero();
-        int held = 0;
+    struct MassMoments {  // of the free joint points of a part of a tree, about the root at rest
+        double mass = 0.0, second = 0.0;  // kg, kg m^2
+        Vec3 first = Vec3::Zero();        // kg m
+        int held = 0;                     // number of held points in the part
     };
-    [[nodiscard]] Side beyond(int from, int to) const;
+    // Of the part that is reached from joint point `from` through its neighbour `to`.
+    [[nodiscard]] MassMoments beyond(int from, int to) const;
     struct Limit {
         double energy = 0.0, force = 0.0, stiffness = 0.0, damping = 0.0;  // J, N, N/m, N s/m
     };
     [[nodiscard]] Limit limit(std::size_t bone, const BoneTargets& targets) const;
-    [[nodiscard]] Vec3 carried(const Swing& swing, const BoneTargets& targets) const;
-    void add(BlockCholesky& system, int i, int j, const Eigen::Matrix3d& block, const std::vector<Freedom>& freedom, const Vec3& normal) const;
+    [[nodiscard]] Vec3 carried(const Bend& bend, const BoneTargets& targets) const;
+    void add(BlockCholesky<3>& system, int i, int j, const Eigen::Matrix3d& block, const std::vector<Freedom>& freedom, const Vec3& normal) const;
 
     Skeleton skeleton_;
     BoneTree tree_;
     std::vector<double> mass_;
     double rollArm_ = 0.0;             // m: inertia of roll = mass x arm^2
-    std::vector<Swing> swings_;
-    std::vector<Gain> stretch_, limit_, roll_;  // per bone
-    std::vector<Gain> return_;         // per joint point
+    std::vector<Bend> bends_;
+    std::vector<SpringDamper> stretch_, limit_, roll_;  // per bone
+    std::vector<SpringDamper> return_;         // per joint point
     std::vector<std::pair<int, int>> pairs_;
 
     // The joint points as rooted trees.
     std::vector<int> order_;           // parents first
     std::vector<int> above_, aboveBone_;  // -1: a root
     std::vector<int> root_;            // of each joint point
-    std::vector<Side> below_;          // per joint point: it and all below; first moments about the root
+    std::vector<MassMoments> below_;   // per joint point: of it and all below it
 
     // Of one evaluation, per bone.
     struct Arm {
         Vec3 direction;
         double length = 0.0;
-        Eigen::Matrix3d turn;     // rotation of the bone by the difference of its ends' moves
-        Eigen::Matrix3d carries;  // rotation of what it carries
-        Eigen::Matrix3d carriesAbout;  // the same, bounded
+        // Jacobians by the end's move minus the start's: of the bone's rotation vector, of that of what it carries, and the latter bounded.
+        Eigen::Matrix3d turn, carries, carriesAbout;
     };
     void arms(const std::vector<Vec3>& x, const BoneTargets& targets) const;
     mutable std::vector<Arm> arms_;

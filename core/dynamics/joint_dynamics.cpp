@@ -112,7 +112,7 @@ void JointDynamics::advance(double seconds, const Eigen::VectorXd& target, const
     const bool pushed = force && !force->isZero(0.0);
     if (resting_ && !moved && !pushed) return;
     resting_ = false;
-    // So short a frame is a jump of the targets, whose slope must stay finite; so long a one leaves nothing of any mode.
+    // A shorter frame is a jump of the targets, whose slope must stay finite; after a longer one every mode has decayed.
     const double t = std::clamp(seconds, 1e-6, 1e6);
     slope_.setZero();
     if (moved) {
@@ -129,7 +129,7 @@ void JointDynamics::advance(double seconds, const Eigen::VectorXd& target, const
         oscillate(omega, damping_, t, y, rate);
         amplitude_[i] = y + rest;
         rate_[i] = rate + slope_[i];
-        // A slow return counts by how far it still is, a swing by its energy.
+        // An overdamped mode is at rest by its displacement, an oscillating one by displacement and rate.
         quiet = quiet && std::abs(amplitude_[i]) <= restAmplitude_ && std::abs(rate_[i]) <= omega * restAmplitude_;
     }
     target_ = target;

@@ -7,11 +7,11 @@
 
 namespace imomushi {
 
-/// Joint dynamics, implicit (model.md section 6): joint parameters v jiggle about the values that the pose asks for,
+/// Joint dynamics, implicit (model.md section 6): joint parameters v oscillate about the values `target` that the pose prescribes,
 ///     M y'' + D y' + K y = f - M target'',   y = v - target,
-/// with reduced mass M and joint stiffness K, in their modes K phi = lambda M phi. Each mode is an oscillator of known frequency and damping that is
-/// advanced exactly, however long the frame and however stiff the mode: nothing can diverge, and motion does not depend on the frame rate but for what
-/// the frames leave out of the targets. Modes without stiffness (rigid motions) follow the targets.
+/// with reduced mass M and joint stiffness K, in the eigenmodes K phi = lambda M phi. Each mode is a damped oscillator that is advanced by its exact solution,
+/// so that nothing diverges however long the frame and however stiff the mode, and motion depends on the frame rate only as far as frames sample the
+/// targets. Modes without stiffness (rigid motions) follow the targets.
 class JointDynamics {
 public:
     struct Input {

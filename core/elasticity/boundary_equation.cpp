@@ -120,7 +120,7 @@ std::span<const std::int32_t> BoundaryEquation::trianglesOf(std::int32_t node) c
 }
 
 BoundaryEquation::Gathered BoundaryEquation::gather(std::span<const std::int32_t> columnNodes, Wanted wanted) const {
-    // A column for every node: kept by each thread, since filling it anew would cost more than a small set of columns.
+    // A column for every node. Each thread keeps its own: clearing it would cost more than a small set of columns.
     thread_local std::vector<std::int32_t> column, which;
     const auto ignored = static_cast<std::int32_t>(columnNodes.size());
     if (column.size() < static_cast<std::size_t>(points_.rows())) column.resize(static_cast<std::size_t>(points_.rows()));
@@ -138,7 +138,7 @@ BoundaryEquation::Gathered BoundaryEquation::gather(std::span<const std::int32_t
         }
     for (std::int32_t i = 0; i < ignored; ++i) column[static_cast<std::size_t>(columnNodes[static_cast<std::size_t>(i)])] = i;
 
-    // All of a batch adds to the same kinds of columns.
+    // One batch per kind of columns that its triangles add to.
     std::vector<std::int32_t> plain, curved, held;
     TriangleBatch::Columns plainColumns, curvedColumns, heldColumns;
     for (const std::int32_t f : which) {
@@ -290,7 +290,7 @@ Eigen::MatrixXd BoundaryEquation::tractionLoads(const Eigen::MatrixXd& sizes, in
     return out;
 }
 
-double BoundaryEquation::shareBySurface(std::int32_t node) const {
+double BoundaryEquation::surfaceSolidAngle(std::int32_t node) const {
     thread_local std::vector<double> unread;
     unread.assign(9 * (static_cast<std::size_t>(nodes()) + 1), 0.0);
     double sumD = 0.0;

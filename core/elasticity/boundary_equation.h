@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/base/progress.h"
-#include "core/elasticity/hierarchical_matrix.h"
+#include "core/elasticity/block_source.h"
 #include "core/elasticity/kernels.h"
 #include "core/mesh/mesh.h"
 
@@ -38,9 +38,9 @@ public:
     [[nodiscard]] const std::vector<std::int32_t>& freeVertices() const { return freeVertices_; }  ///< ascending
     /// The vertex nearest to a node, to name it to a user.
     [[nodiscard]] std::int32_t vertexOf(std::int32_t node) const;
-    /// The part of the full solid angle that the body fills as seen from a node, by the triangles around it alone. row() returns the same by all
-    /// triangles unless the surface overlaps itself or touches itself there.
-    [[nodiscard]] double innerShare(std::int32_t node) const { return freeTerm_[static_cast<std::size_t>(node)]; }
+    /// Solid angle of the body at a node over 4 pi, the free term of the equation, from the triangles around the node alone. row() returns the same from all
+    /// triangles unless the surface overlaps or touches itself there.
+    [[nodiscard]] double localSolidAngle(std::int32_t node) const { return freeTerm_[static_cast<std::size_t>(node)]; }
     /// Traction, for the body in its own unit of length, per unknown of the j-th held vertex.
     [[nodiscard]] double tractionScale(std::int32_t j) const { return columnScale_[static_cast<std::size_t>(j)] / size_; }
 
@@ -48,8 +48,8 @@ public:
     /// held vertices for their displacement, and one more without meaning; g (9 heldCount()) those of A for the tractions. Returns the free term.
     double row(std::int32_t node, double* h, double* g) const;
 
-    /// The same part of the full solid angle as innerShare(), by all triangles.
-    [[nodiscard]] double shareBySurface(std::int32_t node) const;
+    /// The same as localSolidAngle(), from all triangles.
+    [[nodiscard]] double surfaceSolidAngle(std::int32_t node) const;
     [[nodiscard]] std::int32_t vertices() const { return static_cast<std::int32_t>(mesh_.vertices.rows()); }
     [[nodiscard]] std::int32_t triangles() const { return static_cast<std::int32_t>(mesh_.triangles.rows()); }
 

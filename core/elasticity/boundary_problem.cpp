@@ -17,11 +17,11 @@
 
 #include "core/base/finite.h"
 #include "core/base/parallel.h"
+#include "core/elasticity/boundary_input.h"
 #include "core/elasticity/dense_lu.h"
-#include "core/elasticity/hierarchical_lu.h"
+#include "core/elasticity/hierarchical_solver.h"
 #include "core/elasticity/kernels.h"
 #include "core/elasticity/machine_rates.h"
-#include "core/mesh/topology.h"
 
 namespace imomushi {
 namespace {
@@ -30,26 +30,26 @@ using Clock = std::chrono::steady_clock;
 
 double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-/// Rows of collocation points done by one thread before it looks whether anybody still wants them.
+/// Collocation points that a thread assembles between two looks at Progress::cancelled().
 constexpr std::size_t kRowGrain = 4;
-/// The share of the full solid angle by which the sums may miss 0...1: rounding is 1e-13, an overlap is off by 1.
+/// Of the full solid angle: rounding errors of the sums are 1e-13, an overlap is off by 1.
 constexpr double kSolidAngleTolerance = 1e-6;
-/// Refinement goes on while it gains this much...
+/// Refinement goes on while the residual shrinks by this factor ...
 constexpr double kRefinementGain = 0.25;
-/// ...and until the residual is at the rounding of double precision.
+/// ... and until it is at the rounding error of double precision.
 constexpr double kResidualGoal = 1e-14;
 constexpr int kMaxRefinements = 20;
 /// Above this residual the solution is refused.
 constexpr double kResidualLimit = 1e-6;
-/// Below this reciprocal condition number single precision cannot tell the matrix from a singular one.
+/// With a smaller reciprocal condition number the matrix is singular to single precision.
 constexpr double kSingularRcond = 1e-9;
 constexpr const char* kInaccurate = "inaccurate";
 
 /// Up to this many nodes a dense matrix is faster than a hierarchical one.
 constexpr std::int32_t kDenseNodes = 5000;
-/// From about this many nodes the whole surface is looked at to see whether it is closed.
-constexpr std::int32_t kSharesSeen = 1000;
-/// A hierarchical solution of kMeasuredNodes nodes and twelve columns, one thread (bench_large): the time in pairs of a point and a triangle, the
+/// About so many nodes are checked for the solid angle of the whole surface.
+constexpr std::int32_t kCheckedNodes = 1000;
+/// A hierarchical solution of kMeasuredNodes nodes and twelve columns, one thread (bench_hierarchical_solver): the time in pairs of a point and a triangle, the
 /// memory in bytes; and how both grow with the nodes.
 constexpr double kMeasuredNodes = 7586.0, kMeasuredPairs = 7.5e8, kMeasuredBytes = 6.5e8, kTimeExponent = 1.66, kMemoryExponent = 1.18;
 
@@ -77,64 +77,17 @@ std::size_t matrixBytes(std::size_t freeVertices, std::size_t heldVertices) {
     return n * n * sizeof(double) + n * 3 * heldVertices * sizeof(double) + DenseLu::bytesFor(static_cast<std::int32_t>(n));
 }
 
-/// The largest number of vertices whose matrix LAPACK's 32-bit indices can address.
-constexpr Eigen::Index kMaxVertices = 200'000;
-
-Result<void> checkMesh(const TriangleMesh& mesh) {
-    const Eigen::Index count = mesh.vertices.rows();
-    if (count < 4 || mesh.triangles.rows() < 4)
-        return fail("not-closed", "The mesh has too few triangles to enclose a body; import a closed surface.");
-    if (count > kMaxVertices) return fail("no-memory", "The mesh has too many vertices to be solved directly; reduce it first.");
-    if (!allFinite(mesh.vertices))
-        return fail("bad-value", "The mesh has a vertex that is not a finite point; repair the mesh.");
-    if (mesh.triangles.minCoeff() < 0 || mesh.triangles.maxCoeff() >= count)
-        return fail("bad-value", "A triangle of the mesh names a vertex that does not exist; repair the mesh.");
-    std::vector<char> used(static_cast<std::size_t>(count));
-    for (Eigen::Index f = 0; f < mesh.triangles.rows(); ++f)
-        for (int c = 0; c < 3; ++c) used[static_cast<std::size_t>(mesh.triangles(f, c))] = 1;
-    if (std::find(used.begin(), used.end(), 0) != used.end())
-        return fail("bad-value", "The mesh has a vertex that belongs to no triangle; remove it.");
-    const EdgeTable edges(mesh.triangles);
-    for (int e = 0; e < edges.size(); ++e) {
-        const auto uses = edges.uses(e);
-        if (uses.size() != 2 || uses[0].forward == uses[1].forward)
-            return fail("not-closed",
-                        "The surface is not closed and evenly oriented at the edge between vertices " + std::to_string(uses[0].low) + " and " +
-                            std::to_string(uses[0].high) + "; repair the mesh.");
-    }
-    return {};
-}
-
 constexpr const char* kNoUniqueAnswer =
     "The equations of this body have no unique answer; check that every separate part of it has a joint face and that no two vertices lie at "
     "the same point.";
 
-/// True when a separate part of the body has no held vertex (patchOf >= 0). Shells that point inwards are cavities of another part.
-bool floats(const TriangleMesh& mesh, const std::vector<int>& patchOf) {
-    int count = 0;
-    const EdgeTable edges(mesh.triangles);
-    const std::vector<std::int32_t> component = edgeComponents(mesh.triangles, edges, count);
-    if (count == 1) return false;
-    const Vec3 origin = mesh.vertices.row(0).transpose();
-    std::vector<double> volume(static_cast<std::size_t>(count));
-    std::vector<char> held(static_cast<std::size_t>(count));
-    for (std::int32_t f = 0; f < mesh.triangles.rows(); ++f) {
-        const auto part = static_cast<std::size_t>(component[static_cast<std::size_t>(f)]);
-        volume[part] += areaVector(mesh, f).dot(Vec3(mesh.vertices.row(mesh.triangles(f, 0)).transpose()) - origin) / 6.0;
-        for (int c = 0; c < 3; ++c) held[part] |= patchOf[static_cast<std::size_t>(mesh.triangles(f, c))] >= 0;
-    }
-    for (std::size_t part = 0; part < held.size(); ++part)
-        if (volume[part] > 0.0 && !held[part]) return true;
-    return false;
-}
-
-/// Beside the pairs: rows are cleared, sorted into the matrix and rounded to single precision.
+/// Assembly over the time of its integrals: rows are cleared, sorted into the matrix and rounded to single precision.
 constexpr double kAssemblyOverhead = 1.3;
-/// Beside the products: panels, exchanges of rows, threads that wait at the end.
+/// Factorisation over the time of its products: panels, row exchanges, threads that wait at the end.
 constexpr double kFactorOverhead = 1.3;
-/// Seeing a triangle with its tractions, in pairs of the assembly.
+/// Integrals of one triangle with tractions, in pairs of the assembly.
 constexpr double kTractionPairs = 2.0;
-/// Solving and refining one of many columns, by the square of the unknowns: three rounds of two products, the one of double precision twice as long.
+/// Solving and refining one of many columns, in flops per unknown squared: three rounds of two products, of which the one in double precision counts twice.
 constexpr double kTractionFlops = 18.0;
 /// Joint faces hold about this share of an element's vertices.
 constexpr double kUsualHeldShare = 0.15;
@@ -143,14 +96,14 @@ constexpr double kUsualHeldShare = 0.15;
 
 struct BoundaryProblem::State {
     std::shared_ptr<const BoundaryEquation> equation;
-    std::optional<HierarchicalLu> hierarchical;  ///< where the matrix is too large to be dense; the four below are empty then
+    std::optional<HierarchicalSolver> hierarchical;  ///< where the matrix is too large to be dense; the four below are empty then
     std::size_t ld = 0;
     LargeArray<double> matrix;   ///< A by rows, n x n, n = 3 nodes
     LargeArray<double> heldH;    ///< H_J by rows, n x 3 held
     DenseLu lu;                  ///< of A^T: A by rows is A^T by columns
     int threads = 1;
     double tolerance = 0.0;      ///< see Input
-    bool loose = false;          ///< nothing holds a part of the body; told after what is wrong with the surface itself
+    bool unheld = false;         ///< nothing holds a part of the body; reported after faults of the surface itself
     SolveQuality quality;
 
     [[nodiscard]] std::int32_t unknowns() const { return 3 * equation->nodes(); }
@@ -173,7 +126,7 @@ Result<void> BoundaryProblem::State::checkShare(std::int32_t node, double share)
     if (!(share > -kSolidAngleTolerance && share < 1.0 + kSolidAngleTolerance))
         return fail("not-closed", "The surface is turned inside out or overlaps itself at vertex " + vertex + " (solid angle " + std::to_string(share) +
                                       " of a full sphere); repair the mesh.");
-    if (std::abs(share - equation->innerShare(node)) > kSolidAngleTolerance)
+    if (std::abs(share - equation->localSolidAngle(node)) > kSolidAngleTolerance)
         return fail("not-closed", "The surface touches itself at vertex " + vertex + "; move the parts a little apart, or weld them.");
     return {};
 }
@@ -224,72 +177,22 @@ Result<double> BoundaryProblem::State::assemble(const Progress& progress) {
     return norm;
 }
 
-namespace {
-
-/// Which patch holds each vertex, -1: none. Errors as build()'s.
-Result<std::vector<int>> patchesOfVertices(const BoundaryProblem::Input& input) {
-    if (!input.mesh) return fail("bad-value", "There is no mesh to solve on.");
-    if (!std::isfinite(input.nu) || input.nu < 0.0 || input.nu > 0.5) return fail("bad-value", "The Poisson ratio must lie between 0 and 0.5.");
-    const TriangleMesh& mesh = *input.mesh;
-    if (auto ok = checkMesh(mesh); !ok) return tl::make_unexpected(ok.error());
-    for (std::int32_t f = 0; f < mesh.triangles.rows(); ++f)
-        if (degenerate(mesh, f))
-            return fail("bad-value", "Triangle " + std::to_string(f) + " has no area; repair the mesh.");
-
-    const auto vertexCount = static_cast<std::size_t>(mesh.vertices.rows());
-    std::vector<int> patchOf(vertexCount, -1);
-    if (input.held.empty()) return fail("no-face", "Nothing holds the body; give it a joint face.");
-    for (std::size_t i = 0; i < input.held.size(); ++i) {
-        const HeldPatch& patch = input.held[i];
-        if (patch.vertices.empty() || patch.triangles.empty()) return fail("no-face", "A joint face has no triangles; choose it again.");
-        for (const std::int32_t v : patch.vertices) {
-            if (v < 0 || static_cast<std::size_t>(v) >= vertexCount)
-                return fail("bad-value", "A joint face names a vertex that does not exist; choose it again.");
-            int& owner = patchOf[static_cast<std::size_t>(v)];
-            if (owner == static_cast<int>(i)) return fail("bad-value", "A joint face names vertex " + std::to_string(v) + " twice; choose it again.");
-            if (owner >= 0)
-                return fail("shared-rim", "Two joint faces share vertex " + std::to_string(v) +
-                                              "; leave at least one edge of free surface between them.");
-            owner = static_cast<int>(i);
-        }
-        std::vector<char> covered(vertexCount);
-        for (const std::int32_t f : patch.triangles) {
-            if (f < 0 || f >= mesh.triangles.rows())
-                return fail("bad-value", "A joint face names a triangle that does not exist; choose it again.");
-            for (int c = 0; c < 3; ++c) {
-                const auto v = static_cast<std::size_t>(mesh.triangles(f, c));
-                if (patchOf[v] != static_cast<int>(i))
-                    return fail("bad-value", "A joint face has a triangle with a corner outside of it; choose it again.");
-                covered[v] = 1;
-            }
-        }
-        for (const std::int32_t v : patch.vertices)
-            if (!covered[static_cast<std::size_t>(v)])
-                return fail("bad-value", "A joint face has a vertex without a triangle (" + std::to_string(v) + "); choose it again.");
-    }
-    if (std::find(patchOf.begin(), patchOf.end(), -1) == patchOf.end())
-        return fail("no-free-vertex", "Joint faces cover the whole surface; leave some of it free.");
-    return patchOf;
-}
-
-}  // namespace
-
 bool BoundaryProblem::hierarchical(int nodes) { return nodes > kDenseNodes; }
 
 Result<void> BoundaryProblem::check(const Input& input) {
-    if (auto patches = patchesOfVertices(input); !patches) return tl::make_unexpected(patches.error());
+    if (auto patches = patchOfVertices(input); !patches) return tl::make_unexpected(patches.error());
     return {};
 }
 
 Result<BoundaryProblem> BoundaryProblem::build(const Input& input, const Progress& progress) {
-    const auto patchOf = patchesOfVertices(input);
+    const auto patchOf = patchOfVertices(input);
     if (!patchOf) return tl::make_unexpected(patchOf.error());
     const TriangleMesh& mesh = *input.mesh;
     auto state = std::make_unique<State>();
     state->threads = std::max(1, input.threads);
     state->tolerance = std::clamp(input.tolerance, 1e-6, 1e-2);
     state->equation = std::make_shared<const BoundaryEquation>(mesh, input.held, input.bubbles, input.nu);
-    state->loose = floats(mesh, *patchOf);
+    state->unheld = hasUnheldPart(mesh, *patchOf);
     const bool dense = !hierarchical(state->equation->nodes()) && state->denseBytes() <= availableMemory();
     if (auto ok = dense ? state->buildDense(progress) : state->buildHierarchical(progress); !ok) return tl::make_unexpected(ok.error());
     return BoundaryProblem(std::move(state));
@@ -316,7 +219,7 @@ Result<void> BoundaryProblem::State::buildDense(const Progress& progress) {
         auto start = Clock::now();
         const auto norm = assemble(progress.part(0.0, split));
         if (!norm) return tl::make_unexpected(norm.error());
-        if (loose) return fail("singular", kNoUniqueAnswer);
+        if (unheld) return fail("singular", kNoUniqueAnswer);
         quality.assembleSeconds = secondsSince(start);
         start = Clock::now();
         const Progress factorising = progress.part(split, 1.0);
@@ -333,25 +236,25 @@ Result<void> BoundaryProblem::State::buildDense(const Progress& progress) {
 
 Result<void> BoundaryProblem::State::buildHierarchical(const Progress& progress) {
     // The whole surface is seen from some nodes only: from all it would take longer than the assembly.
-    const std::int32_t stride = std::max(1, equation->nodes() / kSharesSeen);
+    const std::int32_t stride = std::max(1, equation->nodes() / kCheckedNodes);
     std::vector<std::int32_t> nodes;
     for (std::int32_t node = 0; node < equation->nodes(); node += stride) nodes.push_back(node);
     std::vector<double> share(nodes.size());
     parallelFor(threads, nodes.size(), kRowGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end && !progress.cancelled(); ++i) share[i] = equation->shareBySurface(nodes[i]);
+        for (std::size_t i = begin; i < end && !progress.cancelled(); ++i) share[i] = equation->surfaceSolidAngle(nodes[i]);
     });
     if (progress.cancelled()) return fail(kCancelled, "The precompute was cancelled.");
     for (std::size_t i = 0; i < nodes.size(); ++i)
         if (auto ok = checkShare(nodes[i], share[i]); !ok) return ok;
-    if (loose) return fail("singular", kNoUniqueAnswer);
-    HierarchicalLu::Options options;
+    if (unheld) return fail("singular", kNoUniqueAnswer);
+    HierarchicalSolver::Options options;
     options.threads = threads;
     options.tolerance *= tolerance / Input().tolerance;  // the nearer the matrix, the faster refinement gains
     options.memoryLimit = availableMemory();
-    auto built = HierarchicalLu::build(equation, options, progress);
+    auto built = HierarchicalSolver::build(equation, options, progress);
     if (!built) return tl::make_unexpected(built.error());
     hierarchical.emplace(std::move(*built));
-    const HierarchicalLu::Quality& q = hierarchical->quality();
+    const HierarchicalSolver::Quality& q = hierarchical->quality();
     quality.hierarchical = true;
     quality.assembleSeconds = q.assembleSeconds;
     quality.factoriseSeconds = q.factoriseSeconds;
@@ -399,7 +302,7 @@ Result<Eigen::MatrixXd> BoundaryProblem::State::solveHierarchical(const Eigen::M
     }
     if (progress.cancelled()) return fail(kCancelled, "The precompute was cancelled.");
     if (auto ok = hierarchical->solve(x, tolerance, progress); !ok) return tl::make_unexpected(ok.error());
-    const HierarchicalLu::Quality& q = hierarchical->quality();
+    const HierarchicalSolver::Quality& q = hierarchical->quality();
     quality.residual = std::max(quality.residual, q.residual);
     quality.peakBytes = std::max(quality.peakBytes, q.matrixBytes + q.factorBytes + q.solveBytes);
     return x;
@@ -453,20 +356,20 @@ BoundaryProblem::Estimate BoundaryProblem::estimate(int nodes, int triangles, in
     Estimate out;
     if (nodes <= 0) return out;
     const MachineRates rates = machineRates();
-    const double n = 3.0 * nodes, crew = std::clamp(threads, 1, hardwareThreads());
+    const double n = 3.0 * nodes, threadCount = std::clamp(threads, 1, hardwareThreads());
     if (nodes > kDenseNodes) {
         const double times = nodes / kMeasuredNodes;
-        out.seconds = rates.secondsPerPair * kMeasuredPairs * std::pow(times, kTimeExponent) / crew;
-        if (tractions > 0) out.seconds += rates.secondsPerPair * kTractionPairs * static_cast<double>(nodes) * triangles / crew;
+        out.seconds = rates.secondsPerPair * kMeasuredPairs * std::pow(times, kTimeExponent) / threadCount;
+        if (tractions > 0) out.seconds += rates.secondsPerPair * kTractionPairs * static_cast<double>(nodes) * triangles / threadCount;
         out.bytes = static_cast<std::size_t>(kMeasuredBytes * std::pow(times, kMemoryExponent) + 40.0 * n * (columns + tractions));
         return out;
     }
     const double pairs = static_cast<double>(nodes) * triangles;
-    out.seconds = (rates.secondsPerPair * kAssemblyOverhead * pairs + 2.0 / 3.0 * n * n * n / rates.flops * kFactorOverhead) / crew;
-    if (tractions > 0) out.seconds += rates.secondsPerPair * kTractionPairs * pairs / crew;
+    out.seconds = (rates.secondsPerPair * kAssemblyOverhead * pairs + 2.0 / 3.0 * n * n * n / rates.flops * kFactorOverhead) / threadCount;
+    if (tractions > 0) out.seconds += rates.secondsPerPair * kTractionPairs * pairs / threadCount;
     // Estimating the condition (about ten triangles with one column), then solving and refining (three rounds), all bound by memory.
     const double passes = 10.0 * 2.0 * n * n + 3.0 * (4.0 + 8.0) * n * n;
-    out.seconds += passes / rates.bytesPerSecond + (8.0 * 4.0 * columns + kTractionFlops * tractions) * n * n / (rates.flops * crew);
+    out.seconds += passes / rates.bytesPerSecond + (8.0 * 4.0 * columns + kTractionFlops * tractions) * n * n / (rates.flops * threadCount);
     const auto held = static_cast<std::size_t>(kUsualHeldShare * nodes);
     out.bytes = matrixBytes(static_cast<std::size_t>(nodes) - held, held) + 40 * static_cast<std::size_t>(n) * static_cast<std::size_t>(columns + tractions);
     return out;

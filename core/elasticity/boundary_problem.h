@@ -14,9 +14,9 @@
 
 namespace imomushi {
 
-/// How good a factorised boundary problem is, and what it cost.
+/// Accuracy and cost of a boundary problem.
 struct SolveQuality {
-    bool hierarchical = false;  ///< solved in hierarchical form: rcond is not known then
+    bool hierarchical = false;  ///< solved with a hierarchical matrix: rcond is not known then
     double residual = 0.0;  ///< largest |A x - b| / |b| over the solved columns (2-norm), after refinement
     double rcond = 0.0;     ///< estimate of the reciprocal condition number of the scaled matrix in the maximum norm (Higham 1988, LAPACK slacn2)
     double assembleSeconds = 0.0, factoriseSeconds = 0.0, solveSeconds = 0.0;
@@ -35,7 +35,7 @@ public:
         std::vector<std::array<std::int32_t, 2>> bubbles;  ///< edges along which the displacement is quadratic; see BoundaryEquation
         double nu = 0.45;                    ///< Poisson ratio, 0...0.5
         int threads = 1;
-        /// In hierarchical form: the largest residual that is left, relative to the right-hand side, 1e-6...1e-2. What 1e-5 leaves is far below what the discretisation does.
+        /// Of the hierarchical solver: relative residual to reach, 1e-6...1e-2. The error of 1e-5 is far below that of the discretisation.
         double tolerance = 1e-5;
     };
     /// Whether so many nodes are too many for a dense matrix, as long as there is memory.
@@ -43,7 +43,7 @@ public:
     /// Errors: "cancelled", "bad-value", "no-memory", "no-face", "shared-rim" (two patches share a vertex), "no-free-vertex",
     /// "singular", "not-closed" (the solid-angle sums say that the surface is open, inverted or self-overlapping).
     static Result<BoundaryProblem> build(const Input& input, const Progress& progress);
-    /// The part of build()'s checks that costs nothing: whether mesh, patches and numbers are what they must be.
+    /// Those checks of build() that need no integrals: mesh, patches and numbers.
     static Result<void> check(const Input& input);
 
     /// Bytes and seconds that build() will need, before it runs.

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The pairs of kernels.cpp, a vector of triangles at a time: compiled once per instruction set, chosen at run time.
+// The integrals of kernels.cpp for a vector of triangles at a time: compiled once per instruction set, chosen at run time (Highway).
 #include <numbers>
 
 #include "core/elasticity/kernels.h"
 
 // Vector types are held in arrays below, which vectors of unknown size (SVE, RISC-V) do not allow: ARM uses NEON.
-#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV | HWY_SSSE3 | HWY_SSE4)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/elasticity/kernels_vector.cpp"
 #include <hwy/foreach_target.h>
@@ -45,16 +45,16 @@ HWY_INLINE V atan2(V y, V x) {
 /// Index of entry (i, j) of a symmetric 3 x 3 matrix.
 constexpr int kSymmetric[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
 
-/// Triangles as seen from x, one per lane: n, w and, per edge, e, m, t0, s (of both ends), and E0 = int 1/R as in triangleIntegrals().
-struct Seen {
+/// Triangles relative to x, one per lane: n, w and, per edge, e, m, t0, s (of both ends), and E0 = int 1/R as in triangleIntegrals().
+struct PairGeometry {
     V n[3], w, w2, R[3], e[3][3], m[3][3], t0[3], s0[3], s1[3], E0[3], Om;
 };
 
-HWY_INLINE Seen see(const TriangleBatch& batch, std::size_t i, const V* x) {
+HWY_INLINE PairGeometry pairGeometry(const TriangleBatch& batch, std::size_t i, const V* x) {
     const D d;
     const V zero = hn::Zero(d), two = constant(2.0);
     const auto load = [&](int f) HWY_ATTR { return hn::LoadU(d, batch.field(f) + i); };
-    Seen t;
+    PairGeometry t;
     V r[3][3], R2[3];
     for (int c = 0; c < 3; ++c) {
         for (int k = 0; k < 3; ++k) r[c][k] = hn::Sub(load(TriangleBatch::kCorner + 3 * c + k), x[k]);
@@ -136,7 +136,7 @@ double addBlocksOf(const TriangleBatch& batch, const Vec3& x, double nu, double*
 
     for (std::size_t i = 0; i < batch.paddedSize(); i += hn::Lanes(d)) {
         const auto load = [&](int f) HWY_ATTR { return hn::LoadU(d, batch.field(f) + i); };
-        const Seen seen = see(batch, i, xv);
+        const PairGeometry seen = pairGeometry(batch, i, xv);
         const auto &n = seen.n, &R = seen.R, &t0 = seen.t0, &s0 = seen.s0, &s1 = seen.s1, &E0 = seen.E0;
         const auto &e = seen.e, &m = seen.m;
         const V w = seen.w, w2 = seen.w2, Om = seen.Om;
@@ -314,7 +314,7 @@ LoadBlocks sumLoads(const TriangleBatch& batch, const Vec3& x, double nu) {
     for (auto& row : outer)
         for (V& entry : row) entry = zero;
     for (std::size_t i = 0; i < batch.paddedSize(); i += hn::Lanes(d)) {
-        const Seen t = see(batch, i, xv);
+        const PairGeometry t = pairGeometry(batch, i, xv);
         V I0 = hn::Neg(hn::Mul(t.w, t.Om)), q[3] = {zero, zero, zero}, L[3] = {zero, zero, zero};
         for (int a = 0; a < 3; ++a) {
             const int b = (a + 1) % 3;

@@ -17,11 +17,11 @@
 
 namespace imomushi {
 
-/// What a precompute reports of one element.
+/// Accuracy and cost of the precompute of one element.
 struct ResponseQuality {
     SolveQuality solve;
     double asymmetry = 0.0;       ///< |K - K^T| / |K + K^T| (Frobenius) of the raw joint stiffness
-    double negativeEnergy = 0.0;  ///< most negative eigenvalue of K over the largest, before it was set to zero
+    double negativeEnergy = 0.0;  ///< most negative eigenvalue of K over the largest, before the projection
     double seconds = 0.0;         ///< wall time of the whole precompute
     int solverVertices = 0, solverNodes = 0;  ///< of the solver mesh; nodes: vertices and bubbles, three unknowns each
     /// Estimated error of the response, relative to the motion of the body, root mean square over the joint modes: what the discretisation
@@ -31,7 +31,7 @@ struct ResponseQuality {
     double shapeError = 0.0;      ///< of the decimated body: see DisplayMapping::Distance::shape
 };
 
-/// The precomputed answer of one element: displacement of its free vertices X = A' v for the joint parameters v of all its faces
+/// The precomputed response of one element: displacement of its free vertices X = A' v for the joint parameters v of all its faces
 /// (Watanabe et al. 2006, section 3; v = 0 at rest, model.md writes v - v0), and the energy 1/2 v^T K v.
 /// An element without a joint face has no columns: it follows its bone rigidly.
 struct ElementResponse {
@@ -49,7 +49,7 @@ struct ElementResponse {
     /// element rest axes, over the shear modulus (1/m); 3: a pressure over the shear modulus that pushes the free surface outwards.
     Eigen::MatrixXd loads;       ///< 3 * #free x 4: displacement (m) per unit of load
     Eigen::MatrixXd loadForces;  ///< g x 4, for shear modulus 1: with loads l and joint parameters v the faces are held by K v + loadForces l
-    TouchResponse touch;         ///< fingers, where they were asked for
+    TouchResponse touch;         ///< contact forces, where they were asked for
     ResponseQuality quality;
 
     [[nodiscard]] int columns() const { return firstColumn.empty() ? 0 : firstColumn.back(); }
@@ -64,18 +64,18 @@ struct ResponseInput {
     BasisChoice basis;
     SolverMeshSetting solverMesh;
     bool loads = false;  ///< body loads too
-    /// About how many patches a finger can press, 0: none. Their bumps are about sqrt(free surface / touch) wide: 24 are for large soft dents, 96 for small ones. A
+    /// Number of touch patches, about; 0: none. They are about sqrt(free surface / touch) wide: 24 are for large soft dents, 96 for small ones. A
     /// patch costs three columns. On small meshes there are fewer, see touchPatches().
     int touch = 0;
     static constexpr int kMostTouch = 1024;
-    int threads = 1;  ///< not part of the key: it changes no byte of the answer
+    int threads = 1;  ///< not part of the key: it changes no byte of the response
 };
 
-/// The content key of the answer: mesh, faces, nu, basis, solver mesh, whether with loads, touch, and the version of the solver.
+/// The content key of the response: mesh, faces, nu, basis, solver mesh, whether with loads, touch, and the version of the solver.
 ContentKey responseKey(const ResponseInput& input);
 
-/// Solved without the appendages of the body, which follow (see TrimmedBody); only body loads and fingers are solved on all of it, as appendages bend under
-/// them.
+/// Solved on the body without its appendages, which follow (see TrimmedBody); only body loads and touch patches are solved on the whole body, as appendages
+/// bend under them.
 /// Errors: those of BoundaryProblem::build and solve, and of solvedBody().
 Result<ElementResponse> buildResponse(const ResponseInput& input, const Progress& progress);
 
@@ -85,7 +85,7 @@ struct ResponseEstimate {
     std::size_t bytes = 0;
     double frameMilliseconds = 0.0;
     int columns = 0;
-    bool hierarchical = false;  ///< it is large, and the tolerance of its solver mesh counts
+    bool hierarchical = false;  ///< solved with a hierarchical matrix: the tolerance of its solver mesh counts
 };
 ResponseEstimate estimateResponse(const ResponseInput& input);
 

@@ -19,31 +19,32 @@ namespace {
 
 /// Nodes up to which the default solves on the body itself: about four seconds on two cores.
 constexpr int kMostNodes = 3500;
-/// What the default adds to a body, the best first: strips, edges shorter than `straight` times the mean that stay straight, and the nodes up to which
-/// it is taken. Strips go last: measured on a body of eight faces, fewer bubbles cost 0.1 % where one strip instead of two costs 1 %.
+/// Discretisations that the default tries, the best first: strips at singular edges, bubbles on edges of at least `straight` times the mean length, and the
+/// largest number of nodes up to which it is taken. Bubbles are given up before strips: on a body of eight faces, fewer bubbles cost 0.1 % of accuracy, one
+/// strip instead of two 1 %.
 struct Detail {
     int strips;
     double straight;
     int nodes;
 };
 constexpr Detail kDetails[] = {{3, 0.5, 3000}, {2, 0.5, kMostNodes}, {2, 0.8, kMostNodes}, {2, 1.2, kMostNodes}};
-/// Bodies of fewer vertices are refined first: few triangles cannot follow a bend, however their displacement is.
+/// Bodies of fewer vertices are refined first: few triangles cannot bend smoothly, whatever the order of their displacement.
 constexpr int kFewestVertices = 350, kFewestVerticesOfBest = 700;
 /// A decimated default body: with its strips and bubbles it has about 3000 nodes.
 constexpr int kDecimatedVertices = 650;
 /// Round rims of decimated bodies become polygons of about fifty sides, whose area is 0.2 % less.
 constexpr double kRimTolerance = 1e-3;
-/// Decimation that leaves more than this share of the nodes is not worth it.
+/// A decimated body with more than this share of the nodes is not used.
 constexpr double kWorthDecimating = 0.9;
-/// Edges shorter than this times the mean edge stay straight on a decimated body and on the best one: the displacement hardly bends along them.
+/// Edges shorter than this times the mean have no bubble, on a decimated body and on the best one: the displacement is almost linear along them.
 constexpr double kStraight = 0.5, kStraightOfBest = 0.25;
-/// Where at least this share of the surface is of triangles this many times as long as the wall behind them, it tells when one side of a wall is refined
-/// unlike the other: measured on plates, whose bending is then wrong by 0.3 % (0.1 % if not refined) at 5 and by 2 % (0.2 %) at 25.
+/// A body has thin walls where at least kThinShare of its surface is of triangles longer than kThinWall times the wall behind them. Both sides of such a wall
+/// must be refined alike: otherwise the bending of a plate is wrong by 0.3 % (unrefined 0.1 %) at a ratio of 5, and by 2 % (0.2 %) at 25 (measured).
 constexpr double kThinWall = 2.5, kThinShare = 0.5;
-/// Beyond this the equations of quadratic displacement, whose condition grows as the cube of it, to 1e8 there, are not solved by factors of single precision.
+/// The condition number of the equations with quadratic displacement grows as the cube of this ratio, to 1e8 here: more than single-precision factors solve.
 constexpr double kExtremeWall = 150.0, kExtremeShare = 0.05;
 constexpr std::int32_t kWallSamples = 250;  // triangles
-/// What strips and bubbles leave of the error, see coarserLevel().
+/// Part of the error that strips and bubbles leave, see coarserLevel().
 constexpr double kErrorLeft = 0.1;
 /// A plain mesh is compared with one of at most this share of its vertices.
 constexpr double kCoarserShare = 1.0 / 3.0;
@@ -104,7 +105,7 @@ Result<SolvedBody> onDecimated(const TriangleMesh& body, std::span<const JointFa
     return out;
 }
 
-/// From the middle of triangle t straight into the body: the distance to where the ray leaves it. Infinite where it meets nothing.
+/// Distance from the centroid of triangle t along its inner normal to where the ray leaves the body. Infinite where it does not.
 double wallThickness(const TriangleMesh& body, std::int32_t t) {
     const auto corner = [&](std::int32_t f, int c) -> Vec3 { return body.vertices.row(body.triangles(f, c)).transpose(); };
     const Vec3 from = (corner(t, 0) + corner(t, 1) + corner(t, 2)) / 3.0, direction = -areaVector(body, t).normalized();
@@ -113,7 +114,7 @@ double wallThickness(const TriangleMesh& body, std::int32_t t) {
         // Möller and Trumbore 1997.
         const Vec3 a = corner(f, 0), ab = corner(f, 1) - a, ac = corner(f, 2) - a, side = direction.cross(ac);
         const double determinant = ab.dot(side);
-        if (f == t || !(determinant < -kTie * areaVector(body, f).norm())) continue;  // only seen from within, and not from its edge
+        if (f == t || !(determinant < -kTie * areaVector(body, f).norm())) continue;  // only from within, and not along the triangle
         const Vec3 out = from - a, across = out.cross(ab);
         const double u = out.dot(side) / determinant, v = direction.dot(across) / determinant, distance = ac.dot(across) / determinant;
         if (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0) nearest = std::min(nearest, distance);
@@ -121,7 +122,7 @@ double wallThickness(const TriangleMesh& body, std::int32_t t) {
     return nearest;
 }
 
-/// How the walls of a body compare with its triangles, as far as some of them tell.
+/// Thickness of the walls relative to their triangles, from a sample of them.
 enum class Walls { Thick, Thin, Extreme };
 Walls wallsOf(const TriangleMesh& body) {
     double thin = 0.0, extreme = 0.0, all = 0.0;
@@ -138,8 +139,8 @@ Walls wallsOf(const TriangleMesh& body) {
     return thin >= kThinShare * all ? Walls::Thin : Walls::Thick;
 }
 
-/// The body with at least `fewest` vertices. One of thin walls stays as it is: both sides of a wall must be cut alike, or their small errors, which no
-/// longer cancel, bend it.
+/// The body with at least `fewest` vertices. One of thin walls stays as it is: were the two sides of a wall refined unlike, their small errors would no longer
+/// cancel and bend it.
 Result<SolverMesh> refinedWhereCoarse(const TriangleMesh& body, std::span<const JointFace> faces, int fewest, bool thin) {
     if (thin || body.vertices.rows() >= fewest) return plainSolverMesh(body, faces);
     return refinedSolverMesh(body, faces, fewest);
@@ -177,11 +178,11 @@ Result<SolvedBody> byDefault(const TriangleMesh& body, std::span<const JointFace
     if (progress.cancelled()) return fail(kCancelled, "The precompute was cancelled.");
     if (small) {
         addDetail(*small, 3, kStraight);
-        // Many rims keep their vertices: what little decimation then saves is not worth its error.
+        // Rims keep their vertices, so that with many of them decimation saves too little for its error.
         if (!*own || small->nodes() < kWorthDecimating * (*own)->nodes()) return small;
         return std::move(**own);
     }
-    // Dense rims stand against it, or a body that meets itself: linear displacement then, which is less accurate but as cheap.
+    // Decimation fails on dense rims and on bodies that intersect themselves: linear displacement then, less accurate but as cheap.
     SolvedBody linear = onItself({}, body, faces);
     linear.plain = plainSolverMesh(body, faces);
     linear.mesh = withLayers(linear.plain, 2);

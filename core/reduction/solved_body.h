@@ -12,13 +12,13 @@
 
 namespace imomushi {
 
-/// The mesh that an element is solved on, and how it belongs to the body that is seen.
+/// The mesh on which the boundary problem of an element is solved, and its relation to the body that is displayed.
 struct SolvedBody {
     SolverMesh mesh;
     std::vector<JointFace> faces;  ///< of the body, or of the decimated body: with its vertices, the frames are the body's
     bool decimated = false;        ///< responses must be mapped to the body; otherwise the first vertices of `mesh` are the body's
     double volumeError = 0.0;      ///< of a decimated body, relative
-    bool extremeWalls = false;     ///< solved as it is although default or best was asked for: its walls are too thin for its triangles
+    bool extremeWalls = false;     ///< linear displacement although default or best was asked for: the walls are too thin for their triangles
     SolverMesh plain;              ///< `mesh` without strips and bubbles; empty where it has none
     /// Of each vertex of `mesh` before its `origin` begins: the body vertex at exactly the same place, -1: none.
     std::vector<std::int32_t> bodyVertex;
@@ -46,10 +46,10 @@ struct SolvedSize {
 };
 SolvedSize solvedSize(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting);
 
-/// A coarser level of the same body, so that the difference tells the error.
+/// A coarser discretisation of the same body, to estimate the error of the finer one by the difference of their solutions.
 struct CoarserLevel {
     SolvedBody body;
-    double share = 0.0;  ///< the error of the finer level is about this times the difference
+    double share = 0.0;  ///< error of the finer level over the difference, about
 };
 /// Strips and bubbles remove about nine tenths of the error of the plain mesh (measured on 24 bodies: the error is 0.3 to 2.5 times the
 /// estimate); against a plain mesh the error falls with the size of the triangles, since rims dominate it (Richardson's extrapolation of first order).

@@ -12,7 +12,7 @@
 #include "core/mesh/triangle_frame.h"
 #include "core/mesh/triangle_tree.h"
 #include "core/reduction/mesh_pieces.h"
-#include "core/reduction/negative_part.h"
+#include "core/reduction/semidefinite_projection.h"
 
 namespace imomushi {
 namespace {
@@ -29,7 +29,7 @@ std::vector<std::int32_t> heldTriangles(std::span<const JointFace> faces) {
     return out;
 }
 
-/// visit(triangle, area) of those that can be touched.
+/// visit(triangle, area) for those that can be touched.
 template <class Visit>
 void eachTouchable(const TriangleMesh& mesh, const std::vector<std::int32_t>& held, const Visit& visit) {
     const std::vector<char> touchable = touchableTriangles(mesh, held);
@@ -46,7 +46,8 @@ Eigen::VectorXd integrals(const TriangleMesh& mesh, const std::vector<std::int32
     return values.transpose() * share;
 }
 
-/// Displacement gradient of a triangle: with tractions t over the shear modulus on it, along the surface by its corners u, across it by Hooke's law.
+/// Displacement gradient of a triangle: tangential derivatives from the displacements u of its corners, the normal derivative from the traction over the shear
+/// modulus by Hooke's law.
 Eigen::Matrix3d gradientOf(const TriangleFrame& frame, const std::array<Vec3, 3>& u, const Vec3& traction, double nu) {
     Eigen::Matrix3d along = Eigen::Matrix3d::Zero();
     for (std::size_t c = 0; c < 3; ++c) along += u[c] * frame.slope[c].transpose();
@@ -102,7 +103,7 @@ Eigen::MatrixXd patchTractions(const TouchPatches& patches, const TriangleMesh& 
     return out;
 }
 
-Eigen::MatrixXd wholeTractions(const SolverMesh& mesh, const Eigen::MatrixXd& tractions, const Vec3& middle, double size) {
+Eigen::MatrixXd patchResultants(const SolverMesh& mesh, const Eigen::MatrixXd& tractions, const Vec3& middle, double size) {
     Eigen::MatrixXd force = Eigen::MatrixXd::Zero(1, tractions.cols()), arm = Eigen::MatrixXd::Zero(3, tractions.cols());
     eachTouchable(mesh.mesh, heldTriangles(mesh), [&](std::int32_t f, double area) {
         std::array<Vec3, 3> x;
@@ -160,12 +161,12 @@ Result<void> finishTouch(const TriangleMesh& body, std::span<const JointFace> fa
     const double symmetricNorm = (C + C.transpose()).norm();
     response.asymmetry = symmetricNorm > 0.0 ? (C - C.transpose()).norm() / symmetricNorm : 0.0;
     C = (0.5 * (C + C.transpose())).eval();
-    const auto spectrum = removeNegativePart(C, progress);
+    const auto spectrum = projectToSemidefinite(C, progress);
     if (!spectrum) return tl::make_unexpected(spectrum.error());
     C = (0.5 * (C + C.transpose())).eval();  // to the last bit
     response.negativeEnergy = spectrum->highest > 0.0 ? std::min(spectrum->lowest, 0.0) / spectrum->highest : 0.0;
 
-    // Gradients at the vertices, as the means of the triangles around: a sliver alone says little.
+    // Gradients at the vertices: means of the triangles around, weighted by area, as those of slivers are inaccurate.
     const TouchPatches& patches = response.patches;
     const Eigen::Index count = patches.count(), vertices = body.vertices.rows();
     const std::vector<std::int32_t> held = heldTriangles(faces);
@@ -206,7 +207,7 @@ Result<void> finishTouch(const TriangleMesh& body, std::span<const JointFace> fa
         return sum;
     };
 
-    // For each patch p, among the vertices where its bump is the largest, the one where forces on patch q make the largest gradient (Frobenius).
+    // For each patch p, among the vertices where its weight is the largest, the one with the largest gradient (Frobenius) by forces on patch q.
     struct Largest {
         double square = 0.0;
         std::int32_t vertex = -1;

@@ -14,37 +14,38 @@
 
 namespace imomushi {
 
-/// How an element answers to fingers, all joint faces at rest, for shear modulus 1. Column 3 p + axis is a force along that axis of the element rest
-/// axes, spread over patch p as its bump is: a displacement per force over the shear modulus, m / m^2. Empty where it was not asked for.
+/// Response of an element to contact forces on its touch patches, with all joint faces at rest, for shear modulus 1. Column 3 p + axis: a force along that
+/// axis of the element rest axes, distributed over patch p like its weights; displacement per force over the shear modulus, m / m^2. Empty where it was
+/// not asked for.
 struct TouchResponse {
     TouchPatches patches;
     Eigen::MatrixXf displacement;  ///< 3 * #free x 3 P, rows as those of ElementResponse::response
     Eigen::MatrixXd forces;        ///< g x 3 P: with patch forces f and joint parameters v the faces are held by K v + forces f
-    /// 3 P x 3 P: displacement of patch p, as the mean with its bump for a weight, by a force on patch q. Symmetric, positive semi-definite.
+    /// 3 P x 3 P: weighted mean displacement of patch p by a force on patch q. Symmetric, positive semidefinite.
     Eigen::MatrixXd compliance;
-    /// Vertices where the displacement gradient gets largest, within the surface or into it: for every patch where it does so by a force on that
-    /// patch, and by one on any other. While gradients (largest singular value) stay below 1, nothing is turned inside out.
+    /// Vertices where the displacement gradient is largest: for every patch by a force on that patch, and by one on any other. While the largest singular
+    /// value of all gradients is below 1, the deformation is injective there.
     std::vector<std::int32_t> probes;
     Eigen::MatrixXf gradients;    ///< 9 #probes x 3 P: 3 i + j of each is d u_i / d x_j per force over the shear modulus, 1/m^2
-    double asymmetry = 0.0;       ///< |C - C^T| / |C + C^T| (Frobenius) of the raw compliance C: of reciprocity
+    double asymmetry = 0.0;       ///< |C - C^T| / |C + C^T| (Frobenius) of the raw compliance C: error of reciprocity
     double negativeEnergy = 0.0;  ///< most negative eigenvalue of C over the largest, before it was set to zero
 
     [[nodiscard]] int columns() const { return static_cast<int>(displacement.cols()); }
     [[nodiscard]] std::size_t bytes() const;
 };
 
-/// The tractions of the patches on the mesh that is solved, each of total force 1: #V x P. `body`: that of the patches, and of `solved`.
+/// The tractions of the patches on the solver mesh, each of total force 1: #V x P. `body`: that of the patches and of `solved`.
 Eigen::MatrixXd patchTractions(const TouchPatches& patches, const TriangleMesh& body, std::span<const JointFace> faces, const SolvedBody& solved);
 
-/// What the tractions do in all when the body moves along rigid motions: 6 x 3 P, the force, and its moment about `middle` over `size`.
-Eigen::MatrixXd wholeTractions(const SolverMesh& mesh, const Eigen::MatrixXd& tractions, const Vec3& middle, double size);
+/// Resultants of the tractions: 6 x 3 P, the force (m^2), and its moment about `middle` over `size`.
+Eigen::MatrixXd patchResultants(const SolverMesh& mesh, const Eigen::MatrixXd& tractions, const Vec3& middle, double size);
 
-/// The compliance as it was solved, 3 P x 3 P; `solution`: its last columns are those of the tractions.
+/// The raw compliance, 3 P x 3 P; `solution`: its last columns are those of the tractions.
 Eigen::MatrixXd patchCompliance(const SolverMesh& mesh, const Eigen::MatrixXd& tractions, const std::vector<std::int32_t>& freeVertices,
                                 const BoundaryProblem::Solution& solution);
 
-/// Cleans the compliance and finds the gradients; `response` has patches, displacement, forces and the compliance as it was solved. `free`: rows of
-/// displacement. Errors: "cancelled"; "singular" (not finite).
+/// Projects the compliance to a symmetric positive semidefinite one and finds probes and gradients; `response` has patches, displacement, forces and the raw
+/// compliance. `free`: rows of displacement. Errors: "cancelled"; "singular" (not finite).
 Result<void> finishTouch(const TriangleMesh& body, std::span<const JointFace> faces, const std::vector<std::int32_t>& free, double nu, int threads,
                          TouchResponse& response, const Progress& progress);
 

@@ -9,15 +9,15 @@
 
 namespace imomushi {
 
-/// How the bones of a skeleton hang together, derived once and shared by inverse kinematics and characters. One entry per bone.
+/// Connectivity of the bones of a skeleton, derived once and shared by inverse kinematics and characters. One entry per bone.
 struct BoneTree {
     /// The bone whose frame is transported to this one: Skeleton::Bone::parent, or else the first earlier bone at a common
     /// joint point (an artist need not name parents along a chain); -1: a root. Always smaller than the bone's own index.
     std::vector<int> parent;
     std::vector<int> tree;            ///< index of its root bone: frames of one tree have consistent quaternion signs
     std::vector<Vec3> restDirection;  ///< unit, start -> end
-    /// +1 or -1: roll is one number per joint point, so along a chain that leaves its root in two opposite directions one
-    /// half counts it against its bones' directions.
+    /// +1 or -1: the sense in which a bone counts roll. Roll is one number per joint point, so that of a chain which leaves its
+    /// root in two opposite directions one half counts it about the reversed bone.
     std::vector<double> rollSign;
 };
 

@@ -13,6 +13,7 @@
 #include "core/dynamics/bone_dynamics.h"
 #include "core/dynamics/joint_dynamics.h"
 #include "core/skeleton/bone_tree.h"
+#include "core/skeleton/inverse_kinematics.h"
 #include "tests/dynamics/skeletons.h"
 
 using namespace imomushi;

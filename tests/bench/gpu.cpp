@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A frame of a caterpillar of 5 bent elements, basis "affine", from its pose to display vertices in the memory of the renderer, both ways: by the processor
-// (vertices, normals, upload) and by OpenGL (CardDeformer: joint parameters are uploaded). Waits for the renderer each frame. `bench_gpu [vertices ...]`
+// (vertices, normals, upload) and by OpenGL (GpuDeformer: joint parameters are uploaded). Waits for the renderer each frame. `bench_gpu [vertices ...]`
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -11,7 +11,8 @@
 
 #include "core/character/character.h"
 #include "tests/character/caterpillar.h"
-#include "ui/render/card_deformer.h"
+#include "ui/render/gpu_deformer.h"
+#include "ui/render/offscreen.h"
 #include "ui/render/scene_renderer.h"
 
 using namespace imomushi;
@@ -64,7 +65,7 @@ CharacterInput caterpillarOf(int vertices) {
 struct Shown {
     std::unique_ptr<BodyGeometry> geometry;
     Buffer vertices;
-    CardDeformer::Dress dress;
+    GpuDeformer::DisplayMap displayMap;
     std::vector<float> staging;
 };
 
@@ -108,14 +109,14 @@ void measure(int wanted, ResponseFormat format, int threads) {
         here.push_back(milliseconds(start));
     }
 
-    CardDeformer deformer;
-    if (!deformer.prepare() || !deformer.take(character.recipe())) {
+    GpuDeformer deformer;
+    if (!deformer.prepare() || !deformer.upload(character.recipe())) {
         std::printf("%9d vertices: the driver has no room for them\n", vertices);
         return;
     }
     for (std::size_t e = 0; e < elements; ++e) {
-        character.showElsewhere(static_cast<int>(e), deformer.fits(static_cast<int>(e)));
-        shown[e].dress = deformer.makeDress(static_cast<int>(e), *shown[e].geometry, {});
+        character.showElsewhere(static_cast<int>(e), deformer.supports(static_cast<int>(e)));
+        shown[e].displayMap = deformer.makeDisplayMap(static_cast<int>(e), *shown[e].geometry, {});
         glBindBuffer(GL_ARRAY_BUFFER, shown[e].vertices);
         glBufferData(GL_ARRAY_BUFFER, bytes(shown[e]), nullptr, GL_DYNAMIC_COPY);
     }
@@ -126,7 +127,7 @@ void measure(int wanted, ResponseFormat format, int threads) {
         const auto start = Clock::now();
         character.update(pose);
         deformer.deform(character.recipe());
-        for (std::size_t e = 0; e < elements; ++e) deformer.dress(static_cast<int>(e), shown[e].dress, shown[e].vertices);
+        for (std::size_t e = 0; e < elements; ++e) deformer.writeDisplayVertices(static_cast<int>(e), shown[e].displayMap, shown[e].vertices);
         const double own = milliseconds(start);
         glFinish();
         if (frame < 0) continue;  // shaders are compiled for good at their first use

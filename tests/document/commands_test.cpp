@@ -251,7 +251,7 @@ TEST_CASE("precompute: of congruent elements the first is solved and the others 
     const auto responses = [](Workbench& bench) {
         std::vector<Eigen::MatrixXd> all;
         for (const auto& [id, element] : bench.session.document().elements)
-            all.push_back(bench.session.responses().find(responseKey(bench.session.responseInput(id)))->response);
+            all.push_back(bench.session.responses().store().find(responseKey(bench.session.responseInput(id)))->response);
         return all;
     };
     Workbench other;
@@ -272,7 +272,7 @@ TEST_CASE("precompute: cancelled it leaves everything as it was") {
     const auto answer = w.session.execute({{"do", "precompute"}}, Progress({}, stop.get_token()));
     REQUIRE(!answer);
     CHECK(answer.error().code == kCancelled);
-    CHECK(w.session.responses().all().empty());
+    CHECK(w.session.responses().store().count() == 0);
 }
 
 TEST_CASE("drag: the endpoint goes where it is told, stays held, and comes back by undo, rest and release") {

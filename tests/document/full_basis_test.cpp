@@ -71,7 +71,7 @@ TEST_CASE("basis full: responses are kept in files, and one of another face is n
     w.good(setBasis("full"));
     w.good({{"do", "precompute"}});
     const PartId a = w.session.document().elementNamed("A")->id;
-    const auto before = w.session.responses().find(responseKey(w.session.responseInput(a)));
+    const auto before = w.session.responses().store().find(responseKey(w.session.responseInput(a)));
     REQUIRE(before);
     CHECK(before->tractions.rows() == 54);
     const auto path = (Workbench::folder() / "full.imomushi").string();
@@ -80,7 +80,7 @@ TEST_CASE("basis full: responses are kept in files, and one of another face is n
     other.good({{"do", "open"}, {"path", path}});
     CHECK(other.session.document().settings.basis == BasisKind::Full);
     CHECK(other.session.responseState(other.session.document().elementNamed("A")->id) == Session::ResponseState::Fresh);
-    const auto after = other.session.responses().find(responseKey(other.session.responseInput(a)));
+    const auto after = other.session.responses().store().find(responseKey(other.session.responseInput(a)));
     REQUIRE(after);
     CHECK(after->bases == before->bases);
     CHECK(after->response == before->response);

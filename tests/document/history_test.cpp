@@ -211,14 +211,25 @@ TEST_CASE("listener: says what changed") {
     });
     w.buildChain();
     CHECK(calls == 9);
-    CHECK(last.structure);
+    CHECK(last.structure());
+    REQUIRE(last.document.bones.size() == 1);  // that part alone, as it was
+    CHECK(last.document.bones.begin()->second == nullptr);
+    CHECK(last.document.elements.empty());
     w.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {1, 0, 5}}});
     CHECK(last.pose);
-    CHECK(!last.structure);
+    CHECK(!last.structure());
+    CHECK(last.document.held.size() == 1);
     w.good({{"do", "precompute"}});
     CHECK(last.responses);
     w.good({{"do", "undo"}});
     CHECK(last.pose);
+    w.good({{"do", "set"}, {"target", "A"}, {"property", "nu"}, {"value", 0.3}});
+    w.good({{"do", "set"}, {"target", "B"}, {"property", "nu"}, {"value", 0.3}});
+    w.good({{"do", "undo"}});
+    CHECK(last.structure());
+    REQUIRE(last.document.elements.size() == 1);
+    CHECK(last.document.elements.begin()->second->nu == 0.3);
+    w.good({{"do", "undo"}});
     const int before = calls;
     w.run({{"do", "drag"}, {"endpoint", "nobody/end"}, {"to", {1, 0, 5}}});
     CHECK(calls == before);

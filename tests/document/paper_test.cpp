@@ -38,7 +38,7 @@ TEST_CASE("paper: the document's character in both models, and the document stay
     CHECK(answer["errors"].size() == 6);
     CHECK(answer["paper"][0]["vertices"] == 1978);
     CHECK(w.content() == before);
-    CHECK(w.session.responses().all().empty());
+    CHECK(w.session.responses().store().count() == 0);
     CHECK(w.session.steps().size() == w.session.position());
 }
 

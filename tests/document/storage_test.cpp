@@ -42,7 +42,8 @@ void richDocument(Workbench& w) {
     w.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {0.4, 0.2, 5.5}}, {"roll", 0.25}});
     w.good({{"do", "set"}, {"target", "A"}, {"property", "color"}, {"value", "#123456"}});
     w.good({{"do", "add-bone"}, {"name", "c"}, {"from", "b/end"}, {"to", {0, 1, 7}}});
-    Document& document = w.session.edit();
+    Project project = w.session.project();
+    Document& document = project.document;
     auto element = std::make_shared<Element>(*document.elements.begin()->second);
     auto mesh = std::make_shared<ElementMesh>(*element->mesh);
     mesh->look.normals.setRandom(mesh->body.vertices.rows(), 3);
@@ -53,6 +54,9 @@ void richDocument(Workbench& w) {
     element->mesh = mesh;
     element->issues.push_back({Severity::Info, "unwelded", "Vertices were welded.", 3, true, {0, 1}, {2}});
     document.elements[element->id] = element;
+    const auto path = Workbench::folder() / "rich.imomushi";
+    REQUIRE(saveProject(path, project));
+    w.good({{"do", "open"}, {"path", path.string()}});
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ inline ImportedBody importedBody(std::string name, TriangleMesh mesh, bool close
 /// a good and an open one, "open" an open one.
 class Workbench {
 public:
-    Workbench() : session(coreRegistry()) {
+    explicit Workbench(std::shared_ptr<ResponseStore> store = nullptr) : session(coreRegistry(), std::move(store)) {
         session.setImporter([](const ImportRequest& request, const Progress&) -> Result<ImportResult> {
             const std::string name = request.path.string();
             ImportResult result;

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "core/skeleton/bone_tree.h"
+#include "core/skeleton/inverse_kinematics.h"
 #include "tests/dynamics/bones.h"
 #include "tests/support/allocations.h"
 
@@ -49,8 +50,8 @@ TEST_CASE("bone dynamics: a swinging bone has the frequency and damping that wer
                 CAPTURE(damping);
                 CAPTURE(angle);
                 BoneSpring spring;
-                spring.swingHertz = hertz;
-                spring.swingDamping = damping;
+                spring.bendHertz = hertz;
+                spring.bendDamping = damping;
                 spring.stretchHertz = 1000.0;  // it keeps its length
                 spring.stretchDamping = 1.0;
                 auto dynamics = make(s, spring);
@@ -77,9 +78,9 @@ TEST_CASE("bone dynamics: a bone swings at its frequency with all that hangs on 
     for (const bool fromEnd : {false, true}) {
         auto input = inputOf(s);
         BoneSpring stiff, soft;
-        stiff.stretchHertz = stiff.swingHertz = 300.0, stiff.stretchDamping = stiff.swingDamping = 1.0;
+        stiff.stretchHertz = stiff.bendHertz = 300.0, stiff.stretchDamping = stiff.bendDamping = 1.0;
         soft = stiff;
-        soft.swingHertz = 1.0, soft.swingDamping = 0.05;
+        soft.bendHertz = 1.0, soft.bendDamping = 0.05;
         input.settings.springs.assign(4, stiff);
         input.settings.springs[fromEnd ? 2 : 0] = soft;
         for (std::size_t i = 0; i < input.mass.size(); ++i) input.mass[i] = 1.0 + static_cast<double>(i * i);
@@ -164,32 +165,11 @@ TEST_CASE("bone dynamics: after a drag the body swings past, comes to the kinema
     }
 }
 
-namespace {
-
-// A chain that is carried about and curled by a hand that knows no frames: its kinematic pose at a time.
-Pose curled(const Skeleton& s, double time) {
-    Pose pose = restPose(s);
-    const BoneTree tree = boneTree(s);
-    pose.points[0] = Vec3(0.5 * std::sin(4.0 * time), 0.3 * std::sin(6.0 * time), 0.0);
-    const double bend = 0.35 * std::sin(5.0 * time), twist = 0.8 * std::sin(3.0 * time);
-    Eigen::Quaterniond frame(Eigen::AngleAxisd(0.4 * std::sin(2.0 * time), Vec3::UnitY()));
-    for (std::size_t b = 0; b < s.bones.size(); ++b) {
-        frame = frame * Eigen::Quaterniond(Eigen::AngleAxisd(bend, Vec3::UnitZ()));
-        pose.frames[b] = frame;
-        const double length = s.bones[b].length * (1.0 + 0.1 * std::sin(7.0 * time));
-        pose.points[b + 1] = pose.points[b] + length * (frame * tree.restDirection[b]);
-        pose.roll[b + 1] = twist * static_cast<double>(b + 1);
-    }
-    return pose;
-}
-
-}  // namespace
-
 TEST_CASE("bone dynamics: a chain dragged along a path moves alike at 30, 60, 144 and uneven frames per second") {
     const Skeleton s = boneChain(5);
     BoneSpring spring;
-    spring.swingHertz = 1.5;
-    spring.swingDamping = 0.15;
+    spring.bendHertz = 1.5;
+    spring.bendDamping = 0.15;
     const std::vector<Hold> holds = {{0, Vec3::Zero()}};
     std::vector<std::vector<Pose>> seen;
     std::mt19937 random(3);
@@ -231,7 +211,7 @@ TEST_CASE("bone dynamics: a chain dragged along a path moves alike at 30, 60, 14
 TEST_CASE("bone dynamics: strong dampers take a bone along at once: after a start of its hold it lags by speed / (2 ratio omega)") {
     const Skeleton s = boneChain(1);
     BoneSpring spring;
-    spring.swingHertz = 0.5, spring.swingDamping = 10.0;
+    spring.bendHertz = 0.5, spring.bendDamping = 10.0;
     auto dynamics = make(s, spring);
     const std::vector<Hold> holds = {{0, Vec3::Zero()}};
     Pose pose = restPose(s);
@@ -249,8 +229,8 @@ TEST_CASE("bone dynamics: strong dampers take a bone along at once: after a star
 TEST_CASE("bone dynamics: bones that are stiff to the eye follow the kinematic pose") {
     const Skeleton s = boneChain(5);
     BoneSpring rigid;
-    rigid.stretchHertz = rigid.swingHertz = rigid.rollHertz = BoneSpring::kMostHertz;
-    rigid.stretchDamping = rigid.swingDamping = rigid.rollDamping = 1.0;
+    rigid.stretchHertz = rigid.bendHertz = rigid.rollHertz = BoneSpring::kMostHertz;
+    rigid.stretchDamping = rigid.bendDamping = rigid.rollDamping = 1.0;
     auto dynamics = make(s, rigid);
     dynamics.reset(curled(s, 0.0));
     const std::vector<Hold> holds = {{0, Vec3::Zero()}};
@@ -311,7 +291,7 @@ TEST_CASE("bone dynamics: energy never grows while nothing outside moves, whatev
 TEST_CASE("bone dynamics: what swings without damping keeps its energy") {
     const Skeleton s = boneChain(3);
     BoneSpring spring;
-    spring.stretchHertz = 4.0, spring.stretchDamping = 0.0, spring.swingHertz = 1.5, spring.swingDamping = 0.0;
+    spring.stretchHertz = 4.0, spring.stretchDamping = 0.0, spring.bendHertz = 1.5, spring.bendDamping = 0.0;
     auto dynamics = make(s, spring);
     const std::vector<Hold> holds = {{0, Vec3::Zero()}};
     Pose bent = restPose(s);

@@ -13,7 +13,7 @@ using namespace imomushi;
 TEST_CASE("bone dynamics: gravity bends what is held by as much as its springs say, and what is free falls as a stone does") {
     const Skeleton s = boneChain(1);
     BoneSpring spring;
-    spring.swingHertz = 2.0, spring.swingDamping = 1.0, spring.stretchHertz = 100.0;
+    spring.bendHertz = 2.0, spring.bendDamping = 1.0, spring.stretchHertz = 100.0;
     auto input = inputOf(s, spring);
     input.settings.gravity = Vec3(0, -9.81, 0);
     auto dynamics = BoneDynamics::build(input).value();

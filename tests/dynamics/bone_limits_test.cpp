@@ -8,6 +8,7 @@
 #include <random>
 
 #include "core/skeleton/bone_tree.h"
+#include "core/skeleton/inverse_kinematics.h"
 #include "tests/dynamics/bones.h"
 #include "tests/support/allocations.h"
 
@@ -114,7 +115,7 @@ TEST_CASE("bone dynamics: input that contradicts itself is refused with a reason
     CHECK(code(input) == "bad-value");
     for (const double hertz : {0.0, -1.0, 1001.0, std::numeric_limits<double>::quiet_NaN()}) {
         input = good;
-        input.settings.springs[0].swingHertz = hertz;
+        input.settings.springs[0].bendHertz = hertz;
         CHECK(code(input) == "bad-value");
     }
     input = good;

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "ui/render/scene_renderer.h"
+#include "ui/render/offscreen.h"
 
 namespace imomushi {
 

@@ -9,6 +9,7 @@
 
 #include "tests/render/picture.h"
 #include "tests/render/test_bodies.h"
+#include "ui/render/offscreen.h"
 
 using namespace imomushi;
 using namespace imomushi::render;
@@ -135,21 +136,21 @@ TEST_CASE("selecting a body draws a line around it and nothing inside or far awa
     CHECK(elsewhere == 0);
 }
 
-TEST_CASE("hovered, out of date, marked and x-ray bodies all look different from plain ones") {
+TEST_CASE("hovered, out of date, highlighted and x-ray bodies all look different from plain ones") {
     if (!haveOpenGl()) return;
     SphereScene s;
     const Picture plain = drawn(s.scene, 160, 160);
     s.scene.bodies[0].hovered = true;
     CHECK(differing(plain, drawn(s.scene, 160, 160)) > 100);
     s.scene.bodies[0].hovered = false;
-    s.scene.bodies[0].dimmed = true;
+    s.scene.bodies[0].outdated = true;
     CHECK(differing(plain, drawn(s.scene, 160, 160)) > 1000);
-    s.scene.bodies[0].dimmed = false;
-    std::vector<std::int32_t> marked;
-    for (int f = 0; f < 800; ++f) marked.push_back(f);
-    s.scene.bodies[0].markedTriangles = &marked;
+    s.scene.bodies[0].outdated = false;
+    std::vector<std::int32_t> highlighted;
+    for (int f = 0; f < 800; ++f) highlighted.push_back(f);
+    s.scene.bodies[0].highlightedTriangles = &highlighted;
     CHECK(differing(plain, drawn(s.scene, 160, 160)) > 300);
-    s.scene.bodies[0].markedTriangles = nullptr;
+    s.scene.bodies[0].highlightedTriangles = nullptr;
     s.scene.bodies[0].opacity = 0.3f;
     s.scene.darkTheme = true;
     CHECK(drawn(s.scene, 160, 160).at(80, 80)[0] < plain.at(80, 80)[0]);

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "ui/render/scene_renderer.h"
+#include "ui/render/scene.h"
 
 namespace imomushi {
 

@@ -71,8 +71,20 @@ TEST_CASE("imomushi: says its version and how it is used") {
     CHECK(help.out.find("endpoint") != std::string::npos);
 }
 
+TEST_CASE("run: a folder for responses spares the next script their computation") {
+    writeBars(2);
+    std::vector<Json> cached;
+    for (int i = 0; i < 2; ++i) {
+        const Run run = script(wormScript(2), "--cache responses");
+        CHECK(run.status == 0);
+        for (const Json& answer : run.answers)
+            if (answer["do"] == "precompute") cached.push_back(answer["elements"][0]["cached"]);
+    }
+    CHECK(cached == std::vector<Json>{false, true});
+}
+
 TEST_CASE("run: bad options and scripts that cannot be read give status 2 and nothing on standard output") {
-    for (const char* arguments : {"run", "run a b", "run --nonsense a", "run nothing.jsonl", "run .", "run --keep-going"}) {
+    for (const char* arguments : {"run", "run a b", "run --nonsense a", "run nothing.jsonl", "run .", "run --keep-going", "run a --cache"}) {
         CAPTURE(arguments);
         const Run run = program(arguments);
         CHECK(run.status == 2);

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "tests/document/workbench.h"
+#include "ui/scene/framing.h"
 
 using namespace imomushi;
 using render::Marker;

@@ -163,7 +163,7 @@ Row judge(const HardCase& hard, const std::string& solverMesh) {
         const PartId id = session.document().elementNamed(element.name)->id;
         const ResponseInput input = session.responseInput(id);
         if (input.faces.empty()) continue;
-        const auto response = session.responses().find(responseKey(input));
+        const auto response = session.responses().store().find(responseKey(input));
         REQUIRE(response);
         const SolvedElement solved{input, *response};
         const SolveQuality& quality = response->quality.solve;

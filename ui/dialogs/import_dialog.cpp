@@ -149,7 +149,7 @@ void ImportDialog::showResult() {
     progress_->setVisible(false);
     stage_->setVisible(false);
     const auto outcome = job_->result();
-    preview_->show(outcome);
+    preview_->show(*outcome);
     issues_->clear();
     facts_->clear();
     const auto add = [this](const MeshIssue& issue) {

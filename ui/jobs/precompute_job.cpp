@@ -33,7 +33,7 @@ struct PrecomputeJob::Work {
 namespace {
 // An element without a joint face follows its bone rigidly: there is nothing to compute.
 bool needsPrecompute(StudioDocument& document, const Element& element) {
-    return !element.faces.empty() && document.session().responseState(element.id) != Session::ResponseState::Fresh;
+    return !element.faces.empty() && document.session().responseState(element.id) != ResponseState::Fresh;
 }
 }  // namespace
 
@@ -114,7 +114,7 @@ void PrecomputeJob::keep(const Work& work, std::size_t count) {
             continue;
         }
         document_.session().responses().insert(item.key, item.response);
-        // The command finds the result in the cache; an element that changed meanwhile would be computed here and now: leave it.
+        // The command finds the result in the store; an element that changed meanwhile would be computed here and now: leave it.
         const auto& parts = document_.document().elements;
         const auto found = parts.find(item.element);
         if (found != parts.end() && responseKey(document_.session().responseInput(item.element)) == item.key) elements.push_back(found->second->name);

@@ -17,7 +17,7 @@ struct PrecomputeEstimate {
 };
 
 /// Precomputes the elements that are not fresh in the background, from copies of what they depend on. The document stays usable; results of elements that
-/// were changed meanwhile are kept in the cache but leave the element out of date. What is done when it is cancelled is kept.
+/// were changed meanwhile are kept in the store but leave the element out of date. What is done when it is cancelled is kept.
 class PrecomputeJob : public BackgroundJob {
     Q_OBJECT
 public:

@@ -16,10 +16,11 @@ void smooth(double& mean, double value) { mean = mean < 0.0 ? value : mean + kNe
 
 }  // namespace
 
-StudioDocument::StudioDocument(const CommandRegistry& registry, QObject* parent) : QObject(parent), session_(registry) {
+StudioDocument::StudioDocument(const CommandRegistry& registry, std::shared_ptr<ResponseStore> store, QObject* parent)
+    : QObject(parent), session_(registry, std::move(store)) {
     effectMs_.fill(-1.0);
     session_.setListener([this](const Session::Change& change) {
-        if (change.structure) {
+        if (change.structure()) {
             // What is gone cannot stay selected; listeners of structureChanged() may already rely on that.
             std::erase_if(selection_, [this](const SelectionItem& item) { return !exists(item); });
             if (hovered_ && !exists(*hovered_)) hovered_.reset();
@@ -30,7 +31,7 @@ StudioDocument::StudioDocument(const CommandRegistry& registry, QObject* parent)
                 effectMs_.fill(-1.0);
                 frameMs_ = -1.0;
             }
-            Q_EMIT structureChanged();
+            Q_EMIT structureChanged(change.document);
             Q_EMIT selectionChanged();
         }
         if (change.pose) Q_EMIT poseChanged();

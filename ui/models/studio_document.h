@@ -4,6 +4,7 @@
 #include <QObject>
 #include <QString>
 #include <array>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -25,7 +26,8 @@ struct SelectionItem {
 class StudioDocument : public QObject {
     Q_OBJECT
 public:
-    explicit StudioDocument(const CommandRegistry& registry, QObject* parent = nullptr);
+    /// `store`: of responses, see Session.
+    explicit StudioDocument(const CommandRegistry& registry, std::shared_ptr<ResponseStore> store = nullptr, QObject* parent = nullptr);
 
     [[nodiscard]] Session& session() { return session_; }
     [[nodiscard]] const Document& document() const { return session_.document(); }
@@ -50,7 +52,8 @@ public:
     void setHovered(std::optional<SelectionItem> item);
 
 Q_SIGNALS:
-    void structureChanged();   ///< elements, faces, joints, bones, settings
+    /// Elements, faces, joints, bones, settings, effects or takes: the parts that changed, as they were. All parts where another document took the place of this one.
+    void structureChanged(const imomushi::DocumentChange& change);
     void poseChanged();        ///< the character moved
     void responsesChanged();   ///< a precompute finished or went out of date
     void historyChanged();     ///< undo, redo, steps

@@ -3,9 +3,8 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
-#include <map>
 #include <span>
+#include <utility>
 
 #include "core/base/union_find.h"
 #include "core/mesh/vertex_corners.h"
@@ -58,56 +57,62 @@ BodyGeometry::BodyGeometry(const ElementMesh& mesh, const std::vector<std::int32
     const int vertices = static_cast<int>(mesh.body.vertices.rows()), faces = static_cast<int>(triangles_.rows());
     const bool hasLook = mesh.look.triangles.rows() == faces && !mesh.look.bodyVertex.empty();
     const bool lookNormals = hasLook && mesh.look.normals.rows() == static_cast<Eigen::Index>(mesh.look.bodyVertex.size());
-    std::vector<char> isCovered(faces, 0);
+    std::vector<char> isCovered(faces, 0), isShown(faces, 1);
     if (covered)
         for (const std::int32_t f : *covered)
-            if (f >= 0 && f < faces) isCovered[f] = 1;
+            if (f >= 0 && f < faces) isCovered[f] = 1, isShown[f] = 0;
 
     std::vector<Eigen::Vector3f> unitFacet(faces);
     const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> rest = mesh.body.vertices.cast<float>();
     for (int f = 0; f < faces; ++f) unitFacet[f] = unit(facetNormal(rest.data(), triangles_, f));
 
-    std::vector<char> isSeen(faces);
-    for (int f = 0; f < faces; ++f) isSeen[f] = !isCovered[f];
-    const std::span<const std::int32_t> corners(triangles_.data(), std::size_t(triangles_.size()));
-    const VertexCorners seenCorners(corners, std::size_t(vertices), isSeen), coveredCorners(corners, std::size_t(vertices), isCovered);
+    const std::span<const std::int32_t> corners(triangles_.data(), static_cast<std::size_t>(triangles_.size()));
+    const VertexCorners shownCorners(corners, static_cast<std::size_t>(vertices), isShown), coveredCorners(corners, static_cast<std::size_t>(vertices), isCovered);
 
     // Groups, and display vertices: one for each pair of look vertex and group.
     corner_.assign(3 * std::size_t(faces), 0);
     seamGroup_.assign(vertices, -1);
     groupStart_ = {0};
     std::vector<int> group;
-    std::map<std::pair<int, int>, std::uint32_t> known;
+    // Of one vertex, and so few that a search from the front is the fastest.
+    struct DisplayVertex {
+        int lookVertex, group;
+        std::uint32_t index;
+    };
+    std::vector<DisplayVertex> known;
+    std::vector<std::pair<int, int>> number;  // root -> group, -1: whole
     for (int v = 0; v < vertices; ++v) {
-        const auto around = seenCorners.at(v), coveredAround = coveredCorners.at(v);
+        const auto around = shownCorners.at(v), coveredAround = coveredCorners.at(v);
         groupCorners(around, mesh, lookNormals, unitFacet, group);
         known.clear();
-        std::map<int, int> number;  // root -> group, -1: whole
+        number.clear();
+        const auto numberOf = [&](int root) { return std::find_if(number.begin(), number.end(), [&](const auto& entry) { return entry.first == root; }); };
         int partial = 0;
         for (std::size_t i = 0; i < around.size(); ++i) {
-            const auto [at, added] = number.try_emplace(group[i], -1);
-            if (!added) continue;
+            if (numberOf(group[i]) != number.end()) continue;
+            int& own = number.emplace_back(group[i], -1).second;
             const bool whole = coveredAround.empty() && std::count(group.begin(), group.end(), group[i]) == static_cast<long>(group.size());
             if (whole) continue;
             for (std::size_t k = 0; k < around.size(); ++k)
                 if (group[k] == group[i]) groupTriangles_.push_back(around[k] / 3);
-            at->second = static_cast<int>(groupStart_.size()) - 1;
+            own = static_cast<int>(groupStart_.size()) - 1;
             groupStart_.push_back(static_cast<int>(groupTriangles_.size()));
-            seamGroup_[v] = at->second;
+            seamGroup_[v] = own;
             ++partial;
         }
         if (partial != 1) seamGroup_[v] = -1;
         const auto place = [&](int corner, int g) {
             const int lookVertex = hasLook ? mesh.look.triangles(corner / 3, corner % 3) : -1;
-            const auto [at, added] = known.try_emplace({lookVertex, g}, static_cast<std::uint32_t>(bodyVertex_.size()));
-            if (added) {
+            auto at = std::find_if(known.begin(), known.end(), [&](const DisplayVertex& d) { return d.lookVertex == lookVertex && d.group == g; });
+            if (at == known.end()) {
+                at = known.insert(at, {lookVertex, g, static_cast<std::uint32_t>(bodyVertex_.size())});
                 bodyVertex_.push_back(v);
                 lookVertex_.push_back(lookVertex);
                 group_.push_back(g);
             }
-            corner_[corner] = at->second;
+            corner_[corner] = at->index;
         };
-        for (std::size_t i = 0; i < around.size(); ++i) place(around[i], number[group[i]]);
+        for (std::size_t i = 0; i < around.size(); ++i) place(around[i], numberOf(group[i])->second);
         for (const int corner : coveredAround) place(corner, -1);
     }
     usedTriangles_ = groupTriangles_;

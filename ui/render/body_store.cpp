@@ -29,7 +29,7 @@ TextureName makeTexture(const Texture& texture) {
 
 }  // namespace
 
-void BodyStore::make(const Body& body, GpuBody& gpu) {
+void BodyStore::create(const Body& body, GpuBody& gpu) {
     gpu = GpuBody();
     gpu.mesh = body.mesh;
     gpu.covered = body.coveredTriangles;
@@ -66,13 +66,13 @@ void BodyStore::make(const Body& body, GpuBody& gpu) {
     gpu.indices = makeBuffer();
     glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, gpu.indices);
     glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(g.indices().size() * sizeof(std::uint32_t)), g.indices().data(), GL_STATIC_DRAW);
-    gpu.marked = makeBuffer();
+    gpu.highlight = makeBuffer();
     glBindVertexArray(0);
     for (const Texture& t : look.textures) gpu.textures.push_back(makeTexture(t));
     glBindTexture(GL_TEXTURE_2D, 0);
 }
 
-void BodyStore::fill(const Body& body, GpuBody& gpu) {
+void BodyStore::upload(const Body& body, GpuBody& gpu) {
     gpu.geometry->fill(body.positions, body.normals, gpu.staging.data());
     const auto bytes = static_cast<GLsizeiptr>(gpu.staging.size() * sizeof(float));
     glBindBuffer(GL_ARRAY_BUFFER, gpu.vertices);
@@ -83,32 +83,32 @@ void BodyStore::fill(const Body& body, GpuBody& gpu) {
     if (all.rows() > 0) {
         gpu.low = all.leftCols<3>().colwise().minCoeff().transpose();
         gpu.high = all.leftCols<3>().colwise().maxCoeff().transpose();
-        gpu.about = Eigen::AlignedBox3d(gpu.low.cast<double>(), gpu.high.cast<double>());
+        gpu.tightBounds = Eigen::AlignedBox3d(gpu.low.cast<double>(), gpu.high.cast<double>());
     }
 }
 
-/// Bodies that the card makes.
-void BodyStore::dressAll(const Scene& scene, const std::vector<GpuBody*>& drawn) {
-    if (!scene.recipe || deformer_.id() != scene.recipe->id) return;
+/// Bodies that the GPU deforms.
+void BodyStore::deformAll(const Scene& scene, const std::vector<GpuBody*>& drawn) {
+    if (!scene.recipe || deformer_.characterId() != scene.recipe->id) return;
     deformer_.deform(*scene.recipe);
     for (std::size_t i = 0; i < drawn.size(); ++i) {
         if (!drawn[i] || drawn[i]->element < 0) continue;
         GpuBody& gpu = *drawn[i];
         const std::uint64_t version = deformer_.version(gpu.element);
         gpu.changed = gpu.fresh || gpu.recipe != scene.recipe->id || gpu.version != version;
-        if (gpu.fresh || gpu.recipe != scene.recipe->id) gpu.dress = {};
+        if (gpu.fresh || gpu.recipe != scene.recipe->id) gpu.displayMap = {};
         gpu.recipe = scene.recipe->id;
         gpu.version = version;
-        dress(scene, drawn, i);
+        writeDisplayVertices(scene, drawn, i);
         const auto& bounds = deformer_.bounds(gpu.element);
-        gpu.low = bounds.holds.min();
-        gpu.high = bounds.holds.max();
-        gpu.about = bounds.about.cast<double>();
+        gpu.low = bounds.conservative.min();
+        gpu.high = bounds.conservative.max();
+        gpu.tightBounds = bounds.tight.cast<double>();
         gpu.fresh = false;
     }
 }
 
-void BodyStore::dress(const Scene& scene, const std::vector<GpuBody*>& drawn, std::size_t i) {
+void BodyStore::writeDisplayVertices(const Scene& scene, const std::vector<GpuBody*>& drawn, std::size_t i) {
     GpuBody& gpu = *drawn[i];
     const auto bodyAt = [&](int b) { return b >= 0 && b < static_cast<int>(drawn.size()) ? drawn[static_cast<std::size_t>(b)] : nullptr; };
     // The normals of hard edges depend on the bodies that are welded to it, and these are few: made anew when one is another than before.
@@ -121,44 +121,46 @@ void BodyStore::dress(const Scene& scene, const std::vector<GpuBody*>& drawn, st
             }
     };
     std::size_t n = 0;
-    bool same = gpu.dress.count > 0;
+    bool same = gpu.displayMap.count > 0;
     eachSeam([&](const Seam& seam, const GpuBody& other, bool) {
         same = same && n < gpu.seams.size() && gpu.seams[n] == std::pair(static_cast<const void*>(seam.welded.get()), static_cast<const BodyGeometry*>(other.geometry.get()));
         ++n;
     });
     if (!same || n != gpu.seams.size()) {
         gpu.seams.clear();
-        std::vector<CardDeformer::Neighbour> neighbours;
+        std::vector<GpuDeformer::Neighbour> neighbours;
         eachSeam([&](const Seam& seam, const GpuBody& other, bool first) {
             gpu.seams.emplace_back(seam.welded.get(), other.geometry.get());
             neighbours.push_back({other.geometry.get(), other.element, *seam.welded});
             if (!first)
                 for (auto& [own, its] : neighbours.back().welded) std::swap(own, its);
         });
-        gpu.dress = deformer_.makeDress(gpu.element, *gpu.geometry, neighbours);
+        gpu.displayMap = deformer_.makeDisplayMap(gpu.element, *gpu.geometry, neighbours);
         gpu.changed = true;
     }
     if (!gpu.changed) return;
     glBindBuffer(GL_ARRAY_BUFFER, gpu.vertices);
     glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(gpu.staging.size() * sizeof(float)), nullptr, GL_DYNAMIC_COPY);
     glBindBuffer(GL_ARRAY_BUFFER, 0);
-    deformer_.dress(gpu.element, gpu.dress, gpu.vertices);
+    deformer_.writeDisplayVertices(gpu.element, gpu.displayMap, gpu.vertices);
 }
 
-void BodyStore::take(const Scene& scene, std::vector<GpuBody*>& drawn) {
+void BodyStore::update(const Scene& scene, std::vector<GpuBody*>& drawn) {
     for (auto& [key, gpu] : bodies_) gpu.used = gpu.welded = false;
     drawn.clear();
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
         const Body& body = scene.bodies[i];
-        const int element = scene.recipe && deformer_.id() == scene.recipe->id ? body.recipeElement : -1;
-        if (!body.mesh || (!body.positions && element < 0) || body.mesh->body.triangles.rows() == 0) {
+        const int element = scene.recipe && deformer_.characterId() == scene.recipe->id ? body.recipeElement : -1;
+        int copies = 0;
+        for (std::size_t j = 0; j < i; ++j) copies += scene.bodies[j].id == body.id;
+        const std::pair key(body.id, copies);
+        if (!body.visible || !body.mesh || (!body.positions && element < 0) || body.mesh->body.triangles.rows() == 0) {
+            if (const auto known = bodies_.find(key); !body.visible && known != bodies_.end()) known->second.used = true;
             drawn.push_back(nullptr);
             continue;
         }
-        int copies = 0;
-        for (std::size_t j = 0; j < i; ++j) copies += scene.bodies[j].id == body.id;
-        GpuBody& gpu = bodies_[{body.id, copies}];
-        if (gpu.mesh != body.mesh || gpu.covered != body.coveredTriangles) make(body, gpu);
+        GpuBody& gpu = bodies_[key];
+        if (gpu.mesh != body.mesh || gpu.covered != body.coveredTriangles) create(body, gpu);
         gpu.used = true;
         if (gpu.element != element) gpu.fresh = true;
         gpu.element = element;
@@ -168,14 +170,14 @@ void BodyStore::take(const Scene& scene, std::vector<GpuBody*>& drawn) {
         drawn.push_back(&gpu);
     }
     std::erase_if(bodies_, [](const auto& entry) { return !entry.second.used; });
-    dressAll(scene, drawn);
-    fillAll(scene, drawn);
+    deformAll(scene, drawn);
+    uploadAll(scene, drawn);
     for (std::size_t i = 0; i < drawn.size(); ++i)
-        if (drawn[i]) mark(scene.bodies[i].markedTriangles, *drawn[i]);
+        if (drawn[i]) uploadHighlight(scene.bodies[i].highlightedTriangles, *drawn[i]);
 }
 
-/// Bodies that the processor makes.
-void BodyStore::fillAll(const Scene& scene, const std::vector<GpuBody*>& drawn) {
+/// Bodies whose positions the processor computes.
+void BodyStore::uploadAll(const Scene& scene, const std::vector<GpuBody*>& drawn) {
     // Normals across a seam depend on both sides, so a body is filled again when a neighbour changed.
     const auto bodyAt = [&](int i) { return i >= 0 && i < static_cast<int>(drawn.size()) && drawn[i] && drawn[i]->element < 0 ? drawn[i] : nullptr; };
     for (const Seam& seam : scene.seams) {
@@ -198,25 +200,25 @@ void BodyStore::fillAll(const Scene& scene, const std::vector<GpuBody*>& drawn) 
     }
     for (std::size_t i = 0; i < drawn.size(); ++i)
         if (drawn[i] && drawn[i]->element < 0 && (drawn[i]->changed || drawn[i]->welded)) {
-            fill(scene.bodies[i], *drawn[i]);
+            upload(scene.bodies[i], *drawn[i]);
             drawn[i]->fresh = false;
         }
 }
 
-void BodyStore::mark(const std::vector<std::int32_t>* triangles, GpuBody& gpu) {
-    if (triangles ? gpu.markedTriangles == *triangles : gpu.markedTriangles.empty()) return;
-    gpu.markedTriangles = triangles ? *triangles : std::vector<std::int32_t>();
-    gpu.markedIndices.clear();
-    for (const std::int32_t f : gpu.markedTriangles)
-        if (f >= 0 && f < gpu.mesh->body.triangles.rows()) gpu.markedIndices.insert(gpu.markedIndices.end(), gpu.geometry->corners(f), gpu.geometry->corners(f) + 3);
+void BodyStore::uploadHighlight(const std::vector<std::int32_t>* triangles, GpuBody& gpu) {
+    if (triangles ? gpu.highlightedTriangles == *triangles : gpu.highlightedTriangles.empty()) return;
+    gpu.highlightedTriangles = triangles ? *triangles : std::vector<std::int32_t>();
+    gpu.highlightedIndices.clear();
+    for (const std::int32_t f : gpu.highlightedTriangles)
+        if (f >= 0 && f < gpu.mesh->body.triangles.rows()) gpu.highlightedIndices.insert(gpu.highlightedIndices.end(), gpu.geometry->corners(f), gpu.geometry->corners(f) + 3);
     glBindVertexArray(0);
-    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, gpu.marked);
-    glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(gpu.markedIndices.size() * sizeof(std::uint32_t)), gpu.markedIndices.data(), GL_DYNAMIC_DRAW);
+    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, gpu.highlight);
+    glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(gpu.highlightedIndices.size() * sizeof(std::uint32_t)), gpu.highlightedIndices.data(), GL_DYNAMIC_DRAW);
 }
 
-void BodyStore::forget() {
+void BodyStore::clear() {
     bodies_.clear();
-    deformer_.forget();
+    deformer_.clear();
 }
 
 }  // namespace imomushi::render

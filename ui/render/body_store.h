@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "ui/render/body_geometry.h"
-#include "ui/render/card_deformer.h"
+#include "ui/render/gpu_deformer.h"
 #include "ui/render/gl.h"
-#include "ui/render/scene_renderer.h"
+#include "ui/render/scene.h"
 
 namespace imomushi::render {
 
@@ -22,19 +22,19 @@ struct GpuBody {
     std::shared_ptr<const std::vector<std::int32_t>> covered;
     std::unique_ptr<BodyGeometry> geometry;
     VertexArray vertexArray;
-    Buffer vertices, look, indices, marked;
-    std::vector<std::int32_t> markedTriangles;
-    std::vector<std::uint32_t> markedIndices;
+    Buffer vertices, look, indices, highlight;
+    std::vector<std::int32_t> highlightedTriangles;
+    std::vector<std::uint32_t> highlightedIndices;
     std::vector<TextureName> textures;  ///< 0: could not be decoded
     std::vector<float> staging;
     std::uint64_t revision = 0;
     const float* positions = nullptr;
     Eigen::Vector3f low = Eigen::Vector3f::Zero(), high = Eigen::Vector3f::Zero();  ///< a box that holds it, world, m
-    Eigen::AlignedBox3d about;  ///< the same box; of the card's bodies, whose `low` and `high` lie a little outside, a closer one
-    int element = -1;           ///< of the recipe, where the card makes it
+    Eigen::AlignedBox3d tightBounds;  ///< the same box; of bodies that the GPU deforms, whose `low` and `high` lie a little outside, a closer one
+    int element = -1;           ///< of the recipe, where the GPU deforms it; -1: positions are uploaded
     std::uint64_t recipe = 0, version = 0;
-    CardDeformer::Dress dress;
-    /// What the dress was made for.
+    GpuDeformer::DisplayMap displayMap;
+    /// The seams that `displayMap` was made for.
     std::vector<std::pair<const void*, const BodyGeometry*>> seams;
     bool fresh = true;    ///< never filled
     bool changed = false; ///< in this frame
@@ -42,26 +42,27 @@ struct GpuBody {
     bool used = false;    ///< in this frame
 };
 
-/// The bodies of a scene on the graphics card. What changed since the last time is made or uploaded again, normals across seams included; bodies that are gone are forgotten.
+/// The bodies of a scene on the graphics card. What changed since the last update is uploaded or deformed again, normals across seams included; bodies that are
+/// gone are deleted.
 class BodyStore {
 public:
-    /// Errors: those of CardDeformer.
+    /// Errors: those of GpuDeformer.
     Result<void> prepare() { return deformer_.prepare(); }
     /// `drawn`: of scene.bodies; null: nothing to draw.
-    void take(const Scene& scene, std::vector<GpuBody*>& drawn);
-    void forget();
-    [[nodiscard]] CardDeformer& deformer() { return deformer_; }
-    [[nodiscard]] const CardDeformer& deformer() const { return deformer_; }
+    void update(const Scene& scene, std::vector<GpuBody*>& drawn);
+    void clear();
+    [[nodiscard]] GpuDeformer& deformer() { return deformer_; }
+    [[nodiscard]] const GpuDeformer& deformer() const { return deformer_; }
 
 private:
-    static void make(const Body& body, GpuBody& gpu);
-    static void fill(const Body& body, GpuBody& gpu);
-    static void mark(const std::vector<std::int32_t>* triangles, GpuBody& gpu);
-    static void fillAll(const Scene& scene, const std::vector<GpuBody*>& drawn);
-    void dressAll(const Scene& scene, const std::vector<GpuBody*>& drawn);
-    void dress(const Scene& scene, const std::vector<GpuBody*>& drawn, std::size_t i);
+    static void create(const Body& body, GpuBody& gpu);
+    static void upload(const Body& body, GpuBody& gpu);
+    static void uploadHighlight(const std::vector<std::int32_t>* triangles, GpuBody& gpu);
+    static void uploadAll(const Scene& scene, const std::vector<GpuBody*>& drawn);
+    void deformAll(const Scene& scene, const std::vector<GpuBody*>& drawn);
+    void writeDisplayVertices(const Scene& scene, const std::vector<GpuBody*>& drawn, std::size_t i);
 
-    CardDeformer deformer_;
+    GpuDeformer deformer_;
     std::map<std::pair<std::uint64_t, int>, GpuBody> bodies_;  ///< by id, and which of the bodies of that id
 };
 

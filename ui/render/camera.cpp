@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/render/camera.h"
+
 #include <algorithm>
 #include <cmath>
-
-#include "ui/render/scene_renderer.h"
 
 namespace imomushi::render {
 

@@ -38,7 +38,7 @@ Matrix4f orthographic(const Vec3& centre, const Vec3& towardsLight, const Vec3& 
 void Frame::set(const Scene& scene, const std::vector<GpuBody*>& drawn, int width, int height) {
     Eigen::AlignedBox3d box;
     for (const GpuBody* gpu : drawn)
-        if (gpu) box.extend(gpu->about);
+        if (gpu) box.extend(gpu->tightBounds);
     if (box.isEmpty())
         for (const Marker& m : scene.markers) box.extend(m.from);
     if (box.isEmpty()) box = Eigen::AlignedBox3d(Vec3(-1, scene.ground, -1), Vec3(1, scene.ground + 1, 1));
@@ -51,11 +51,11 @@ void Frame::set(const Scene& scene, const std::vector<GpuBody*>& drawn, int widt
     const double fadeRadius = 5.0 * radius + 2.5 * reach;
     const Eigen::Matrix4d view = camera.view();
     const double aspect = static_cast<double>(width) / height;
-    double held = radius;
+    double extent = radius;  // of the sphere that holds all, markers too
     for (const GpuBody* gpu : drawn)
-        if (gpu && gpu->element >= 0) held = std::max(held, (gpu->high.cast<double>() - centre).cwiseMax(centre - gpu->low.cast<double>()).norm());
-    for (const Marker& m : scene.markers) held = std::max({held, (m.from - centre).norm() * 1.2, (m.to - centre).norm() * 1.2});
-    const Eigen::Matrix4d projection = camera.projection(aspect, centre, held);
+        if (gpu && gpu->element >= 0) extent = std::max(extent, (gpu->high.cast<double>() - centre).cwiseMax(centre - gpu->low.cast<double>()).norm());
+    for (const Marker& m : scene.markers) extent = std::max({extent, (m.from - centre).norm() * 1.2, (m.to - centre).norm() * 1.2});
+    const Eigen::Matrix4d projection = camera.projection(aspect, centre, extent);
 
     FrameBlock& b = block;
     b.view = view.cast<float>();
@@ -85,28 +85,28 @@ void Frame::set(const Scene& scene, const std::vector<GpuBody*>& drawn, int widt
     b.right << view.block<1, 3>(0, 0).transpose().cast<float>(), scene.solidGround ? 1.0f : 0.0f;
     b.above << view.block<1, 3>(1, 0).transpose().cast<float>(), 0.0f;
 
-    covered.setEmpty();
+    content.setEmpty();
     const auto cover = [&](const Vec3& low, const Vec3& high, double pixels) {
         for (int k = 0; k < 8; ++k) {
             const Vec3 p((k & 1 ? high : low).x(), (k & 2 ? high : low).y(), (k & 4 ? high : low).z());
             const Eigen::Vector4d c = projection * view * p.homogeneous();
             if (c.w() < 1e-3 * radius && !camera.orthographic) {
-                covered = Eigen::AlignedBox2f(Vector2f::Zero(), Vector2f::Ones());
+                content = Eigen::AlignedBox2f(Vector2f::Zero(), Vector2f::Ones());
                 return;
             }
             const Eigen::Vector2d s = c.head<2>() / c.w() * 0.5 + Eigen::Vector2d(0.5, 0.5), margin(pixels / width, pixels / height);
-            covered.extend((s - margin).cast<float>());
-            covered.extend((s + margin).cast<float>());
+            content.extend((s - margin).cast<float>());
+            content.extend((s + margin).cast<float>());
         }
     };
-    order.clear();
+    frontToBack.clear();
     for (std::size_t i = 0; i < drawn.size(); ++i) {
         if (!drawn[i]) continue;
         cover(drawn[i]->low.cast<double>(), drawn[i]->high.cast<double>(), 1.0);
-        order.push_back(i);
+        frontToBack.push_back(i);
     }
     const auto near = [&](std::size_t i) { return forward.cast<float>().dot(drawn[i]->low + drawn[i]->high); };
-    std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return std::pair(near(i), i) < std::pair(near(j), j); });
+    std::sort(frontToBack.begin(), frontToBack.end(), [&](std::size_t i, std::size_t j) { return std::pair(near(i), i) < std::pair(near(j), j); });
     for (const Marker& m : scene.markers) {
         const double length = (m.to - m.from).norm();
         const Vec3 r = Vec3::Constant(m.shape == Marker::Shape::Bone ? 0.1 * length : m.shape == Marker::Shape::PlaneGizmo ? 1.5 * length : 0.0);
@@ -118,8 +118,8 @@ void Frame::set(const Scene& scene, const std::vector<GpuBody*>& drawn, int widt
         else
             cover(m.from, m.from, pixels);
     }
-    covered = covered.intersection(Eigen::AlignedBox2f(Vector2f::Zero(), Vector2f::Ones()));
-    if (covered.isEmpty()) covered = Eigen::AlignedBox2f(Vector2f::Zero(), Vector2f::Zero());
+    content = content.intersection(Eigen::AlignedBox2f(Vector2f::Zero(), Vector2f::Ones()));
+    if (content.isEmpty()) content = Eigen::AlignedBox2f(Vector2f::Zero(), Vector2f::Zero());
 }
 
 }  // namespace imomushi::render

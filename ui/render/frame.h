@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "ui/render/body_store.h"
-#include "ui/render/scene_renderer.h"
+#include "ui/render/scene.h"
 
 namespace imomushi::render {
 
@@ -23,10 +23,10 @@ struct Frame {
     Vec3 centre = Vec3::Zero();        ///< of the bodies, m, world
     double radius = 1.0;               ///< of the sphere around them, m
     Eigen::Matrix4f heightTransform;   ///< the ground seen from below
-    Eigen::AlignedBox2f covered;       ///< by bodies and markers, of the picture, 0...1 from the lower left
-    std::vector<std::size_t> order;    ///< bodies, nearest first
+    Eigen::AlignedBox2f content;       ///< part of the picture that bodies and markers cover, 0...1 from the lower left
+    std::vector<std::size_t> frontToBack;  ///< bodies that are drawn, nearest first
 
-    /// `drawn`: as BodyStore::take() gave it. Allocates nothing when there are no more bodies than before.
+    /// `drawn`: as BodyStore::update() gave it. Allocates nothing when there are no more bodies than before.
     void set(const Scene& scene, const std::vector<GpuBody*>& drawn, int width, int height);
 };
 

@@ -2,6 +2,7 @@
 #include "ui/render/gl.h"
 
 #include <algorithm>
+#include <cstring>
 #include <string_view>
 
 #include "ui/render/shaders.h"
@@ -18,6 +19,33 @@ VertexArray makeVertexArray() {
     GLuint n = 0;
     glGenVertexArrays(1, &n);
     return VertexArray(n);
+}
+
+Sampler makeDepthSampler(bool raw) {
+    GLuint n = 0;
+    glGenSamplers(1, &n);
+    const GLint filter = raw ? GL_NEAREST : GL_LINEAR;
+    glSamplerParameteri(n, GL_TEXTURE_MIN_FILTER, filter);
+    glSamplerParameteri(n, GL_TEXTURE_MAG_FILTER, filter);
+    if (!raw) {
+        glSamplerParameteri(n, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+        glSamplerParameteri(n, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+    }
+    const float far[4] = {1, 1, 1, 1};
+    glSamplerParameteri(n, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
+    glSamplerParameteri(n, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
+    glSamplerParameterfv(n, GL_TEXTURE_BORDER_COLOR, far);
+    return Sampler(n);
+}
+
+void bindTexture(int unit, GLuint texture) {
+    glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
+    glBindTexture(GL_TEXTURE_2D, texture);
+}
+
+bool isSoftwareRenderer() {
+    const char* renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+    return !renderer || std::strstr(renderer, "llvmpipe") || std::strstr(renderer, "softpipe") || std::strstr(renderer, "swrast");
 }
 
 void floatAttribute(GLuint location, int size, std::size_t stride, std::size_t offset, GLuint divisor) {
@@ -60,6 +88,24 @@ Result<GLuint> compile(GLenum kind, const char* name) {
 
 }  // namespace
 
+Result<Program> Program::linked(Program program, const std::string& name) {
+    glLinkProgram(program.name_);
+    GLint good = 0;
+    glGetProgramiv(program.name_, GL_LINK_STATUS, &good);
+    if (!good) {
+        char log[2000] = "";
+        glGetProgramInfoLog(program.name_, sizeof log, nullptr, log);
+        return fail("bad-shader", "The graphics driver cannot link " + name + ": " + log);
+    }
+    GLuint binding = 0;
+    for (const char* block : {"Frame", "ElementFrame"}) {
+        const GLuint index = glGetUniformBlockIndex(program.name_, block);
+        if (index != GL_INVALID_INDEX) glUniformBlockBinding(program.name_, index, binding);
+        ++binding;
+    }
+    return program;
+}
+
 Result<Program> Program::link(const char* vertex, const char* fragment) {
     const auto v = compile(GL_VERTEX_SHADER, vertex);
     if (!v) return tl::unexpected(v.error());
@@ -70,21 +116,11 @@ Result<Program> Program::link(const char* vertex, const char* fragment) {
     }
     Program p;
     p.name_ = Name<deleteProgram>(glCreateProgram());
-    glAttachShader(p.name_, *v);
-    glAttachShader(p.name_, *f);
-    glLinkProgram(p.name_);
-    glDeleteShader(*v);
-    glDeleteShader(*f);
-    GLint good = 0;
-    glGetProgramiv(p.name_, GL_LINK_STATUS, &good);
-    if (!good) {
-        char log[2000] = "";
-        glGetProgramInfoLog(p.name_, sizeof log, nullptr, log);
-        return fail("bad-shader", std::string("The graphics driver cannot link ") + vertex + " and " + fragment + ": " + log);
+    for (const GLuint shader : {*v, *f}) {
+        glAttachShader(p.name_, shader);
+        glDeleteShader(shader);
     }
-    const GLuint block = glGetUniformBlockIndex(p.name_, "Frame");
-    if (block != GL_INVALID_INDEX) glUniformBlockBinding(p.name_, block, 0);
-    return p;
+    return linked(std::move(p), std::string(vertex) + " and " + fragment);
 }
 
 Result<Program> Program::feedback(const char* vertex, const std::vector<const char*>& outputs) {
@@ -93,19 +129,18 @@ Result<Program> Program::feedback(const char* vertex, const std::vector<const ch
     Program p;
     p.name_ = Name<deleteProgram>(glCreateProgram());
     glAttachShader(p.name_, *v);
-    glTransformFeedbackVaryings(p.name_, static_cast<GLsizei>(outputs.size()), outputs.data(), GL_INTERLEAVED_ATTRIBS);
-    glLinkProgram(p.name_);
     glDeleteShader(*v);
-    GLint good = 0;
-    glGetProgramiv(p.name_, GL_LINK_STATUS, &good);
-    if (!good) {
-        char log[2000] = "";
-        glGetProgramInfoLog(p.name_, sizeof log, nullptr, log);
-        return fail("bad-shader", std::string("The graphics driver cannot link ") + vertex + ": " + log);
+    glTransformFeedbackVaryings(p.name_, static_cast<GLsizei>(outputs.size()), outputs.data(), GL_INTERLEAVED_ATTRIBS);
+    return linked(std::move(p), vertex);
+}
+
+Result<void> linkAll(std::initializer_list<ProgramSource> sources) {
+    for (const ProgramSource& source : sources) {
+        auto program = Program::link(source.vertex, source.fragment);
+        if (!program) return tl::unexpected(program.error());
+        *source.program = std::move(*program);
     }
-    const GLuint block = glGetUniformBlockIndex(p.name_, "Drive");
-    if (block != GL_INVALID_INDEX) glUniformBlockBinding(p.name_, block, 1);
-    return p;
+    return {};
 }
 
 namespace {

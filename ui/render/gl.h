@@ -4,7 +4,7 @@
 #include <epoxy/gl.h>
 
 #include <Eigen/Core>
-#include <cfenv>
+#include <initializer_list>
 #include <string>
 #include <utility>
 #include <vector>
@@ -38,17 +38,24 @@ inline void deleteVertexArray(GLuint n) { glDeleteVertexArrays(1, &n); }
 inline void deleteTexture(GLuint n) { glDeleteTextures(1, &n); }
 inline void deleteFramebuffer(GLuint n) { glDeleteFramebuffers(1, &n); }
 inline void deleteRenderbuffer(GLuint n) { glDeleteRenderbuffers(1, &n); }
+inline void deleteSampler(GLuint n) { glDeleteSamplers(1, &n); }
 inline void deleteProgram(GLuint n) { glDeleteProgram(n); }
 using Buffer = Name<deleteBuffer>;
 using VertexArray = Name<deleteVertexArray>;
 using TextureName = Name<deleteTexture>;
 using Framebuffer = Name<deleteFramebuffer>;
 using Renderbuffer = Name<deleteRenderbuffer>;
+using Sampler = Name<deleteSampler>;
 
 Buffer makeBuffer();
 VertexArray makeVertexArray();
+/// Reads a depth texture whose outside is far away: bilinear results of the comparison (less or equal), or `raw` depths of the nearest texel.
+Sampler makeDepthSampler(bool raw);
+void bindTexture(int unit, GLuint texture);
 /// An attribute of the vertex array that is bound: `size` floats in the buffer that is bound, `stride` and `offset` in bytes; `divisor` 1: one per instance.
 void floatAttribute(GLuint location, int size, std::size_t stride, std::size_t offset, GLuint divisor = 0);
+/// OpenGL on the processor (Mesa's software drivers).
+bool isSoftwareRenderer();
 
 /// A vertex and a fragment shader of shaders/, linked. `#include "x.glsl"` lines are resolved. The uniform block Frame is bound to 0.
 class Program {
@@ -56,7 +63,8 @@ public:
     Program() = default;
     /// Errors: "bad-shader" with the compiler's log.
     static Result<Program> link(const char* vertex, const char* fragment);
-    /// A vertex shader alone, whose outputs of these names go one after the other into the transform feedback buffer. The uniform block Drive is bound to 1.
+    /// A vertex shader alone, whose outputs of these names go one after the other into the transform feedback buffer. The uniform block
+    /// ElementFrame is bound to 1.
     static Result<Program> feedback(const char* vertex, const std::vector<const char*>& outputs);
 
     void use() const { glUseProgram(name_); }
@@ -70,8 +78,29 @@ public:
     void set(const char* uniform, const Eigen::Matrix4f& m) const { glUniformMatrix4fv(at(uniform), 1, GL_FALSE, m.data()); }
 
 private:
+    static Result<Program> linked(Program program, const std::string& name);
     [[nodiscard]] GLint at(const char* uniform) const { return glGetUniformLocation(name_, uniform); }
     Name<deleteProgram> name_;
+};
+
+/// Programs to link, each from a vertex and a fragment shader. Errors: as Program::link().
+struct ProgramSource {
+    Program* program;
+    const char *vertex, *fragment;
+};
+Result<void> linkAll(std::initializer_list<ProgramSource> sources);
+
+/// A triangle that covers the whole viewport, for fullscreen.vert.
+class FullscreenTriangle {
+public:
+    void prepare() { empty_ = makeVertexArray(); }
+    void draw() const {
+        glBindVertexArray(empty_);
+        glDrawArrays(GL_TRIANGLES, 0, 3);
+    }
+
+private:
+    VertexArray empty_;
 };
 
 /// A picture to draw into: colour and depth, either of which may be absent (format 0), as textures or, with `samples` > 1, multisampled.
@@ -93,18 +122,6 @@ private:
     Renderbuffer colorSamples_, depthSamples_;
     int width_ = 0, height_ = 0, samples_ = 0;
     GLenum colorFormat_ = 0, depthFormat_ = 0;
-};
-
-/// Floating-point traps off while it lives: drivers compute with infinities on purpose.
-class NoFloatingPointTraps {
-public:
-    NoFloatingPointTraps() { std::feholdexcept(&before_); }
-    ~NoFloatingPointTraps() { std::fesetenv(&before_); }
-    NoFloatingPointTraps(const NoFloatingPointTraps&) = delete;
-    NoFloatingPointTraps& operator=(const NoFloatingPointTraps&) = delete;
-
-private:
-    std::fenv_t before_{};
 };
 
 }  // namespace imomushi::render

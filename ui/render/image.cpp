@@ -9,8 +9,6 @@
 #include <filesystem>
 #include <memory>
 
-#include "ui/render/scene_renderer.h"
-
 namespace imomushi::render {
 
 namespace {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "core/base/result.h"
@@ -17,5 +18,8 @@ struct Image {
 
 /// Decodes PNG or JPEG bytes, told apart by their first bytes. Errors: "bad-image" (neither, damaged, or larger than 8192 pixels a side).
 Result<Image> decodeImage(const std::vector<std::uint8_t>& bytes);
+
+/// Writes RGBA rows as a PNG file. `path` is UTF-8. Errors: "not-writable".
+Result<void> writePng(const std::string& path, const std::vector<std::uint8_t>& rgba, int width, int height);
 
 }  // namespace imomushi::render

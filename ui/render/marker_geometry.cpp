@@ -6,6 +6,8 @@
 #include <limits>
 #include <numbers>
 
+#include "core/base/colour.h"
+
 namespace imomushi::render {
 
 namespace {
@@ -14,8 +16,7 @@ using Eigen::Vector3f;
 using Eigen::Vector4f;
 
 Vector3f linear(int r, int g, int b) {
-    const auto one = [](int v) { return std::pow((static_cast<float>(v) / 255.0f + 0.055f) / 1.055f, 2.4f); };
-    return Vector3f(one(r), one(g), one(b));
+    return Vector3f(linearFromSrgb(r / 255.0), linearFromSrgb(g / 255.0), linearFromSrgb(b / 255.0));
 }
 
 Vector4f with(const Vector3f& color, float alpha) { return Vector4f(color.x(), color.y(), color.z(), alpha); }

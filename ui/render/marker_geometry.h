@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "ui/render/scene_renderer.h"
+#include "ui/render/scene.h"
 
 namespace imomushi::render {
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/render/offscreen.h"
+
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
 
@@ -7,6 +9,7 @@
 #include <condition_variable>
 #include <cstdio>
 #include <cstring>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -42,11 +45,6 @@ private:
 
 bool listed(const char* extensions, const char* name) { return extensions && std::strstr(extensions, name); }
 
-bool isSoftware() {
-    const char* renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
-    return !renderer || std::strstr(renderer, "llvmpipe") || std::strstr(renderer, "softpipe") || std::strstr(renderer, "swrast");
-}
-
 /// A current 3.3 core context on `display`, or null with `why`.
 std::unique_ptr<EglContext> contextOn(EGLDisplay display, std::string& why) {
     const auto failed = [&](const char* what) {
@@ -80,10 +78,6 @@ std::unique_ptr<EglContext> contextOn(EGLDisplay display, std::string& why) {
     return std::make_unique<EglContext>(display, context, surface);
 }
 
-}  // namespace
-
-namespace {
-
 Result<std::unique_ptr<EglContext>> bestContext() {
     if (!epoxy_has_egl()) return fail("no-opengl", "Drawing without a display needs EGL: install libegl1 and libgl1-mesa-dri.");
     const char* client = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
@@ -93,7 +87,7 @@ Result<std::unique_ptr<EglContext>> bestContext() {
     const auto tryDisplay = [&](EGLDisplay display) -> std::unique_ptr<EglContext> {
         auto context = contextOn(display, why);
         if (first.empty() && !context) first = why;
-        if (context && isSoftware()) {
+        if (context && isSoftwareRenderer()) {
             if (!software) software = std::move(context);
             return nullptr;
         }
@@ -157,65 +151,86 @@ Result<std::vector<std::uint8_t>> drawWith(SceneRenderer& renderer, const Scene&
 }
 
 /// A thread with an OpenGL context of its own. Whatever its callers draw with stays current with them.
-class Painter {
+class DrawingThread {
 public:
-    Painter() : thread_([this] { work(); }) { thread_.detach(); }
+    /// Never destroyed: drivers take themselves apart when the program ends, and must not be called after that.
+    static DrawingThread& instance() {
+        static auto* thread = new DrawingThread;
+        return *thread;
+    }
 
-    Result<std::vector<std::uint8_t>> draw(const Scene& scene, int width, int height) {
+    Result<std::vector<std::uint8_t>> draw(const OffscreenView& view, const Scene& scene, int width, int height) {
         const std::lock_guard oneAtATime(callers_);
-        std::unique_lock lock(mutex_);
-        scene_ = &scene, width_ = width, height_ = height;
-        changed_.notify_all();
-        changed_.wait(lock, [&] { return !scene_; });
-        return std::move(result_);
+        Result<std::vector<std::uint8_t>> pixels;
+        run([&] { pixels = paint(view, scene, width, height); });
+        return pixels;
+    }
+    void release(const OffscreenView& view) {
+        const std::lock_guard oneAtATime(callers_);
+        if (last_ != &view) return;
+        run([&] {
+            last_ = nullptr;
+            if (renderer_) renderer_->releaseMemory();
+        });
     }
 
 private:
+    DrawingThread() : thread_([this] { work(); }) { thread_.detach(); }
+
+    void run(const std::function<void()>& task) {
+        std::unique_lock lock(mutex_);
+        task_ = &task;
+        changed_.notify_all();
+        changed_.wait(lock, [&] { return !task_; });
+    }
     void work() {
-        std::unique_ptr<OffscreenContext> context;
-        std::unique_ptr<SceneRenderer> renderer;
         for (;;) {
             std::unique_lock lock(mutex_);
-            changed_.wait(lock, [&] { return scene_ != nullptr; });
-            result_ = paint(context, renderer);
-            scene_ = nullptr;
+            changed_.wait(lock, [&] { return task_ != nullptr; });
+            (*task_)();
+            task_ = nullptr;
             changed_.notify_all();
         }
     }
 
-    Result<std::vector<std::uint8_t>> paint(std::unique_ptr<OffscreenContext>& context, std::unique_ptr<SceneRenderer>& renderer) const {
-        if (!context) {
+    Result<std::vector<std::uint8_t>> paint(const OffscreenView& view, const Scene& scene, int width, int height) {
+        if (!context_) {
             auto made = OffscreenContext::create();
             if (!made) return tl::unexpected(made.error());
-            context = std::move(*made);
+            context_ = std::move(*made);
         }
-        if (!renderer) {
+        if (!renderer_) {
             auto made = SceneRenderer::create();
             if (!made) return tl::unexpected(made.error());
-            renderer = std::move(*made);
+            renderer_ = std::move(*made);
         }
-        auto rows = drawWith(*renderer, *scene_, width_, height_);
-        // The next picture is made from nothing again, so that it cannot depend on this one.
-        renderer->forget();
-        return rows;
+        if (last_ != &view) renderer_->releaseMemory();
+        last_ = &view;
+        return drawWith(*renderer_, scene, width, height);
     }
 
     std::mutex callers_, mutex_;
     std::condition_variable changed_;
-    const Scene* scene_ = nullptr;
-    int width_ = 0, height_ = 0;
-    Result<std::vector<std::uint8_t>> result_;
+    const std::function<void()>* task_ = nullptr;
+    const OffscreenView* last_ = nullptr;  ///< whose bodies the renderer has
+    std::unique_ptr<OffscreenContext> context_;
+    std::unique_ptr<SceneRenderer> renderer_;
     std::thread thread_;
 };
 
 }  // namespace
 
-Result<std::vector<std::uint8_t>> drawOffscreen(const Scene& scene, int width, int height) {
+OffscreenView::~OffscreenView() {
+    if (drew_) DrawingThread::instance().release(*this);
+}
+
+Result<std::vector<std::uint8_t>> OffscreenView::draw(const Scene& scene, int width, int height) {
     if (width < 1 || height < 1 || width > kLargestSide || height > kLargestSide || static_cast<long>(width) * height > kMostPixels)
         return fail("bad-size", "A picture has 1 to " + std::to_string(kLargestSide) + " pixels a side and at most " + std::to_string(kMostPixels / 1'000'000) + " million in all.");
-    // Never destroyed: drivers take themselves apart when the program ends, and must not be called after that.
-    static Painter* painter = new Painter;
-    return painter->draw(scene, width, height);
+    drew_ = true;
+    return DrawingThread::instance().draw(*this, scene, width, height);
 }
+
+Result<std::vector<std::uint8_t>> drawOffscreen(const Scene& scene, int width, int height) { return OffscreenView().draw(scene, width, height); }
 
 }  // namespace imomushi::render

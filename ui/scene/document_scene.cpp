@@ -2,14 +2,13 @@
 #include "ui/scene/document_scene.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <span>
 
 #include "core/base/hash.h"
 #include "core/character/surface_recipe.h"
 #include "core/document/character_input.h"
 #include "core/document/seam.h"
+#include "ui/scene/rim.h"
 
 namespace imomushi {
 
@@ -23,29 +22,6 @@ constexpr std::uint64_t kDetailMask = 0xffff, kPartMask = (std::uint64_t(1) << (
 constexpr double kSameArea = 0.98;
 
 bool contains(const std::vector<std::uint64_t>& ids, std::uint64_t id) { return std::find(ids.begin(), ids.end(), id) != ids.end(); }
-
-/// Closed loops of body vertices around the patch of a face.
-std::vector<std::vector<std::int32_t>> rimLoops(const TriangleMesh& body, const JointFace& face) {
-    std::map<std::pair<std::int32_t, std::int32_t>, int> edges;
-    for (const std::int32_t f : face.triangles)
-        for (int c = 0; c < 3; ++c) edges[{body.triangles(f, c), body.triangles(f, (c + 1) % 3)}] = 1;
-    std::multimap<std::int32_t, std::int32_t> next;
-    for (const auto& [edge, one] : edges)
-        if (!edges.contains({edge.second, edge.first})) next.emplace(edge.first, edge.second);
-    std::vector<std::vector<std::int32_t>> loops;
-    while (!next.empty()) {
-        std::vector<std::int32_t> loop;
-        auto at = next.begin();
-        while (at != next.end()) {
-            loop.push_back(at->first);
-            const std::int32_t to = at->second;
-            next.erase(at);
-            at = next.find(to);
-        }
-        loops.push_back(std::move(loop));
-    }
-    return loops;
-}
 
 }  // namespace
 
@@ -79,7 +55,7 @@ DocumentScene::ElementParts& DocumentScene::parts(const std::shared_ptr<const El
 
     p.element = element;
     p.rims.clear();
-    for (const JointFace& face : element->faces) p.rims.push_back(rimLoops(element->mesh->body, face));
+    for (const JointFace& face : element->faces) p.rims.push_back(rimLoops(element->mesh->body.triangles, face.triangles));
     const Points& v = element->mesh->body.vertices;
     p.lowest = v.rows() ? v.col(1).minCoeff() : 0.0;
     p.restPositions.resize(v.size());
@@ -115,9 +91,9 @@ void DocumentScene::update(Session& session, const SceneOptions& options, render
         }
 
     Character* character = session.character();
-    scene.recipe = character && options.card && options.card->take(character->recipe()) ? &character->recipe() : nullptr;
+    scene.recipe = character && options.gpu && options.gpu->uploadCharacter(character->recipe()) ? &character->recipe() : nullptr;
     for (int i = 0; character && i < static_cast<int>(character->input().elements.size()); ++i)
-        (void)character->showElsewhere(i, scene.recipe && options.card->deforms(i));
+        (void)character->showElsewhere(i, scene.recipe && options.gpu->deforms(i));
     scene.ground = 0.0;
     for (const auto& [id, element] : document.elements) {
         if (!element->visible || !element->mesh) continue;
@@ -132,7 +108,7 @@ void DocumentScene::update(Session& session, const SceneOptions& options, render
         body.pickable = !element->locked;
         body.selected = contains(options.selected, body.id);
         body.hovered = options.hovered == body.id;
-        body.dimmed = session.responseState(id) == Session::ResponseState::Stale;
+        body.outdated = session.responseState(id) == Session::ResponseState::Stale;
         body.positions = p.restPositions.data();
         const int index = character ? session.elementIndex(id) : -1;
         const SurfaceRecipe::Element* made = index >= 0 && scene.recipe ? &scene.recipe->elements[static_cast<std::size_t>(index)] : nullptr;
@@ -233,7 +209,7 @@ void DocumentScene::addBones(Session& session, const SceneOptions& options, rend
     // Ends that are one joint point share one marker, which answers for an end before a start: ends are what one drags.
     struct Point {
         render::Marker marker;
-        EndpointRef speaker;
+        EndpointRef representative;  ///< whose id the marker has
     };
     std::vector<Point> points;
     std::map<int, std::size_t> byJoint;
@@ -255,7 +231,7 @@ void DocumentScene::addBones(Session& session, const SceneOptions& options, rend
             if (joint >= 0) place = byJoint.try_emplace(joint, place).first->second;
             if (place == points.size()) points.push_back({{}, end});
             Point& point = points[place];
-            if (atEnd && !point.speaker.atEnd) point.speaker = end;
+            if (atEnd && !point.representative.atEnd) point.representative = end;
             point.marker.from = point.marker.to = atEnd ? *to : *from;
             const std::uint64_t own = sceneId({ScenePart::Kind::Endpoint, id, -1, atEnd});
             point.marker.selected = point.marker.selected || contains(options.selected, own);
@@ -265,59 +241,9 @@ void DocumentScene::addBones(Session& session, const SceneOptions& options, rend
         }
     }
     for (Point& point : points) {
-        point.marker.id = sceneId({ScenePart::Kind::Endpoint, point.speaker.bone, -1, point.speaker.atEnd});
+        point.marker.id = sceneId({ScenePart::Kind::Endpoint, point.representative.bone, -1, point.representative.atEnd});
         scene.markers.push_back(std::move(point.marker));
     }
-}
-
-Vec3 threeQuarterDirection() { return Vec3(-0.62, -0.40, -1.0).normalized(); }
-
-render::Camera framed(const render::Scene& scene, const Vec3& direction, double aspect) {
-    // How much of the half picture the bodies may fill: the rest is room for the shadow and for the eye.
-    constexpr double kFill = 0.84;
-    render::Camera camera = scene.camera;
-    camera.up = Vec3::UnitY();
-    camera.target = Vec3::Zero();
-    camera.eye = -direction.normalized();
-    const Eigen::Matrix3d axes = camera.view().block<3, 3>(0, 0);  // rows: right, above, back
-    if (axes.row(1).dot(camera.up) < 1e-6) camera.up = axes.row(1).transpose();  // straight from above or below
-    const double ty = std::tan(0.5 * camera.fov) * kFill, tx = ty * aspect;
-
-    const double far = -std::numeric_limits<double>::infinity();
-    double right = far, left = far, above = far, below = far, front = far, back = far;
-    double wide = far, narrow = far, high = far, low = far;
-    const auto include = [&](const Vec3& p) {
-        const Vec3 q = axes * p;
-        right = std::max(right, q.x() + tx * q.z());
-        left = std::max(left, -q.x() + tx * q.z());
-        above = std::max(above, q.y() + ty * q.z());
-        below = std::max(below, -q.y() + ty * q.z());
-        front = std::max(front, q.z());
-        back = std::max(back, -q.z());
-        wide = std::max(wide, q.x()), narrow = std::max(narrow, -q.x());
-        high = std::max(high, q.y()), low = std::max(low, -q.y());
-    };
-    for (const render::Body& body : scene.bodies)
-        if (body.mesh && body.positions)
-            for (Eigen::Index v = 0; v < body.mesh->body.vertices.rows(); ++v) include(Eigen::Map<const Eigen::Vector3f>(body.positions + 3 * v).cast<double>());
-    if (scene.bodies.empty())
-        for (const render::Marker& m : scene.markers) include(m.from), include(m.to);
-    if (!std::isfinite(right))
-        for (int k = 0; k < 8; ++k) include(Vec3(k & 1 ? 0.5 : -0.5, scene.ground + (k & 2 ? 1.0 : 0.0), k & 4 ? 0.5 : -0.5));
-
-    const double middle = 0.5 * (front - back);
-    if (camera.orthographic) {
-        camera.orthoHeight = std::max({high + low, (wide + narrow) / aspect, 1e-6}) / kFill;
-        const Vec3 centre(0.5 * (wide - narrow), 0.5 * (high - low), middle);
-        camera.target = axes.transpose() * centre;
-        camera.eye = camera.target + axes.row(2).transpose() * std::max(camera.orthoHeight * 2.0, (front + back));
-        return camera;
-    }
-    const double ez = std::max({(right + left) / (2.0 * tx), (above + below) / (2.0 * ty), middle + 1e-6});
-    const Vec3 eye(0.5 * (right - left), 0.5 * (above - below), ez);
-    camera.eye = axes.transpose() * eye;
-    camera.target = axes.transpose() * Vec3(eye.x(), eye.y(), middle);
-    return camera;
 }
 
 }  // namespace imomushi

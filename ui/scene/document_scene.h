@@ -33,9 +33,9 @@ struct SceneOptions {
     float bodyOpacity = 1.0f;   ///< < 1: x-ray
     std::vector<std::uint64_t> selected;  ///< scene ids
     std::uint64_t hovered = 0;
-    /// Draws the scene, with its context current, and deforms what its graphics card can; null: the processor deforms all, which gives the same bytes on
-    /// every machine.
-    render::SceneRenderer* card = nullptr;
+    /// The renderer that will draw the scene, with its context current: its GPU deforms what it can. Null: the processor deforms all, which gives the same
+    /// bytes on every machine.
+    render::SceneRenderer* gpu = nullptr;
 };
 
 /// The scene of a session. Keeps what does not change from frame to frame (outlines, covered triangles); one per view.
@@ -68,12 +68,5 @@ private:
     std::map<PartId, ElementParts> parts_;
     std::map<std::pair<FaceRef, FaceRef>, Weld> welds_;
 };
-
-/// A camera that looks along `direction` (from eye to target, any length) and frames all bodies of `scene` tightly, with a margin.
-/// `aspect`: width by height. An empty scene is framed as the unit cube on the ground.
-render::Camera framed(const render::Scene& scene, const Vec3& direction, double aspect);
-
-/// The direction of the view that a file opens with: from the front, the right and above.
-Vec3 threeQuarterDirection();
 
 }  // namespace imomushi

@@ -148,14 +148,7 @@ void FaceTool::preview(PartId id, std::int32_t triangle) {
         existing_ = face->name;
         return;
     }
-    auto face = jointFaceBySeed(of->mesh->body, triangle, kAngle, tolerance(*of));
-    if (!face) {
-        refusal_ = errorText(face.error());
-        return;
-    }
-    face_ = std::move(*face);
-    if (const JointFace* other = faceInTheWay(*of, *face_))
-        refusal_ = ToolTexts::tr("Touches the joint face \"%1\"").arg(QString::fromStdString(other->name));
+    setPreview(*of, jointFaceBySeed(of->mesh->body, triangle, kAngle, tolerance(*of)));
 }
 
 void FaceTool::previewPlane() {
@@ -165,13 +158,16 @@ void FaceTool::previewPlane() {
         plane_.reset();
         return;
     }
-    auto face = jointFaceByPlane(of->mesh->body, plane_->origin, plane_->normal, tolerance(*of));
+    setPreview(*of, jointFaceByPlane(of->mesh->body, plane_->origin, plane_->normal, tolerance(*of)));
+}
+
+void FaceTool::setPreview(const Element& of, Result<JointFace> face) {
     if (!face) {
         refusal_ = errorText(face.error());
         return;
     }
     face_ = std::move(*face);
-    if (const JointFace* other = faceInTheWay(*of, *face_))
+    if (const JointFace* other = faceInTheWay(of, *face_))
         refusal_ = ToolTexts::tr("Touches the joint face \"%1\"").arg(QString::fromStdString(other->name));
 }
 
@@ -367,7 +363,7 @@ QString FaceTool::hint() const {
 void FaceTool::decorate(render::Scene& scene) const {
     const Element* of = element();
     if (face_ && of) {
-        if (render::Body* body = bodyOf(scene, element_)) body->markedTriangles = &face_->triangles;
+        if (render::Body* body = bodyOf(scene, element_)) body->highlightedTriangles = &face_->triangles;
         // The rim shows through bodies: regions are also chosen where elements touch.
         for (std::vector<Vec3>& loop : rimOf(document_.session(), element_, face_->triangles)) {
             render::Marker rim;

@@ -39,6 +39,8 @@ private:
     void look(PartId element);
     void preview(PartId element, std::int32_t triangle);
     void previewPlane();
+    /// Shows `face`, or why there is none.
+    void setPreview(const Element& of, Result<JointFace> face);
     void clearPreview();
     void placePlane(const RayHit& hit);
     void movePlane(double steps);

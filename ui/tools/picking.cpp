@@ -5,33 +5,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
 
 #include "ui/scene/document_scene.h"
+#include "ui/scene/rim.h"
+#include "ui/tools/posed_body.h"
 
 namespace imomushi {
 namespace {
 
 /// A chain of "this end is where that end is" longer than this is a cycle.
 constexpr int kMostReferences = 1000;
-
-/// Positions of an element's body vertices as posed; at rest where there is no live character.
-struct PosedBody {
-    const float* posed = nullptr;
-    const TriangleMesh* rest = nullptr;
-
-    PosedBody(Session& session, PartId id, const Element& element) : rest(&element.mesh->body) {
-        Character* character = session.character();
-        const int index = session.elementIndex(id);
-        if (!character || index < 0) return;
-        const Character::Surface surface = character->surface(index);
-        if (surface.vertices == rest->vertices.rows()) posed = surface.positions;
-    }
-    [[nodiscard]] Vec3 at(std::int32_t vertex) const {
-        if (posed) return {posed[3 * vertex], posed[3 * vertex + 1], posed[3 * vertex + 2]};
-        return rest->vertices.row(vertex);
-    }
-};
 
 const Vec3* skeletonPoint(Session& session, const EndpointRef& end) {
     Character* character = session.character();
@@ -171,24 +154,10 @@ std::vector<std::vector<Vec3>> rimOf(Session& session, PartId id, const std::vec
     std::vector<std::vector<Vec3>> loops;
     const auto found = session.document().elements.find(id);
     if (found == session.document().elements.end()) return loops;
-    const Triangles& all = found->second->mesh->body.triangles;
-    // An edge of the rim has the patch on one side only: its opposite direction does not occur.
-    std::set<std::pair<std::int32_t, std::int32_t>> edges;
-    for (const std::int32_t t : triangles)
-        for (int c = 0; c < 3; ++c) edges.emplace(all(t, c), all(t, (c + 1) % 3));
-    std::multimap<std::int32_t, std::int32_t> next;
-    for (const auto& [from, to] : edges)
-        if (!edges.contains({to, from})) next.emplace(from, to);
     const PosedBody body(session, id, *found->second);
-    while (!next.empty()) {
-        std::vector<Vec3> loop;
-        for (auto edge = next.begin(); edge != next.end();) {
-            const std::int32_t to = edge->second;
-            loop.push_back(body.at(edge->first));
-            next.erase(edge);
-            edge = next.find(to);
-        }
-        loops.push_back(std::move(loop));
+    for (const auto& rim : rimLoops(found->second->mesh->body.triangles, triangles)) {
+        std::vector<Vec3>& loop = loops.emplace_back();
+        for (const std::int32_t v : rim) loop.push_back(body.at(v));
     }
     return loops;
 }
@@ -279,6 +248,56 @@ std::string pathOf(const Document& document, const FaceRef& face) {
 }
 
 Json jsonOf(const Vec3& v) { return Json::array({v.x(), v.y(), v.z()}); }
+
+std::uint64_t sceneIdOf(const Document& document, const SelectionItem& item) {
+    ScenePart part;
+    part.part = item.part;
+    part.atEnd = item.atEnd;
+    switch (item.kind) {
+        case SelectionItem::Kind::Element: part.kind = ScenePart::Kind::Element; break;
+        case SelectionItem::Kind::Bone: part.kind = ScenePart::Kind::Bone; break;
+        case SelectionItem::Kind::Endpoint: part.kind = ScenePart::Kind::Endpoint; break;
+        case SelectionItem::Kind::Face: {
+            part.kind = ScenePart::Kind::Face;
+            const auto element = document.elements.find(item.part);
+            part.face = element == document.elements.end() ? -1 : element->second->faceIndex(item.face);
+            if (part.face < 0) return 0;
+            break;
+        }
+    }
+    return sceneId(part);
+}
+
+std::vector<Vec3> pointsOf(Session& session, const std::vector<SelectionItem>& items) {
+    std::vector<Vec3> points;
+    const Document& d = session.document();
+    const auto addEnd = [&](const EndpointRef& end) {
+        if (const auto at = endpointPosition(session, end)) points.push_back(*at);
+    };
+    for (const SelectionItem& item : items) {
+        const auto element = d.elements.find(item.part);
+        switch (item.kind) {
+            case SelectionItem::Kind::Element:
+                if (element != d.elements.end()) {
+                    const PosedBody body(session, item.part, *element->second);
+                    for (std::int32_t v = 0; v < body.rest->vertices.rows(); ++v) points.push_back(body.at(v));
+                }
+                break;
+            case SelectionItem::Kind::Face:
+                if (const int face = element == d.elements.end() ? -1 : element->second->faceIndex(item.face); face >= 0) {
+                    const PosedBody body(session, item.part, *element->second);
+                    for (const std::int32_t v : element->second->faces[std::size_t(face)].vertices) points.push_back(body.at(v));
+                }
+                break;
+            case SelectionItem::Kind::Bone:
+                addEnd({item.part, false});
+                addEnd({item.part, true});
+                break;
+            case SelectionItem::Kind::Endpoint: addEnd({item.part, item.atEnd}); break;
+        }
+    }
+    return points;
+}
 
 render::Body* bodyOf(render::Scene& scene, PartId element) {
     const std::uint64_t id = sceneId({ScenePart::Kind::Element, element, -1, false});

@@ -61,6 +61,12 @@ std::string pathOf(const Document& document, const EndpointRef& end);
 std::string pathOf(const Document& document, const FaceRef& face);
 Json jsonOf(const Vec3& v);
 
+/// The id of a selected part in every scene; 0: it is not there any more.
+std::uint64_t sceneIdOf(const Document& document, const SelectionItem& item);
+
+/// Points that a view of these parts must show: body vertices and ends of bones, m, world, posed.
+std::vector<Vec3> pointsOf(Session& session, const std::vector<SelectionItem>& items);
+
 /// The body of an element in a scene that is being put together; null: it is hidden.
 render::Body* bodyOf(render::Scene& scene, PartId element);
 

@@ -11,20 +11,10 @@
 namespace imomushi {
 namespace {
 
-/// Shift slows a drag to this.
-constexpr double kFine = 0.1;
 constexpr double kRadiansPerPixel = 0.5 * std::numbers::pi / 180.0;
 constexpr double kRadiansPerNotch = 5.0 * std::numbers::pi / 180.0;
 /// The snapping grid is the power of ten (in metres) that is at least this many pixels wide.
 constexpr double kSnapPixels = 12.0;
-
-/// Where the ray meets the plane; `otherwise` where it runs along it or meets it behind the eye.
-Vec3 onPlane(const PointerEvent& e, const Vec3& point, const Vec3& normal, const Vec3& otherwise) {
-    const double slope = normal.dot(e.rayDirection);
-    if (std::abs(slope) < 1e-6) return otherwise;
-    const double t = normal.dot(point - e.rayOrigin) / slope;
-    return t > 0.0 ? Vec3(e.rayOrigin + t * e.rayDirection) : otherwise;
-}
 
 /// The plane in which the pointer is read: across the view, or holding the locked axis and facing the viewer as far as it can.
 Vec3 dragPlane(const PointerEvent& e, int axis) {
@@ -78,7 +68,7 @@ void PoseTool::press(const PointerEvent& e) {
     drag.pressX = drag.lastX = e.x;
     drag.pressY = e.y;
     drag.normal = dragPlane(e, -1);
-    drag.grip = onPlane(e, *at, drag.normal, *at);
+    drag.grip = e.onPlane(*at, drag.normal, *at);
     if (const auto held = document_.document().held.find(*end); held != document_.document().held.end()) drag.roll = held->second.roll;
     drag_ = std::move(drag);
     last_ = e;
@@ -103,12 +93,12 @@ void PoseTool::move(const PointerEvent& e) {
 
 void PoseTool::follow(const PointerEvent& e) {
     Drag& drag = *drag_;
-    const double pace = (e.modifiers & Qt::ShiftModifier) ? kFine : 1.0;
+    const double pace = e.pace();
     if (turning_ || (e.modifiers & Qt::AltModifier)) {
         drag.roll = drag.roll.value_or(0.0) + pace * kRadiansPerPixel * (e.x - drag.lastX);
-        if (drag.normal.norm() > 0.5) drag.grip = onPlane(e, drag.grip, drag.normal, drag.grip);
+        if (drag.normal.norm() > 0.5) drag.grip = e.onPlane(drag.grip, drag.normal, drag.grip);
     } else if (drag.normal.norm() > 0.5) {
-        const Vec3 under = onPlane(e, drag.grip, drag.normal, drag.grip);
+        const Vec3 under = e.onPlane(drag.grip, drag.normal, drag.grip);
         Vec3 step = pace * (under - drag.grip);
         if (drag.axis >= 0) step = Vec3::Unit(drag.axis) * step[drag.axis];
         drag.target += step;
@@ -149,7 +139,7 @@ void PoseTool::doubleClick(const PointerEvent& e) {
 bool PoseTool::wheel(double notches, const PointerEvent& e) {
     if (!drag_) return false;
     if (!drag_->gesture) drag_->gesture = std::make_unique<Gesture>(document_);
-    const double pace = (e.modifiers & Qt::ShiftModifier) ? kFine : 1.0;
+    const double pace = e.pace();
     drag_->roll = drag_->roll.value_or(0.0) + pace * kRadiansPerNotch * notches;
     issue(e);
     return true;
@@ -183,7 +173,7 @@ bool PoseTool::key(int key, Qt::KeyboardModifiers) {
             const double along = (drag_->target - drag_->origin)[axis];
             drag_->target = drag_->origin + along * Vec3::Unit(axis);
         }
-        if (drag_->normal.norm() > 0.5) drag_->grip = onPlane(*last_, drag_->target, drag_->normal, drag_->target);
+        if (drag_->normal.norm() > 0.5) drag_->grip = last_->onPlane(drag_->target, drag_->normal, drag_->target);
         if (drag_->gesture) issue(*last_);
         return true;
     }

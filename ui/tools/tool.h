@@ -6,13 +6,14 @@
 #include <QString>
 #include <Qt>
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "ui/models/studio_document.h"
-#include "ui/render/scene_renderer.h"
+#include "ui/render/scene.h"
 #include "ui/tools/tool_kind.h"
 
 namespace imomushi {
@@ -30,12 +31,20 @@ struct PointerEvent {
     double pixelAngle = 0.001;         ///< metres that a logical pixel covers per metre of depth (perspective; 0 otherwise)
     double pixelSize = 0.0;            ///< metres that a logical pixel covers at any depth (orthographic; 0 otherwise)
     bool bonesVisible = true;          ///< false: bones are hidden and not picked
-    render::SceneRenderer::Pick pick;  ///< what lies under the pointer
 
     /// Metres that a logical pixel covers at `p`.
     [[nodiscard]] double pixelAt(const Vec3& p) const {
         return pixelSize + pixelAngle * std::max(1e-9, viewForward.dot(p - rayOrigin));
     }
+    /// Where the ray meets a plane; `otherwise` where it runs along it or meets it behind the eye.
+    [[nodiscard]] Vec3 onPlane(const Vec3& point, const Vec3& normal, const Vec3& otherwise) const {
+        const double slope = normal.dot(rayDirection);
+        if (std::abs(slope) < 1e-6) return otherwise;
+        const double t = normal.dot(point - rayOrigin) / slope;
+        return t > 0.0 ? Vec3(rayOrigin + t * rayDirection) : otherwise;
+    }
+    /// How fast a drag follows the pointer: Shift slows it to a tenth.
+    [[nodiscard]] double pace() const { return (modifiers & Qt::ShiftModifier) ? 0.1 : 1.0; }
     /// Where `p` is seen, logical pixels; none: behind the eye.
     [[nodiscard]] std::optional<Eigen::Vector2d> onScreen(const Vec3& p) const {
         const double depth = viewForward.dot(p - rayOrigin);

@@ -14,13 +14,6 @@ namespace {
 constexpr double kPokePixels = 12.0, kNotchPixels = 6.0;
 /// Fingers are not pulled farther out of the surface than this: pushing in again should not take long.
 constexpr double kOutsidePixels = 6.0;
-constexpr double kFine = 0.1;
-
-Vec3 onPlane(const PointerEvent& e, const Vec3& point, const Vec3& normal) {
-    const double slope = normal.dot(e.rayDirection);
-    const double t = std::abs(slope) < 1e-6 ? 0.0 : normal.dot(point - e.rayOrigin) / slope;
-    return t > 0.0 ? Vec3(e.rayOrigin + t * e.rayDirection) : point;
-}
 
 std::optional<RayHit> surfaceUnder(Session& session, const PointerEvent& e) {
     const auto hits = rayHits(session, e.rayOrigin, e.rayDirection);
@@ -92,8 +85,8 @@ void TouchTool::move(const PointerEvent& e) {
         return;
     }
     Finger& finger = *finger_;
-    const double pace = (e.modifiers & Qt::ShiftModifier) ? kFine : 1.0;
-    const Vec3 under = onPlane(e, finger.grip, finger.across);
+    const double pace = e.pace();
+    const Vec3 under = e.onPlane(finger.grip, finger.across, finger.grip);
     if (e.modifiers & Qt::ControlModifier)
         finger.depth = std::max(-kOutsidePixels * finger.pixel, finger.depth + pace * (e.y - finger.lastY) * finger.pixel);
     else
@@ -105,7 +98,7 @@ void TouchTool::move(const PointerEvent& e) {
 
 bool TouchTool::wheel(double notches, const PointerEvent& e) {
     if (!finger_) return false;
-    const double pace = (e.modifiers & Qt::ShiftModifier) ? kFine : 1.0;
+    const double pace = e.pace();
     finger_->depth = std::max(-kOutsidePixels * finger_->pixel, finger_->depth + pace * notches * kNotchPixels * finger_->pixel);
     issue();
     return true;

@@ -5,7 +5,7 @@
 #include <optional>
 #include <span>
 
-#include "ui/render/scene_renderer.h"
+#include "ui/render/camera.h"
 #include "ui/tools/tool.h"
 
 namespace imomushi {

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <QElapsedTimer>
 #include <QImage>
 #include <QPointF>
-#include <QTimer>
 #include <QWidget>
 #include <memory>
 #include <optional>
@@ -13,9 +11,12 @@
 #include "ui/scene/document_scene.h"
 #include "ui/tools/tool.h"
 #include "ui/viewport/camera_controller.h"
+#include "ui/viewport/frame_clock.h"
+#include "ui/viewport/frame_meter.h"
+#include "ui/viewport/gl_canvas.h"
+#include "ui/viewport/view_navigator.h"
 
 class QLabel;
-class QPainter;
 
 namespace imomushi {
 
@@ -40,9 +41,9 @@ public:
     /// Frames what is selected; everything where nothing is.
     void frameSelection(bool animate = true);
     void setNavigationPreset(NavigationPreset preset);
-    [[nodiscard]] NavigationPreset navigationPreset() const { return preset_; }
-    /// Who makes vertices: the graphics card what it can, the processor the rest or all. Automatic: the card, unless OpenGL is software.
-    enum class DeformOn { Automatic, Processor, Card };
+    [[nodiscard]] NavigationPreset navigationPreset() const { return navigator_.preset(); }
+    /// What deforms vertices: the GPU what it can and the processor the rest, or the processor all. Automatic: the GPU, unless OpenGL is software.
+    enum class DeformOn { Automatic, Processor, Gpu };
     void setDeformOn(DeformOn where);
     void setViewAxis(ViewAxis axis);
     void setOrthographic(bool on);
@@ -53,8 +54,8 @@ public:
     [[nodiscard]] bool gridVisible() const { return grid_; }
     void setXray(bool on);
     [[nodiscard]] bool xray() const { return xray_; }
-    /// Triangles of an element to point out (the places of a mesh issue); empty: none.
-    void setMarkedTriangles(PartId element, std::vector<std::int32_t> triangles);
+    /// Triangles of an element to highlight (the places of a mesh issue); empty: none.
+    void setHighlightedTriangles(PartId element, std::vector<std::int32_t> triangles);
 
     /// Takes back what is unfinished (Esc).
     void cancel();
@@ -96,27 +97,22 @@ protected:
     void showEvent(QShowEvent* e) override;
 
 private:
-    class Canvas;
-    void initializeGraphics();
-    void releaseGraphics();
+    // viewport_widget.cpp
     void paint();
     void redraw();
-    [[nodiscard]] PointerEvent pointer(QPointF position, Qt::MouseButton button, Qt::MouseButtons buttons,
-                                       Qt::KeyboardModifiers modifiers) const;
+    void animate();  ///< draws, and starts the clock where something moves
     [[nodiscard]] SceneOptions sceneOptions() const;
     [[nodiscard]] bool dark() const;
-    void paintOver();
-    void paintTake(QPainter& painter);
-    void paintCount(QPainter& painter);
-    void tick();
-    void animate();               ///< starts the frame timer where something moves
-    [[nodiscard]] bool posing() const;  ///< frames must be stepped
-    void toolActed(const QElapsedTimer& since);
     void structureChanged();
     void poseChanged();
     void updateHint();
     void showMessage(const QString& text);
-    [[nodiscard]] std::vector<Vec3> pointsOf(const std::vector<SelectionItem>& items) const;
+    void switchOption(bool& option, bool on);
+    // viewport_input.cpp
+    [[nodiscard]] PointerEvent pointer(QPointF position, Qt::MouseButton button, Qt::MouseButtons buttons, Qt::KeyboardModifiers modifiers) const;
+    template <class Act>
+    void withTool(const Act& act);
+    [[nodiscard]] bool belongsToTool(const QKeyEvent& key) const;
     [[nodiscard]] bool navigationKey(QKeyEvent* e);
 
     StudioDocument& document_;
@@ -124,34 +120,21 @@ private:
     ToolKind kind_ = ToolKind::Select;
     std::unique_ptr<Tool> tool_;
     CameraController camera_;
-    NavigationPreset preset_ = NavigationPreset::Blender;
+    ViewNavigator navigator_{camera_};
+    FrameMeter meter_;
+    FrameClock clock_;
     DeformOn deformOn_ = DeformOn::Automatic;
-    Navigation navigation_ = Navigation::None;
-    Qt::MouseButton navigationButton_ = Qt::NoButton;
-    bool ballPressed_ = false, ballMoved_ = false, overBall_ = false;
-    std::optional<ViewAxis> ballHovered_;
-    QPointF last_;
     bool swallowMenu_ = false;
 
     bool bones_ = true, grid_ = true, xray_ = false;
     bool empty_ = true;           ///< there were no elements: the first that comes is framed
-    PartId markedElement_ = 0;
-    std::vector<std::int32_t> marked_;
+    PartId highlightedElement_ = 0;
+    std::vector<std::int32_t> highlighted_;
 
-    Canvas* canvas_ = nullptr;    ///< null: there is no OpenGL 3.3
-    std::unique_ptr<render::SceneRenderer> renderer_;
+    GlCanvas* canvas_ = nullptr;  ///< null: there is no OpenGL 3.3
     DocumentScene documentScene_;
     render::Scene scene_;
     QLabel* message_ = nullptr;
-
-    QTimer timer_;
-    QElapsedTimer clock_;         ///< since the last tick
-    bool relaxing_ = false;       ///< the kinematic pose still moves towards what is held
-    bool stepping_ = false;
-    std::vector<Vec3> before_;
-    double workMs_ = 0.0;         ///< of commands and solving since the last painting
-    QElapsedTimer painted_, told_;
-    double frameSeconds_ = 0.0;   ///< smoothed; 0: not running
     QString hint_;
 };
 

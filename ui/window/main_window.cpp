@@ -59,7 +59,7 @@ constexpr std::pair<const char*, ToolKind> kTools[] = {
 
 }  // namespace
 
-MainWindow::MainWindow(const CommandRegistry& registry) : document_(registry) {
+MainWindow::MainWindow(const CommandRegistry& registry, std::shared_ptr<ResponseStore> store) : document_(registry, std::move(store)) {
     setObjectName(QStringLiteral("studio"));
     setAcceptDrops(true);
     setDockOptions(QMainWindow::AnimatedDocks | QMainWindow::AllowTabbedDocks | QMainWindow::AllowNestedDocks);
@@ -246,7 +246,7 @@ void MainWindow::buildDocks() {
     connect(effects_, &EffectsPanel::precomputeWanted, this, &MainWindow::startPrecompute);
     connect(status_, &StatusStrip::precomputeWanted, this, &MainWindow::startPrecompute);
     connect(issues_, &IssuesPanel::frameWanted, this, [this] { viewport_->frameSelection(); });
-    connect(issues_, &IssuesPanel::markWanted, viewport_, &ViewportWidget::setMarkedTriangles);
+    connect(issues_, &IssuesPanel::markWanted, viewport_, &ViewportWidget::setHighlightedTriangles);
     connect(issues_, &IssuesPanel::worthChanged, this, [this] {
         const int worth = issues_->worth();
         issuesDock_->setWindowTitle(worth > 0 ? tr("Issues (%1)").arg(worth) : tr("Issues"));

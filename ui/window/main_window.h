@@ -38,7 +38,8 @@ class ViewportWidget;
 class MainWindow : public QMainWindow {
     Q_OBJECT
 public:
-    explicit MainWindow(const CommandRegistry& registry);
+    /// `store`: of responses, see Session.
+    explicit MainWindow(const CommandRegistry& registry, std::shared_ptr<ResponseStore> store = nullptr);
     ~MainWindow() override;
 
     [[nodiscard]] StudioDocument& document() { return document_; }

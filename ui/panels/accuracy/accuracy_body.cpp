@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/panels/accuracy/accuracy_body.h"
 
-#include <Eigen/Geometry>
 #include <QLocale>
-#include <QMouseEvent>
 #include <QPainter>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "ui/widgets/appearance.h"
 
 namespace imomushi {
 namespace {
+
+constexpr double kFill = 0.92;
 
 /// From no error to the largest: dark blue, teal, yellow; brightness rises all the way, so that it can be read without colours (after "viridis").
 QColor heat(double share) {
@@ -23,11 +24,30 @@ QColor heat(double share) {
     return {mix(0), mix(1), mix(2)};
 }
 
+/// `part` as it is shown, coloured by its error relative to `largest`.
+ElementMesh colored(const AccuracyBody::Part& part, double largest) {
+    ElementMesh mesh{{part.shown, part.triangles}, {}};
+    const auto n = part.error.size();
+    mesh.look.bodyVertex.resize(n);
+    std::iota(mesh.look.bodyVertex.begin(), mesh.look.bodyVertex.end(), 0);
+    mesh.look.triangles = part.triangles;
+    mesh.look.colors.setOnes(Eigen::Index(n), 4);
+    for (std::size_t v = 0; v < n; ++v)
+        mesh.look.colors.row(Eigen::Index(v)).head<3>() = linearColor(heat(largest > 0.0 ? std::max(0.0f, part.error[v]) / largest : 0.0)).transpose();
+    return mesh;
+}
+
+template <class A>
+bool same(const A& a, const A& b) {
+    return a.rows() == b.rows() && a == b;
+}
+
 }  // namespace
 
-AccuracyBody::AccuracyBody(QWidget* parent) : QWidget(parent) {
-    setCursor(Qt::OpenHandCursor);
-    connect(&Appearance::instance(), &Appearance::changed, this, [this] { update(); });
+AccuracyBody::AccuracyBody(QWidget* parent) : TurntableView(parent) {
+    scene_.grid = scene_.groundShadow = false;
+    scene_.camera.orthographic = true;
+    connect(&Appearance::instance(), &Appearance::changed, this, &AccuracyBody::makeBodies);
 }
 
 QSize AccuracyBody::sizeHint() const { return {px(420), px(240)}; }
@@ -42,69 +62,52 @@ void AccuracyBody::setTitles(const QString& shown, const QString& full, const QS
 }
 
 void AccuracyBody::setParts(std::vector<Part> parts) {
+    // Texts are refreshed more often than bodies.
+    if (std::equal(parts.begin(), parts.end(), parts_.begin(), parts_.end(), [](const Part& a, const Part& b) {
+            return a.error == b.error && same(a.triangles, b.triangles) && same(a.shown, b.shown) && same(a.full, b.full);
+        }))
+        return;
     parts_ = std::move(parts);
     largest_ = 0.0;
     for (const Part& p : parts_)
         for (const float e : p.error) largest_ = std::max(largest_, double(e));
-    update();
+    makeBodies();
 }
 
-void AccuracyBody::draw(QPainter& painter, const QRectF& where, bool error) const {
-    const Eigen::Matrix3d view = (Eigen::AngleAxisd(tilt_, Vec3::UnitX()) * Eigen::AngleAxisd(turn_, Vec3::UnitY())).toRotationMatrix();
-    Vec3 low = Vec3::Constant(INFINITY), high = -low;
-    for (const Part& p : parts_)
-        for (const Points* points : {&p.shown, &p.full})
-            for (Eigen::Index v = 0; v < points->rows(); ++v) {
-                const Vec3 x = view * points->row(v).transpose();
-                low = low.cwiseMin(x);
-                high = high.cwiseMax(x);
-            }
-    if (!(high.x() > low.x())) return;
-    const double scale = 0.92 * std::min(where.width() / (high.x() - low.x()), where.height() / std::max(1e-12, high.y() - low.y()));
-    const Vec3 middle = 0.5 * (low + high);
-    struct Face {
-        double depth;
-        QPointF corners[3];
-        QColor color;
+void AccuracyBody::makeBodies() {
+    scene_.bodies.clear();
+    positions_.clear();
+    const auto add = [this](const Points& points, ElementMesh mesh) -> render::Body& {
+        std::vector<float>& positions = positions_.emplace_back(std::size_t(points.size()));
+        Eigen::Map<Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(positions.data(), points.rows(), 3) = points.cast<float>();
+        render::Body& body = scene_.bodies.emplace_back();
+        body.id = scene_.bodies.size();
+        body.mesh = std::make_shared<const ElementMesh>(std::move(mesh));
+        body.positions = positions.data();
+        return body;
     };
-    std::vector<Face> faces;
-    const QColor plain = themeColor(Appearance::Role::Muted);
-    for (const Part& p : parts_) {
-        const Points& points = error ? p.shown : p.full;
-        for (Eigen::Index t = 0; t < p.triangles.rows(); ++t) {
-            Face face{0.0, {}, {}};
-            Vec3 corner[3];
-            double wrong = 0.0;
-            for (int c = 0; c < 3; ++c) {
-                const auto v = p.triangles(t, c);
-                corner[c] = view * points.row(v).transpose();
-                face.corners[c] = {where.center().x() + scale * (corner[c].x() - middle.x()), where.center().y() - scale * (corner[c].y() - middle.y())};
-                face.depth += corner[c].z() / 3.0;
-                wrong += std::max(0.0f, p.error[std::size_t(v)]) / 3.0;
-            }
-            const Vec3 normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]).normalized();
-            if (!(normal.z() > 0.0)) continue;
-            // Light enough that colours keep their meaning.
-            const double light = (error ? 0.8 : 0.62) + (error ? 0.2 : 0.38) * std::max(0.0, normal.dot(Vec3(0.3, 0.5, 0.81)));
-            const QColor base = error ? heat(largest_ > 0.0 ? wrong / largest_ : 0.0) : plain;
-            face.color = QColor(int(base.red() * light), int(base.green() * light), int(base.blue() * light));
-            faces.push_back(face);
-        }
-    }
-    std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) { return a.depth < b.depth; });
-    for (const Face& face : faces) {
-        painter.setPen(QPen(face.color, 0.8));  // closes the seams of antialiasing
-        painter.setBrush(face.color);
-        painter.drawPolygon(face.corners, 3);
-    }
+    for (const Part& p : parts_) add(p.shown, colored(p, largest_)).dataColors = true;
+    for (const Part& p : parts_) add(p.full, {{p.full, p.triangles}, {}}).color = linearColor(themeColor(Appearance::Role::Muted));
+    invalidate();
 }
 
-void AccuracyBody::paintEvent(QPaintEvent*) {
-    QPainter painter(this);
-    painter.setRenderHint(QPainter::Antialiasing);
+QRect AccuracyBody::pictureArea() const {
+    const int line = fontMetrics().height();
+    return {px(6), line + px(4), width() / 2 - px(12), height() - 2 * line - px(16)};
+}
+
+void AccuracyBody::drawPictures() {
+    const auto draw = [this](bool full) {
+        for (std::size_t i = 0; i < scene_.bodies.size(); ++i) scene_.bodies[i].visible = (i >= parts_.size()) == full;
+        return drawn(pictureArea().size(), kFill);
+    };
+    shown_ = draw(false);
+    full_ = draw(true);
+}
+
+void AccuracyBody::paint(QPainter& painter) {
     painter.fillRect(rect(), themeColor(Appearance::Role::Field));
     const double line = fontMetrics().height(), legend = line + px(8), half = 0.5 * width();
-    const QRectF area(px(6), line + px(4), half - px(12), height() - line - legend - px(8));
     painter.setPen(themeColor(Appearance::Role::Text));
     const auto title = [&](double x, const QString& text) {
         painter.drawText(QRectF(x + px(6), px(2), half - px(12), line), Qt::AlignLeft | Qt::AlignVCenter, fontMetrics().elidedText(text, Qt::ElideRight, int(half) - px(12)));
@@ -112,24 +115,15 @@ void AccuracyBody::paintEvent(QPaintEvent*) {
     title(0.0, shownTitle_);
     title(half, fullTitle_);
     if (parts_.empty()) return;
-    draw(painter, area, true);
-    draw(painter, area.translated(half, 0.0), false);
+    const QRect area = pictureArea();
+    painter.drawImage(area.topLeft(), shown_);
+    painter.drawImage(area.translated(int(half), 0).topLeft(), full_);
+    painter.drawText(area, Qt::AlignCenter | Qt::TextWordWrap, failure());
     const QRectF bar(px(8), height() - legend + px(2), std::min(px(140) * 1.0, 0.4 * half), 0.55 * line);
     for (int i = 0; i < 48; ++i) painter.fillRect(QRectF(bar.left() + i * bar.width() / 48.0, bar.top(), bar.width() / 48.0 + 1.0, bar.height()), heat(i / 47.0));
     painter.setPen(themeColor(Appearance::Role::Text));
     painter.drawText(QRectF(bar.right() + px(8), bar.center().y() - 0.5 * line, width() - bar.right(), line), Qt::AlignLeft | Qt::AlignVCenter,
                      QStringLiteral("0 … %1 %2").arg(QLocale().toString(largest_, 'g', 2), unit_));
-}
-
-void AccuracyBody::mousePressEvent(QMouseEvent* event) { last_ = event->position(); }
-
-void AccuracyBody::mouseMoveEvent(QMouseEvent* event) {
-    if (!(event->buttons() & Qt::LeftButton)) return;
-    const QPointF by = event->position() - last_;
-    last_ = event->position();
-    turn_ += 0.01 * by.x();
-    tilt_ = std::clamp(tilt_ + 0.01 * by.y(), -1.5, 1.5);
-    update();
 }
 
 }  // namespace imomushi

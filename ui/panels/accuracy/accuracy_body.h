@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <QWidget>
 #include <vector>
 
 #include "core/mesh/mesh.h"
+#include "ui/viewport/turntable_view.h"
 
 namespace imomushi {
 
 /// Two pictures of the character side by side, turned by the mouse together: as it is shown, with its error in colours, and the full solution.
-class AccuracyBody : public QWidget {
+class AccuracyBody : public TurntableView {
     Q_OBJECT
 public:
     struct Part {
@@ -25,18 +25,18 @@ public:
     [[nodiscard]] QSize minimumSizeHint() const override;
 
 protected:
-    void paintEvent(QPaintEvent* event) override;
-    void mousePressEvent(QMouseEvent* event) override;
-    void mouseMoveEvent(QMouseEvent* event) override;
+    void drawPictures() override;
+    void paint(QPainter& painter) override;
 
 private:
-    void draw(class QPainter& painter, const QRectF& where, bool error) const;
+    void makeBodies();
+    [[nodiscard]] QRect pictureArea() const;  ///< of the left picture
 
     std::vector<Part> parts_;
+    std::vector<std::vector<float>> positions_;  ///< per body of scene_: parts as shown, then parts of the full solution
+    QImage shown_, full_;
     QString shownTitle_, fullTitle_, unit_;
-    double largest_ = 0.0;                   // %
-    double turn_ = 0.6, tilt_ = 0.35;        // radians
-    QPointF last_;
+    double largest_ = 0.0;  // %
 };
 
 }  // namespace imomushi

@@ -85,7 +85,8 @@ AccuracyErrors::AccuracyErrors(StudioDocument& document, QWidget* parent)
     connect(&changed_, &QTimer::timeout, this, &AccuracyErrors::characterChanged);
     connect(&document, &StudioDocument::poseChanged, this, &AccuracyErrors::moved);
     connect(&document, &StudioDocument::frameStepped, this, &AccuracyErrors::moved);
-    for (const auto signal : {&StudioDocument::structureChanged, &StudioDocument::responsesChanged}) connect(&document, signal, &changed_, qOverload<>(&QTimer::start));
+    connect(&document, &StudioDocument::structureChanged, &changed_, qOverload<>(&QTimer::start));
+    connect(&document, &StudioDocument::responsesChanged, &changed_, qOverload<>(&QTimer::start));
     retranslate();
 }
 

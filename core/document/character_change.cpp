@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/document/character_change.h"
+
+#include <algorithm>
+
+namespace imomushi {
+
+namespace {
+
+bool sameSkeleton(const Skeleton& a, const Skeleton& b) {
+    return a.points == b.points && std::equal(a.bones.begin(), a.bones.end(), b.bones.begin(), b.bones.end(), [](const auto& p, const auto& q) {
+               return p.start == q.start && p.end == q.end && p.parent == q.parent && p.length == q.length && p.minStretch == q.minStretch && p.maxStretch == q.maxStretch;
+           });
+}
+
+/// Whether the same effects act on the same elements: numbers alone change while a character moves.
+bool sameOnCharacter(const Effects& a, const Effects& b) {
+    for (std::size_t k = 0; k < kEffects; ++k) {
+        const auto kind = static_cast<EffectKind>(k);
+        if (kind == EffectKind::BoneDynamics || kind == EffectKind::Ground) continue;
+        if (a.has(kind) != b.has(kind) || (a.has(kind) && a[kind].elements != b[kind].elements)) return false;
+        if (kind == EffectKind::Touch && a.has(kind) && a.number(kind, "patches") != b.number(kind, "patches")) return false;
+    }
+    return true;
+}
+
+}  // namespace
+
+bool changesCharacter(const DocumentChange& change, const Document& after) {
+    if (movesJointPoints(change, after)) return true;
+    if (change.settings && !(*change.settings == after.settings)) return true;
+    if (change.effects && !sameOnCharacter(*change.effects, after.effects)) return true;
+    return std::any_of(change.elements.begin(), change.elements.end(), [&](const auto& part) {
+        const Element& was = *part.second;
+        const Element& is = *after.elements.at(part.first);
+        return was.nu != is.nu || was.stiffness != is.stiffness || was.jointPlanes != is.jointPlanes;
+    });
+}
+
+bool followSkeleton(Document& document, const CharacterPlan* was, const CharacterPlan& is) {
+    std::erase_if(document.held, [&](const auto& held) { return is.pointIndex(held.first) < 0; });
+    if (was && sameSkeleton(was->input.skeleton, is.input.skeleton)) return false;
+    document.pose = {};
+    bool pulled = false;
+    for (auto& [end, held] : document.held) {
+        const Vec3& now = is.input.skeleton.points[static_cast<std::size_t>(is.pointIndex(end))];
+        const int old = was ? was->pointIndex(end) : -1;
+        if (held.pinned && old >= 0 && held.target == was->input.skeleton.points[static_cast<std::size_t>(old)]) held.target = now;
+        pulled = pulled || held.target != now || held.roll;
+    }
+    return pulled;
+}
+
+}  // namespace imomushi

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/document/document_change.h"
+
+#include <algorithm>
+
+namespace imomushi {
+
+namespace {
+
+/// Parts of `before` that are different or absent in `after`, and null for those that `after` alone has.
+template <class Map>
+Map partsThatDiffer(const Map& before, const Map& after) {
+    Map parts;
+    for (const auto& [id, part] : before) {
+        const auto now = after.find(id);
+        if (now == after.end() || now->second != part) parts.emplace(id, part);
+    }
+    for (const auto& [id, part] : after)
+        if (!before.contains(id)) parts.emplace(id, nullptr);
+    return parts;
+}
+
+template <class Map>
+void exchangeParts(Map& document, Map& change) {
+    for (auto& [id, part] : change) {
+        const auto found = document.find(id);
+        typename Map::mapped_type was = found == document.end() ? nullptr : found->second;
+        if (part)
+            document.insert_or_assign(id, part);
+        else if (found != document.end())
+            document.erase(found);
+        part = std::move(was);
+    }
+}
+
+bool samePose(const Pose& a, const Pose& b) {
+    if (a.points != b.points || a.roll != b.roll || a.frames.size() != b.frames.size()) return false;
+    for (std::size_t i = 0; i < a.frames.size(); ++i)
+        if (a.frames[i].coeffs() != b.frames[i].coeffs()) return false;
+    return true;
+}
+
+bool sameFaces(const std::vector<JointFace>& a, const std::vector<JointFace>& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const JointFace& p, const JointFace& q) {
+        return p.name == q.name && p.frame.origin == q.frame.origin;
+    });
+}
+
+}  // namespace
+
+bool DocumentChange::empty() const { return !structure() && !posing(); }
+bool DocumentChange::structure() const { return !elements.empty() || !joints.empty() || !bones.empty() || !takes.empty() || settings || effects; }
+bool DocumentChange::posing() const { return !held.empty() || touches || pose; }
+
+DocumentChange difference(const Document& before, const Document& after) {
+    DocumentChange change;
+    change.elements = partsThatDiffer(before.elements, after.elements);
+    change.joints = partsThatDiffer(before.joints, after.joints);
+    change.bones = partsThatDiffer(before.bones, after.bones);
+    change.takes = partsThatDiffer(before.takes, after.takes);
+    for (const auto& [end, held] : before.held) {
+        const auto now = after.held.find(end);
+        if (now == after.held.end() || !(now->second == held)) change.held.emplace(end, held);
+    }
+    for (const auto& [end, held] : after.held)
+        if (!before.held.contains(end)) change.held.emplace(end, std::nullopt);
+    if (!(before.settings == after.settings)) change.settings = before.settings;
+    if (!(before.effects == after.effects)) change.effects = before.effects;
+    if (!(before.touches == after.touches)) change.touches = before.touches;
+    if (!samePose(before.pose, after.pose)) change.pose = before.pose;
+    return change;
+}
+
+void exchange(Document& document, DocumentChange& change) {
+    exchangeParts(document.elements, change.elements);
+    exchangeParts(document.joints, change.joints);
+    exchangeParts(document.bones, change.bones);
+    exchangeParts(document.takes, change.takes);
+    for (auto& [end, held] : change.held) {
+        const auto found = document.held.find(end);
+        std::optional<Held> was;
+        if (found != document.held.end()) was = found->second;
+        if (held)
+            document.held.insert_or_assign(end, *held);
+        else if (found != document.held.end())
+            document.held.erase(found);
+        held = was;
+    }
+    if (change.settings) std::swap(document.settings, *change.settings);
+    if (change.effects) std::swap(document.effects, *change.effects);
+    if (change.touches) std::swap(document.touches, *change.touches);
+    if (change.pose) std::swap(document.pose, *change.pose);
+}
+
+bool movesJointPoints(const DocumentChange& change, const Document& after) {
+    if (!change.bones.empty() || !change.joints.empty()) return true;
+    return std::any_of(change.elements.begin(), change.elements.end(), [&](const auto& part) {
+        const auto now = after.elements.find(part.first);
+        if (!part.second || now == after.elements.end()) return true;
+        return part.second->mesh != now->second->mesh || !sameFaces(part.second->faces, now->second->faces);
+    });
+}
+
+}  // namespace imomushi

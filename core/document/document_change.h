@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/document/document.h"
+
+namespace imomushi {
+
+/// The parts that differ between two states of a document, as they are in one of the two. Undo and redo are the same exchange: what is here
+/// goes into the document, and what was there comes here. A part that is absent is null.
+struct DocumentChange {
+    std::map<PartId, std::shared_ptr<const Element>> elements;
+    std::map<PartId, std::shared_ptr<const Joint>> joints;
+    std::map<PartId, std::shared_ptr<const Bone>> bones;
+    std::map<EndpointRef, std::optional<Held>> held;
+    std::optional<CharacterSettings> settings;
+    std::optional<Effects> effects;
+    std::map<PartId, std::shared_ptr<const Take>> takes;
+    std::optional<std::vector<Touch>> touches;
+    std::optional<Pose> pose;
+
+    [[nodiscard]] bool empty() const;
+    /// Elements, joints, bones, settings, effects or takes differ.
+    [[nodiscard]] bool structure() const;
+    /// Targets, fingers or the pose differ.
+    [[nodiscard]] bool posing() const;
+};
+
+/// What differs, as it is in `before`. Time grows with the number of parts, not with their size.
+DocumentChange difference(const Document& before, const Document& after);
+void exchange(Document& document, DocumentChange& change);
+
+/// Whether joint points can have moved: more than names and materials differ. `after`: the document that the change led to.
+bool movesJointPoints(const DocumentChange& change, const Document& after);
+
+}  // namespace imomushi

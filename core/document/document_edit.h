@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "core/document/character_input.h"
+#include "core/document/document_responses.h"
+#include "core/document/live_character.h"
+#include "core/io/import.h"
+
+namespace imomushi {
+
+/// Reads a foreign file: importFile(), or what stands in for it.
+using Importer = std::function<Result<ImportResult>(const ImportRequest&, const Progress&)>;
+
+/// All that a command that changes the document can reach: the document itself, and questions that it may ask of the rest. It is taken back whole when the command
+/// fails.
+class DocumentEdit {
+public:
+    DocumentEdit(Document& edited, LiveCharacter& live, const DocumentResponses& responses, const Importer& importer)
+        : document(edited), live_(live), responses_(responses), importer_(importer) {}
+
+    Document& document;
+
+    /// The plan of the document as it is at this moment of the change. Errors: those of planCharacter().
+    Result<std::shared_ptr<const CharacterPlan>> planned() const { return live_.planOf(document); }
+    /// The plan of the character that is shown. For changes of the pose, which leave it as it is. Errors: those of LiveCharacter::built().
+    Result<const CharacterPlan*> shownPlan() const {
+        if (auto alive = live_.built(); !alive) return tl::unexpected(alive.error());
+        return &live_.plan();
+    }
+    /// Where an endpoint is shown, m. Errors: those of LiveCharacter::built().
+    Result<Vec3> positionOf(const EndpointRef& end) const { return live_.positionOf(end); }
+    [[nodiscard]] const DocumentResponses& responses() const { return responses_; }
+
+    Result<ImportResult> import(const ImportRequest& request, const Progress& progress) const { return importer_(request, progress); }
+    /// A response comes with an element from another project. The session takes it in when the command has succeeded.
+    void bring(PartId element, StoredResponse response) { brought_.emplace_back(element, std::move(response)); }
+    [[nodiscard]] const std::vector<std::pair<PartId, StoredResponse>>& brought() const { return brought_; }
+
+private:
+    LiveCharacter& live_;
+    const DocumentResponses& responses_;
+    const Importer& importer_;
+    std::vector<std::pair<PartId, StoredResponse>> brought_;
+};
+
+}  // namespace imomushi

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/document/command.h"
+#include "core/document/document.h"
+#include "core/document/document_change.h"
+
+namespace imomushi {
+
+/// A document with its undo and redo, its file, and the script that makes it again. Nothing derived: no character, no response.
+class DocumentHistory {
+public:
+    struct Step {
+        std::string name;     ///< of the command ("add-bone"), for display through tr()
+        std::string subject;  ///< what it was done to
+    };
+
+    DocumentHistory();
+    [[nodiscard]] const Document& document() const { return document_; }
+
+    // ---- one change: edit(), then either commit() or rollBack() with the document as it was before
+    Document& edit() { return document_; }
+    /// Makes what changed since `before` one undo step, or a part of the gesture that goes on. `line`: the command, for the script.
+    void commit(Step step, const Document& before, Json line);
+    void rollBack(const Document& before) { document_ = before; }
+
+    // ---- what passes with time is no step
+    Pose& pose() { return document_.pose; }
+    /// s.
+    void advanceGlides(double seconds);
+
+    // ---- undo and redo: `count` steps at once. They return the steps, in the order in which they went.
+    /// Errors: "nothing-to-undo"; then nothing changes.
+    Result<std::vector<Step>> undo(int count);
+    /// Errors: "nothing-to-redo"; then nothing changes.
+    Result<std::vector<Step>> redo(int count);
+    [[nodiscard]] const std::vector<Step>& steps() const { return steps_; }  ///< all, oldest first
+    [[nodiscard]] int position() const { return position_; }                 ///< how many of them are done; the rest can be redone
+
+    // ---- gestures: all commits between begin and end become one step, named after the last of them
+    void beginGesture();
+    /// False: nothing was committed, so there is no step.
+    bool endGesture();
+    /// The document is again what it was at beginGesture().
+    void cancelGesture();
+    [[nodiscard]] bool inGesture() const { return gesture_.has_value(); }
+
+    // ---- file
+    [[nodiscard]] const std::filesystem::path& path() const { return path_; }  ///< empty: never saved
+    /// The document differs from what was last saved or opened.
+    [[nodiscard]] bool modified() const;
+    void markSaved(std::filesystem::path path);
+    /// Another document, without any step. `saved`: `path` holds it. `line`: the command that did it, for the script.
+    void replace(Document document, std::filesystem::path path, bool saved, Json line);
+
+    // ---- script
+    /// A line that belongs into the script without being a step (precompute).
+    void note(const Json& line);
+    /// A frame of `seconds` was stepped: takes depend on frames. Frames become one line when flushFrames() is called.
+    void noteFrame(double seconds) { frames_.push_back(seconds); }
+    void flushFrames();
+    /// The commands that make this document again, oldest first. What was undone is left out, and frames that no take depends on.
+    [[nodiscard]] const std::vector<Json>& script() const;
+
+private:
+    /// A step and the exchange that undoes and redoes it.
+    struct Entry {
+        DocumentChange change;
+        std::vector<Json> lines;
+    };
+    struct Gesture {
+        Document before;
+        std::vector<Json> lines;
+        Step step;  ///< without a name: nothing was committed
+    };
+    void push(Step step, const Document& before, std::vector<Json> lines);
+    void exchangeEntry(int index);
+
+    Document document_;
+    std::filesystem::path path_;
+    std::vector<Entry> entries_;
+    std::vector<Step> steps_;        // of entries_
+    std::vector<Json> firstLines_;   // before the first entry: "new" or "open", and notes
+    int position_ = 0;
+    int savedPosition_ = 0;          // -1: no number of undos or redos leads back to the saved state
+    std::optional<Gesture> gesture_;
+    std::vector<double> frames_;     // s each, not flushed yet
+    mutable std::vector<Json> script_;
+    mutable bool scriptValid_ = false;
+};
+
+}  // namespace imomushi

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/document/document_responses.h"
+
+#include <cmath>
+#include <utility>
+
+#include "core/base/parallel.h"
+
+namespace imomushi {
+
+namespace {
+
+/// More estimates than these are not worth their memory: all are forgotten then.
+constexpr std::size_t kMostEstimates = 4096;
+
+/// Whether a response is one of this element: the same free vertices and bases of the same kind.
+bool fits(const ElementResponse& response, const Element& element, const BasisChoice& basis) {
+    if (response.bases.size() != element.faces.size()) return false;
+    const auto count = static_cast<std::size_t>(element.mesh->body.vertices.rows());
+    std::vector<bool> held(count, false);
+    for (std::size_t f = 0; f < element.faces.size(); ++f) {
+        if (!(response.bases[f] == FaceBasis::on(element.mesh->body, element.faces[f], basis))) return false;
+        for (const std::int32_t v : element.faces[f].vertices) held[static_cast<std::size_t>(v)] = true;
+    }
+    std::size_t next = 0;
+    for (std::size_t v = 0; v < count; ++v) {
+        if (held[v]) continue;
+        if (next == response.freeVertices.size() || static_cast<std::size_t>(response.freeVertices[next]) != v) return false;
+        ++next;
+    }
+    return next == response.freeVertices.size() && response.response.rows() == static_cast<Eigen::Index>(3 * next) &&
+           response.response.cols() == response.columns() && response.stiffness.rows() == response.columns() &&
+           response.tractions.rows() == (basis == BasisKind::Full ? response.columns() : 0);
+}
+
+}  // namespace
+
+DocumentResponses::DocumentResponses(const Document& document, std::shared_ptr<ResponseStore> store) : document_(document), store_(std::move(store)) {}
+
+// ---- what is asked for -------------------------------------------------------------------------------------------------
+
+DocumentResponses::Wish DocumentResponses::wishOf(PartId element) const {
+    const Effects& effects = document_.effects;
+    Wish wish;
+    wish.basis = document_.settings.basis;
+    wish.loads = effects.has(EffectKind::Gravity, element) || effects.has(EffectKind::Inflate, element);
+    if (effects.has(EffectKind::Touch, element)) wish.touch = static_cast<int>(std::lround(effects.number(EffectKind::Touch, "patches")));
+    return wish;
+}
+
+ResponseInput DocumentResponses::inputOf(PartId element) const {
+    const Element& e = *document_.elements.at(element);
+    const Wish wish = wishOf(element);
+    ResponseInput input;
+    input.mesh = e.mesh;
+    input.faces = e.faces;
+    input.nu = e.nu;
+    input.basis = wish.basis;
+    input.loads = wish.loads;
+    input.touch = wish.touch;
+    input.solverMesh = e.solverMesh;
+    input.threads = document_.settings.threads > 0 ? document_.settings.threads : hardwareThreads();
+    return input;
+}
+
+DocumentResponses::Asked& DocumentResponses::asked(PartId element) const {
+    const auto& part = document_.elements.at(element);
+    Asked& known = asked_[element];
+    if (const Wish wish = wishOf(element); known.element != part || !(known.wish == wish)) {
+        ResponseInput input = inputOf(element);
+        known = {part, wish, responseKey(input), {}, {}, {}};
+        input.nu = 0.0;
+        input.loads = false;
+        input.touch = 0;
+        known.shape = responseKey(input);
+    }
+    return known;
+}
+
+const ContentKey& DocumentResponses::partsOf(PartId element) const {
+    Asked& known = asked(element);
+    if (known.parts) return *known.parts;
+    ContentHasher hasher;
+    const TriangleMesh& body = known.element->mesh->body;
+    hasher.number(static_cast<std::int64_t>(body.vertices.rows()));
+    hasher.bytes(body.triangles.data(), static_cast<std::size_t>(body.triangles.size()) * sizeof(std::int32_t));
+    for (const JointFace& face : known.element->faces) hasher.bytes(face.vertices.data(), face.vertices.size() * sizeof(std::int32_t));
+    hasher.number(known.element->nu);
+    hasher.number(static_cast<int>(known.wish.loads));
+    hasher.number(known.wish.touch);
+    return *(known.parts = hasher.key());
+}
+
+const SharedResponse* DocumentResponses::sharedOf(PartId element) const {
+    if (!(sharing_.basis == document_.settings.basis && sharing_.effects == document_.effects && sharing_.elements == document_.elements)) findShared();
+    const auto found = sharing_.shared.find(element);
+    return found == sharing_.shared.end() ? nullptr : &found->second;
+}
+
+void DocumentResponses::findShared() const {
+    const Sharing was = std::exchange(sharing_, {});
+    sharing_.elements = document_.elements;
+    sharing_.basis = document_.settings.basis;
+    sharing_.effects = document_.effects;
+    struct Candidate {
+        PartId id;
+        bool known;  // unchanged, and computed itself the last time too
+    };
+    std::map<ContentKey, std::vector<Candidate>> computed;  // by parts: others cannot be congruent
+    for (const auto& [id, part] : document_.elements) {
+        if (part->faces.empty()) continue;
+        const auto oldKey = was.keys.find(id);
+        const bool same = oldKey != was.keys.end() && oldKey->second == keyOf(id);
+        sharing_.keys.emplace(id, keyOf(id));
+        const auto last = same ? was.shared.find(id) : was.shared.end();
+        auto& candidates = computed[partsOf(id)];
+        bool found = false;
+        for (const Candidate& first : candidates) {
+            if (same && first.known) {
+                if (last != was.shared.end() && last->second.from == first.id) {
+                    sharing_.shared.insert(*last);
+                    found = true;
+                    break;
+                }
+                // The last time, all up to the one it shared with were found not to be congruent.
+                if (last == was.shared.end() || first.id < last->second.from) continue;
+            }
+            auto congruence = findCongruence(inputOf(first.id), inputOf(id));
+            if (!congruence) continue;
+            sharing_.shared[id] = {first.id, std::make_shared<const Congruence>(std::move(*congruence))};
+            found = true;
+            break;
+        }
+        if (!found) candidates.push_back({id, same && last == was.shared.end()});
+    }
+}
+
+// ---- what is there -----------------------------------------------------------------------------------------------------
+
+std::shared_ptr<const ElementResponse> DocumentResponses::checked(std::shared_ptr<const ElementResponse> response, PartId element) const {
+    Asked& known = asked(element);
+    if (!response || response == known.fitting.lock()) return response;
+    if (!fits(*response, *known.element, known.wish.basis)) return nullptr;
+    known.fitting = response;
+    return response;
+}
+
+std::shared_ptr<const ElementResponse> DocumentResponses::freshOf(PartId element) const { return checked(found(element), element); }
+
+std::shared_ptr<const ElementResponse> DocumentResponses::found(PartId element) const {
+    const Asked& known = asked(element);
+    return store_->find(known.key, known.element->mesh->body, known.element->faces);
+}
+
+std::shared_ptr<const ElementResponse> DocumentResponses::fittingOf(PartId element) const {
+    if (auto fresh = found(element)) return checked(std::move(fresh), element);
+    const auto last = last_.find(element);
+    return last != last_.end() && last->second.shape == shapeOf(element) ? checked(last->second.response, element) : nullptr;
+}
+
+ResponseState DocumentResponses::stateOf(PartId element) const {
+    if (!document_.elements.contains(element)) return ResponseState::None;
+    if (freshOf(element)) return ResponseState::Fresh;
+    return last_.contains(element) ? ResponseState::Stale : ResponseState::None;
+}
+
+// ---- what it costs -----------------------------------------------------------------------------------------------------
+
+ResponseEstimate DocumentResponses::estimateOf(PartId element) const {
+    if (document_.elements.at(element)->faces.empty()) return {};
+    if (const SharedResponse* shared = sharedOf(element)) return carryEstimate(estimateOf(shared->from), inputOf(element));
+    return estimateOf(keyOf(element), inputOf(element));
+}
+
+ResponseEstimate DocumentResponses::estimateOf(const ContentKey& key, const ResponseInput& input) const {
+    const std::pair asked(key, input.threads);
+    if (const auto known = estimates_.find(asked); known != estimates_.end()) return known->second;
+    if (estimates_.size() >= kMostEstimates) estimates_.clear();
+    return estimates_[asked] = estimateResponse(input);
+}
+
+// ---- computing ---------------------------------------------------------------------------------------------------------
+
+Result<std::shared_ptr<const ElementResponse>> DocumentResponses::compute(PartId element, const Progress& progress) {
+    if (auto known = freshOf(element)) return known;
+    Result<ElementResponse> built;
+    if (const SharedResponse* shared = sharedOf(element)) {
+        const auto first = compute(shared->from, progress);
+        if (!first) return first;
+        if (auto known = freshOf(element)) return known;  // the very same body in the same place
+        built = shared->how->carry(**first);
+    } else {
+        built = buildResponse(inputOf(element), progress);
+    }
+    if (!built) return fail(built.error().code, "\"" + document_.elements.at(element)->name + "\": " + built.error().message);
+    auto response = std::make_shared<const ElementResponse>(std::move(*built));
+    insert(keyOf(element), response);
+    last_.insert_or_assign(element, StoredResponse{keyOf(element), shapeOf(element), response});
+    return response;
+}
+
+void DocumentResponses::insert(const ContentKey& key, std::shared_ptr<const ElementResponse> response) {
+    unsaved_.insert(key);
+    store_->insertComputed(key, std::move(response));
+}
+
+void DocumentResponses::bring(PartId element, const StoredResponse& response) {
+    store_->insert(response.key, response.response);
+    last_.insert_or_assign(element, response);
+}
+
+// ---- the project -------------------------------------------------------------------------------------------------------
+
+void DocumentResponses::refresh() {
+    const auto gone = [&](const auto& item) { return !document_.elements.contains(item.first); };
+    std::erase_if(last_, gone);
+    std::erase_if(asked_, gone);
+    for (const auto& [id, part] : document_.elements)
+        if (auto response = found(id)) last_.insert_or_assign(id, StoredResponse{keyOf(id), shapeOf(id), std::move(response)});
+}
+
+bool DocumentResponses::unsaved() const {
+    for (const auto& [id, response] : last_)
+        if (unsaved_.contains(response.key) && document_.elements.contains(id)) return true;
+    return false;
+}
+
+void DocumentResponses::markSaved() {
+    for (const auto& [id, response] : last_) unsaved_.erase(response.key);
+}
+
+void DocumentResponses::forget() {
+    last_.clear();
+    unsaved_.clear();
+    asked_.clear();
+    sharing_ = {};
+}
+
+}  // namespace imomushi

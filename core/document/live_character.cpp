@@ -1,0 +1,362 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/document/live_character.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "core/document/character_change.h"
+
+namespace imomushi {
+
+namespace {
+
+/// A static pose counts as found after this many steps of inverse kinematics at the latest: about a tenth of a second for a large character.
+constexpr int kSettleSteps = 200;
+
+}  // namespace
+
+LiveCharacter::LiveCharacter(DocumentHistory& history, DocumentResponses& responses) : history_(history), responses_(responses) { effectMs_.fill(-1.0); }
+
+// ---- what it is --------------------------------------------------------------------------------------------------------
+
+Result<std::shared_ptr<const CharacterPlan>> LiveCharacter::planOf(const Document& of) {
+    const auto known = std::find_if(knownPlans_.begin(), knownPlans_.end(), [&](const KnownPlan& k) {
+        return k.elements == of.elements && k.joints == of.joints && k.bones == of.bones && k.settings == of.settings && k.effects == of.effects;
+    });
+    if (known != knownPlans_.end()) {
+        std::rotate(known, known + 1, knownPlans_.end());
+        return knownPlans_.back().plan;
+    }
+    auto planned = planCharacter(of);
+    if (!planned) return tl::unexpected(planned.error());
+    if (knownPlans_.size() == 2) knownPlans_.erase(knownPlans_.begin());
+    knownPlans_.push_back({of.elements, of.joints, of.bones, of.settings, of.effects, std::make_shared<const CharacterPlan>(std::move(*planned))});
+    return knownPlans_.back().plan;
+}
+
+Result<Character*> LiveCharacter::built() {
+    if (valid_ && responsesSeen_ != responses_.store().revision()) valid_ = usesLatestResponses();
+    responsesSeen_ = responses_.store().revision();
+    if (!valid_) {
+        if (auto ok = build(); !ok) return tl::unexpected(ok.error());
+    } else if (!performanceValid_ && !error_) {
+        if (auto ok = prepare(); !ok) return tl::unexpected(ok.error());
+    }
+    if (error_) return tl::unexpected(*error_);
+    return character_ ? &*character_ : nullptr;
+}
+
+bool LiveCharacter::usesLatestResponses() const {
+    if (error_) return false;
+    responses_.refresh();
+    for (std::size_t e = 0; e < plan_.elements.size(); ++e)
+        if (responses_.fittingOf(plan_.elements[e]) != plan_.input.elements[e].response) return false;
+    return true;
+}
+
+Result<void> LiveCharacter::build() {
+    valid_ = true;
+    error_.reset();
+    shownTake_.reset();
+    performance_.reset();
+    const auto planned = planOf(document());
+    if (!planned) {
+        character_.reset();
+        error_ = planned.error();
+        return tl::unexpected(*error_);
+    }
+    plan_ = **planned;
+    responses_.refresh();
+    if (document().elements.empty() && document().bones.empty()) {
+        character_.reset();
+        return {};
+    }
+    for (std::size_t e = 0; e < plan_.elements.size(); ++e) plan_.input.elements[e].response = responses_.fittingOf(plan_.elements[e]);
+    auto made = Character::build(plan_.input);
+    if (!made) {
+        character_.reset();
+        error_ = made.error();
+        return tl::unexpected(*error_);
+    }
+    character_ = std::move(*made);
+    character_->keepExact(recording_.has_value());
+    dropForeignPose();
+    poseSettled_ = false;
+    if (auto ok = prepare(); !ok) return ok;
+    showPose();
+    return {};
+}
+
+void LiveCharacter::dropForeignPose() {
+    const Skeleton& skeleton = plan_.input.skeleton;
+    Pose& pose = history_.pose();
+    if (pose.points.size() != skeleton.points.size() || pose.frames.size() != skeleton.bones.size() || pose.roll.size() != skeleton.points.size()) pose = {};
+}
+
+Result<void> LiveCharacter::prepare() {
+    performanceValid_ = true;
+    const Effects& effects = document().effects;
+    if (character_) character_->tune(characterEffects(effects));
+    if (!Performance::wanted(effects)) {
+        performance_.reset();
+        return {};
+    }
+    // Settings change while a body moves; what is turned on or off begins anew.
+    const bool dynamic = effects.has(EffectKind::BoneDynamics) && !plan_.input.skeleton.bones.empty();
+    if (performance_ && performance_->isDynamic() == dynamic && performance_->hasGround() == effects.has(EffectKind::Ground)) return performance_->set(effects);
+    performance_.reset();
+    auto made = Performance::build(document(), plan_);
+    if (!made) return tl::unexpected(made.error());
+    performance_ = std::move(*made);
+    performance_->reset(posed());
+    return {};
+}
+
+Pose LiveCharacter::posed() const { return document().pose.points.empty() ? restPose(plan_.input.skeleton) : document().pose; }
+
+Pose& LiveCharacter::ownPose() {
+    Pose& pose = history_.pose();
+    if (pose.points.empty()) pose = restPose(plan_.input.skeleton);
+    return pose;
+}
+
+// ---- where it is -------------------------------------------------------------------------------------------------------
+
+const Pose& LiveCharacter::shownPose() {
+    if (!built()) return document().pose;
+    return shownTake_ ? *shownTake_ : performance_ ? performance_->pose() : document().pose;
+}
+
+Result<Vec3> LiveCharacter::positionOf(const EndpointRef& end) {
+    if (auto alive = built(); !alive) return tl::unexpected(alive.error());
+    const auto point = static_cast<std::size_t>(plan_.pointIndex(end));
+    if (shownTake_) return shownTake_->points[point];
+    if (performance_) return performance_->pose().points[point];
+    return document().pose.points.empty() ? plan_.input.skeleton.points[point] : document().pose.points[point];
+}
+
+Points LiveCharacter::positionsOf(PartId element) {
+    if (const auto given = positions_.find(element); given != positions_.end()) return given->second;
+    const auto alive = built();
+    const int index = plan_.elementIndex(element);
+    if (!alive || !*alive || index < 0) return document().elements.at(element)->mesh->body.vertices;
+    return (*alive)->positions(index);
+}
+
+// ---- posing ------------------------------------------------------------------------------------------------------------
+
+void LiveCharacter::collectHolds() {
+    holds_.clear();
+    for (const auto& [end, held] : document().held) {
+        Hold hold;
+        hold.point = plan_.pointIndex(end);
+        if (hold.point < 0) continue;
+        const double done = held.seconds > 0.0 ? std::min(1.0, held.elapsed / held.seconds) : 1.0;
+        hold.target = done < 1.0 ? Vec3(held.from + done * (held.target - held.from)) : held.target;
+        hold.hasRoll = held.roll.has_value();
+        if (held.roll) hold.roll = done < 1.0 ? held.fromRoll + done * (*held.roll - held.fromRoll) : *held.roll;
+        holds_.push_back(hold);
+    }
+}
+
+Result<LiveCharacter::Settled> LiveCharacter::settle() {
+    auto alive = built();
+    if (!alive) return tl::unexpected(alive.error());
+    Settled settled;
+    if (!character_) return settled;
+    const auto start = std::chrono::steady_clock::now();
+    collectHolds();
+    settled.settled = holds_.empty();
+    while (!settled.settled && settled.iterations < kSettleSteps) {
+        const auto report = character_->solvePose(holds_, ownPose());
+        ++settled.iterations;
+        settled.settled = report.settled;
+        if (!report.finite) break;
+    }
+    showPose();
+    settled.warnings = character_->stats().warnings;
+    settled.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    return settled;
+}
+
+Result<void> LiveCharacter::returnToRest() {
+    auto alive = built();
+    if (!alive) return tl::unexpected(alive.error());
+    if (!character_) return {};
+    history_.pose() = restPose(plan_.input.skeleton);
+    collectHolds();
+    bool settled = holds_.empty();
+    for (int i = 0; i < kSettleSteps && !settled; ++i) {
+        const auto report = character_->solvePose(holds_, history_.pose());
+        settled = report.settled || !report.finite;
+    }
+    return {};
+}
+
+void LiveCharacter::showPose() {
+    if (!character_) return;
+    shownTake_.reset();
+    const Pose pose = posed();
+    if (performance_ && !performance_->isDynamic()) performance_->reset(pose);
+    applyTouches();
+    character_->update(performance_ ? performance_->pose() : pose);
+}
+
+void LiveCharacter::jumpToPose() {
+    if (!character_) return;
+    if (performance_) performance_->reset(posed());
+    character_->stop();
+    showPose();
+}
+
+bool LiveCharacter::putFinger(const Touch& touch) {
+    const auto alive = built();
+    if (!alive || !*alive) return false;
+    const int element = plan_.elementIndex(touch.element);
+    if (element < 0 || !character_->setFinger(element, touch.finger, touch.point, touch.to, touch.radius)) return false;
+    showPose();
+    return true;
+}
+
+void LiveCharacter::applyTouches() {
+    if (!document().effects.has(EffectKind::Touch)) return;
+    for (std::size_t e = 0; e < plan_.elements.size(); ++e) {
+        const int element = static_cast<int>(e);
+        std::array<const Touch*, TouchContact::kFingers> down = {};
+        for (const Touch& touch : document().touches)
+            if (touch.element == plan_.elements[e]) down[static_cast<std::size_t>(touch.finger)] = &touch;
+        for (int i = 0; i < TouchContact::kFingers; ++i)
+            if (const Touch* touch = down[static_cast<std::size_t>(i)])
+                character_->setFinger(element, i, touch->point, touch->to, touch->radius);
+            else
+                character_->liftFinger(element, i);
+    }
+}
+
+// ---- time --------------------------------------------------------------------------------------------------------------
+
+bool LiveCharacter::moving() {
+    const auto alive = built();
+    if (!alive || !*alive || shownTake_) return false;
+    if (stirred_ && (!character_->resting() || (performance_ && performance_->isDynamic()))) return true;
+    const auto& held = document().held;
+    return std::any_of(held.begin(), held.end(), [](const auto& h) { return h.second.elapsed < h.second.seconds; });
+}
+
+void LiveCharacter::stepFrame(double seconds) {
+    const auto alive = built();
+    if (!alive || !*alive) return;
+    const bool wasTake = shownTake_.has_value();
+    shownTake_.reset();
+    history_.advanceGlides(seconds);
+    collectHolds();
+    bool settled = true;
+    // What is settled is not solved again: it would go on changing by rounding, and nothing would ever rest.
+    if (!holds_.empty() && !(poseSettled_ && holds_ == settledHolds_)) {
+        settled = poseSettled_ = character_->solvePose(holds_, ownPose()).settled;
+        settledHolds_ = holds_;
+    }
+    if (!positions_.empty()) positions_.clear();
+    applyTouches();
+    if (performance_) {
+        performance_->step(seconds, ownPose(), holds_);
+        character_->update(performance_->pose(), seconds);
+    } else if (!document().pose.points.empty() || stirred_ || wasTake || !character_->resting()) {
+        character_->update(ownPose(), seconds);
+    }
+    measureEffects();
+    stirred_ = !settled || (performance_ && !performance_->resting()) || !character_->resting();
+    recordFrame(seconds);
+    history_.noteFrame(seconds);
+}
+
+void LiveCharacter::measureEffects() {
+    effectMs_.fill(-1.0);
+    const auto measured = [&](EffectKind kind, double milliseconds) { effectMs_[static_cast<std::size_t>(kind)] = milliseconds; };
+    if (performance_) measured(performance_->isDynamic() ? EffectKind::BoneDynamics : EffectKind::Ground, performance_->milliseconds());
+    const Character::Stats& stats = character_->stats();
+    const std::pair<EffectKind, double> all[] = {{EffectKind::SmoothJoints, stats.equilibriumMs},   {EffectKind::BendWarp, stats.bendWarpMs},
+                                                 {EffectKind::JointDynamics, stats.jointDynamicsMs}, {EffectKind::Touch, stats.touchMs},
+                                                 {EffectKind::PreviousModel, stats.previousModelMs}, {EffectKind::Gravity, stats.gravityMs},
+                                                 {EffectKind::Inflate, stats.inflateMs}};
+    for (const auto& [kind, milliseconds] : all)
+        if (document().effects.has(kind)) measured(kind, milliseconds);
+}
+
+std::optional<double> LiveCharacter::effectMilliseconds(EffectKind effect) const {
+    const double ms = effectMs_[static_cast<std::size_t>(effect)];
+    return ms < 0.0 ? std::nullopt : std::optional(ms);
+}
+
+bool LiveCharacter::droppedTime() const { return performance_ && (performance_->warnings() & static_cast<unsigned>(DynamicsWarning::TimeDropped)) != 0; }
+
+std::vector<std::string> LiveCharacter::warningTexts(unsigned warnings) const {
+    std::vector<std::string> texts = plan_.warnings;
+    const auto has = [&](FrameWarning bit) { return (warnings & static_cast<unsigned>(bit)) != 0; };
+    if (has(FrameWarning::BasisLosesTwist))
+        texts.emplace_back("The pose twists or shifts a joint face in its plane, which the basis \"paper\" cannot follow: set the character's basis to \"affine\".");
+    if (has(FrameWarning::TargetOutOfReach))
+        texts.emplace_back("A target is out of reach; the endpoint stays as near as its bones can stretch (max-stretch).");
+    if (document().effects.has(EffectKind::PreviousModel) && document().settings.basis != BasisKind::Full)
+        texts.emplace_back("The previous model works in the basis \"full\" alone and does nothing now: set the character's basis to \"full\", and precompute.");
+    if (has(FrameWarning::Diverged))
+        texts.emplace_back("The explicit dynamics of the previous model diverged; its joint faces stand still at their last good place: choose a smaller step or a softer shear-modulus.");
+    if (has(FrameWarning::LoadsBounded))
+        texts.emplace_back("Gravity or pressure is stronger than flesh so soft can show without folding, and acts less than asked for: raise its shear-modulus, or lower the pressure.");
+    if (has(FrameWarning::PoseRefused))
+        texts.emplace_back("A pose was not finite and was refused; the last good pose stays: release the endpoints or return to rest.");
+    return texts;
+}
+
+// ---- following the document --------------------------------------------------------------------------------------------
+
+Result<void> LiveCharacter::follow(const Document& before) {
+    const DocumentChange change = difference(before, document());
+    for (const auto& [id, element] : change.elements)
+        if (!document().elements.contains(id)) positions_.erase(id);
+    if (movesJointPoints(change, document())) {
+        const auto was = planOf(before), is = planOf(document());
+        if (!is) return tl::unexpected(is.error());
+        valid_ = false;
+        if (followSkeleton(history_.edit(), was ? was->get() : nullptr, **is))
+            if (const auto settled = settle(); !settled) return tl::unexpected(settled.error());
+    } else if (changesCharacter(change, document())) {
+        valid_ = false;
+    }
+    if (!change.effects) return {};
+    performanceValid_ = false;
+    const auto alive = built();
+    return alive ? Result<void>() : tl::unexpected(alive.error());
+}
+
+void LiveCharacter::takeBack(const DocumentChange& change) {
+    const bool rebuild = changesCharacter(change, document()) || error_;
+    if (rebuild) valid_ = false;
+    if (change.effects) performanceValid_ = false;
+    if ((rebuild || !change.empty()) && built() && !shownTake_) showPose();
+}
+
+void LiveCharacter::followExchange(const DocumentChange& change) {
+    positions_.clear();
+    if (change.structure() && changesCharacter(change, document())) valid_ = false;
+    if (change.effects) performanceValid_ = false;
+    if (built()) jumpToPose();
+}
+
+void LiveCharacter::replace() {
+    knownPlans_.clear();
+    positions_.clear();
+    recording_.reset();
+    valid_ = false;
+}
+
+void LiveCharacter::stir(bool posed) {
+    if (posed) poseSettled_ = false;
+    stirred_ = true;
+}
+
+void LiveCharacter::leaveTake() {
+    if (shownTake_ && built()) showPose();
+}
+
+}  // namespace imomushi

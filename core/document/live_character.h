@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/character/character.h"
+#include "core/document/character_input.h"
+#include "core/document/document_history.h"
+#include "core/document/document_responses.h"
+#include "core/document/performance.h"
+#include "core/document/take.h"
+
+namespace imomushi {
+
+/// The character of a document as it moves: everything that is derived from the document and never saved. Built when somebody asks, from the responses that are
+/// there; elements without a fresh one follow their bones rigidly, or with their last response while it still fits. Of the document it writes only what passes
+/// with time, see DocumentHistory.
+class LiveCharacter {
+public:
+    /// Both must outlive this.
+    LiveCharacter(DocumentHistory& history, DocumentResponses& responses);
+
+    [[nodiscard]] const Document& document() const { return history_.document(); }
+
+    // ---- what it is
+    /// Built anew where the document or the responses ask for it. Null with an empty document. Errors: those of planCharacter() and Character::build().
+    Result<Character*> built();
+    /// Of the character that built() made last.
+    [[nodiscard]] const CharacterPlan& plan() const { return plan_; }
+    /// The plan of any state of the document; the two latest are remembered. Errors: those of planCharacter().
+    Result<std::shared_ptr<const CharacterPlan>> planOf(const Document& document);
+
+    // ---- where it is
+    /// The pose that is shown: the document's, or where effects have taken it, or that of a take. Empty: at rest.
+    const Pose& shownPose();
+    /// Where an endpoint is shown, m. Errors: those of built().
+    Result<Vec3> positionOf(const EndpointRef& end);
+    /// Body vertices of an element as they are shown, double precision, m.
+    [[nodiscard]] Points positionsOf(PartId element);
+    /// write-mesh and measure see these positions of an element, until the character moves.
+    void showPositions(PartId element, Points positions) { positions_.insert_or_assign(element, std::move(positions)); }
+    void hidePositions() { positions_.clear(); }
+
+    // ---- posing
+    struct Settled {
+        int iterations = 0;
+        bool settled = true;
+        double milliseconds = 0.0;
+        unsigned warnings = 0;  ///< of FrameWarning
+    };
+    /// Solves the static pose towards the targets. With bone dynamics the shown pose follows as frames pass. Errors: those of built().
+    Result<Settled> settle();
+    /// The pose becomes the rest pose, as far as targets allow: where bone dynamics take a body that is let go. Errors: those of built().
+    Result<void> returnToRest();
+    /// Deforms the character to the document's pose; no time passes, and what swings goes on swinging.
+    void showPose();
+    /// The same, and nothing moves any more.
+    void jumpToPose();
+    /// Puts a finger of the document on the character. False: it cannot be touched there.
+    bool putFinger(const Touch& touch);
+
+    // ---- time
+    /// Advances glides, poses and effects by one frame (s) and updates the character.
+    void stepFrame(double seconds);
+    /// Something goes on by itself: frames must be stepped to see it.
+    bool moving();
+    /// Milliseconds that an effect took in the last frame; none: the frame did without it.
+    [[nodiscard]] std::optional<double> effectMilliseconds(EffectKind effect) const;
+    /// The last frame was longer than bone dynamics can follow.
+    [[nodiscard]] bool droppedTime() const;
+    /// One sentence for each bit of FrameWarning, and what the plan says.
+    [[nodiscard]] std::vector<std::string> warningTexts(unsigned warnings) const;
+
+    // ---- takes
+    /// A take that is being recorded.
+    struct Recording {
+        Take take;                                    ///< without poses and shapes
+        std::vector<std::vector<double>> poses, shapes;
+        std::map<EndpointRef, Held> held;             ///< as of the last frame
+        bool going = true;                            ///< false: it ended, as the character is another one or the take is full
+    };
+    [[nodiscard]] const std::optional<Recording>& recording() const { return recording_; }
+    /// Begins a take with what is shown. Errors: those of built(), "no-element".
+    Result<void> startRecording(const std::string& name);
+    /// What was recorded, without an id.
+    Take stopRecording();
+    /// Shows a take at a time (s). False: its poses alone, as the character is another one. Errors: those of built(), "no-element".
+    Result<bool> showTake(const Take& take, double time);
+    [[nodiscard]] bool showsTake() const { return shownTake_.has_value(); }
+    /// The take was recorded on this character, so that its shapes fit.
+    [[nodiscard]] bool fits(const Take& take) const;
+
+    // ---- following the document: what the session calls when it has changed
+    /// After a command: brings targets and pose along, see followSkeleton(). Errors: those of planCharacter(), settle() and built().
+    Result<void> follow(const Document& before);
+    /// After a failed command; `change`: to what the document is again.
+    void takeBack(const DocumentChange& change);
+    /// After undo, redo and a gesture that was cancelled: jumps to the pose.
+    void followExchange(const DocumentChange& change);
+    /// Another document took the place of this one.
+    void replace();
+    /// Ends what counts as at rest. `posed`: targets or poses may be others, which are solved again.
+    void stir(bool posed);
+    /// Shows the document again where a take is shown.
+    void leaveTake();
+
+private:
+    /// Plans depend on these parts of a document alone.
+    struct KnownPlan {
+        std::map<PartId, std::shared_ptr<const Element>> elements;
+        std::map<PartId, std::shared_ptr<const Joint>> joints;
+        std::map<PartId, std::shared_ptr<const Bone>> bones;
+        CharacterSettings settings;
+        Effects effects;
+        std::shared_ptr<const CharacterPlan> plan;
+    };
+    /// The pose of the document, rest where that is empty.
+    [[nodiscard]] Pose posed() const;
+    /// The same, which is then in the document.
+    Pose& ownPose();
+    [[nodiscard]] bool usesLatestResponses() const;
+    /// Errors: those of built(); those of planning and building stay until the document is another.
+    Result<void> build();
+    /// Empties a pose of another skeleton.
+    void dropForeignPose();
+    /// Makes `performance_` what the effects of the document ask for. Errors: those of Performance.
+    Result<void> prepare();
+    /// Fills `holds_` with the targets as they are now.
+    void collectHolds();
+    /// Puts the fingers of the character where the document has them.
+    void applyTouches();
+    void measureEffects();
+    /// Adds what is shown now, `seconds` after the last frame, to the take that is being recorded.
+    void recordFrame(double seconds);
+
+    DocumentHistory& history_;
+    DocumentResponses& responses_;
+    std::vector<KnownPlan> knownPlans_;  // latest last
+
+    CharacterPlan plan_;
+    std::optional<Character> character_;
+    std::optional<Error> error_;         // why there is no character
+    bool valid_ = false;                 // character_ or error_ is that of the document
+    std::uint64_t responsesSeen_ = 0;    // revision of the store
+    std::optional<Performance> performance_;  // where effects want one
+    bool performanceValid_ = false;
+
+    std::vector<Hold> holds_;
+    std::vector<Hold> settledHolds_;     // while poseSettled_: the pose is the last word of inverse kinematics on these
+    bool poseSettled_ = false;
+    bool stirred_ = false;               // poses or targets changed since everything came to rest
+    std::array<double, kEffects> effectMs_;  // of the last frame; negative: it had no such effect
+    std::map<PartId, Points> positions_;     // see showPositions()
+    std::optional<Recording> recording_;
+    std::optional<Pose> shownTake_;      // the pose of a take that is shown instead of the document's
+};
+
+}  // namespace imomushi

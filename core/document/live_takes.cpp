@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Takes of the live character: recording what frames show, and showing it again.
+#include <algorithm>
+
+#include "core/document/live_character.h"
+
+namespace imomushi {
+
+namespace {
+
+/// Bytes: a take that is being recorded ends there.
+constexpr std::size_t kMostTakeBytes = std::size_t{1} << 31;
+
+bool sameTarget(const Held& a, const Held& b) { return a.pinned == b.pinned && a.target == b.target && a.roll == b.roll; }
+
+}  // namespace
+
+bool LiveCharacter::fits(const Take& take) const { return character_ && take.elements == plan_.elements && take.layout == character_->shapeLayout(); }
+
+Result<void> LiveCharacter::startRecording(const std::string& name) {
+    auto alive = built();
+    if (!alive) return tl::unexpected(alive.error());
+    if (!*alive) return fail("no-element", "There is nothing to record: import an element or add a bone first.");
+    if (shownTake_) showPose();
+    Recording made;
+    made.take.name = name;
+    made.take.elements = plan_.elements;
+    made.take.layout = character_->shapeLayout();
+    made.take.points = static_cast<int>(plan_.input.skeleton.points.size());
+    for (std::size_t b = 0; b < plan_.bones.size(); ++b)
+        made.take.bones.push_back({plan_.bones[b], plan_.input.skeleton.bones[b].start, plan_.input.skeleton.bones[b].end});
+    recording_ = std::move(made);
+    character_->keepExact(true);
+    recordFrame(0.0);
+    return {};
+}
+
+void LiveCharacter::recordFrame(double seconds) {
+    if (!recording_ || !recording_->going || !character_) return;
+    Recording& r = *recording_;
+    Take& take = r.take;
+    const std::size_t frameBytes = (poseNumbers(restPose(plan_.input.skeleton)).size() + static_cast<std::size_t>(take.layout.size())) * sizeof(double);
+    const bool sameBones = std::equal(take.bones.begin(), take.bones.end(), plan_.bones.begin(), plan_.bones.end(), [](const Take::Bone& was, PartId is) { return was.bone == is; });
+    r.going = sameBones && fits(take) && take.times.size() * frameBytes < kMostTakeBytes;
+    if (!r.going) return;
+    const double now = take.duration() + seconds;
+    take.times.push_back(now);
+    r.poses.push_back(poseNumbers(performance_ ? performance_->pose() : posed()));
+    character_->shape(r.shapes.emplace_back(static_cast<std::size_t>(take.layout.size())).data());
+    const auto& targets = document().held;
+    for (const auto& [end, held] : targets) {
+        const auto known = r.held.find(end);
+        if (known == r.held.end() || !sameTarget(known->second, held)) take.targets.push_back({now, end.bone, end.atEnd, true, held.pinned, held.target, held.roll});
+    }
+    for (const auto& [end, held] : r.held)
+        if (!targets.contains(end)) take.targets.push_back({now, end.bone, end.atEnd, false, false, Vec3::Zero(), {}});
+    r.held = targets;
+}
+
+Take LiveCharacter::stopRecording() {
+    Recording recorded = std::move(*recording_);
+    recording_.reset();
+    if (character_) character_->keepExact(false);
+    recorded.take.poses = FrameNumbers(recorded.poses);
+    recorded.take.shapes = FrameNumbers(recorded.shapes);
+    return std::move(recorded.take);
+}
+
+Result<bool> LiveCharacter::showTake(const Take& take, double time) {
+    auto alive = built();
+    if (!alive) return tl::unexpected(alive.error());
+    if (!*alive) return fail("no-element", "There is nothing left to show a take with: undo to when it was recorded.");
+    const TakeMoment moment = momentAt(take.times, time);
+    positions_.clear();
+    shownTake_ = takePose(take, moment, plan_.bones, plan_.input.skeleton);
+    if (!fits(take)) {
+        character_->stop();
+        character_->update(*shownTake_);
+        return false;
+    }
+    std::vector<double> numbers(take.shapes.width());
+    take.shapes.at(moment.frame, numbers.data());
+    if (moment.part > 0.0) {
+        const std::vector<double> from = numbers;
+        std::vector<double> to(numbers.size());
+        take.shapes.at(moment.frame + 1, to.data());
+        character_->between(from.data(), to.data(), moment.part, numbers.data());
+    }
+    character_->show(numbers.data());
+    return true;
+}
+
+}  // namespace imomushi

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/document/response_folder.h"
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <new>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "core/document/packed_response.h"
+#include "core/base/atomic_file.h"
+
+namespace imomushi {
+
+namespace {
+
+constexpr const char* kSuffix = ".response";
+
+/// The key that a file name says, where it says one.
+std::optional<ContentKey> keyNamed(const std::filesystem::path& file) {
+    const std::string name = file.stem().string();
+    if (file.extension() != kSuffix || name.size() != 32 || name.find_first_not_of("0123456789abcdef") != std::string::npos) return std::nullopt;
+    return ContentKey{std::stoull(name.substr(0, 16), nullptr, 16), std::stoull(name.substr(16), nullptr, 16)};
+}
+
+/// What a file holds. Errors: those of packResponse().
+Result<std::string> contentOf(const ContentKey& key, const ElementResponse& response) {
+    const auto packed = packResponse(response);
+    if (!packed) return tl::unexpected(packed.error());
+    return key.hex().append(reinterpret_cast<const char*>(packed->data()), packed->size());
+}
+
+/// Null: it holds no such response.
+std::shared_ptr<const ElementResponse> responseIn(const std::string& content, const ContentKey& key, const TriangleMesh& body, std::span<const JointFace> faces) {
+    const std::string name = key.hex();
+    if (!content.starts_with(name)) return nullptr;
+    auto response = unpackResponse(std::as_bytes(std::span(content)).subspan(name.size()), body, faces);
+    return response ? std::make_shared<const ElementResponse>(std::move(*response)) : nullptr;
+}
+
+}  // namespace
+
+ResponseFolder::ResponseFolder(std::filesystem::path folder, std::uintmax_t limit) : folder_(std::move(folder)), limit_(limit) {
+    std::error_code error;
+    for (const auto& entry : std::filesystem::directory_iterator(folder_, error)) {
+        const auto key = keyNamed(entry.path());
+        if (!key) continue;
+        std::error_code unknown;
+        const File file{entry.file_size(unknown), entry.last_write_time(unknown)};
+        if (unknown) continue;
+        files_.emplace(*key, file);
+        bytes_ += file.bytes;
+    }
+    evict();
+    writer_ = std::thread([this] { work(); });
+}
+
+ResponseFolder::~ResponseFolder() {
+    {
+        const std::lock_guard lock(mutex_);
+        ending_ = true;
+    }
+    wake_.notify_all();
+    writer_.join();
+}
+
+std::filesystem::path ResponseFolder::pathOf(const ContentKey& key) const { return folder_ / (key.hex() + kSuffix); }
+
+std::shared_ptr<const ElementResponse> ResponseFolder::read(const ContentKey& key, const TriangleMesh& body, std::span<const JointFace> faces) {
+    const std::lock_guard lock(mutex_);
+    const auto found = files_.find(key);
+    if (found == files_.end()) return nullptr;
+    std::ifstream file(pathOf(key), std::ios::binary);
+    auto response = responseIn(std::string(std::istreambuf_iterator<char>(file), {}), key, body, faces);
+    if (!response) {
+        remove(key);
+        return nullptr;
+    }
+    found->second.used = std::filesystem::file_time_type::clock::now();
+    std::error_code error;
+    std::filesystem::last_write_time(pathOf(key), found->second.used, error);
+    return response;
+}
+
+void ResponseFolder::write(const ContentKey& key, std::shared_ptr<const ElementResponse> response) {
+    {
+        const std::lock_guard lock(mutex_);
+        if (files_.contains(key)) return;
+        jobs_.push_back({key, std::move(response)});
+    }
+    wake_.notify_all();
+}
+
+void ResponseFolder::remove(const ContentKey& key) {
+    std::error_code error;
+    std::filesystem::remove(pathOf(key), error);
+    const auto found = files_.find(key);
+    bytes_ -= found->second.bytes;
+    files_.erase(found);
+}
+
+void ResponseFolder::evict() {
+    while (bytes_ > limit_)
+        remove(std::min_element(files_.begin(), files_.end(), [](const auto& a, const auto& b) { return a.second.used < b.second.used; })->first);
+}
+
+void ResponseFolder::work() {
+    std::unique_lock lock(mutex_);
+    for (;;) {
+        wake_.wait(lock, [this] { return ending_ || !jobs_.empty(); });
+        if (jobs_.empty()) return;
+        Job job = std::move(jobs_.front());
+        jobs_.pop_front();
+        if (files_.contains(job.key)) continue;
+        lock.unlock();
+        std::error_code error;
+        std::filesystem::create_directories(folder_, error);
+        const auto path = pathOf(job.key);
+        std::uintmax_t bytes = 0;
+        try {
+            if (const auto content = contentOf(job.key, *job.response); content && writeFileAtomically(path, *content)) bytes = content->size();
+        } catch (const std::bad_alloc&) {  // then without
+        }
+        job.response.reset();
+        lock.lock();
+        if (bytes == 0) continue;
+        files_[job.key] = {bytes, std::filesystem::file_time_type::clock::now()};
+        bytes_ += bytes;
+        evict();
+    }
+}
+
+}  // namespace imomushi

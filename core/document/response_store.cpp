@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/document/response_store.h"
+
+#include <utility>
+
+#include "core/document/response_folder.h"
+
+namespace imomushi {
+
+ResponseStore::ResponseStore(Limits limits) : limits_(limits) {}
+
+ResponseStore::ResponseStore(Limits limits, const std::filesystem::path& folder) : limits_(limits), folder_(std::make_unique<ResponseFolder>(folder, limits.disk)) {}
+
+ResponseStore::~ResponseStore() = default;
+
+std::shared_ptr<const ElementResponse> ResponseStore::inMemory(const ContentKey& key) {
+    const auto found = entries_.find(key);
+    if (found == entries_.end()) return nullptr;
+    uses_.splice(uses_.end(), uses_, found->second.use);
+    return found->second.response;
+}
+
+std::shared_ptr<const ElementResponse> ResponseStore::find(const ContentKey& key) {
+    const std::lock_guard lock(mutex_);
+    return inMemory(key);
+}
+
+std::shared_ptr<const ElementResponse> ResponseStore::find(const ContentKey& key, const TriangleMesh& body, std::span<const JointFace> faces) {
+    const std::lock_guard lock(mutex_);
+    if (auto known = inMemory(key)) return known;
+    if (!folder_) return nullptr;
+    auto read = folder_->read(key, body, faces);
+    if (read) keep(key, read);
+    return read;
+}
+
+void ResponseStore::insert(const ContentKey& key, std::shared_ptr<const ElementResponse> response) {
+    const std::lock_guard lock(mutex_);
+    keep(key, std::move(response));
+    revision_.fetch_add(1, std::memory_order_release);
+}
+
+void ResponseStore::insertComputed(const ContentKey& key, std::shared_ptr<const ElementResponse> response) {
+    if (folder_) folder_->write(key, response);
+    insert(key, std::move(response));
+}
+
+std::size_t ResponseStore::count() const {
+    const std::lock_guard lock(mutex_);
+    return entries_.size();
+}
+
+std::size_t ResponseStore::bytes() const {
+    const std::lock_guard lock(mutex_);
+    return bytes_;
+}
+
+void ResponseStore::keep(const ContentKey& key, std::shared_ptr<const ElementResponse> response) {
+    const auto [found, isNew] = entries_.try_emplace(key);
+    Entry& entry = found->second;
+    if (isNew)
+        entry.use = uses_.insert(uses_.end(), key);
+    else
+        uses_.splice(uses_.end(), uses_, entry.use);
+    bytes_ -= entry.bytes;
+    entry.response = std::move(response);
+    entry.bytes = entry.response->bytes();
+    bytes_ += entry.bytes;
+    evict();
+}
+
+void ResponseStore::evict() {
+    for (auto use = uses_.begin(); bytes_ > limits_.memory && use != uses_.end();) {
+        const auto found = entries_.find(*use);
+        // Who holds one got it from here, under the lock: a single use is the store's own and stays one.
+        if (found->second.response.use_count() > 1) {
+            ++use;
+            continue;
+        }
+        bytes_ -= found->second.bytes;
+        entries_.erase(found);
+        use = uses_.erase(use);
+    }
+}
+
+}  // namespace imomushi

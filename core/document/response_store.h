@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <list>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <span>
+
+#include "core/base/hash.h"
+#include "core/reduction/element_response.h"
+
+namespace imomushi {
+
+class ResponseFolder;
+
+/// Precomputed responses by content key: in memory, and where a folder is given on disk too. Sessions of one process may share one, and projects share a folder.
+/// Never undone: undo asks for another key. Thread-safe.
+class ResponseStore {
+public:
+    struct Limits {
+        std::size_t memory = std::size_t{4} << 30;        ///< bytes. Responses that somebody holds stay, even beyond it
+        std::uintmax_t disk = std::uintmax_t{8} << 30;    ///< bytes of the folder
+    };
+    /// In memory alone.
+    ResponseStore() : ResponseStore(Limits{}) {}
+    explicit ResponseStore(Limits limits);
+    /// `folder` is made when needed; see ResponseFolder.
+    ResponseStore(Limits limits, const std::filesystem::path& folder);
+    ~ResponseStore();
+    ResponseStore(const ResponseStore&) = delete;
+    ResponseStore& operator=(const ResponseStore&) = delete;
+
+    /// In memory; null: not there.
+    [[nodiscard]] std::shared_ptr<const ElementResponse> find(const ContentKey& key);
+    /// In memory or on disk; null: in neither. `body`, `faces`: of an element with this key.
+    [[nodiscard]] std::shared_ptr<const ElementResponse> find(const ContentKey& key, const TriangleMesh& body, std::span<const JointFace> faces);
+    /// Into memory alone: what a project file holds has its place there.
+    void insert(const ContentKey& key, std::shared_ptr<const ElementResponse> response);
+    /// Into the folder too, in the background.
+    void insertComputed(const ContentKey& key, std::shared_ptr<const ElementResponse> response);
+
+    /// Rises with every insertion.
+    [[nodiscard]] std::uint64_t revision() const { return revision_.load(std::memory_order_acquire); }
+    [[nodiscard]] std::size_t count() const;  ///< in memory
+    [[nodiscard]] std::size_t bytes() const;  ///< in memory
+
+private:
+    struct Entry {
+        std::shared_ptr<const ElementResponse> response;
+        std::size_t bytes = 0;
+        std::list<ContentKey>::iterator use;
+    };
+    // These three under the lock.
+    std::shared_ptr<const ElementResponse> inMemory(const ContentKey& key);
+    void keep(const ContentKey& key, std::shared_ptr<const ElementResponse> response);
+    void evict();
+
+    const Limits limits_;
+    mutable std::mutex mutex_;
+    std::map<ContentKey, Entry> entries_;
+    std::list<ContentKey> uses_;  // least recently used first
+    std::size_t bytes_ = 0;
+    std::atomic<std::uint64_t> revision_ = 0;
+    std::unique_ptr<ResponseFolder> folder_;
+};
+
+}  // namespace imomushi

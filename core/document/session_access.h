@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "core/document/live_character.h"
+#include "core/document/project_file.h"
+#include "core/document/session.h"
+
+namespace imomushi {
+
+/// What Command::run may do. The parts of the document are out of its reach but for whole steps: undo, redo, another document, a take that was recorded.
+class SessionAccess {
+public:
+    explicit SessionAccess(Session& owner);
+
+    Session& session;  ///< for questions
+    [[nodiscard]] const Document& document() const { return session.document(); }
+    LiveCharacter& live;
+    DocumentResponses& responses;
+
+    // ---- what a command did, for the listener
+    void changedPose() { session.told_.pose = true; }
+    void changedResponses() { session.told_.responses = true; }
+
+    // ---- history
+    /// A line that belongs into the script without being a step.
+    void note(const Json& line) { session.history_.note(line); }
+    /// Errors: "nothing-to-undo". In a gesture it takes back that, which is no step.
+    Result<std::vector<DocumentHistory::Step>> undo(int count);
+    /// Ends a gesture. Errors: "nothing-to-redo".
+    Result<std::vector<DocumentHistory::Step>> redo(int count);
+    /// Makes a take that was recorded a part of the document, as one step. `line`: the command, for the script.
+    std::shared_ptr<const Take> addTake(Take take, const Json& line);
+
+    // ---- file
+    /// Replaces everything by another project; see DocumentHistory::replace().
+    void replace(Project project, std::filesystem::path path, bool saved, const Json& line);
+    void markSaved(const std::filesystem::path& path);
+};
+
+}  // namespace imomushi

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/base/result.h"
+#include "core/elasticity/boundary_problem.h"
+#include "core/reduction/appendages.h"
+#include "core/reduction/element_response.h"
+#include "core/reduction/solved_body.h"
+
+namespace imomushi {
+
+/// An element and the one solved in its place: the same without its appendages, which follow (see TrimmedBody).
+struct TrimmedElement {
+    const ResponseInput* whole = nullptr;
+    ResponseInput input;                                ///< of the trimmed body
+    TrimmedBody body;
+    std::vector<std::int32_t> freeVertices, wholeFree;  ///< ascending: of the trimmed body and of the whole one
+};
+/// Errors: those of withoutAppendages().
+Result<TrimmedElement> trimmedElement(const ResponseInput& whole, const Progress& progress);
+
+/// Statics of one element on one solver mesh.
+struct StaticSolution {
+    Eigen::MatrixXd response;    ///< 3 * #free x k: displacement of the free vertices of the whole body; the columns of loads come last
+    Eigen::MatrixXd traction;    ///< 3 * #held x k, for shear modulus 1
+    Eigen::MatrixXd compliance;  ///< of touch patches, see patchCompliance()
+    SolveQuality quality;
+    double mappingError = 0.0, shapeError = 0.0;  ///< see ResponseQuality
+};
+/// `held`: displacements of the held vertices of the solver mesh, 3 * #held x k. Errors: those of BoundaryProblem::build() and solve().
+Result<StaticSolution> solveStatics(const TrimmedElement& element, const SolvedBody& solved, const Eigen::MatrixXd& held,
+                                    const BoundaryProblem::Loads& loads, const Progress& progress);
+
+/// Ascending body vertices that no joint face holds.
+std::vector<std::int32_t> freeVerticesOf(const ResponseInput& input);
+
+/// What buildResponse() refuses before it computes anything.
+Result<void> checkInput(const ResponseInput& input);
+
+}  // namespace imomushi

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/skeleton/roll_field.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace imomushi {
+
+using Eigen::Matrix3d;
+
+RollField::RollField(const Skeleton& skeleton, const BoneTree& tree, double unit)
+    : skeleton_(skeleton), rollSign_(tree.rollSign), unit_(unit), rolls_(skeleton.points.size(), Vec3::Zero()) {
+    std::vector<std::pair<int, int>> pairs;
+    for (const auto& bone : skeleton.bones) pairs.emplace_back(bone.start, bone.end);
+    system_ = BlockCholesky<3>(std::vector<int>(skeleton.points.size(), 3), pairs);
+}
+
+void RollField::spread(const std::vector<Hold>& holds, const std::vector<char>& held, Pose& pose) {
+    bool any = std::any_of(pose.roll.begin(), pose.roll.end(), [](double r) { return r != 0.0; });
+    for (const auto& hold : holds) {
+        any = any || hold.hasRoll;
+        if (!hold.hasRoll) continue;
+        double sign = 0.0;  // of a bone that ends at the point, or else of one that starts there
+        for (std::size_t b = 0; b < skeleton_.bones.size(); ++b) {
+            if (skeleton_.bones[b].end == hold.point) sign = rollSign_[b];
+            if (skeleton_.bones[b].start == hold.point && sign == 0.0) sign = rollSign_[b];
+        }
+        pose.roll[hold.point] = (sign < 0.0 ? -1.0 : 1.0) * hold.roll;
+    }
+    if (!any) return;
+    // A trace of the present roll, which decides only where a tree has no held point.
+    constexpr double kKeep = 1e-12;
+    const Matrix3d eye = Matrix3d::Identity();
+    system_.setZero();
+    for (std::size_t i = 0; i < rolls_.size(); ++i) {
+        const double weight = held[i] ? 1.0 : kKeep;
+        system_.add(static_cast<int>(i), static_cast<int>(i), weight * eye);
+        rolls_[i] = Vec3::Constant(weight * pose.roll[i]);
+    }
+    for (const auto& bone : skeleton_.bones) {
+        const double weight = unit_ / bone.length;
+        for (const auto& [one, other] : {std::pair(bone.start, bone.end), std::pair(bone.end, bone.start)}) {
+            if (held[one]) continue;
+            system_.add(one, one, weight * eye);
+            if (held[other]) rolls_[one].array() += weight * pose.roll[other];
+        }
+        if (!held[bone.start] && !held[bone.end]) system_.add(bone.start, bone.end, -weight * eye);
+    }
+    if (!system_.factorise()) return;
+    system_.solve(rolls_);
+    for (std::size_t i = 0; i < rolls_.size(); ++i)
+        if (!held[i]) pose.roll[i] = rolls_[i].x();
+}
+
+}  // namespace imomushi

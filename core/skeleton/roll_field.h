@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "core/base/block_cholesky.h"
+#include "core/skeleton/bone_tree.h"
+#include "core/skeleton/skeleton.h"
+
+namespace imomushi {
+
+/// Roll per joint point, harmonic along the bones (Laplace's equation on the forest with weights 1 / length) between the held points. Allocates in its
+/// constructor only.
+class RollField {
+public:
+    /// unit: m, mean rest length of the bones.
+    RollField(const Skeleton& skeleton, const BoneTree& tree, double unit);
+    /// Sets the rolls of `holds` and spreads them to the points that are not `held` (one entry per joint point). Roll of a hold counts about the bone that
+    /// ends at the point, or else one that starts there.
+    void spread(const std::vector<Hold>& holds, const std::vector<char>& held, Pose& pose);
+
+private:
+    Skeleton skeleton_;
+    std::vector<double> rollSign_;  // see BoneTree
+    double unit_ = 0.0;
+    BlockCholesky<3> system_;       // the same scalar in all three components
+    std::vector<Vec3> rolls_;
+};
+
+}  // namespace imomushi

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "core/mesh/mesh.h"
+#include "ui/render/camera.h"
+
+namespace imomushi {
+struct SurfaceRecipe;
+}
+
+namespace imomushi::render {
+
+/// One body to draw. Pointers are read during draw() only; positions are uploaded again when `revision` changes, topology and look when `mesh` does.
+struct Body {
+    std::uint64_t id = 0;                       ///< what pick() answers; 0 is "nothing"
+    std::shared_ptr<const ElementMesh> mesh;    ///< topology and look
+    const float* positions = nullptr;           ///< #body vertices x 3, world
+    const float* normals = nullptr;             ///< #body vertices x 3, world, unit; null: computed from the triangles
+    int recipeElement = -1;                     ///< of Scene::recipe, which it is drawn from: positions and normals are not read. -1: from these
+    std::uint64_t revision = 0;
+    Eigen::Vector3f color = Eigen::Vector3f::Constant(0.7f);  ///< linear; where the look has none
+    bool visible = true;                        ///< false: not drawn, but its buffers stay on the graphics card
+    bool selected = false, hovered = false;
+    bool outdated = false;                      ///< its result is out of date: drawn with a calm hatch
+    bool twoSided = false;                      ///< the mesh may be open or inside out: back faces are drawn too
+    bool dataColors = false;                    ///< vertex colours are data beside a legend: lighting changes them by a fifth at most
+    float opacity = 1.0f;                       ///< < 1: x-ray while bones are placed
+    const std::vector<std::int32_t>* highlightedTriangles = nullptr;  ///< body triangles: a face under construction, places of an issue
+    /// Triangles that touch a neighbour (joined faces): neither drawn nor part of the normals at their rim. Null: none.
+    std::shared_ptr<const std::vector<std::int32_t>> coveredTriangles;
+    bool pickable = true;                       ///< false: pick() looks through it (a locked element)
+};
+
+/// Two bodies that must look like one surface: their normals are averaged over the welded body vertices.
+struct Seam {
+    int a = -1, b = -1;  ///< into Scene::bodies
+    std::shared_ptr<const std::vector<std::pair<std::int32_t, std::int32_t>>> welded;  ///< (vertex of a, vertex of b)
+};
+
+/// Overlay primitives, drawn over the bodies, dimmer where a body hides them. Lines and points keep their size in pixels.
+///   Bone         tapered octahedron from `from` to `to`
+///   JointPoint   ring at `from`; HeldPoint: disc in a ring; PinnedPoint: diamond
+///   FaceOutline  glowing closed polyline `outline` (the last point joins the first)
+///   PlaneGizmo   translucent square around `from`, half as wide as `to` is away, with an arrow along its normal to `to`
+///   Axis         arrow from `from` to `to`, in the colour of the world axis nearest to its direction
+struct Marker {
+    enum class Shape { Bone, JointPoint, HeldPoint, PinnedPoint, FaceOutline, PlaneGizmo, Axis } shape = Shape::JointPoint;
+    std::uint64_t id = 0;            ///< what pick() answers; 0: not picked
+    Vec3 from = Vec3::Zero(), to = Vec3::Zero();   ///< m, world, finite
+    std::vector<Vec3> outline;       ///< FaceOutline only; m, world, finite
+    bool selected = false, hovered = false;
+};
+
+struct Scene {
+    Camera camera;
+    std::vector<Body> bodies;
+    std::vector<Seam> seams;
+    std::vector<Marker> markers;
+    /// What bodies with a recipeElement are made from (core/character/surface_recipe.h): all of one character, uploaded by SceneRenderer::uploadCharacter().
+    const SurfaceRecipe* recipe = nullptr;
+    bool grid = true;
+    bool groundShadow = true;         ///< soft shadow on the ground, also without the grid
+    double ground = 0.0;              ///< m, world height of grid and shadow
+    bool solidGround = false;         ///< bodies rest on it: a calm plane under its grid, also where the grid is off
+    bool darkTheme = true;
+    bool transparentBackground = false;
+    float pixelRatio = 1.0f;  ///< device pixels per logical pixel
+};
+
+}  // namespace imomushi::render

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/viewport/view_overlay.h"
+
+#include <QFontMetricsF>
+#include <QLocale>
+#include <QPainter>
+
+#include "ui/models/studio_document.h"
+#include "ui/models/take_deck.h"
+#include "ui/models/texts.h"
+#include "ui/viewport/viewport_widget.h"
+
+namespace imomushi {
+namespace {
+
+constexpr float kBoxOpacity = 0.12f;
+
+}  // namespace
+
+void ViewOverlay::paint(QPainter& painter, StudioDocument& document) const {
+    if (document.document().elements.empty()) paintInvitation(painter);
+    if (box) paintBox(painter);
+    if (deck) paintTake(painter, document);
+    if (deck && deck->counting()) paintCountdown(painter);
+}
+
+void ViewOverlay::paintInvitation(QPainter& painter) const {
+    painter.setPen(dark ? QColor(255, 255, 255, 150) : QColor(0, 0, 0, 150));
+    QFont font = painter.font();
+    font.setPointSizeF(font.pointSizeF() * 1.4);
+    painter.setFont(font);
+    painter.drawText(QRect({}, size), Qt::AlignCenter, ViewportWidget::tr("Drop a mesh or a project here"));
+}
+
+void ViewOverlay::paintBox(QPainter& painter) const {
+    QColor fill = highlight;
+    fill.setAlphaF(kBoxOpacity);
+    painter.setPen(QPen(highlight, 1.0));
+    painter.setBrush(fill);
+    painter.drawRect(*box);
+    painter.setBrush(Qt::NoBrush);
+}
+
+void ViewOverlay::paintTake(QPainter& painter, StudioDocument& document) const {
+    const auto recording = document.session().recording();
+    const Take* take = deck->take();
+    if (!recording && !(deck->shown() && take)) return;
+    const QString text = recording ? QStringLiteral("%1   %2").arg(QString::fromStdString(recording->take), clockText(recording->seconds))
+                                   : ViewportWidget::tr("%1 – drag the character to leave it", "a take that is shown").arg(QString::fromStdString(take->name));
+    const QFontMetricsF metrics(painter.font());
+    const double high = metrics.height() * 1.7, dot = metrics.ascent() * 0.6, wide = metrics.horizontalAdvance(text) + (recording ? dot + high * 0.4 : 0.0) + high;
+    const QRectF pill((size.width() - wide) / 2.0, high * 0.6, wide, high);
+    painter.setRenderHint(QPainter::Antialiasing);
+    painter.setPen(Qt::NoPen);
+    painter.setBrush(recording ? QColor(kRecordRed) : dark ? QColor(20, 22, 26, 190) : QColor(255, 255, 255, 210));
+    painter.drawRoundedRect(pill, high / 2.0, high / 2.0);
+    const QColor ink = recording || dark ? Qt::white : QColor(31, 36, 33);
+    QRectF line = pill.adjusted(high / 2.0, 0.0, -high / 2.0, 0.0);
+    if (recording) {
+        painter.setBrush(ink);
+        painter.drawEllipse(QRectF(line.left(), pill.center().y() - dot / 2.0, dot, dot));
+        line.setLeft(line.left() + dot + high * 0.4);
+    }
+    painter.setPen(ink);
+    painter.drawText(line, Qt::AlignLeft | Qt::AlignVCenter, text);
+    if (!recording) return;
+    const double frame = high / 7.0;
+    painter.setPen(QPen(QColor(kRecordRed), frame, Qt::SolidLine, Qt::SquareCap, Qt::MiterJoin));
+    painter.setBrush(Qt::NoBrush);
+    painter.drawRect(QRectF({}, QSizeF(size)).adjusted(frame / 2.0, frame / 2.0, -frame / 2.0, -frame / 2.0));
+}
+
+// In the middle and large, where nobody overlooks it.
+void ViewOverlay::paintCountdown(QPainter& painter) const {
+    const double radius = 3.2 * QFontMetricsF(painter.font()).height();
+    const QRectF disc(0.5 * size.width() - radius, 0.5 * size.height() - radius, 2.0 * radius, 2.0 * radius);
+    QColor red(kRecordRed);
+    red.setAlphaF(0.85f);
+    painter.setRenderHint(QPainter::Antialiasing);
+    painter.setPen(Qt::NoPen);
+    painter.setBrush(red);
+    painter.drawEllipse(disc);
+    QFont font = painter.font();
+    font.setPixelSize(int(1.1 * radius));
+    font.setWeight(QFont::DemiBold);
+    painter.setFont(font);
+    painter.setPen(Qt::white);
+    painter.drawText(disc, Qt::AlignCenter, QLocale().toString(deck->counting()));
+}
+
+}  // namespace imomushi

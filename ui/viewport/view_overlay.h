@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <QColor>
+#include <QRectF>
+#include <optional>
+
+class QPainter;
+
+namespace imomushi {
+
+class StudioDocument;
+class TakeDeck;
+
+/// What is painted flat over the 3-D view, beside the axis ball.
+struct ViewOverlay {
+    QSize size;                 ///< of the view, logical pixels
+    bool dark = true;           ///< theme
+    QColor highlight;           ///< of the palette
+    std::optional<QRectF> box;  ///< a selection box that is being dragged
+    const TakeDeck* deck = nullptr;  ///< null: no takes
+
+    /// An invitation to drop a file, the box, the take that is shown or recorded, and the seconds until a recording starts.
+    void paint(QPainter& painter, StudioDocument& document) const;
+
+private:
+    void paintInvitation(QPainter& painter) const;
+    void paintBox(QPainter& painter) const;
+    void paintTake(QPainter& painter, StudioDocument& document) const;
+    void paintCountdown(QPainter& painter) const;
+};
+
+}  // namespace imomushi

@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The events of the viewport: to the camera, to the tool, or to the menu.
+#include <QContextMenuEvent>
+#include <QElapsedTimer>
+#include <QKeyEvent>
+#include <QMenu>
+#include <QMouseEvent>
+#include <QNativeGestureEvent>
+#include <QWheelEvent>
+#include <numbers>
+
+#include "ui/tools/picking.h"
+#include "ui/tools/select_tool.h"
+#include "ui/viewport/viewport_widget.h"
+
+namespace imomushi {
+namespace {
+
+/// Keypad 4, 6, 8, 2 turn the view by 15 degrees.
+constexpr double kKeyTurn = std::numbers::pi / 12.0;
+
+}  // namespace
+
+PointerEvent ViewportWidget::pointer(QPointF position, Qt::MouseButton button, Qt::MouseButtons buttons, Qt::KeyboardModifiers modifiers) const {
+    PointerEvent e;
+    e.x = position.x();
+    e.y = position.y();
+    e.button = button;
+    e.buttons = buttons;
+    e.modifiers = modifiers;
+    e.bonesVisible = sceneOptions().bones;
+    CameraController camera = camera_;
+    camera.setViewport(width(), height());
+    camera.aim(e);
+    return e;
+}
+
+template <class Act>
+void ViewportWidget::withTool(const Act& act) {
+    QElapsedTimer since;
+    since.start();
+    act(*tool_);
+    meter_.addWork(elapsedMs(since));
+    redraw();
+    updateHint();
+}
+
+// While something is unfinished, its keys belong to the tool and not to the menu.
+bool ViewportWidget::belongsToTool(const QKeyEvent& key) const {
+    const bool plain = !(key.modifiers() & (Qt::ControlModifier | Qt::AltModifier | Qt::MetaModifier));
+    return (tool_->busy() && (plain || key.matches(QKeySequence::Undo))) || (plain && tool_->wants(key.key())) || (key.key() == Qt::Key_Escape && tool_->pending());
+}
+
+bool ViewportWidget::event(QEvent* e) {
+    switch (e->type()) {
+        case QEvent::ShortcutOverride:
+            if (belongsToTool(*static_cast<QKeyEvent*>(e))) {
+                e->accept();
+                return true;
+            }
+            break;
+        case QEvent::NativeGesture: {
+            const auto* gesture = static_cast<QNativeGestureEvent*>(e);
+            if (gesture->gestureType() == Qt::ZoomNativeGesture) {
+                navigator_.pinch(gesture->value(), gesture->position());
+                redraw();
+                return true;
+            }
+            break;
+        }
+        case QEvent::WindowDeactivate:
+            if (tool_->busy()) cancel();
+            break;
+        case QEvent::LanguageChange:
+            setAccessibleName(tr("3D view"));
+            updateHint();
+            redraw();
+            break;
+        case QEvent::PaletteChange: redraw(); break;
+        default: break;
+    }
+    return QWidget::event(e);
+}
+
+// ---- pointer -----------------------------------------------------------------------------------------------------------
+
+void ViewportWidget::mousePressEvent(QMouseEvent* e) {
+    const bool right = e->button() == Qt::RightButton;
+    if (tool_->busy()) {
+        if (right) {
+            cancel();
+            swallowMenu_ = true;
+        }
+        return;
+    }
+    if (navigator_.active()) return;
+    if (navigator_.press(e->position(), e->button(), e->modifiers())) {
+        if (!navigator_.onBall()) swallowMenu_ = right;
+        return;
+    }
+    if (right && tool_->pending()) {
+        cancel();
+        swallowMenu_ = true;
+        return;
+    }
+    withTool([&](Tool& tool) { tool.press(pointer(e->position(), e->button(), e->buttons(), e->modifiers())); });
+}
+
+void ViewportWidget::mouseMoveEvent(QMouseEvent* e) {
+    const QPointF p = e->position();
+    if (navigator_.active()) {
+        navigator_.drag(p);
+        return redraw();
+    }
+    if (tool_->busy() && !(e->buttons() & Qt::LeftButton)) {
+        // The release went elsewhere: what was reached so far stands.
+        tool_->release(pointer(p, Qt::LeftButton, e->buttons(), e->modifiers()));
+    }
+    if (navigator_.hover(p, !tool_->busy())) redraw();
+    if (navigator_.overBall()) {
+        document_.setHovered(std::nullopt);
+        return;
+    }
+    withTool([&](Tool& tool) { tool.move(pointer(p, Qt::NoButton, e->buttons(), e->modifiers())); });
+}
+
+void ViewportWidget::mouseReleaseEvent(QMouseEvent* e) {
+    if (navigator_.active()) {
+        if (const auto axis = navigator_.release(e->position(), e->button())) setViewAxis(*axis);
+        return redraw();
+    }
+    withTool([&](Tool& tool) { tool.release(pointer(e->position(), e->button(), e->buttons(), e->modifiers())); });
+}
+
+void ViewportWidget::mouseDoubleClickEvent(QMouseEvent* e) {
+    if (tool_->busy() || e->button() != Qt::LeftButton || navigator_.takes(e->position(), e->button(), e->modifiers())) return mousePressEvent(e);
+    withTool([&](Tool& tool) { tool.doubleClick(pointer(e->position(), e->button(), e->buttons(), e->modifiers())); });
+}
+
+void ViewportWidget::wheelEvent(QWheelEvent* e) {
+    const double notches = notchesOf(*e);
+    e->accept();
+    if (notches != 0.0 && tool_->wheel(notches, pointer(e->position(), Qt::NoButton, e->buttons(), e->modifiers())))
+        updateHint();
+    else
+        navigator_.wheel(*e);
+    redraw();
+}
+
+void ViewportWidget::contextMenuEvent(QContextMenuEvent* e) {
+    if (swallowMenu_ || tool_->busy()) {
+        swallowMenu_ = false;
+        return;
+    }
+    Session& session = document_.session();
+    if (e->reason() == QContextMenuEvent::Mouse) {
+        const auto item = pickItem(session, pointer(e->pos(), Qt::RightButton, Qt::RightButton, e->modifiers()));
+        if (!item)
+            document_.select({});
+        else if (!document_.isSelected(*item))
+            document_.select({*item});
+    }
+    QMenu menu(this);
+    const auto selection = document_.selection();
+    for (const SelectionItem& item : selection) {
+        if (item.kind != SelectionItem::Kind::Endpoint || selection.size() > 1) continue;
+        const EndpointRef end = holdingEndpoint(session, {item.part, item.atEnd});
+        const std::string path = pathOf(document_.document(), end);
+        const auto held = document_.document().held.find(end);
+        const bool isHeld = held != document_.document().held.end(), pinned = isHeld && held->second.pinned;
+        menu.addAction(pinned ? tr("Unpin") : tr("Pin"), this,
+                       [=, this] { document_.execute({{"do", pinned ? "unpin" : "pin"}, {"endpoint", path}}); });
+        if (isHeld) menu.addAction(tr("Let go"), this, [=, this] { document_.execute({{"do", "release"}, {"endpoint", path}}); });
+    }
+    menu.addAction(tr("Frame selection"), this, [this] { frameSelection(); })->setEnabled(!selection.empty());
+    menu.addAction(tr("Frame all"), this, [this] { frameAll(); });
+    menu.addSeparator();
+    menu.addAction(tr("Remove"), this, [this] { removeSelection(document_); })->setEnabled(!selection.empty());
+    menu.exec(e->globalPos());
+}
+
+void ViewportWidget::leaveEvent(QEvent* e) {
+    if (!tool_->busy()) {
+        tool_->leave();
+        document_.setHovered(std::nullopt);
+        updateHint();
+        redraw();
+    }
+    navigator_.hover({}, false);
+    QWidget::leaveEvent(e);
+}
+
+// ---- keys --------------------------------------------------------------------------------------------------------------
+
+bool ViewportWidget::navigationKey(QKeyEvent* e) {
+    const bool opposite = (e->modifiers() & Qt::ControlModifier) != 0;
+    const bool keypad = (e->modifiers() & Qt::KeypadModifier) != 0;
+    switch (e->key()) {
+        case Qt::Key_1: setViewAxis(opposite ? ViewAxis::Back : ViewAxis::Front); return true;
+        case Qt::Key_3: setViewAxis(opposite ? ViewAxis::Left : ViewAxis::Right); return true;
+        case Qt::Key_7: setViewAxis(opposite ? ViewAxis::Bottom : ViewAxis::Top); return true;
+        case Qt::Key_5: setOrthographic(!camera_.orthographic()); return true;
+        case Qt::Key_F:
+        case Qt::Key_Period: frameSelection(); return true;
+        case Qt::Key_Home: frameAll(); return true;
+        default: break;
+    }
+    if (!keypad) return false;
+    switch (e->key()) {
+        case Qt::Key_4: camera_.turn(-kKeyTurn, 0.0); break;
+        case Qt::Key_6: camera_.turn(kKeyTurn, 0.0); break;
+        case Qt::Key_8: camera_.turn(0.0, kKeyTurn); break;
+        case Qt::Key_2: camera_.turn(0.0, -kKeyTurn); break;
+        default: return false;
+    }
+    redraw();
+    return true;
+}
+
+void ViewportWidget::keyPressEvent(QKeyEvent* e) {
+    if ((e->key() == Qt::Key_Escape && tool_->pending()) || (tool_->busy() && e->matches(QKeySequence::Undo))) {
+        cancel();
+        return;
+    }
+    const bool arrow = e->key() == Qt::Key_Up || e->key() == Qt::Key_Down || e->key() == Qt::Key_Left || e->key() == Qt::Key_Right;
+    if (!e->isAutoRepeat() || arrow) {
+        QElapsedTimer since;
+        since.start();
+        if (tool_->key(e->key(), e->modifiers())) {
+            meter_.addWork(elapsedMs(since));
+            redraw();
+            updateHint();
+            return;
+        }
+    }
+    if (!tool_->busy() && navigationKey(e)) return;
+    QWidget::keyPressEvent(e);
+}
+
+void ViewportWidget::keyReleaseEvent(QKeyEvent* e) {
+    if (!e->isAutoRepeat()) tool_->keyReleased(e->key());
+    QWidget::keyReleaseEvent(e);
+}
+
+// ---- focus and visibility ------------------------------------------------------------------------------------------------
+
+void ViewportWidget::focusOutEvent(QFocusEvent* e) {
+    if (tool_->busy()) cancel();
+    QWidget::focusOutEvent(e);
+}
+
+void ViewportWidget::showEvent(QShowEvent* e) {
+    QWidget::showEvent(e);
+    animate();  // what was to move while nobody looked
+}
+
+void ViewportWidget::hideEvent(QHideEvent* e) {
+    if (tool_->busy()) cancel();
+    clock_.stop();
+    navigator_.cancel();
+    QWidget::hideEvent(e);
+}
+
+}  // namespace imomushi
