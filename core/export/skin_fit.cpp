@@ -202,7 +202,7 @@ Result<FittedSkin> fitSkin(Motion& motion, const ExportScene& scene, const Progr
     std::vector<int> loadJoint(elements, -1);
     for (std::size_t e = 0; e < elements; ++e) {
         loadMotions.push_back(loadMotionOf(input.elements[e], character.loadColumns(static_cast<int>(e))));
-        if (loadMotion[e].shift.cols() == 0) continue;
+        if (loadMotions[e].shift.cols() == 0) continue;
         loadJoint[e] = static_cast<int>(skin.joints.size());
         skin.joints.push_back({scene.elements[e] + " flesh", loadMotions[e].middle});
     }
