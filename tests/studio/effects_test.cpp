@@ -109,7 +109,7 @@ TEST_CASE("effects: with bone dynamics the body goes on by itself after the drag
     REQUIRE(w.now().held.contains(end));
     CHECK(w.document().session().moving());
     QSignalSpy steps(&w.document(), &StudioDocument::frameStepped);
-    waitFor([&] { return !steps.isEmpty(); });
+    waitFor([&] { return !steps.isEmpty() && (*w.view().onScreen(end) - rest).manhattanLength() > 60.0; });
     CHECK(w.document().effectMilliseconds(EffectKind::BoneDynamics).has_value());
     w.shoot("effects-moving");
     w.trigger("release");
