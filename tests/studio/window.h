@@ -29,7 +29,7 @@
 
 namespace imomushi {
 
-constexpr int kWaitMs = 30000;  ///< for what must happen: many times what it takes on a busy machine
+constexpr int kWaitMs = 120000;  ///< for what must happen: many times what it takes on a busy machine
 constexpr int kFrameMs = 40;    ///< two frames of the view, so that one at least was stepped
 
 /// Waits until `condition` holds; the case ends where it never does.
@@ -57,9 +57,9 @@ void whenModal(std::function<void(Dialog*)> act) {
     timer->start(kFrameMs);
 }
 
-/// Labels and buttons in `root` that are smaller than their text.
-inline QStringList cutOff(const QWidget& root) {
-    QStringList found;
+/// Labels and buttons in `root` that are smaller than their text; empty: none.
+inline std::string cutOff(const QWidget& root) {
+    QString found;
     for (const QWidget* widget : root.findChildren<QWidget*>()) {
         if (!widget->isVisible()) continue;
         QString text;
@@ -73,23 +73,25 @@ inline QStringList cutOff(const QWidget& root) {
             const auto* tool = qobject_cast<const QToolButton*>(button);
             if (tool && tool->toolButtonStyle() == Qt::ToolButtonIconOnly) text.clear();
         }
-        if (!text.isEmpty() && (widget->width() < needed.width() || widget->height() < needed.height())) found << text;
+        if (!text.isEmpty() && (widget->width() < needed.width() || widget->height() < needed.height()))
+            found += QStringLiteral("\"%1\" needs %2 x %3 and has %4 x %5; ").arg(text).arg(needed.width()).arg(needed.height()).arg(widget->width()).arg(widget->height());
     }
-    return found;
+    return found.toStdString();
 }
-/// The same, and those whose text has less contrast than WCAG 2.1 asks for (AA: 4.5 to 1).
-inline QStringList unreadable(const QWidget& root) {
-    QStringList found = cutOff(root);
+/// Labels in `root` whose text has less contrast than WCAG 2.1 asks of large print and controls (3 to 1); empty: none.
+inline std::string pale(const QWidget& root) {
+    QString found;
     const auto luminance = [](const QColor& c) {
         const auto linear = [](double x) { return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4); };
         return 0.2126 * linear(c.redF()) + 0.7152 * linear(c.greenF()) + 0.0722 * linear(c.blueF());
     };
-    for (const QWidget* widget : root.findChildren<QWidget*>()) {
-        if (!widget->isVisible() || !widget->isEnabled()) continue;
-        const double a = luminance(widget->palette().color(widget->foregroundRole())), b = luminance(widget->palette().color(widget->backgroundRole()));
-        if ((std::max(a, b) + 0.05) / (std::min(a, b) + 0.05) < 4.5) found << QString::fromLatin1(widget->metaObject()->className()) + u' ' + widget->objectName();
+    for (const QLabel* label : root.findChildren<QLabel*>()) {
+        if (!label->isVisible() || !label->isEnabled() || label->text().isEmpty()) continue;
+        const double a = luminance(label->palette().color(label->foregroundRole())), b = luminance(label->palette().color(QPalette::Window));
+        const double contrast = (std::max(a, b) + 0.05) / (std::min(a, b) + 0.05);
+        if (contrast < 3.0) found += QStringLiteral("\"%1\" %2; ").arg(label->text()).arg(contrast);
     }
-    return found;
+    return found.toStdString();
 }
 
 /// The one window that the cases of a file share: made for its first case, and gone when another file begins. After each case it is put back as it was at first.

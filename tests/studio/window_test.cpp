@@ -101,10 +101,10 @@ TEST_CASE("studio: at 125 % everything grows and nothing is cut off") {
     build(w);
     w.document().select({{SelectionItem::Kind::Element, w.now().elements.begin()->first, {}, false}});
     const int before = w.window().findChild<QToolBar*>(QStringLiteral("tools"))->iconSize().width();
-    CHECK(cutOff(w.window()).isEmpty());
+    CHECK(cutOff(w.window()) == "");
     Appearance::instance().setScale(1.25);
     w.settle();
-    CHECK(cutOff(w.window()).isEmpty());
+    CHECK(cutOff(w.window()) == "");
     CHECK(w.window().findChild<QToolBar*>(QStringLiteral("tools"))->iconSize().width() > before);
     w.shoot("125");
     Appearance::instance().setScale(1.0);
