@@ -268,18 +268,6 @@ std::vector<SelectionItem> itemsWithin(Session& session, const PointerEvent& vie
     return items;
 }
 
-std::string pathOf(const Document& document, const EndpointRef& end) {
-    const auto bone = document.bones.find(end.bone);
-    return bone == document.bones.end() ? std::string() : bone->second->name + (end.atEnd ? "/end" : "/start");
-}
-
-std::string pathOf(const Document& document, const FaceRef& face) {
-    const auto element = document.elements.find(face.element);
-    return element == document.elements.end() ? std::string() : element->second->name + "/" + face.face;
-}
-
-Json jsonOf(const Vec3& v) { return Json::array({v.x(), v.y(), v.z()}); }
-
 render::Body* bodyOf(render::Scene& scene, PartId element) {
     const std::uint64_t id = sceneId({ScenePart::Kind::Element, element, -1, false});
     for (render::Body& body : scene.bodies)

@@ -57,9 +57,6 @@ std::optional<SelectionItem> pickItem(Session& session, const PointerEvent& e);
 std::vector<SelectionItem> itemsWithin(Session& session, const PointerEvent& view, const QRectF& box);
 
 /// Names as commands take them: "bone/end", "element/face".
-std::string pathOf(const Document& document, const EndpointRef& end);
-std::string pathOf(const Document& document, const FaceRef& face);
-Json jsonOf(const Vec3& v);
 
 /// The body of an element in a scene that is being put together; null: it is hidden.
 render::Body* bodyOf(render::Scene& scene, PartId element);
