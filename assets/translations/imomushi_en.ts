@@ -29,19 +29,22 @@
         </message>
     </context>
     <context>
-        <name>imomushi::InspectorPanel</name>
-        <message numerus="yes">
-            <source>%n element(s)</source>
-            <translation>
-                <numerusform>%n element</numerusform>
-                <numerusform>%n elements</numerusform>
-            </translation>
-        </message>
+        <name>imomushi::BoneForm</name>
         <message numerus="yes">
             <source>%n bone(s)</source>
             <translation>
                 <numerusform>%n bone</numerusform>
                 <numerusform>%n bones</numerusform>
+            </translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::ElementForm</name>
+        <message numerus="yes">
+            <source>%n element(s)</source>
+            <translation>
+                <numerusform>%n element</numerusform>
+                <numerusform>%n elements</numerusform>
             </translation>
         </message>
     </context>
@@ -71,6 +74,9 @@
                 <numerusform>The %n most important of each element</numerusform>
             </translation>
         </message>
+    </context>
+    <context>
+        <name>imomushi::ExportReportView</name>
         <message numerus="yes">
             <source>Wrote %n file(s) from %1 on, %2</source>
             <translation>

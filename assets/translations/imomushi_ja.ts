@@ -1542,10 +1542,70 @@
             <source>Properties</source>
             <translation>プロパティ</translation>
         </message>
-        <message>
-            <source>Name</source>
-            <translation>名前</translation>
+    </context>
+    <context>
+        <name>imomushi::BoneForm</name>
+        <message numerus="yes">
+            <source>%n bone(s)</source>
+            <translation>
+                <numerusform>%n 本のボーン</numerusform>
+            </translation>
         </message>
+        <message>
+            <source>Bone</source>
+            <translation>ボーン</translation>
+        </message>
+        <message>
+            <source>Rest</source>
+            <translation>静止時</translation>
+        </message>
+        <message>
+            <source>Roll</source>
+            <translation>ロール</translation>
+        </message>
+        <message>
+            <source>Stretch limits</source>
+            <translation>伸縮の限度</translation>
+        </message>
+        <message>
+            <source>Shortest</source>
+            <translation>最短</translation>
+        </message>
+        <message>
+            <source>Longest</source>
+            <translation>最長</translation>
+        </message>
+        <message>
+            <source>automatic</source>
+            <translation>自動</translation>
+        </message>
+        <message>
+            <source>none</source>
+            <translation>なし</translation>
+        </message>
+        <message>
+            <source>Parent</source>
+            <translation>親</translation>
+        </message>
+        <message>
+            <source>Runs through</source>
+            <translation>通る要素</translation>
+        </message>
+        <message>
+            <source>Length</source>
+            <translation>長さ</translation>
+        </message>
+        <message>
+            <source>Start</source>
+            <translation>始点</translation>
+        </message>
+        <message>
+            <source>End</source>
+            <translation>終点</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::CharacterForm</name>
         <message>
             <source>Character</source>
             <translation>キャラクター</translation>
@@ -1599,6 +1659,10 @@
             <translation>形式による誤差</translation>
         </message>
         <message>
+            <source>%1 %</source>
+            <translation>%1 %</translation>
+        </message>
+        <message>
             <source>All (%1)</source>
             <translation>すべて (%1)</translation>
         </message>
@@ -1638,6 +1702,9 @@
             <source>%1 of %2, %3</source>
             <translation>%1 / %2、%3</translation>
         </message>
+    </context>
+    <context>
+        <name>imomushi::ElementForm</name>
         <message numerus="yes">
             <source>%n element(s)</source>
             <translation>
@@ -1647,6 +1714,10 @@
         <message>
             <source>Element</source>
             <translation>要素</translation>
+        </message>
+        <message>
+            <source>Precompute</source>
+            <translation>前計算</translation>
         </message>
         <message>
             <source>Material</source>
@@ -1689,8 +1760,16 @@
             <translation>要素とともに回る</translation>
         </message>
         <message>
+            <source>Effects here</source>
+            <translation>この要素のエフェクト</translation>
+        </message>
+        <message>
             <source>Mesh</source>
             <translation>メッシュ</translation>
+        </message>
+        <message>
+            <source>Vertices</source>
+            <translation>頂点</translation>
         </message>
         <message>
             <source>Triangles</source>
@@ -1709,214 +1788,12 @@
             <translation>体積</translation>
         </message>
         <message>
-            <source>Precompute</source>
-            <translation>前計算</translation>
-        </message>
-        <message>
-            <source>State</source>
-            <translation>状態</translation>
-        </message>
-        <message>
-            <source>needs a joint face</source>
-            <translation>関節面が必要</translation>
-        </message>
-        <message>
-            <source>Up to date</source>
-            <translation>最新</translation>
-        </message>
-        <message>
-            <source>Out of date</source>
-            <translation>古くなっています</translation>
-        </message>
-        <message>
-            <source>Not yet</source>
-            <translation>まだ</translation>
-        </message>
-        <message>
-            <source>Columns</source>
-            <translation>列数</translation>
-        </message>
-        <message>
-            <source>Memory</source>
-            <translation>メモリ</translation>
-        </message>
-        <message>
-            <source>Time taken</source>
-            <translation>かかった時間</translation>
-        </message>
-        <message>
-            <source>Residual</source>
-            <translation>残差</translation>
-        </message>
-        <message>
-            <source>Condition</source>
-            <translation>条件数の逆数</translation>
-        </message>
-        <message>
-            <source>Asymmetry</source>
-            <translation>非対称性</translation>
-        </message>
-        <message>
             <source>%1 %</source>
             <translation>%1 %</translation>
         </message>
         <message>
-            <source>Will take</source>
-            <translation>見込み</translation>
-        </message>
-        <message>
-            <source>about %1, %2</source>
-            <translation>約 %1、%2</translation>
-        </message>
-        <message>
-            <source>Joint face</source>
-            <translation>関節面</translation>
-        </message>
-        <message>
-            <source>Joined with</source>
-            <translation>つながり先</translation>
-        </message>
-        <message>
-            <source>nothing</source>
-            <translation>なし</translation>
-        </message>
-        <message>
-            <source>Patch</source>
-            <translation>範囲</translation>
-        </message>
-        <message>
-            <source>Area</source>
-            <translation>面積</translation>
-        </message>
-        <message>
-            <source>%1 cm²</source>
-            <translation>%1 cm²</translation>
-        </message>
-        <message>
-            <source>Planarity error</source>
-            <translation>平面からのずれ</translation>
-        </message>
-        <message>
-            <source>%1 (flat)</source>
-            <translation>%1（平ら）</translation>
-        </message>
-        <message>
-            <source>%1 (not flat: three more columns)</source>
-            <translation>%1（平らでない：3 列追加）</translation>
-        </message>
-        <message>
-            <source>Frame</source>
-            <translation>座標系</translation>
-        </message>
-        <message>
-            <source>Origin (m)</source>
-            <translation>原点 (m)</translation>
-        </message>
-        <message>
-            <source>Normal</source>
-            <translation>法線</translation>
-        </message>
-        <message numerus="yes">
-            <source>%n bone(s)</source>
-            <translation>
-                <numerusform>%n 本のボーン</numerusform>
-            </translation>
-        </message>
-        <message>
-            <source>Bone</source>
-            <translation>ボーン</translation>
-        </message>
-        <message>
-            <source>automatic</source>
-            <translation>自動</translation>
-        </message>
-        <message>
-            <source>Parent</source>
-            <translation>親</translation>
-        </message>
-        <message>
-            <source>none</source>
-            <translation>なし</translation>
-        </message>
-        <message>
-            <source>Runs through</source>
-            <translation>通る要素</translation>
-        </message>
-        <message>
-            <source>Rest</source>
-            <translation>静止時</translation>
-        </message>
-        <message>
-            <source>Length</source>
-            <translation>長さ</translation>
-        </message>
-        <message>
-            <source>Start</source>
-            <translation>始点</translation>
-        </message>
-        <message>
-            <source>End</source>
-            <translation>終点</translation>
-        </message>
-        <message>
-            <source>Roll</source>
-            <translation>ロール</translation>
-        </message>
-        <message>
-            <source>Stretch limits</source>
-            <translation>伸縮の限度</translation>
-        </message>
-        <message>
-            <source>Shortest</source>
-            <translation>最短</translation>
-        </message>
-        <message>
-            <source>Longest</source>
-            <translation>最長</translation>
-        </message>
-        <message>
-            <source>Endpoint</source>
-            <translation>端点</translation>
-        </message>
-        <message>
-            <source>free</source>
-            <translation>自由</translation>
-        </message>
-        <message>
-            <source>pinned</source>
-            <translation>ピン留め</translation>
-        </message>
-        <message>
-            <source>held</source>
-            <translation>保持</translation>
-        </message>
-        <message>
-            <source>At rest (m)</source>
-            <translation>静止位置 (m)</translation>
-        </message>
-        <message>
-            <source>Target</source>
-            <translation>目標</translation>
-        </message>
-        <message>
-            <source>Release</source>
-            <translation>放す</translation>
-        </message>
-        <message>
-            <source>Unpin</source>
-            <translation>ピンを外す</translation>
-        </message>
-        <message>
-            <source>Pin</source>
-            <translation>ピン留め</translation>
-        </message>
-        <message>
             <source>Solver mesh</source>
             <translation>計算用メッシュ</translation>
-        </message>
-        <message>
-            <source>Tolerance</source>
-            <translation>許容差</translation>
         </message>
         <message>
             <source>Default</source>
@@ -1943,8 +1820,32 @@
             <translation>目標頂点数</translation>
         </message>
         <message>
+            <source>Tolerance</source>
+            <translation>許容差</translation>
+        </message>
+        <message>
             <source>Shared with</source>
             <translation>共有元</translation>
+        </message>
+        <message>
+            <source>State</source>
+            <translation>状態</translation>
+        </message>
+        <message>
+            <source>needs a joint face</source>
+            <translation>関節面が必要</translation>
+        </message>
+        <message>
+            <source>Up to date</source>
+            <translation>最新</translation>
+        </message>
+        <message>
+            <source>Out of date</source>
+            <translation>古くなっています</translation>
+        </message>
+        <message>
+            <source>Not yet</source>
+            <translation>まだ</translation>
         </message>
         <message>
             <source>Estimated error</source>
@@ -1963,6 +1864,10 @@
             <translation>形状の誤差</translation>
         </message>
         <message>
+            <source>Time taken</source>
+            <translation>かかった時間</translation>
+        </message>
+        <message>
             <source>Solved with</source>
             <translation>計算の規模</translation>
         </message>
@@ -1973,6 +1878,26 @@
         <message>
             <source>%1, %2 nodes</source>
             <translation>%1、節点 %2</translation>
+        </message>
+        <message>
+            <source>Columns</source>
+            <translation>列数</translation>
+        </message>
+        <message>
+            <source>Memory</source>
+            <translation>メモリ</translation>
+        </message>
+        <message>
+            <source>Residual</source>
+            <translation>残差</translation>
+        </message>
+        <message>
+            <source>Condition</source>
+            <translation>条件数の逆数</translation>
+        </message>
+        <message>
+            <source>Asymmetry</source>
+            <translation>非対称性</translation>
         </message>
         <message>
             <source>Typical error</source>
@@ -1991,12 +1916,129 @@
             <translation>計算後に判明</translation>
         </message>
         <message>
-            <source>Effects here</source>
-            <translation>この要素のエフェクト</translation>
+            <source>Will take</source>
+            <translation>見込み</translation>
+        </message>
+        <message>
+            <source>about %1, %2</source>
+            <translation>約 %1、%2</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::EndpointForm</name>
+        <message>
+            <source>Endpoint</source>
+            <translation>端点</translation>
+        </message>
+        <message>
+            <source>State</source>
+            <translation>状態</translation>
+        </message>
+        <message>
+            <source>free</source>
+            <translation>自由</translation>
+        </message>
+        <message>
+            <source>pinned</source>
+            <translation>ピン留め</translation>
+        </message>
+        <message>
+            <source>held</source>
+            <translation>保持</translation>
+        </message>
+        <message>
+            <source>At rest (m)</source>
+            <translation>静止位置 (m)</translation>
         </message>
         <message>
             <source>Now (m)</source>
             <translation>現在位置 (m)</translation>
+        </message>
+        <message>
+            <source>Target</source>
+            <translation>目標</translation>
+        </message>
+        <message>
+            <source>Release</source>
+            <translation>放す</translation>
+        </message>
+        <message>
+            <source>Unpin</source>
+            <translation>ピンを外す</translation>
+        </message>
+        <message>
+            <source>Pin</source>
+            <translation>ピン留め</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::FaceForm</name>
+        <message>
+            <source>Joint face</source>
+            <translation>関節面</translation>
+        </message>
+        <message>
+            <source>Element</source>
+            <translation>要素</translation>
+        </message>
+        <message>
+            <source>Joined with</source>
+            <translation>つながり先</translation>
+        </message>
+        <message>
+            <source>nothing</source>
+            <translation>なし</translation>
+        </message>
+        <message>
+            <source>Patch</source>
+            <translation>範囲</translation>
+        </message>
+        <message>
+            <source>Vertices</source>
+            <translation>頂点</translation>
+        </message>
+        <message>
+            <source>Area</source>
+            <translation>面積</translation>
+        </message>
+        <message>
+            <source>%1 cm²</source>
+            <translation>%1 cm²</translation>
+        </message>
+        <message>
+            <source>Size</source>
+            <translation>大きさ</translation>
+        </message>
+        <message>
+            <source>Planarity error</source>
+            <translation>平面からのずれ</translation>
+        </message>
+        <message>
+            <source>%1 (flat)</source>
+            <translation>%1（平ら）</translation>
+        </message>
+        <message>
+            <source>%1 (not flat: three more columns)</source>
+            <translation>%1（平らでない：3 列追加）</translation>
+        </message>
+        <message>
+            <source>Frame</source>
+            <translation>座標系</translation>
+        </message>
+        <message>
+            <source>Origin (m)</source>
+            <translation>原点 (m)</translation>
+        </message>
+        <message>
+            <source>Normal</source>
+            <translation>法線</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::InspectorForm</name>
+        <message>
+            <source>Name</source>
+            <translation>名前</translation>
         </message>
     </context>
     <context>
@@ -2031,10 +2073,6 @@
     <context>
         <name>imomushi::MainWindow</name>
         <message>
-            <source>Accuracy and cost</source>
-            <translation>精度とコスト</translation>
-        </message>
-        <message>
             <source>Precomputing %1</source>
             <translation>%1 を前計算中</translation>
         </message>
@@ -2062,74 +2100,6 @@
             <translation>前計算が終わりました。ドラッグツール (D) で関節点を動かせます。</translation>
         </message>
         <message>
-            <source>Issues (%1)</source>
-            <translation>問題 (%1)</translation>
-        </message>
-        <message>
-            <source>Issues</source>
-            <translation>問題</translation>
-        </message>
-        <message>
-            <source>&amp;File</source>
-            <translation>ファイル(&amp;F)</translation>
-        </message>
-        <message>
-            <source>Open &amp;recent</source>
-            <translation>最近使ったファイル(&amp;R)</translation>
-        </message>
-        <message>
-            <source>Sa&amp;mples</source>
-            <translation>サンプル(&amp;M)</translation>
-        </message>
-        <message>
-            <source>&amp;Edit</source>
-            <translation>編集(&amp;E)</translation>
-        </message>
-        <message>
-            <source>&amp;Character</source>
-            <translation>キャラクター(&amp;C)</translation>
-        </message>
-        <message>
-            <source>&amp;View</source>
-            <translation>表示(&amp;V)</translation>
-        </message>
-        <message>
-            <source>&amp;Panels</source>
-            <translation>パネル(&amp;P)</translation>
-        </message>
-        <message>
-            <source>&amp;Theme</source>
-            <translation>テーマ(&amp;T)</translation>
-        </message>
-        <message>
-            <source>&amp;Language</source>
-            <translation>言語(&amp;L)</translation>
-        </message>
-        <message>
-            <source>&amp;Help</source>
-            <translation>ヘルプ(&amp;H)</translation>
-        </message>
-        <message>
-            <source>Outliner</source>
-            <translation>アウトライナー</translation>
-        </message>
-        <message>
-            <source>History</source>
-            <translation>履歴</translation>
-        </message>
-        <message>
-            <source>Properties</source>
-            <translation>プロパティ</translation>
-        </message>
-        <message>
-            <source>Tools</source>
-            <translation>ツール</translation>
-        </message>
-        <message>
-            <source>Menus</source>
-            <translation>メニュー</translation>
-        </message>
-        <message>
             <source>View of the character</source>
             <translation>キャラクターのビュー</translation>
         </message>
@@ -2138,20 +2108,8 @@
             <translation>ステータス</translation>
         </message>
         <message>
-            <source>%1 (missing)</source>
-            <translation>%1（見つかりません）</translation>
-        </message>
-        <message>
             <source>New project</source>
             <translation>新しいプロジェクト</translation>
-        </message>
-        <message>
-            <source>Undo: %1</source>
-            <translation>元に戻す：%1</translation>
-        </message>
-        <message>
-            <source>Redo: %1</source>
-            <translation>やり直す：%1</translation>
         </message>
         <message>
             <source>Everything is precomputed already.</source>
@@ -2161,6 +2119,39 @@
             <source>Joined %1 and %2</source>
             <translation>%1 と %2 をつなぎました</translation>
         </message>
+    </context>
+    <context>
+        <name>imomushi::AboutDialog</name>
+        <message>
+            <source>About Imomushi</source>
+            <translation>Imomushi について</translation>
+        </message>
+        <message>
+            <source>Articulated elastic characters in real time.</source>
+            <translation>関節のある弾性キャラクターを実時間で動かします。</translation>
+        </message>
+        <message>
+            <source>Free software under the GNU General Public License, version 3 or later.</source>
+            <translation>GNU 一般公衆ライセンス第 3 版またはそれ以降に基づく自由ソフトウェアです。</translation>
+        </message>
+        <message>
+            <source>Close</source>
+            <translation>閉じる</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::ActionStates</name>
+        <message>
+            <source>Undo: %1</source>
+            <translation>元に戻す：%1</translation>
+        </message>
+        <message>
+            <source>Redo: %1</source>
+            <translation>やり直す：%1</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::ControlsDialog</name>
         <message>
             <source>Turn the view</source>
             <translation>視点を回す</translation>
@@ -2168,6 +2159,10 @@
         <message>
             <source>Middle mouse button</source>
             <translation>中ボタン</translation>
+        </message>
+        <message>
+            <source>Alt + left mouse button</source>
+            <translation>Alt + 左ボタン</translation>
         </message>
         <message>
             <source>Move the view</source>
@@ -2178,16 +2173,8 @@
             <translation>Shift + 中ボタン</translation>
         </message>
         <message>
-            <source>Alt + left mouse button</source>
-            <translation>Alt + 左ボタン</translation>
-        </message>
-        <message>
             <source>Alt + middle mouse button</source>
             <translation>Alt + 中ボタン</translation>
-        </message>
-        <message>
-            <source>Wheel, Alt + right mouse button</source>
-            <translation>ホイール、Alt + 右ボタン</translation>
         </message>
         <message>
             <source>Nearer, farther</source>
@@ -2196,6 +2183,10 @@
         <message>
             <source>Wheel</source>
             <translation>ホイール</translation>
+        </message>
+        <message>
+            <source>Wheel, Alt + right mouse button</source>
+            <translation>ホイール、Alt + 右ボタン</translation>
         </message>
         <message>
             <source>Select</source>
@@ -2222,8 +2213,16 @@
             <translation>軸方向の視点</translation>
         </message>
         <message>
+            <source>Tools</source>
+            <translation>ツール</translation>
+        </message>
+        <message>
             <source>Precompute</source>
             <translation>前計算</translation>
+        </message>
+        <message>
+            <source>Record, play</source>
+            <translation>記録、再生</translation>
         </message>
         <message>
             <source>Search commands</source>
@@ -2237,37 +2236,103 @@
             <source>Close</source>
             <translation>閉じる</translation>
         </message>
-        <message>
-            <source>About Imomushi</source>
-            <translation>Imomushi について</translation>
-        </message>
-        <message>
-            <source>Articulated elastic characters in real time.</source>
-            <translation>関節のある弾性キャラクターを実時間で動かします。</translation>
-        </message>
-        <message>
-            <source>Free software under the GNU General Public License, version 3 or later.</source>
-            <translation>GNU 一般公衆ライセンス第 3 版またはそれ以降に基づく自由ソフトウェアです。</translation>
-        </message>
+    </context>
+    <context>
+        <name>imomushi::StudioDocks</name>
         <message>
             <source>Panels</source>
             <translation>パネル</translation>
+        </message>
+        <message>
+            <source>Outliner</source>
+            <translation>アウトライナー</translation>
+        </message>
+        <message>
+            <source>History</source>
+            <translation>履歴</translation>
+        </message>
+        <message>
+            <source>Properties</source>
+            <translation>プロパティ</translation>
         </message>
         <message>
             <source>Effects</source>
             <translation>エフェクト</translation>
         </message>
         <message>
-            <source>&amp;Perform</source>
-            <translation>演技(&amp;P)</translation>
+            <source>Accuracy and cost</source>
+            <translation>精度とコスト</translation>
         </message>
         <message>
             <source>Takes</source>
             <translation>テイク</translation>
         </message>
         <message>
-            <source>Record, play</source>
-            <translation>記録、再生</translation>
+            <source>Issues (%1)</source>
+            <translation>問題 (%1)</translation>
+        </message>
+        <message>
+            <source>Issues</source>
+            <translation>問題</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::StudioMenus</name>
+        <message>
+            <source>&amp;File</source>
+            <translation>ファイル(&amp;F)</translation>
+        </message>
+        <message>
+            <source>Open &amp;recent</source>
+            <translation>最近使ったファイル(&amp;R)</translation>
+        </message>
+        <message>
+            <source>Sa&amp;mples</source>
+            <translation>サンプル(&amp;M)</translation>
+        </message>
+        <message>
+            <source>&amp;Edit</source>
+            <translation>編集(&amp;E)</translation>
+        </message>
+        <message>
+            <source>&amp;Character</source>
+            <translation>キャラクター(&amp;C)</translation>
+        </message>
+        <message>
+            <source>&amp;Perform</source>
+            <translation>演技(&amp;P)</translation>
+        </message>
+        <message>
+            <source>&amp;View</source>
+            <translation>表示(&amp;V)</translation>
+        </message>
+        <message>
+            <source>&amp;Panels</source>
+            <translation>パネル(&amp;P)</translation>
+        </message>
+        <message>
+            <source>&amp;Theme</source>
+            <translation>テーマ(&amp;T)</translation>
+        </message>
+        <message>
+            <source>&amp;Language</source>
+            <translation>言語(&amp;L)</translation>
+        </message>
+        <message>
+            <source>&amp;Help</source>
+            <translation>ヘルプ(&amp;H)</translation>
+        </message>
+        <message>
+            <source>Menus</source>
+            <translation>メニュー</translation>
+        </message>
+        <message>
+            <source>Tools</source>
+            <translation>ツール</translation>
+        </message>
+        <message>
+            <source>%1 (missing)</source>
+            <translation>%1（見つかりません）</translation>
         </message>
     </context>
     <context>
@@ -2716,32 +2781,8 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>測定した設定</translation>
         </message>
         <message>
-            <source>Setting</source>
-            <translation>設定</translation>
-        </message>
-        <message>
-            <source>Error</source>
-            <translation>誤差</translation>
-        </message>
-        <message>
-            <source>Largest</source>
-            <translation>最大</translation>
-        </message>
-        <message>
             <source>Frame</source>
             <translation>フレーム</translation>
-        </message>
-        <message>
-            <source>Predicted</source>
-            <translation>予測</translation>
-        </message>
-        <message>
-            <source>Precompute</source>
-            <translation>事前計算</translation>
-        </message>
-        <message>
-            <source>Memory</source>
-            <translation>メモリ</translation>
         </message>
         <message>
             <source>error %1 (largest %2 of the diagonal)</source>
@@ -2832,8 +2873,66 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>エフェクトの費用</translation>
         </message>
         <message>
+            <source>Body</source>
+            <translation>体</translation>
+        </message>
+        <message>
+            <source>Effects</source>
+            <translation>エフェクト</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::AccuracyTable</name>
+        <message>
+            <source>Measured settings</source>
+            <translation>測定した設定</translation>
+        </message>
+        <message>
+            <source>Setting</source>
+            <translation>設定</translation>
+        </message>
+        <message>
+            <source>Error</source>
+            <translation>誤差</translation>
+        </message>
+        <message>
+            <source>Largest</source>
+            <translation>最大</translation>
+        </message>
+        <message>
+            <source>Frame</source>
+            <translation>フレーム</translation>
+        </message>
+        <message>
+            <source>Predicted</source>
+            <translation>予測</translation>
+        </message>
+        <message>
+            <source>Precompute</source>
+            <translation>事前計算</translation>
+        </message>
+        <message>
+            <source>Memory</source>
+            <translation>メモリ</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::EffectCostTable</name>
+        <message>
+            <source>Price of effects</source>
+            <translation>エフェクトの費用</translation>
+        </message>
+        <message>
             <source>Effect</source>
             <translation>エフェクト</translation>
+        </message>
+        <message>
+            <source>Predicted</source>
+            <translation>予測</translation>
+        </message>
+        <message>
+            <source>Measured</source>
+            <translation>測定済み</translation>
         </message>
         <message>
             <source>Off by</source>
@@ -2844,12 +2943,8 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>指には専用の事前計算が必要です。タッチを有効にして事前計算し、もう一度測ってください。</translation>
         </message>
         <message>
-            <source>Body</source>
-            <translation>体</translation>
-        </message>
-        <message>
-            <source>Effects</source>
-            <translation>エフェクト</translation>
+            <source>unknown</source>
+            <translation>不明</translation>
         </message>
     </context>
     <context>
@@ -3087,10 +3182,6 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>モーフターゲット</translation>
         </message>
         <message>
-            <source>Show in folder</source>
-            <translation>フォルダーで表示</translation>
-        </message>
-        <message>
             <source>File</source>
             <translation>ファイル</translation>
         </message>
@@ -3111,10 +3202,6 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>キャラクター</translation>
         </message>
         <message>
-            <source>Cancelled: nothing was written.</source>
-            <translation>中止しました。何も書き出していません。</translation>
-        </message>
-        <message>
             <source>The pose as it is: there are no takes</source>
             <translation>今のポーズ（テイクなし）</translation>
         </message>
@@ -3131,20 +3218,39 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>書き出し先</translation>
         </message>
         <message>
-            <source>It could not be exported.</source>
-            <translation>書き出せませんでした。</translation>
-        </message>
-        <message>
-            <source>Writing %1</source>
-            <translation>%1 を書き出し中</translation>
-        </message>
-        <message>
             <source>Cancel</source>
             <translation>中止</translation>
         </message>
         <message>
             <source>Close</source>
             <translation>閉じる</translation>
+        </message>
+        <message>
+            <source>, </source>
+            <translation>、</translation>
+        </message>
+        <message>
+            <source>Rigid motion and morphs: exact, plays anywhere</source>
+            <translation>剛体運動とモーフ：正確で、どこでも再生</translation>
+        </message>
+        <message>
+            <source>FBX, by Blender</source>
+            <translation>FBX（Blender で作成）</translation>
+        </message>
+        <message>
+            <source>All takes (%1) and the pose as it is</source>
+            <translation>すべてのテイク (%1) と今のポーズ</translation>
+        </message>
+        <message>
+            <source>The pose as it is</source>
+            <translation>今のポーズ</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::ExportReportView</name>
+        <message>
+            <source>Show in folder</source>
+            <translation>フォルダーで表示</translation>
         </message>
         <message>
             <source>Nothing written yet</source>
@@ -3163,6 +3269,18 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>書き出したファイルは読み戻し、キャラクターと比べます。</translation>
         </message>
         <message>
+            <source>Writing %1</source>
+            <translation>%1 を書き出し中</translation>
+        </message>
+        <message>
+            <source>Cancelled: nothing was written.</source>
+            <translation>中止しました。何も書き出していません。</translation>
+        </message>
+        <message>
+            <source>It could not be exported.</source>
+            <translation>書き出せませんでした。</translation>
+        </message>
+        <message>
             <source>Wrote %1, %2</source>
             <translation>%1 を書き出しました（%2）</translation>
         </message>
@@ -3177,20 +3295,12 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>読み戻して比較：最大のずれは対角線の %1</translation>
         </message>
         <message>
-            <source>%1: exact</source>
-            <translation>%1：正確</translation>
-        </message>
-        <message>
-            <source>%1: fitted, off by %2 at most</source>
-            <translation>%1：近似、ずれは最大 %2</translation>
-        </message>
-        <message>
-            <source>%1: left out</source>
-            <translation>%1：含まれません</translation>
-        </message>
-        <message>
             <source>The skin is fitted: off by %1 at most</source>
             <translation>スキンは近似です：ずれは最大 %1</translation>
+        </message>
+        <message>
+            <source>16 bits: off by %1 at most</source>
+            <translation>16 ビット: ずれは最大 %1</translation>
         </message>
         <message>
             <source>Targets left out: off by %1 at most</source>
@@ -3209,24 +3319,16 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>キー %1 個</translation>
         </message>
         <message>
-            <source>Rigid motion and morphs: exact, plays anywhere</source>
-            <translation>剛体運動とモーフ：正確で、どこでも再生</translation>
+            <source>%1: exact</source>
+            <translation>%1：正確</translation>
         </message>
         <message>
-            <source>FBX, by Blender</source>
-            <translation>FBX（Blender で作成）</translation>
+            <source>%1: fitted, off by %2 at most</source>
+            <translation>%1：近似、ずれは最大 %2</translation>
         </message>
         <message>
-            <source>All takes (%1) and the pose as it is</source>
-            <translation>すべてのテイク (%1) と今のポーズ</translation>
-        </message>
-        <message>
-            <source>The pose as it is</source>
-            <translation>今のポーズ</translation>
-        </message>
-        <message>
-            <source>16 bits: off by %1 at most</source>
-            <translation>16 ビット: ずれは最大 %1</translation>
+            <source>%1: left out</source>
+            <translation>%1：含まれません</translation>
         </message>
     </context>
     <context>

@@ -4,7 +4,7 @@
 #include <QTreeView>
 
 #include "tests/studio/window.h"
-#include "ui/panels/list_panels.h"
+#include "ui/panels/history_panel.h"
 #include "ui/panels/outliner_panel.h"
 #include "ui/window/status_strip.h"
 

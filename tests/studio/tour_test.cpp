@@ -8,7 +8,8 @@
 #include "tests/studio/window.h"
 #include "ui/dialogs/preferences_dialog.h"
 #include "ui/models/recent_files.h"
-#include "ui/panels/list_panels.h"
+#include "ui/panels/history_panel.h"
+#include "ui/panels/issues_panel.h"
 #include "ui/widgets/appearance.h"
 #include "ui/window/command_search.h"
 

@@ -4,26 +4,22 @@
 #include <QButtonGroup>
 #include <QCheckBox>
 #include <QComboBox>
-#include <QDesktopServices>
 #include <QDir>
 #include <QFileDialog>
 #include <QFileInfo>
 #include <QLabel>
 #include <QLineEdit>
-#include <QLocale>
 #include <QProgressBar>
 #include <QPushButton>
 #include <QSettings>
 #include <QSignalBlocker>
-#include <QUrl>
 #include <QVBoxLayout>
 #include <algorithm>
-#include <cmath>
 
 #include "core/document/export_commands.h"
+#include "ui/dialogs/export_report_view.h"
 #include "ui/jobs/export_job.h"
 #include "ui/jobs/progress_text.h"
-#include "ui/models/effect_texts.h"
 #include "ui/models/texts.h"
 #include "ui/widgets/appearance.h"
 #include "ui/widgets/choice_card.h"
@@ -32,14 +28,10 @@
 namespace imomushi {
 namespace {
 
-using Role = Appearance::Role;
-
 constexpr const char* kLayouts[] = {"baked", "rigged", "skinned", "cache"};
 constexpr double kRates[] = {0.0, 24.0, 25.0, 30.0, 60.0};
 constexpr int kFastestRate = int(std::size(kRates)) - 1;
 constexpr int kTargets[] = {0, 8, 4};
-/// A file whose vertices are this near to the character's (over its diagonal) is the character.
-constexpr double kSame = 1e-5;
 
 QString keyOf(const char* name) { return QStringLiteral("export/") + QLatin1String(name); }
 
@@ -59,59 +51,90 @@ QString presetNote(const ExportOptions& options) {
     return parts.isEmpty() ? ExportDialog::tr("All targets, keys as recorded") : parts.join(ExportDialog::tr(", "));
 }
 
-/// A part of the diagonal: "0.31 %", and small ones as "2·10⁻⁶".
-QString shareText(double share) {
-    const QLocale locale;
-    if (share >= 1e-4) return QStringLiteral("%1 %").arg(locale.toString(100.0 * share, 'g', 2));
-    if (!(share > 0.0)) return QStringLiteral("0");
-    int exponent = int(std::floor(std::log10(share)));
-    long mantissa = std::lround(share / std::pow(10.0, exponent));
-    if (mantissa == 10) {
-        mantissa = 1;
-        ++exponent;
-    }
-    static constexpr char16_t kDigits[] = u"⁰¹²³⁴⁵⁶⁷⁸⁹";
-    QString power(u'⁻');
-    for (const QChar digit : QString::number(-exponent)) power += QChar(kDigits[digit.digitValue()]);
-    return QStringLiteral("%1·10%2").arg(mantissa).arg(power);
-}
-
 }  // namespace
 
-ExportDialog::ExportDialog(StudioDocument& document, const QString& folder, QWidget* parent) : QDialog(parent), document_(document) {
+ExportDialog::ExportDialog(StudioDocument& document, const QString& folder, QWidget* parent) : QDialog(parent), document_(document), job_(new ExportJob(this)) {
     setWindowTitle(tr("Export"));
     setObjectName(QStringLiteral("exportDialog"));
-    job_ = new ExportJob(this);
     const auto section = [this](const QString& text) {
         auto* label = new QLabel(text, this);
         label->setProperty("role", "section");
         return label;
     };
+    auto* layout = new QVBoxLayout(this);
+    layout->setContentsMargins(px(22), px(18), px(22), px(16));
+    layout->setSpacing(px(10));
+    layout->addWidget(section(tr("For")));
+    layout->addLayout(makePresets());
+    layout->addSpacing(px(4));
+    layout->addWidget(section(tr("As")));
+    layout->addLayout(makeLayouts());
+    layout->addSpacing(px(8));
+    auto* columns = new QHBoxLayout;
+    columns->setSpacing(px(22));
+    columns->addLayout(makeOptions(), 1);
+    report_ = new ExportReportView(this);
+    columns->addWidget(report_, 1);
+    layout->addLayout(columns, 1);
+    layout->addSpacing(px(4));
+    layout->addLayout(makeFile());
+    layout->addLayout(makeFoot());
+    resize(px(940), px(640));
 
+    recall(folder);
+    fillTakes();
+    takeLayout();
+    report_->showBefore(document.document().effects);
+
+    connect(presets_, &QButtonGroup::idClicked, this, &ExportDialog::takePreset);
+    connect(layouts_, &QButtonGroup::idToggled, this, &ExportDialog::takeLayout);
+    connect(format_, &QComboBox::currentIndexChanged, this, [this] {
+        suitFormat();
+        takeLayout();
+    });
+    connect(path_, &QLineEdit::textChanged, this, &ExportDialog::checkPath);
+    connect(&document_, &StudioDocument::structureChanged, this, &ExportDialog::fillTakes);
+    connect(&document_, &StudioDocument::structureChanged, this, &ExportDialog::checkPath);
+    connect(job_, &BackgroundJob::progressed, this, &ExportDialog::showProgress);
+    connect(job_, &BackgroundJob::finished, this, &ExportDialog::showOutcome);
+    showProgress();
+    write_->setFocus();
+}
+
+// ---- parts of the form ---------------------------------------------------------------------------------------------------
+
+QLayout* ExportDialog::makePresets() {
     presets_ = new QButtonGroup(this);
-    auto* presetRow = new QHBoxLayout;
-    presetRow->setSpacing(px(8));
+    auto* row = new QHBoxLayout;
+    row->setSpacing(px(8));
+    int id = 0;
     for (const ExportPreset& preset : exportPresets()) {
         auto* card = new ChoiceCard(presetTitle(QString::fromLatin1(preset.name)), presetNote(preset.options), this);
         card->setObjectName(QLatin1String(preset.name));
-        presets_->addButton(card, int(presetCards_.size()));
-        presetCards_.push_back(card);
-        presetRow->addWidget(card, 1);
+        presets_->addButton(card, id++);
+        row->addWidget(card, 1);
     }
+    return row;
+}
+
+QLayout* ExportDialog::makeLayouts() {
     layouts_ = new QButtonGroup(this);
-    auto* layoutRow = new QHBoxLayout;
-    layoutRow->setSpacing(px(8));
-    const QString layoutTexts[][2] = {{tr("Baked"), tr("Rigid motion and morphs: exact, plays anywhere")},
-                                      {tr("Rigged"), tr("One skeleton with what drives it: can be puppeteered live")},
-                                      {tr("Skinned"), tr("Fitted weights, no morph targets: for any engine")},
-                                      {tr("Cache"), tr("Every vertex in every frame: everything, but large")}};
+    auto* row = new QHBoxLayout;
+    row->setSpacing(px(8));
+    const QString texts[][2] = {{tr("Baked"), tr("Rigid motion and morphs: exact, plays anywhere")},
+                                {tr("Rigged"), tr("One skeleton with what drives it: can be puppeteered live")},
+                                {tr("Skinned"), tr("Fitted weights, no morph targets: for any engine")},
+                                {tr("Cache"), tr("Every vertex in every frame: everything, but large")}};
     for (int i = 0; i < 4; ++i) {
-        auto* card = new ChoiceCard(layoutTexts[i][0], layoutTexts[i][1], this);
+        auto* card = new ChoiceCard(texts[i][0], texts[i][1], this);
         card->setObjectName(QLatin1String(kLayouts[i]));
         layouts_->addButton(card, i);
-        layoutRow->addWidget(card, 1);
+        row->addWidget(card, 1);
     }
+    return row;
+}
 
+QLayout* ExportDialog::makeOptions() {
     take_ = new QComboBox(this);
     fps_ = new QComboBox(this);
     for (const double rate : kRates) fps_->addItem(rate > 0.0 ? tr("%1 per second").arg(rate) : tr("As recorded"));
@@ -124,7 +147,6 @@ ExportDialog::ExportDialog(StudioDocument& document, const QString& folder, QWid
     quantise_->setToolTip(tr("Smaller files by KHR_mesh_quantization; what that costs is measured"));
     normals_ = new QCheckBox(tr("Targets move normals"), this);
     normals_->setToolTip(tr("For engines that do not find normals themselves: larger files"));
-
     auto* form = new DialogForm;
     form->add(tr("Take"), take_);
     form->add(tr("Keys"), fps_);
@@ -133,47 +155,29 @@ ExportDialog::ExportDialog(StudioDocument& document, const QString& folder, QWid
     form->add(split_);
     form->add(quantise_);
     form->add(normals_);
+    return form;
+}
 
-    auto* result = new QFrame(this);
-    result->setObjectName(QStringLiteral("card"));
-    auto* resultLayout = new QVBoxLayout(result);
-    resultLayout->setContentsMargins(px(16), px(12), px(16), px(12));
-    resultLayout->setSpacing(px(8));
-    reportTitle_ = section({});
-    reportTitle_->setWordWrap(true);
-    resultLayout->addWidget(reportTitle_);
-    report_ = new QVBoxLayout;
-    report_->setSpacing(px(7));
-    resultLayout->addLayout(report_);
-    resultLayout->addStretch();
-    show_ = new QPushButton(tr("Show in folder"), result);
-    show_->setObjectName(QStringLiteral("showInFolder"));
-    show_->setIcon(themedIcon(QStringLiteral("open")));
-    show_->setAutoDefault(false);
-    connect(show_, &QPushButton::clicked, this, [this] { QDesktopServices::openUrl(QUrl::fromLocalFile(QFileInfo(written_).absolutePath())); });
-    resultLayout->addWidget(show_, 0, Qt::AlignLeft);
-
-    auto* columns = new QHBoxLayout;
-    columns->setSpacing(px(22));
-    columns->addLayout(form, 1);
-    columns->addWidget(result, 1);
-
+QLayout* ExportDialog::makeFile() {
     path_ = new QLineEdit(this);
     path_->setAccessibleName(tr("File"));
     auto* choose = new QPushButton(tr("Choose…"), this);
     choose->setAutoDefault(false);
     connect(choose, &QPushButton::clicked, this, &ExportDialog::browse);
+    auto* label = new QLabel(tr("File"), this);
+    label->setProperty("role", "muted");
+    label->setBuddy(path_);
+    auto* row = new QHBoxLayout;
+    row->setSpacing(px(8));
+    row->addWidget(label);
+    row->addWidget(path_, 1);
+    row->addWidget(choose);
+    return row;
+}
+
+QLayout* ExportDialog::makeFoot() {
     replaces_ = new QLabel(this);
     replaces_->setProperty("role", "muted");
-    auto* fileRow = new QHBoxLayout;
-    fileRow->setSpacing(px(8));
-    auto* fileLabel = new QLabel(tr("File"), this);
-    fileLabel->setProperty("role", "muted");
-    fileLabel->setBuddy(path_);
-    fileRow->addWidget(fileLabel);
-    fileRow->addWidget(path_, 1);
-    fileRow->addWidget(choose);
-
     progress_ = new QProgressBar(this);
     progress_->setRange(0, 1000);
     progress_->setTextVisible(false);
@@ -188,90 +192,63 @@ ExportDialog::ExportDialog(StudioDocument& document, const QString& folder, QWid
     write_->setDefault(true);
     connect(close_, &QPushButton::clicked, this, &ExportDialog::reject);
     connect(write_, &QPushButton::clicked, this, &ExportDialog::write);
-    auto* foot = new QHBoxLayout;
-    foot->setSpacing(px(12));
-    foot->addWidget(progress_);
-    foot->addWidget(stage_);
-    foot->addWidget(replaces_, 1);
-    foot->addWidget(close_);
-    foot->addWidget(write_);
+    auto* row = new QHBoxLayout;
+    row->setSpacing(px(12));
+    row->addWidget(progress_);
+    row->addWidget(stage_);
+    row->addWidget(replaces_, 1);
+    row->addWidget(close_);
+    row->addWidget(write_);
+    return row;
+}
 
-    auto* layout = new QVBoxLayout(this);
-    layout->setContentsMargins(px(22), px(18), px(22), px(16));
-    layout->setSpacing(px(10));
-    layout->addWidget(section(tr("For")));
-    layout->addLayout(presetRow);
-    layout->addSpacing(px(4));
-    layout->addWidget(section(tr("As")));
-    layout->addLayout(layoutRow);
-    layout->addSpacing(px(8));
-    layout->addLayout(columns, 1);
-    layout->addSpacing(px(4));
-    layout->addLayout(fileRow);
-    layout->addLayout(foot);
-    resize(px(940), px(640));
-
+void ExportDialog::recall(const QString& folder) {
     const QSettings settings;
-    presets_->button(std::clamp(settings.value(keyOf("preset"), 0).toInt(), 0, int(presetCards_.size()) - 1))->setChecked(true);
-    layouts_->button(std::clamp(settings.value(keyOf("layout"), 0).toInt(), 0, 3))->setChecked(true);
+    const auto within = [&](const char* key, int standard, int count) { return std::clamp(settings.value(keyOf(key), standard).toInt(), 0, count - 1); };
+    presets_->button(within("preset", 0, int(exportPresets().size())))->setChecked(true);
+    layouts_->button(within("layout", 0, int(std::size(kLayouts))))->setChecked(true);
     fillFormats();
     format_->setCurrentIndex(std::max(0, format_->findData(settings.value(keyOf("format")))));
     takePreset();
-    fps_->setCurrentIndex(std::clamp(settings.value(keyOf("fps"), fps_->currentIndex()).toInt(), 0, int(std::size(kRates)) - 1));
-    targets_->setCurrentIndex(std::clamp(settings.value(keyOf("targets"), targets_->currentIndex()).toInt(), 0, int(std::size(kTargets)) - 1));
+    fps_->setCurrentIndex(within("fps", fps_->currentIndex(), int(std::size(kRates))));
+    targets_->setCurrentIndex(within("targets", targets_->currentIndex(), int(std::size(kTargets))));
     split_->setChecked(settings.value(keyOf("split"), split_->isChecked()).toBool());
     quantise_->setChecked(settings.value(keyOf("quantise"), quantise_->isChecked()).toBool());
     normals_->setChecked(settings.value(keyOf("normals"), normals_->isChecked()).toBool());
-    const auto& project = document.session().path();
+    const auto& project = document_.session().path();
     const QString name = project.empty() ? tr("character") : QString::fromStdString(project.stem().string());
     const QString last = settings.value(keyOf("folder")).toString();
-    path_->setText(QDir(QFileInfo(last).isDir() ? last : folder).filePath(name + u'.' + suffix()));
-    fillTakes();
-    takeLayout();
-    describe();
-
-    connect(presets_, &QButtonGroup::idClicked, this, &ExportDialog::takePreset);
-    connect(layouts_, &QButtonGroup::idToggled, this, &ExportDialog::takeLayout);
-    connect(format_, &QComboBox::currentIndexChanged, this, [this] {
-        suitFormat();
-        takeLayout();
-    });
-    connect(path_, &QLineEdit::textChanged, this, &ExportDialog::checkPath);
-    connect(&document_, &StudioDocument::structureChanged, this, &ExportDialog::fillTakes);
-    connect(&document_, &StudioDocument::structureChanged, this, &ExportDialog::checkPath);
-    connect(job_, &BackgroundJob::progressed, this, &ExportDialog::showProgress);
-    connect(job_, &BackgroundJob::finished, this, [this](bool completed) {
-        showProgress();
-        if (completed) return showAnswer();
-        written_.clear();
-        clearReport();
-        reportTitle_->setText(tr("Cancelled: nothing was written."));
-    });
-    showProgress();
-    write_->setFocus();
+    setPath(QDir(QFileInfo(last).isDir() ? last : folder).filePath(name + u'.' + suffix()));
 }
 
 // ---- choices -------------------------------------------------------------------------------------------------------------
 
 void ExportDialog::fillTakes() {
-    const QString chosen = take_->currentData().toString();
+    using What = commands::Export::What;
+    const int was = take_->currentIndex();
+    const TakeChoice chosen = was < 0 ? TakeChoice() : takeChoices_[std::size_t(was)];
     take_->clear();
+    takeChoices_.clear();
     const auto& takes = document_.document().takes;
-    const auto add = [this](const QString& text, const Json& keys) { take_->addItem(text, QString::fromStdString(keys.dump())); };
+    const auto add = [this](const QString& text, What what, const std::string& take = {}) {
+        take_->addItem(text);
+        takeChoices_.push_back({what, take});
+    };
     if (takes.empty()) {
-        add(tr("The pose as it is: there are no takes"), Json::object());
+        add(tr("The pose as it is: there are no takes"), What::Takes);
     } else {
-        add(tr("All takes (%1)").arg(takes.size()), Json::object());
-        add(tr("All takes (%1) and the pose as it is").arg(takes.size()), {{"pose", true}});
-        for (const auto& [id, take] : takes) add(QStringLiteral("%1 · %2").arg(QString::fromStdString(take->name), durationText(take->duration())), {{"take", take->name}});
-        add(tr("The pose as it is"), {{"take", Json::array()}, {"pose", true}});
+        add(tr("All takes (%1)").arg(takes.size()), What::Takes);
+        add(tr("All takes (%1) and the pose as it is").arg(takes.size()), What::TakesAndPose);
+        for (const auto& [id, take] : takes) add(QStringLiteral("%1 · %2").arg(QString::fromStdString(take->name), durationText(take->duration())), What::OneTake, take->name);
+        add(tr("The pose as it is"), What::Pose);
     }
     take_->setEnabled(!takes.empty());
-    take_->setCurrentIndex(std::max(0, take_->findData(chosen)));
+    const auto again = std::find(takeChoices_.begin(), takeChoices_.end(), chosen);
+    take_->setCurrentIndex(again == takeChoices_.end() ? 0 : int(again - takeChoices_.begin()));
 }
 
 void ExportDialog::takePreset() {
-    const ExportOptions& options = exportPresets()[std::size_t(presets_->checkedId())].options;
+    const ExportOptions& options = chosenPreset().options;
     const auto at = [](const auto& list, auto value) { return int(std::max<std::ptrdiff_t>(0, std::find(std::begin(list), std::end(list), value) - std::begin(list))) % int(std::size(list)); };
     fps_->setCurrentIndex(at(kRates, options.fps));
     targets_->setCurrentIndex(at(kTargets, options.targets));
@@ -308,7 +285,9 @@ void ExportDialog::suitFormat() {
 QString ExportDialog::suffix() const { return format_->currentData().toString(); }
 
 /// What the weights are where the command is not told: FBX is made by Blender, which clamps them.
-bool ExportDialog::splitByItself() const { return exportPresets()[std::size_t(presets_->checkedId())].options.split || suffix() == u"fbx"; }
+bool ExportDialog::splitByItself() const { return chosenPreset().options.split || suffix() == u"fbx"; }
+
+const ExportPreset& ExportDialog::chosenPreset() const { return exportPresets()[std::size_t(presets_->checkedId())]; }
 
 std::string ExportDialog::layoutName() const { return kLayouts[layouts_->checkedId()]; }
 
@@ -330,7 +309,7 @@ void ExportDialog::setPath(const QString& path) { path_->setText(path); }
 void ExportDialog::checkPath() {
     const QFileInfo info(path_->text());
     const bool names = !info.fileName().isEmpty() && !info.isDir();
-    replaces_->setText(job_->running() || !names || !info.exists() || path_->text() == written_ ? QString() : tr("Replaces the file that is there."));
+    replaces_->setText(job_->running() || !names || !info.exists() || path_->text() == report_->written() ? QString() : tr("Replaces the file that is there."));
     write_->setEnabled(names && !job_->running() && !document_.document().elements.empty());
 }
 
@@ -343,15 +322,22 @@ void ExportDialog::browse() {
 }
 
 Json ExportDialog::command() const {
-    const ExportPreset& preset = exportPresets()[std::size_t(presets_->checkedId())];
-    Json command = {{"do", "export"}, {"path", path_->text().toStdString()}, {"layout", layoutName()}, {"preset", preset.name}};
-    command.update(Json::parse(take_->currentData().toString().toStdString()));
-    if (const double fps = kRates[fps_->currentIndex()]; fps != preset.options.fps) command["fps"] = fps;
-    if (const int targets = kTargets[targets_->currentIndex()]; targets != preset.options.targets) command["targets"] = targets ? Json(targets) : Json("all");
-    if (split_->isChecked() != splitByItself()) command["split"] = split_->isChecked();
-    if (quantise_->isChecked() != preset.options.quantised) command["quantise"] = quantise_->isChecked();
-    if (normals_->isChecked() != preset.options.normals) command["normals"] = normals_->isChecked();
-    return command;
+    const ExportPreset& preset = chosenPreset();
+    const TakeChoice& take = takeChoices_[std::size_t(take_->currentIndex())];
+    // What is as the preset has it is not said.
+    const auto unless = [](auto standard, auto value) { return value == standard ? std::nullopt : std::optional(value); };
+    commands::Export choices;
+    choices.path = path_->text().toStdString();
+    choices.layout = layoutName();
+    choices.preset = preset.name;
+    choices.what = take.what;
+    choices.take = take.take;
+    choices.fps = unless(preset.options.fps, kRates[fps_->currentIndex()]);
+    choices.targets = unless(preset.options.targets, kTargets[targets_->currentIndex()]);
+    choices.split = unless(splitByItself(), split_->isChecked());
+    choices.quantise = unless(preset.options.quantised, quantise_->isChecked());
+    choices.normals = unless(preset.options.normals, normals_->isChecked());
+    return commands::exportCharacter(choices);
 }
 
 void ExportDialog::remember() const {
@@ -371,17 +357,10 @@ void ExportDialog::remember() const {
 
 void ExportDialog::write() {
     if (job_->running()) return;
-    clearReport();
-    const Json asked = command();
-    auto plan = planExport(document_.session(), asked);
-    if (!plan) {
-        reportTitle_->setText(tr("It could not be exported."));
-        say(QStringLiteral("error"), int(Role::Error), errorText(plan.error()));
-        return;
-    }
+    auto plan = planExport(document_.session(), command());
+    if (!plan) return report_->showFailure(plan.error());
     remember();
-    written_ = path_->text();
-    reportTitle_->setText(tr("Writing %1").arg(QFileInfo(written_).fileName()));
+    report_->showWriting(path_->text());
     job_->start(std::move(*plan));
     showProgress();
 }
@@ -401,80 +380,12 @@ void ExportDialog::showProgress() {
     checkPath();
 }
 
-void ExportDialog::clearReport() {
-    while (QLayoutItem* item = report_->takeAt(0)) {
-        if (QLayout* line = item->layout())
-            while (QLayoutItem* part = line->takeAt(0)) {
-                delete part->widget();
-                delete part;
-            }
-        delete item;
-    }
-    show_->hide();
-}
-
-void ExportDialog::say(const QString& icon, int role, const QString& text) {
-    auto* line = new QHBoxLayout;
-    line->setSpacing(px(8));
-    auto* sign = new QLabel(this);
-    sign->setPixmap(themedIcon(icon, Role(role)).pixmap(QSize(px(16), px(16)), devicePixelRatioF()));
-    auto* words = new QLabel(text, this);
-    words->setWordWrap(true);
-    words->setTextInteractionFlags(Qt::TextSelectableByMouse);
-    line->addWidget(sign, 0, Qt::AlignTop);
-    line->addWidget(words, 1);
-    report_->addLayout(line);
-}
-
-/// Before anything is written: what will be told.
-void ExportDialog::describe() {
-    clearReport();
-    reportTitle_->setText(tr("Nothing written yet"));
-    QStringList effects;
-    for (std::size_t k = 0; k < kEffects; ++k)
-        if (document_.document().effects.has(EffectKind(k))) effects << effectTitle(EffectKind(k));
-    if (!effects.isEmpty()) say(QStringLiteral("spring"), int(Role::Muted), tr("Effects of this character: %1. What becomes of each is told here.").arg(effects.join(tr(", "))));
-    say(QStringLiteral("check"), int(Role::Muted), tr("What was written is read back and compared with the character."));
-}
-
-void ExportDialog::showAnswer() {
-    clearReport();
-    const auto& outcome = job_->answer();
-    if (!*outcome) {
-        reportTitle_->setText(tr("It could not be exported."));
-        say(QStringLiteral("error"), int(Role::Error), errorText(outcome->error()));
-        written_.clear();
-        return;
-    }
-    const Json& answer = **outcome;
-    const QLocale locale;
-    const auto number = [&](const char* key) { return locale.toString(answer.at(key).get<qlonglong>()); };
-    written_ = QString::fromStdString(answer.at("path").get<std::string>());
-    const int files = answer.at("files").get<int>();
-    reportTitle_->setText(files == 1 ? tr("Wrote %1, %2").arg(QFileInfo(written_).fileName(), bytesText(answer.at("bytes").get<double>()))
-                                     : tr("Wrote %n file(s) from %1 on, %2", nullptr, files).arg(QFileInfo(written_).fileName(), bytesText(answer.at("bytes").get<double>())));
-    const double off = answer.at("check").at("max_percent").get<double>() / 100.0;
-    const QString compared = tr("Read back and compared: largest deviation %1 of the diagonal").arg(shareText(off));
-    off <= kSame ? say(QStringLiteral("check"), int(Role::Good), compared) : say(QStringLiteral("info"), int(Role::Info), compared);
-    for (const Json& told : answer.at("effects")) {
-        const auto effect = effectNamed(told.at("effect").get<std::string>());
-        const QString title = effect ? effectTitle(*effect) : QString::fromStdString(told.at("effect").get<std::string>());
-        const std::string result = told.at("result").get<std::string>();
-        if (result == "exact") say(QStringLiteral("check"), int(Role::Good), tr("%1: exact").arg(title));
-        else if (result == "fitted") say(QStringLiteral("info"), int(Role::Info), tr("%1: fitted, off by %2 at most").arg(title, shareText(told.at("error").at("max_percent").get<double>() / 100.0)));
-        else say(QStringLiteral("warning"), int(Role::Warning), tr("%1: left out").arg(title));
-    }
-    if (answer.contains("skin")) say(QStringLiteral("info"), int(Role::Info), tr("The skin is fitted: off by %1 at most").arg(shareText(answer.at("skin").at("max_percent").get<double>() / 100.0)));
-    if (answer.contains("quantised"))
-        say(QStringLiteral("info"), int(Role::Info), tr("16 bits: off by %1 at most").arg(shareText(answer.at("quantised").at("max_percent").get<double>() / 100.0)));
-    if (answer.contains("dropped_targets"))
-        say(QStringLiteral("info"), int(Role::Info), tr("Targets left out: off by %1 at most").arg(shareText(answer.at("dropped_targets").at("max_percent").get<double>() / 100.0)));
-    for (const Json& warning : answer.at("warnings")) say(QStringLiteral("warning"), int(Role::Warning), warningText(warning));
-    QStringList facts{tr("%1 vertices").arg(number("vertices"))};
-    if (answer.at("targets").get<int>() > 0) facts << tr("%1 targets").arg(number("targets"));
-    facts << tr("%1 keys").arg(number("keys"));
-    say(QStringLiteral("info"), int(Role::Muted), facts.join(QStringLiteral(" · ")));
-    show_->show();
+void ExportDialog::showOutcome(bool completed) {
+    showProgress();
+    if (!completed) return report_->showCancelled();
+    const auto outcome = job_->answer();
+    if (!*outcome) return report_->showFailure(outcome->error());
+    report_->showAnswer(**outcome);
     checkPath();
 }
 

@@ -4,21 +4,23 @@
 #include <QDialog>
 #include <vector>
 
+#include "ui/models/commands.h"
 #include "ui/models/studio_document.h"
 
 class QButtonGroup;
 class QCheckBox;
 class QComboBox;
 class QLabel;
+class QLayout;
 class QLineEdit;
 class QProgressBar;
 class QPushButton;
-class QVBoxLayout;
 
 namespace imomushi {
 
-class ChoiceCard;
 class ExportJob;
+class ExportReportView;
+struct ExportPreset;
 
 /// Asks how the character goes out, writes it in the background with the command "export", and shows what was read back. The studio stays usable meanwhile.
 class ExportDialog : public QDialog {
@@ -36,6 +38,19 @@ public slots:
     void reject() override;
 
 private:
+    /// What of takes and pose goes out.
+    struct TakeChoice {
+        commands::Export::What what = commands::Export::What::Takes;
+        std::string take;
+        bool operator==(const TakeChoice&) const = default;
+    };
+    QLayout* makePresets();
+    QLayout* makeLayouts();
+    QLayout* makeOptions();
+    QLayout* makeFile();
+    QLayout* makeFoot();
+    /// What was chosen last; a file in `folder` where none was.
+    void recall(const QString& folder);
     void fillTakes();
     void fillFormats();
     void suitFormat();
@@ -46,10 +61,8 @@ private:
     void write();
     void remember() const;
     void showProgress();
-    void showAnswer();
-    void say(const QString& icon, int role, const QString& text);
-    void clearReport();
-    void describe();
+    void showOutcome(bool completed);
+    [[nodiscard]] const ExportPreset& chosenPreset() const;
     [[nodiscard]] QString suffix() const;
     [[nodiscard]] bool splitByItself() const;
     [[nodiscard]] std::string layoutName() const;
@@ -58,8 +71,8 @@ private:
     ExportJob* job_;
     QButtonGroup* presets_;
     QButtonGroup* layouts_;
-    std::vector<ChoiceCard*> presetCards_;
-    QComboBox* take_;  // data: keys of the command, as JSON
+    QComboBox* take_;
+    std::vector<TakeChoice> takeChoices_;  ///< of the rows of take_
     QComboBox* fps_;
     QComboBox* targets_;
     QComboBox* format_;
@@ -68,14 +81,11 @@ private:
     QCheckBox* normals_;
     QLineEdit* path_;
     QLabel* replaces_;
-    QVBoxLayout* report_;
-    QLabel* reportTitle_;
-    QPushButton* show_;
+    ExportReportView* report_;
     QProgressBar* progress_;
     QLabel* stage_;
     QPushButton* close_;
     QPushButton* write_;
-    QString written_;
 };
 
 }  // namespace imomushi

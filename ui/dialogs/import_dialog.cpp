@@ -17,6 +17,7 @@
 
 #include "ui/dialogs/mesh_preview.h"
 #include "ui/jobs/import_job.h"
+#include "ui/models/commands.h"
 #include "ui/models/texts.h"
 #include "ui/widgets/appearance.h"
 #include "ui/widgets/dialog_form.h"
@@ -206,11 +207,12 @@ void ImportDialog::showResult() {
 }
 
 Json ImportDialog::command() const {
-    Json command = {{"do", "import-element"}, {"path", path_.toStdString()}};
-    if (unit_->currentIndex() > 0) command["unit"] = kUnits[unit_->currentIndex()];
-    if (up_->currentIndex() > 0) command["up"] = kAxes[up_->currentIndex()];
-    if (split_->isChecked()) command["split"] = true;
-    return command;
+    commands::Import import;
+    import.path = path_.toStdString();
+    if (unit_->currentIndex() > 0) import.unit = kUnits[unit_->currentIndex()];
+    if (up_->currentIndex() > 0) import.up = kAxes[up_->currentIndex()];
+    import.split = split_->isChecked();
+    return commands::importElement(import);
 }
 
 const ImportRequest& ImportDialog::request() const { return job_->request(); }

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "core/reduction/congruence.h"
+#include "ui/models/commands.h"
 #include "ui/models/texts.h"
 
 namespace imomushi {
@@ -106,7 +107,7 @@ bool PrecomputeJob::start() {
 }
 
 void PrecomputeJob::keep(const Work& work, std::size_t count) {
-    Json elements = Json::array();
+    std::vector<std::string> elements;
     for (std::size_t i = 0; i < count; ++i) {
         const Item& item = work.items[i];
         if (!item.response) {
@@ -120,7 +121,7 @@ void PrecomputeJob::keep(const Work& work, std::size_t count) {
         if (found != parts.end() && responseKey(document_.session().responseInput(item.element)) == item.key) elements.push_back(found->second->name);
     }
     kept_ = int(elements.size());
-    if (!elements.empty()) document_.execute({{"do", "precompute"}, {"elements", elements}});
+    if (!elements.empty()) document_.execute(commands::precompute(elements));
 }
 
 QString PrecomputeJob::element() const {

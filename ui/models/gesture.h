@@ -28,4 +28,13 @@ private:
     StudioDocument* document_;
 };
 
+/// Several commands as one undo step. False: one failed, and none remains.
+inline bool executeTogether(StudioDocument& document, const std::vector<Json>& commands) {
+    Gesture gesture(document);
+    for (const Json& command : commands)
+        if (!document.execute(command)) return false;
+    gesture.commit();
+    return true;
+}
+
 }  // namespace imomushi

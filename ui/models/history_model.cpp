@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "ui/models/commands.h"
 #include "ui/models/texts.h"
 
 namespace imomushi {
@@ -49,8 +50,8 @@ QVariant HistoryModel::data(const QModelIndex& index, int role) const {
 
 void HistoryModel::goTo(int row) {
     const int by = row - document_.session().position();
-    if (by < 0) document_.execute({{"do", "undo"}, {"count", -by}});
-    if (by > 0) document_.execute({{"do", "redo"}, {"count", by}});
+    if (by < 0) document_.execute(commands::undo(-by));
+    if (by > 0) document_.execute(commands::redo(by));
 }
 
 }  // namespace imomushi

@@ -11,7 +11,9 @@
 #include <vector>
 
 #include "core/document/character_input.h"
+#include "ui/models/commands.h"
 #include "ui/models/gesture.h"
+#include "ui/models/paths.h"
 
 namespace imomushi {
 namespace {
@@ -247,7 +249,7 @@ bool OutlinerModel::setData(const QModelIndex& index, const QVariant& value, int
     if (n.kind == Kind::Face && element(n)) target = element(n)->name + "/" + n.face;
     if (n.kind == Kind::Bone && d.bones.contains(n.part)) target = d.bones.at(n.part)->name;
     if (target.empty() || name.empty() || name == data(index, Qt::EditRole).toString().toStdString()) return false;
-    return document_.execute({{"do", "rename"}, {"target", target}, {"name", name}}).has_value();
+    return document_.execute(commands::rename(target, name)).has_value();
 }
 
 Qt::ItemFlags OutlinerModel::flags(const QModelIndex& index) const {
@@ -281,7 +283,7 @@ std::vector<Json> OutlinerModel::dropped(const QMimeData& data, const QModelInde
     if (process != QCoreApplication::applicationPid() || !index.isValid()) return {};
     const Node& onto = *node(index);
     const Document& d = document_.document();
-    std::vector<Json> commands;
+    std::vector<Json> found;
     while (!in.atEnd()) {
         qint32 kind = 0;
         qint64 part = 0;
@@ -292,21 +294,20 @@ std::vector<Json> OutlinerModel::dropped(const QMimeData& data, const QModelInde
             const auto bone = d.bones.find(PartId(part)), parent = d.bones.find(onto.part);
             if (bone == d.bones.end() || parent == d.bones.end() || bone == parent) return {};
             if (indexOf({SelectionItem::Kind::Bone, bone->first, {}, false}).parent() == index.siblingAtColumn(Name)) return {};  // it hangs there already
-            Json command = {{"do", "edit-bone"}, {"name", bone->second->name}, {"parent", parent->second->name}};
             bool touches = false;
             for (const bool mine : {false, true})
                 for (const bool its : {false, true}) touches = touches || document_.session().pointIndex({bone->first, mine}) == document_.session().pointIndex({parent->first, its});
-            if (!touches) command["from"] = parent->second->name + "/end";
-            commands.push_back(std::move(command));
+            const std::string end = pathOf(d, EndpointRef{parent->first, true});
+            found.push_back(commands::setBoneParent(bone->second->name, parent->second->name, touches ? std::nullopt : std::optional(end)));
         } else if (onto.kind == Kind::Face) {
             const auto from = d.elements.find(PartId(part)), to = d.elements.find(onto.part);
             if (from == d.elements.end() || to == d.elements.end() || from == to) return {};
-            commands.push_back({{"do", "join"}, {"a", from->second->name + "/" + face.toStdString()}, {"b", to->second->name + "/" + onto.face}});
+            found.push_back(commands::join(pathOf(d, FaceRef{from->first, face.toStdString()}), pathOf(d, FaceRef{to->first, onto.face})));
         } else {
             return {};
         }
     }
-    return commands;
+    return found;
 }
 
 bool OutlinerModel::canDropMimeData(const QMimeData* data, Qt::DropAction, int, int, const QModelIndex& parent) const {
@@ -315,13 +316,8 @@ bool OutlinerModel::canDropMimeData(const QMimeData* data, Qt::DropAction, int, 
 
 bool OutlinerModel::dropMimeData(const QMimeData* data, Qt::DropAction, int, int, const QModelIndex& parent) {
     if (!data || !data->hasFormat(kDragged)) return false;
-    const std::vector<Json> commands = dropped(*data, parent);
-    if (commands.empty()) return false;
-    Gesture gesture(document_);
-    for (const Json& command : commands)
-        if (!document_.execute(command)) return false;
-    gesture.commit();
-    return true;
+    const std::vector<Json> wanted = dropped(*data, parent);
+    return !wanted.empty() && executeTogether(document_, wanted);
 }
 
 void OutlinerModel::toggle(const QModelIndex& index) {
@@ -329,8 +325,8 @@ void OutlinerModel::toggle(const QModelIndex& index) {
     if (n.kind != Kind::Element) return;
     const auto e = element(n);
     if (!e) return;
-    if (index.column() == Visible) document_.execute({{"do", "set"}, {"target", e->name}, {"property", "visible"}, {"value", !e->visible}});
-    if (index.column() == Locked) document_.execute({{"do", "set"}, {"target", e->name}, {"property", "locked"}, {"value", !e->locked}});
+    if (index.column() == Visible) document_.execute(commands::set(e->name, commands::element::kVisible, !e->visible));
+    if (index.column() == Locked) document_.execute(commands::set(e->name, commands::element::kLocked, !e->locked));
 }
 
 }  // namespace imomushi

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ui/models/commands.h"
+
 namespace imomushi {
 namespace {
 
@@ -89,7 +91,7 @@ bool TakeDeck::play(double time) {
     if (!chosen || recording_) return false;
     time_ = std::clamp(time, 0.0, chosen->duration());
     acting_ = true;
-    const auto answer = document_.execute({{"do", "play"}, {"take", chosen->name}, {"time", time_}});
+    const auto answer = document_.execute(commands::play(chosen->name, time_));
     acting_ = false;
     shown_ = document_.session().showsTake();
     if (answer) exact_ = answer->at("exact").get<bool>();
@@ -131,7 +133,7 @@ void TakeDeck::trim() {
     if (!chosen || !marked() || recording_) return;
     const double time = std::clamp(time_, from_, to_) - from_;
     acting_ = true;
-    const bool trimmed = document_.execute({{"do", "trim-take"}, {"take", chosen->name}, {"from", from_}, {"to", to_}}).has_value();
+    const bool trimmed = document_.execute(commands::trimTake(chosen->name, from_, to_)).has_value();
     acting_ = false;
     if (!trimmed) return;
     forgetSpan();
@@ -147,7 +149,7 @@ void TakeDeck::duplicate() {
     QString copy = tr("%1 copy", "name of a take").arg(name);
     for (int n = 2; document_.document().takeNamed(copy.toStdString()); ++n) copy = tr("%1 copy %2", "name of a take").arg(name, QString::number(n));
     const double time = time_;
-    if (!document_.execute({{"do", "duplicate-take"}, {"take", chosen->name}, {"name", copy.toStdString()}})) return;
+    if (!document_.execute(commands::duplicateTake(chosen->name, copy.toStdString()))) return;
     take_ = document_.document().takeNamed(copy.toStdString())->id;
     time_ = time;
     Q_EMIT changed();
@@ -155,7 +157,7 @@ void TakeDeck::duplicate() {
 
 void TakeDeck::remove() {
     const Take* chosen = take();
-    if (chosen && !recording_) document_.execute({{"do", "remove-take"}, {"take", chosen->name}});
+    if (chosen && !recording_) document_.execute(commands::removeTake(chosen->name));
 }
 
 void TakeDeck::leave() {
@@ -213,7 +215,7 @@ void TakeDeck::beginRecording() {
     QString name;
     for (int n = int(document_.document().takes.size()) + 1; name.isEmpty() || document_.document().takeNamed(name.toStdString()); ++n) name = tr("Take %1").arg(n);
     acting_ = true;
-    const auto started = document_.execute({{"do", "record"}, {"take", name.toStdString()}, {"action", "start"}});
+    const auto started = document_.execute(commands::startRecording(name.toStdString()));
     acting_ = false;
     shown_ = document_.session().showsTake();
     recording_ = started.has_value();
@@ -232,7 +234,7 @@ void TakeDeck::stopRecording() {
     }
     recording_ = false;
     acting_ = true;
-    const auto answer = document_.execute({{"do", "record"}, {"take", recording->take}, {"action", "stop"}});
+    const auto answer = document_.execute(commands::stopRecording(recording->take));
     acting_ = false;
     if (const Take* made = answer ? document_.document().takeNamed(recording->take) : nullptr) {
         take_ = made->id;

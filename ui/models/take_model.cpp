@@ -4,6 +4,7 @@
 #include <QLocale>
 #include <algorithm>
 
+#include "ui/models/commands.h"
 #include "ui/models/texts.h"
 
 namespace imomushi {
@@ -60,7 +61,7 @@ bool TakeModel::setData(const QModelIndex& index, const QVariant& value, int rol
     if (!index.isValid() || role != Qt::EditRole || name.isEmpty()) return false;
     const std::string was = takes_[std::size_t(index.row())]->name;
     if (name.toStdString() == was) return true;
-    return document_.execute({{"do", "rename-take"}, {"take", was}, {"name", name.toStdString()}}).has_value();
+    return document_.execute(commands::renameTake(was, name.toStdString())).has_value();
 }
 
 Qt::ItemFlags TakeModel::flags(const QModelIndex& index) const { return QAbstractListModel::flags(index) | Qt::ItemIsEditable | Qt::ItemNeverHasChildren; }

@@ -12,9 +12,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ui/models/commands.h"
 #include "ui/models/effect_texts.h"
 #include "ui/models/texts.h"
 #include "ui/widgets/appearance.h"
+#include "ui/widgets/figure_label.h"
 #include "ui/widgets/switch.h"
 
 namespace imomushi {
@@ -112,8 +114,7 @@ void EffectsPanel::rebuild() {
     auto* old = takeWidget();
     if (old) old->deleteLater();
     auto* body = new QWidget;
-    body->setObjectName(QStringLiteral("panel"));
-    body->setAttribute(Qt::WA_StyledBackground);
+    usePanelBackground(body);
     setAccessibleName(tr("Effects"));
     auto* all = new QVBoxLayout(body);
     all->setContentsMargins(px(14), px(12), px(12), px(14));
@@ -182,7 +183,7 @@ void EffectsPanel::rebuild() {
 }
 
 void EffectsPanel::turn(EffectKind effect, bool on) {
-    document_.execute({{"do", on ? "enable" : "disable"}, {"effect", std::string(effectName(effect))}});
+    document_.execute(commands::setEnabled(effect, on));
     refresh();
 }
 
@@ -279,16 +280,13 @@ void EffectsPanel::addNumber(Row& r, QGridLayout& grid, EffectKind effect, const
     grid.addWidget(label, line, 0);
     grid.addWidget(field, line, 1);
 
-    const std::string name(effectName(effect)), key(property.name);
     const auto at = std::size_t(Effects::place(effect, property.name));
     connect(field, &NumberField::editStarted, this, [this] { gesture_ = std::make_unique<Gesture>(document_); });
-    connect(field, &NumberField::valueEdited, this, [this, effect, name, key, at, part, size = property.size](double value) {
-        Json json = value;
-        if (size > 1) {
-            json = Json::array();
-            for (int i = 0; i < size; ++i) json.push_back(i == part ? value : document_.document().effects[effect].values[at + std::size_t(i)]);
-        }
-        document_.execute({{"do", "set"}, {"target", name}, {"property", key}, {"value", json}});
+    connect(field, &NumberField::valueEdited, this, [this, effect, &property, at, part](double value) {
+        const auto& present = document_.document().effects[effect].values;
+        std::vector<double> values(present.begin() + std::ptrdiff_t(at), present.begin() + std::ptrdiff_t(at) + property.size);
+        values[std::size_t(part)] = value;
+        document_.execute(commands::set(effect, property, values));
     });
     connect(field, &NumberField::editEnded, this, [this](bool keep) {
         if (keep && gesture_) gesture_->commit();
@@ -316,8 +314,7 @@ void EffectsPanel::addElements(Row& r, QGridLayout& grid, EffectKind effect) {
     connect(menu, &QMenu::aboutToShow, this, [this, menu, effect] {
         menu->clear();
         const Document& d = document_.document();
-        const std::string name(effectName(effect));
-        QAction* everywhere = menu->addAction(tr("All elements"), this, [this, name] { document_.execute({{"do", "enable"}, {"effect", name}}); });
+        QAction* everywhere = menu->addAction(tr("All elements"), this, [this, effect] { document_.execute(commands::enable(effect)); });
         everywhere->setCheckable(true);
         everywhere->setChecked(d.effects[effect].elements.empty());
         menu->addSeparator();
@@ -325,8 +322,8 @@ void EffectsPanel::addElements(Row& r, QGridLayout& grid, EffectKind effect) {
             const bool has = d.effects.has(effect, id);
             QString text = QString::fromStdString(element->name);
             text.replace(u'&', QStringLiteral("&&"));
-            QAction* action = menu->addAction(text, this, [this, name, has, target = element->name] {
-                document_.execute({{"do", has ? "disable" : "enable"}, {"effect", name}, {"target", target}});
+            QAction* action = menu->addAction(text, this, [this, effect, has, target = element->name] {
+                document_.execute(commands::setEnabled(effect, !has, target));
             });
             action->setCheckable(true);
             action->setChecked(has);

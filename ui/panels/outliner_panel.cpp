@@ -14,10 +14,20 @@
 #include "ui/widgets/line_delegate.h"
 
 namespace imomushi {
+namespace {
+
+/// States that ask for something stand out, those that every row has step back.
+LineDelegate::IconStyle styleByState(const QModelIndex& row) {
+    const QString icon = row.data(OutlinerModel::IconRole).toString();
+    if (icon == u"stale") return {Appearance::Role::Warning};
+    if (icon == u"none" || icon == u"eye-off" || icon == u"lock") return {Appearance::Role::Text};
+    return {Appearance::Role::Muted, icon == u"unlock" || icon == u"eye" ? 0.55 : 1.0};
+}
+
+}  // namespace
 
 OutlinerPanel::OutlinerPanel(StudioDocument& document, QWidget* parent) : QWidget(parent), document_(document) {
-    setObjectName(QStringLiteral("panel"));
-    setAttribute(Qt::WA_StyledBackground);
+    usePanelBackground(this);
     model_ = new OutlinerModel(document, this);
     filter_ = new QSortFilterProxyModel(this);
     filter_->setSourceModel(model_);
@@ -36,7 +46,7 @@ OutlinerPanel::OutlinerPanel(StudioDocument& document, QWidget* parent) : QWidge
     tree_->setExpandsOnDoubleClick(false);
     tree_->setUniformRowHeights(true);
     tree_->setContextMenuPolicy(Qt::CustomContextMenu);
-    tree_->setItemDelegate(new LineDelegate({OutlinerModel::IconRole, OutlinerModel::NoteRole, -1, false}, tree_));
+    tree_->setItemDelegate(new LineDelegate({OutlinerModel::IconRole, OutlinerModel::NoteRole}, styleByState, tree_));
     tree_->setMouseTracking(true);
     tree_->setDragDropMode(QAbstractItemView::DragDrop);
     tree_->setDefaultDropAction(Qt::LinkAction);

@@ -22,8 +22,7 @@ namespace imomushi {
 
 TakesPanel::TakesPanel(StudioDocument& document, TakeDeck& deck, ActionSet& actions, QWidget* parent)
     : QWidget(parent), document_(document), deck_(deck), actions_(actions) {
-    setObjectName(QStringLiteral("panel"));
-    setAttribute(Qt::WA_StyledBackground);
+    usePanelBackground(this);
     model_ = new TakeModel(document, this);
     record_ = new QPushButton(this);
     record_->setObjectName(QStringLiteral("recordButton"));
@@ -41,7 +40,7 @@ TakesPanel::TakesPanel(StudioDocument& document, TakeDeck& deck, ActionSet& acti
 
     list_ = new QListView(this);
     list_->setModel(model_);
-    list_->setItemDelegate(new LineDelegate({TakeModel::IconRole, TakeModel::NoteRole, -1, false}, list_));
+    list_->setItemDelegate(new LineDelegate({TakeModel::IconRole, TakeModel::NoteRole}, {}, list_));
     list_->setEditTriggers(QAbstractItemView::DoubleClicked | QAbstractItemView::EditKeyPressed);
     list_->setUniformItemSizes(true);
     list_->setMouseTracking(true);

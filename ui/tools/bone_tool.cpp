@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "ui/models/commands.h"
+#include "ui/models/paths.h"
 #include "ui/scene/document_scene.h"
 #include "ui/tools/tool_texts.h"
 
@@ -175,27 +177,24 @@ void BoneTool::addBone(const Spot& from, const Spot& to) {
         taken = has;
     }
     // Of joined faces the one of that element is named.
-    const auto path = [&](const Spot& spot) -> Json {
+    const auto path = [&](const Spot& spot) -> std::variant<std::string, Vec3> {
         if (const auto* end = std::get_if<EndpointRef>(&spot.place)) return pathOf(d, *end);
-        if (const auto* point = std::get_if<Vec3>(&spot.place)) return jsonOf(*point);
+        if (const auto* point = std::get_if<Vec3>(&spot.place)) return *point;
         FaceRef face = std::get<FaceRef>(spot.place);
         if (const Joint* joint = element ? d.jointOf(face) : nullptr)
             for (const FaceRef& other : joint->faces)
                 if (other.element == element) face = other;
         return pathOf(d, face);
     };
-    const std::string name = freeBoneName(d);
-    Json command = {{"do", "add-bone"}, {"name", name}};
-    if (element) command["element"] = d.elements.at(element)->name;
-    command["from"] = path(from);
-    command["to"] = path(to);
+    commands::NewBone wanted{freeBoneName(d), {}, path(from), path(to), {}};
+    if (element) wanted.element = d.elements.at(element)->name;
     if (const auto* end = std::get_if<EndpointRef>(&from.place)) {
         const auto bone = d.bones.find(end->bone);
         const auto parent = end->atEnd || bone == d.bones.end() ? bone : d.bones.find(bone->second->parent);
-        if (parent != d.bones.end()) command["parent"] = parent->second->name;
+        if (parent != d.bones.end()) wanted.parent = parent->second->name;
     }
-    if (!document_.execute(command)) return;
-    const Bone* bone = d.boneNamed(name);
+    if (!document_.execute(commands::addBone(wanted))) return;
+    const Bone* bone = d.boneNamed(wanted.name);
     if (!bone) return;
     document_.select({SelectionItem{SelectionItem::Kind::Bone, bone->id, {}, false}});
     start_ = spotAt(EndpointRef{bone->id, true});

@@ -8,7 +8,9 @@
 
 #include "core/mesh/bounds.h"
 #include "core/mesh/topology.h"
+#include "ui/models/commands.h"
 #include "ui/models/gesture.h"
+#include "ui/models/paths.h"
 #include "ui/models/texts.h"
 #include "ui/tools/tool_texts.h"
 
@@ -61,10 +63,6 @@ const JointFace* faceInTheWay(const Element& element, const JointFace& face) {
     return nullptr;
 }
 
-Json facesCommand(const Element& element, const std::string& name, const JointFace& face) {
-    return {{"do", "add-joint-face"}, {"element", element.name}, {"name", name}, {"vertices", face.vertices}};
-}
-
 }  // namespace
 
 bool facesMeet(const JointFace& a, const JointFace& b) {
@@ -101,10 +99,10 @@ int joinNeighbours(StudioDocument& document, const FaceRef& ref) {
             const auto region = meetingRegion(element->mesh->body, face);
             if (!region || faceInTheWay(*element, *region)) continue;
             const std::string name = freeFaceName(*element);
-            if (!document.execute(facesCommand(*element, name, *region))) continue;
+            if (!document.execute(commands::addJointFace(element->name, name, region->vertices))) continue;
             partner = FaceRef{id, name};
         }
-        const auto answer = document.execute({{"do", "join"}, {"a", pathOf(d, ref)}, {"b", pathOf(d, partner)}}, true);
+        const auto answer = document.execute(commands::join(pathOf(d, ref), pathOf(d, partner)), true);
         if (answer)
             ++count;
         else
@@ -321,13 +319,7 @@ void FaceTool::create() {
         return;
     }
     const std::string name = freeFaceName(*of);
-    Json command = facesCommand(*of, name, *face_);
-    if (plane_)
-        command = {{"do", "add-joint-face"},
-                   {"element", of->name},
-                   {"name", name},
-                   {"plane", {{"origin", jsonOf(plane_->origin)}, {"normal", jsonOf(plane_->normal)}}},
-                   {"tolerance", tolerance(*of)}};
+    const Json command = plane_ ? commands::addJointFace(of->name, name, plane_->origin, plane_->normal, tolerance(*of)) : commands::addJointFace(of->name, name, face_->vertices);
     const PartId id = element_;
     Gesture gesture(document_);
     if (!document_.execute(command)) return;

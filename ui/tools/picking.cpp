@@ -237,18 +237,6 @@ std::vector<SelectionItem> itemsWithin(Session& session, const PointerEvent& vie
     return items;
 }
 
-std::string pathOf(const Document& document, const EndpointRef& end) {
-    const auto bone = document.bones.find(end.bone);
-    return bone == document.bones.end() ? std::string() : bone->second->name + (end.atEnd ? "/end" : "/start");
-}
-
-std::string pathOf(const Document& document, const FaceRef& face) {
-    const auto element = document.elements.find(face.element);
-    return element == document.elements.end() ? std::string() : element->second->name + "/" + face.face;
-}
-
-Json jsonOf(const Vec3& v) { return Json::array({v.x(), v.y(), v.z()}); }
-
 std::uint64_t sceneIdOf(const Document& document, const SelectionItem& item) {
     ScenePart part;
     part.part = item.part;

@@ -57,9 +57,6 @@ std::optional<SelectionItem> pickItem(Session& session, const PointerEvent& e);
 std::vector<SelectionItem> itemsWithin(Session& session, const PointerEvent& view, const QRectF& box);
 
 /// Names as commands take them: "bone/end", "element/face".
-std::string pathOf(const Document& document, const EndpointRef& end);
-std::string pathOf(const Document& document, const FaceRef& face);
-Json jsonOf(const Vec3& v);
 
 /// The id of a selected part in every scene; 0: it is not there any more.
 std::uint64_t sceneIdOf(const Document& document, const SelectionItem& item);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "ui/models/commands.h"
+#include "ui/models/paths.h"
 #include "ui/tools/picking.h"
 #include "ui/tools/select_tool.h"
 #include "ui/tools/tool_texts.h"
@@ -117,9 +119,7 @@ void PoseTool::issue(const PointerEvent& e) {
             if (drag.axis < 0 || drag.axis == k) to[k] = grid * std::round(to[k] / grid);
     }
     if (!to.allFinite()) return;
-    Json command = {{"do", "drag"}, {"endpoint", pathOf(document_.document(), drag.end)}, {"to", jsonOf(to)}};
-    if (drag.roll) command["roll"] = *drag.roll;
-    if (!document_.execute(command)) cancel();
+    if (!document_.execute(commands::drag(pathOf(document_.document(), drag.end), to, drag.roll))) cancel();
 }
 
 void PoseTool::release(const PointerEvent& e) {
@@ -133,7 +133,7 @@ void PoseTool::release(const PointerEvent& e) {
 void PoseTool::doubleClick(const PointerEvent& e) {
     const auto end = endpointUnder(e);
     if (!end || !document_.document().held.contains(*end)) return;
-    document_.execute({{"do", "release"}, {"endpoint", pathOf(document_.document(), *end)}});
+    document_.execute(commands::release(pathOf(document_.document(), *end)));
 }
 
 bool PoseTool::wheel(double notches, const PointerEvent& e) {
@@ -190,9 +190,8 @@ void PoseTool::keyReleased(int key) {
 }
 
 void PoseTool::toggle(const EndpointRef& end) {
-    const auto held = document_.document().held.find(end);
-    const bool pinned = held != document_.document().held.end() && held->second.pinned;
-    document_.execute({{"do", pinned ? "unpin" : "pin"}, {"endpoint", pathOf(document_.document(), end)}});
+    const Document& d = document_.document();
+    document_.execute(commands::setPinned(pathOf(d, end), !isPinned(d, end)));
 }
 
 void PoseTool::cancel() {

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 
+#include "ui/models/commands.h"
 #include "ui/models/gesture.h"
+#include "ui/models/paths.h"
 #include "ui/tools/picking.h"
 #include "ui/tools/tool_texts.h"
 
@@ -41,15 +43,15 @@ bool removeSelection(StudioDocument& document) {
         if (item.kind == SelectionItem::Kind::Bone) {
             const auto bone = d.bones.find(item.part);
             if (bone == d.bones.end()) continue;
-            command = {{"do", "remove-bone"}, {"name", bone->second->name}};
+            command = commands::removeBone(bone->second->name);
         } else {
             const auto element = d.elements.find(item.part);
             if (element == d.elements.end()) continue;
             if (item.kind == SelectionItem::Kind::Face) {
                 if (element->second->faceIndex(item.face) < 0) continue;
-                command = {{"do", "remove-joint-face"}, {"face", pathOf(d, FaceRef{item.part, item.face})}};
+                command = commands::removeJointFace(pathOf(d, FaceRef{item.part, item.face}));
             } else {
-                command = {{"do", "remove-element"}, {"name", element->second->name}};
+                command = commands::removeElement(element->second->name);
             }
         }
         if (!document.execute(command)) return false;

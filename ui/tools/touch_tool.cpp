@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ui/models/commands.h"
 #include "ui/models/texts.h"
 #include "ui/tools/tool_texts.h"
 
@@ -31,14 +32,13 @@ bool TouchTool::offer(PartId element) {
     const Document& d = document_.document();
     const bool on = element ? d.effects.has(EffectKind::Touch, element) : d.effects.has(EffectKind::Touch);
     if (!on) {
-        Json command = {{"do", "enable"}, {"effect", "touch"}};
+        std::optional<std::string> target;
         QString text = ToolTexts::tr("Fingers need the effect “Touch”.");
         if (d.effects.has(EffectKind::Touch)) {
-            const std::string& name = d.elements.at(element)->name;
-            command["target"] = name;
-            text = ToolTexts::tr("The effect “Touch” is off on “%1”.").arg(QString::fromStdString(name));
+            target = d.elements.at(element)->name;
+            text = ToolTexts::tr("The effect “Touch” is off on “%1”.").arg(QString::fromStdString(*target));
         }
-        Q_EMIT document_.offered(text, ToolTexts::tr("Turn on"), command);
+        Q_EMIT document_.offered(text, ToolTexts::tr("Turn on"), commands::enable(EffectKind::Touch, target));
         return true;
     }
     const auto waits = [&](PartId id) {
@@ -46,7 +46,7 @@ bool TouchTool::offer(PartId element) {
                document_.session().responseState(id) != Session::ResponseState::Fresh;
     };
     const bool waiting = element ? waits(element) : std::any_of(d.elements.begin(), d.elements.end(), [&](const auto& e) { return waits(e.first); });
-    if (waiting) Q_EMIT document_.offered(ToolTexts::tr("Fingers need a precompute first, about %1.").arg(durationText(document_.session().effectCost(EffectKind::Touch).seconds)), ToolTexts::tr("Precompute"), {{"do", "precompute"}});
+    if (waiting) Q_EMIT document_.offered(ToolTexts::tr("Fingers need a precompute first, about %1.").arg(durationText(document_.session().effectCost(EffectKind::Touch).seconds)), ToolTexts::tr("Precompute"), commands::precompute());
     return waiting;
 }
 
@@ -72,7 +72,7 @@ void TouchTool::press(const PointerEvent& e) {
 bool TouchTool::issue() {
     const auto element = document_.document().elements.find(finger_->element);
     if (element != document_.document().elements.end() && finger_->tip().allFinite() &&
-        document_.execute({{"do", "touch"}, {"element", element->second->name}, {"point", jsonOf(finger_->rest)}, {"to", jsonOf(finger_->tip())}}))
+        document_.execute(commands::touch(element->second->name, finger_->rest, finger_->tip())))
         return true;
     cancel();
     return false;
@@ -108,7 +108,7 @@ void TouchTool::release(const PointerEvent& e) {
     if (!finger_ || e.button != Qt::LeftButton) return;
     const auto element = document_.document().elements.find(finger_->element);
     if (element != document_.document().elements.end())
-        document_.execute({{"do", "touch"}, {"element", element->second->name}, {"point", jsonOf(finger_->rest)}, {"to", nullptr}});
+        document_.execute(commands::touch(element->second->name, finger_->rest, std::nullopt));
     finger_->gesture->commit();
     finger_.reset();
 }

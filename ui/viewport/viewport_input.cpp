@@ -9,6 +9,8 @@
 #include <QWheelEvent>
 #include <numbers>
 
+#include "ui/models/commands.h"
+#include "ui/models/paths.h"
 #include "ui/tools/picking.h"
 #include "ui/tools/select_tool.h"
 #include "ui/viewport/viewport_widget.h"
@@ -169,8 +171,8 @@ void ViewportWidget::contextMenuEvent(QContextMenuEvent* e) {
         const auto held = document_.document().held.find(end);
         const bool isHeld = held != document_.document().held.end(), pinned = isHeld && held->second.pinned;
         menu.addAction(pinned ? tr("Unpin") : tr("Pin"), this,
-                       [=, this] { document_.execute({{"do", pinned ? "unpin" : "pin"}, {"endpoint", path}}); });
-        if (isHeld) menu.addAction(tr("Let go"), this, [=, this] { document_.execute({{"do", "release"}, {"endpoint", path}}); });
+                       [=, this] { document_.execute(commands::setPinned(path, !pinned)); });
+        if (isHeld) menu.addAction(tr("Let go"), this, [=, this] { document_.execute(commands::release(path)); });
     }
     menu.addAction(tr("Frame selection"), this, [this] { frameSelection(); })->setEnabled(!selection.empty());
     menu.addAction(tr("Frame all"), this, [this] { frameAll(); });

@@ -6,6 +6,7 @@
 #include <QPainter>
 #include <cmath>
 
+#include "ui/models/texts.h"
 #include "ui/tools/picking.h"
 #include "ui/viewport/view_overlay.h"
 

@@ -15,6 +15,7 @@
 #include <QStyleFactory>
 #include <QSvgRenderer>
 #include <QTemporaryDir>
+#include <QWidget>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -380,5 +381,10 @@ void Appearance::apply() {
 }
 
 QIcon themedIcon(const QString& name, Appearance::Role role) { return QIcon(new LineIconEngine(name, role)); }
+
+void usePanelBackground(QWidget* widget) {
+    widget->setObjectName(QStringLiteral("panel"));  // as the style sheet calls it
+    widget->setAttribute(Qt::WA_StyledBackground);
+}
 
 }  // namespace imomushi

@@ -8,6 +8,7 @@
 #include <memory>
 
 class QTemporaryDir;
+class QWidget;
 
 namespace imomushi {
 
@@ -60,6 +61,8 @@ private:
 /// A line icon of assets/icons in the colours of the theme; follows the theme by itself.
 QIcon themedIcon(const QString& name, Appearance::Role role = Appearance::Role::Text);
 inline QColor themeColor(Appearance::Role role) { return Appearance::instance().color(role); }
+/// The background of panels.
+void usePanelBackground(QWidget* widget);
 inline int px(double designPixels) { return Appearance::instance().px(designPixels); }
 
 }  // namespace imomushi

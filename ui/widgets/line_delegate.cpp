@@ -4,9 +4,6 @@
 #include <QApplication>
 #include <QPainter>
 
-#include "core/mesh/health.h"
-#include "ui/widgets/appearance.h"
-
 namespace imomushi {
 namespace {
 constexpr int kIcon = 17, kGap = 7;
@@ -32,13 +29,7 @@ void LineDelegate::paint(QPainter* painter, const QStyleOptionViewItem& option, 
     const QString text = index.data(Qt::DisplayRole).toString();
     const bool enabled = option.state & QStyle::State_Enabled;
     if (!icon.isEmpty()) {
-        Appearance::Role role = Appearance::Role::Muted;
-        if (roles_.severity >= 0) {
-            const auto severity = Severity(index.data(roles_.severity).toInt());
-            role = severity == Severity::Error ? Appearance::Role::Error : severity == Severity::Warning ? Appearance::Role::Warning : Appearance::Role::Info;
-        } else if (icon == u"stale" || icon == u"none" || icon == u"eye-off" || icon == u"lock") {
-            role = icon == u"stale" ? Appearance::Role::Warning : Appearance::Role::Text;
-        }
+        const IconStyle style = styles_ ? styles_(index) : IconStyle();
         QRect place(0, 0, px(kIcon), px(kIcon));
         if (text.isEmpty()) {
             place.moveCenter(rect.center());
@@ -46,8 +37,8 @@ void LineDelegate::paint(QPainter* painter, const QStyleOptionViewItem& option, 
             place.moveTop(roles_.noteBelow ? rect.top() + px(8) : rect.center().y() - place.height() / 2);
             place.moveLeft(rect.left() + px(3));
         }
-        painter->setOpacity(icon == u"unlock" || icon == u"eye" ? 0.55 : 1.0);
-        themedIcon(icon, role).paint(painter, place);
+        painter->setOpacity(style.opacity);
+        themedIcon(icon, style.color).paint(painter, place);
         painter->setOpacity(1.0);
         rect.setLeft(place.right() + px(kGap));
     } else {

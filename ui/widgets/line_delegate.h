@@ -2,20 +2,28 @@
 #pragma once
 
 #include <QStyledItemDelegate>
+#include <functional>
+
+#include "ui/widgets/appearance.h"
 
 namespace imomushi {
 
-/// Draws rows of outliner, history and issues: a line icon, the text, and a muted note behind or below it.
+/// Draws the rows of a list or tree: a line icon, the text, and a muted note behind or below it.
 class LineDelegate : public QStyledItemDelegate {
     Q_OBJECT
 public:
     struct Roles {
-        int icon = -1;      ///< QString, name of a line icon
-        int note = -1;      ///< QString
-        int severity = -1;  ///< int of Severity: colours the icon
+        int icon = -1;  ///< QString, name of a line icon
+        int note = -1;  ///< QString
         bool noteBelow = false;
     };
-    explicit LineDelegate(Roles roles, QObject* parent = nullptr) : QStyledItemDelegate(parent), roles_(roles) {}
+    struct IconStyle {
+        Appearance::Role color = Appearance::Role::Muted;
+        double opacity = 1.0;
+    };
+    using IconStyles = std::function<IconStyle(const QModelIndex&)>;
+    /// `styles`: of the icon of each row; empty: muted ones.
+    explicit LineDelegate(Roles roles, IconStyles styles = {}, QObject* parent = nullptr) : QStyledItemDelegate(parent), roles_(roles), styles_(std::move(styles)) {}
 
     void paint(QPainter* painter, const QStyleOptionViewItem& option, const QModelIndex& index) const override;
     [[nodiscard]] QSize sizeHint(const QStyleOptionViewItem& option, const QModelIndex& index) const override;
@@ -23,6 +31,7 @@ public:
 
 private:
     Roles roles_;
+    IconStyles styles_;
 };
 
 }  // namespace imomushi

@@ -13,6 +13,7 @@
 
 #include "ui/dialogs/import_dialog.h"
 #include "ui/dialogs/recovery_dialog.h"
+#include "ui/models/commands.h"
 #include "ui/models/texts.h"
 
 namespace imomushi {
@@ -77,7 +78,7 @@ bool FileFlow::offerRecovery() {
     RecoveryDialog dialog(found, window_);
     if (dialog.exec() != QDialog::Accepted) return false;
     const Autosave::Found chosen = found.at(dialog.chosen());
-    if (!document_.execute({{"do", "open"}, {"path", chosen.file.toStdString()}, {"as", chosen.original.toStdString()}})) return false;
+    if (!document_.execute(commands::openAs(chosen.file.toStdString(), chosen.original.toStdString()))) return false;
     // The old copy goes when there is a new one.
     connect(&autosave_, &BackgroundJob::finished, this, [this, chosen] { if (autosave_.kept()) Autosave::discard(chosen); }, Qt::SingleShotConnection);
     autosave_.saveSoon();
@@ -87,7 +88,7 @@ bool FileFlow::offerRecovery() {
 
 void FileFlow::newProject() {
     if (!mayDiscard()) return;
-    if (document_.execute({{"do", "new"}})) Q_EMIT opened();
+    if (document_.execute(commands::newProject())) Q_EMIT opened();
 }
 
 void FileFlow::askOpen() {
@@ -98,7 +99,7 @@ void FileFlow::askOpen() {
 void FileFlow::open(const QString& path) {
     if (!mayDiscard()) return;
     QGuiApplication::setOverrideCursor(Qt::WaitCursor);
-    const auto answer = document_.execute({{"do", "open"}, {"path", path.toStdString()}});
+    const auto answer = document_.execute(commands::open(path.toStdString()));
     QGuiApplication::restoreOverrideCursor();
     if (!answer) return;
     if (!isSample(path)) QSettings().setValue(QStringLiteral("files/folder"), QFileInfo(path).absolutePath());
@@ -107,7 +108,7 @@ void FileFlow::open(const QString& path) {
 }
 
 bool FileFlow::saveTo(const QString& path) {
-    const auto answer = document_.execute({{"do", "save"}, {"path", path.toStdString()}});
+    const auto answer = document_.execute(commands::save(path.toStdString()));
     if (!answer) return false;
     recent_.add(path);
     Q_EMIT saved(path);
@@ -136,23 +137,23 @@ void FileFlow::saveCopy() {
     QString path = QFileDialog::getSaveFileName(window_, tr("Save a copy"), QDir(folder()).filePath(tr("%1 copy").arg(name) + u'.' + kSuffix), tr("Imomushi projects (*.imomushi)"));
     if (path.isEmpty()) return;
     path = withSuffix(path, kSuffix);
-    if (document_.execute({{"do", "save"}, {"path", path.toStdString()}, {"copy", true}})) Q_EMIT said(tr("Saved a copy as “%1”").arg(QFileInfo(path).fileName()));
+    if (document_.execute(commands::saveCopy(path.toStdString()))) Q_EMIT said(tr("Saved a copy as “%1”").arg(QFileInfo(path).fileName()));
 }
 
 void FileFlow::saveScript() {
     const QString path = QFileDialog::getSaveFileName(window_, tr("Save this session as a script"), QDir(folder()).filePath(QStringLiteral("script.jsonl")), tr("Scripts (*.jsonl)"));
     if (path.isEmpty()) return;
-    if (document_.execute({{"do", "save-script"}, {"path", path.toStdString()}})) Q_EMIT said(tr("Saved “%1”").arg(QFileInfo(path).fileName()));
+    if (document_.execute(commands::saveScript(path.toStdString()))) Q_EMIT said(tr("Saved “%1”").arg(QFileInfo(path).fileName()));
 }
 
 void FileFlow::writeMesh() {
     const QString path = QFileDialog::getSaveFileName(window_, tr("Write the posed mesh"), QDir(folder()).filePath(QStringLiteral("pose.obj")), tr("Meshes (*.obj *.ply)"));
     if (path.isEmpty()) return;
-    Json command = {{"do", "write-mesh"}, {"path", path.toStdString()}, {"state", "current"}};
+    std::optional<std::string> element;
     const auto& selection = document_.selection();
     if (selection.size() == 1 && selection.front().kind == SelectionItem::Kind::Element)
-        command["element"] = document_.document().elements.at(selection.front().part)->name;
-    if (document_.execute(command)) Q_EMIT said(tr("Wrote “%1”").arg(QFileInfo(path).fileName()));
+        element = document_.document().elements.at(selection.front().part)->name;
+    if (document_.execute(commands::writeMesh(path.toStdString(), element))) Q_EMIT said(tr("Wrote “%1”").arg(QFileInfo(path).fileName()));
 }
 
 void FileFlow::askImport() {

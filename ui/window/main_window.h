@@ -4,37 +4,38 @@
 #include <QElapsedTimer>
 #include <QMainWindow>
 #include <QPointer>
+#include <functional>
 #include <map>
-#include <vector>
 
 #include "ui/jobs/precompute_job.h"
 #include "ui/models/studio_document.h"
 #include "ui/models/take_deck.h"
-#include "ui/window/message_bar.h"
+#include "ui/tools/tool_kind.h"
 
-class QDockWidget;
 class QStackedLayout;
-class QToolBar;
 
 namespace imomushi {
 
-class CommandSearch;
 class AccuracyPanel;
+class ActionStates;
 class EffectsPanel;
 class ExportDialog;
-class FrameCostMeter;
 class FileFlow;
+class FrameCostMeter;
 class HistoryPanel;
 class InspectorPanel;
-class IssuesPanel;
+class MessageBar;
 class OutlinerPanel;
+class Overlays;
 class StartPage;
 class StatusStrip;
 class StudioActions;
+class StudioDocks;
+class StudioMenus;
 class TakesPanel;
 class ViewportWidget;
 
-/// The window of the studio: puts the panels together and connects menus to commands.
+/// The window of the studio: owns the document, puts its parts together, and says what the actions do.
 class MainWindow : public QMainWindow {
     Q_OBJECT
 public:
@@ -46,16 +47,16 @@ public:
     [[nodiscard]] ViewportWidget& viewport() { return *viewport_; }
     [[nodiscard]] FileFlow& files() { return *files_; }
     [[nodiscard]] StudioActions& actions() { return *actions_; }
-    [[nodiscard]] OutlinerPanel& outliner() { return *outliner_; }
-    [[nodiscard]] InspectorPanel& inspector() { return *inspector_; }
-    [[nodiscard]] EffectsPanel& effects() { return *effects_; }
-    [[nodiscard]] AccuracyPanel& accuracy() { return *accuracy_; }
-    [[nodiscard]] TakesPanel& takes() { return *takes_; }
+    [[nodiscard]] OutlinerPanel& outliner();
+    [[nodiscard]] InspectorPanel& inspector();
+    [[nodiscard]] EffectsPanel& effects();
+    [[nodiscard]] AccuracyPanel& accuracy();
+    [[nodiscard]] TakesPanel& takes();
+    [[nodiscard]] HistoryPanel& history();
     [[nodiscard]] TakeDeck& deck() { return *deck_; }
-    [[nodiscard]] HistoryPanel& history() { return *history_; }
     [[nodiscard]] PrecomputeJob& precomputeJob() { return *precompute_; }
     [[nodiscard]] StatusStrip& status() { return *status_; }
-    [[nodiscard]] MessageBar& messages() { return *message_; }
+    [[nodiscard]] MessageBar& messages();
     /// The start page is in front of the view.
     void showStart(bool show);
     [[nodiscard]] bool startShown() const;
@@ -69,76 +70,59 @@ protected:
     void resizeEvent(QResizeEvent* event) override;
     void showEvent(QShowEvent* event) override;
     bool event(QEvent* event) override;
-    bool eventFilter(QObject* watched, QEvent* event) override;
 
 private:
-    void buildActions();
-    void buildMenus();
-    void buildToolBar();
-    void buildDocks();
+    void buildStage();
+    void buildStatusBar();
+    void connectDocument();
+    void connectFiles();
+    void connectPrecompute();
+    void connectPanels();
     void connectView();
+    void restore();
     void retranslate();
-    void fillRecent();
     void updateTitle();
-    void updateActions();
     void takeSizes();
-    void placeOverlays();
-    void contextMenu(const QPoint& global);
-    void showControls();
-    void showAbout();
-
-    void warn();           ///< says what the last frame warns of, not every time
-    void startPrecompute();
-    void undo(int count);
-    void record();
-    void openExport();
-    void updateTakeActions();
-    void hideSelected();
-    void showAll();
-    void pinSelected();
-    void joinSelected();
-    /// Ends what is unfinished in the view before a command comes from elsewhere.
-    void settle();
+    /// Says what the last frame warns of, not every time.
+    void warn();
     /// Takes a picture of the view for the start page.
     void keepPicture();
-    [[nodiscard]] double inspectorShare() const;  ///< of the height of the docks
-    void shareHeight(double inspector);
+
+    // What the actions do: main_window_actions.cpp.
+    void connectActions();
+    void connectFileActions();
+    void connectEditActions();
+    void connectTakeActions();
+    void connectViewActions();
+    void on(const char* action, std::function<void()> run);
+    void onToggle(const char* action, std::function<void(bool)> run);
+    /// Ends what is unfinished in the view first.
+    void onSettled(const char* action, std::function<void()> run);
+    void settle();
+    void setTool(ToolKind tool);
+    void startPrecompute();
+    void undo();
+    void join();
+    void record();
+    void openExport();
+    void openPreferences();
 
     StudioDocument document_;
     StudioActions* actions_;
     TakeDeck* deck_;
     FileFlow* files_;
     PrecomputeJob* precompute_;
+    FrameCostMeter* costs_;
     QWidget* stage_ = nullptr;
     QStackedLayout* stack_ = nullptr;
-    QWidget* viewHost_ = nullptr;
     ViewportWidget* viewport_ = nullptr;
     StartPage* start_ = nullptr;
-    MessageBar* message_ = nullptr;
-    JobCard* job_ = nullptr;
-    OutlinerPanel* outliner_ = nullptr;
-    InspectorPanel* inspector_ = nullptr;
-    EffectsPanel* effects_ = nullptr;
-    FrameCostMeter* costs_ = nullptr;
-    AccuracyPanel* accuracy_ = nullptr;
-    TakesPanel* takes_ = nullptr;
-    QPointer<ExportDialog> export_;
-    HistoryPanel* history_ = nullptr;
-    IssuesPanel* issues_ = nullptr;
+    Overlays* overlays_ = nullptr;
     StatusStrip* status_ = nullptr;
-    QToolBar* tools_ = nullptr;
-    QMenu* recentMenu_ = nullptr;
-    QMenu* samplesMenu_ = nullptr;
-    QMenu* panelsMenu_ = nullptr;
-    QDockWidget* outlinerDock_ = nullptr;
-    QDockWidget* historyDock_ = nullptr;
-    QDockWidget* issuesDock_ = nullptr;
-    QDockWidget* inspectorDock_ = nullptr;
-    QDockWidget* effectsDock_ = nullptr;
-    QDockWidget* accuracyDock_ = nullptr;
-    QDockWidget* takesDock_ = nullptr;
-    std::vector<std::pair<QMenu*, const char*>> menus_;  ///< with their titles in this class's context
-    bool updateScheduled_ = false;
+    StudioDocks* docks_ = nullptr;
+    StudioMenus* menus_ = nullptr;
+    ActionStates* states_ = nullptr;
+    QPointer<ExportDialog> export_;
     std::map<FrameWarning, QElapsedTimer> warned_;  ///< since each was last said
     bool precomputeFailed_ = false;
     bool shown_ = false;

@@ -4,13 +4,9 @@
 #include <QEvent>
 #include <QHBoxLayout>
 #include <QLabel>
-#include <QProgressBar>
 #include <QPushButton>
 #include <QToolButton>
-#include <QVBoxLayout>
 
-#include "ui/jobs/background_job.h"
-#include "ui/jobs/progress_text.h"
 #include "ui/widgets/appearance.h"
 
 namespace imomushi {
@@ -81,52 +77,6 @@ void MessageBar::changeEvent(QEvent* event) {
     if (event->type() != QEvent::LanguageChange) return;
     close_->setToolTip(tr("Close"));
     close_->setAccessibleName(tr("Close"));
-}
-
-JobCard::JobCard(QWidget* parent) : QFrame(parent) {
-    setObjectName(QStringLiteral("card"));
-    title_ = new QLabel(this);
-    detail_ = new QLabel(this);
-    detail_->setProperty("role", "muted");
-    bar_ = new QProgressBar(this);
-    bar_->setTextVisible(false);
-    bar_->setRange(0, 1000);
-    cancel_ = new QToolButton(this);
-    cancel_->setProperty("small", true);
-    cancel_->setIcon(themedIcon(QStringLiteral("close"), Appearance::Role::Text));
-    cancel_->setToolTip(tr("Cancel"));
-    cancel_->setAccessibleName(tr("Cancel"));
-    auto* top = new QHBoxLayout;
-    top->addWidget(title_, 1);
-    top->addWidget(detail_);
-    top->addWidget(cancel_);
-    auto* layout = new QVBoxLayout(this);
-    layout->setContentsMargins(px(14), px(8), px(10), px(12));
-    layout->setSpacing(px(7));
-    layout->addLayout(top);
-    layout->addWidget(bar_);
-    setMinimumWidth(px(380));
-    hide();
-}
-
-void JobCard::follow(BackgroundJob* job, std::function<QString()> title) {
-    const auto show = [this, job, title = std::move(title)] {
-        if (!job->running()) return;
-        title_->setText(title());
-        detail_->setText(progressText(*job));
-        bar_->setValue(int(1000.0 * job->fraction()));
-        setVisible(true);
-    };
-    connect(job, &BackgroundJob::progressed, this, show);
-    connect(job, &BackgroundJob::finished, this, [this] { setVisible(false); });
-    connect(cancel_, &QToolButton::clicked, job, &BackgroundJob::cancel);
-}
-
-void JobCard::changeEvent(QEvent* event) {
-    QFrame::changeEvent(event);
-    if (event->type() != QEvent::LanguageChange) return;
-    cancel_->setToolTip(tr("Cancel"));
-    cancel_->setAccessibleName(tr("Cancel"));
 }
 
 }  // namespace imomushi

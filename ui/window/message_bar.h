@@ -6,13 +6,10 @@
 #include <functional>
 
 class QLabel;
-class QProgressBar;
 class QPushButton;
 class QToolButton;
 
 namespace imomushi {
-
-class BackgroundJob;
 
 /// One calm line over the viewport: what went wrong or what was done. Goes by itself; never stops the work.
 class MessageBar : public QFrame {
@@ -37,24 +34,6 @@ private:
     QToolButton* close_;
     std::function<void()> act_;
     QTimer timer_;
-};
-
-/// A job in the background: what it does, how far it is, how long it still takes, and a way to stop it.
-class JobCard : public QFrame {
-    Q_OBJECT
-public:
-    explicit JobCard(QWidget* parent);
-    /// Shown while `job` runs. `title` is asked again with each progress.
-    void follow(BackgroundJob* job, std::function<QString()> title);
-
-protected:
-    void changeEvent(QEvent* event) override;
-
-private:
-    QLabel* title_;
-    QLabel* detail_;
-    QProgressBar* bar_;
-    QToolButton* cancel_;
 };
 
 }  // namespace imomushi

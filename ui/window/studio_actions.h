@@ -11,4 +11,7 @@ public:
     explicit StudioActions(QWidget* window);
 };
 
+/// The actions that choose the theme, by Appearance::Theme.
+inline constexpr const char* kThemeActions[] = {"theme-dark", "theme-light", "theme-contrast"};
+
 }  // namespace imomushi

@@ -4,7 +4,6 @@
 #include <QDoubleSpinBox>
 #include <QEvent>
 #include <QHBoxLayout>
-#include <QHeaderView>
 #include <QLabel>
 #include <QLocale>
 #include <QProgressBar>
@@ -13,15 +12,14 @@
 #include <QSlider>
 #include <QTabBar>
 #include <QTabWidget>
-#include <QTableWidget>
 #include <algorithm>
-#include <cmath>
 
 #include "core/document/accuracy_commands.h"
-#include "ui/models/effect_texts.h"
+#include "ui/models/gesture.h"
 #include "ui/models/texts.h"
 #include "ui/panels/accuracy/accuracy_errors.h"
 #include "ui/panels/accuracy/accuracy_plot.h"
+#include "ui/panels/accuracy/accuracy_tables.h"
 #include "ui/panels/accuracy/accuracy_texts.h"
 #include "ui/widgets/appearance.h"
 
@@ -30,39 +28,31 @@ namespace {
 
 constexpr int kRecallMs = 400;
 
-/// Sorts by what it stands for rather than by its text.
-class Cell : public QTableWidgetItem {
-public:
-    Cell(const QString& text, double value) : QTableWidgetItem(text), value_(value) {}
-    bool operator<(const QTableWidgetItem& other) const override { return value_ < static_cast<const Cell&>(other).value_; }
-
-private:
-    double value_;
-};
-
-constexpr int kCosts = 3;  // tab
-
-void asList(QTableWidget* table, int columns) {
-    table->setEditTriggers(QAbstractItemView::NoEditTriggers);
-    table->setSelectionBehavior(QAbstractItemView::SelectRows);
-    table->setSelectionMode(QAbstractItemView::SingleSelection);
-    table->verticalHeader()->hide();
-    table->setShowGrid(false);
-    table->setColumnCount(columns);
-}
+constexpr int kCostTab = 3;
 
 }  // namespace
 
 AccuracyPanel::AccuracyPanel(StudioDocument& document, FrameCostMeter& meter, QWidget* parent) : QWidget(parent), document_(document), job_(new AccuracyJob(this)) {
-    setObjectName(QStringLiteral("panel"));
-    setAttribute(Qt::WA_StyledBackground);
+    usePanelBackground(this);
     auto* all = new QHBoxLayout(this);
     all->setContentsMargins(px(14), px(10), px(12), px(10));
     all->setSpacing(px(14));
 
+    all->addWidget(makeControls());
+    frame_ = new AccuracyPlot(this);
+    frame_->setObjectName(QStringLiteral("accuracyPerFrame"));
+    precompute_ = new AccuracyPlot(this);
+    precompute_->setObjectName(QStringLiteral("accuracyPrecompute"));
+    all->addWidget(frame_, 5);
+    all->addWidget(precompute_, 5);
+    all->addWidget(makeTabs(meter), 7);
+    connectParts();
+    retranslate();
+}
+
+QWidget* AccuracyPanel::makeControls() {
     auto* left = new QWidget(this);
-    left->setObjectName(QStringLiteral("panel"));
-    left->setAttribute(Qt::WA_StyledBackground);
+    usePanelBackground(left);
     auto* column = new QVBoxLayout(left);
     column->setContentsMargins(0, 0, px(10), 0);
     column->setSpacing(px(6));
@@ -101,7 +91,7 @@ AccuracyPanel::AccuracyPanel(StudioDocument& document, FrameCostMeter& meter, QW
     apply_ = new QPushButton(left);
     apply_->setObjectName(QStringLiteral("accuracyApply"));
     column->addWidget(apply_);
-    auto* money = new QHBoxLayout;
+    auto* budget = new QHBoxLayout;
     budgetLabel_ = new QLabel(left);
     budget_ = new QDoubleSpinBox(left);
     budget_->setObjectName(QStringLiteral("accuracyBudget"));
@@ -110,10 +100,10 @@ AccuracyPanel::AccuracyPanel(StudioDocument& document, FrameCostMeter& meter, QW
     budget_->setValue(1000.0 / 60.0);
     budget_->setSuffix(QStringLiteral(" ms"));
     budgetUse_ = new QPushButton(left);
-    money->addWidget(budgetLabel_);
-    money->addWidget(budget_, 1);
-    money->addWidget(budgetUse_);
-    column->addLayout(money);
+    budget->addWidget(budgetLabel_);
+    budget->addWidget(budget_, 1);
+    budget->addWidget(budgetUse_);
+    column->addLayout(budget);
     budgetText_ = label(column, "muted");
     reference_ = label(column, "muted");
     column->addStretch(1);
@@ -128,35 +118,28 @@ AccuracyPanel::AccuracyPanel(StudioDocument& document, FrameCostMeter& meter, QW
     };
     sized();
     connect(&Appearance::instance(), &Appearance::changed, this, sized);
-    all->addWidget(scroll);
+    return scroll;
+}
 
-    frame_ = new AccuracyPlot(this);
-    frame_->setObjectName(QStringLiteral("accuracyPerFrame"));
-    precompute_ = new AccuracyPlot(this);
-    precompute_->setObjectName(QStringLiteral("accuracyPrecompute"));
-    all->addWidget(frame_, 5);
-    all->addWidget(precompute_, 5);
-
+QWidget* AccuracyPanel::makeTabs(FrameCostMeter& meter) {
     tabs_ = new QTabWidget(this);
     tabs_->setDocumentMode(true);
     tabs_->tabBar()->setUsesScrollButtons(true);
-    table_ = new QTableWidget(tabs_);
-    table_->setObjectName(QStringLiteral("accuracyTable"));
-    asList(table_, 7);
+    table_ = new AccuracyTable(tabs_);
     tabs_->addTab(table_, {});
-    errors_ = new AccuracyErrors(document, tabs_);
+    errors_ = new AccuracyErrors(document_, tabs_);
     tabs_->addTab(errors_, {});
-    effects_ = new QTableWidget(tabs_);
-    effects_->setObjectName(QStringLiteral("accuracyEffects"));
-    asList(effects_, 4);
+    effects_ = new EffectCostTable(tabs_);
     tabs_->addTab(effects_, {});
     auto* costs = new QScrollArea(tabs_);
     costs->setWidgetResizable(true);
     costs->setFrameShape(QFrame::NoFrame);
     costs->setWidget(new CostList(meter, costs));
     tabs_->addTab(costs, {});
-    all->addWidget(tabs_, 7);
+    return tabs_;
+}
 
+void AccuracyPanel::connectParts() {
     connect(measure_, &QPushButton::clicked, this, [this] { job_->running() ? job_->cancel() : start(); });
     connect(apply_, &QPushButton::clicked, this, &AccuracyPanel::apply);
     connect(slider_, &QSlider::valueChanged, this, [this](int at) {
@@ -167,13 +150,13 @@ AccuracyPanel::AccuracyPanel(StudioDocument& document, FrameCostMeter& meter, QW
         if (const int best = study_.best(budget_->value()); best >= 0) choose(best);
     });
     for (AccuracyPlot* plot : {frame_, precompute_}) connect(plot, &AccuracyPlot::clicked, this, &AccuracyPanel::choose);
-    connect(table_, &QTableWidget::itemSelectionChanged, this, [this] {
-        const auto rows = table_->selectionModel()->selectedRows();
-        if (!rows.empty()) choose(table_->item(rows.front().row(), 0)->data(Qt::UserRole).toInt());
-    });
+    connect(table_, &AccuracyTable::chosen, this, &AccuracyPanel::choose);
     connect(job_, &AccuracyJob::arrived, this, &AccuracyPanel::show);
-    connect(job_, &BackgroundJob::progressed, this, [this] { progress_->setValue(int(1000.0 * job_->fraction())); showState(); });
-    connect(job_, &BackgroundJob::finished, this, [this] { showState(); });
+    connect(job_, &BackgroundJob::progressed, this, [this] {
+        progress_->setValue(int(1000.0 * job_->fraction()));
+        showState();
+    });
+    connect(job_, &BackgroundJob::finished, this, &AccuracyPanel::showState);
     recall_.setSingleShot(true);
     recall_.setInterval(kRecallMs);
     connect(&recall_, &QTimer::timeout, this, &AccuracyPanel::recall);
@@ -184,9 +167,8 @@ AccuracyPanel::AccuracyPanel(StudioDocument& document, FrameCostMeter& meter, QW
         if (isVisible()) recall_.start();
         showState();
     };
-    connect(&document, &StudioDocument::structureChanged, this, changed);
-    connect(&document, &StudioDocument::fileChanged, this, changed);
-    retranslate();
+    connect(&document_, &StudioDocument::structureChanged, this, changed);
+    connect(&document_, &StudioDocument::fileChanged, this, changed);
 }
 
 void AccuracyPanel::changeEvent(QEvent* event) {
@@ -220,10 +202,8 @@ void AccuracyPanel::retranslate() {
         tabs_->setTabToolTip(i, tabs[i].second);
     }
     tabs_->setAccessibleName(title_->text());
-    table_->setAccessibleName(tr("Measured settings"));
-    table_->setHorizontalHeaderLabels({tr("Setting"), tr("Error"), tr("Largest"), tr("Frame"), tr("Predicted"), tr("Precompute"), tr("Memory")});
-    effects_->setAccessibleName(tr("Price of effects"));
-    effects_->setHorizontalHeaderLabels({tr("Effect"), tr("Predicted"), tr("Measured"), tr("Off by")});
+    table_->retranslate();
+    effects_->retranslate();
     show(AccuracyStudy(study_));
 }
 
@@ -255,7 +235,7 @@ void AccuracyPanel::show(const AccuracyStudy& study) {
         if (study_.points[i].setting == known) chosen_ = int(i);
     if (chosen_ < 0) chosen_ = study_.present();
     showPoints();
-    showEffects();
+    effects_->showStudy(study_);
     showState();
     showChosen();
     errors_->setStudy(study_, outdated_);
@@ -278,47 +258,22 @@ QString AccuracyPanel::tip(int point) const {
 
 void AccuracyPanel::showPoints() {
     const auto front = study_.frontInPrecompute();
-    std::vector<AccuracyPlot::Point> a, b;
+    std::vector<AccuracyPlot::Point> perFrame, inPrecompute;
+    std::vector<QString> tips;
     for (std::size_t i = 0; i < study_.points.size(); ++i) {
         const AccuracyPoint& p = study_.points[i];
-        const QString text = tip(int(i));
         const bool now = int(i) == study_.present();
-        a.push_back({p.frameMs, 100.0 * p.relative, text, std::find(front_.begin(), front_.end(), i) != front_.end(), now});
-        b.push_back({p.precomputeSeconds, 100.0 * p.relative, text, std::find(front.begin(), front.end(), i) != front.end(), now});
+        tips.push_back(tip(int(i)));
+        perFrame.push_back({p.frameMs, 100.0 * p.relative, tips.back(), std::find(front_.begin(), front_.end(), i) != front_.end(), now});
+        inPrecompute.push_back({p.precomputeSeconds, 100.0 * p.relative, tips.back(), std::find(front.begin(), front.end(), i) != front.end(), now});
     }
     for (AccuracyPlot* plot : {frame_, precompute_}) plot->setFloor(100.0 * study_.floor());
-    frame_->setPoints(std::move(a));
-    precompute_->setPoints(std::move(b));
+    frame_->setPoints(std::move(perFrame));
+    precompute_->setPoints(std::move(inPrecompute));
     const QSignalBlocker blocked(slider_);
     slider_->setRange(0, std::max(0, int(front_.size()) - 1));
     slider_->setEnabled(front_.size() > 1);
-
-    const QSignalBlocker quiet(table_);
-    table_->setSortingEnabled(false);
-    table_->setRowCount(int(study_.points.size()));
-    for (int i = 0; i < int(study_.points.size()); ++i) {
-        const AccuracyPoint& p = study_.points[std::size_t(i)];
-        const bool on = std::find(front_.begin(), front_.end(), std::size_t(i)) != front_.end();
-        const auto cell = [&](int column, const QString& text, double value) {
-            auto* item = new Cell(text, value < 0.0 ? INFINITY : value);
-            if (column > 0) item->setTextAlignment(Qt::AlignRight | Qt::AlignVCenter);
-            item->setToolTip(tip(i));
-            if (p.relative >= 0.0 && !on) item->setForeground(themeColor(Appearance::Role::Muted));
-            table_->setItem(i, column, item);
-        };
-        cell(0, (i == study_.present() ? QStringLiteral("□ ") : on ? QStringLiteral("● ") : QStringLiteral("○ ")) + settingText(p.setting), i);
-        table_->item(i, 0)->setData(Qt::UserRole, i);
-        cell(1, shareText(p.relative), p.relative);
-        cell(2, diagonalText(p.percent), p.percent);
-        cell(3, millisecondsText(p.frameMs), p.frameMs);
-        cell(4, millisecondsText(p.predictedMs), p.predictedMs);
-        cell(5, secondsText(p.precomputeSeconds), p.precomputeSeconds);
-        cell(6, p.frameBytes < 0.0 ? QStringLiteral("–") : bytesText(p.frameBytes), p.frameBytes);
-    }
-    table_->setSortingEnabled(true);
-    table_->horizontalHeader()->setSectionResizeMode(QHeaderView::ResizeToContents);
-    table_->horizontalHeader()->setSectionResizeMode(0, QHeaderView::Interactive);
-    table_->setColumnWidth(0, px(230));
+    table_->showStudy(study_, front_, tips);
 }
 
 void AccuracyPanel::showState() {
@@ -379,45 +334,14 @@ void AccuracyPanel::showChosen() {
     const auto at = std::find(front_.begin(), front_.end(), std::size_t(chosen_));
     const QSignalBlocker blocked(slider_);
     if (at != front_.end()) slider_->setValue(int(at - front_.begin()));
-    const QSignalBlocker quiet(table_);
-    for (int row = 0; row < table_->rowCount(); ++row)
-        if (table_->item(row, 0)->data(Qt::UserRole).toInt() == chosen_) table_->selectRow(row);
+    table_->setChosen(chosen_);
 }
 
 void AccuracyPanel::apply() {
     if (chosen_ < 0 || chosen_ >= int(study_.points.size())) return;
-    const auto commands = settingCommands(document_.document(), study_.points[std::size_t(chosen_)].setting);
-    Session& session = document_.session();
-    session.beginGesture();
-    for (const Json& command : commands)
-        if (!document_.execute(command)) {
-            session.cancelGesture();
-            return;
-        }
-    session.endGesture();
+    executeTogether(document_, settingCommands(document_.document(), study_.points[std::size_t(chosen_)].setting));
 }
 
-void AccuracyPanel::showCosts() { tabs_->setCurrentIndex(kCosts); }
-
-void AccuracyPanel::showEffects() {
-    effects_->setRowCount(int(study_.effects.size()));
-    for (int i = 0; i < int(study_.effects.size()); ++i) {
-        const EffectPoint& e = study_.effects[std::size_t(i)];
-        const auto kind = effectNamed(e.effect);
-        const QString why = e.problem.empty() ? QString() : tr("Fingers need their own precompute: turn touch on, precompute, and measure again.");
-        const auto cell = [&](int column, const QString& text) {
-            auto* item = new QTableWidgetItem(text);
-            if (column > 0) item->setTextAlignment(Qt::AlignRight | Qt::AlignVCenter);
-            item->setToolTip(why);
-            effects_->setItem(i, column, item);
-        };
-        cell(0, kind ? effectTitle(*kind) : QString::fromStdString(e.effect));
-        cell(1, millisecondsText(e.predictedMs));
-        cell(2, why.isEmpty() ? millisecondsText(e.measuredMs) : tr("unknown"));
-        cell(3, e.off() < 0.0 ? QStringLiteral("–") : QStringLiteral("× ") + QLocale().toString(e.off(), 'f', 2));
-    }
-    effects_->horizontalHeader()->setSectionResizeMode(QHeaderView::ResizeToContents);
-    effects_->horizontalHeader()->setSectionResizeMode(0, QHeaderView::Stretch);
-}
+void AccuracyPanel::showCosts() { tabs_->setCurrentIndex(kCostTab); }
 
 }  // namespace imomushi

@@ -5,20 +5,21 @@
 
 #include "ui/jobs/accuracy_job.h"
 #include "ui/models/studio_document.h"
-#include "ui/panels/accuracy/accuracy_costs.h"
+#include "ui/panels/accuracy/frame_costs.h"
 
 class QDoubleSpinBox;
 class QLabel;
 class QProgressBar;
 class QPushButton;
 class QSlider;
-class QTableWidget;
 class QTabWidget;
 
 namespace imomushi {
 
 class AccuracyErrors;
 class AccuracyPlot;
+class AccuracyTable;
+class EffectCostTable;
 
 /// What accuracy costs in time: the study of this character on this machine, and a point of it taken over with one click.
 class AccuracyPanel : public QWidget {
@@ -40,13 +41,15 @@ protected:
     void showEvent(QShowEvent* event) override;
 
 private:
+    QWidget* makeControls();
+    QWidget* makeTabs(FrameCostMeter& meter);
+    void connectParts();
     void retranslate();
     void start();
     void recall();       ///< takes what is known of the character as it is now
     void showState();
     void showPoints();
     void showChosen();
-    void showEffects();
     [[nodiscard]] QString tip(int point) const;
 
     StudioDocument& document_;
@@ -63,7 +66,8 @@ private:
     QDoubleSpinBox* budget_;
     AccuracyPlot *frame_, *precompute_;
     QTabWidget* tabs_;
-    QTableWidget *table_, *effects_;
+    AccuracyTable* table_;
+    EffectCostTable* effects_;
     AccuracyErrors* errors_;
     QTimer recall_;
 };

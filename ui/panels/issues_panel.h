@@ -2,30 +2,14 @@
 #pragma once
 
 #include <QWidget>
+#include <vector>
 
-#include "ui/models/history_model.h"
 #include "ui/models/issue_model.h"
 
 class QLabel;
 class QListView;
 
 namespace imomushi {
-
-/// The undo steps; a click goes there.
-class HistoryPanel : public QWidget {
-    Q_OBJECT
-public:
-    explicit HistoryPanel(StudioDocument& document, QWidget* parent = nullptr);
-    [[nodiscard]] QListView* list() const { return list_; }
-    [[nodiscard]] HistoryModel* model() const { return model_; }
-
-protected:
-    void changeEvent(QEvent* event) override;
-
-private:
-    HistoryModel* model_;
-    QListView* list_;
-};
 
 /// What asks for attention; a click selects the element it is about.
 class IssuesPanel : public QWidget {

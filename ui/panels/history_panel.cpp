@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "ui/panels/list_panels.h"
+#include "ui/panels/history_panel.h"
 
 #include <QEvent>
-#include <QLabel>
 #include <QListView>
 #include <QPainter>
+#include <QStyledItemDelegate>
 #include <QVBoxLayout>
 
 #include "ui/widgets/appearance.h"
-#include "ui/widgets/line_delegate.h"
 
 namespace imomushi {
 namespace {
@@ -38,14 +37,6 @@ public:
     QSize sizeHint(const QStyleOptionViewItem& option, const QModelIndex&) const override { return {px(80), option.fontMetrics.height() + px(11)}; }
 };
 
-QVBoxLayout* panelLayout(QWidget* panel) {
-    panel->setObjectName(QStringLiteral("panel"));
-    panel->setAttribute(Qt::WA_StyledBackground);
-    auto* layout = new QVBoxLayout(panel);
-    layout->setContentsMargins(8, 8, 6, 6);
-    return layout;
-}
-
 }  // namespace
 
 HistoryPanel::HistoryPanel(StudioDocument& document, QWidget* parent) : QWidget(parent) {
@@ -55,7 +46,10 @@ HistoryPanel::HistoryPanel(StudioDocument& document, QWidget* parent) : QWidget(
     list_->setItemDelegate(new StepDelegate(list_));
     list_->setUniformItemSizes(true);
     list_->setAccessibleName(tr("History"));
-    panelLayout(this)->addWidget(list_);
+    usePanelBackground(this);
+    auto* layout = new QVBoxLayout(this);
+    layout->setContentsMargins(8, 8, 6, 6);
+    layout->addWidget(list_);
     connect(list_, &QListView::clicked, this, [this](const QModelIndex& index) { model_->goTo(index.row()); });
     connect(list_, &QListView::activated, this, [this](const QModelIndex& index) { model_->goTo(index.row()); });
     connect(model_, &HistoryModel::positionChanged, this, [this] {
@@ -69,51 +63,6 @@ void HistoryPanel::changeEvent(QEvent* event) {
     if (event->type() != QEvent::LanguageChange) return;
     list_->setAccessibleName(tr("History"));
     model_->refresh();
-}
-
-IssuesPanel::IssuesPanel(StudioDocument& document, QWidget* parent) : QWidget(parent) {
-    model_ = new IssueModel(document, this);
-    list_ = new QListView(this);
-    list_->setModel(model_);
-    list_->setMouseTracking(true);
-    list_->setItemDelegate(new LineDelegate({IssueModel::IconRole, IssueModel::DetailRole, IssueModel::SeverityRole, true}, list_));
-    empty_ = new QLabel(this);
-    empty_->setProperty("role", "muted");
-    empty_->setAlignment(Qt::AlignCenter);
-    empty_->setWordWrap(true);
-    auto* layout = panelLayout(this);
-    layout->addWidget(list_);
-    layout->addWidget(empty_, 1);
-    const auto choose = [this, &document](const QModelIndex& index) {
-        const PartId element = model_->element(index);
-        if (!element) return;
-        document.select({{SelectionItem::Kind::Element, element, {}, false}});
-        Q_EMIT markWanted(element, model_->triangles(index));
-    };
-    connect(list_, &QListView::clicked, this, choose);
-    connect(list_, &QListView::activated, this, [this, choose](const QModelIndex& index) {
-        choose(index);
-        Q_EMIT frameWanted();
-    });
-    connect(model_, &QAbstractItemModel::modelReset, this, &IssuesPanel::update);
-    connect(&document, &StudioDocument::selectionChanged, this, [this] { Q_EMIT markWanted(0, {}); });
-    update();
-}
-
-void IssuesPanel::update() {
-    const bool none = model_->rowCount() == 0;
-    list_->setVisible(!none);
-    empty_->setVisible(none);
-    empty_->setText(tr("Nothing asks for attention."));
-    list_->setAccessibleName(tr("Issues"));
-    Q_EMIT worthChanged();
-}
-
-void IssuesPanel::changeEvent(QEvent* event) {
-    QWidget::changeEvent(event);
-    if (event->type() != QEvent::LanguageChange) return;
-    model_->rebuild();
-    update();
 }
 
 }  // namespace imomushi

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "ui/panels/accuracy/accuracy_costs.h"
+#include "ui/panels/accuracy/frame_costs.h"
 
 #include <QLocale>
 #include <QMouseEvent>

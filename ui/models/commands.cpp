@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/models/commands.h"
+
+namespace imomushi::commands {
+namespace {
+
+Json vector(const Vec3& v) { return Json::array({v.x(), v.y(), v.z()}); }
+
+Json place(const std::variant<std::string, Vec3>& place) {
+    if (const auto* point = std::get_if<Vec3>(&place)) return vector(*point);
+    return std::get<std::string>(place);
+}
+
+template <class Value>
+void add(Json& command, const char* key, const std::optional<Value>& value) {
+    if (value) command[key] = *value;
+}
+
+Json effectCommand(const char* name, EffectKind effect, const std::optional<std::string>& element) {
+    Json command = {{"do", name}, {"effect", std::string(effectName(effect))}};
+    add(command, "target", element);
+    return command;
+}
+
+Json recordCommand(const std::string& take, const char* action) { return {{"do", "record"}, {"take", take}, {"action", action}}; }
+
+}  // namespace
+
+Json newProject() { return {{"do", "new"}}; }
+Json open(const std::string& path) { return {{"do", "open"}, {"path", path}}; }
+Json openAs(const std::string& path, const std::string& original) { return {{"do", "open"}, {"path", path}, {"as", original}}; }
+Json save(const std::string& path) { return {{"do", "save"}, {"path", path}}; }
+Json saveCopy(const std::string& path) { return {{"do", "save"}, {"path", path}, {"copy", true}}; }
+Json saveScript(const std::string& path) { return {{"do", "save-script"}, {"path", path}}; }
+
+Json writeMesh(const std::string& path, const std::optional<std::string>& element) {
+    Json command = {{"do", "write-mesh"}, {"path", path}, {"state", "current"}};
+    add(command, "element", element);
+    return command;
+}
+
+Json importElement(const Import& import) {
+    Json command = {{"do", "import-element"}, {"path", import.path}};
+    if (!import.unit.empty()) command["unit"] = import.unit;
+    if (!import.up.empty()) command["up"] = import.up;
+    if (import.split) command["split"] = true;
+    return command;
+}
+
+Json exportCharacter(const Export& choices) {
+    Json command = {{"do", "export"}, {"path", choices.path}, {"layout", choices.layout}, {"preset", choices.preset}};
+    if (choices.what == Export::What::OneTake) command["take"] = choices.take;
+    if (choices.what == Export::What::Pose) command["take"] = Json::array();
+    if (choices.what == Export::What::Pose || choices.what == Export::What::TakesAndPose) command["pose"] = true;
+    add(command, "fps", choices.fps);
+    if (choices.targets) command["targets"] = *choices.targets > 0 ? Json(*choices.targets) : Json("all");
+    add(command, "split", choices.split);
+    add(command, "quantise", choices.quantise);
+    add(command, "normals", choices.normals);
+    return command;
+}
+
+Json undo(int steps) { return {{"do", "undo"}, {"count", steps}}; }
+Json redo(int steps) { return {{"do", "redo"}, {"count", steps}}; }
+
+Json setValue(const std::string& target, const char* key, Json value) { return {{"do", "set"}, {"target", target}, {"property", key}, {"value", std::move(value)}}; }
+
+Json set(EffectKind effect, const EffectProperty& property, std::span<const double> values) {
+    Json value = values.front();
+    if (property.size > 1) value = std::vector(values.begin(), values.end());
+    return setValue(std::string(effectName(effect)), std::string(property.name).c_str(), std::move(value));
+}
+
+Json rename(const std::string& target, const std::string& name) { return {{"do", "rename"}, {"target", target}, {"name", name}}; }
+
+Json enable(EffectKind effect, const std::optional<std::string>& element) { return effectCommand("enable", effect, element); }
+Json disable(EffectKind effect, const std::optional<std::string>& element) { return effectCommand("disable", effect, element); }
+
+Json removeElement(const std::string& name) { return {{"do", "remove-element"}, {"name", name}}; }
+
+Json addJointFace(const std::string& element, const std::string& name, const std::vector<std::int32_t>& vertices) {
+    return {{"do", "add-joint-face"}, {"element", element}, {"name", name}, {"vertices", vertices}};
+}
+
+Json addJointFace(const std::string& element, const std::string& name, const Vec3& origin, const Vec3& normal, double tolerance) {
+    return {{"do", "add-joint-face"}, {"element", element}, {"name", name}, {"plane", {{"origin", vector(origin)}, {"normal", vector(normal)}}}, {"tolerance", tolerance}};
+}
+
+Json removeJointFace(const std::string& face) { return {{"do", "remove-joint-face"}, {"face", face}}; }
+Json join(const std::string& a, const std::string& b) { return {{"do", "join"}, {"a", a}, {"b", b}}; }
+
+Json addBone(const NewBone& bone) {
+    Json command = {{"do", "add-bone"}, {"name", bone.name}};
+    add(command, "element", bone.element);
+    command["from"] = place(bone.from);
+    command["to"] = place(bone.to);
+    add(command, "parent", bone.parent);
+    return command;
+}
+
+Json setBoneParent(const std::string& bone, const std::string& parent, const std::optional<std::string>& from) {
+    Json command = {{"do", "edit-bone"}, {"name", bone}, {"parent", parent}};
+    add(command, "from", from);
+    return command;
+}
+
+Json setBoneElement(const std::string& bone, const std::string& element) { return {{"do", "edit-bone"}, {"name", bone}, {"element", element}}; }
+Json removeBone(const std::string& name) { return {{"do", "remove-bone"}, {"name", name}}; }
+
+Json precompute() { return {{"do", "precompute"}}; }
+Json precompute(const std::vector<std::string>& elements) { return {{"do", "precompute"}, {"elements", elements}}; }
+
+Json drag(const std::string& endpoint, const Vec3& to, std::optional<double> roll) {
+    Json command = {{"do", "drag"}, {"endpoint", endpoint}, {"to", vector(to)}};
+    add(command, "roll", roll);
+    return command;
+}
+
+Json setPinned(const std::string& endpoint, bool pinned) { return {{"do", pinned ? "pin" : "unpin"}, {"endpoint", endpoint}}; }
+Json release(const std::string& endpoint) { return {{"do", "release"}, {"endpoint", endpoint}}; }
+Json releaseAll() { return {{"do", "release"}}; }
+Json rest() { return {{"do", "rest"}}; }
+
+Json touch(const std::string& element, const Vec3& point, const std::optional<Vec3>& to) {
+    return {{"do", "touch"}, {"element", element}, {"point", vector(point)}, {"to", to ? vector(*to) : Json()}};
+}
+
+Json startRecording(const std::string& take) { return recordCommand(take, "start"); }
+Json stopRecording(const std::string& take) { return recordCommand(take, "stop"); }
+Json play(const std::string& take, double time) { return {{"do", "play"}, {"take", take}, {"time", time}}; }
+Json trimTake(const std::string& take, double from, double to) { return {{"do", "trim-take"}, {"take", take}, {"from", from}, {"to", to}}; }
+Json duplicateTake(const std::string& take, const std::string& name) { return {{"do", "duplicate-take"}, {"take", take}, {"name", name}}; }
+Json renameTake(const std::string& take, const std::string& name) { return {{"do", "rename-take"}, {"take", take}, {"name", name}}; }
+Json removeTake(const std::string& take) { return {{"do", "remove-take"}, {"take", take}}; }
+
+}  // namespace imomushi::commands

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "core/document/command.h"
+#include "core/document/effects.h"
+
+/// The commands that the studio issues: their names and keys are spelt here and nowhere else in ui. `imomushi run --help` says what each does.
+/// Elements, bones and takes go by their names, joint faces by "element/face", endpoints by "bone/start" and "bone/end" (see paths.h).
+namespace imomushi::commands {
+
+// ---- files -----------------------------------------------------------------------------------------------------------------
+
+Json newProject();
+Json open(const std::string& path);
+/// What lies in `path`, as if it were the file `original`; empty: a project that was never saved.
+Json openAs(const std::string& path, const std::string& original);
+Json save(const std::string& path);
+/// The project goes on under its own path.
+Json saveCopy(const std::string& path);
+Json saveScript(const std::string& path);
+/// As it is posed; one element or all.
+Json writeMesh(const std::string& path, const std::optional<std::string>& element);
+
+struct Import {
+    std::string path;
+    std::string unit, up;  ///< empty: as the file says
+    bool split = false;    ///< an element for each separate part
+};
+Json importElement(const Import& import);
+
+struct Export {
+    std::string path, layout, preset;
+    enum class What { Takes, TakesAndPose, OneTake, Pose } what = What::Takes;
+    std::string take;                 ///< for OneTake
+    std::optional<double> fps;        ///< these stand for what differs from the preset
+    std::optional<int> targets;       ///< 0: all
+    std::optional<bool> split, quantise, normals;
+};
+Json exportCharacter(const Export& choices);
+
+// ---- history ---------------------------------------------------------------------------------------------------------------
+
+Json undo(int steps = 1);
+Json redo(int steps = 1);
+
+// ---- properties ------------------------------------------------------------------------------------------------------------
+
+/// A key of `set` and what its values are.
+template <class Value>
+struct Property {
+    const char* key;
+};
+namespace element {
+inline constexpr Property<double> kPoissonRatio{"nu"}, kStiffness{"stiffness"}, kDensity{"density"};
+inline constexpr Property<std::string> kColor{"color"};             ///< "#rrggbb"
+inline constexpr Property<std::string> kJointPlanes{"joint-planes"}, kSolverMesh{"solver-mesh"};
+inline constexpr Property<bool> kVisible{"visible"}, kLocked{"locked"};
+}  // namespace element
+namespace bone {
+inline constexpr Property<double> kRoll{"roll"};                                            ///< radians
+inline constexpr Property<double> kMinStretch{"min-stretch"}, kMaxStretch{"max-stretch"};   ///< of the length at rest
+}  // namespace bone
+namespace character {
+inline constexpr const char* kTarget = "character";
+inline constexpr Property<std::string> kBasis{"basis"}, kFormat{"format"};
+inline constexpr Property<int> kThreads{"threads"};                                         ///< 0: all
+}  // namespace character
+
+Json setValue(const std::string& target, const char* key, Json value);
+template <class Value>
+Json set(const std::string& target, Property<Value> property, const std::type_identity_t<Value>& value) {
+    return setValue(target, property.key, value);
+}
+/// `values`: as many as the property has.
+Json set(EffectKind effect, const EffectProperty& property, std::span<const double> values);
+Json rename(const std::string& target, const std::string& name);
+
+// ---- effects ---------------------------------------------------------------------------------------------------------------
+
+/// On one element, or on all.
+Json enable(EffectKind effect, const std::optional<std::string>& element = {});
+Json disable(EffectKind effect, const std::optional<std::string>& element = {});
+inline Json setEnabled(EffectKind effect, bool on, const std::optional<std::string>& element = {}) { return on ? enable(effect, element) : disable(effect, element); }
+
+// ---- elements, joint faces, bones ------------------------------------------------------------------------------------------
+
+Json removeElement(const std::string& name);
+Json addJointFace(const std::string& element, const std::string& name, const std::vector<std::int32_t>& vertices);
+/// Where a plane cuts the rest shape; m.
+Json addJointFace(const std::string& element, const std::string& name, const Vec3& origin, const Vec3& normal, double tolerance);
+Json removeJointFace(const std::string& face);
+Json join(const std::string& a, const std::string& b);
+
+struct NewBone {
+    std::string name;
+    std::optional<std::string> element;             ///< through which it runs
+    std::variant<std::string, Vec3> from, to;       ///< a joint face, an endpoint, or a point at rest (m)
+    std::optional<std::string> parent;
+};
+Json addBone(const NewBone& bone);
+/// `parent`: empty: found by itself. `from`: where the bone starts from now on.
+Json setBoneParent(const std::string& bone, const std::string& parent, const std::optional<std::string>& from = {});
+/// `element`: empty: none.
+Json setBoneElement(const std::string& bone, const std::string& element);
+Json removeBone(const std::string& name);
+
+/// All elements, or these.
+Json precompute();
+Json precompute(const std::vector<std::string>& elements);
+
+// ---- pose ------------------------------------------------------------------------------------------------------------------
+
+Json drag(const std::string& endpoint, const Vec3& to, std::optional<double> roll = {});  ///< m, radians
+Json setPinned(const std::string& endpoint, bool pinned);
+Json release(const std::string& endpoint);
+Json releaseAll();
+Json rest();
+/// A finger at the point `point` of the rest shape, whose tip is at `to`; m. Without `to` it is lifted.
+Json touch(const std::string& element, const Vec3& point, const std::optional<Vec3>& to);
+
+// ---- takes -----------------------------------------------------------------------------------------------------------------
+
+Json startRecording(const std::string& take);
+Json stopRecording(const std::string& take);
+Json play(const std::string& take, double time);                    ///< s
+Json trimTake(const std::string& take, double from, double to);     ///< s
+Json duplicateTake(const std::string& take, const std::string& name);
+Json renameTake(const std::string& take, const std::string& name);
+Json removeTake(const std::string& take);
+
+}  // namespace imomushi::commands

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/models/paths.h"
+
+namespace imomushi {
+namespace {
+
+template <class Parts>
+auto partIn(const Parts& parts, PartId id) {
+    const auto found = parts.find(id);
+    return found == parts.end() ? nullptr : found->second.get();
+}
+
+}  // namespace
+
+const Element* elementOf(const Document& document, const SelectionItem& item) {
+    const bool of = item.kind == SelectionItem::Kind::Element || item.kind == SelectionItem::Kind::Face;
+    return of ? partIn(document.elements, item.part) : nullptr;
+}
+
+const Bone* boneOf(const Document& document, const SelectionItem& item) {
+    const bool of = item.kind == SelectionItem::Kind::Bone || item.kind == SelectionItem::Kind::Endpoint;
+    return of ? partIn(document.bones, item.part) : nullptr;
+}
+
+std::string pathOf(const Document& document, const EndpointRef& end) {
+    const Bone* bone = partIn(document.bones, end.bone);
+    return bone ? bone->name + (end.atEnd ? "/end" : "/start") : std::string();
+}
+
+std::string pathOf(const Document& document, const FaceRef& face) {
+    const Element* element = partIn(document.elements, face.element);
+    return element ? element->name + "/" + face.face : std::string();
+}
+
+std::string pathOf(const Document& document, const SelectionItem& item) {
+    const Element* element = elementOf(document, item);
+    const Bone* bone = boneOf(document, item);
+    switch (item.kind) {
+        case SelectionItem::Kind::Element: return element ? element->name : std::string();
+        case SelectionItem::Kind::Face: return pathOf(document, FaceRef{item.part, item.face});
+        case SelectionItem::Kind::Bone: return bone ? bone->name : std::string();
+        case SelectionItem::Kind::Endpoint: return pathOf(document, EndpointRef{item.part, item.atEnd});
+    }
+    return {};
+}
+
+bool isPinned(const Document& document, const EndpointRef& end) {
+    const auto held = document.held.find(end);
+    return held != document.held.end() && held->second.pinned;
+}
+
+}  // namespace imomushi

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+#include "ui/models/studio_document.h"
+
+namespace imomushi {
+
+/// What is selected, in a document; null where it is gone.
+const Element* elementOf(const Document& document, const SelectionItem& item);  ///< of Element and Face
+const Bone* boneOf(const Document& document, const SelectionItem& item);        ///< of Bone and Endpoint
+
+/// How commands call a thing: "bone/start", "element/face", or its own name; empty where it is gone.
+std::string pathOf(const Document& document, const EndpointRef& end);
+std::string pathOf(const Document& document, const FaceRef& face);
+std::string pathOf(const Document& document, const SelectionItem& item);
+
+/// The endpoint is held where the artist pinned it.
+bool isPinned(const Document& document, const EndpointRef& end);
+
+}  // namespace imomushi

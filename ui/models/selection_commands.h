@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "ui/models/studio_document.h"
+
+namespace imomushi {
+
+/// All elements that are visible and not locked.
+void selectAllElements(StudioDocument& document);
+
+/// What artists do with what is selected; each is one undo step.
+void hideSelected(StudioDocument& document);
+void showAll(StudioDocument& document);
+/// Pins or unpins the selected endpoints, and the ends of the selected bones.
+void togglePins(StudioDocument& document);
+/// Joins the two joint faces that are selected and returns their paths; none where it failed or others than two are selected.
+std::optional<std::pair<std::string, std::string>> joinSelected(StudioDocument& document);
+
+}  // namespace imomushi

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <QLocale>
+
+#include "core/base/parallel.h"
+#include "ui/models/texts.h"
+#include "ui/panels/inspector/inspector_forms.h"
+
+namespace imomushi {
+
+CharacterForm::CharacterForm(StudioDocument& document, QWidget* parent) : InspectorForm(document, parent) {
+    addHeading(QStringLiteral("character"), [] { return tr("Character"); }, {});
+    addSection();
+    const auto choose = [this](auto property) {
+        return [this, property](const auto& value) { document_.execute(commands::set(commands::character::kTarget, property, value)); };
+    };
+    addChoice<std::string>(tr("Joint modes"),
+                           {{tr("Affine (9 per face)"), "affine"},
+                            {tr("Paper (6 per face)"), "paper"},
+                            {tr("Warping 6 (15 per face)"), "modes:6"},
+                            {tr("Warping 12 (21 per face)"), "modes:12"},
+                            {tr("Warping 24 (33 per face)"), "modes:24"},
+                            {tr("Full (3 per vertex of a face)"), "full"}},
+                           [this] { return basisName(now().settings.basis); }, choose(commands::character::kBasis));
+    addChoice<std::string>(tr("Number format"), {{tr("Float (4 bytes)"), "float"}, {tr("Half (2 bytes)"), "half"}, {tr("Integer (2 bytes)"), "int16"}},
+                           [this] { return formatName(now().settings.format); }, choose(commands::character::kFormat));
+    addFact(tr("Format error"), [this] {
+        const Character* character = document_.session().character();
+        return character ? tr("%1 %").arg(QLocale().toString(100.0 * character->formatError(), 'g', 2)) : QStringLiteral("–");
+    });
+    std::vector<std::pair<QString, int>> threads = {{tr("All (%1)").arg(hardwareThreads()), 0}};
+    for (int n = 1; n <= hardwareThreads(); ++n) threads.emplace_back(QString::number(n), n);
+    addChoice<int>(tr("Threads"), threads, [this] { return now().settings.threads; }, choose(commands::character::kThreads));
+
+    addSection(tr("Contents"));
+    addFact(tr("Elements"), [this] { return QLocale().toString(qlonglong(now().elements.size())); });
+    addFact(tr("Joints"), [this] { return QLocale().toString(qlonglong(now().joints.size())); });
+    addFact(tr("Bones"), [this] { return QLocale().toString(qlonglong(now().bones.size())); });
+    addFact(tr("Vertices"), [this] {
+        qlonglong vertices = 0;
+        for (const auto& [id, e] : now().elements) vertices += e->mesh->body.vertices.rows();
+        return QLocale().toString(vertices);
+    });
+    addFact(tr("Precomputed"), [this] {
+        int fresh = 0, all = 0;
+        double bytes = 0.0;
+        for (const auto& [id, e] : now().elements) {
+            if (e->faces.empty()) continue;
+            ++all;
+            if (document_.session().responseState(id) != Session::ResponseState::Fresh) continue;
+            ++fresh;
+            if (const auto response = document_.session().response(id)) bytes += double(response->bytes());
+        }
+        return all == 0 ? tr("nothing to do") : tr("%1 of %2, %3").arg(fresh).arg(all).arg(bytesText(bytes));
+    });
+}
+
+}  // namespace imomushi

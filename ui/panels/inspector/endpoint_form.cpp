@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <QPushButton>
+#include <QVBoxLayout>
+
+#include "core/document/character_input.h"
+#include "ui/models/paths.h"
+#include "ui/panels/inspector/inspector_forms.h"
+#include "ui/tools/picking.h"
+#include "ui/widgets/appearance.h"
+
+namespace imomushi {
+
+EndpointForm::EndpointForm(StudioDocument& document, const SelectionItem& item, QWidget* parent) : InspectorForm(document, parent) {
+    addHeading(QStringLiteral("pose"), [this, item] { return title(item); }, tr("Endpoint"));
+    addSection();
+    addFact(tr("State"), [this, item] {
+        const Held* h = held(item);
+        return !h ? tr("free") : h->pinned ? tr("pinned") : tr("held");
+    });
+    addFact(tr("At rest (m)"), [this, item] {
+        const Bone* b = bone(item);
+        if (!b) return QStringLiteral("–");
+        const auto p = restPosition(now(), item.atEnd ? b->end : b->start);
+        return p ? vectorText(*p) : QStringLiteral("–");
+    });
+    addFact(tr("Now (m)"), [this, item] {
+        const auto p = shownAt(item);
+        return p ? vectorText(*p) : QStringLiteral("–");
+    });
+    addTarget(item);
+    addButtons(item);
+}
+
+const Held* EndpointForm::held(const SelectionItem& item) const {
+    const auto found = now().held.find(EndpointRef{item.part, item.atEnd});
+    return found == now().held.end() ? nullptr : &found->second;
+}
+
+std::optional<Vec3> EndpointForm::shownAt(const SelectionItem& item) const { return endpointPosition(document_.session(), {item.part, item.atEnd}); }
+
+void EndpointForm::addTarget(const SelectionItem& item) {
+    addSection(tr("Target"));
+    static constexpr const char* kAxes[] = {"X", "Y", "Z"};
+    const auto target = [this](const SelectionItem& endpoint) -> std::optional<Vec3> {
+        const Held* h = held(endpoint);
+        return h ? std::optional(h->target) : shownAt(endpoint);
+    };
+    for (int axis = 0; axis < 3; ++axis) {
+        addNumber(QLatin1String(kAxes[axis]), {QStringLiteral("m"), -1e6, 1e6, 0.005, 4, 1.0, {}}, {item},
+                  [target, axis](const SelectionItem& endpoint) -> std::optional<double> {
+                      const auto p = target(endpoint);
+                      return p ? std::optional((*p)[axis]) : std::nullopt;
+                  },
+                  [this, target, axis](const SelectionItem& endpoint, double value) {
+                      Vec3 p = target(endpoint).value_or(Vec3::Zero());
+                      p[axis] = value;
+                      return commands::drag(path(endpoint), p);
+                  });
+    }
+}
+
+void EndpointForm::addButtons(const SelectionItem& item) {
+    auto* buttons = new QHBoxLayout;
+    auto* pin = new QPushButton(themedIcon(QStringLiteral("pin")), {}, this);
+    auto* release = new QPushButton(themedIcon(QStringLiteral("release")), tr("Release"), this);
+    buttons->addWidget(pin);
+    buttons->addWidget(release);
+    sections_->addLayout(buttons);
+    const auto pinned = [this, item] { return isPinned(now(), {item.part, item.atEnd}); };
+    connect(pin, &QPushButton::clicked, this, [this, item, pinned] { document_.execute(commands::setPinned(path(item), !pinned())); });
+    connect(release, &QPushButton::clicked, this, [this, item] { document_.execute(commands::release(path(item))); });
+    follow([this, item, pin, release, pinned] {
+        pin->setText(pinned() ? tr("Unpin") : tr("Pin"));
+        release->setEnabled(held(item) != nullptr);
+    });
+}
+
+}  // namespace imomushi

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "ui/panels/inspector/inspector_form.h"
+
+namespace imomushi {
+
+/// Nothing is selected: settings and contents of the whole character.
+class CharacterForm : public InspectorForm {
+    Q_OBJECT
+public:
+    CharacterForm(StudioDocument& document, QWidget* parent);
+};
+
+/// One element or several: material, effects, mesh, and what its precompute takes and gave.
+class ElementForm : public InspectorForm {
+    Q_OBJECT
+public:
+    ElementForm(StudioDocument& document, const Items& items, QWidget* parent);
+
+private:
+    void addMaterial(const Items& items);
+    void addColor(const Items& items);
+    void addJointPlanes(const Items& items);
+    void addEffects(const Items& items);
+    void addMesh(const Items& items);
+    // element_precompute_form.cpp
+    void addSolverMesh(const Items& items);
+    void addPrecompute(const SelectionItem& item);
+    void addResponse(const SelectionItem& item);
+    void addEstimate(const SelectionItem& item);
+    [[nodiscard]] bool hasFaces(const SelectionItem& item) const;
+    [[nodiscard]] const Element* sharedWith(const SelectionItem& item) const;
+    void addShared(const SelectionItem& item);
+};
+
+/// A joint face and what it is joined with.
+class FaceForm : public InspectorForm {
+    Q_OBJECT
+public:
+    FaceForm(StudioDocument& document, const SelectionItem& item, QWidget* parent);
+};
+
+/// One bone or several.
+class BoneForm : public InspectorForm {
+    Q_OBJECT
+public:
+    BoneForm(StudioDocument& document, const Items& items, QWidget* parent);
+
+private:
+    void addPlaceInTree(const SelectionItem& item);
+    void addRestPosition(const SelectionItem& item);
+};
+
+/// An end of a bone: where it is, and where it is held.
+class EndpointForm : public InspectorForm {
+    Q_OBJECT
+public:
+    EndpointForm(StudioDocument& document, const SelectionItem& item, QWidget* parent);
+
+private:
+    void addTarget(const SelectionItem& item);
+    void addButtons(const SelectionItem& item);
+    [[nodiscard]] const Held* held(const SelectionItem& item) const;
+    [[nodiscard]] std::optional<Vec3> shownAt(const SelectionItem& item) const;  ///< m
+};
+
+}  // namespace imomushi

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/panels/issues_panel.h"
+
+#include <QEvent>
+#include <QLabel>
+#include <QListView>
+#include <QVBoxLayout>
+
+#include "ui/widgets/line_delegate.h"
+
+namespace imomushi {
+namespace {
+
+LineDelegate::IconStyle styleBySeverity(const QModelIndex& issue) {
+    switch (Severity(issue.data(IssueModel::SeverityRole).toInt())) {
+        case Severity::Error: return {Appearance::Role::Error};
+        case Severity::Warning: return {Appearance::Role::Warning};
+        case Severity::Info: break;
+    }
+    return {Appearance::Role::Info};
+}
+
+}  // namespace
+
+IssuesPanel::IssuesPanel(StudioDocument& document, QWidget* parent) : QWidget(parent) {
+    model_ = new IssueModel(document, this);
+    list_ = new QListView(this);
+    list_->setModel(model_);
+    list_->setMouseTracking(true);
+    list_->setItemDelegate(new LineDelegate({IssueModel::IconRole, IssueModel::DetailRole, true}, styleBySeverity, list_));
+    empty_ = new QLabel(this);
+    empty_->setProperty("role", "muted");
+    empty_->setAlignment(Qt::AlignCenter);
+    empty_->setWordWrap(true);
+    usePanelBackground(this);
+    auto* layout = new QVBoxLayout(this);
+    layout->setContentsMargins(8, 8, 6, 6);
+    layout->addWidget(list_);
+    layout->addWidget(empty_, 1);
+    const auto choose = [this, &document](const QModelIndex& index) {
+        const PartId element = model_->element(index);
+        if (!element) return;
+        document.select({{SelectionItem::Kind::Element, element, {}, false}});
+        Q_EMIT markWanted(element, model_->triangles(index));
+    };
+    connect(list_, &QListView::clicked, this, choose);
+    connect(list_, &QListView::activated, this, [this, choose](const QModelIndex& index) {
+        choose(index);
+        Q_EMIT frameWanted();
+    });
+    connect(model_, &QAbstractItemModel::modelReset, this, &IssuesPanel::update);
+    connect(&document, &StudioDocument::selectionChanged, this, [this] { Q_EMIT markWanted(0, {}); });
+    update();
+}
+
+void IssuesPanel::update() {
+    const bool none = model_->rowCount() == 0;
+    list_->setVisible(!none);
+    empty_->setVisible(none);
+    empty_->setText(tr("Nothing asks for attention."));
+    list_->setAccessibleName(tr("Issues"));
+    Q_EMIT worthChanged();
+}
+
+void IssuesPanel::changeEvent(QEvent* event) {
+    QWidget::changeEvent(event);
+    if (event->type() != QEvent::LanguageChange) return;
+    model_->rebuild();
+    update();
+}
+
+}  // namespace imomushi

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <QObject>
+
+namespace imomushi {
+
+class ActionSet;
+class PrecomputeJob;
+class StudioDocument;
+class TakeDeck;
+
+/// Which actions can be used now, which are checked, and what undo and redo would do. Follows the document, the takes and the precompute.
+class ActionStates : public QObject {
+    Q_OBJECT
+public:
+    ActionStates(ActionSet& actions, StudioDocument& document, TakeDeck& deck, PrecomputeJob& precompute, QObject* parent);
+    void update();
+
+signals:
+    void updated();
+
+private:
+    void updateSoon();  ///< several changes of one event are shown once
+    void updateSteps();
+    void updateTakes();
+
+    ActionSet& actions_;
+    StudioDocument& document_;
+    TakeDeck& deck_;
+    PrecomputeJob& precompute_;
+    bool scheduled_ = false;
+};
+
+}  // namespace imomushi

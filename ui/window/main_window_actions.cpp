@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the actions of the window do.
+#include <QActionGroup>
+#include <QSettings>
+
+#include "ui/dialogs/export_dialog.h"
+#include "ui/dialogs/help_dialogs.h"
+#include "ui/dialogs/preferences_dialog.h"
+#include "ui/models/commands.h"
+#include "ui/models/selection_commands.h"
+#include "ui/panels/outliner_panel.h"
+#include "ui/panels/takes_panel.h"
+#include "ui/tools/select_tool.h"
+#include "ui/viewport/viewport_widget.h"
+#include "ui/widgets/appearance.h"
+#include "ui/window/action_states.h"
+#include "ui/window/command_search.h"
+#include "ui/window/file_flow.h"
+#include "ui/window/main_window.h"
+#include "ui/window/message_bar.h"
+#include "ui/window/studio_actions.h"
+#include "ui/window/studio_docks.h"
+
+namespace imomushi {
+namespace {
+
+constexpr std::pair<const char*, ToolKind> kTools[] = {
+    {"tool-select", ToolKind::Select}, {"tool-face", ToolKind::Face}, {"tool-bone", ToolKind::Bone}, {"tool-pose", ToolKind::Pose}, {"tool-touch", ToolKind::Touch}};
+
+}  // namespace
+
+void MainWindow::on(const char* action, std::function<void()> run) { connect((*actions_)[action], &QAction::triggered, this, [run = std::move(run)] { run(); }); }
+void MainWindow::onToggle(const char* action, std::function<void(bool)> run) { connect((*actions_)[action], &QAction::triggered, this, std::move(run)); }
+
+void MainWindow::onSettled(const char* action, std::function<void()> run) {
+    on(action, [this, run = std::move(run)] {
+        settle();
+        run();
+    });
+}
+
+void MainWindow::settle() {
+    if (viewport_->busy()) viewport_->cancel();
+}
+
+void MainWindow::connectActions() {
+    connectFileActions();
+    connectEditActions();
+    connectTakeActions();
+    connectViewActions();
+    on("search", [this] { (new CommandSearch(actions_->all(), this))->popUp(); });
+    on("controls", [this] { ControlsDialog(*actions_, viewport_->navigationPreset() == NavigationPreset::Blender, this).exec(); });
+    on("about", [this] { AboutDialog(this).exec(); });
+}
+
+void MainWindow::connectFileActions() {
+    on("start", [this] { showStart(!startShown()); });
+    onSettled("new", [this] { files_->newProject(); });
+    onSettled("open", [this] { files_->askOpen(); });
+    onSettled("import", [this] { files_->askImport(); });
+    onSettled("save", [this] { files_->save(); });
+    onSettled("save-as", [this] { files_->saveAs(); });
+    onSettled("save-copy", [this] { files_->saveCopy(); });
+    onSettled("save-script", [this] { files_->saveScript(); });
+    on("export", [this] { openExport(); });
+    onSettled("write-mesh", [this] { files_->writeMesh(); });
+    on("quit", [this] { close(); });
+}
+
+void MainWindow::connectEditActions() {
+    on("undo", [this] { undo(); });
+    onSettled("redo", [this] { document_.execute(commands::redo()); });
+    onSettled("delete", [this] { removeSelection(document_); });
+    on("rename", [this] {
+        StudioDocks::raise(outliner());
+        outliner().renameSelected();
+    });
+    on("select-all", [this] { selectAllElements(document_); });
+    on("select-none", [this] { document_.select({}); });
+    on("preferences", [this] { openPreferences(); });
+    auto* tools = new QActionGroup(this);
+    for (const auto& [id, kind] : kTools) {
+        tools->addAction((*actions_)[id]);
+        on(id, [this, tool = kind] { setTool(tool); });
+    }
+    (*actions_)["tool-select"]->setChecked(true);
+    connect(viewport_, &ViewportWidget::toolChanged, this, [this](ToolKind kind) {
+        for (const auto& [id, tool] : kTools)
+            if (tool == kind) (*actions_)[id]->setChecked(true);
+    });
+    on("precompute", [this] { startPrecompute(); });
+    onSettled("join", [this] { join(); });
+    onSettled("pin", [this] { togglePins(document_); });
+    onSettled("release", [this] { document_.execute(commands::releaseAll()); });
+    onSettled("rest", [this] { document_.execute(commands::rest()); });
+    onSettled("hide", [this] { hideSelected(document_); });
+    onSettled("show-all", [this] { showAll(document_); });
+}
+
+void MainWindow::connectTakeActions() {
+    onSettled("record", [this] { record(); });
+    onSettled("play", [this] {
+        showStart(false);
+        deck_->setPlaying(!deck_->playing());
+    });
+    onSettled("take-back", [this] { deck_->step(-1); });
+    onSettled("take-forward", [this] { deck_->step(1); });
+    onToggle("loop", [this](bool checked) { deck_->setLooping(checked); });
+    on("mark-in", [this] { deck_->setSpan(deck_->time(), deck_->to()); });
+    on("mark-out", [this] { deck_->setSpan(deck_->from(), deck_->time()); });
+    on("mark-none", [this] {
+        if (const Take* take = deck_->take()) deck_->setSpan(0.0, take->duration());
+    });
+    onSettled("trim-take", [this] { deck_->trim(); });
+    on("rename-take", [this] {
+        StudioDocks::raise(takes());
+        takes().rename();
+    });
+    onSettled("duplicate-take", [this] { deck_->duplicate(); });
+    onSettled("remove-take", [this] { deck_->remove(); });
+    const QString countsIn = QStringLiteral("takes/count-in");
+    onToggle("count-in", [this, countsIn](bool checked) {
+        deck_->setCountsIn(checked);
+        QSettings().setValue(countsIn, checked);
+    });
+    deck_->setCountsIn(QSettings().value(countsIn, false).toBool());
+    on("leave-take", [this] { deck_->leave(); });
+}
+
+void MainWindow::connectViewActions() {
+    StudioActions& a = *actions_;
+    on("frame-all", [this] { viewport_->frameAll(); });
+    on("frame-selection", [this] { viewport_->frameSelection(); });
+    on("view-front", [this] { viewport_->setViewAxis(ViewAxis::Front); });
+    on("view-right", [this] { viewport_->setViewAxis(ViewAxis::Right); });
+    on("view-top", [this] { viewport_->setViewAxis(ViewAxis::Top); });
+    onToggle("orthographic", [this](bool checked) { viewport_->setOrthographic(checked); });
+    onToggle("bones", [this](bool checked) { viewport_->setBonesVisible(checked); });
+    onToggle("grid", [this](bool checked) { viewport_->setGridVisible(checked); });
+    onToggle("xray", [this](bool checked) { viewport_->setXray(checked); });
+    const auto follow = [this, &a] {
+        a["orthographic"]->setChecked(viewport_->orthographic());
+        a["bones"]->setChecked(viewport_->bonesVisible());
+        a["grid"]->setChecked(viewport_->gridVisible());
+        a["xray"]->setChecked(viewport_->xray());
+    };
+    connect(viewport_, &ViewportWidget::viewChanged, this, follow);
+    follow();
+    onToggle("full-screen", [this](bool checked) { checked ? showFullScreen() : showNormal(); });
+    auto* themes = new QActionGroup(this);
+    for (int i = 0; i < int(std::size(kThemeActions)); ++i) {
+        themes->addAction(a[kThemeActions[i]]);
+        on(kThemeActions[i], [i] { Appearance::instance().setTheme(Appearance::Theme(i)); });
+    }
+    auto* languages = new QActionGroup(this);
+    for (const auto& [id, language] : {std::pair{"language-en", "en"}, std::pair{"language-ja", "ja"}}) {
+        languages->addAction(a[id]);
+        on(id, [language = QString::fromLatin1(language)] { Appearance::instance().setLanguage(language); });
+    }
+}
+
+void MainWindow::setTool(ToolKind tool) {
+    showStart(false);
+    viewport_->setTool(tool);
+    viewport_->setFocus();
+}
+
+void MainWindow::startPrecompute() {
+    settle();
+    precomputeFailed_ = false;
+    if (!precompute_->start()) messages().say(tr("Everything is precomputed already."), MessageBar::Tone::Info);
+    states_->update();
+}
+
+void MainWindow::undo() {
+    // Undo in the middle of a drag takes the drag back, nothing more.
+    if (viewport_->busy()) viewport_->cancel();
+    else document_.execute(commands::undo());
+}
+
+void MainWindow::join() {
+    if (const auto faces = joinSelected(document_))
+        messages().say(tr("Joined %1 and %2").arg(QString::fromStdString(faces->first), QString::fromStdString(faces->second)), MessageBar::Tone::Good);
+}
+
+void MainWindow::record() {
+    if (deck_->recording() || deck_->counting()) return deck_->stopRecording();
+    showStart(false);
+    StudioDocks::raise(takes());
+    // What is performed is dragged or touched.
+    if (viewport_->tool() != ToolKind::Pose && viewport_->tool() != ToolKind::Touch) viewport_->setTool(ToolKind::Pose);
+    deck_->startRecording();
+    viewport_->setFocus();
+}
+
+void MainWindow::openExport() {
+    settle();
+    if (!export_) {
+        export_ = new ExportDialog(document_, files_->folder(), this);
+        export_->setAttribute(Qt::WA_DeleteOnClose);
+    }
+    export_->show();
+    export_->raise();
+    export_->activateWindow();
+}
+
+void MainWindow::openPreferences() {
+    PreferencesDialog dialog(*actions_, this);
+    connect(&dialog, &PreferencesDialog::navigationChanged, this, [this](int preset) { viewport_->setNavigationPreset(NavigationPreset(preset)); });
+    connect(&dialog, &PreferencesDialog::deformOnChanged, this, [this](int where) { viewport_->setDeformOn(ViewportWidget::DeformOn(where)); });
+    dialog.exec();
+}
+
+}  // namespace imomushi

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/window/overlays.h"
+
+#include <QEvent>
+#include <algorithm>
+
+#include "ui/widgets/appearance.h"
+#include "ui/window/job_card.h"
+#include "ui/window/message_bar.h"
+
+namespace imomushi {
+
+Overlays::Overlays(QWidget* view) : QObject(view), view_(view), message_(new MessageBar(view)), job_(new JobCard(view)) {
+    for (QWidget* widget : {view_, static_cast<QWidget*>(message_), static_cast<QWidget*>(job_)}) widget->installEventFilter(this);
+}
+
+void Overlays::place() {
+    int bottom = view_->height() - px(18);
+    for (QFrame* overlay : {static_cast<QFrame*>(job_), static_cast<QFrame*>(message_)}) {
+        if (!overlay->isVisible()) continue;
+        const int width = std::min(px(520), view_->width() - px(32));
+        overlay->setFixedWidth(std::max(px(200), width));
+        overlay->adjustSize();
+        overlay->move((view_->width() - overlay->width()) / 2, bottom - overlay->height());
+        overlay->raise();
+        bottom -= overlay->height() + px(8);
+    }
+}
+
+bool Overlays::eventFilter(QObject* watched, QEvent* event) {
+    const auto type = event->type();
+    // place() itself resizes the overlays.
+    if (type == QEvent::Show || type == QEvent::Hide || type == QEvent::LayoutRequest || (type == QEvent::Resize && watched == view_))
+        QMetaObject::invokeMethod(this, &Overlays::place, Qt::QueuedConnection);
+    return QObject::eventFilter(watched, event);
+}
+
+}  // namespace imomushi

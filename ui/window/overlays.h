@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <QObject>
+#include <QWidget>
+
+namespace imomushi {
+
+class JobCard;
+class MessageBar;
+
+/// What lies over the lower edge of the view: the card of a running job, and above it the message bar.
+class Overlays : public QObject {
+    Q_OBJECT
+public:
+    explicit Overlays(QWidget* view);
+    [[nodiscard]] MessageBar& message() { return *message_; }
+    [[nodiscard]] JobCard& job() { return *job_; }
+    void place();
+
+    bool eventFilter(QObject* watched, QEvent* event) override;
+
+private:
+    QWidget* view_;
+    MessageBar* message_;
+    JobCard* job_;
+};
+
+}  // namespace imomushi

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <QList>
+#include <QObject>
+
+class QDockWidget;
+class QMainWindow;
+
+namespace imomushi {
+
+class AccuracyPanel;
+class ActionSet;
+class EffectsPanel;
+class FrameCostMeter;
+class HistoryPanel;
+class InspectorPanel;
+class IssuesPanel;
+class OutlinerPanel;
+class StudioDocument;
+class TakeDeck;
+class TakesPanel;
+
+/// The panels around the view, each in a dock: at the right the lists above the properties, at the foot accuracy and takes.
+class StudioDocks : public QObject {
+    Q_OBJECT
+public:
+    StudioDocks(QMainWindow& window, StudioDocument& document, TakeDeck& deck, FrameCostMeter& costs, ActionSet& actions);
+    /// Panels hear the document; they go before it does.
+    ~StudioDocks() override;
+
+    [[nodiscard]] OutlinerPanel& outliner() const { return *outliner_; }
+    [[nodiscard]] HistoryPanel& history() const { return *history_; }
+    [[nodiscard]] IssuesPanel& issues() const { return *issues_; }
+    [[nodiscard]] InspectorPanel& inspector() const { return *inspector_; }
+    [[nodiscard]] EffectsPanel& effects() const { return *effects_; }
+    [[nodiscard]] AccuracyPanel& accuracy() const { return *accuracy_; }
+    [[nodiscard]] TakesPanel& takes() const { return *takes_; }
+
+    /// In the order of the menu.
+    [[nodiscard]] QList<QDockWidget*> all() const { return {outlinerDock_, inspectorDock_, effectsDock_, takesDock_, accuracyDock_, historyDock_, issuesDock_}; }
+    /// Brings the dock of a panel to the front.
+    static void raise(QWidget& panel);
+
+    void retranslate();
+    void takeSizes();
+    /// How much of the height of `view` the lower right docks have.
+    [[nodiscard]] double inspectorShare(const QWidget& view) const;
+    /// Gives it to them, once the docks are laid out.
+    void shareHeight(double inspector);
+
+private:
+    void tellIssues();
+
+    QMainWindow& window_;
+    OutlinerPanel* outliner_;
+    HistoryPanel* history_;
+    IssuesPanel* issues_;
+    InspectorPanel* inspector_;
+    EffectsPanel* effects_;
+    AccuracyPanel* accuracy_;
+    TakesPanel* takes_;
+    QDockWidget *outlinerDock_, *historyDock_, *issuesDock_, *inspectorDock_, *effectsDock_, *accuracyDock_, *takesDock_;
+};
+
+}  // namespace imomushi
