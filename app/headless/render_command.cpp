@@ -16,7 +16,7 @@ namespace imomushi {
 namespace {
 
 // Angles beyond these show nothing useful and lose all precision.
-constexpr double kLeastFov = 0.01, kLargestFov = 3.0;
+constexpr double kMinFov = 0.01, kLargestFov = 3.0;
 
 Result<Vec3> vector(const Json& camera, const char* key) {
     const auto wrong = [&] { return fail("bad-value", std::string("\"camera\" needs \"") + key + "\" as three finite numbers [x, y, z] in metres."); };
@@ -49,7 +49,7 @@ Result<void> readCamera(const Json& given, render::Camera& camera) {
         return fail("bad-value", "The camera's up direction is zero or lies along its view: choose another.");
     if (given.contains("fov")) {
         const Json& fov = given.at("fov");
-        if (!fov.is_number() || !(fov.get<double>() >= kLeastFov && fov.get<double>() <= kLargestFov))
+        if (!fov.is_number() || !(fov.get<double>() >= kMinFov && fov.get<double>() <= kLargestFov))
             return fail("bad-value", "The camera's \"fov\" is the vertical angle in radians, 0.01 to 3.");
         camera.fov = fov.get<double>();
     }
@@ -58,9 +58,9 @@ Result<void> readCamera(const Json& given, render::Camera& camera) {
 
 Result<Json> run(SessionAccess& access, const Json& arguments, const Progress&) {
     const auto width = arguments.at("width").get<long long>(), height = arguments.at("height").get<long long>();
-    if (width < 1 || height < 1 || width > render::kLargestSide || height > render::kLargestSide || width * height > render::kMostPixels)
+    if (width < 1 || height < 1 || width > render::kLargestSide || height > render::kLargestSide || width * height > render::kMaxPixels)
         return fail("bad-value", "\"width\" and \"height\" are 1 to " + std::to_string(render::kLargestSide) + " pixels and at most " +
-                                     std::to_string(render::kMostPixels / 1'000'000) + " million pixels in all.");
+                                     std::to_string(render::kMaxPixels / 1'000'000) + " million pixels in all.");
     const auto path = arguments.at("path").get<std::string>();
     if (path.size() < 5 || path.substr(path.size() - 4) != ".png") return fail("bad-value", "\"path\" must end in .png: pictures are written as PNG.");
 

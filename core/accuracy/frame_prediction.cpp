@@ -26,7 +26,7 @@ Result<double> predictFrame(const CharacterInput& input, const Progress& progres
     const double ms = quietSpreads(kSeconds,
                                    {[&] {
                                        motion.move(at += 0.013);
-                                       character->solvePose(motion.holds, pose);
+                                       character->solvePose(motion.goals, pose);
                                        character->update(pose, 1.0 / 60.0);
                                    }},
                                    progress)[0].median;

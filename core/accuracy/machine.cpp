@@ -18,7 +18,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kSeconds = 0.5, kLeast = 0.1;  // less does not last as long as a precompute
+constexpr double kSeconds = 0.5, kMin = 0.1;  // less does not last as long as a precompute
 constexpr int kRounds = 20'000;  // of a block of work: some tenths of a millisecond, much less than a time slice of the scheduler
 
 double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
@@ -63,7 +63,7 @@ double machineShare(int threads) {
         for (int i = 1; i < threads; ++i) others.emplace_back(work);
         work();
     }
-    return std::clamp(blocks * fastest / (threads * since(begin)), kLeast, 1.0);
+    return std::clamp(blocks * fastest / (threads * since(begin)), kMin, 1.0);
 }
 
 }  // namespace imomushi

@@ -76,7 +76,7 @@ Result<Growth> growProposed(int threads, double seconds, const Progress& progres
         double at = 0.0;
         const auto ms = mediansInTurn(kRounds, kSecondsOfSize, {[&] {
                                           motion.move(at += 0.013);
-                                          character->solvePose(motion.holds, pose);
+                                          character->solvePose(motion.goals, pose);
                                           character->update(pose);
                                       }},
                                       progress);
@@ -101,7 +101,7 @@ Result<Growth> growPrevious(double seconds, const Progress& progress) {
         int count = 0;
         const auto ms = mediansInTurn(kRounds, kSecondsOfSize, {[&] {
                                           motion.move(at += 0.013);
-                                          (void)model->frame(motion.holds, pose);
+                                          (void)model->frame(motion.goals, pose);
                                           overhead += model->overheadMs();
                                           ++count;
                                       }},

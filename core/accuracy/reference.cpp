@@ -30,7 +30,7 @@ double since(Clock::time_point start) { return std::chrono::duration<double>(Clo
 /// Rim layers and bubble functions leave a tenth of the error of the plain mesh (solved_body.h: measured on 24 bodies, 0.3 to 2.5 times the estimate).
 constexpr double kErrorLeft = 0.1;
 /// Motions of joint faces that are smooth.
-const BasisChoice kSmooth(BasisKind::Modes, BasisChoice::kMostModes);
+const BasisChoice kSmooth(BasisKind::Modes, BasisChoice::kMaxModes);
 
 tl::unexpected<Error> cancelled() { return fail(kCancelled, "The study was cancelled."); }
 

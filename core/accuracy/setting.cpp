@@ -35,7 +35,7 @@ std::string meshName(const MeshChoice& mesh) {
 SolverMeshSetting MeshChoice::on(int vertices, const SolverMeshSetting& given) const {
     if (own) return given;
     const bool counted = kind == Kind::Refined || kind == Kind::Decimated;
-    const double count = std::clamp(std::round(factor * vertices), double{SolverMeshSetting::kFewest}, double{SolverMeshSetting::kMost});
+    const double count = std::clamp(std::round(factor * vertices), double{SolverMeshSetting::kFewest}, double{SolverMeshSetting::kMax});
     return {kind, counted ? static_cast<int>(count) : 0, tolerance};
 }
 
@@ -54,7 +54,7 @@ std::vector<AccuracySetting> studiedSettings(const AccuracySetting& present, con
     const auto basis = [](BasisChoice choice, bool smooth, const MeshChoice& mesh, ResponseFormat format = ResponseFormat::Float) {
         return AccuracySetting{false, choice, smooth, mesh, format};
     };
-    const BasisChoice few(BasisKind::Modes, 5), some(BasisKind::Modes, 12), most(BasisKind::Modes, BasisChoice::kMostModes);
+    const BasisChoice few(BasisKind::Modes, 5), some(BasisKind::Modes, 12), most(BasisKind::Modes, BasisChoice::kMaxModes);
     // Cheap meshes first: they say at once how bases compare.
     for (const MeshChoice& mesh : {asIs, usual}) {
         add(basis(BasisKind::Paper, false, mesh));

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kVersion = 3;  // of stored figures: whenever the same input would give others
 /// Differences of frames below this are those of the clock and the machine, ms.
-constexpr double kLeastMs = 1e-3;
+constexpr double kMinMs = 1e-3;
 
 /// Points by one of their costs.
 std::vector<Trade> tradesBy(double AccuracyPoint::*cost, const std::vector<AccuracyPoint>& points) {
@@ -28,7 +28,7 @@ std::vector<Trade> tradesBy(double AccuracyPoint::*cost, const std::vector<Accur
 
 double EffectPoint::off() const {
     const double more = std::max(predictedMs, measuredMs), less = std::min(predictedMs, measuredMs);
-    return less < 0.0 || more < kLeastMs ? -1.0 : more / std::max(less, kLeastMs);
+    return less < 0.0 || more < kMinMs ? -1.0 : more / std::max(less, kMinMs);
 }
 
 std::vector<std::size_t> AccuracyStudy::frontPerFrame() const { return paretoFront(tradesBy(&AccuracyPoint::frameMs, points)); }

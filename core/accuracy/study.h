@@ -54,7 +54,7 @@ struct StudyInput {
         double predictedMs = 0.0;
         CharacterInput with;
         /// What it makes of the pose that inverse kinematics found, before the character takes it (bone dynamics, ground). Empty: nothing.
-        std::function<const Pose&(double seconds, const Pose& kinematic, std::span<const Hold> holds)> step;
+        std::function<const Pose&(double seconds, const Pose& kinematic, std::span<const IkGoal> goals)> step;
         std::string unknown;           ///< why it cannot be measured; empty: it can
     };
     std::vector<Effect> effects;

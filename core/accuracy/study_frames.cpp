@@ -44,9 +44,9 @@ StudyFrames::StudyFrames(Character& character, const StudyInput::Effect* effect)
 void StudyFrames::operator()() {
     constexpr double kFrame = 1.0 / 60.0;
     motion_.move(phase_ += 0.013);
-    character_.solvePose(motion_.holds, pose_);
+    character_.solvePose(motion_.goals, pose_);
     finger_.press(character_);
-    character_.update(effect_ && effect_->step ? effect_->step(kFrame, pose_, motion_.holds) : pose_, kFrame);
+    character_.update(effect_ && effect_->step ? effect_->step(kFrame, pose_, motion_.goals) : pose_, kFrame);
 }
 
 }  // namespace imomushi

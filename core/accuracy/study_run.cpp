@@ -278,7 +278,7 @@ private:
         int count = 0;
         const Spread ms = inTurn({[&] {
             motion.move(at += 0.013);
-            (void)model->frame(motion.holds, pose);
+            (void)model->frame(motion.goals, pose);
             overhead += model->overheadMs();
             ++count;
         }})[0];

@@ -79,7 +79,7 @@ void BodyLoadsJob::load(Frame& frame, std::size_t e) {
             softness * (out.frame.linear.transpose() * (gravity_->acceleration - gravity_->inertia * own.acceleration.value()));
     }
     if (own.inflated) all[first + count - 1] = (inflate_->pressure + inflate_->breath * std::sin(phase_)) / given.stiffness;
-    const double wanted = all.tail(count).cwiseAbs().dot(runtime.columnSize.tail(count)), most = kMostLoaded * runtime.size;
+    const double wanted = all.tail(count).cwiseAbs().dot(runtime.columnSize.tail(count)), most = kMaxLoaded * runtime.size;
     if (wanted <= 0.0) return;
     all.tail(count) *= most * std::tanh(wanted / most) / wanted;
     if (wanted > most) frame.warn(FrameWarning::LoadsBounded);

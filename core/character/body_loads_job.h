@@ -38,13 +38,13 @@ struct InflateEffect : EffectOf<InflateEffect> {
 };
 
 /// The weights of body loads: force per volume and pressure in the frame of each element, and what they put on its joints. One job for both effects, which
-/// share a bound: loads are linear, and deform no element by more than kMostLoaded of its size, approached smoothly.
+/// share a bound: loads are linear, and deform no element by more than kMaxLoaded of its size, approached smoothly.
 ///   reads   ElementFrame::frame, rotation
 ///   writes  ElementFrame::withLoads after v, jointForces (with smooth joints)
 ///   warns   LoadsBounded
 class BodyLoadsJob final : public FrameJob {
 public:
-    static constexpr double kMostLoaded = 0.25;
+    static constexpr double kMaxLoaded = 0.25;
 
     explicit BodyLoadsJob(const Frame& frame);
     void add(const GravityEffect& gravity) { gravity_ = gravity; }

@@ -76,9 +76,9 @@ Character::~Character() = default;
 
 const CharacterInput& Character::input() const { return state_->frame.input; }
 
-InverseKinematics::Report Character::solvePose(const std::vector<Hold>& holds, Pose& pose) {
+InverseKinematics::Report Character::solvePose(const std::vector<IkGoal>& goals, Pose& pose) {
     const auto start = std::chrono::steady_clock::now();
-    const auto report = state_->kinematics.solve(holds, pose);
+    const auto report = state_->kinematics.solve(goals, pose);
     state_->solveWarnings = (report.outOfReach ? static_cast<unsigned>(FrameWarning::TargetOutOfReach) : 0u) |
                             (report.finite ? 0u : static_cast<unsigned>(FrameWarning::PoseRefused));
     state_->frame.stats.poseMs = milliseconds(start, std::chrono::steady_clock::now());

@@ -77,7 +77,7 @@ public:
     [[nodiscard]] const CharacterInput& input() const;
 
     /// Inverse kinematics from `pose` towards `holds`, in place.
-    InverseKinematics::Report solvePose(const std::vector<Hold>& holds, Pose& pose);
+    InverseKinematics::Report solvePose(const std::vector<IkGoal>& goals, Pose& pose);
 
     /// Deforms all elements to `pose`. Elements whose v did not change are moved as they are (evaluated once more when that begins); those that
     /// did not move either are left alone. `seconds` passed since the last update(), for effects that have a past; 0: none, what oscillates stays at its phase.

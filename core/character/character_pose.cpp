@@ -17,7 +17,7 @@ namespace {
 // Twist in radians or shift in face sizes that the basis cannot say and an artist would see.
 constexpr double kVisibleLoss = 1e-3;
 // In-plane stretches stay within these, approached smoothly.
-constexpr double kLeastStretch = 0.3, kMostStretch = 3.0;
+constexpr double kMinStretch = 0.3, kMaxStretch = 3.0;
 
 /// Weighted mean of rotations given as quaternions. Within one tree signs say which way a bend went round (Pose::frames); across trees they mean
 /// nothing and are aligned with the first.
@@ -48,14 +48,14 @@ private:
 
 // 1 + x near 0, between the limits everywhere, twice differentiable.
 double boundedStretch(double x) {
-    const double room = x < 0.0 ? 1.0 - kLeastStretch : kMostStretch - 1.0;
+    const double room = x < 0.0 ? 1.0 - kMinStretch : kMaxStretch - 1.0;
     return 1.0 + room * std::tanh(x / room);
 }
 
 // The same to first order, as a free bar of Poisson ratio nu contracts when it is stretched by far: (length)^-nu.
 double freeStretch(double x, double nu) {
     if (nu < 1e-3) return boundedStretch(x);
-    return std::clamp(std::pow(std::max(1.0 - x / nu, 1e-3), -nu), kLeastStretch, kMostStretch);
+    return std::clamp(std::pow(std::max(1.0 - x / nu, 1e-3), -nu), kMinStretch, kMaxStretch);
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kParameters = 9;
 // Bounds, approached smoothly: shifts in face sizes, tilts and twist in radians, stretch.
-constexpr double kMostShift = 0.5, kMostTurn = 0.7, kMostStretch = 0.4;
+constexpr double kMaxShift = 0.5, kMaxTurn = 0.7, kMaxStretch = 0.4;
 
 // Radians, face sizes and parts of the stretch: smaller moves are none.
 constexpr double kUnmoved = 1e-9;
@@ -193,14 +193,14 @@ void JigglingJoint::step(double seconds, Place& wanted) {
     inPlane_.setIdentity();
     if (dynamics_.resting()) return;
     const auto away = [this](int k) { return dynamics_.parameters()[k] - target_[k]; };
-    const Vec3 tilt = bounded(Vec3(away(4), -away(3), away(8)), kMostTurn);
-    wanted.at += wanted.rotation * (axes_ * bounded(Vec3(away(6), away(7), away(5)), kMostShift * size_));
+    const Vec3 tilt = bounded(Vec3(away(4), -away(3), away(8)), kMaxTurn);
+    wanted.at += wanted.rotation * (axes_ * bounded(Vec3(away(6), away(7), away(5)), kMaxShift * size_));
     const double angleOfTilt = tilt.norm();
     if (angleOfTilt > 0.0) wanted.rotation = wanted.rotation * axes_ * Eigen::AngleAxisd(angleOfTilt, tilt / angleOfTilt).toRotationMatrix() * axes_.transpose();
     Matrix3d inPlane = Matrix3d::Identity();
-    inPlane(0, 0) += bounded(away(0), kMostStretch);
-    inPlane(1, 1) += bounded(away(2), kMostStretch);
-    inPlane(0, 1) = inPlane(1, 0) = bounded(away(1), 0.5 * kMostStretch);
+    inPlane(0, 0) += bounded(away(0), kMaxStretch);
+    inPlane(1, 1) += bounded(away(2), kMaxStretch);
+    inPlane(0, 1) = inPlane(1, 0) = bounded(away(1), 0.5 * kMaxStretch);
     inPlane_ = axes_ * inPlane * axes_.transpose();
 }
 

@@ -19,7 +19,7 @@ using Eigen::VectorXd;
 namespace {
 
 // Places of a face where its slopes are looked at.
-constexpr std::size_t kMostPlaces = 32;
+constexpr std::size_t kMaxPlaces = 32;
 // How far points lie apart for slopes, over the size of the face.
 constexpr double kSlopeStep = 1e-4;
 
@@ -61,7 +61,7 @@ struct JointEquilibrium::State {
     };
 
     explicit State(const CharacterInput& given) : input(given) {
-        modes = input.basis.kind == BasisKind::Modes ? input.basis.modes : input.basis.kind == BasisKind::Full ? BasisChoice::kMostModes : 0;
+        modes = input.basis.kind == BasisKind::Modes ? input.basis.modes : input.basis.kind == BasisKind::Full ? BasisChoice::kMaxModes : 0;
         shapes = warpShapes(modes);
         scalars = 2 + shapes;
         terms.resize(3 * static_cast<std::size_t>(scalars));
@@ -102,7 +102,7 @@ struct JointEquilibrium::State {
         out.table = Eigen::Matrix3Xd::Zero(3, scalars);
         out.turned = Eigen::Matrix3Xd::Zero(3, shapes);
         if (shapes == 0) return out;
-        const std::size_t stride = face.vertices.size() / kMostPlaces + 1;
+        const std::size_t stride = face.vertices.size() / kMaxPlaces + 1;
         const double step = kSlopeStep * face.size;
         for (std::size_t i = 0; i < face.vertices.size() && step > 0.0; i += stride) {
             const Vec3 p = face.frame.toLocal(body.vertices.row(face.vertices[i]).transpose());
@@ -276,7 +276,7 @@ struct JointEquilibrium::State {
             auto diagonal = system.diagonal(static_cast<int>(j)).diagonal();
             if (diagonal.size() == 0) continue;
             const double most = diagonal.maxCoeff();
-            diagonal.array() += most > 0.0 ? kLeastStiffness * most : 1.0;
+            diagonal.array() += most > 0.0 ? kMinStiffness * most : 1.0;
         }
         bool good = system.factorise();
         if (good) system.solve(right);
@@ -300,7 +300,7 @@ struct JointEquilibrium::State {
     // Bounded shapes from free parameters.
     void shape(Joint& joint, const VectorXd& q) const {
         const double middle = 0.5 * (q[0] + q[2]), half = 0.5 * (q[0] - q[2]), radius = std::hypot(half, q[1]);
-        const auto bounded = [](double x) { return x * boundFactor(x, x < 0.0 ? 1.0 - kLeastStretch : kMostStretch - 1.0); };
+        const auto bounded = [](double x) { return x * boundFactor(x, x < 0.0 ? 1.0 - kMinStretch : kMaxStretch - 1.0); };
         const double most = bounded(middle + radius), least = bounded(middle - radius);
         // The same directions with other stretches.
         const double turn = radius > 0.0 ? 0.5 * (most - least) / radius : 0.0, mean = 0.5 * (most + least);
@@ -319,8 +319,8 @@ struct JointEquilibrium::State {
         for (const auto& slope : joint.slopes) {
             Eigen::Matrix<double, 3, 2> gradient = Eigen::Matrix<double, 3, 2>::Zero();
             for (int k = 0; k < shapes; ++k) gradient.noalias() += warped.col(k) * slope.col(k).transpose();
-            const double fold = gradient.topRows<2>().squaredNorm() / (kMostFold * kMostFold * (1.0 + least) * (1.0 + least));
-            worst = std::max(worst, fold + gradient.row(2).squaredNorm() / (kMostSlope * kMostSlope));
+            const double fold = gradient.topRows<2>().squaredNorm() / (kMaxFold * kMaxFold * (1.0 + least) * (1.0 + least));
+            worst = std::max(worst, fold + gradient.row(2).squaredNorm() / (kMaxSlope * kMaxSlope));
         }
         warped *= boundFactor(std::sqrt(worst), 1.0);
         joint.turned.noalias() = joint.axes * warped;

@@ -19,7 +19,7 @@ namespace imomushi {
 /// They minimise sum_e mu_e (1/2 v_e^T K_e v_e + v_e^T f_e) with mu_e the relative stiffness of element e: tractions balance across every
 /// joint as far as the modes allow, and free faces are as free of traction as that. v_e is linear in S and w for given rotations, so that a frame is
 /// one sparse system of a dense block per joint. Joints whose elements have no response keep their shape.
-/// Shapes that cost nothing, or less than kLeastStiffness of the stiffest one of their joint, are resisted by that much.
+/// Shapes that cost nothing, or less than kMinStiffness of the stiffest one of their joint, are resisted by that much.
 /// A frame does not allocate. In the basis "full" joints have the most modes that there are.
 class JointEquilibrium {
 public:
@@ -28,7 +28,7 @@ public:
     JointEquilibrium& operator=(JointEquilibrium&&) noexcept;
     ~JointEquilibrium();
 
-    static constexpr double kLeastStiffness = 1e-9;
+    static constexpr double kMinStiffness = 1e-9;
 
     /// Rotation of a joint, rest to world, for the next solve().
     void setJoint(int joint, const Eigen::Matrix3d& rotation);
@@ -39,7 +39,7 @@ public:
     /// False: not finite, all joints keep their shape.
     bool solve();
 
-    /// I + S in rest axes, with stretches bounded smoothly: never below kLeastStretch or above kMostStretch.
+    /// I + S in rest axes, with stretches bounded smoothly: never below kMinStretch or above kMaxStretch.
     [[nodiscard]] const Eigen::Matrix3d& stretch(int joint) const;
     /// w of each warping shape in rest axes, 3 x warpingShapes(), bounded smoothly so that no face turns inside out.
     [[nodiscard]] Eigen::Ref<const Eigen::Matrix3Xd> warping(int joint) const;
@@ -49,7 +49,7 @@ public:
     /// v of an element in these shapes.
     [[nodiscard]] const Eigen::VectorXd& parameters(int element) const;
 
-    static constexpr double kLeastStretch = 0.3, kMostStretch = 3.0;
+    static constexpr double kMinStretch = 0.3, kMaxStretch = 3.0;
 
     /// Everything that is the same in all frames, for solving elsewhere (assets/drivers).
     struct Constants {
@@ -66,7 +66,7 @@ public:
         std::vector<std::vector<Eigen::MatrixXd>> spread;
     };
     [[nodiscard]] Constants constants() const;
-    static constexpr double kMostFold = 0.9, kMostSlope = 2.0;  ///< slopes of a warped face, over what would fold it in its plane (the least stretch), and out of it
+    static constexpr double kMaxFold = 0.9, kMaxSlope = 2.0;  ///< slopes of a warped face, over what would fold it in its plane (the least stretch), and out of it
 
     /// What solve() minimised, in the bounded shapes and with rigid joints; shear moduli times m^3. For tests.
     [[nodiscard]] double energy() const;

@@ -17,15 +17,15 @@ namespace imomushi {
 namespace {
 
 // Points of a ring that are tried; more triangles than that meet at poles only.
-constexpr std::size_t kMostPoints = 13;
+constexpr std::size_t kMaxPoints = 13;
 // Edges across the ring that are tried in pairs.
-constexpr std::size_t kMostEdges = 8;
+constexpr std::size_t kMaxEdges = 8;
 // Larger parts of the third edge magnify noise of positions.
-constexpr double kMostPart = 2.0;
+constexpr double kMaxPart = 2.0;
 // Heights over the tangent plane that are none, relative to the edges.
 constexpr double kFlat = 1e-9;
 // Tangents at a sine below this say little about their plane.
-constexpr double kLeastSine = 0.15;
+constexpr double kMinSine = 0.15;
 // What a pair of tangents costs: the middles beside that of the ring, over their lengths; the cosine between them; their tilt.
 constexpr double kOffCentre = 1.0, kNarrow = 0.3, kTilted = 3.0;
 constexpr std::size_t kGrain = 4096;
@@ -48,7 +48,7 @@ public:
             centre += area.norm() * (a + b + c) / 3.0;
             weight += area.norm();
             for (int i = 0; i < 3; ++i)
-                if (points_.size() < kMostPoints && std::find(points_.begin(), points_.end(), corner[i]) == points_.end())
+                if (points_.size() < kMaxPoints && std::find(points_.begin(), points_.end(), corner[i]) == points_.end())
                     points_.push_back(corner[i]);
         }
         if (!(weight > 0.0)) return best;
@@ -66,7 +66,7 @@ public:
                 const double length = (a - b).norm();
                 if (length > 0.0) edges_.push_back({points_[i], points_[j], ((a + b) / 2.0 - centre).norm() / length});
             }
-        const std::size_t some = std::min(kMostEdges, edges_.size());
+        const std::size_t some = std::min(kMaxEdges, edges_.size());
         std::partial_sort(edges_.begin(), edges_.begin() + static_cast<std::ptrdiff_t>(some), edges_.end(), [](const Edge& a, const Edge& b) { return a.off < b.off; });
         double bestScore = std::numeric_limits<double>::infinity();
         for (std::size_t i = 0; i < some; ++i)
@@ -96,7 +96,7 @@ private:
         }
         Vec3 t = at(s.a) - at(s.b), u = at(s.d) - at(s.c);
         const double ht = t.dot(normal), hu = u.dot(normal), most = std::max(std::abs(ht), std::abs(hu));
-        if (most > kFlat * (t.norm() + u.norm()) && most <= kMostPart * std::abs(height)) {
+        if (most > kFlat * (t.norm() + u.norm()) && most <= kMaxPart * std::abs(height)) {
             s.part[0] = static_cast<float>(ht / height);
             s.part[1] = static_cast<float>(hu / height);
             t += ht / height * (middle - at(s.c));
@@ -109,7 +109,7 @@ private:
             across = -across;
         }
         const double lengths = t.norm() * u.norm();
-        if (!(across.norm() > kLeastSine * lengths)) return;
+        if (!(across.norm() > kMinSine * lengths)) return;
         const double score = kOffCentre * (one.off + two.off) + kNarrow * std::abs(t.dot(u)) / lengths + kTilted * (across.normalized() - normal).norm();
         if (!(score < bestScore)) return;
         bestScore = score;

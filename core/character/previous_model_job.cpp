@@ -18,7 +18,7 @@ using Eigen::Matrix3d;
 namespace {
 
 constexpr double kStill = 1e-7;  // sizes per second: slower vertices rest
-constexpr double kLeastArea = 1e-3;  // of the mean: a vertex without a triangle of its own still has a mass
+constexpr double kMinArea = 1e-3;  // of the mean: a vertex without a triangle of its own still has a mass
 
 class PreviousModelJob final : public FrameJob {
 public:
@@ -83,7 +83,7 @@ Result<PreviousModelJob> PreviousModelJob::build(const CharacterInput& input, co
                            c = body.vertices.row(body.triangles(t, 2)).transpose();
                 for (int k = 0; k < 3; ++k) area[static_cast<std::size_t>(body.triangles(t, k))] += (b - a).cross(c - a).norm() / 6.0;
             }
-            const double least = kLeastArea * face.area / static_cast<double>(face.vertices.size());
+            const double least = kMinArea * face.area / static_cast<double>(face.vertices.size());
             for (const auto v : face.vertices) elements[e].held.push_back({0, 0, std::max(area[static_cast<std::size_t>(v)], least), face.frame.axes});
         }
     }

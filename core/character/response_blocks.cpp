@@ -19,11 +19,11 @@ constexpr double kNoMotion = 1e-30;
 // Modes that move nothing by more than this part of the largest displacement are left out.
 constexpr double kNoModeOfFloat = 2e-7, kNoModeOfSixteenBits = 1e-5;
 // More columns (of a full basis) are kept as they are: modes would save little and take long to find.
-constexpr Eigen::Index kMostColumnsForModes = 128;
+constexpr Eigen::Index kMaxColumnsForModes = 128;
 // An element whose free vertices are flatter than this part of their extent has no affine motion across it.
 constexpr double kFlat = 1e-5;
 // The error is measured with columns alone, as many of them at most, and with all together in several patterns of signs.
-constexpr Eigen::Index kMostColumnsAlone = 64;
+constexpr Eigen::Index kMaxColumnsAlone = 64;
 constexpr int kSignPatterns = 4;
 
 }  // namespace
@@ -58,7 +58,7 @@ ResponseBlocks::ResponseBlocks(const Points& vertices, const std::vector<std::in
 // response * v = affine motion by (affineOf * v) + modes * (modesOf * v)
 Eigen::MatrixXd ResponseBlocks::findModes(const Points& rest, const Eigen::MatrixXd& response, Table& t) {
     const Eigen::Index columns = response.cols(), points = response.rows() / 3;
-    if (columns > kMostColumnsForModes) return response;
+    if (columns > kMaxColumnsForModes) return response;
     t.affineOf = Eigen::MatrixXd::Zero(12, columns);
     // Columns of equal strength.
     Eigen::VectorXd size = response.cwiseAbs().colwise().maxCoeff();
@@ -194,7 +194,7 @@ double ResponseBlocks::measure(std::size_t vertices, const std::vector<std::int3
     Eigen::VectorXd size(columns);
     for (Eigen::Index c = 0; c < columns; ++c) {
         size[c] = response.col(c).cwiseAbs().maxCoeff();
-        if (!(size[c] > 0.0) || c % (1 + (columns - 1) / kMostColumnsAlone) != 0) continue;
+        if (!(size[c] > 0.0) || c % (1 + (columns - 1) / kMaxColumnsAlone) != 0) continue;
         v.setZero();
         v[c] = extent / size[c];
         exact = response.col(c) * v[c];

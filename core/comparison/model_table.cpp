@@ -128,11 +128,11 @@ Result<ModelTable> compareModels(const ComparedModels& models, const Progress& p
     const auto frames = mediansInTurn(kRounds, kSeconds,
                                       {[&] {
                                            motion.move(at += 0.013);
-                                           character->solvePose(motion.holds, pose);
+                                           character->solvePose(motion.goals, pose);
                                            character->update(pose);
                                        },
                                        [&] {
-                                           table.diverged = !baseline->frame(motion.holds, oldPose) || table.diverged;
+                                           table.diverged = !baseline->frame(motion.goals, oldPose) || table.diverged;
                                            overhead.push_back(baseline->overheadMs());
                                        }},
                                       progress.part(0.6, 0.8));

@@ -16,7 +16,7 @@ constexpr double kDamping = 10.0;      // 1/s
 // The explicit step is stable below (step * fastest frequency)^2 = 4; the damping and an estimate of the frequency want room.
 constexpr double kSafeStep = 1.0;
 constexpr int kPowerSteps = 40;
-constexpr double kLeastArea = 1e-6;    // of the mean area of a vertex: masses are areas and must not be 0
+constexpr double kMinArea = 1e-6;    // of the mean area of a vertex: masses are areas and must not be 0
 
 }  // namespace
 
@@ -71,7 +71,7 @@ void PreviousModel::State::prepare(const CharacterInput& input) {
                     area[std::lower_bound(patch.vertices.begin(), patch.vertices.end(), body.triangles(t, k)) - patch.vertices.begin()] += third;
             }
             for (std::size_t i = 0; i < patch.vertices.size(); ++i) {
-                area[i] = std::max(area[i], kLeastArea * patch.area / static_cast<double>(patch.vertices.size()));
+                area[i] = std::max(area[i], kMinArea * patch.area / static_cast<double>(patch.vertices.size()));
                 out.held.push_back({patch.vertices[i], jointOf[e][f], node[e][f][i], area[i], patch.frame.axes});
                 joints[jointOf[e][f]].nodes[node[e][f][i]].area += area[i];
             }
@@ -272,9 +272,9 @@ void PreviousModel::product() {
                         static_cast<int>(e.matrix.rows()), e.x.data(), 1, 0.0f, e.y.data(), 1);
 }
 
-bool PreviousModel::frame(const std::vector<Hold>& holds, Pose& pose) {
+bool PreviousModel::frame(const std::vector<IkGoal>& goals, Pose& pose) {
     State& s = *state_;
-    s.carrier.solvePose(holds, pose);
+    s.carrier.solvePose(goals, pose);
     s.carrier.update(pose);
     s.orient();
     s.overhead = s.carrier.stats().productMs + s.carrier.stats().normalsMs;

@@ -24,7 +24,7 @@ public:
     /// The product of all elements alone, on whatever the joint faces last did. Does not allocate, like frame().
     void product();
     /// One frame of a 60th of a second: inverse kinematics, joints, product, positions, normals, dynamics of the joint faces. False: diverged, and survived.
-    bool frame(const std::vector<Hold>& holds, Pose& pose);
+    bool frame(const std::vector<IkGoal>& goals, Pose& pose);
     /// Milliseconds of the last frame() that a joint-face model without A' spends twice here (a rigid body is placed first): not part of its cost.
     [[nodiscard]] double overheadMs() const;
     /// #body vertices x 3, world, as frame() left them.

@@ -244,7 +244,7 @@ Result<Skin> Skin::build(const WeldedSurface& body, const Skeleton& skeleton, co
     if (bones > 4096) return fail("bad-value", "There are more than 4096 bones: a skin cannot tell so many apart.");
     if (weights.vertices.size() != static_cast<std::size_t>(body.vertices.rows())) return fail("bad-value", "The weights belong to another body: compute them again.");
     for (const auto& v : weights.vertices)
-        for (std::size_t k = 0; k < SkinWeights::kMost; ++k)
+        for (std::size_t k = 0; k < SkinWeights::kMax; ++k)
             if (v.bone[k] < 0 || v.bone[k] >= static_cast<std::int32_t>(bones) || !(v.weight[k] >= 0.0f) || !(v.weight[0] > 0.0f))
                 return fail("bad-value", "The weights belong to other bones: compute them again.");
     auto state = std::make_unique<State>();
@@ -285,7 +285,7 @@ Result<Skin> Skin::build(const WeldedSurface& body, const Skeleton& skeleton, co
     s.firstPart = {0};
     for (std::size_t v = 0; v < s.count; ++v) {
         const Vec3 p = body.vertices.row(static_cast<Eigen::Index>(v)).transpose();
-        for (std::size_t k = 0; k < SkinWeights::kMost; ++k) {
+        for (std::size_t k = 0; k < SkinWeights::kMax; ++k) {
             const float w = weights.vertices[v].weight[k];
             if (!(w > 0.0f)) continue;
             const auto b = static_cast<std::size_t>(weights.vertices[v].bone[k]);

@@ -33,10 +33,10 @@ constexpr double kSameDistance = 1e-4;
 /// A line of sight keeps this far from the surface, relative to its length, but for its ends, and meets the surface at this slope.
 constexpr double kSight = 1e-3, kSightStart = 0.05, kGrazing = 0.05;
 /// Of the sum of weights that a vertex outside all ramps would have.
-constexpr double kLeastSum = 1e-12;
+constexpr double kMinSum = 1e-12;
 constexpr double kResidual = 1e-6;
 /// Cotangents of angles below a tenth of a degree would swamp all others.
-constexpr double kMostCotangent = 573.0;
+constexpr double kMaxCotangent = 573.0;
 
 Vec3 nearestOnBone(const Skeleton& skeleton, int b, const Vec3& p) {
     const Vec3 &from = skeleton.points[skeleton.bones[b].start], &to = skeleton.points[skeleton.bones[b].end];
@@ -57,14 +57,14 @@ Result<void> check(const WeldedSurface& body, const Skeleton& skeleton) {
 /// The largest of the weights of a vertex.
 void keepMost(std::vector<std::pair<double, int>>& all, SkinWeights::Vertex& vertex, double& dropped) {
     std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first != b.first ? a.first > b.first : a.second < b.second; });
-    const std::size_t kept = std::min<std::size_t>(all.size(), SkinWeights::kMost);
+    const std::size_t kept = std::min<std::size_t>(all.size(), SkinWeights::kMax);
     double total = 0.0, sum = 0.0;
     for (std::size_t i = 0; i < all.size(); ++i) {
         total += all[i].first;
         if (i < kept) sum += all[i].first;
     }
     dropped = std::max(dropped, 1.0 - sum / total);
-    for (std::size_t i = 0; i < SkinWeights::kMost; ++i) {
+    for (std::size_t i = 0; i < SkinWeights::kMax; ++i) {
         vertex.bone[i] = i < kept ? all[i].second : all[0].second;
         vertex.weight[i] = i < kept ? static_cast<float>(all[i].first / sum) : 0.0f;
     }
@@ -160,7 +160,7 @@ Result<SkinWeights> rampWeights(const WeldedSurface& body, const Skeleton& skele
         };
         add(nearest);
         for (const auto& m : meetings[nearest]) add(m.other);
-        if (sum < kLeastSum) all = {{1.0, nearest}};
+        if (sum < kMinSum) all = {{1.0, nearest}};
         keepMost(all, out.vertices[v], out.dropped);
     }
     spread(body, out);
@@ -200,7 +200,7 @@ Result<SkinWeights> automaticWeights(const WeldedSurface& body, const Skeleton& 
             area[k] += cross / 6.0;
             if (i == j || !(cross > 0.0)) continue;
             // Not below zero: the matrix stays one of positive weights on slivers too.
-            const double w = 0.5 * std::clamp((a - o).dot(b - o) / cross, 0.0, kMostCotangent);
+            const double w = 0.5 * std::clamp((a - o).dot(b - o) / cross, 0.0, kMaxCotangent);
             entries.emplace_back(i, i, w);
             entries.emplace_back(j, j, w);
             entries.emplace_back(i, j, -w);

@@ -12,10 +12,10 @@ namespace imomushi {
 
 /// Which bones each vertex of a skin follows: eight at most, so that none jumps where many are near.
 struct SkinWeights {
-    static constexpr int kMost = 8;
+    static constexpr int kMax = 8;
     struct Vertex {
-        std::array<std::int32_t, kMost> bone{};
-        std::array<float, kMost> weight{};  ///< descending, sum 1, >= 0
+        std::array<std::int32_t, kMax> bone{};
+        std::array<float, kMax> weight{};  ///< descending, sum 1, >= 0
     };
     std::vector<Vertex> vertices;
     double seconds = 0.0;   ///< wall time

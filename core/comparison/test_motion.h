@@ -10,7 +10,7 @@ namespace imomushi {
 /// The motion of a character while its frames are timed: all free ends of its bones but the first are inverse-kinematics targets that oscillate about their rest
 /// positions, so that every element deforms in every frame.
 struct TestMotion {
-    std::vector<Hold> holds;
+    std::vector<IkGoal> goals;
     explicit TestMotion(const Skeleton& skeleton);
     /// Sets the targets to phase t, radians, any.
     void move(double t);

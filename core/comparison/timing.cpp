@@ -12,7 +12,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kLeastRounds = 5, kWarmRounds = 2;
+constexpr int kMinRounds = 5, kWarmRounds = 2;
 /// Rounds of a stretch: short against a disturbance of the machine, and enough for a median.
 constexpr std::size_t kStretch = 15;
 constexpr std::size_t kQuietShare = 4;  // one stretch in so many counts
@@ -22,7 +22,7 @@ double since(Clock::time_point from) { return std::chrono::duration<double>(Cloc
 /// Times of all rounds, ms. At least a few, then for as long as `more` wants; none where nobody wants the result.
 std::vector<std::vector<double>> timesInTurn(const std::vector<std::function<void()>>& loops, const Progress& progress, const std::function<bool(int rounds)>& more) {
     std::vector<std::vector<double>> times(loops.size());
-    for (int r = 0; !progress.cancelled() && (r < kLeastRounds + kWarmRounds || more(r - kWarmRounds)); ++r)
+    for (int r = 0; !progress.cancelled() && (r < kMinRounds + kWarmRounds || more(r - kWarmRounds)); ++r)
         for (std::size_t i = 0; i < loops.size(); ++i) {
             loops[i]();
             const auto start = Clock::now();

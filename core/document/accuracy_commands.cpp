@@ -63,8 +63,8 @@ std::optional<StudyInput::Effect> pricedEffect(const Session& session, const Doc
         auto built = Performance::build(with, *planned);
         if (!built) return std::nullopt;
         out.predictedMs = Performance::predict(with, *planned);
-        out.step = [performance = std::make_shared<Performance>(std::move(*built))](double seconds, const Pose& kinematic, std::span<const Hold> holds) -> const Pose& {
-            performance->step(seconds, kinematic, holds);
+        out.step = [performance = std::make_shared<Performance>(std::move(*built))](double seconds, const Pose& kinematic, std::span<const IkGoal> goals) -> const Pose& {
+            performance->step(seconds, kinematic, goals);
             return performance->pose();
         };
     } else {

@@ -188,7 +188,7 @@ Result<Json> removeBone(DocumentEdit& edit, const Json& arguments, const Progres
         if (a.start != b.start && a.start != b.end && a.end != b.start && a.end != b.end)
             exchangePart(document.bones, id, [](Bone& changed) { changed.parent = 0; });
     }
-    std::erase_if(document.held, [&](const auto& held) { return held.first.bone == gone->id; });
+    std::erase_if(document.goals, [&](const auto& held) { return held.first.bone == gone->id; });
     return Json::object();
 }
 

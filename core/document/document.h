@@ -31,7 +31,7 @@ struct Element {
     double nu = 0.45;        ///< Poisson ratio, 0...0.5
     double stiffness = 1.0;  ///< relative shear modulus, > 0
     double density = 1000.0; ///< kg/m^3, > 0
-    /// Linear RGB of an element whose mesh brings no look of its own.
+    /// Linear RGB of an element whose mesh brings no colours of its own.
     Eigen::Vector3f color = Eigen::Vector3f(0.55f, 0.75f, 0.45f);
     bool visible = true;
     bool locked = false;     ///< not picked or changed in the viewport
@@ -77,7 +77,7 @@ struct Bone {
 };
 
 /// A dragged or pinned endpoint. A pin holds the endpoint where it is at rest until it is dragged.
-struct Held {
+struct EndpointGoal {
     bool pinned = false;
     Vec3 target = Vec3::Zero();      ///< where it is to be
     std::optional<double> roll;      ///< radians
@@ -85,7 +85,7 @@ struct Held {
     Vec3 from = Vec3::Zero();        ///< glide: where it started,
     double seconds = 0.0;            ///<        how long it takes (0: at once),
     double elapsed = 0.0;            ///<        and how much of that has passed
-    bool operator==(const Held&) const = default;
+    bool operator==(const EndpointGoal&) const = default;
 };
 
 /// A finger on an element.
@@ -114,7 +114,7 @@ struct Document {
     CharacterSettings settings;
     Effects effects;
     std::map<PartId, std::shared_ptr<const Take>> takes;
-    std::map<EndpointRef, Held> held;  ///< targets of drags, and pins
+    std::map<EndpointRef, EndpointGoal> goals;  ///< targets of drags, and pins
     std::vector<Touch> touches;        ///< fingers that are down
     Pose pose;                         ///< empty: at rest
     PartId nextId = 1;

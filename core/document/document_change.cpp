@@ -58,12 +58,12 @@ DocumentChange difference(const Document& before, const Document& after) {
     change.joints = partsThatDiffer(before.joints, after.joints);
     change.bones = partsThatDiffer(before.bones, after.bones);
     change.takes = partsThatDiffer(before.takes, after.takes);
-    for (const auto& [end, held] : before.held) {
-        const auto now = after.held.find(end);
-        if (now == after.held.end() || !(now->second == held)) change.held.emplace(end, held);
+    for (const auto& [end, held] : before.goals) {
+        const auto now = after.goals.find(end);
+        if (now == after.goals.end() || !(now->second == held)) change.goals.emplace(end, held);
     }
-    for (const auto& [end, held] : after.held)
-        if (!before.held.contains(end)) change.held.emplace(end, std::nullopt);
+    for (const auto& [end, held] : after.goals)
+        if (!before.goals.contains(end)) change.goals.emplace(end, std::nullopt);
     if (!(before.settings == after.settings)) change.settings = before.settings;
     if (!(before.effects == after.effects)) change.effects = before.effects;
     if (!(before.touches == after.touches)) change.touches = before.touches;
@@ -76,14 +76,14 @@ void exchange(Document& document, DocumentChange& change) {
     exchangeParts(document.joints, change.joints);
     exchangeParts(document.bones, change.bones);
     exchangeParts(document.takes, change.takes);
-    for (auto& [end, held] : change.held) {
-        const auto found = document.held.find(end);
-        std::optional<Held> was;
-        if (found != document.held.end()) was = found->second;
+    for (auto& [end, held] : change.goals) {
+        const auto found = document.goals.find(end);
+        std::optional<EndpointGoal> was;
+        if (found != document.goals.end()) was = found->second;
         if (held)
-            document.held.insert_or_assign(end, *held);
-        else if (found != document.held.end())
-            document.held.erase(found);
+            document.goals.insert_or_assign(end, *held);
+        else if (found != document.goals.end())
+            document.goals.erase(found);
         held = was;
     }
     if (change.settings) std::swap(document.settings, *change.settings);

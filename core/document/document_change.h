@@ -17,7 +17,7 @@ struct DocumentChange {
     std::map<PartId, std::shared_ptr<const Element>> elements;
     std::map<PartId, std::shared_ptr<const Joint>> joints;
     std::map<PartId, std::shared_ptr<const Bone>> bones;
-    std::map<EndpointRef, std::optional<Held>> held;
+    std::map<EndpointRef, std::optional<EndpointGoal>> goals;
     std::optional<CharacterSettings> settings;
     std::optional<Effects> effects;
     std::map<PartId, std::shared_ptr<const Take>> takes;

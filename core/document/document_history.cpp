@@ -56,7 +56,7 @@ void DocumentHistory::commit(Step step, const Document& before, Json line) {
 void DocumentHistory::push(Step step, const Document& before, std::vector<Json> lines) {
     DocumentChange change = difference(before, document_);
     // The pose goes on changing as frames pass; undo leads back to the one of before.
-    if (!change.pose && (!change.held.empty() || movesJointPoints(change, document_))) change.pose = before.pose;
+    if (!change.pose && (!change.goals.empty() || movesJointPoints(change, document_))) change.pose = before.pose;
     if (savedPosition_ > position_) savedPosition_ = -1;
     entries_.resize(static_cast<std::size_t>(position_));
     steps_.resize(static_cast<std::size_t>(position_));
@@ -67,7 +67,7 @@ void DocumentHistory::push(Step step, const Document& before, std::vector<Json> 
 }
 
 void DocumentHistory::advanceGlides(double seconds) {
-    for (auto& [end, held] : document_.held)
+    for (auto& [end, held] : document_.goals)
         if (held.elapsed < held.seconds) held.elapsed = std::min(held.seconds, held.elapsed + seconds);
 }
 

@@ -11,7 +11,7 @@ namespace imomushi {
 namespace {
 
 /// More estimates than these are not worth their memory: all are forgotten then.
-constexpr std::size_t kMostEstimates = 4096;
+constexpr std::size_t kMaxEstimates = 4096;
 
 /// Whether a response is one of this element: the same free vertices and bases of the same kind.
 bool fits(const ElementResponse& response, const Element& element, const BasisChoice& basis) {
@@ -175,7 +175,7 @@ ResponseEstimate DocumentResponses::estimateOf(PartId element) const {
 ResponseEstimate DocumentResponses::estimateOf(const ContentKey& key, const ResponseInput& input) const {
     const std::pair asked(key, input.threads);
     if (const auto known = estimates_.find(asked); known != estimates_.end()) return known->second;
-    if (estimates_.size() >= kMostEstimates) estimates_.clear();
+    if (estimates_.size() >= kMaxEstimates) estimates_.clear();
     return estimates_[asked] = estimateResponse(input);
 }
 

@@ -64,7 +64,7 @@ double jointsOf(const Document& document) {
 }
 
 double smoothJointsPairs(const Document& document) {
-    const double modes = document.settings.basis == BasisKind::Full ? BasisChoice::kMostModes : document.settings.basis.modes;
+    const double modes = document.settings.basis == BasisKind::Full ? BasisChoice::kMaxModes : document.settings.basis.modes;
     const double warping = modes > 0.0 ? kWarpingPairs + modes * (kModePairs + modes * kModesPairs) : 0.0;
     return jointsOf(document) * (kJointPairs + warping);
 }

@@ -14,7 +14,7 @@ namespace imomushi {
 namespace {
 
 constexpr double kFastest = 1000.0;  // frames per second
-constexpr int kMostTargetsAsked = 1000;
+constexpr int kMaxTargetsAsked = 1000;
 
 constexpr std::array<std::pair<const char*, ExportLayout>, 4> kLayouts = {
     {{"baked", ExportLayout::Baked}, {"rigged", ExportLayout::Rigged}, {"skinned", ExportLayout::Skinned}, {"cache", ExportLayout::Cache}}};
@@ -129,7 +129,7 @@ Result<ExportPlan> planExport(Session& session, const Json& arguments) {
         if (*targets == "all") {
             plan.options.targets = 0;
         } else {
-            const auto given = numberWithin(*targets, "targets", 1, kMostTargetsAsked);
+            const auto given = numberWithin(*targets, "targets", 1, kMaxTargetsAsked);
             if (!given) return tl::unexpected(given.error());
             plan.options.targets = static_cast<int>(*given);
         }

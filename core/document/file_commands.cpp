@@ -47,7 +47,7 @@ Json contents(const Session& session) {
         for (const FaceRef& face : joint->faces) faces.push_back(faceText(document, face));
         joints.push_back(std::move(faces));
     }
-    for (const auto& [end, target] : document.held)
+    for (const auto& [end, target] : document.goals)
         held.push_back({{"endpoint", endpointText(document, end)}, {"pinned", target.pinned}, {"to", json(target.target)}});
     Json answer;
     answer["elements"] = std::move(elements);

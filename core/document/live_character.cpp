@@ -146,17 +146,17 @@ Points LiveCharacter::positionsOf(PartId element) {
 
 // ---- posing ------------------------------------------------------------------------------------------------------------
 
-void LiveCharacter::collectHolds() {
-    holds_.clear();
-    for (const auto& [end, held] : document().held) {
-        Hold hold;
-        hold.point = plan_.pointIndex(end);
-        if (hold.point < 0) continue;
+void LiveCharacter::collectGoals() {
+    goals_.clear();
+    for (const auto& [end, held] : document().goals) {
+        IkGoal goal;
+        goal.point = plan_.pointIndex(end);
+        if (goal.point < 0) continue;
         const double done = held.seconds > 0.0 ? std::min(1.0, held.elapsed / held.seconds) : 1.0;
-        hold.target = done < 1.0 ? Vec3(held.from + done * (held.target - held.from)) : held.target;
-        hold.hasRoll = held.roll.has_value();
-        if (held.roll) hold.roll = done < 1.0 ? held.fromRoll + done * (*held.roll - held.fromRoll) : *held.roll;
-        holds_.push_back(hold);
+        goal.target = done < 1.0 ? Vec3(held.from + done * (held.target - held.from)) : held.target;
+        goal.hasRoll = held.roll.has_value();
+        if (held.roll) goal.roll = done < 1.0 ? held.fromRoll + done * (*held.roll - held.fromRoll) : *held.roll;
+        goals_.push_back(goal);
     }
 }
 
@@ -166,10 +166,10 @@ Result<LiveCharacter::Settled> LiveCharacter::settle() {
     Settled settled;
     if (!character_) return settled;
     const auto start = std::chrono::steady_clock::now();
-    collectHolds();
-    settled.settled = holds_.empty();
+    collectGoals();
+    settled.settled = goals_.empty();
     while (!settled.settled && settled.iterations < kSettleSteps) {
-        const auto report = character_->solvePose(holds_, ownPose());
+        const auto report = character_->solvePose(goals_, ownPose());
         ++settled.iterations;
         settled.settled = report.settled;
         if (!report.finite) break;
@@ -185,10 +185,10 @@ Result<void> LiveCharacter::returnToRest() {
     if (!alive) return tl::unexpected(alive.error());
     if (!character_) return {};
     history_.pose() = restPose(plan_.input.skeleton);
-    collectHolds();
-    bool settled = holds_.empty();
+    collectGoals();
+    bool settled = goals_.empty();
     for (int i = 0; i < kSettleSteps && !settled; ++i) {
-        const auto report = character_->solvePose(holds_, history_.pose());
+        const auto report = character_->solvePose(goals_, history_.pose());
         settled = report.settled || !report.finite;
     }
     return {};
@@ -240,7 +240,7 @@ bool LiveCharacter::moving() {
     const auto alive = built();
     if (!alive || !*alive || shownTake_) return false;
     if (stirred_ && (!character_->resting() || (performance_ && performance_->isDynamic()))) return true;
-    const auto& held = document().held;
+    const auto& held = document().goals;
     return std::any_of(held.begin(), held.end(), [](const auto& h) { return h.second.elapsed < h.second.seconds; });
 }
 
@@ -250,17 +250,17 @@ void LiveCharacter::stepFrame(double seconds) {
     const bool wasTake = shownTake_.has_value();
     shownTake_.reset();
     history_.advanceGlides(seconds);
-    collectHolds();
+    collectGoals();
     bool settled = true;
     // What is settled is not solved again: it would go on changing by rounding, and nothing would ever rest.
-    if (!holds_.empty() && !(poseSettled_ && holds_ == settledHolds_)) {
-        settled = poseSettled_ = character_->solvePose(holds_, ownPose()).settled;
-        settledHolds_ = holds_;
+    if (!goals_.empty() && !(poseSettled_ && goals_ == settledGoals_)) {
+        settled = poseSettled_ = character_->solvePose(goals_, ownPose()).settled;
+        settledGoals_ = goals_;
     }
     if (!positions_.empty()) positions_.clear();
     applyTouches();
     if (performance_) {
-        performance_->step(seconds, ownPose(), holds_);
+        performance_->step(seconds, ownPose(), goals_);
         character_->update(performance_->pose(), seconds);
     } else if (!document().pose.points.empty() || stirred_ || wasTake || !character_->resting()) {
         character_->update(ownPose(), seconds);

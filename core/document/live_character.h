@@ -81,7 +81,7 @@ public:
     struct Recording {
         Take take;                                    ///< without poses and shapes
         std::vector<std::vector<double>> poses, shapes;
-        std::map<EndpointRef, Held> held;             ///< as of the last frame
+        std::map<EndpointRef, EndpointGoal> goals;             ///< as of the last frame
         bool going = true;                            ///< false: it ended, as the character is another one or the take is full
     };
     [[nodiscard]] const std::optional<Recording>& recording() const { return recording_; }
@@ -131,7 +131,7 @@ private:
     /// Makes `performance_` what the effects of the document ask for. Errors: those of Performance.
     Result<void> prepare();
     /// Fills `holds_` with the targets as they are now.
-    void collectHolds();
+    void collectGoals();
     /// Puts the fingers of the character where the document has them.
     void applyTouches();
     void measureEffects();
@@ -150,8 +150,8 @@ private:
     std::optional<Performance> performance_;  // where effects want one
     bool performanceValid_ = false;
 
-    std::vector<Hold> holds_;
-    std::vector<Hold> settledHolds_;     // while poseSettled_: the pose is the last word of inverse kinematics on these
+    std::vector<IkGoal> goals_;
+    std::vector<IkGoal> settledGoals_;     // while poseSettled_: the pose is the last word of inverse kinematics on these
     bool poseSettled_ = false;
     bool stirred_ = false;               // poses or targets changed since everything came to rest
     std::array<double, kEffects> effectMs_;  // of the last frame; negative: it had no such effect

@@ -9,9 +9,9 @@ namespace imomushi {
 namespace {
 
 /// Bytes: a take that is being recorded ends there.
-constexpr std::size_t kMostTakeBytes = std::size_t{1} << 31;
+constexpr std::size_t kMaxTakeBytes = std::size_t{1} << 31;
 
-bool sameTarget(const Held& a, const Held& b) { return a.pinned == b.pinned && a.target == b.target && a.roll == b.roll; }
+bool sameTarget(const EndpointGoal& a, const EndpointGoal& b) { return a.pinned == b.pinned && a.target == b.target && a.roll == b.roll; }
 
 }  // namespace
 
@@ -41,20 +41,20 @@ void LiveCharacter::recordFrame(double seconds) {
     Take& take = r.take;
     const std::size_t frameBytes = (poseNumbers(restPose(plan_.input.skeleton)).size() + static_cast<std::size_t>(take.layout.size())) * sizeof(double);
     const bool sameBones = std::equal(take.bones.begin(), take.bones.end(), plan_.bones.begin(), plan_.bones.end(), [](const Take::Bone& was, PartId is) { return was.bone == is; });
-    r.going = sameBones && fits(take) && take.times.size() * frameBytes < kMostTakeBytes;
+    r.going = sameBones && fits(take) && take.times.size() * frameBytes < kMaxTakeBytes;
     if (!r.going) return;
     const double now = take.duration() + seconds;
     take.times.push_back(now);
     r.poses.push_back(poseNumbers(performance_ ? performance_->pose() : posed()));
     character_->shape(r.shapes.emplace_back(static_cast<std::size_t>(take.layout.size())).data());
-    const auto& targets = document().held;
+    const auto& targets = document().goals;
     for (const auto& [end, held] : targets) {
-        const auto known = r.held.find(end);
-        if (known == r.held.end() || !sameTarget(known->second, held)) take.targets.push_back({now, end.bone, end.atEnd, true, held.pinned, held.target, held.roll});
+        const auto known = r.goals.find(end);
+        if (known == r.goals.end() || !sameTarget(known->second, held)) take.targets.push_back({now, end.bone, end.atEnd, true, held.pinned, held.target, held.roll});
     }
-    for (const auto& [end, held] : r.held)
+    for (const auto& [end, held] : r.goals)
         if (!targets.contains(end)) take.targets.push_back({now, end.bone, end.atEnd, false, false, Vec3::Zero(), {}});
-    r.held = targets;
+    r.goals = targets;
 }
 
 Take LiveCharacter::stopRecording() {

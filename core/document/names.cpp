@@ -53,10 +53,10 @@ std::string freeName(const Document& document, std::string_view wish) {
 
 std::string listNames(const std::vector<std::string>& names) {
     if (names.empty()) return "there are none yet";
-    constexpr std::size_t kMost = 12;
+    constexpr std::size_t kMax = 12;
     std::string text = names.size() == 1 ? "there is " : "there are ";
-    for (std::size_t i = 0; i < std::min(names.size(), kMost); ++i) text += (i ? ", \"" : "\"") + names[i] + "\"";
-    if (names.size() > kMost) text += " and " + std::to_string(names.size() - kMost) + " more";
+    for (std::size_t i = 0; i < std::min(names.size(), kMax); ++i) text += (i ? ", \"" : "\"") + names[i] + "\"";
+    if (names.size() > kMax) text += " and " + std::to_string(names.size() - kMax) + " more";
     return text;
 }
 

@@ -19,7 +19,7 @@ namespace imomushi {
 namespace {
 
 /// The previous model's matrices in double precision, kept while it is measured, may be this large together with the largest precompute (bytes).
-constexpr double kMostBytes = 6e9;
+constexpr double kMaxBytes = 6e9;
 
 /// Growing the caterpillar may take about this long, for each model and number of threads (s).
 constexpr double kGrowthSeconds = 30.0;
@@ -65,9 +65,9 @@ Result<ComparedModels> modelsOf(Session& session, const Progress& progress) {
         peak = std::max(peak, static_cast<double>(estimated.bytes));
     }
     if (faces == 0) return fail("no-face", "No element has a joint face: there is nothing to compare before faces are added.");
-    if (kept + peak > kMostBytes)
+    if (kept + peak > kMaxBytes)
         return fail("too-large", "The previous model would need " + formatted("%.1f", 1e-9 * (kept + peak)) + " GB for this character, more than " +
-                                     formatted("%.0f", 1e-9 * kMostBytes) + " GB: use coarser elements, or an empty document for the paper's caterpillar.");
+                                     formatted("%.0f", 1e-9 * kMaxBytes) + " GB: use coarser elements, or an empty document for the paper's caterpillar.");
     const double count = static_cast<double>(plan->elements.size());
     for (std::size_t e = 0; e < plan->elements.size(); ++e) {
         const ResponseInput in = session.responseInput(plan->elements[e]);

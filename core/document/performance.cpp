@@ -86,10 +86,10 @@ double Performance::predict(const Document& document, const CharacterPlan& plan)
     // One bone in three is turned a little, so that all springs work.
     for (std::size_t i = 0; i < pose.points.size(); i += 3) pose.points[i] += Vec3::Constant(0.05 * plan.input.skeleton.bones[0].length);
     // The first ones find caches cold, and others are disturbed. Somebody waits for the answer.
-    constexpr std::size_t kFewest = 9, kMost = 40;
+    constexpr std::size_t kFewest = 9, kMax = 40;
     constexpr double kLongest = 4.0;  // ms, all together
     std::vector<double> times;
-    for (double sum = 0.0; times.size() < kFewest || (times.size() < kMost && sum < kLongest); sum += times.back()) {
+    for (double sum = 0.0; times.size() < kFewest || (times.size() < kMax && sum < kLongest); sum += times.back()) {
         trial->step(1.0 / 60.0, pose, {});
         times.push_back(trial->milliseconds());
     }
@@ -130,10 +130,10 @@ void Performance::reset(const Pose& kinematic) {
         raise(kinematic);
 }
 
-void Performance::step(double seconds, const Pose& kinematic, std::span<const Hold> holds) {
+void Performance::step(double seconds, const Pose& kinematic, std::span<const IkGoal> goals) {
     const auto start = std::chrono::steady_clock::now();
     if (dynamics_)
-        dynamics_->step(seconds, kinematic, holds);
+        dynamics_->step(seconds, kinematic, goals);
     else
         raise(kinematic);
     milliseconds_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();

@@ -30,7 +30,7 @@ public:
     /// Stops at `kinematic`.
     void reset(const Pose& kinematic);
     /// One frame: the per-frame job. `seconds` > 0.
-    void step(double seconds, const Pose& kinematic, std::span<const Hold> holds);
+    void step(double seconds, const Pose& kinematic, std::span<const IkGoal> goals);
 
     [[nodiscard]] const Pose& pose() const { return dynamics_ ? dynamics_->pose() : raised_; }
     [[nodiscard]] bool isDynamic() const { return dynamics_.has_value(); }

@@ -17,7 +17,7 @@ namespace {
 constexpr double kLongestGlide = 1e6;       // s
 constexpr double kLargestRoll = 1e6;        // radians
 constexpr double kLongestFrame = 10.0;      // s
-constexpr int kMostFrames = 10'000'000;     // two days of 60 Hz
+constexpr int kMaxFrames = 10'000'000;     // two days of 60 Hz
 
 Json texts(const std::vector<std::string>& list) {
     Json array = Json::array();
@@ -26,9 +26,9 @@ Json texts(const std::vector<std::string>& list) {
 }
 
 /// What is held at the joint point of `end`: an endpoint of another bone may be the same point.
-std::map<EndpointRef, Held>::iterator heldAt(Document& document, const CharacterPlan& plan, const EndpointRef& end) {
+std::map<EndpointRef, EndpointGoal>::iterator heldAt(Document& document, const CharacterPlan& plan, const EndpointRef& end) {
     const int point = plan.pointIndex(end);
-    return std::find_if(document.held.begin(), document.held.end(), [&](const auto& held) { return plan.pointIndex(held.first) == point; });
+    return std::find_if(document.goals.begin(), document.goals.end(), [&](const auto& held) { return plan.pointIndex(held.first) == point; });
 }
 
 /// The endpoint that a command names, and the character that shows it.
@@ -49,13 +49,13 @@ Result<Json> pin(DocumentEdit& edit, const Json& arguments, const Progress&) {
     if (!shown) return tl::unexpected(shown.error());
     const auto position = edit.positionOf(shown->end);
     if (!position) return tl::unexpected(position.error());
-    if (const auto held = heldAt(edit.document, shown->plan, shown->end); held != edit.document.held.end()) {
+    if (const auto held = heldAt(edit.document, shown->plan, shown->end); held != edit.document.goals.end()) {
         held->second.pinned = true;
     } else {
-        Held made;
+        EndpointGoal made;
         made.pinned = true;
         made.target = *position;
-        edit.document.held.emplace(shown->end, made);
+        edit.document.goals.emplace(shown->end, made);
     }
     return Json::object();
 }
@@ -64,9 +64,9 @@ Result<Json> unpin(DocumentEdit& edit, const Json& arguments, const Progress&) {
     const auto shown = endpointOf(edit, arguments);
     if (!shown) return tl::unexpected(shown.error());
     const auto held = heldAt(edit.document, shown->plan, shown->end);
-    if (held == edit.document.held.end() || !held->second.pinned)
+    if (held == edit.document.goals.end() || !held->second.pinned)
         return fail("not-pinned", "The endpoint \"" + text(arguments, "endpoint") + "\" is not pinned.");
-    edit.document.held.erase(held);
+    edit.document.goals.erase(held);
     return Json::object();
 }
 
@@ -75,7 +75,7 @@ Result<Json> drag(DocumentEdit& edit, const Json& arguments, const Progress&) {
     if (!shown) return tl::unexpected(shown.error());
     const auto position = edit.positionOf(shown->end);
     if (!position) return tl::unexpected(position.error());
-    Held made;
+    EndpointGoal made;
     made.target = *vector3(arguments.at("to"));
     if (const Json* roll = find(arguments, "roll")) {
         const auto given = numberWithin(*roll, "roll", -kLargestRoll, kLargestRoll);
@@ -90,19 +90,19 @@ Result<Json> drag(DocumentEdit& edit, const Json& arguments, const Progress&) {
     made.from = *position;
     Document& document = edit.document;
     if (!document.pose.roll.empty()) made.fromRoll = document.pose.roll[static_cast<std::size_t>(shown->plan.pointIndex(shown->end))];
-    if (const auto held = heldAt(document, shown->plan, shown->end); held != document.held.end()) {
+    if (const auto held = heldAt(document, shown->plan, shown->end); held != document.goals.end()) {
         made.pinned = held->second.pinned;
         if (!made.roll) made.roll = held->second.roll;
-        document.held.erase(held);
+        document.goals.erase(held);
     }
-    document.held.insert_or_assign(shown->end, made);
+    document.goals.insert_or_assign(shown->end, made);
     return Json::object();
 }
 
 Result<Json> showDrag(LiveCharacter& live, const Json& arguments, Json) {
     const Document& document = live.document();
     const EndpointRef end = *document.endpoint(text(arguments, "endpoint"));
-    const Held held = document.held.at(end);
+    const EndpointGoal held = document.goals.at(end);
     live.hidePositions();
     if (held.seconds > 0.0) return Json{{"seconds", held.seconds}, {"warnings", texts(live.warningTexts(0))}};
     // With bone dynamics the body follows as frames pass.
@@ -124,15 +124,15 @@ Result<Json> showDrag(LiveCharacter& live, const Json& arguments, Json) {
 }
 
 Result<Json> release(DocumentEdit& edit, const Json& arguments, const Progress&) {
-    auto& all = edit.document.held;
+    auto& all = edit.document.goals;
     int released = 0;
-    const auto let = [&](std::map<EndpointRef, Held>::iterator held) -> Result<std::map<EndpointRef, Held>::iterator> {
+    const auto let = [&](std::map<EndpointRef, EndpointGoal>::iterator held) -> Result<std::map<EndpointRef, EndpointGoal>::iterator> {
         ++released;
         if (!held->second.pinned) return all.erase(held);
         // A pin that was dragged stays a pin, where it is now.
         const auto position = edit.positionOf(held->first);
         if (!position) return tl::unexpected(position.error());
-        Held pinned;
+        EndpointGoal pinned;
         pinned.pinned = true;
         pinned.target = *position;
         held->second = pinned;
@@ -166,8 +166,8 @@ Result<Json> rest(DocumentEdit& edit, const Json&, const Progress&) {
     Document& document = edit.document;
     document.pose = {};
     document.touches.clear();
-    std::erase_if(document.held, [](const auto& held) { return !held.second.pinned; });
-    for (auto& [end, held] : document.held) {
+    std::erase_if(document.goals, [](const auto& held) { return !held.second.pinned; });
+    for (auto& [end, held] : document.goals) {
         held = {};
         held.pinned = true;
         held.target = (*plan)->input.skeleton.points[static_cast<std::size_t>((*plan)->pointIndex(end))];
@@ -251,7 +251,7 @@ bool isFinite(const Character& character, const Pose& pose, std::size_t elements
 Result<Json> step(SessionAccess& access, const Json& arguments, const Progress& progress) {
     LiveCharacter& live = access.live;
     const Document& document = access.document();
-    const auto frames = numberWithin(arguments.at("frames"), "frames", 1, kMostFrames);
+    const auto frames = numberWithin(arguments.at("frames"), "frames", 1, kMaxFrames);
     if (!frames) return tl::unexpected(frames.error());
     const int count = static_cast<int>(*frames);
     std::vector<double> times = {1.0 / 60.0};

@@ -33,22 +33,22 @@ std::map<const ElementMesh*, int> writeMeshes(Database& db, const Document& docu
         const ElementMesh& mesh = *element->mesh;
         const int meshId = static_cast<int>(ids.size()) + 1;
         if (!ids.emplace(&mesh, meshId).second) continue;
-        const Look& look = mesh.look;
-        meshes.row(meshId, mesh.body.vertices, mesh.body.triangles, look.bodyVertex, look.triangles, look.normals, look.texCoords, look.colors,
-                   look.material);
+        const RenderMesh& render = mesh.renderMesh;
+        meshes.row(meshId, mesh.body.vertices, mesh.body.triangles, render.bodyVertex, render.triangles, render.normals, render.texCoords, render.colors,
+                   render.material);
     }
     std::map<int, const ElementMesh*> ordered;
     for (const auto& [mesh, id] : ids) ordered.emplace(id, mesh);
     RowWriter materials(db, "INSERT INTO materials VALUES (?,?,?,?,?,?,?)");
     for (const auto& [id, mesh] : ordered)
-        for (std::size_t i = 0; i < mesh->look.materials.size(); ++i) {
-            const Material& m = mesh->look.materials[i];
+        for (std::size_t i = 0; i < mesh->renderMesh.materials.size(); ++i) {
+            const Material& m = mesh->renderMesh.materials[i];
             materials.row(id, i, m.name, m.baseColor, m.metallic, m.roughness, m.baseColorTexture);
         }
     RowWriter textures(db, "INSERT INTO textures VALUES (?,?,?,?,?)");
     for (const auto& [id, mesh] : ordered)
-        for (std::size_t i = 0; i < mesh->look.textures.size(); ++i) {
-            const Texture& t = mesh->look.textures[i];
+        for (std::size_t i = 0; i < mesh->renderMesh.textures.size(); ++i) {
+            const Texture& t = mesh->renderMesh.textures[i];
             textures.row(id, i, t.name, t.mimeType, t.bytes);
         }
     return ids;
@@ -62,34 +62,34 @@ std::map<std::int64_t, std::shared_ptr<ElementMesh>> readMeshes(Database& db) {
         auto mesh = std::make_shared<ElementMesh>();
         mesh->body.vertices = rows.matrix<Points>();
         mesh->body.triangles = rows.matrix<Triangles>();
-        Look& look = mesh->look;
-        look.bodyVertex = rows.array<std::int32_t>();
-        look.triangles = rows.matrix<Triangles>();
-        look.normals = rows.matrix<decltype(look.normals)>();
-        look.texCoords = rows.matrix<decltype(look.texCoords)>();
-        look.colors = rows.matrix<decltype(look.colors)>();
-        look.material = rows.array<std::int32_t>();
-        const Eigen::Index bodyCount = mesh->body.vertices.rows(), renderCount = static_cast<Eigen::Index>(look.bodyVertex.size());
+        RenderMesh& render = mesh->renderMesh;
+        render.bodyVertex = rows.array<std::int32_t>();
+        render.triangles = rows.matrix<Triangles>();
+        render.normals = rows.matrix<decltype(render.normals)>();
+        render.texCoords = rows.matrix<decltype(render.texCoords)>();
+        render.colors = rows.matrix<decltype(render.colors)>();
+        render.material = rows.array<std::int32_t>();
+        const Eigen::Index bodyCount = mesh->body.vertices.rows(), renderCount = static_cast<Eigen::Index>(render.bodyVertex.size());
         require(bodyCount >= 4 && mesh->body.triangles.rows() >= 4, "a mesh is empty");
         require(allCoordinates(mesh->body.vertices), "a vertex is out of range");
         require(allWithin(mesh->body.triangles, bodyCount), "a triangle names a vertex that is not there");
-        require(allWithin(look.bodyVertex, bodyCount) && allWithin(look.triangles, renderCount), "a render vertex is out of range");
-        require(look.triangles.rows() == 0 || look.triangles.rows() == mesh->body.triangles.rows(), "the look of a mesh has other triangles than its body");
-        for (const Eigen::Index attribute : {look.normals.rows(), look.texCoords.rows(), look.colors.rows()})
+        require(allWithin(render.bodyVertex, bodyCount) && allWithin(render.triangles, renderCount), "a render vertex is out of range");
+        require(render.triangles.rows() == 0 || render.triangles.rows() == mesh->body.triangles.rows(), "the look of a mesh has other triangles than its body");
+        for (const Eigen::Index attribute : {render.normals.rows(), render.texCoords.rows(), render.colors.rows()})
             require(attribute == 0 || attribute == renderCount, "an attribute has a broken size");
-        require(allFinite(look.normals) && allFinite(look.texCoords) && allFinite(look.colors), "an attribute is not finite");
-        require(look.material.empty() || static_cast<Eigen::Index>(look.material.size()) == look.triangles.rows(), "the materials of a mesh have a broken size");
+        require(allFinite(render.normals) && allFinite(render.texCoords) && allFinite(render.colors), "an attribute is not finite");
+        require(render.material.empty() || static_cast<Eigen::Index>(render.material.size()) == render.triangles.rows(), "the materials of a mesh have a broken size");
         meshes.emplace(meshId, std::move(mesh));
     }
-    const auto meshAt = [&](std::int64_t meshId) -> Look& {
+    const auto meshAt = [&](std::int64_t meshId) -> RenderMesh& {
         const auto found = meshes.find(meshId);
         require(found != meshes.end(), "a mesh is missing");
-        return found->second->look;
+        return found->second->renderMesh;
     };
     RowReader materials(db, "SELECT * FROM materials ORDER BY mesh, position");
     while (materials.next()) {
-        Look& look = meshAt(materials.integer());
-        readPosition(materials, look.materials.size());
+        RenderMesh& render = meshAt(materials.integer());
+        readPosition(materials, render.materials.size());
         Material m;
         m.name = readUtf8(materials);
         const auto color = materials.array<float>(4);
@@ -98,24 +98,24 @@ std::map<std::int64_t, std::shared_ptr<ElementMesh>> readMeshes(Database& db) {
         m.metallic = static_cast<float>(materials.real(-1e6, 1e6));
         m.roughness = static_cast<float>(materials.real(-1e6, 1e6));
         m.baseColorTexture = static_cast<int>(materials.integer(-1, 1 << 20));
-        look.materials.push_back(std::move(m));
+        render.materials.push_back(std::move(m));
     }
     RowReader textures(db, "SELECT * FROM textures ORDER BY mesh, position");
     while (textures.next()) {
-        Look& look = meshAt(textures.integer());
-        readPosition(textures, look.textures.size());
+        RenderMesh& render = meshAt(textures.integer());
+        readPosition(textures, render.textures.size());
         Texture t;
         t.name = readUtf8(textures);
         t.mimeType = readUtf8(textures);
         t.bytes = textures.array<std::uint8_t>();
-        look.textures.push_back(std::move(t));
+        render.textures.push_back(std::move(t));
     }
     for (const auto& [meshId, mesh] : meshes) {
-        const Look& look = mesh->look;
-        for (const std::int32_t m : look.material)
-            require(m >= -1 && m < static_cast<std::int64_t>(look.materials.size()), "a triangle names a material that is not there");
-        for (const Material& m : look.materials)
-            require(m.baseColorTexture < static_cast<std::int64_t>(look.textures.size()), "a material names a texture that is not there");
+        const RenderMesh& render = mesh->renderMesh;
+        for (const std::int32_t m : render.material)
+            require(m >= -1 && m < static_cast<std::int64_t>(render.materials.size()), "a triangle names a material that is not there");
+        for (const Material& m : render.materials)
+            require(m.baseColorTexture < static_cast<std::int64_t>(render.textures.size()), "a material names a texture that is not there");
     }
     return meshes;
 }

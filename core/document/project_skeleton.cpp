@@ -62,7 +62,7 @@ void writeSkeleton(Database& db, const Document& document) {
                   e.kind, e.part, e.name, e.point);
     }
     RowWriter held(db, "INSERT INTO held VALUES (?,?,?,?,?,?,?,?,?)");
-    for (const auto& [end, h] : document.held)
+    for (const auto& [end, h] : document.goals)
         held.row(end.bone, end.atEnd, h.pinned, h.target, h.roll, h.fromRoll, h.from, h.seconds, h.elapsed);
     std::vector<double> points, frames;
     for (const Vec3& p : document.pose.points) points.insert(points.end(), p.data(), p.data() + 3);
@@ -123,7 +123,7 @@ void readSkeleton(Database& db, Document& document) {
         EndpointRef end;
         end.bone = readId(held);
         end.atEnd = held.boolean();
-        Held h;
+        EndpointGoal h;
         h.pinned = held.boolean();
         h.target = readPoint(held);
         h.roll = held.optionalReal();
@@ -133,7 +133,7 @@ void readSkeleton(Database& db, Document& document) {
         h.seconds = held.real(0.0, 1e6);
         h.elapsed = held.real(0.0, 1e6);
         require(document.bones.contains(end.bone), "a held endpoint is missing");
-        document.held.emplace(end, h);
+        document.goals.emplace(end, h);
     }
     RowReader pose(db, "SELECT * FROM pose");
     require(pose.next(), "the pose is missing");

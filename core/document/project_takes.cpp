@@ -56,7 +56,7 @@ void writeTakes(Database& db, const Document& document) {
 }
 
 void readTakes(Database& db, Document& document) {
-    constexpr std::int64_t kMostParts = 1'000'000;
+    constexpr std::int64_t kMaxParts = 1'000'000;
     std::map<PartId, std::shared_ptr<Take>> read;
     RowReader rows(db, "SELECT * FROM takes ORDER BY id");
     while (rows.next()) {
@@ -69,7 +69,7 @@ void readTakes(Database& db, Document& document) {
         require(frames > 0 && allCoordinates(take->times) && take->times[0] == 0.0 && std::adjacent_find(take->times.begin(), take->times.end(), std::greater_equal<>()) == take->times.end(),
                 "the times of a take are broken");
         const auto bones = rows.array<PartId>(3);
-        take->points = static_cast<int>(rows.integer(0, kMostParts));
+        take->points = static_cast<int>(rows.integer(0, kMaxParts));
         for (std::size_t i = 0; i < bones.size(); i += 3) {
             require(bones[i + 1] < static_cast<PartId>(take->points) && bones[i + 2] < static_cast<PartId>(take->points), "the bones of a take are broken");
             take->bones.push_back({bones[i], static_cast<int>(bones[i + 1]), static_cast<int>(bones[i + 2])});
@@ -83,14 +83,14 @@ void readTakes(Database& db, Document& document) {
         require(sizes.size() == 2 * take->elements.size(), "the elements of a take are broken");
         std::int64_t numbers = 0;
         for (std::size_t i = 0; i < sizes.size(); i += 2) {
-            require(sizes[i] >= 0 && sizes[i] <= kMostParts && sizes[i + 1] >= 0 && sizes[i + 1] <= kMostParts, "the elements of a take are broken");
+            require(sizes[i] >= 0 && sizes[i] <= kMaxParts && sizes[i + 1] >= 0 && sizes[i + 1] <= kMaxParts, "the elements of a take are broken");
             numbers += ShapeLayout::kFrame + sizes[i] + sizes[i + 1];
             take->layout.elements.push_back({sizes[i], sizes[i + 1]});
         }
-        take->layout.joints = static_cast<int>(rows.integer(0, kMostParts));
-        take->layout.warping = static_cast<int>(rows.integer(0, Warping::kMost));
-        take->layout.nodes = static_cast<int>(rows.integer(0, kMostParts));
-        require(numbers + 64 * kMostParts < std::numeric_limits<int>::max(), "a take is too large");
+        take->layout.joints = static_cast<int>(rows.integer(0, kMaxParts));
+        take->layout.warping = static_cast<int>(rows.integer(0, Warping::kMax));
+        take->layout.nodes = static_cast<int>(rows.integer(0, kMaxParts));
+        require(numbers + 64 * kMaxParts < std::numeric_limits<int>::max(), "a take is too large");
         rotations.clear();
         for (std::size_t e = 0, at = 0; e < take->layout.elements.size(); ++e) {
             rotations.push_back(at);

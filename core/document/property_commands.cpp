@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kSmallestRatio = 1e-6, kLargestRatio = 1e6;  // relative stiffness: beyond, joints of both kinds lose all digits
 constexpr double kSmallestDensity = 1e-3, kLargestDensity = 1e6;  // kg/m^3: from a near vacuum to more than any matter
-constexpr int kMostThreads = 1024;
+constexpr int kMaxThreads = 1024;
 
 Result<Eigen::Vector3f> colour(const Json& value) {
     const auto bad = [] { return fail("bad-value", "\"color\" must be \"#rrggbb\" with six hexadecimal digits."); };
@@ -127,7 +127,7 @@ Result<void> setCharacter(CharacterSettings& settings, const std::string& proper
         return {};
     }
     if (property == "threads") {
-        const auto given = numberWithin(value, property, 0, kMostThreads);
+        const auto given = numberWithin(value, property, 0, kMaxThreads);
         if (!given) return tl::unexpected(given.error());
         if (*given != std::floor(*given)) return fail("bad-value", "\"threads\" must be a whole number (0: all of this machine).");
         settings.threads = static_cast<int>(*given);

@@ -21,8 +21,8 @@ CREATE TABLE touch_responses (response INTEGER PRIMARY KEY, centres BLOB, reach 
     forces BLOB, compliance BLOB, probes BLOB, gradients BLOB, asymmetry REAL, negative_energy REAL);
 )";
 
-constexpr std::size_t kMostTouchPatches = 100'000;
-constexpr int kMostFaceVertices = 1'000'000;  // of all faces of an element
+constexpr std::size_t kMaxTouchPatches = 100'000;
+constexpr int kMaxFaceVertices = 1'000'000;  // of all faces of an element
 
 ContentKey readKey(RowReader& rows) {
     const auto halves = rows.array<std::uint64_t>(2);
@@ -45,7 +45,7 @@ TouchResponse readTouch(RowReader& rows, const std::vector<std::int32_t>& freeVe
     t.asymmetry = rows.real();
     t.negativeEnergy = rows.real();
     const std::size_t count = t.patches.centre.size(), columns = 3 * count;
-    require(count >= 1 && count <= kMostTouchPatches && !t.patches.first.empty(), "touch is broken");
+    require(count >= 1 && count <= kMaxTouchPatches && !t.patches.first.empty(), "touch is broken");
     const auto vertices = static_cast<std::int64_t>(t.patches.first.size()) - 1;
     require(t.patches.first.front() == 0 && std::is_sorted(t.patches.first.begin(), t.patches.first.end()) &&
                 static_cast<std::size_t>(t.patches.first.back()) == t.patches.patch.size() && t.patches.weight.size() == t.patches.patch.size(),
@@ -121,15 +121,15 @@ std::map<std::int64_t, ResponseRow> readResponses(Database& db, bool withTouch) 
             FaceBasis basis;
             basis.kind = static_cast<BasisKind>(bases[i]);
             if (basis.kind == BasisKind::Full) {
-                require(bases[i + 1] <= kMostFaceVertices, "a basis is unknown");
+                require(bases[i + 1] <= kMaxFaceVertices, "a basis is unknown");
                 basis.vertices = bases[i + 1];
             } else {
                 basis.flat = bases[i + 1] % 2 == 1;
                 basis.modes = bases[i + 1] / 2;
-                require(basis.kind == BasisKind::Modes ? basis.modes >= 1 && basis.modes <= BasisChoice::kMostModes : basis.modes == 0, "a basis is unknown");
+                require(basis.kind == BasisKind::Modes ? basis.modes >= 1 && basis.modes <= BasisChoice::kMaxModes : basis.modes == 0, "a basis is unknown");
             }
             a->bases.push_back(std::move(basis));
-            require(static_cast<std::int64_t>(a->firstColumn.back()) + a->bases.back().columns() <= 3 * kMostFaceVertices, "a basis is too large");
+            require(static_cast<std::int64_t>(a->firstColumn.back()) + a->bases.back().columns() <= 3 * kMaxFaceVertices, "a basis is too large");
             a->firstColumn.push_back(a->firstColumn.back() + a->bases.back().columns());
         }
         const auto g = static_cast<std::size_t>(a->columns());

@@ -136,15 +136,15 @@ void BoneDynamics::State::writePose(const Body& from, const BoneTargets& targets
     }
 }
 
-void BoneDynamics::State::step(double seconds, const Pose& target, std::span<const Hold> holds) {
+void BoneDynamics::State::step(double seconds, const Pose& target, std::span<const IkGoal> goals) {
     warnings = 0;
     const int points = static_cast<int>(body.x.size());
     std::fill(heldNow.begin(), heldNow.end(), char(0));
-    for (const auto& hold : holds) {
-        if (hold.point < 0 || hold.point >= points)
+    for (const IkGoal& ik : goals) {
+        if (ik.point < 0 || ik.point >= points)
             warnings |= static_cast<unsigned>(DynamicsWarning::InputRefused);
         else
-            heldNow[hold.point] = 1;
+            heldNow[ik.point] = 1;
     }
     if (!std::isfinite(seconds) || seconds < 0.0 || !usable(target)) {
         warnings |= static_cast<unsigned>(DynamicsWarning::InputRefused);
@@ -167,9 +167,9 @@ void BoneDynamics::State::step(double seconds, const Pose& target, std::span<con
         resting = false;
         slowSteps = 0;
     }
-    if (seconds > kMostSeconds) {
+    if (seconds > kMaxSeconds) {
         warnings |= static_cast<unsigned>(DynamicsWarning::TimeDropped);
-        seconds = kMostSeconds;
+        seconds = kMaxSeconds;
     }
 
     frameStart = frameEnd;
@@ -263,7 +263,7 @@ Result<void> BoneDynamics::set(const BoneDynamicsSettings& settings) {
 }
 
 void BoneDynamics::reset(const Pose& pose) { state_->reset(pose); }
-void BoneDynamics::step(double seconds, const Pose& kinematic, std::span<const Hold> holds) { state_->step(seconds, kinematic, holds); }
+void BoneDynamics::step(double seconds, const Pose& kinematic, std::span<const IkGoal> goals) { state_->step(seconds, kinematic, goals); }
 const Pose& BoneDynamics::pose() const { return state_->out; }
 bool BoneDynamics::resting() const { return state_->resting; }
 unsigned BoneDynamics::warnings() const { return state_->warnings; }

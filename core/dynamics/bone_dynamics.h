@@ -19,14 +19,14 @@ struct BoneSpring {
     double bendHertz = 2.5, bendDamping = 0.3;      ///< of the bend angle to its parent bone, or to the pose where it starts at a held point
     double rollHertz = 3.0, rollDamping = 0.3;        ///< of its twist about itself
 
-    static constexpr double kLeastHertz = 0.01, kMostHertz = 1000.0, kMostDamping = 10.0;
+    static constexpr double kMinHertz = 0.01, kMaxHertz = 1000.0, kMaxDamping = 10.0;
 };
 
 /// Everything that may change while a character moves.
 struct BoneDynamicsSettings {
     std::vector<BoneSpring> springs = {BoneSpring{}};  ///< one for all bones, or one per bone
     /// A tree of bones with no held point is drawn back to the kinematic pose as by critically damped springs of this frequency in Hz, at most
-    /// BoneSpring::kMostHertz; 0: it floats, flies and falls freely (what `ground` wants).
+    /// BoneSpring::kMaxHertz; 0: it floats, flies and falls freely (what `ground` wants).
     double returnHertz = 0.5;
     Vec3 gravity = Vec3::Zero();  ///< m/s^2
     /// A plane that no joint point crosses, held ones included: they stay on the side that `normal` points to.
@@ -43,7 +43,7 @@ struct BoneDynamicsSettings {
 /// Things that a step wants to say without failing; they describe the last step().
 enum class DynamicsWarning : unsigned {
     InputRefused = 1,   ///< a time, pose or hold was not usable: the frame was skipped, or the hold ignored
-    TimeDropped = 2,    ///< the frame lasted longer than kMostSeconds: the rest of its time passed without motion
+    TimeDropped = 2,    ///< the frame lasted longer than kMaxSeconds: the rest of its time passed without motion
     StepRefused = 4,    ///< the equations had no finite solution: the last good state stays and its velocities are zero
 };
 
@@ -80,11 +80,11 @@ public:
     void reset(const Pose& pose);
 
     static constexpr double kStep = 1.0 / 240.0;       ///< s
-    static constexpr double kMostSeconds = 0.25;       ///< s, of motion per step()
+    static constexpr double kMaxSeconds = 0.25;       ///< s, of motion per step()
     /// One frame: `seconds` pass (>= 0), in which the kinematic pose moves evenly from the last one to `kinematic` and the points of `holds` are held.
     /// A point that is newly held approaches its kinematic place within about a fifth of a second. Targets of holds do not count, the kinematic
     /// pose does. Neither allocates, locks nor fails.
-    void step(double seconds, const Pose& kinematic, std::span<const Hold> holds);
+    void step(double seconds, const Pose& kinematic, std::span<const IkGoal> goals);
 
     /// The pose at the end of the last frame.
     [[nodiscard]] const Pose& pose() const;

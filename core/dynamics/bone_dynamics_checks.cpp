@@ -20,16 +20,16 @@ Result<void> checkSettings(const BoneDynamicsSettings& s, std::size_t bones, std
                                      " bones: give one for all or one per bone.");
     for (const auto& b : s.springs) {
         for (const double hertz : {b.stretchHertz, b.bendHertz, b.rollHertz})
-            if (!within(hertz, BoneSpring::kLeastHertz, BoneSpring::kMostHertz))
+            if (!within(hertz, BoneSpring::kMinHertz, BoneSpring::kMaxHertz))
                 return fail("bad-value", "The frequency of a bone is not between 0.01 and 1000 Hz: choose one that is.");
         for (const double ratio : {b.stretchDamping, b.bendDamping, b.rollDamping})
-            if (!within(ratio, 0.0, BoneSpring::kMostDamping))
+            if (!within(ratio, 0.0, BoneSpring::kMaxDamping))
                 return fail("bad-value", "The damping ratio of a bone is not between 0 and 10: choose one that is.");
     }
-    if (!within(s.returnHertz, 0.0, BoneSpring::kMostHertz))
+    if (!within(s.returnHertz, 0.0, BoneSpring::kMaxHertz))
         return fail("bad-value", "The frequency of the return is not between 0 and 1000 Hz: choose one that is.");
-    constexpr double kMostGravity = 1e12;  // m/s^2
-    if (!allFinite(s.gravity) || s.gravity.cwiseAbs().maxCoeff() > kMostGravity)
+    constexpr double kMaxGravity = 1e12;  // m/s^2
+    if (!allFinite(s.gravity) || s.gravity.cwiseAbs().maxCoeff() > kMaxGravity)
         return fail("bad-value", "Gravity is not below 1e12 m/s^2: choose a weaker one.");
     if (!s.ground) return {};
     if (!allFinite(s.ground->point) || s.ground->point.cwiseAbs().maxCoeff() > 1e30)

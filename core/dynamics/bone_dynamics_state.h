@@ -70,7 +70,7 @@ struct BoneDynamics::State {
     void advanceRoll(double h, const BoneSprings::Motion& motion);
     /// Into `out`. Frames are transported along the tree; those of roots by the least rotation from the kinematic pose.
     void writePose(const Body& from, const BoneTargets& targets);
-    void step(double seconds, const Pose& target, std::span<const Hold> holds);
+    void step(double seconds, const Pose& target, std::span<const IkGoal> goals);
     [[nodiscard]] bool sameFrames(const Pose& target) const;
     /// Into `next`: the kinematic pose at a part of the frame. Bit for bit the same while it rests.
     void targetsAt(double part);

@@ -64,7 +64,7 @@ bool ExplicitJointDynamics::good() const {
 
 bool ExplicitJointDynamics::step(double seconds, const Forces& forces) {
     if (!std::isfinite(seconds) || seconds <= 0.0) return true;
-    waiting_ = std::min(waiting_ + seconds, kMostSteps * seconds_);
+    waiting_ = std::min(waiting_ + seconds, kMaxSteps * seconds_);
     lastGood_ = displacement_;
     for (; waiting_ >= seconds_ * (1.0 - 1e-9); waiting_ = std::max(waiting_ - seconds_, 0.0)) {
         forces(displacement_, force_);

@@ -29,7 +29,7 @@ public:
     /// The force on every degree of freedom, N, at these displacements, m: minus the tractions, times area. Writes all of `force`.
     using Forces = std::function<void(const Eigen::VectorXd& displacement, Eigen::VectorXd& force)>;
 
-    static constexpr int kMostSteps = 1000;  ///< per frame; the rest of its time is dropped
+    static constexpr int kMaxSteps = 1000;  ///< per frame; the rest of its time is dropped
 
     /// One frame. Steps that do not fill up wait for the next. False: it diverged. Allocates nothing itself.
     bool step(double seconds, const Forces& forces);

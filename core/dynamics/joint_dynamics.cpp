@@ -61,9 +61,9 @@ Result<JointDynamics> JointDynamics::build(const Input& input) {
     if (g == 0 || input.stiffness.rows() != g || !symmetric(input.mass) || !symmetric(input.stiffness))
         return fail("bad-value", "Mass and stiffness of joint dynamics are not symmetric matrices of one size: symmetrise them.");
     if (!(input.mass.diagonal().minCoeff() > 0.0)) return fail("bad-value", "A joint parameter has no mass: give its element a density above zero.");
-    if (!std::isfinite(input.hertz) || input.hertz < BoneSpring::kLeastHertz || input.hertz > BoneSpring::kMostHertz)
+    if (!std::isfinite(input.hertz) || input.hertz < BoneSpring::kMinHertz || input.hertz > BoneSpring::kMaxHertz)
         return fail("bad-value", "The frequency of joint dynamics is not between 0.01 and 1000 Hz: choose one that is.");
-    if (!std::isfinite(input.damping) || input.damping < 0.0 || input.damping > BoneSpring::kMostDamping)
+    if (!std::isfinite(input.damping) || input.damping < 0.0 || input.damping > BoneSpring::kMaxDamping)
         return fail("bad-value", "The damping ratio of joint dynamics is not between 0 and 10: choose one that is.");
 
     const Eigen::VectorXd scale = input.mass.diagonal().cwiseSqrt().cwiseInverse();

@@ -32,7 +32,7 @@ Json loadsOf(const GltfContent& content, std::size_t e) {
     if (columns.empty()) return {};
     const Points& body = element.mesh->body.vertices;
     const Vec3 size = (body.colwise().maxCoeff() - body.colwise().minCoeff()).transpose();
-    Json out{{"column", element.response->columns()}, {"most", BodyLoadsJob::kMostLoaded * size.norm()}, {"sizes", Json::array()}};
+    Json out{{"column", element.response->columns()}, {"most", BodyLoadsJob::kMaxLoaded * size.norm()}, {"sizes", Json::array()}};
     Eigen::MatrixXd forces(element.response->columns(), static_cast<Eigen::Index>(columns.size()));
     for (std::size_t i = 0; i < columns.size(); ++i) {
         const auto column = element.response->loads.col(columns[i]);
@@ -65,8 +65,8 @@ Json driverData(const GltfContent& content) {
     if (smooth) {
         Json entries = Json::array();
         for (const auto& entry : smooth->entries) entries.push_back(entry);
-        out["smooth"] = {{"entries", std::move(entries)}, {"parameters", smooth->parameters}, {"leastStiffness", JointEquilibrium::kLeastStiffness},
-                         {"stretch", {JointEquilibrium::kLeastStretch, JointEquilibrium::kMostStretch}}, {"fold", JointEquilibrium::kMostFold}, {"slope", JointEquilibrium::kMostSlope}};
+        out["smooth"] = {{"entries", std::move(entries)}, {"parameters", smooth->parameters}, {"leastStiffness", JointEquilibrium::kMinStiffness},
+                         {"stretch", {JointEquilibrium::kMinStretch, JointEquilibrium::kMaxStretch}}, {"fold", JointEquilibrium::kMaxFold}, {"slope", JointEquilibrium::kMaxSlope}};
     }
     if (const auto* gravity = input.effects.find<GravityEffect>()) out["gravity"] = numbers(gravity->acceleration);
     for (std::size_t e = 0; e < input.elements.size(); ++e) {

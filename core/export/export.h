@@ -27,7 +27,7 @@ struct ExportScene {
     std::string name;
     CharacterInput character;
     std::vector<std::string> elements, bones, points;  ///< names of elements, bones, and joint points ("bone/end")
-    std::vector<Eigen::Vector3f> colors;               ///< of elements whose meshes bring no look, linear RGB
+    std::vector<Eigen::Vector3f> colors;               ///< of elements whose meshes bring no colours, linear RGB
     std::vector<ExportClip> clips;                     ///< one at least
 };
 

@@ -124,8 +124,8 @@ private:
     int addMaterial(std::size_t e, int material) {
         const ElementMesh& mesh = *scene_.character.elements[e].mesh;
         Material m;
-        if (material >= 0 && material < static_cast<int>(mesh.look.materials.size())) {
-            m = mesh.look.materials[static_cast<std::size_t>(material)];
+        if (material >= 0 && material < static_cast<int>(mesh.renderMesh.materials.size())) {
+            m = mesh.renderMesh.materials[static_cast<std::size_t>(material)];
         } else {
             m.name = scene_.elements[e];
             m.baseColor << scene_.colors[e], 1.0f;
@@ -135,7 +135,7 @@ private:
         for (int i = 0; i < 4; ++i) color.push_back(std::clamp(m.baseColor[i], 0.0f, 1.0f));
         Json surface{{"baseColorFactor", std::move(color)}, {"metallicFactor", std::clamp(m.metallic, 0.0f, 1.0f)}, {"roughnessFactor", std::clamp(m.roughness, 0.0f, 1.0f)}};
         if (m.baseColorTexture >= 0 && content_.surfaces[e].texCoords.rows() > 0)
-            if (const int texture = addTexture(mesh.look.textures[static_cast<std::size_t>(m.baseColorTexture)]); texture >= 0) surface["baseColorTexture"] = {{"index", texture}};
+            if (const int texture = addTexture(mesh.renderMesh.textures[static_cast<std::size_t>(m.baseColorTexture)]); texture >= 0) surface["baseColorTexture"] = {{"index", texture}};
         Json out{{"name", m.name}, {"pbrMetallicRoughness", std::move(surface)}};
         if (m.baseColor[3] < 1.0f) out["alphaMode"] = "BLEND";
         // Elements that were imported together share their materials.
@@ -265,7 +265,7 @@ private:
                 continue;
             }
             const auto& v = content_.skin.elements[e][static_cast<std::size_t>(body[i])];
-            for (std::size_t k = 0; k < FittedSkin::kMost; ++k) {
+            for (std::size_t k = 0; k < FittedSkin::kMax; ++k) {
                 joints[4 * i + k] = v.weight[k] > 0.0f ? static_cast<std::uint16_t>(v.joint[k]) : std::uint16_t{0};
                 weights[4 * i + k] = v.weight[k];
             }

@@ -201,7 +201,7 @@ private:
         if (left.largest > kRounding) {
             const Eigen::SelfAdjointEigenSolver<MatrixXd> gram(w.residuals.transpose() * w.residuals);
             const double most = gram.eigenvalues().tail<1>()[0];
-            MatrixXd modes(w.residuals.rows(), std::min<Eigen::Index>(kMostFitted, w.residuals.cols()));
+            MatrixXd modes(w.residuals.rows(), std::min<Eigen::Index>(kMaxFitted, w.residuals.cols()));
             Eigen::Index count = 0;
             for (; count < modes.cols() && left.largest > (w.whole ? kFitted : kRounding); ++count) {
                 const Eigen::Index k = w.residuals.cols() - 1 - count;
@@ -243,7 +243,7 @@ private:
         }
         for (Eigen::Index i = 0; i < fitted; ++i) out.names.push_back("fitted " + std::to_string(i + 1));
 
-        const Eigen::Index most = options_.targets > 0 ? options_.targets : kMostTargets;
+        const Eigen::Index most = options_.targets > 0 ? options_.targets : kMaxTargets;
         if (targets.cols() > most) reduce(most, targets, weights, matrix, out.names, errors);
 
         // Scales targets so that weights stay within -1 ... 1, and drops those that move nothing.

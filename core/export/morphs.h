@@ -32,14 +32,14 @@ struct MorphErrors {
     ExportError warped, touched, dropped;
 };
 
-/// The columns of A' as targets, exactly; what they cannot say (large motions, fingers) by targets fitted to the frames of the clips, as many as kMostFitted.
-/// With options.targets, or where there are more than kMostTargets columns, the best combinations of all instead: principal components of what the clips do.
+/// The columns of A' as targets, exactly; what they cannot say (large motions, fingers) by targets fitted to the frames of the clips, as many as kMaxFitted.
+/// With options.targets, or where there are more than kMaxTargets columns, the best combinations of all instead: principal components of what the clips do.
 /// `live`: targets that the clips do not use stay, and weights have room for other poses.
 /// Errors: "cancelled".
 Result<std::vector<ElementMorphs>> buildMorphs(Motion& motion, const ExportScene& scene, const ExportOptions& options, bool live, MorphErrors& errors,
                                                const Progress& progress);
 
-inline constexpr int kMostFitted = 24;
-inline constexpr int kMostTargets = 128;  // more are a burden in every engine; phones failed above 240
+inline constexpr int kMaxFitted = 24;
+inline constexpr int kMaxTargets = 128;  // more are a burden in every engine; phones failed above 240
 
 }  // namespace imomushi

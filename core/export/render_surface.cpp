@@ -16,7 +16,7 @@ constexpr float kSmooth = 0.7f;  // cosine
 RenderSurface renderSurface(const CharacterInput& input, int element, const float* normals) {
     const auto& given = input.elements[static_cast<std::size_t>(element)];
     const ElementMesh& mesh = *given.mesh;
-    const Look& look = mesh.look;
+    const RenderMesh& render = mesh.renderMesh;
     const auto faces = mesh.body.triangles.rows();
     std::vector<char> covered(static_cast<std::size_t>(faces), 0), joined(static_cast<std::size_t>(mesh.body.vertices.rows()), 0);
     for (const auto& joint : input.joints)
@@ -25,24 +25,24 @@ RenderSurface renderSurface(const CharacterInput& input, int element, const floa
                 for (const auto t : given.faces[static_cast<std::size_t>(f.face)].triangles) covered[static_cast<std::size_t>(t)] = 1;
                 for (const auto v : given.faces[static_cast<std::size_t>(f.face)].vertices) joined[static_cast<std::size_t>(v)] = 1;
             }
-    const bool hasLook = look.triangles.rows() == faces && !look.bodyVertex.empty();
-    const auto count = static_cast<Eigen::Index>(look.bodyVertex.size());
-    const bool hasNormals = hasLook && look.normals.rows() == count, hasTexCoords = hasLook && look.texCoords.rows() == count,
-               hasColors = hasLook && look.colors.rows() == count, hasMaterials = hasLook && static_cast<Eigen::Index>(look.material.size()) == faces;
+    const bool hasRenderMesh = render.triangles.rows() == faces && !render.bodyVertex.empty();
+    const auto count = static_cast<Eigen::Index>(render.bodyVertex.size());
+    const bool hasNormals = hasRenderMesh && render.normals.rows() == count, hasTexCoords = hasRenderMesh && render.texCoords.rows() == count,
+               hasColors = hasRenderMesh && render.colors.rows() == count, hasMaterials = hasRenderMesh && static_cast<Eigen::Index>(render.material.size()) == faces;
 
     RenderSurface out;
-    std::vector<std::int32_t> from, known(static_cast<std::size_t>(hasLook ? count : mesh.body.vertices.rows()), -1);
+    std::vector<std::int32_t> from, known(static_cast<std::size_t>(hasRenderMesh ? count : mesh.body.vertices.rows()), -1);
     std::map<int, std::vector<std::uint32_t>> parts;
     for (Eigen::Index t = 0; t < faces; ++t) {
         if (covered[static_cast<std::size_t>(t)]) continue;
-        auto& part = parts[hasMaterials ? look.material[static_cast<std::size_t>(t)] : hasLook && look.materials.size() == 1 ? 0 : -1];
+        auto& part = parts[hasMaterials ? render.material[static_cast<std::size_t>(t)] : hasRenderMesh && render.materials.size() == 1 ? 0 : -1];
         for (int c = 0; c < 3; ++c) {
-            const std::int32_t v = hasLook ? look.triangles(t, c) : mesh.body.triangles(t, c);
+            const std::int32_t v = hasRenderMesh ? render.triangles(t, c) : mesh.body.triangles(t, c);
             auto& number = known[static_cast<std::size_t>(v)];
             if (number < 0) {
                 number = static_cast<std::int32_t>(from.size());
                 from.push_back(v);
-                out.body.push_back(hasLook ? look.bodyVertex[static_cast<std::size_t>(v)] : v);
+                out.body.push_back(hasRenderMesh ? render.bodyVertex[static_cast<std::size_t>(v)] : v);
             }
             part.push_back(static_cast<std::uint32_t>(number));
         }
@@ -56,14 +56,14 @@ RenderSurface renderSurface(const CharacterInput& input, int element, const floa
         const std::int32_t v = from[static_cast<std::size_t>(i)], b = out.body[static_cast<std::size_t>(i)];
         Eigen::Vector3f normal(normals[3 * b], normals[3 * b + 1], normals[3 * b + 2]);
         if (hasNormals) {
-            const Eigen::Vector3f own = look.normals.row(v).transpose();
+            const Eigen::Vector3f own = render.normals.row(v).transpose();
             const bool seam = joined[static_cast<std::size_t>(b)] && own.dot(normal) > kSmooth * own.norm();
             if (!seam && own.norm() > 1e-6f) normal = own;
         }
         const float length = normal.norm();
         out.normals.row(i) = length > 1e-6f ? (normal / length).transpose() : Eigen::RowVector3f(0.0f, 1.0f, 0.0f);
-        if (hasTexCoords) out.texCoords.row(i) = look.texCoords.row(v);
-        if (hasColors) out.colors.row(i) = look.colors.row(v).cwiseMax(0.0f).cwiseMin(1.0f);
+        if (hasTexCoords) out.texCoords.row(i) = render.texCoords.row(v);
+        if (hasColors) out.colors.row(i) = render.colors.row(v).cwiseMax(0.0f).cwiseMin(1.0f);
     }
     return out;
 }

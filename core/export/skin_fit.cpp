@@ -22,12 +22,12 @@ constexpr double kRidge = 1e-6;
 // Alternations between weights and bind positions, where loads deform the body at rest.
 constexpr int kRounds = 4;
 // More joints than this are never near one vertex: the farthest are left out.
-constexpr int kMostCandidates = 24;
+constexpr int kMaxCandidates = 24;
 constexpr std::size_t kPiece = 32768, kBetweenReports = 16;  // vertices times frames that are worked on at once; such pieces
 
 using Motions = std::vector<Eigen::Isometry3d>;  // of the joints of the skin, rest to world
-using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMostCandidates, kMostCandidates>;
-using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMostCandidates, 1>;
+using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxCandidates, kMaxCandidates>;
+using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxCandidates, 1>;
 
 Eigen::Isometry3d isometry(const Eigen::Quaterniond& rotation, const Vec3& rest, const Vec3& now) {
     Eigen::Isometry3d out = Eigen::Isometry3d::Identity();
@@ -36,10 +36,10 @@ Eigen::Isometry3d isometry(const Eigen::Quaterniond& rotation, const Vec3& rest,
     return out;
 }
 
-/// Weights w >= 0 of sum 1 with the least w^T normal w, over a few candidates: negative ones leave one by one, then the weakest beyond kMost.
+/// Weights w >= 0 of sum 1 with the least w^T normal w, over a few candidates: negative ones leave one by one, then the weakest beyond kMax.
 SmallVector solveWeights(const Small& normal) {
     const auto n = static_cast<int>(normal.rows());
-    std::array<int, kMostCandidates> active{};
+    std::array<int, kMaxCandidates> active{};
     for (int i = 0; i < n; ++i) active[static_cast<std::size_t>(i)] = i;
     for (int count = n;; --count) {
         Small m(count, count);
@@ -52,7 +52,7 @@ SmallVector solveWeights(const Small& normal) {
             int least = 0;
             for (int i = 1; i < count; ++i)
                 if (!(solved[i] >= solved[least])) least = i;
-            if (!(solved[least] >= 0.0) || count > FittedSkin::kMost) {
+            if (!(solved[least] >= 0.0) || count > FittedSkin::kMax) {
                 std::copy(active.begin() + least + 1, active.begin() + count, active.begin() + least);
                 continue;
             }
@@ -128,7 +128,7 @@ struct VertexFit {
     [[nodiscard]] SmallVector weights(const Vec3& bind) const {
         const auto n = static_cast<Eigen::Index>(follows.size());
         Small normal = Small::Zero(n, n);
-        Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, kMostCandidates> off(3, n);
+        Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, kMaxCandidates> off(3, n);
         for (std::size_t k = 0; k < importance.size(); ++k) {
             if (importance[k] == 0.0) continue;
             const Vec3 to = goal(k);
@@ -329,11 +329,11 @@ Result<FittedSkin> fitSkin(Motion& motion, const ExportScene& scene, const Progr
                     const Vec3 rest = body.vertices.row(static_cast<Eigen::Index>(v)).transpose();
                     const auto& list = followed.at(welded[v]);
                     std::vector<int> near;
-                    if (list.size() > kMostCandidates) {
+                    if (list.size() > kMaxCandidates) {
                         near = list;
                         const auto distance = [&](int c) { return (skin.joints[static_cast<std::size_t>(local.joints[static_cast<std::size_t>(c)])].origin - rest).squaredNorm(); };
                         std::stable_sort(near.begin() + 1, near.end(), [&](int a, int b) { return distance(a) < distance(b); });
-                        near.resize(kMostCandidates);
+                        near.resize(kMaxCandidates);
                     }
                     const VertexFit fit{local, near.empty() ? list : near, goals, 3 * static_cast<Eigen::Index>(i), importance, floor};
                     Vec3 place = rest;

@@ -14,10 +14,10 @@ namespace imomushi {
 /// Linear blend skinning that is as near to the elastic body as its poses allow. Joints of the skin: the frame of each element, each plane where
 /// elements meet, and, where body loads act, a load joint per element: the rigid motion that best fits its deformation by the loads.
 struct FittedSkin {
-    static constexpr int kMost = 4;
+    static constexpr int kMax = 4;
     struct Vertex {
-        std::array<int, kMost> joint{};
-        std::array<float, kMost> weight{};  ///< descending, sum 1
+        std::array<int, kMax> joint{};
+        std::array<float, kMax> weight{};  ///< descending, sum 1
     };
     struct Joint {
         std::string name;

@@ -46,12 +46,12 @@ Result<void> checkFinite(const RawScene& scene, const std::string& quoted) {
 
 /// Some writers give normals of length 0: those of the body replace them.
 void replaceZeroNormals(ElementMesh& mesh) {
-    Look& look = mesh.look;
+    RenderMesh& render = mesh.renderMesh;
     Points smooth;
-    for (Eigen::Index r = 0; r < look.normals.rows(); ++r) {
-        if (look.normals.row(r).squaredNorm() > 0.25f) continue;
+    for (Eigen::Index r = 0; r < render.normals.rows(); ++r) {
+        if (render.normals.row(r).squaredNorm() > 0.25f) continue;
         if (smooth.rows() == 0) smooth = vertexNormals(mesh.body);
-        look.normals.row(r) = smooth.row(look.bodyVertex[static_cast<std::size_t>(r)]).cast<float>();
+        render.normals.row(r) = smooth.row(render.bodyVertex[static_cast<std::size_t>(r)]).cast<float>();
     }
 }
 
@@ -84,7 +84,7 @@ Result<ImportResult> buildResult(RawScene scene, const ImportRequest& request, c
     result.zUpConverted = request.up == UpAxis::AsInFile ? scene.zUp : request.up == UpAxis::Z;
     if (result.zUpConverted) {
         turnZUp(mesh.body.vertices);
-        turnZUp(mesh.look.normals);
+        turnZUp(mesh.renderMesh.normals);
     }
 
     progress.report("mend", 0.3);

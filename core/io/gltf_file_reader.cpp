@@ -14,7 +14,7 @@ namespace {
 using Json = GltfFileReader::Json;
 
 constexpr std::size_t kLargestBuffer = std::size_t{1} << 30;
-constexpr std::uint64_t kMostItems = std::uint64_t{1} << 28;  // of an accessor
+constexpr std::uint64_t kMaxItems = std::uint64_t{1} << 28;  // of an accessor
 
 const Json kNothing;
 
@@ -221,7 +221,7 @@ GltfFileReader::Values GltfFileReader::accessor(const Json& reference, const cha
     const std::size_t size = componentSize(componentType);
     const std::uint64_t count = number(member(from, "count"), "count");
     if (width == 0 || size == 0) refuse(std::string("has ") + what + " of an unknown type: export it again.");
-    if (count > kMostItems) refuseAsTooLarge();
+    if (count > kMaxItems) refuseAsTooLarge();
     const Json& normalizedFlag = member(from, "normalized");
     const bool normalized = normalizedFlag.is_boolean() && normalizedFlag.get<bool>() && componentType != 5126;
     Values values{static_cast<std::size_t>(count), width, {}};
@@ -256,7 +256,7 @@ GltfFileReader::Values GltfFileReader::accessor(const Json& reference, const cha
 std::string_view GltfFileReader::slice(const Json& view, std::uint64_t offset, std::uint64_t count, std::size_t size, std::size_t& stride, const char* what) {
     const std::string_view bytes = bufferView(index(view, list("bufferViews").size(), "buffer view"), &stride);
     if (stride == 0) stride = size;
-    if (stride < size || stride > 4096 || count > kMostItems) refuse(std::string("has ") + what + " with an impossible stride: export it again.");
+    if (stride < size || stride > 4096 || count > kMaxItems) refuse(std::string("has ") + what + " with an impossible stride: export it again.");
     const std::uint64_t needed = count == 0 ? 0 : stride * (count - 1) + size;
     if (offset > bytes.size() || needed > bytes.size() - offset) refuse(std::string("has ") + what + " that reach beyond their buffer view: export it again.");
     return bytes.substr(offset);

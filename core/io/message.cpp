@@ -14,7 +14,7 @@ namespace imomushi {
 namespace {
 
 constexpr char kMagic[4] = {'i', 'm', 'o', '1'};
-constexpr std::uint64_t kMostItems = std::uint64_t{1} << 30;
+constexpr std::uint64_t kMaxItems = std::uint64_t{1} << 30;
 
 class Writer {
 public:
@@ -62,7 +62,7 @@ public:
     /// How many items of `size` bytes follow.
     std::size_t count(std::size_t size) {
         const auto n = value<std::uint64_t>();
-        if (!good_ || n > kMostItems || n > rest_.size() / size) {
+        if (!good_ || n > kMaxItems || n > rest_.size() / size) {
             good_ = false;
             return 0;
         }
@@ -139,39 +139,39 @@ std::vector<MeshIssue> readIssues(Reader& r, Eigen::Index triangles, Eigen::Inde
     return issues;
 }
 
-void write(Writer& w, const Look& look) {
-    w.items(look.bodyVertex.data(), look.bodyVertex.size());
-    w.matrix(look.triangles);
-    w.matrix(look.normals);
-    w.matrix(look.texCoords);
-    w.matrix(look.colors);
-    w.items(look.material.data(), look.material.size());
-    w.value(static_cast<std::uint64_t>(look.materials.size()));
-    for (const Material& m : look.materials) {
+void write(Writer& w, const RenderMesh& render) {
+    w.items(render.bodyVertex.data(), render.bodyVertex.size());
+    w.matrix(render.triangles);
+    w.matrix(render.normals);
+    w.matrix(render.texCoords);
+    w.matrix(render.colors);
+    w.items(render.material.data(), render.material.size());
+    w.value(static_cast<std::uint64_t>(render.materials.size()));
+    for (const Material& m : render.materials) {
         w.text(m.name);
         w.matrix(m.baseColor);
         w.value(m.metallic);
         w.value(m.roughness);
         w.value(static_cast<std::int32_t>(m.baseColorTexture));
     }
-    w.value(static_cast<std::uint64_t>(look.textures.size()));
-    for (const Texture& t : look.textures) {
+    w.value(static_cast<std::uint64_t>(render.textures.size()));
+    for (const Texture& t : render.textures) {
         w.text(t.name);
         w.text(t.mimeType);
         w.items(t.bytes.data(), t.bytes.size());
     }
 }
 
-void readLook(Reader& r, const TriangleMesh& body, Look& look) {
-    look.bodyVertex = r.items<std::int32_t>();
-    r.matrix(look.triangles);
-    r.matrix(look.normals);
-    r.matrix(look.texCoords);
-    r.matrix(look.colors);
-    look.material = r.items<std::int32_t>();
+void readRenderMesh(Reader& r, const TriangleMesh& body, RenderMesh& render) {
+    render.bodyVertex = r.items<std::int32_t>();
+    r.matrix(render.triangles);
+    r.matrix(render.normals);
+    r.matrix(render.texCoords);
+    r.matrix(render.colors);
+    render.material = r.items<std::int32_t>();
     const std::size_t materials = r.count(1);
     for (std::size_t i = 0; i < materials && r.good(); ++i) {
-        Material& m = look.materials.emplace_back();
+        Material& m = render.materials.emplace_back();
         m.name = cleanName(r.text(), "material");
         Eigen::Matrix<float, Eigen::Dynamic, 4, Eigen::RowMajor> color;
         r.matrix(color);
@@ -186,24 +186,24 @@ void readLook(Reader& r, const TriangleMesh& body, Look& look) {
     }
     const std::size_t textures = r.count(1);
     for (std::size_t i = 0; i < textures && r.good(); ++i) {
-        Texture& t = look.textures.emplace_back();
+        Texture& t = render.textures.emplace_back();
         t.name = cleanName(r.text(), "texture");
         t.mimeType = cleanName(r.text(), "application/octet-stream");
         t.bytes = r.items<std::uint8_t>();
     }
     if (!r.good()) return;
 
-    const auto renderVertices = static_cast<Eigen::Index>(look.bodyVertex.size());
+    const auto renderVertices = static_cast<Eigen::Index>(render.bodyVertex.size());
     const auto fits = [&](Eigen::Index rows) { return rows == 0 || rows == renderVertices; };
-    bool good = inRange(look.bodyVertex, body.vertices.rows()) && look.triangles.rows() == body.triangles.rows() &&
-                inRange(look.triangles, renderVertices) && fits(look.normals.rows()) && fits(look.texCoords.rows()) && fits(look.colors.rows()) &&
-                allFinite(look.normals) && allFinite(look.texCoords) && allFinite(look.colors) &&
-                (look.material.empty() || static_cast<Eigen::Index>(look.material.size()) == body.triangles.rows()) &&
-                inRange(look.material, static_cast<Eigen::Index>(look.materials.size()));
-    for (const Material& m : look.materials)
-        good = good && m.baseColorTexture >= -1 && m.baseColorTexture < static_cast<int>(look.textures.size());
-    for (Eigen::Index i = 0; good && i < look.triangles.size(); ++i)
-        good = look.bodyVertex[static_cast<std::size_t>(look.triangles.data()[i])] == body.triangles.data()[i];
+    bool good = inRange(render.bodyVertex, body.vertices.rows()) && render.triangles.rows() == body.triangles.rows() &&
+                inRange(render.triangles, renderVertices) && fits(render.normals.rows()) && fits(render.texCoords.rows()) && fits(render.colors.rows()) &&
+                allFinite(render.normals) && allFinite(render.texCoords) && allFinite(render.colors) &&
+                (render.material.empty() || static_cast<Eigen::Index>(render.material.size()) == body.triangles.rows()) &&
+                inRange(render.material, static_cast<Eigen::Index>(render.materials.size()));
+    for (const Material& m : render.materials)
+        good = good && m.baseColorTexture >= -1 && m.baseColorTexture < static_cast<int>(render.textures.size());
+    for (Eigen::Index i = 0; good && i < render.triangles.size(); ++i)
+        good = render.bodyVertex[static_cast<std::size_t>(render.triangles.data()[i])] == body.triangles.data()[i];
     if (!good) r.refuse();
 }
 
@@ -285,7 +285,7 @@ std::string encodeAnswer(const Result<ImportResult>& answer) {
         w.text(body.name);
         w.matrix(body.mesh.body.vertices);
         w.matrix(body.mesh.body.triangles);
-        write(w, body.mesh.look);
+        write(w, body.mesh.renderMesh);
         write(w, body.issues);
         w.value(static_cast<std::int32_t>(body.components));
         w.value(static_cast<std::uint8_t>(body.closed));
@@ -316,7 +316,7 @@ Result<ImportResult> decodeAnswer(std::string_view content) {
         if (!r.good() || mesh.triangles.rows() == 0 || !allFinite(mesh.vertices) || !inRange(mesh.triangles, mesh.vertices.rows()) ||
             mesh.vertices.cwiseAbs().maxCoeff() > kMaxImportedCoordinate)
             return contradicts();
-        readLook(r, mesh, body.mesh.look);
+        readRenderMesh(r, mesh, body.mesh.renderMesh);
         body.issues = readIssues(r, mesh.triangles.rows(), mesh.vertices.rows());
         body.components = r.value<std::int32_t>();
         body.closed = r.value<std::uint8_t>() != 0;

@@ -110,10 +110,10 @@ private:
     }
 
     void materials() {
-        Look& look = scene_.surface.mesh.look;
+        RenderMesh& render = scene_.surface.mesh.renderMesh;
         for (unsigned i = 0; i < ai_->mNumMaterials; ++i) {
             const aiMaterial& from = *ai_->mMaterials[i];
-            Material& to = look.materials.emplace_back();
+            Material& to = render.materials.emplace_back();
             aiString name;
             if (from.Get(AI_MATKEY_NAME, name) == AI_SUCCESS) to.name = cleanName(text(name), "material");
             aiColor4D color;
@@ -128,7 +128,7 @@ private:
             aiString path;
             if (from.GetTexture(aiTextureType_DIFFUSE, 0, &path) != AI_SUCCESS && from.GetTexture(aiTextureType_BASE_COLOR, 0, &path) != AI_SUCCESS) continue;
             const int texture = textureAt(std::string(text(path)));
-            Material& again = look.materials.back();
+            Material& again = render.materials.back();
             again.baseColorTexture = texture;
             if (texture >= 0) again.baseColor.head<3>().setOnes();
         }
@@ -164,7 +164,7 @@ private:
 
     Result<void> mesh(const aiMesh& from, const aiNode& at, const Matrix& world) {
         const auto first = points_.size() / 3;
-        if (first + from.mNumVertices > kMostVertices) return tooManyVertices(file_);
+        if (first + from.mNumVertices > kMaxVertices) return tooManyVertices(file_);
         if (!from.mVertices || from.mNumVertices == 0) return {};
         morphs_ += from.mNumAnimMeshes;
         const std::string name = cleanName(text(at.mName), cleanName(text(from.mName), "mesh"));
@@ -242,14 +242,14 @@ private:
         const auto vertices = static_cast<Eigen::Index>(points_.size() / 3);
         mesh.body.vertices = Eigen::Map<const Points>(points_.data(), vertices, 3);
         mesh.body.triangles = Eigen::Map<const Triangles>(triangles_.data(), static_cast<Eigen::Index>(triangles_.size() / 3), 3);
-        Look& look = mesh.look;
-        if (!look.materials.empty()) look.material = std::move(material_);
+        RenderMesh& render = mesh.renderMesh;
+        if (!render.materials.empty()) render.material = std::move(material_);
         if (anyNormals_ || anyUv_ || anyColors_) {
-            look.triangles = mesh.body.triangles;
-            for (Eigen::Index v = 0; v < vertices; ++v) look.bodyVertex.push_back(static_cast<std::int32_t>(v));
-            if (anyNormals_) look.normals = Eigen::Map<const decltype(look.normals)>(normals_.data(), vertices, 3);
-            if (anyUv_) look.texCoords = Eigen::Map<const decltype(look.texCoords)>(texCoords_.data(), vertices, 2);
-            if (anyColors_) look.colors = Eigen::Map<const decltype(look.colors)>(colors_.data(), vertices, 4);
+            render.triangles = mesh.body.triangles;
+            for (Eigen::Index v = 0; v < vertices; ++v) render.bodyVertex.push_back(static_cast<std::int32_t>(v));
+            if (anyNormals_) render.normals = Eigen::Map<const decltype(render.normals)>(normals_.data(), vertices, 3);
+            if (anyUv_) render.texCoords = Eigen::Map<const decltype(render.texCoords)>(texCoords_.data(), vertices, 2);
+            if (anyColors_) render.colors = Eigen::Map<const decltype(render.colors)>(colors_.data(), vertices, 4);
         }
         return std::move(scene_);
     }

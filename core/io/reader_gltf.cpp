@@ -71,7 +71,7 @@ private:
                 }
                 to.baseColorTexture = texture(member(info, "index"));
             }
-            scene_.surface.mesh.look.materials.push_back(to);
+            scene_.surface.mesh.renderMesh.materials.push_back(to);
             uvUse_.push_back(use);
         }
     }
@@ -209,7 +209,7 @@ private:
             }
 
         const auto first = static_cast<std::int32_t>(points_.size() / 3);
-        if (points_.size() / 3 + n > kMostVertices) refuseAsTooLarge();
+        if (points_.size() / 3 + n > kMaxVertices) refuseAsTooLarge();
         const auto orZero = [&](double x) { return attributeOrZero(x, badAttributes_); };
         bool mirrored = false;
         for (std::size_t v = 0; v < n; ++v) {
@@ -304,23 +304,23 @@ private:
         const auto vertices = static_cast<Eigen::Index>(points_.size() / 3);
         mesh.body.vertices = Eigen::Map<const Points>(points_.data(), vertices, 3);
         mesh.body.triangles = Eigen::Map<const Triangles>(triangles_.data(), static_cast<Eigen::Index>(triangles_.size() / 3), 3);
-        Look& look = mesh.look;
+        RenderMesh& render = mesh.renderMesh;
         if (std::any_of(material_.begin(), material_.end(), [](std::int32_t m) { return m >= 0; })) {
             if (std::find(material_.begin(), material_.end(), -1) != material_.end()) {
-                std::replace(material_.begin(), material_.end(), -1, static_cast<std::int32_t>(look.materials.size()));
-                look.materials.emplace_back().name = "material";
+                std::replace(material_.begin(), material_.end(), -1, static_cast<std::int32_t>(render.materials.size()));
+                render.materials.emplace_back().name = "material";
             }
-            look.material = std::move(material_);
+            render.material = std::move(material_);
         } else {
-            look.materials.clear();
-            look.textures.clear();
+            render.materials.clear();
+            render.textures.clear();
         }
         if (anyNormals_ || anyUv_ || anyColors_) {
-            look.triangles = mesh.body.triangles;
-            for (Eigen::Index v = 0; v < vertices; ++v) look.bodyVertex.push_back(static_cast<std::int32_t>(v));
-            if (anyNormals_) look.normals = Eigen::Map<const decltype(look.normals)>(normals_.data(), vertices, 3);
-            if (anyUv_) look.texCoords = Eigen::Map<const decltype(look.texCoords)>(texCoords_.data(), vertices, 2);
-            if (anyColors_) look.colors = Eigen::Map<const decltype(look.colors)>(colors_.data(), vertices, 4);
+            render.triangles = mesh.body.triangles;
+            for (Eigen::Index v = 0; v < vertices; ++v) render.bodyVertex.push_back(static_cast<std::int32_t>(v));
+            if (anyNormals_) render.normals = Eigen::Map<const decltype(render.normals)>(normals_.data(), vertices, 3);
+            if (anyUv_) render.texCoords = Eigen::Map<const decltype(render.texCoords)>(texCoords_.data(), vertices, 2);
+            if (anyColors_) render.colors = Eigen::Map<const decltype(render.colors)>(colors_.data(), vertices, 4);
         }
         return std::move(scene_);
     }

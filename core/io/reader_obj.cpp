@@ -121,7 +121,7 @@ private:
         if (*n < 3 || *n > 8 || *n == 5)
             return badFile(file_, number_, "a vertex needs three coordinates and has " + std::to_string(*n) + " numbers.");
         const auto index = static_cast<std::int32_t>(points_.size() / 3);
-        if (points_.size() / 3 >= kMostVertices) return tooManyVertices(file_);
+        if (points_.size() / 3 >= kMaxVertices) return tooManyVertices(file_);
         points_.insert(points_.end(), x, x + 3);
         if (!std::isfinite(x[0]) || !std::isfinite(x[1]) || !std::isfinite(x[2]))
             scene_.nonFinite.emplace_back(index, "line " + std::to_string(number_));
@@ -222,8 +222,8 @@ private:
     }
 
     int materialNamed(const std::string& name) {
-        const auto [it, added] = materialNumber_.emplace(name, static_cast<int>(scene_.surface.mesh.look.materials.size()));
-        if (added) scene_.surface.mesh.look.materials.emplace_back().name = cleanName(name, "material");
+        const auto [it, added] = materialNumber_.emplace(name, static_cast<int>(scene_.surface.mesh.renderMesh.materials.size()));
+        if (added) scene_.surface.mesh.renderMesh.materials.emplace_back().name = cleanName(name, "material");
         return it->second;
     }
 
@@ -241,7 +241,7 @@ private:
             const std::string_view key = takeWord(line);
             double x[7] = {};
             if (key == "newmtl") {
-                material = &scene_.surface.mesh.look.materials[static_cast<std::size_t>(materialNamed(std::string(trimmed(line))))];
+                material = &scene_.surface.mesh.renderMesh.materials[static_cast<std::size_t>(materialNamed(std::string(trimmed(line))))];
             } else if (!material || key.empty()) {
                 continue;
             } else if (key == "Kd") {
@@ -257,10 +257,10 @@ private:
                 if (key == "Pm") material->metallic = value;
                 if (key == "Pr") material->roughness = value;
             } else if (key == "map_Kd") {
-                const std::size_t i = static_cast<std::size_t>(material - scene_.surface.mesh.look.materials.data());
+                const std::size_t i = static_cast<std::size_t>(material - scene_.surface.mesh.renderMesh.materials.data());
                 const int texture = textures_.fromFile(mapName(line));
-                scene_.surface.mesh.look.materials[i].baseColorTexture = texture;
-                if (texture >= 0) scene_.surface.mesh.look.materials[i].baseColor.head<3>().setOnes();
+                scene_.surface.mesh.renderMesh.materials[i].baseColorTexture = texture;
+                if (texture >= 0) scene_.surface.mesh.renderMesh.materials[i].baseColor.head<3>().setOnes();
             }
         }
     }
@@ -311,16 +311,16 @@ private:
                 const int plain = materialNamed("");
                 std::replace(faceMaterial_.begin(), faceMaterial_.end(), -1, plain);
             }
-            mesh.look.material.assign(faceMaterial_.begin(), faceMaterial_.end());
+            mesh.renderMesh.material.assign(faceMaterial_.begin(), faceMaterial_.end());
         } else {
-            mesh.look.materials.clear();
-            mesh.look.textures.clear();
+            mesh.renderMesh.materials.clear();
+            mesh.renderMesh.textures.clear();
         }
-        makeLook(mesh.look, triangles);
+        makeRenderMesh(mesh.renderMesh, triangles);
         return std::move(scene_);
     }
 
-    void makeLook(Look& look, Eigen::Index triangles) {
+    void makeRenderMesh(RenderMesh& render, Eigen::Index triangles) {
         const auto has = [&](auto member) { return std::any_of(faces_.begin(), faces_.end(), [&](const Corner& c) { return c.*member >= 0; }); };
         const bool uv = has(&Corner::vt), normals = has(&Corner::vn), colors = !colors_.empty();
         if (!uv && !normals && !colors) return;
@@ -328,30 +328,30 @@ private:
         const bool allNormals = normals && std::all_of(faces_.begin(), faces_.end(), [](const Corner& c) { return c.vn >= 0; });
         std::unordered_map<Corner, std::int32_t, CornerHash> known;
         std::vector<Corner> render;
-        look.triangles.resize(triangles, 3);
+        render.triangles.resize(triangles, 3);
         for (Eigen::Index i = 0; i < 3 * triangles; ++i) {
             Corner c = faces_[static_cast<std::size_t>(i)];
             if (!allNormals) c.vn = -1;
             const auto [it, added] = known.emplace(c, static_cast<std::int32_t>(render.size()));
             if (added) render.push_back(c);
-            look.triangles(i / 3, i % 3) = it->second;
+            render.triangles(i / 3, i % 3) = it->second;
         }
         const auto n = static_cast<Eigen::Index>(render.size());
-        if (uv) look.texCoords.setZero(n, 2);
-        if (allNormals) look.normals.setZero(n, 3);
+        if (uv) render.texCoords.setZero(n, 2);
+        if (allNormals) render.normals.setZero(n, 3);
         if (colors) {
-            look.colors.setOnes(n, 4);
+            render.colors.setOnes(n, 4);
             colors_.resize(points_.size(), 1.0f);
         }
         for (Eigen::Index r = 0; r < n; ++r) {
             const Corner& c = render[static_cast<std::size_t>(r)];
-            look.bodyVertex.push_back(c.v);
+            render.bodyVertex.push_back(c.v);
             if (c.vt >= 0)
-                for (int k = 0; k < 2; ++k) look.texCoords(r, k) = texCoords_[static_cast<std::size_t>(c.vt) * 2 + static_cast<std::size_t>(k)];
+                for (int k = 0; k < 2; ++k) render.texCoords(r, k) = texCoords_[static_cast<std::size_t>(c.vt) * 2 + static_cast<std::size_t>(k)];
             if (c.vn >= 0)
-                for (int k = 0; k < 3; ++k) look.normals(r, k) = normals_[static_cast<std::size_t>(c.vn) * 3 + static_cast<std::size_t>(k)];
+                for (int k = 0; k < 3; ++k) render.normals(r, k) = normals_[static_cast<std::size_t>(c.vn) * 3 + static_cast<std::size_t>(k)];
             if (colors)
-                for (int k = 0; k < 3; ++k) look.colors(r, k) = colors_[static_cast<std::size_t>(c.v) * 3 + static_cast<std::size_t>(k)];
+                for (int k = 0; k < 3; ++k) render.colors(r, k) = colors_[static_cast<std::size_t>(c.v) * 3 + static_cast<std::size_t>(k)];
         }
     }
 

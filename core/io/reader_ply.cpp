@@ -119,7 +119,7 @@ private:
                 if (!format) return badFile(file_, lines_.number(), "the header says no format.");
                 rest_ = lines_.rest();
                 if (!texture.empty()) {
-                    Material& material = scene_.surface.mesh.look.materials.emplace_back();
+                    Material& material = scene_.surface.mesh.renderMesh.materials.emplace_back();
                     material.name = "material";
                     material.baseColorTexture = textures_.fromFile(texture);
                     if (material.baseColorTexture >= 0) material.baseColor.setOnes();
@@ -338,33 +338,33 @@ private:
         mesh.body.triangles = Eigen::Map<const Triangles>(triangles.data(), n, 3);
         scene_.partNames.push_back(cleanName(file_.path.stem().string(), "mesh"));
         scene_.surface.part.assign(static_cast<std::size_t>(n), 0);
-        Look& look = mesh.look;
-        if (look.materials.empty() || look.materials[0].baseColorTexture < 0)
-            look.materials.clear();
+        RenderMesh& render = mesh.renderMesh;
+        if (render.materials.empty() || render.materials[0].baseColorTexture < 0)
+            render.materials.clear();
         else
-            look.material.assign(static_cast<std::size_t>(n), 0);
+            render.material.assign(static_cast<std::size_t>(n), 0);
         if (anyWedge_) {  // texture coordinates per corner: a render vertex each, mend() merges equal ones
             const auto corners = static_cast<Eigen::Index>(triangles.size());
-            look.bodyVertex = triangles;
-            look.triangles.resize(n, 3);
-            for (Eigen::Index i = 0; i < corners; ++i) look.triangles.data()[i] = static_cast<std::int32_t>(i);
-            look.texCoords.resize(corners, 2);
-            if (normals_.rows() > 0) look.normals.resize(corners, 3);
-            if (colors_.rows() > 0) look.colors.resize(corners, 4);
+            render.bodyVertex = triangles;
+            render.triangles.resize(n, 3);
+            for (Eigen::Index i = 0; i < corners; ++i) render.triangles.data()[i] = static_cast<std::int32_t>(i);
+            render.texCoords.resize(corners, 2);
+            if (normals_.rows() > 0) render.normals.resize(corners, 3);
+            if (colors_.rows() > 0) render.colors.resize(corners, 4);
             for (Eigen::Index i = 0; i < corners; ++i) {
                 const auto w = 2 * wedgeOf[static_cast<std::size_t>(i)];
-                look.texCoords(i, 0) = wedges_[w], look.texCoords(i, 1) = wedges_[w + 1];
+                render.texCoords(i, 0) = wedges_[w], render.texCoords(i, 1) = wedges_[w + 1];
                 const std::int32_t v = triangles[static_cast<std::size_t>(i)];
-                if (normals_.rows() > 0) look.normals.row(i) = normals_.row(v);
-                if (colors_.rows() > 0) look.colors.row(i) = colors_.row(v);
+                if (normals_.rows() > 0) render.normals.row(i) = normals_.row(v);
+                if (colors_.rows() > 0) render.colors.row(i) = colors_.row(v);
             }
         } else if (normals_.rows() + colors_.rows() + texCoords_.rows() > 0) {
-            look.triangles = mesh.body.triangles;
-            look.bodyVertex.resize(static_cast<std::size_t>(vertices));
-            for (std::int32_t v = 0; v < vertices; ++v) look.bodyVertex[static_cast<std::size_t>(v)] = v;
-            look.normals = normals_;
-            look.colors = colors_;
-            look.texCoords = texCoords_;
+            render.triangles = mesh.body.triangles;
+            render.bodyVertex.resize(static_cast<std::size_t>(vertices));
+            for (std::int32_t v = 0; v < vertices; ++v) render.bodyVertex[static_cast<std::size_t>(v)] = v;
+            render.normals = normals_;
+            render.colors = colors_;
+            render.texCoords = texCoords_;
         }
         return std::move(scene_);
     }
@@ -380,9 +380,9 @@ private:
     std::string_view words_, word_;
     std::size_t headerLines_ = 0, fewCorners_ = 0, badAttributes_ = 0;
     std::vector<double> points_;
-    decltype(Look::normals) normals_;
-    decltype(Look::colors) colors_;
-    decltype(Look::texCoords) texCoords_;
+    decltype(RenderMesh::normals) normals_;
+    decltype(RenderMesh::colors) colors_;
+    decltype(RenderMesh::texCoords) texCoords_;
     std::vector<std::int32_t> corners_;
     std::vector<std::size_t> faceBegin_;
     std::vector<std::uint64_t> faceLines_;

@@ -11,7 +11,7 @@ namespace imomushi {
 namespace {
 
 constexpr std::size_t kHeader = 84, kFacet = 50;
-constexpr std::size_t kMostFacets = std::size_t{1} << 28;
+constexpr std::size_t kMaxFacets = std::size_t{1} << 28;
 
 static_assert(std::endian::native == std::endian::little, "binary STL is little-endian");
 
@@ -87,7 +87,7 @@ Result<RawScene> readAscii(const SourceFile& file) {
             if (corners != 3) return badFile(file, lines.number(), "a facet ends without three vertices.");
             corners = -1;
             scene.surface.part.push_back(static_cast<std::int32_t>(scene.partNames.size()) - 1);
-            if (scene.surface.part.size() > kMostFacets) return fail("too-large", file.quoted() + " has too many triangles: reduce the mesh.");
+            if (scene.surface.part.size() > kMaxFacets) return fail("too-large", file.quoted() + " has too many triangles: reduce the mesh.");
         } else if (key == "endsolid") {
             if (corners >= 0) return badFile(file, lines.number(), "a solid ends within a facet.");
             solid = false;

@@ -250,8 +250,8 @@ int TextureLoader::fromBytes(std::string_view name, std::string_view bytes) {
     texture.name = cleanName(std::filesystem::path(std::string(name)).filename().string(), "texture");
     texture.mimeType = mime;
     texture.bytes.assign(bytes.begin(), bytes.end());
-    scene_.surface.mesh.look.textures.push_back(std::move(texture));
-    return static_cast<int>(scene_.surface.mesh.look.textures.size()) - 1;
+    scene_.surface.mesh.renderMesh.textures.push_back(std::move(texture));
+    return static_cast<int>(scene_.surface.mesh.renderMesh.textures.size()) - 1;
 }
 
 }  // namespace imomushi

@@ -16,9 +16,9 @@
 namespace imomushi {
 
 /// Vertices that a file may have, so that indices of corners stay within 32 bits.
-inline constexpr std::size_t kMostVertices = std::size_t{1} << 30;
+inline constexpr std::size_t kMaxVertices = std::size_t{1} << 30;
 
-/// "too-large": more than kMostVertices.
+/// "too-large": more than kMaxVertices.
 tl::unexpected<Error> tooManyVertices(const SourceFile& file);
 
 /// `x` as a coordinate of a texture or normal; 0, and one more in `bad`, where it is not finite or beyond the range of float sums.

@@ -49,7 +49,7 @@ Eigen::Matrix<double, 3, Eigen::Dynamic> FaceBasis::at(const Vec3& p) const {
     if (!flat)
         for (int axis = 0; axis < 3; ++axis) u(axis, next + axis) = z;
     if (modes > 0) {
-        std::array<double, Warping::kMost> shape;
+        std::array<double, Warping::kMax> shape;
         warping.at(x, y, shape.data());
         for (int i = 0; i < modes; ++i)
             for (const WarpTerm& term : warpColumn(i)) u(term.axis, plainColumns() + i) = term.share * shape[static_cast<std::size_t>(term.shape)];
@@ -119,12 +119,12 @@ Result<BasisChoice> parseBasis(const std::string& name) {
     if (name == "paper") return BasisKind::Paper;
     if (name == "affine") return BasisKind::Affine;
     if (name == "full") return BasisKind::Full;
-    const std::string most = std::to_string(BasisChoice::kMostModes);
+    const std::string most = std::to_string(BasisChoice::kMaxModes);
     if (name.starts_with("modes:")) {
         BasisChoice choice(BasisKind::Modes);
         const char* end = name.data() + name.size();
         const auto read = std::from_chars(name.data() + 6, end, choice.modes);
-        if (read.ec == std::errc() && read.ptr == end && choice.modes >= 1 && choice.modes <= BasisChoice::kMostModes) return choice;
+        if (read.ec == std::errc() && read.ptr == end && choice.modes >= 1 && choice.modes <= BasisChoice::kMaxModes) return choice;
         return fail("bad-value", "The basis \"" + name + "\" has no count of modes between 1 and " + most + ": write \"modes:12\".");
     }
     return fail("bad-value", "There is no basis \"" + name + "\"; choose \"paper\", \"affine\", \"modes:1\" to \"modes:" + most + "\", or \"full\".");

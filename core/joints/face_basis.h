@@ -31,9 +31,9 @@ enum class BasisKind { Paper, Affine, Full, Modes };
 /// Which joint modes the faces of a character have. One of every kind but Modes is that kind.
 struct BasisChoice {
     BasisKind kind = BasisKind::Affine;
-    int modes = 0;  ///< warping columns per face, 1...kMostModes, of Modes; else 0
+    int modes = 0;  ///< warping columns per face, 1...kMaxModes, of Modes; else 0
 
-    static constexpr int kMostModes = 3 * Warping::kMost;
+    static constexpr int kMaxModes = 3 * Warping::kMax;
     constexpr BasisChoice() = default;
     constexpr BasisChoice(BasisKind k, int count = 0) : kind(k), modes(count) {}  // a kind is a choice
     bool operator==(const BasisChoice&) const = default;

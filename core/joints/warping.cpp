@@ -11,7 +11,7 @@ namespace imomushi {
 namespace {
 
 // 1, x, y and the shapes.
-constexpr int kAll = 3 + Warping::kMost;
+constexpr int kAll = 3 + Warping::kMax;
 
 void polynomials(double x, double y, double* p) {
     const double xx = x * x, yy = y * y, r = xx + yy, difference = xx - yy, xy = x * y;
@@ -41,7 +41,7 @@ struct Column {
 constexpr Column along(int shape, int axis) { return {1, {{{shape, axis, 1.0}, {shape, axis, 0.0}}}}; }
 constexpr Column plane(int x, double sign, int y) { return {2, {{{x, 0, kHalf}, {y, 1, sign * kHalf}}}}; }
 // Pure shapes, not mixtures: the best twelve mixtures for cylinders halve the error there, but make it a third larger on other bodies.
-constexpr std::array<Column, 3 * Warping::kMost> kColumns = {
+constexpr std::array<Column, 3 * Warping::kMax> kColumns = {
     plane(kC2, 1, kS2),     plane(kS2, -1, kC2),     along(kR2, 2),           along(kR2X, 2),         along(kR2Y, 2),          along(kC2, 2),
     along(kS2, 2),          along(kR2, 0),           along(kR2, 1),           plane(kC2, -1, kS2),    plane(kS2, 1, kC2),      plane(kR2X, 1, kR2Y),
     plane(kR2Y, -1, kR2X),  plane(kR2C2, 1, kR2S2),  plane(kR2S2, -1, kR2C2), along(kR4, 2),          plane(kR2X, -1, kR2Y),   plane(kR2Y, 1, kR2X),

@@ -18,10 +18,10 @@ namespace imomushi {
 /// does, so that coefficients are of the order of strains. Shapes that the vertices of a face cannot tell from those before them are zero.
 class Warping {
 public:
-    static constexpr int kMost = 12;  ///< all of degrees 2, 3 and 4
+    static constexpr int kMax = 12;  ///< all of degrees 2, 3 and 4
 
     Warping() = default;  ///< none
-    /// The first `count` shapes, 0...kMost, on a face of `body`. Zero on a face without area.
+    /// The first `count` shapes, 0...kMax, on a face of `body`. Zero on a face without area.
     Warping(const TriangleMesh& body, const JointFace& face, int count);
 
     [[nodiscard]] int count() const { return count_; }
@@ -40,7 +40,7 @@ struct WarpTerm {
     int shape, axis;
     double share;
 };
-/// The i-th warping column of a face, 0...3 Warping::kMost - 1: one shape along z, or two in the plane that together turn with it. They are ordered by how much
+/// The i-th warping column of a face, 0...3 Warping::kMax - 1: one shape along z, or two in the plane that together turn with it. They are ordered by how much
 /// of the error against free faces each takes away beside those before it, per column, over stretch, bends, twist and random poses of chains of round, oval,
 /// short and long cylinders and of the sample "caterpillar". Columns that turn into each other about z stay together, so that what the axes of a face happen to
 /// be matters little: after 2, 3, 5, 7, 9, 11, 12, 13, 15, 16, 18 ... columns. The first eleven are all quadratic shapes in the plane (x^2, y^2 and x y along x

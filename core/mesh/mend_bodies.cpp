@@ -12,7 +12,7 @@
 namespace imomushi {
 namespace {
 
-constexpr int kMostBodies = 1024;
+constexpr int kMaxBodies = 1024;
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -31,23 +31,23 @@ struct RenderKeyHash {
 };
 
 /// The materials and textures that these faces wear, in the order of the file.
-void takeMaterials(const MendSurface& s, const std::vector<std::int32_t>& faces, Look& look) {
-    if (s.look.material.empty()) return;
-    std::vector<std::int32_t> material(s.look.materials.size(), -1), texture(s.look.textures.size(), -1);
+void takeMaterials(const MendSurface& s, const std::vector<std::int32_t>& faces, RenderMesh& render) {
+    if (s.renderMesh.material.empty()) return;
+    std::vector<std::int32_t> material(s.renderMesh.materials.size(), -1), texture(s.renderMesh.textures.size(), -1);
     for (const std::int32_t f : faces) material[at(s.faces[at(f)].material)] = 0;
     for (std::size_t m = 0; m < material.size(); ++m) {
         if (material[m] < 0) continue;
-        material[m] = static_cast<std::int32_t>(look.materials.size());
-        Material& worn = look.materials.emplace_back(s.look.materials[m]);
+        material[m] = static_cast<std::int32_t>(render.materials.size());
+        Material& worn = render.materials.emplace_back(s.renderMesh.materials[m]);
         if (worn.baseColorTexture < 0) continue;
         std::int32_t& t = texture[at(worn.baseColorTexture)];
         if (t < 0) {
-            t = static_cast<std::int32_t>(look.textures.size());
-            look.textures.push_back(s.look.textures[at(worn.baseColorTexture)]);
+            t = static_cast<std::int32_t>(render.textures.size());
+            render.textures.push_back(s.renderMesh.textures[at(worn.baseColorTexture)]);
         }
         worn.baseColorTexture = t;
     }
-    for (const std::int32_t f : faces) look.material.push_back(material[at(s.faces[at(f)].material)]);
+    for (const std::int32_t f : faces) render.material.push_back(material[at(s.faces[at(f)].material)]);
 }
 
 ElementMesh extract(const MendSurface& s, const std::vector<std::int32_t>& faces) {
@@ -65,15 +65,15 @@ ElementMesh extract(const MendSurface& s, const std::vector<std::int32_t>& faces
     for (std::size_t i = 0; i < faces.size(); ++i)
         for (int k = 0; k < 3; ++k)
             mesh.body.triangles(static_cast<Eigen::Index>(i), k) = number[at(s.faces[at(faces[i])].v[static_cast<std::size_t>(k)])];
-    Look& look = mesh.look;
-    takeMaterials(s, faces, look);
+    RenderMesh& render = mesh.renderMesh;
+    takeMaterials(s, faces, render);
     if (!s.attributes) {
-        look.bodyVertex.resize(at(vertices));
-        std::iota(look.bodyVertex.begin(), look.bodyVertex.end(), 0);
-        look.triangles = mesh.body.triangles;
+        render.bodyVertex.resize(at(vertices));
+        std::iota(render.bodyVertex.begin(), render.bodyVertex.end(), 0);
+        render.triangles = mesh.body.triangles;
         return mesh;
     }
-    look.triangles.resize(static_cast<Eigen::Index>(faces.size()), 3);
+    render.triangles.resize(static_cast<Eigen::Index>(faces.size()), 3);
     std::unordered_map<RenderKey, std::int32_t, RenderKeyHash> known;
     std::vector<RenderKey> keys;
     for (std::size_t i = 0; i < faces.size(); ++i) {
@@ -82,34 +82,34 @@ ElementMesh extract(const MendSurface& s, const std::vector<std::int32_t>& faces
         for (std::size_t k = 0; k < 3; ++k) {
             RenderKey key{number[at(face.v[k])], {}};
             const std::int32_t r = face.r[k];
-            if (s.look.normals.rows() > 0) {
-                Eigen::RowVector3f n = s.look.normals.row(r);
+            if (s.renderMesh.normals.rows() > 0) {
+                Eigen::RowVector3f n = s.renderMesh.normals.row(r);
                 if (face.turned && n.cast<double>().dot(out) < 0.0) n = -n;
                 for (int c = 0; c < 3; ++c) key.bits[static_cast<std::size_t>(c)] = std::bit_cast<std::uint32_t>(n[c]);
             }
-            if (s.look.texCoords.rows() > 0)
-                for (int c = 0; c < 2; ++c) key.bits[static_cast<std::size_t>(3 + c)] = std::bit_cast<std::uint32_t>(s.look.texCoords(r, c));
-            if (s.look.colors.rows() > 0)
-                for (int c = 0; c < 4; ++c) key.bits[static_cast<std::size_t>(5 + c)] = std::bit_cast<std::uint32_t>(s.look.colors(r, c));
+            if (s.renderMesh.texCoords.rows() > 0)
+                for (int c = 0; c < 2; ++c) key.bits[static_cast<std::size_t>(3 + c)] = std::bit_cast<std::uint32_t>(s.renderMesh.texCoords(r, c));
+            if (s.renderMesh.colors.rows() > 0)
+                for (int c = 0; c < 4; ++c) key.bits[static_cast<std::size_t>(5 + c)] = std::bit_cast<std::uint32_t>(s.renderMesh.colors(r, c));
             const auto [it, added] = known.emplace(key, static_cast<std::int32_t>(keys.size()));
             if (added) keys.push_back(key);
-            look.triangles(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = it->second;
+            render.triangles(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = it->second;
         }
     }
     const auto n = static_cast<Eigen::Index>(keys.size());
-    look.bodyVertex.resize(keys.size());
-    if (s.look.normals.rows() > 0) look.normals.resize(n, 3);
-    if (s.look.texCoords.rows() > 0) look.texCoords.resize(n, 2);
-    if (s.look.colors.rows() > 0) look.colors.resize(n, 4);
+    render.bodyVertex.resize(keys.size());
+    if (s.renderMesh.normals.rows() > 0) render.normals.resize(n, 3);
+    if (s.renderMesh.texCoords.rows() > 0) render.texCoords.resize(n, 2);
+    if (s.renderMesh.colors.rows() > 0) render.colors.resize(n, 4);
     for (Eigen::Index r = 0; r < n; ++r) {
         const RenderKey& key = keys[static_cast<std::size_t>(r)];
-        look.bodyVertex[static_cast<std::size_t>(r)] = key.body;
-        if (s.look.normals.rows() > 0)
-            for (int c = 0; c < 3; ++c) look.normals(r, c) = std::bit_cast<float>(key.bits[static_cast<std::size_t>(c)]);
-        if (s.look.texCoords.rows() > 0)
-            for (int c = 0; c < 2; ++c) look.texCoords(r, c) = std::bit_cast<float>(key.bits[static_cast<std::size_t>(3 + c)]);
-        if (s.look.colors.rows() > 0)
-            for (int c = 0; c < 4; ++c) look.colors(r, c) = std::bit_cast<float>(key.bits[static_cast<std::size_t>(5 + c)]);
+        render.bodyVertex[static_cast<std::size_t>(r)] = key.body;
+        if (s.renderMesh.normals.rows() > 0)
+            for (int c = 0; c < 3; ++c) render.normals(r, c) = std::bit_cast<float>(key.bits[static_cast<std::size_t>(c)]);
+        if (s.renderMesh.texCoords.rows() > 0)
+            for (int c = 0; c < 2; ++c) render.texCoords(r, c) = std::bit_cast<float>(key.bits[static_cast<std::size_t>(3 + c)]);
+        if (s.renderMesh.colors.rows() > 0)
+            for (int c = 0; c < 4; ++c) render.colors(r, c) = std::bit_cast<float>(key.bits[static_cast<std::size_t>(5 + c)]);
     }
     return mesh;
 }
@@ -143,7 +143,7 @@ MendResult makeBodies(MendSurface& s, bool split) {
 
     std::vector<std::int32_t> bodyOf(at(count), 0);
     int bodies = s.faces.empty() ? 0 : 1;
-    if (split && count > kMostBodies) {
+    if (split && count > kMaxBodies) {
         s.say("components", "The mesh has " + std::to_string(count) + " separate surfaces, too many for one element each; it was not split.",
             at(count));
         s.issues.back().severity = Severity::Warning;

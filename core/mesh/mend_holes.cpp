@@ -26,17 +26,17 @@ std::vector<std::int32_t> renderCap(MendSurface& s, const std::vector<std::int32
         for (const std::int32_t k : t) normals.row(k) += (b - a).cross(c - a).transpose();
     }
     std::vector<std::int32_t> render(loop.size());
-    const Eigen::Index first = s.look.normals.rows();
+    const Eigen::Index first = s.renderMesh.normals.rows();
     const auto extra = static_cast<Eigen::Index>(loop.size());
-    s.look.normals.conservativeResize(first + extra, 3);
-    if (s.look.texCoords.rows() > 0) s.look.texCoords.conservativeResize(first + extra, 2);
-    if (s.look.colors.rows() > 0) s.look.colors.conservativeResize(first + extra, 4);
+    s.renderMesh.normals.conservativeResize(first + extra, 3);
+    if (s.renderMesh.texCoords.rows() > 0) s.renderMesh.texCoords.conservativeResize(first + extra, 2);
+    if (s.renderMesh.colors.rows() > 0) s.renderMesh.colors.conservativeResize(first + extra, 4);
     for (Eigen::Index i = 0; i < extra; ++i) {
         const double n = normals.row(i).norm();
-        s.look.normals.row(first + i) =
-            n > 0.0 ? Eigen::RowVector3f((normals.row(i) / n).cast<float>()) : Eigen::RowVector3f(s.look.normals.row(rim[static_cast<std::size_t>(i)]));
-        if (s.look.texCoords.rows() > 0) s.look.texCoords.row(first + i) = s.look.texCoords.row(rim[static_cast<std::size_t>(i)]).eval();
-        if (s.look.colors.rows() > 0) s.look.colors.row(first + i) = s.look.colors.row(rim[static_cast<std::size_t>(i)]).eval();
+        s.renderMesh.normals.row(first + i) =
+            n > 0.0 ? Eigen::RowVector3f((normals.row(i) / n).cast<float>()) : Eigen::RowVector3f(s.renderMesh.normals.row(rim[static_cast<std::size_t>(i)]));
+        if (s.renderMesh.texCoords.rows() > 0) s.renderMesh.texCoords.row(first + i) = s.renderMesh.texCoords.row(rim[static_cast<std::size_t>(i)]).eval();
+        if (s.renderMesh.colors.rows() > 0) s.renderMesh.colors.row(first + i) = s.renderMesh.colors.row(rim[static_cast<std::size_t>(i)]).eval();
         render[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(first + i);
     }
     return render;
@@ -80,7 +80,7 @@ void capHoles(MendSurface& s) {
             const auto [f, k] = sideAt.at(sideKey(loop[i], loop[(i + 1) % loop.size()]));
             render[i] = s.faces[at(f)].r[static_cast<std::size_t>((k + 1) % 3)];
         }
-        if (s.look.normals.rows() > 0) render = renderCap(s, loop, cap, render);
+        if (s.renderMesh.normals.rows() > 0) render = renderCap(s, loop, cap, render);
         for (const auto& t : cap) {
             MendFace face;
             for (std::size_t k = 0; k < 3; ++k) {

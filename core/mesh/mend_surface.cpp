@@ -17,20 +17,20 @@ void MendFace::turn() {
     turned = !turned;
 }
 
-MendSurface::MendSurface(RawSurface raw) : points(std::move(raw.mesh.body.vertices)), look(std::move(raw.mesh.look)) {
+MendSurface::MendSurface(RawSurface raw) : points(std::move(raw.mesh.body.vertices)), render(std::move(raw.mesh.renderMesh)) {
     const Triangles& corners = raw.mesh.body.triangles;
-    const bool plain = look.triangles.rows() == 0;
+    const bool plain = render.triangles.rows() == 0;
     faces.resize(static_cast<std::size_t>(corners.rows()));
     for (Eigen::Index f = 0; f < corners.rows(); ++f) {
         MendFace& face = faces[static_cast<std::size_t>(f)];
         for (int k = 0; k < 3; ++k) {
             face.v[static_cast<std::size_t>(k)] = corners(f, k);
-            face.r[static_cast<std::size_t>(k)] = plain ? corners(f, k) : look.triangles(f, k);
+            face.r[static_cast<std::size_t>(k)] = plain ? corners(f, k) : render.triangles(f, k);
         }
-        if (!look.material.empty()) face.material = look.material[static_cast<std::size_t>(f)];
+        if (!render.material.empty()) face.material = render.material[static_cast<std::size_t>(f)];
         if (!raw.part.empty()) face.part = raw.part[static_cast<std::size_t>(f)];
     }
-    attributes = look.normals.rows() + look.texCoords.rows() + look.colors.rows() > 0;
+    attributes = render.normals.rows() + render.texCoords.rows() + render.colors.rows() > 0;
 }
 
 Triangles MendSurface::triangles() const {

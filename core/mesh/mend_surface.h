@@ -27,7 +27,7 @@ struct MendSurface {
     explicit MendSurface(RawSurface raw);
 
     Points points;
-    Look look;
+    RenderMesh renderMesh;
     std::vector<MendFace> faces;
     bool attributes = false;                           ///< the look has normals, texture coordinates or colours
     Vec3 low = Vec3::Zero(), high = Vec3::Zero();      ///< bounding box of the used vertices

@@ -27,18 +27,18 @@ struct Texture {
     std::vector<std::uint8_t> bytes;
 };
 
-/// The look of a part of a surface (metallic-roughness, as in glTF). Colours are linear RGBA, 0...1.
+/// How a part of a surface is shaded (metallic-roughness, as in glTF). Colours are linear RGBA, 0...1.
 struct Material {
     std::string name;
     Eigen::Vector4f baseColor = Eigen::Vector4f(0.8f, 0.8f, 0.8f, 1.0f);
     float metallic = 0.0f;
     float roughness = 0.6f;
-    int baseColorTexture = -1;  ///< into Look::textures, -1: none
+    int baseColorTexture = -1;  ///< into RenderMesh::textures, -1: none
 };
 
 /// What the artist sees of a body: its render vertices, which are body vertices split where normals, texture coordinates or colours
 /// jump. Optional attributes have zero rows where the file had none.
-struct Look {
+struct RenderMesh {
     std::vector<std::int32_t> bodyVertex;  ///< #R: the body vertex of each render vertex
     Triangles triangles;                   ///< #F x 3 render vertices; triangle f is body triangle f
     Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> normals;   ///< #R x 3 or 0 x 3; empty: smooth normals of the body
@@ -49,10 +49,10 @@ struct Look {
     std::vector<Texture> textures;
 };
 
-/// One body with its look: what an element is made of. Body vertices keep the order of the file (a weld keeps the lowest index).
+/// One body with its render mesh: what an element is made of. Body vertices keep the order of the file (a weld keeps the lowest index).
 struct ElementMesh {
     TriangleMesh body;  ///< closed and outward-oriented in every element of a document
-    Look look;
+    RenderMesh renderMesh;
 };
 
 }  // namespace imomushi

@@ -67,7 +67,7 @@ struct ResponseInput {
     /// Number of touch patches, about; 0: none. They are about sqrt(free surface / touch) wide: 24 are for large soft dents, 96 for small ones. A
     /// patch costs three columns. On small meshes there are fewer, see touchPatches().
     int touch = 0;
-    static constexpr int kMostTouch = 1024;
+    static constexpr int kMaxTouch = 1024;
     int threads = 1;  ///< not part of the key: it changes no byte of the response
 };
 

@@ -71,7 +71,7 @@ Eigen::MatrixXd onWhole(const TrimmedElement& element, Eigen::MatrixXd displacem
 
 Result<void> checkInput(const ResponseInput& input) {
     if (!input.mesh) return fail("bad-value", "The element has no mesh.");
-    if (input.touch < 0 || input.touch > ResponseInput::kMostTouch) return fail("bad-value", "The number of touch patches must lie between 0 and 1024.");
+    if (input.touch < 0 || input.touch > ResponseInput::kMaxTouch) return fail("bad-value", "The number of touch patches must lie between 0 and 1024.");
     for (const JointFace& face : input.faces)
         for (const std::int32_t v : face.vertices)
             if (v < 0 || v >= input.mesh->body.vertices.rows())

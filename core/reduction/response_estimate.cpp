@@ -60,8 +60,8 @@ ResponseEstimate estimateResponse(const ResponseInput& input) {
 
     // The per-frame product reads each entry of A' once, as float: timed on as much memory, warm.
     const std::size_t entries = 3 * static_cast<std::size_t>(input.mesh->body.vertices.rows()) * static_cast<std::size_t>(out.columns);
-    constexpr std::size_t kMost = std::size_t{16} << 20;  // beyond every cache the rate stays the same
-    const std::size_t measured = std::min(entries, kMost);
+    constexpr std::size_t kMax = std::size_t{16} << 20;  // beyond every cache the rate stays the same
+    const std::size_t measured = std::min(entries, kMax);
     const std::vector<float> data(measured);
     const double best = seconds([&] { cblas_sdot(static_cast<int>(measured), data.data(), 1, data.data(), 1); });
     out.frameMilliseconds = 1e3 * best * static_cast<double>(entries) / static_cast<double>(measured);

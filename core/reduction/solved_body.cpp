@@ -18,7 +18,7 @@ namespace imomushi {
 namespace {
 
 /// Nodes up to which the default solves on the body itself: about four seconds on two cores.
-constexpr int kMostNodes = 3500;
+constexpr int kMaxNodes = 3500;
 /// Discretisations that the default tries, the best first: strips at singular edges, bubbles on edges of at least `straight` times the mean length, and the
 /// largest number of nodes up to which it is taken. Bubbles are given up before strips: on a body of eight faces, fewer bubbles cost 0.1 % of accuracy, one
 /// strip instead of two 1 %.
@@ -27,7 +27,7 @@ struct Detail {
     double straight;
     int nodes;
 };
-constexpr Detail kDetails[] = {{3, 0.5, 3000}, {2, 0.5, kMostNodes}, {2, 0.8, kMostNodes}, {2, 1.2, kMostNodes}};
+constexpr Detail kDetails[] = {{3, 0.5, 3000}, {2, 0.5, kMaxNodes}, {2, 0.8, kMaxNodes}, {2, 1.2, kMaxNodes}};
 /// Bodies of fewer vertices are refined first: few triangles cannot bend smoothly, whatever the order of their displacement.
 constexpr int kFewestVertices = 350, kFewestVerticesOfBest = 700;
 /// A decimated default body: with its strips and bubbles it has about 3000 nodes.
@@ -154,7 +154,7 @@ SolvedBody withExtremeWalls(const TriangleMesh& body, std::span<const JointFace>
 
 /// Strips and quadratic displacement on the body itself, as much as fits; nothing where the body alone is too large.
 Result<std::optional<SolvedBody>> quadraticOnItself(const TriangleMesh& body, std::span<const JointFace> faces) {
-    if (body.vertices.rows() > kMostNodes) return std::nullopt;
+    if (body.vertices.rows() > kMaxNodes) return std::nullopt;
     const Walls walls = wallsOf(body);
     if (walls == Walls::Extreme) return withExtremeWalls(body, faces);
     const bool thin = walls == Walls::Thin;
@@ -173,7 +173,7 @@ Result<std::optional<SolvedBody>> quadraticOnItself(const TriangleMesh& body, st
 Result<SolvedBody> byDefault(const TriangleMesh& body, std::span<const JointFace> faces, const Progress& progress) {
     auto own = quadraticOnItself(body, faces);
     if (!own) return tl::make_unexpected(own.error());
-    if (*own && (*own)->nodes() <= kMostNodes) return std::move(**own);
+    if (*own && (*own)->nodes() <= kMaxNodes) return std::move(**own);
     auto small = onDecimated(body, faces, kDecimatedVertices, progress);
     if (progress.cancelled()) return fail(kCancelled, "The precompute was cancelled.");
     if (small) {
@@ -231,7 +231,7 @@ SolvedSize solvedSize(const TriangleMesh& body, std::span<const JointFace> faces
     }
     // Cutting a body of so many vertices takes a fraction of a second.
     constexpr int kQuick = 20'000;
-    if (vertices <= kQuick || (setting.kind == SolverMeshSetting::Kind::Default && vertices <= kMostNodes))
+    if (vertices <= kQuick || (setting.kind == SolverMeshSetting::Kind::Default && vertices <= kMaxNodes))
         if (const auto made = solvedBody(body, faces, setting, {}))
             return {made->nodes(), static_cast<int>(made->mesh.mesh.triangles.rows()), static_cast<int>(made->plain.mesh.vertices.rows())};
     // Strips and bubbles make about five nodes of a vertex: measured on bodies of 500 to 100 000 vertices.

@@ -224,8 +224,8 @@ Result<SolverMesh> refinedSolverMesh(const TriangleMesh& body, std::span<const J
     if (vertices < body.vertices.rows())
         return fail("too-few-vertices", "The body has " + std::to_string(body.vertices.rows()) + " vertices, and refining cannot make that " +
                                             std::to_string(vertices) + "; use \"decimated:" + std::to_string(vertices) + "\" or a larger number.");
-    if (vertices > SolverMeshSetting::kMost)
-        return fail("bad-value", "A solver mesh has at most " + std::to_string(SolverMeshSetting::kMost) + " vertices; choose a smaller number.");
+    if (vertices > SolverMeshSetting::kMax)
+        return fail("bad-value", "A solver mesh has at most " + std::to_string(SolverMeshSetting::kMax) + " vertices; choose a smaller number.");
     const double area = surfaceArea(body);
     if (!(area > 0.0)) return fail("bad-value", "The body has no surface to refine; repair it first.");
 

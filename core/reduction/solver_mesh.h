@@ -41,7 +41,7 @@ SolverMesh halvedAtBubbles(const SolverMesh& mesh);
 /// Bisects the body, always where edges are longest relative to the wanted size, until it has exactly `vertices` vertices. The wanted size
 /// is the same everywhere but near rims of faces and near re-entrant edges, where the solution is singular: there it shrinks with the distance,
 /// to kFinestRefined of the size elsewhere. Convex edges need no more than their surroundings. Deterministic, no vertex is moved.
-/// Errors: "too-few-vertices" (fewer than the body has), "bad-value" (more than SolverMeshSetting::kMost, or no area to bisect).
+/// Errors: "too-few-vertices" (fewer than the body has), "bad-value" (more than SolverMeshSetting::kMax, or no area to bisect).
 Result<SolverMesh> refinedSolverMesh(const TriangleMesh& body, std::span<const JointFace> faces, int vertices);
 inline constexpr double kFinestRefined = 0.25;
 

@@ -45,9 +45,9 @@ Result<SolverMeshSetting> parseSolverMesh(std::string_view text) {
         int count = 0;
         const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), count);
         if (end != digits.data() + digits.size()) return wrong();
-        if (error != std::errc{} || count < SolverMeshSetting::kFewest || count > SolverMeshSetting::kMost)
+        if (error != std::errc{} || count < SolverMeshSetting::kFewest || count > SolverMeshSetting::kMax)
             return fail("bad-value", "A solver mesh has " + std::to_string(SolverMeshSetting::kFewest) + " to " +
-                                         std::to_string(SolverMeshSetting::kMost) + " vertices, not " + std::string(digits) +
+                                         std::to_string(SolverMeshSetting::kMax) + " vertices, not " + std::string(digits) +
                                          "; choose a number in that range.");
         return SolverMeshSetting{kind, count};
     }

@@ -18,14 +18,14 @@ struct SolverMeshSetting {
         Best        ///< the most accurate there is, whatever it costs
     };
     Kind kind = Kind::Default;
-    int count = 0;  ///< vertices, kFewest...kMost where the kind is Refined or Decimated, 0 otherwise
+    int count = 0;  ///< vertices, kFewest...kMax where the kind is Refined or Decimated, 0 otherwise
     /// What the solution may leave of its equations (see BoundaryProblem::Input), kFinest...kCoarsest. Only large meshes, which are solved in hierarchical form, take
     /// notice of it: the less, the longer.
     double tolerance = kUsualTolerance;
 
     static constexpr double kUsualTolerance = 1e-5, kFinest = 1e-6, kCoarsest = 1e-2;
     static constexpr int kFewest = 4;         ///< a tetrahedron
-    static constexpr int kMost = 10'000'000;  ///< beyond any memory that could solve it
+    static constexpr int kMax = 10'000'000;  ///< beyond any memory that could solve it
     bool operator==(const SolverMeshSetting&) const = default;
 };
 

@@ -16,10 +16,10 @@ namespace {
 
 constexpr double kTorn = 0.1;  // rest lengths beyond its stretch limits: farther than solve() ever stretches a bone
 // Viscosity: resistance of a joint point to a move of one mean bone length in one step, while targets move. Once they rest it is halved per solve() down to
-// kLeastViscosity, so that the pose converges to a minimum. When held points have not approached their targets for kPatience solves, it quadruples per
+// kMinViscosity, so that the pose converges to a minimum. When held points have not approached their targets for kPatience solves, it quadruples per
 // solve() instead: the frames of roots carry no torque, so a body that hangs between two holds could turn for ever.
 constexpr double kViscosity = 0.1;
-constexpr double kLeastViscosity = 1e-5;
+constexpr double kMinViscosity = 1e-5;
 constexpr int kPatience = 40;
 constexpr double kNearer = 1e-3;  // mean bone lengths per solve(): a smaller approach counts as none
 // One linearised step turns no bone farther (radians) and moves no point farther (mean bone lengths).
@@ -27,7 +27,7 @@ constexpr double kStepTurn = 0.35;
 constexpr double kStepMove = 0.3;
 constexpr int kSteps = 4;        // per solve(), when targets move little
 constexpr int kQuietSteps = 12;  // per solve(), when targets rest and the pose has not converged
-constexpr int kMostSteps = 120;  // per solve(), after a large move
+constexpr int kMaxSteps = 120;  // per solve(), after a large move
 constexpr int kHalvings = 12;    // of a step in its line search
 constexpr int kRaises = 6;       // of the damping in one solve()
 constexpr double kRaise = 6.0;   // factor of each
@@ -93,13 +93,13 @@ struct InverseKinematics::State {
         return false;
     }
 
-    Report solve(const std::vector<Hold>& holds, Pose& pose) {
+    Report solve(const std::vector<IkGoal>& goals, Pose& pose) {
         Report report;
         if (pose.points.size() != x.size() || pose.frames.size() != frames.size() || pose.roll.size() != x.size()) pose = restPose(skeleton());
         bool usable = fits(skeleton(), pose);
-        for (const auto& hold : holds)
-            usable = usable && allFinite(hold.target) && std::isfinite(hold.roll) && hold.point >= 0 &&
-                     hold.point < static_cast<int>(x.size());
+        for (const auto& goal : goals)
+            usable = usable && allFinite(goal.target) && std::isfinite(goal.roll) && goal.point >= 0 &&
+                     goal.point < static_cast<int>(x.size());
         if (!usable) {
             report.finite = false;
             report.settled = false;
@@ -109,13 +109,13 @@ struct InverseKinematics::State {
         // How far the targets moved: since the last solve() where it left this pose, or else from the points they hold.
         const bool continued = pose.points == lastPoints;
         std::fill(targets.held.begin(), targets.held.end(), char(0));
-        for (const auto& hold : holds) {
-            const Vec3 reach = hold.target - pose.points[hold.point];
+        for (const auto& goal : goals) {
+            const Vec3 reach = goal.target - pose.points[goal.point];
             const double distance = safeNorm(reach);
-            targets.held[hold.point] = 1;
-            targets.place[hold.point] = hold.target;
+            targets.held[goal.point] = 1;
+            targets.place[goal.point] = goal.target;
             if (!(distance <= kFarthest * rods.size()))
-                targets.place[hold.point] = pose.points[hold.point] + (reach / reach.cwiseAbs().maxCoeff()).normalized() * (kFarthest * rods.size());
+                targets.place[goal.point] = pose.points[goal.point] + (reach / reach.cwiseAbs().maxCoeff()).normalized() * (kFarthest * rods.size());
         }
         double moved = 0.0;
         for (std::size_t i = 0; i < x.size(); ++i) {
@@ -127,7 +127,7 @@ struct InverseKinematics::State {
         solvesAtRest = sameHolds && moved <= 1e-9 * rods.unit() ? solvesAtRest + 1 : 0;
         lastHeld = targets.held;
         lastTarget = targets.place;
-        if (holds.empty()) {
+        if (goals.empty()) {
             lastPoints = pose.points;
             return report;
         }
@@ -148,8 +148,8 @@ struct InverseKinematics::State {
             if (torn) stalledSolves = 0;
         }
         const double hardening = std::ldexp(1.0, std::clamp(2 * (stalledSolves - kPatience), 0, 100));
-        const double viscosity = std::max(std::ldexp(kViscosity, -std::min(solvesAtRest, 60)), kLeastViscosity) * hardening;
-        const int steps = solvesAtRest ? kQuietSteps : static_cast<int>(std::min(kSteps + radius / (0.5 * kStepMove * rods.unit()), double(kMostSteps)));
+        const double viscosity = std::max(std::ldexp(kViscosity, -std::min(solvesAtRest, 60)), kMinViscosity) * hardening;
+        const int steps = solvesAtRest ? kQuietSteps : static_cast<int>(std::min(kSteps + radius / (0.5 * kStepMove * rods.unit()), double(kMaxSteps)));
 
         bool limited = false;
         double damping = viscosity;
@@ -202,11 +202,11 @@ struct InverseKinematics::State {
             pose.points = x;
             pose.frames = frames;
         }
-        roll.spread(holds, targets.held, pose);
+        roll.spread(goals, targets.held, pose);
         lastPoints = pose.points;
-        for (const auto& hold : holds) {
-            miss = std::max(miss, safeNorm(pose.points[hold.point] - hold.target));
-            misses += safeNorm(pose.points[hold.point] - targets.place[hold.point]);
+        for (const auto& goal : goals) {
+            miss = std::max(miss, safeNorm(pose.points[goal.point] - goal.target));
+            misses += safeNorm(pose.points[goal.point] - targets.place[goal.point]);
         }
         report.largestMiss = miss;
         stalledSolves = misses < leastMiss - kNearer * rods.unit() ? 0 : stalledSolves + 1;
@@ -269,8 +269,8 @@ InverseKinematics::InverseKinematics(InverseKinematics&&) noexcept = default;
 InverseKinematics& InverseKinematics::operator=(InverseKinematics&&) noexcept = default;
 InverseKinematics::~InverseKinematics() = default;
 
-InverseKinematics::Report InverseKinematics::solve(const std::vector<Hold>& holds, Pose& pose) {
-    return state_->solve(holds, pose);
+InverseKinematics::Report InverseKinematics::solve(const std::vector<IkGoal>& goals, Pose& pose) {
+    return state_->solve(goals, pose);
 }
 
 }  // namespace imomushi

@@ -38,7 +38,7 @@ public:
     /// One frame: moves `pose` towards the holds (of two at one joint point the later counts). Targets must be finite.
     /// A held point without a roll keeps the roll it has; between held points roll is harmonic along the bones.
     /// A pose that does not fit the skeleton counts as the pose of rest.
-    Report solve(const std::vector<Hold>& holds, Pose& pose);
+    Report solve(const std::vector<IkGoal>& goals, Pose& pose);
 
 private:
     struct State;

@@ -15,17 +15,17 @@ RollField::RollField(const Skeleton& skeleton, const BoneTree& tree, double unit
     system_ = BlockCholesky<3>(std::vector<int>(skeleton.points.size(), 3), pairs);
 }
 
-void RollField::spread(const std::vector<Hold>& holds, const std::vector<char>& held, Pose& pose) {
+void RollField::spread(const std::vector<IkGoal>& goals, const std::vector<char>& held, Pose& pose) {
     bool any = std::any_of(pose.roll.begin(), pose.roll.end(), [](double r) { return r != 0.0; });
-    for (const auto& hold : holds) {
-        any = any || hold.hasRoll;
-        if (!hold.hasRoll) continue;
+    for (const auto& goal : goals) {
+        any = any || goal.hasRoll;
+        if (!goal.hasRoll) continue;
         double sign = 0.0;  // of a bone that ends at the point, or else of one that starts there
         for (std::size_t b = 0; b < skeleton_.bones.size(); ++b) {
-            if (skeleton_.bones[b].end == hold.point) sign = rollSign_[b];
-            if (skeleton_.bones[b].start == hold.point && sign == 0.0) sign = rollSign_[b];
+            if (skeleton_.bones[b].end == goal.point) sign = rollSign_[b];
+            if (skeleton_.bones[b].start == goal.point && sign == 0.0) sign = rollSign_[b];
         }
-        pose.roll[hold.point] = (sign < 0.0 ? -1.0 : 1.0) * hold.roll;
+        pose.roll[goal.point] = (sign < 0.0 ? -1.0 : 1.0) * goal.roll;
     }
     if (!any) return;
     // A trace of the present roll, which decides only where a tree has no held point.

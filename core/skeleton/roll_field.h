@@ -17,7 +17,7 @@ public:
     RollField(const Skeleton& skeleton, const BoneTree& tree, double unit);
     /// Sets the rolls of `holds` and spreads them to the points that are not `held` (one entry per joint point). Roll of a hold counts about the bone that
     /// ends at the point, or else one that starts there.
-    void spread(const std::vector<Hold>& holds, const std::vector<char>& held, Pose& pose);
+    void spread(const std::vector<IkGoal>& goals, const std::vector<char>& held, Pose& pose);
 
 private:
     Skeleton skeleton_;

@@ -24,12 +24,12 @@ struct Skeleton {
 };
 
 /// A target of inverse kinematics: a joint point that the artist holds.
-struct Hold {
+struct IkGoal {
     int point = -1;
     Vec3 target = Vec3::Zero();
     bool hasRoll = false;
     double roll = 0.0;  ///< radians about the bone's axis, relative to rest
-    bool operator==(const Hold&) const = default;
+    bool operator==(const IkGoal&) const = default;
 };
 
 /// Positions of joint points and rotations of bones: what is drawn, and the state that the next pose starts from.

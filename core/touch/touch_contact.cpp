@@ -15,7 +15,7 @@
 namespace imomushi {
 namespace {
 
-constexpr double kMostFriction = 10.0, kMostSeconds = 10.0, kLeastStrain = 0.05, kMostStrain = 0.9;
+constexpr double kMaxFriction = 10.0, kMaxSeconds = 10.0, kMinStrain = 0.05, kMaxStrain = 0.9;
 /// (1 + x) exp(-x) is a tenth.
 constexpr double kTenth = 3.889720169867429;
 /// Each finger gives way by this part of the compliance of its patches, so that fingers at one place, or at a rim, have an answer.
@@ -27,7 +27,7 @@ constexpr double kGone = 1e-7;
 /// What is left of coming in, below which a finger is where it wants to be.
 constexpr double kArrived = 1e-7;
 /// Friction never takes more than this part of what pushing straight in does, or a slipping finger would have no answer (Painleve's paradox).
-constexpr double kMostCoupling = 0.9;
+constexpr double kMaxCoupling = 0.9;
 /// Fingers that hold need one round.
 constexpr int kSweeps = 4, kRounds = 6;
 /// Slack in the tests whether solved forces are within their cones.
@@ -49,10 +49,10 @@ Vec3 unit(const Vec3& v, const Vec3& otherwise) {
 
 Result<void> checkTouchSettings(const TouchSettings& s) {
     const auto within = [](double x, double low, double high) { return std::isfinite(x) && x >= low && x <= high; };
-    if (!within(s.friction, 0.0, kMostFriction)) return fail("bad-value", "The friction of touch must lie between 0 and 10.");
-    if (!within(s.pressSeconds, 0.0, kMostSeconds) || !within(s.releaseSeconds, 0.0, kMostSeconds))
+    if (!within(s.friction, 0.0, kMaxFriction)) return fail("bad-value", "The friction of touch must lie between 0 and 10.");
+    if (!within(s.pressSeconds, 0.0, kMaxSeconds) || !within(s.releaseSeconds, 0.0, kMaxSeconds))
         return fail("bad-value", "The times of touch must lie between 0 and 10 seconds.");
-    if (!within(s.mostStrain, kLeastStrain, kMostStrain)) return fail("bad-value", "The largest strain of touch must lie between 0.05 and 0.9.");
+    if (!within(s.mostStrain, kMinStrain, kMaxStrain)) return fail("bad-value", "The largest strain of touch must lie between 0.05 and 0.9.");
     return {};
 }
 
@@ -301,7 +301,7 @@ void TouchContact::solveAlone(const Eigen::Matrix3d& D, const Vec3& gap, Finger&
     // Along the surface towards where sticking would drag it.
     f.slip = settings_.friction * unit(along, Vec3::Zero());
     const double drag = n.dot(D * f.slip);
-    if (drag > kMostCoupling * push) f.slip *= kMostCoupling * push / drag;
+    if (drag > kMaxCoupling * push) f.slip *= kMaxCoupling * push / drag;
     f.force = n.dot(gap) / (n.dot(D * f.slip) - push) * (f.slip - n);
     how = Contact::Slip;
 }

@@ -47,7 +47,7 @@ public:
     [[nodiscard]] const TouchSurface& surface() const { return *surface_; }
 
     /// Puts a finger (0 ... kFingers - 1) down, or moves one that is down to another point of the flesh. radius: m, that of the finger tip; no finger
-    /// is smaller than TouchSurface::narrowest(), nor wider than TouchSurface::kMostSpread allows; 0: it presses the patches around its point by their
+    /// is smaller than TouchSurface::narrowest(), nor wider than TouchSurface::kMaxSpread allows; 0: it presses the patches around its point by their
     /// weights there. False, and nothing changes, where the point cannot be touched (joint faces, cavities) or is not a number.
     bool place(int finger, const Point& point, double radius);
     /// Where the finger wants its point, every frame. corners: those of triangle(finger) as the pose alone leaves them, target: in the same axes;

@@ -15,7 +15,7 @@ constexpr double kVarianceOfPatch = 0.25, kVarianceOfWeights = 0.42, kVarianceOf
 /// The narrowest finger takes weights to this power: with a higher one it would jump from patch to patch as it moves.
 constexpr double kSharpest = 3.0;
 /// Patches of less than this share of the largest are left out: their parts are not seen, but their columns would be read.
-constexpr double kLeastShare = 1e-3;
+constexpr double kMinShare = 1e-3;
 /// Barycentric coordinates may leave the triangle by this much.
 constexpr double kOutside = 1e-9;
 
@@ -130,14 +130,14 @@ void TouchSurface::weigh(const Point& point, double radius, Eigen::VectorXd& wei
         for (double& w : weights) w = w > 0.0 ? std::pow(w / most, power) : 0.0;
     } else if (radius > plain) {
         double smoothings =
-            std::min((radius * radius / (patches.reach * patches.reach) - kVarianceOfWeights) / kVarianceOfSmoothing, static_cast<double>(kMostSpread));
+            std::min((radius * radius / (patches.reach * patches.reach) - kVarianceOfWeights) / kVarianceOfSmoothing, static_cast<double>(kMaxSpread));
         for (; smoothings > 0.0; smoothings -= 1.0) {
             next.noalias() = overlap_.transpose() * weights;
             weights += std::min(smoothings, 1.0) * (next - weights);
         }
     }
     const double most = weights.maxCoeff();
-    for (double& w : weights) w = std::max(0.0, w - kLeastShare * most);
+    for (double& w : weights) w = std::max(0.0, w - kMinShare * most);
     weights /= weights.sum();
 }
 

@@ -19,7 +19,7 @@ namespace imomushi {
 /// The surface of one element as fingers feel it: where it can be touched, and which patches (TouchResponse) a finger presses there. The same in all frames.
 class TouchSurface {
 public:
-    static constexpr int kMostSpread = 8;  ///< no finger is wider than this many smoothings of its patches, see weigh()
+    static constexpr int kMaxSpread = 8;  ///< no finger is wider than this many smoothings of its patches, see weigh()
 
     /// `response` was made with ResponseInput::touch. Errors: "bad-value" (a response without patches, or of another mesh).
     static Result<std::shared_ptr<const TouchSurface>> build(const TriangleMesh& body, std::span<const JointFace> faces,

@@ -17,11 +17,11 @@ using Eigen::Vector4f;
 namespace {
 
 // Stretches beyond these are treated as these.
-constexpr double kLeastStretch = 0.1, kMostStretch = 10.0;
+constexpr double kMinStretch = 0.1, kMaxStretch = 10.0;
 // Triangles near a face follow it (BendWarpTables::follow) by the square of the motion of the face: half at this one, radians.
 constexpr float kBandMotion = 0.04f;
 // The inflation moves no vertex by more than this part of the cube root of the volume.
-constexpr double kMostInflation = 0.25;
+constexpr double kMaxInflation = 0.25;
 // Its amount is found in so many steps of Newton's method with the first slope, or until the volume is as near as this.
 constexpr int kVolumeSteps = 4;
 constexpr double kVolumeError = 1e-4;
@@ -68,7 +68,7 @@ Matrix3d skew(const Vec3& w) {
 Matrix3d logarithm(const Matrix3d& symmetric) {
     Eigen::SelfAdjointEigenSolver<Matrix3d> eigen;
     eigen.compute(symmetric);
-    const Vec3 l = eigen.eigenvalues().cwiseMax(kLeastStretch).cwiseMin(kMostStretch).array().log();
+    const Vec3 l = eigen.eigenvalues().cwiseMax(kMinStretch).cwiseMin(kMaxStretch).array().log();
     return eigen.eigenvectors() * l.asDiagonal() * eigen.eigenvectors().transpose();
 }
 
@@ -76,7 +76,7 @@ Matrix3d logarithm(const Matrix3d& symmetric) {
 Vec3 logarithmicMove(const Vec3& d, const Vec3& e, double size) {
     const double from = d.norm(), to = e.norm();
     if (!(from > 1e-9 * size)) return e - d;
-    const double stretch = std::clamp(to / from, kLeastStretch, kMostStretch);
+    const double stretch = std::clamp(to / from, kMinStretch, kMaxStretch);
     const Vec3 cross = d.cross(e);
     const double sine = cross.norm();
     Vec3 out = std::log(stretch) * d;
@@ -163,7 +163,7 @@ struct BendWarp::State {
         const Vec3 d = t.faces[1].frame.origin - t.faces[0].frame.origin;
         const double from = d.norm(), to = (placed(1) - placed(0)).norm();
         if (!(from > 1e-6 * t.size)) return Matrix3d::Zero();
-        const double s = std::log(std::clamp(to / from, kLeastStretch, kMostStretch));
+        const double s = std::log(std::clamp(to / from, kMinStretch, kMaxStretch));
         const Matrix3d along = d * d.transpose() / (from * from);
         return s * (along - t.nu * (Matrix3d::Identity() - along));
     }
@@ -246,7 +246,7 @@ struct BendWarp::State {
             slope += static_cast<double>(t.inflation[i] * length) / 6.0;
             force[i] *= length > 1e-20f ? t.inflation[i] / length : 0.0f;
         }
-        const double most = kMostInflation * std::cbrt(t.volume);
+        const double most = kMaxInflation * std::cbrt(t.volume);
         if (!(slope * most > 1e-6 * t.volume)) return;
         double by = 0.0;
         for (int step = 0; step < kVolumeSteps && std::abs(wanted - now) > kVolumeError * t.volume; ++step) {

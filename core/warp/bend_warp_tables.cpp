@@ -32,9 +32,9 @@ constexpr double kInflationRange = 0.5;
 // it crosses the plane: it is slowed down once it is nearer than half of its distance at rest, or than half of kContactDepth face sizes if that is less.
 constexpr double kContactInside = 1.0, kContactOutside = 1.5, kContactDepth = 0.25;
 // Vertices that are this close to the plane at rest, in sizes of the face, lie beside it, not before it.
-constexpr double kLeastDepth = 1e-4;
+constexpr double kMinDepth = 1e-4;
 // Of every vertex; that of a vertex among good triangles is about 4.
-constexpr double kLeastStiffness = 1e-7;
+constexpr double kMinStiffness = 1e-7;
 
 // 1 below 0, 0 above 1.
 double fade(double x) {
@@ -198,7 +198,7 @@ Result<std::shared_ptr<const BendWarpTables>> BendWarpTables::build(const Triang
     if (progress.cancelled()) return fail(kCancelled, "Cancelled.");
     progress.report("warp", 0.2);
     // Vertices of slivers alone hang on this, and rounding of the others is far below.
-    for (int i = 0; i < s.solved; ++i) entries.push_back({i, i, kLeastStiffness});
+    for (int i = 0; i < s.solved; ++i) entries.push_back({i, i, kMinStiffness});
     auto factor = SparseFactor::build(s.solved, entries);
     if (!factor)
         return fail("bad-value", "The triangles of an element are too extreme to warp it; mend its mesh or leave the bend warp off.");
@@ -298,7 +298,7 @@ Result<std::shared_ptr<const BendWarpTables>> BendWarpTables::build(const Triang
             const Vec3 p = face.frame.toLocal(body.vertices.row(v).transpose()) / std::max(face.size, 1e-30);
             const double depth = -p.z(), aside = p.head<2>().norm();
             const double weight = fade((aside - kContactInside) / (kContactOutside - kContactInside)) * fade(depth - 1.0);
-            if (depth > kLeastDepth && weight > 0.0)
+            if (depth > kMinDepth && weight > 0.0)
                 list.push_back(
                     {index[v], static_cast<float>(0.5 * std::min(depth, kContactDepth) * face.size / s.size), static_cast<float>(weight)});
         }

@@ -19,9 +19,9 @@ namespace hn = hwy::HWY_NAMESPACE;
 // 1/1.8 across), and as asinh(4 d) / 4 up to there.
 constexpr float kSoftening = 32.0f / 3.0f;
 // Mean principal strains stay below this, approached smoothly, and differences at it: a factor of 20.
-constexpr float kMostStrain = 3.0f;
+constexpr float kMaxStrain = 3.0f;
 // Rotations do not go farther (radians).
-constexpr float kMostAngle = 7.0f;
+constexpr float kMaxAngle = 7.0f;
 // The fit of rotations sees the rotation that the response says as this part of what it fits to: without it collapsed triangles would have none.
 constexpr float kGuess = 0.05f;
 constexpr float kTiny = 1e-12f;
@@ -117,7 +117,7 @@ struct Target {
     Three x, y;
 };
 
-// exp for |x| <= kMostStrain, to 1e-3 there and 1e-6 for |x| <= 1.
+// exp for |x| <= kMaxStrain, to 1e-3 there and 1e-6 for |x| <= 1.
 HWY_INLINE V quickExp(V x) {
     const V y = hn::Mul(set(0.25f), x), even = hn::MulAdd(hn::Mul(y, y), set(1.0f / 12.0f), set(1.0f)), odd = hn::Mul(set(0.5f), y);
     const V part = hn::Div(hn::Add(even, odd), hn::Sub(even, odd)), twice = hn::Mul(part, part);
@@ -127,17 +127,17 @@ HWY_INLINE V quickExp(V x) {
 HWY_INLINE Target targetOf(const Gradient& g) {
     const V one = set(1.0f), half = set(0.5f);
     // exp of the strain, in two dimensions: exp(mean) (cosh d + sinh d / d deviation).
-    const V sum = hn::Mul(half, hn::Add(g.e11, g.e22)), most = hn::Mul(sum, set(1.0f / kMostStrain));
+    const V sum = hn::Mul(half, hn::Add(g.e11, g.e22)), most = hn::Mul(sum, set(1.0f / kMaxStrain));
     const V mean = hn::Div(sum, hn::Sqrt(hn::MulAdd(most, most, one)));
     const V deviation = hn::Mul(half, hn::Sub(g.e11, g.e22)), squared = twoProducts(deviation, deviation, g.e12, g.e12), d = hn::Sqrt(squared);
-    const V softer = hn::Min(set(kMostStrain), hn::Div(d, hn::Sqrt(hn::Sqrt(hn::MulAdd(set(kSoftening), squared, one)))));
+    const V softer = hn::Min(set(kMaxStrain), hn::Div(d, hn::Sqrt(hn::Sqrt(hn::MulAdd(set(kSoftening), squared, one)))));
     const V grown = quickExp(softer), shrunk = hn::Div(one, grown), size = quickExp(mean), halfSize = hn::Mul(half, size), least = set(1e-6f);
     const V c = hn::Mul(halfSize, hn::Add(grown, shrunk));
     const V s = hn::IfThenElse(hn::Gt(d, least), hn::Div(hn::Mul(halfSize, hn::Sub(grown, shrunk)), hn::Max(d, least)), size);
     const V a11 = hn::MulAdd(s, deviation, c), a22 = hn::NegMulAdd(s, deviation, c), a12 = hn::Mul(s, g.e12);
-    // The rotation, at most kMostAngle: from an eighth of the angle by doubling, to 1e-5.
-    const V angle2 = dot(g.w, g.w), limit = set(kMostAngle * kMostAngle);
-    const V part = hn::Min(one, hn::Div(set(kMostAngle), hn::Sqrt(hn::Max(angle2, limit))));
+    // The rotation, at most kMaxAngle: from an eighth of the angle by doubling, to 1e-5.
+    const V angle2 = dot(g.w, g.w), limit = set(kMaxAngle * kMaxAngle);
+    const V part = hn::Min(one, hn::Div(set(kMaxAngle), hn::Sqrt(hn::Max(angle2, limit))));
     const V x = hn::Mul(hn::Mul(angle2, hn::Mul(part, part)), set(1.0f / 64.0f));
     V sine = hn::NegMulAdd(x, hn::NegMulAdd(x, hn::NegMulAdd(x, set(1.0f / 5040.0f), set(1.0f / 120.0f)), set(1.0f / 6.0f)), one);
     V cosine = hn::NegMulAdd(

@@ -41,23 +41,23 @@ void frames(const char* name, const Skeleton& s, bool ground) {
     InverseKinematics ik(s);
     Pose pose = restPose(s);
     const int last = static_cast<int>(s.points.size()) - 1;
-    std::vector<Hold> holds = {{0, s.points[0]}, {last, s.points[last]}};
+    std::vector<IkGoal> goals = {{0, s.points[0]}, {last, s.points[last]}};
     constexpr int kFrames = 3000;
     std::vector<double> solve, step;
     for (int i = 0; i < kFrames; ++i) {
         const double t = i / 60.0;
-        holds[1].target = s.points[last] + Vec3(-0.5 + 0.5 * std::cos(2.0 * t), 0.6 * std::sin(3.0 * t), 0.4 * std::sin(1.7 * t));
+        goals[1].target = s.points[last] + Vec3(-0.5 + 0.5 * std::cos(2.0 * t), 0.6 * std::sin(3.0 * t), 0.4 * std::sin(1.7 * t));
         auto start = Clock::now();
-        ik.solve(holds, pose);
+        ik.solve(goals, pose);
         solve.push_back(microseconds(start));
         start = Clock::now();
-        dynamics.step(1.0 / 60.0, pose, holds);
+        dynamics.step(1.0 / 60.0, pose, goals);
         step.push_back(microseconds(start));
     }
     double rest = 0.0;
     for (int i = 0; i < kFrames; ++i) {
         const auto start = Clock::now();
-        dynamics.step(1.0 / 60.0, pose, holds);
+        dynamics.step(1.0 / 60.0, pose, goals);
         if (i >= kFrames / 2) rest += microseconds(start) / (kFrames / 2);
     }
     std::sort(solve.begin(), solve.end()), std::sort(step.begin(), step.end());
@@ -109,32 +109,32 @@ bool million(long count) {
         auto dynamics = BoneDynamics::build(input).value();
         InverseKinematics ik(s);
         Pose pose = restPose(s);
-        std::vector<Hold> holds = {{0, s.points[0]}};
+        std::vector<IkGoal> goals = {{0, s.points[0]}};
         for (int i = 0; i < 2000; ++i, ++done) {
             if (i % 40 == 0) {
-                holds.resize(random() % 2);
+                goals.resize(random() % 2);
                 for (int k = static_cast<int>(random() % 3); k > 0; --k) {
                     const int point = static_cast<int>(random() % s.points.size());
-                    holds.push_back({point, pose.points[point]});
+                    goals.push_back({point, pose.points[point]});
                 }
             }
             const double seconds = 1.0 / pick(rates);
-            for (auto& hold : holds) hold.target += std::min(12.0 * seconds, 0.5) * Vec3(d(random), d(random), d(random));
-            ik.solve(holds, pose);
+            for (auto& goal : goals) goal.target += std::min(12.0 * seconds, 0.5) * Vec3(d(random), d(random), d(random));
+            ik.solve(goals, pose);
             const std::clock_t from = std::clock();
-            dynamics.step(seconds, pose, holds);
+            dynamics.step(seconds, pose, goals);
             slowest = std::max(slowest, 1e6 * static_cast<double>(std::clock() - from) / CLOCKS_PER_SEC);
             if (dynamics.warnings() & static_cast<unsigned>(DynamicsWarning::StepRefused)) ++refused;
             for (const auto& p : dynamics.pose().points) {
                 if (!allFinite(p)) return false;
-                if (!holds.empty()) farthest = std::max(farthest, (p - pose.points[0]).norm());
+                if (!goals.empty()) farthest = std::max(farthest, (p - pose.points[0]).norm());
                 if (ground) lowest = std::min(lowest, p.y() + 1.0);
             }
         }
         input.settings.springs = {BoneSpring{}};
         if (!dynamics.set(input.settings)) return false;
-        holds = {{0, pose.points[0]}};
-        for (int i = 0; i < 7200 && !dynamics.resting(); ++i) dynamics.step(1.0 / 60.0, pose, holds);
+        goals = {{0, pose.points[0]}};
+        for (int i = 0; i < 7200 && !dynamics.resting(); ++i) dynamics.step(1.0 / 60.0, pose, goals);
         rested += dynamics.resting();
     }
     std::printf("\n%ld random frames of %d bodies, %.0f s: all finite; %d came to rest within 2 min; %d steps refused\n", done, scenes,

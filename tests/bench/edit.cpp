@@ -43,8 +43,8 @@ ImportedBody bar(int n) {
     TriangleMesh mesh = shapes::bar(2).mesh;
     mesh.vertices.col(0) *= 1.0 + 0.001 * n;
     mesh.vertices.col(2).array() += 3.0 * n;
-    for (std::int32_t v = 0; v < mesh.vertices.rows(); ++v) body.mesh.look.bodyVertex.push_back(v);
-    body.mesh.look.triangles = mesh.triangles;
+    for (std::int32_t v = 0; v < mesh.vertices.rows(); ++v) body.mesh.renderMesh.bodyVertex.push_back(v);
+    body.mesh.renderMesh.triangles = mesh.triangles;
     body.mesh.body = std::move(mesh);
     return body;
 }

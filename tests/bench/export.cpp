@@ -37,8 +37,8 @@ ImportedBody body(const std::string& name, int place, double vertices) {
     out.mesh.body = shapes::cylinder(1.0, 6.0, around, around).mesh;
     const double low = out.mesh.body.vertices.col(2).minCoeff();
     out.mesh.body.vertices.col(2).array() += 6.0 * place - low;
-    for (std::int32_t v = 0; v < out.mesh.body.vertices.rows(); ++v) out.mesh.look.bodyVertex.push_back(v);
-    out.mesh.look.triangles = out.mesh.body.triangles;
+    for (std::int32_t v = 0; v < out.mesh.body.vertices.rows(); ++v) out.mesh.renderMesh.bodyVertex.push_back(v);
+    out.mesh.renderMesh.triangles = out.mesh.body.triangles;
     return out;
 }
 

@@ -64,7 +64,7 @@ int main() {
     double bytes = 0.0;
     for (int e = 0; e < 5; ++e) bytes += static_cast<double>(character.memory(e).response);
     Pose pose = restPose(character.input().skeleton);
-    std::vector<Hold> holds = {{0, Vec3::Zero()}, {5, Vec3(0, 0, 5)}};
+    std::vector<IkGoal> goals = {{0, Vec3::Zero()}, {5, Vec3(0, 0, 5)}};
 
     constexpr int kFrames = 20000;
     std::vector<double> frame, solve, joints, product, normals;
@@ -72,9 +72,9 @@ int main() {
     double evaluated = 0.0;
     for (int i = 0; i < kFrames; ++i) {
         const double t = 0.013 * i;
-        holds[1].target = Vec3(2.0 * std::sin(t), 1.5 * std::sin(0.7 * t), 4.5 + std::sin(0.31 * t));
+        goals[1].target = Vec3(2.0 * std::sin(t), 1.5 * std::sin(0.7 * t), 4.5 + std::sin(0.31 * t));
         const auto start = Clock::now();
-        character.solvePose(holds, pose);
+        character.solvePose(goals, pose);
         character.update(pose);
         frame.push_back(milliseconds(start));
         const auto& s = character.stats();

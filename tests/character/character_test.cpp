@@ -264,8 +264,8 @@ TEST_CASE("character: twist shows in affine, and paper says that it loses it") {
         shape.tips = true;
         auto c = Character::build(caterpillar::make(shape)).value();
         Pose pose = restPose(c.input().skeleton);
-        std::vector<Hold> holds = {{0, Vec3::Zero(), true, 0.0}, {5, Vec3(0, 0, 5), true, 1.0}};
-        c.solvePose(holds, pose);
+        std::vector<IkGoal> goals = {{0, Vec3::Zero(), true, 0.0}, {5, Vec3(0, 0, 5), true, 1.0}};
+        c.solvePose(goals, pose);
         c.update(pose);
         const bool warned = c.stats().warnings & static_cast<unsigned>(FrameWarning::BasisLosesTwist);
         CHECK(warned == (basis == BasisKind::Paper));
@@ -344,10 +344,10 @@ TEST_CASE("character: a random walk of 10,000 steps neither jumps nor opens a se
             if (i % 1500 > 1100) velocity = (pose.points[i % 3] - target + 1e-3 * velocity).normalized();
             if (target.norm() > 40.0) velocity = -target.normalized();
             target += step * velocity;
-            const std::vector<Hold> holds = {{0, Vec3::Zero()}, {5, target}};
-            c.solvePose(holds, pose);
+            const std::vector<IkGoal> goals = {{0, Vec3::Zero()}, {5, target}};
+            c.solvePose(goals, pose);
             c.update(pose);
-            twin.solvePose(holds, twinPose);
+            twin.solvePose(goals, twinPose);
             twin.update(twinPose);
             const Shown now(c);
             largest = std::max(largest, now.largestMove(last));
@@ -367,13 +367,13 @@ TEST_CASE("character: a random walk of 10,000 steps neither jumps nor opens a se
 TEST_CASE("character: a frame allocates nothing") {
     auto c = Character::build(caterpillar::make({})).value();
     Pose pose = restPose(c.input().skeleton);
-    std::vector<Hold> holds = {{0, Vec3::Zero()}, {5, Vec3(0, 0, 5), true, 0.1}};
-    c.solvePose(holds, pose);
+    std::vector<IkGoal> goals = {{0, Vec3::Zero()}, {5, Vec3(0, 0, 5), true, 0.1}};
+    c.solvePose(goals, pose);
     c.update(pose);
     const auto before = allocations();
     for (int i = 0; i < 20; ++i) {
-        holds[1].target += Vec3(0.05, 0.01, 0);
-        c.solvePose(holds, pose);
+        goals[1].target += Vec3(0.05, 0.01, 0);
+        c.solvePose(goals, pose);
         c.update(pose);
     }
     CHECK(allocations() == before);

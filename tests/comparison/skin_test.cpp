@@ -94,7 +94,7 @@ TEST_CASE("skin weights: change little from vertex to vertex, and half and half 
         const auto w = weightsOf(c, automatic);
         const auto ofSecond = [&](std::int32_t v) {
             double sum = 0.0;
-            for (int k = 0; k < SkinWeights::kMost; ++k)
+            for (int k = 0; k < SkinWeights::kMax; ++k)
                 if (w.vertices[v].bone[k] == 1) sum += static_cast<double>(w.vertices[v].weight[k]);
             return sum;
         };

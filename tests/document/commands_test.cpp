@@ -286,9 +286,9 @@ TEST_CASE("drag: the endpoint goes where it is told, stays held, and comes back 
     CHECK(dragged["distance"].get<double>() <= 1e-5);
     CHECK(w.good({{"do", "measure"}, {"what", "gap"}})["value"].get<double>() <= 1e-9);
     CHECK(w.good({{"do", "step"}, {"frames", 3}})["finite"] == true);
-    CHECK(w.session.document().held.size() == 2);
+    CHECK(w.session.document().goals.size() == 2);
     w.good({{"do", "undo"}});
-    CHECK(w.session.document().held.size() == 1);
+    CHECK(w.session.document().goals.size() == 1);
     CHECK(w.good({{"do", "measure"}, {"what", "position"}, {"endpoint", "b/end"}})["value"] == rest);
     w.good({{"do", "redo"}});
     const Json posed = w.good({{"do", "measure"}, {"what", "position"}, {"endpoint", "b/end"}})["value"];
@@ -298,7 +298,7 @@ TEST_CASE("drag: the endpoint goes where it is told, stays held, and comes back 
     CHECK(w.code({{"do", "release"}, {"endpoint", "b/end"}}) == "not-held");
     w.good({{"do", "rest"}});
     CHECK(w.good({{"do", "measure"}, {"what", "position"}, {"endpoint", "b/end"}})["value"] == rest);
-    CHECK(w.session.document().held.size() == 1);  // the pin
+    CHECK(w.session.document().goals.size() == 1);  // the pin
     w.good({{"do", "unpin"}, {"endpoint", "a/start"}});
     CHECK(w.code({{"do", "unpin"}, {"endpoint", "a/start"}}) == "not-pinned");
 }
@@ -308,11 +308,11 @@ TEST_CASE("drag: a joint point has one target, whatever bone it is named after")
     w.buildChain();
     w.good({{"do", "drag"}, {"endpoint", "a/end"}, {"to", {0.1, 0, 3}}});
     w.good({{"do", "drag"}, {"endpoint", "b/start"}, {"to", {0.2, 0, 3}}});
-    CHECK(w.session.document().held.size() == 1);
+    CHECK(w.session.document().goals.size() == 1);
     w.good({{"do", "pin"}, {"endpoint", "a/end"}});
-    CHECK(w.session.document().held.size() == 1);
+    CHECK(w.session.document().goals.size() == 1);
     w.good({{"do", "unpin"}, {"endpoint", "b/start"}});
-    CHECK(w.session.document().held.empty());
+    CHECK(w.session.document().goals.empty());
 }
 
 TEST_CASE("drag: far out of reach it comes as near as the bones stretch and says so") {

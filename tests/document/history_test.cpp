@@ -218,7 +218,7 @@ TEST_CASE("listener: says what changed") {
     w.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {1, 0, 5}}});
     CHECK(last.pose);
     CHECK(!last.structure());
-    CHECK(last.document.held.size() == 1);
+    CHECK(last.document.goals.size() == 1);
     w.good({{"do", "precompute"}});
     CHECK(last.responses);
     w.good({{"do", "undo"}});

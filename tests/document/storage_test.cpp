@@ -46,11 +46,11 @@ void richDocument(Workbench& w) {
     Document& document = project.document;
     auto element = std::make_shared<Element>(*document.elements.begin()->second);
     auto mesh = std::make_shared<ElementMesh>(*element->mesh);
-    mesh->look.normals.setRandom(mesh->body.vertices.rows(), 3);
-    mesh->look.texCoords.setRandom(mesh->body.vertices.rows(), 2);
-    mesh->look.material.assign(static_cast<std::size_t>(mesh->body.triangles.rows()), 0);
-    mesh->look.materials.push_back({"うろこ", {0.1f, 0.2f, 0.3f, 1.0f}, 0.5f, 0.25f, 0});
-    mesh->look.textures.push_back({"scales", "image/png", {1, 2, 3, 0, 255}});
+    mesh->renderMesh.normals.setRandom(mesh->body.vertices.rows(), 3);
+    mesh->renderMesh.texCoords.setRandom(mesh->body.vertices.rows(), 2);
+    mesh->renderMesh.material.assign(static_cast<std::size_t>(mesh->body.triangles.rows()), 0);
+    mesh->renderMesh.materials.push_back({"うろこ", {0.1f, 0.2f, 0.3f, 1.0f}, 0.5f, 0.25f, 0});
+    mesh->renderMesh.textures.push_back({"scales", "image/png", {1, 2, 3, 0, 255}});
     element->mesh = mesh;
     element->issues.push_back({Severity::Info, "unwelded", "Vertices were welded.", 3, true, {0, 1}, {2}});
     document.elements[element->id] = element;
@@ -76,7 +76,7 @@ TEST_CASE("storage: what was saved opens as it was, responses included") {
     CHECK(other.content() == saved);
     CHECK(other.good({{"do", "measure"}, {"what", "position"}, {"endpoint", "b/end"}}) == position);
     CHECK(other.good({{"do", "precompute"}})["elements"][0]["cached"] == true);
-    CHECK(other.session.document().elements.begin()->second->mesh->look.textures[0].bytes == std::vector<std::uint8_t>{1, 2, 3, 0, 255});
+    CHECK(other.session.document().elements.begin()->second->mesh->renderMesh.textures[0].bytes == std::vector<std::uint8_t>{1, 2, 3, 0, 255});
     CHECK(!other.session.modified());
     const auto second = Workbench::folder() / "again.imomushi";
     other.good({{"do", "save"}, {"path", second.string()}});

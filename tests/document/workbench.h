@@ -28,8 +28,8 @@ inline ImportedBody importedBody(std::string name, TriangleMesh mesh, bool close
     ImportedBody body;
     body.name = std::move(name);
     body.closed = closed;
-    for (std::int32_t v = 0; v < mesh.vertices.rows(); ++v) body.mesh.look.bodyVertex.push_back(v);
-    body.mesh.look.triangles = mesh.triangles;
+    for (std::int32_t v = 0; v < mesh.vertices.rows(); ++v) body.mesh.renderMesh.bodyVertex.push_back(v);
+    body.mesh.renderMesh.triangles = mesh.triangles;
     body.mesh.body = std::move(mesh);
     return body;
 }

@@ -57,14 +57,14 @@ TEST_CASE("bone dynamics: a swinging bone has the frequency and damping that wer
                 auto dynamics = make(s, spring);
                 Pose bent = restPose(s);
                 bent.points[1] = Vec3(std::cos(angle), std::sin(angle), 0);
-                const std::vector<Hold> holds = {{0, Vec3::Zero()}};
-                dynamics.step(kFrame, restPose(s), holds);
+                const std::vector<IkGoal> goals = {{0, Vec3::Zero()}};
+                dynamics.step(kFrame, restPose(s), goals);
                 dynamics.reset(bent);
                 std::vector<double> signal;
                 const double dt = 0.02 / hertz;
                 // From `bent` the kinematic pose jumps to rest within the first frame.
                 for (int i = 0; i < 250; ++i) {
-                    dynamics.step(i == 0 ? 1e-4 : dt, restPose(s), holds);
+                    dynamics.step(i == 0 ? 1e-4 : dt, restPose(s), goals);
                     signal.push_back(std::atan2(dynamics.pose().points[1].y(), dynamics.pose().points[1].x()));
                 }
                 const auto seen = measure(signal, dt);
@@ -86,15 +86,15 @@ TEST_CASE("bone dynamics: a bone swings at its frequency with all that hangs on 
         for (std::size_t i = 0; i < input.mass.size(); ++i) input.mass[i] = 1.0 + static_cast<double>(i * i);
         auto dynamics = BoneDynamics::build(input).value();
         const int at = fromEnd ? 4 : 0, pivot = fromEnd ? 2 : 0, tip = 4 - at;
-        const std::vector<Hold> holds = {{at, Vec3::Zero()}};
-        dynamics.step(kFrame, restPose(s), holds);
+        const std::vector<IkGoal> goals = {{at, Vec3::Zero()}};
+        dynamics.step(kFrame, restPose(s), goals);
         Pose turned = restPose(s);
         const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.3, Vec3(0, 1, 1).normalized()));
         for (int i = tip; i != pivot; i += fromEnd ? 1 : -1) turned.points[i] = s.points[pivot] + turn * (s.points[i] - s.points[pivot]);
         dynamics.reset(turned);
         std::vector<double> signal;
         for (int i = 0; i < 600; ++i) {
-            dynamics.step(i == 0 ? 1e-4 : 0.01, restPose(s), holds);
+            dynamics.step(i == 0 ? 1e-4 : 0.01, restPose(s), goals);
             signal.push_back(dynamics.pose().points[tip].y());
         }
         const auto seen = measure(signal, 0.01);
@@ -117,13 +117,13 @@ TEST_CASE("bone dynamics: a stretching bone has the frequency and damping that w
                 auto dynamics = make(s, spring);
                 Pose longer = restPose(s);
                 longer.points[1].x() = 1.0 + strain;
-                const std::vector<Hold> holds = {{0, Vec3::Zero()}};
-                dynamics.step(kFrame, restPose(s), holds);
+                const std::vector<IkGoal> goals = {{0, Vec3::Zero()}};
+                dynamics.step(kFrame, restPose(s), goals);
                 dynamics.reset(longer);
                 std::vector<double> signal;
                 const double dt = 0.02 / hertz;
                 for (int i = 0; i < 250; ++i) {
-                    dynamics.step(i == 0 ? 1e-4 : dt, restPose(s), holds);
+                    dynamics.step(i == 0 ? 1e-4 : dt, restPose(s), goals);
                     const double r = dynamics.pose().points[1].x();
                     signal.push_back(0.5 * (r - 1.0 / r));  // harmonic in energy
                 }
@@ -136,8 +136,8 @@ TEST_CASE("bone dynamics: a stretching bone has the frequency and damping that w
 TEST_CASE("bone dynamics: a pose that rests is kept, bit for bit, and sleeps") {
     const Skeleton s = boneOctopus(8, 4);
     auto dynamics = make(s);
-    const std::vector<Hold> holds = {{0, s.points[0]}};
-    for (int i = 0; i < 30; ++i) dynamics.step(kFrame, restPose(s), holds);
+    const std::vector<IkGoal> goals = {{0, s.points[0]}};
+    for (int i = 0; i < 30; ++i) dynamics.step(kFrame, restPose(s), goals);
     CHECK(dynamics.resting());
     CHECK(farthestFrom(dynamics.pose(), restPose(s)) == 0.0);
     CHECK(dynamics.warnings() == 0u);
@@ -149,13 +149,13 @@ TEST_CASE("bone dynamics: after a drag the body swings past, comes to the kinema
         InverseKinematics ik(s);
         Pose pose = restPose(s);
         const int last = static_cast<int>(s.points.size()) - 1;
-        std::vector<Hold> holds = {{0, s.points[0]}, {last, s.points[last]}};
+        std::vector<IkGoal> goals = {{0, s.points[0]}, {last, s.points[last]}};
         double overshoot = 0.0;
         int frames = 0;
         for (; frames < 3000 && !dynamics.resting(); ++frames) {
-            holds[1].target = s.points[last] + std::min(frames / 10.0, 1.0) * Vec3(-0.3, 0.5, 0.4);
-            ik.solve(holds, pose);
-            dynamics.step(kFrame, pose, holds);
+            goals[1].target = s.points[last] + std::min(frames / 10.0, 1.0) * Vec3(-0.3, 0.5, 0.4);
+            ik.solve(goals, pose);
+            dynamics.step(kFrame, pose, goals);
             overshoot = std::max(overshoot, farthestFrom(dynamics.pose(), pose));
         }
         CHECK(overshoot > 0.02);
@@ -170,7 +170,7 @@ TEST_CASE("bone dynamics: a chain dragged along a path moves alike at 30, 60, 14
     BoneSpring spring;
     spring.bendHertz = 1.5;
     spring.bendDamping = 0.15;
-    const std::vector<Hold> holds = {{0, Vec3::Zero()}};
+    const std::vector<IkGoal> goals = {{0, Vec3::Zero()}};
     std::vector<std::vector<Pose>> seen;
     std::mt19937 random(3);
     for (const int rate : {600, 30, 60, 144, 0}) {
@@ -183,7 +183,7 @@ TEST_CASE("bone dynamics: a chain dragged along a path moves alike at 30, 60, 14
             for (int i = 0; i < frames; ++i) {
                 const double uneven = rate ? 1.0 / frames : i + 1 < frames ? (0.5 + static_cast<double>(random() % 1000) * 1e-3) / frames * 0.9 : 1.0 - time;
                 time += uneven;
-                dynamics.step(uneven / 6.0, curled(s, (sixth + time) / 6.0), holds);
+                dynamics.step(uneven / 6.0, curled(s, (sixth + time) / 6.0), goals);
             }
             poses.push_back(dynamics.pose());
         }
@@ -213,13 +213,13 @@ TEST_CASE("bone dynamics: strong dampers take a bone along at once: after a star
     BoneSpring spring;
     spring.bendHertz = 0.5, spring.bendDamping = 10.0;
     auto dynamics = make(s, spring);
-    const std::vector<Hold> holds = {{0, Vec3::Zero()}};
+    const std::vector<IkGoal> goals = {{0, Vec3::Zero()}};
     Pose pose = restPose(s);
-    dynamics.step(kFrame, pose, holds);
+    dynamics.step(kFrame, pose, goals);
     const double speed = 0.2;
     for (int i = 0; i < 15; ++i) {
         for (auto& p : pose.points) p.y() += speed * kFrame;
-        dynamics.step(kFrame, pose, holds);
+        dynamics.step(kFrame, pose, goals);
     }
     // y'' = -2 ratio omega y' from y' = -speed, the spring being weak: 1 % of the return in this quarter of a second.
     const double lag = pose.points[1].y() - dynamics.pose().points[1].y();
@@ -229,15 +229,15 @@ TEST_CASE("bone dynamics: strong dampers take a bone along at once: after a star
 TEST_CASE("bone dynamics: bones that are stiff to the eye follow the kinematic pose") {
     const Skeleton s = boneChain(5);
     BoneSpring rigid;
-    rigid.stretchHertz = rigid.bendHertz = rigid.rollHertz = BoneSpring::kMostHertz;
+    rigid.stretchHertz = rigid.bendHertz = rigid.rollHertz = BoneSpring::kMaxHertz;
     rigid.stretchDamping = rigid.bendDamping = rigid.rollDamping = 1.0;
     auto dynamics = make(s, rigid);
     dynamics.reset(curled(s, 0.0));
-    const std::vector<Hold> holds = {{0, Vec3::Zero()}};
+    const std::vector<IkGoal> goals = {{0, Vec3::Zero()}};
     double away = 0.0, roll = 0.0, turn = 0.0;
     for (int i = 1; i <= 240; ++i) {
         const Pose kinematic = curled(s, i * kFrame);
-        dynamics.step(kFrame, kinematic, holds);
+        dynamics.step(kFrame, kinematic, goals);
         away = std::max(away, farthestFrom(dynamics.pose(), kinematic));
         for (int p = 0; p <= 5; ++p) roll = std::max(roll, std::abs(dynamics.pose().roll[p] - kinematic.roll[p]));
         for (int b = 0; b < 5; ++b) turn = std::max(turn, dynamics.pose().frames[b].angularDistance(kinematic.frames[b]));
@@ -264,18 +264,18 @@ TEST_CASE("bone dynamics: energy never grows while nothing outside moves, whatev
         auto dynamics = BoneDynamics::build(input).value();
         Pose wild = restPose(s);
         for (auto& p : wild.points) p += Vec3(d(random), d(random), d(random));
-        std::vector<Hold> holds;
-        if (scene % 5 != 4) holds.push_back({0, Vec3::Zero()});
-        dynamics.step(kFrame, restPose(s), holds);
+        std::vector<IkGoal> goals;
+        if (scene % 5 != 4) goals.push_back({0, Vec3::Zero()});
+        dynamics.step(kFrame, restPose(s), goals);
         dynamics.reset(wild);
         // The kinematic pose jumps to rest, and the held point comes home.
-        for (int i = 0; i < 200; ++i) dynamics.step(0.01, restPose(s), holds);
+        for (int i = 0; i < 200; ++i) dynamics.step(0.01, restPose(s), goals);
         double before = dynamics.energy().total();
         const double first = before;
         double weight = 0.0;
         for (const double m : input.mass) weight += m * input.settings.gravity.norm();
         for (int i = 0; i < 300; ++i) {
-            dynamics.step(1.0 / 97.0, restPose(s), holds);
+            dynamics.step(1.0 / 97.0, restPose(s), goals);
             const double now = dynamics.energy().total();
             CAPTURE(scene);
             CAPTURE(i);
@@ -293,15 +293,15 @@ TEST_CASE("bone dynamics: what swings without damping keeps its energy") {
     BoneSpring spring;
     spring.stretchHertz = 4.0, spring.stretchDamping = 0.0, spring.bendHertz = 1.5, spring.bendDamping = 0.0;
     auto dynamics = make(s, spring);
-    const std::vector<Hold> holds = {{0, Vec3::Zero()}};
+    const std::vector<IkGoal> goals = {{0, Vec3::Zero()}};
     Pose bent = restPose(s);
     bent.points[3] += Vec3(-0.2, 0.6, 0.3);
-    dynamics.step(kFrame, restPose(s), holds);
+    dynamics.step(kFrame, restPose(s), goals);
     dynamics.reset(bent);
-    for (int i = 0; i < 2; ++i) dynamics.step(0.01, restPose(s), holds);  // the kinematic pose jumps to rest
+    for (int i = 0; i < 2; ++i) dynamics.step(0.01, restPose(s), goals);  // the kinematic pose jumps to rest
     const double first = dynamics.energy().total();
     REQUIRE(first > 0.0);
-    for (int i = 0; i < 300; ++i) dynamics.step(kFrame, restPose(s), holds);
+    for (int i = 0; i < 300; ++i) dynamics.step(kFrame, restPose(s), goals);
     CHECK(dynamics.energy().total() > 0.98 * first);
 }
 
@@ -313,10 +313,10 @@ TEST_CASE("bone dynamics: a body that nothing holds keeps its momentum, a straig
         auto dynamics = BoneDynamics::build(input).value();
         // Thrown: a hand moves one point and lets go.
         Pose pose = restPose(s);
-        const std::vector<Hold> holds = {{0, s.points[0]}};
+        const std::vector<IkGoal> goals = {{0, s.points[0]}};
         for (int i = 0; i < 12; ++i) {
             for (auto& p : pose.points) p += Vec3(0.03, 0.05, 0.02);
-            dynamics.step(kFrame, pose, holds);
+            dynamics.step(kFrame, pose, goals);
         }
         pose = restPose(s);
         for (int i = 0; i < 2; ++i) dynamics.step(kFrame, pose, {});
@@ -342,18 +342,18 @@ TEST_CASE("bone dynamics: grabbing a swinging point does not make it jump") {
     const Skeleton s = boneChain(4);
     auto dynamics = make(s);
     Pose pose = restPose(s);
-    std::vector<Hold> holds = {{0, s.points[0]}};
+    std::vector<IkGoal> goals = {{0, s.points[0]}};
     for (int i = 0; i < 20; ++i) {
         for (auto& p : pose.points) p.y() += 0.03;
-        dynamics.step(kFrame, pose, holds);
+        dynamics.step(kFrame, pose, goals);
     }
     const Vec3 before = dynamics.pose().points[4];
     const double away = (before - pose.points[4]).norm();
     REQUIRE(away > 0.05);
-    holds.push_back({4, Vec3::Zero()});
-    dynamics.step(1e-3, pose, holds);
+    goals.push_back({4, Vec3::Zero()});
+    dynamics.step(1e-3, pose, goals);
     CHECK((dynamics.pose().points[4] - before).norm() < 0.1 * away);
-    for (int i = 0; i < 30; ++i) dynamics.step(kFrame, pose, holds);
+    for (int i = 0; i < 30; ++i) dynamics.step(kFrame, pose, goals);
     CHECK((dynamics.pose().points[4] - pose.points[4]).norm() < 1e-4);
 }
 
@@ -363,14 +363,14 @@ TEST_CASE("bone dynamics: roll follows what is held with its own frequency and d
     spring.rollHertz = 1.5;
     spring.rollDamping = 0.1;
     auto dynamics = make(s, spring);
-    const std::vector<Hold> holds = {{0, Vec3::Zero()}};
-    dynamics.step(kFrame, restPose(s), holds);
+    const std::vector<IkGoal> goals = {{0, Vec3::Zero()}};
+    dynamics.step(kFrame, restPose(s), goals);
     Pose twisted = restPose(s);
     twisted.roll[1] = 1.0;
     dynamics.reset(twisted);
     std::vector<double> signal;
     for (int i = 0; i < 400; ++i) {
-        dynamics.step(0.01, restPose(s), holds);
+        dynamics.step(0.01, restPose(s), goals);
         signal.push_back(dynamics.pose().roll[1]);
     }
     const auto seen = measure(signal, 0.01);

@@ -17,8 +17,8 @@ TEST_CASE("bone dynamics: gravity bends what is held by as much as its springs s
     auto input = inputOf(s, spring);
     input.settings.gravity = Vec3(0, -9.81, 0);
     auto dynamics = BoneDynamics::build(input).value();
-    const std::vector<Hold> holds = {{0, Vec3::Zero()}};
-    for (int i = 0; i < 600; ++i) dynamics.step(kFrame, restPose(s), holds);
+    const std::vector<IkGoal> goals = {{0, Vec3::Zero()}};
+    for (int i = 0; i < 600; ++i) dynamics.step(kFrame, restPose(s), goals);
     CHECK(dynamics.resting());
     // omega^2 theta = g cos theta for a bone of 1 m.
     double angle = 0.0;
@@ -123,10 +123,10 @@ TEST_CASE("bone dynamics: held points stay above the ground, too") {
     input.settings.ground = BoneDynamicsSettings::Ground{Vec3(0, -0.2, 0), Vec3::UnitY(), 0.5};
     auto dynamics = BoneDynamics::build(input).value();
     Pose pose = restPose(s);
-    const std::vector<Hold> holds = {{0, Vec3::Zero()}, {3, Vec3::Zero()}};
+    const std::vector<IkGoal> goals = {{0, Vec3::Zero()}, {3, Vec3::Zero()}};
     for (int i = 0; i < 60; ++i) {
         pose.points[3].y() -= 0.02;
-        dynamics.step(kFrame, pose, holds);
+        dynamics.step(kFrame, pose, goals);
         for (const auto& p : dynamics.pose().points) CHECK(p.y() >= -0.2 - 1e-6);
     }
     CHECK(dynamics.pose().points[3].y() == doctest::Approx(-0.2));

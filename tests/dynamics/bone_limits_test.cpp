@@ -23,12 +23,12 @@ TEST_CASE("bone dynamics: bodies of a micrometre and of a thousand kilometres mo
         input.settings.gravity = Vec3(0, -5.0 * size, 0);
         input.settings.ground = BoneDynamicsSettings::Ground{Vec3(0, -0.2 * size, 0), Vec3::UnitY(), 0.3};
         auto dynamics = BoneDynamics::build(input).value();
-        const std::vector<Hold> holds = {{0, Vec3::Zero()}};
+        const std::vector<IkGoal> goals = {{0, Vec3::Zero()}};
         Pose pose = restPose(s);
         for (int i = 0; i < 100; ++i) {
             if (i < 20)
                 for (auto& p : pose.points) p += size * Vec3(0.0, 0.03, 0.02);
-            dynamics.step(kFrame, pose, holds);
+            dynamics.step(kFrame, pose, goals);
         }
         seen.push_back(dynamics.pose());
         for (auto& p : seen.back().points) p /= size;
@@ -54,44 +54,44 @@ TEST_CASE("bone dynamics: no bones, or single points, are a character, too") {
 TEST_CASE("bone dynamics: a pause of ten seconds is cut short and said") {
     const Skeleton s = boneChain(5);
     auto dynamics = make(s);
-    const std::vector<Hold> holds = {{0, Vec3::Zero()}};
-    dynamics.step(kFrame, curled(s, 0.0), holds);
-    dynamics.step(10.0, curled(s, 0.5), holds);
+    const std::vector<IkGoal> goals = {{0, Vec3::Zero()}};
+    dynamics.step(kFrame, curled(s, 0.0), goals);
+    dynamics.step(10.0, curled(s, 0.5), goals);
     CHECK(dynamics.warnings() == static_cast<unsigned>(DynamicsWarning::TimeDropped));
     checkFinite(dynamics.pose());
     CHECK(farthestFrom(dynamics.pose(), curled(s, 0.5)) < 5.0);
-    dynamics.step(1e300, curled(s, 0.5), holds);
+    dynamics.step(1e300, curled(s, 0.5), goals);
     checkFinite(dynamics.pose());
-    dynamics.step(0.0, curled(s, 0.5), holds);
+    dynamics.step(0.0, curled(s, 0.5), goals);
     CHECK(dynamics.warnings() == 0u);
 }
 
 TEST_CASE("bone dynamics: what is not finite does not go on: the last good state stays, and it is said") {
     const Skeleton s = boneChain(4);
     auto dynamics = make(s);
-    const std::vector<Hold> holds = {{0, Vec3::Zero()}};
-    dynamics.step(kFrame, curled(s, 0.2), holds);
+    const std::vector<IkGoal> goals = {{0, Vec3::Zero()}};
+    dynamics.step(kFrame, curled(s, 0.2), goals);
     const Pose good = dynamics.pose();
     const double nan = std::numeric_limits<double>::quiet_NaN(), infinite = std::numeric_limits<double>::infinity();
     for (const double bad : {nan, infinite, 1e300}) {
         Pose pose = curled(s, 0.3);
         pose.points[2].y() = bad;
-        dynamics.step(kFrame, pose, holds);
+        dynamics.step(kFrame, pose, goals);
         CHECK(dynamics.warnings() == static_cast<unsigned>(DynamicsWarning::InputRefused));
         CHECK(farthestFrom(dynamics.pose(), good) == 0.0);
         pose = curled(s, 0.3);
         pose.roll[1] = bad;
-        dynamics.step(kFrame, pose, holds);
+        dynamics.step(kFrame, pose, goals);
         CHECK(farthestFrom(dynamics.pose(), good) == 0.0);
     }
     for (const double bad : {nan, infinite, -1.0}) {
-        dynamics.step(bad, curled(s, 0.3), holds);
+        dynamics.step(bad, curled(s, 0.3), goals);
         CHECK(dynamics.warnings() == static_cast<unsigned>(DynamicsWarning::InputRefused));
         CHECK(farthestFrom(dynamics.pose(), good) == 0.0);
     }
-    dynamics.step(kFrame, Pose{}, holds);
+    dynamics.step(kFrame, Pose{}, goals);
     CHECK(dynamics.warnings() == static_cast<unsigned>(DynamicsWarning::InputRefused));
-    const std::vector<Hold> elsewhere = {{0, Vec3::Zero()}, {99, Vec3::Zero()}, {-1, Vec3::Zero()}};
+    const std::vector<IkGoal> elsewhere = {{0, Vec3::Zero()}, {99, Vec3::Zero()}, {-1, Vec3::Zero()}};
     dynamics.step(kFrame, curled(s, 0.3), elsewhere);
     CHECK(dynamics.warnings() == static_cast<unsigned>(DynamicsWarning::InputRefused));
     CHECK(farthestFrom(dynamics.pose(), good) > 0.0);
@@ -148,16 +148,16 @@ TEST_CASE("bone dynamics: steps do not allocate, and the same input gives the sa
     input.settings.ground = BoneDynamicsSettings::Ground{Vec3(0, -0.8, 0), Vec3::UnitY(), 0.4};
     auto one = BoneDynamics::build(input).value(), other = BoneDynamics::build(input).value();
     Pose pose = restPose(s);
-    const std::vector<Hold> all = {{0, Vec3::Zero()}, {4, Vec3::Zero()}};
+    const std::vector<IkGoal> all = {{0, Vec3::Zero()}, {4, Vec3::Zero()}};
     std::size_t asked = 0;
     for (int i = 0; i < 120; ++i) {
-        const std::span<const Hold> holds = std::span(all).first(i < 40 ? 1 : i < 80 ? 2 : 0);
+        const std::span<const IkGoal> goals = std::span(all).first(i < 40 ? 1 : i < 80 ? 2 : 0);
         for (auto& p : pose.points) p.x() += 0.01 * std::sin(0.2 * i);
         pose.roll[5] = 0.01 * i;
         const std::size_t before = allocations();
-        one.step(1.0 / 70.0, pose, holds);
+        one.step(1.0 / 70.0, pose, goals);
         asked += allocations() - before;
-        other.step(1.0 / 70.0, pose, holds);
+        other.step(1.0 / 70.0, pose, goals);
         REQUIRE(farthestFrom(one.pose(), other.pose()) == 0.0);
     }
     CHECK(asked == 0);
@@ -182,18 +182,18 @@ TEST_CASE("bone dynamics: random bodies, drags, frame rates and limits: finite, 
         auto dynamics = BoneDynamics::build(input).value();
         InverseKinematics ik(s);
         Pose pose = restPose(s);
-        std::vector<Hold> holds = {{0, s.points[0]}};
+        std::vector<IkGoal> goals = {{0, s.points[0]}};
         for (int i = 0; i < 400; ++i) {
             if (i % 40 == 0) {
-                holds.resize(1);
+                goals.resize(1);
                 for (int k = static_cast<int>(random() % 3); k > 0; --k) {
                     const int point = 1 + static_cast<int>(random() % (s.points.size() - 1));
-                    holds.push_back({point, pose.points[point]});
+                    goals.push_back({point, pose.points[point]});
                 }
             }
-            for (std::size_t k = 1; k < holds.size(); ++k) holds[k].target += 0.2 * Vec3(d(random), d(random), d(random));
-            ik.solve(holds, pose);
-            dynamics.step(1.0 / pick(rates), pose, holds);
+            for (std::size_t k = 1; k < goals.size(); ++k) goals[k].target += 0.2 * Vec3(d(random), d(random), d(random));
+            ik.solve(goals, pose);
+            dynamics.step(1.0 / pick(rates), pose, goals);
             checkFinite(dynamics.pose());
             for (const auto& p : dynamics.pose().points) REQUIRE(p.norm() < 200.0);
             if (input.settings.ground)
@@ -203,7 +203,7 @@ TEST_CASE("bone dynamics: random bodies, drags, frame rates and limits: finite, 
         input.settings.springs = {BoneSpring{}};
         REQUIRE(dynamics.set(input.settings));
         ++scenes;
-        for (int i = 0; i < 1800 && !dynamics.resting(); ++i) dynamics.step(kFrame, pose, holds);
+        for (int i = 0; i < 1800 && !dynamics.resting(); ++i) dynamics.step(kFrame, pose, goals);
         rested += dynamics.resting();
         if (dynamics.resting() && input.settings.gravity.isZero() && !input.settings.ground) CHECK(farthestFrom(dynamics.pose(), pose) == 0.0);
     }

@@ -187,25 +187,25 @@ TEST_CASE("OBJ: look: texture coordinates, normals, colours, materials and textu
     CHECK(body.name == "木");
     CHECK(body.closed);
     CHECK(body.mesh.body.vertices == box.vertices);  // the look splits no body vertex
-    const Look& look = body.mesh.look;
-    CHECK(look.bodyVertex.size() > 8);
-    CHECK(look.texCoords.rows() == static_cast<Eigen::Index>(look.bodyVertex.size()));
-    const int corner = look.triangles(0, 2);
-    CHECK(look.texCoords(corner, 0) == 0.25f);
-    CHECK(look.texCoords(corner, 1) == 0.25f);  // origin top left
-    CHECK(look.normals(corner, 2) == 1.0f);
-    CHECK(look.colors(corner, 0) == 1.0f);
-    CHECK(look.colors(corner, 1) == doctest::Approx(0.2140f).epsilon(1e-3));  // sRGB 0.5
-    REQUIRE(look.materials.size() == 3);
-    CHECK(look.materials[0].name == "skin");
-    REQUIRE(look.materials[0].baseColorTexture == 0);
-    CHECK(look.textures[0].mimeType == "image/png");
-    CHECK(look.textures[0].bytes.size() == 15);
-    CHECK(look.materials[1].baseColor == Eigen::Vector4f(1, 0, 0, 0.5f));
-    CHECK(look.material[0] == 0);
-    CHECK(look.material[6] == 1);
-    CHECK(look.materials[2].baseColorTexture == -1);
-    CHECK(look.textures.size() == 1);  // nothing from outside of the folder
+    const RenderMesh& render = body.mesh.renderMesh;
+    CHECK(render.bodyVertex.size() > 8);
+    CHECK(render.texCoords.rows() == static_cast<Eigen::Index>(render.bodyVertex.size()));
+    const int corner = render.triangles(0, 2);
+    CHECK(render.texCoords(corner, 0) == 0.25f);
+    CHECK(render.texCoords(corner, 1) == 0.25f);  // origin top left
+    CHECK(render.normals(corner, 2) == 1.0f);
+    CHECK(render.colors(corner, 0) == 1.0f);
+    CHECK(render.colors(corner, 1) == doctest::Approx(0.2140f).epsilon(1e-3));  // sRGB 0.5
+    REQUIRE(render.materials.size() == 3);
+    CHECK(render.materials[0].name == "skin");
+    REQUIRE(render.materials[0].baseColorTexture == 0);
+    CHECK(render.textures[0].mimeType == "image/png");
+    CHECK(render.textures[0].bytes.size() == 15);
+    CHECK(render.materials[1].baseColor == Eigen::Vector4f(1, 0, 0, 0.5f));
+    CHECK(render.material[0] == 0);
+    CHECK(render.material[6] == 1);
+    CHECK(render.materials[2].baseColorTexture == -1);
+    CHECK(render.textures.size() == 1);  // nothing from outside of the folder
     REQUIRE(io_test::find(*answer, "texture"));
     CHECK(io_test::find(*answer, "texture")->text.find("secret") != std::string::npos);
 }
@@ -249,9 +249,9 @@ TEST_CASE("PLY: ascii and binary of both byte orders say the same") {
         REQUIRE(r);
         CHECK(io_test::sameBits(r->surface.mesh.body.vertices, ball.vertices));
         CHECK(r->surface.mesh.body.triangles == ball.triangles);
-        if (r->surface.mesh.look.colors.rows() > 0) {
-            CHECK(r->surface.mesh.look.colors(0, 0) == 1.0f);
-            CHECK(r->surface.mesh.look.colors(0, 1) == doctest::Approx(0.2159f).epsilon(1e-3));
+        if (r->surface.mesh.renderMesh.colors.rows() > 0) {
+            CHECK(r->surface.mesh.renderMesh.colors(0, 0) == 1.0f);
+            CHECK(r->surface.mesh.renderMesh.colors(0, 1) == doctest::Approx(0.2159f).epsilon(1e-3));
         }
         // Cut off anywhere it is refused, never read halfway.
         for (std::size_t n = 0; n < bytes.size(); n += bytes.size() / 40) CHECK(!scene("a.ply", bytes.substr(0, n)));

@@ -80,9 +80,9 @@ const MendedBody& only(const MendResult& r) {
 }
 
 void checkLook(const ElementMesh& mesh) {
-    REQUIRE(mesh.look.triangles.rows() == mesh.body.triangles.rows());
-    for (Eigen::Index i = 0; i < mesh.look.triangles.size(); ++i)
-        REQUIRE(mesh.look.bodyVertex[static_cast<std::size_t>(mesh.look.triangles.data()[i])] == mesh.body.triangles.data()[i]);
+    REQUIRE(mesh.renderMesh.triangles.rows() == mesh.body.triangles.rows());
+    for (Eigen::Index i = 0; i < mesh.renderMesh.triangles.size(); ++i)
+        REQUIRE(mesh.renderMesh.bodyVertex[static_cast<std::size_t>(mesh.renderMesh.triangles.data()[i])] == mesh.body.triangles.data()[i]);
 }
 
 }  // namespace
@@ -172,17 +172,17 @@ TEST_CASE("mending: turned triangles are turned back, the fewer follow the more"
 TEST_CASE("mending: an inverted body is turned, and its normals with it") {
     const TriangleMesh ball = shapes::sphere(1.0, 2).mesh;
     RawSurface s = surface(inverted(ball));
-    Look& look = s.mesh.look;
-    look.triangles = s.mesh.body.triangles;
-    look.bodyVertex.resize(static_cast<std::size_t>(ball.vertices.rows()));
-    std::iota(look.bodyVertex.begin(), look.bodyVertex.end(), 0);
-    look.normals = -ball.vertices.cast<float>();
+    RenderMesh& render = s.mesh.renderMesh;
+    render.triangles = s.mesh.body.triangles;
+    render.bodyVertex.resize(static_cast<std::size_t>(ball.vertices.rows()));
+    std::iota(render.bodyVertex.begin(), render.bodyVertex.end(), 0);
+    render.normals = -ball.vertices.cast<float>();
     const MendResult r = mend(std::move(s), false);
     CHECK(only(r).closed);
     REQUIRE(find(r.mended, "inverted"));
     checkLook(only(r).mesh);
-    for (Eigen::Index v = 0; v < only(r).mesh.look.normals.rows(); ++v)
-        CHECK(only(r).mesh.look.normals.row(v).cast<double>().dot(ball.vertices.row(only(r).mesh.look.bodyVertex[static_cast<std::size_t>(v)])) > 0.9);
+    for (Eigen::Index v = 0; v < only(r).mesh.renderMesh.normals.rows(); ++v)
+        CHECK(only(r).mesh.renderMesh.normals.row(v).cast<double>().dot(ball.vertices.row(only(r).mesh.renderMesh.bodyVertex[static_cast<std::size_t>(v)])) > 0.9);
 }
 
 TEST_CASE("mending: a cavity winds inward, what is in the cavity outward again, whatever the file says") {
@@ -210,14 +210,14 @@ TEST_CASE("mending: holes are capped where the result is closed, and the cap has
     std::vector<std::int32_t> caps = tube.ends[0].triangles;
     caps.insert(caps.end(), tube.ends[1].triangles.begin(), tube.ends[1].triangles.end());
     RawSurface s = surface(without(tube.mesh, caps));
-    Look& look = s.mesh.look;
-    look.triangles = s.mesh.body.triangles;
-    look.bodyVertex.resize(static_cast<std::size_t>(tube.mesh.vertices.rows()));
-    std::iota(look.bodyVertex.begin(), look.bodyVertex.end(), 0);
-    look.normals = vertexNormals(s.mesh.body).cast<float>();
-    look.texCoords.setConstant(tube.mesh.vertices.rows(), 2, 0.25f);
-    look.materials.resize(2);
-    look.material.assign(static_cast<std::size_t>(look.triangles.rows()), 1);
+    RenderMesh& render = s.mesh.renderMesh;
+    render.triangles = s.mesh.body.triangles;
+    render.bodyVertex.resize(static_cast<std::size_t>(tube.mesh.vertices.rows()));
+    std::iota(render.bodyVertex.begin(), render.bodyVertex.end(), 0);
+    render.normals = vertexNormals(s.mesh.body).cast<float>();
+    render.texCoords.setConstant(tube.mesh.vertices.rows(), 2, 0.25f);
+    render.materials.resize(2);
+    render.material.assign(static_cast<std::size_t>(render.triangles.rows()), 1);
     const MendResult r = mend(std::move(s), false);
     CHECK(only(r).closed);
     REQUIRE(find(r.mended, "open"));
@@ -225,7 +225,7 @@ TEST_CASE("mending: holes are capped where the result is closed, and the cap has
     checkLook(only(r).mesh);
     const double exact = meshFacts(tube.mesh).volume;
     CHECK(meshFacts(only(r).mesh.body).volume == doctest::Approx(exact).epsilon(1e-12));
-    const Look& worn = only(r).mesh.look;
+    const RenderMesh& worn = only(r).mesh.renderMesh;
     CHECK(worn.materials.size() == 1);
     CHECK(static_cast<Eigen::Index>(worn.material.size()) == only(r).mesh.body.triangles.rows());
     CHECK((worn.texCoords.array() == 0.25f).all());
@@ -364,7 +364,7 @@ TEST_CASE("mending: any heap of triangles ends without a crash, and what is call
         checkMesh(s.mesh.body);
         for (const bool split : {false, true})
             for (const MendedBody& body : mend(s, split).bodies) {
-                RC_ASSERT(body.mesh.look.triangles.rows() == body.mesh.body.triangles.rows());
+                RC_ASSERT(body.mesh.renderMesh.triangles.rows() == body.mesh.body.triangles.rows());
                 if (body.closed) RC_ASSERT(meshFacts(body.mesh.body).outward);
             }
     }));

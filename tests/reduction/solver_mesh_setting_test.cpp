@@ -20,7 +20,7 @@ TEST_CASE("solver mesh setting: every name is read and written back") {
     CHECK(solverMeshName({Kind::Refined, 2000, 1e-3}) == "refined:2000@0.001");
     CHECK(SolverMeshSetting{} == SolverMeshSetting{Kind::Default, 0});
     CHECK(rc::check([](bool refined) {
-        const int count = *rc::gen::inRange(SolverMeshSetting::kFewest, SolverMeshSetting::kMost + 1);
+        const int count = *rc::gen::inRange(SolverMeshSetting::kFewest, SolverMeshSetting::kMax + 1);
         const double tolerance = std::pow(10.0, *rc::gen::inRange(-6, -1));
         const SolverMeshSetting setting{refined ? Kind::Refined : Kind::Decimated, count, std::clamp(tolerance, SolverMeshSetting::kFinest, SolverMeshSetting::kCoarsest)};
         RC_ASSERT(parseSolverMesh(solverMeshName(setting)).value() == setting);

@@ -90,7 +90,7 @@ TEST_CASE("display normals: the edge of a cap stays hard and the side round, in 
 
 TEST_CASE("display normals: a body that is flat-shaded in its file stays flat-shaded when it deforms") {
     TestBody body = blob(Vec3::Zero(), Vec3::Ones(), 1.0, 6, 8);
-    Look& look = body.mesh->look;
+    RenderMesh& look = body.mesh->renderMesh;
     const int faces = static_cast<int>(body.mesh->body.triangles.rows());
     look.triangles.resize(faces, 3);
     look.normals.resize(3 * faces, 3);
@@ -107,7 +107,7 @@ TEST_CASE("display normals: a body that is flat-shaded in its file stays flat-sh
 
 TEST_CASE("display normals: vertices split for texture coordinates alone do not break the shading") {
     TestBody body = blob(Vec3::Zero(), Vec3::Ones());
-    Look& look = body.mesh->look;
+    RenderMesh& look = body.mesh->renderMesh;
     const int faces = static_cast<int>(body.mesh->body.triangles.rows());
     look.triangles.resize(faces, 3);
     look.normals.resize(3 * faces, 3);
@@ -158,7 +158,7 @@ TEST_CASE("display normals: two halves of a tube shade like the whole tube where
 
 TEST_CASE("triangles are drawn by material, and a drawn triangle leads back to its own") {
     TestBody body = blob(Vec3::Zero(), Vec3::Ones(), 1.0, 6, 8);
-    Look& look = body.mesh->look;
+    RenderMesh& look = body.mesh->renderMesh;
     look.triangles = body.mesh->body.triangles;
     for (int v = 0; v < body.mesh->body.vertices.rows(); ++v) look.bodyVertex.push_back(v);
     look.materials.resize(2);

@@ -124,8 +124,8 @@ public:
             for (Eigen::Index f = 0; f < t.rows(); ++f)
                 for (int c = 0; c < 3; ++c)
                     shortest = std::min(shortest, (Eigen::Map<const Vector3f>(s.positions + 3 * t(f, c)) - Eigen::Map<const Vector3f>(s.positions + 3 * t(f, (c + 1) % 3))).cast<double>().norm());
-            constexpr double kLeastSine = 0.15;  // of stencils
-            const double allowed = 8.0 * lastWrong_ / (shortest * kLeastSine) + 4 * kEpsilon;
+            constexpr double kMinSine = 0.15;  // of stencils
+            const double allowed = 8.0 * lastWrong_ / (shortest * kMinSine) + 4 * kEpsilon;
             for (std::size_t i = 0; i < made.size(); i += BodyGeometry::kFloats) {
                 const Vector3f a = Eigen::Map<const Vector3f>(&made[i + 3]), b = Eigen::Map<const Vector3f>(&expected[i + 3]);
                 worst = std::max(worst, static_cast<double>((a - b).norm()) / allowed);

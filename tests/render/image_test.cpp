@@ -93,7 +93,7 @@ TEST_CASE("textures, vertex colours and materials colour a body") {
     scene.bodies.push_back(body.body(1, Eigen::Vector3f(0.6f, 0.6f, 0.6f)));
     const auto middle = [&] { return drawn(scene, 100, 100).at(50, 50); };
 
-    Look& look = body.mesh->look;
+    RenderMesh& look = body.mesh->renderMesh;
     look.triangles = body.mesh->body.triangles;
     const int vertices = static_cast<int>(body.mesh->body.vertices.rows());
     for (int v = 0; v < vertices; ++v) look.bodyVertex.push_back(v);

@@ -76,7 +76,7 @@ TEST_CASE("data colours stay within a fifth of what a legend shows, wherever lig
     if (!haveOpenGl()) return;
     TestBody ball = blob(Vec3::Zero(), Vec3::Ones());
     const auto n = ball.mesh->body.vertices.rows();
-    Look& look = ball.mesh->look;
+    RenderMesh& look = ball.mesh->renderMesh;
     look.triangles = ball.mesh->body.triangles;
     for (Eigen::Index v = 0; v < n; ++v) look.bodyVertex.push_back(static_cast<std::int32_t>(v));
     // sRGB 145, 201, 98 as linear light.

@@ -42,9 +42,9 @@ Skeleton octopus(int arms, int bones) {
     return s;
 }
 
-int settle(InverseKinematics& ik, const std::vector<Hold>& holds, Pose& pose, InverseKinematics::Report& report, int most = 200) {
+int settle(InverseKinematics& ik, const std::vector<IkGoal>& goals, Pose& pose, InverseKinematics::Report& report, int most = 200) {
     for (int i = 1; i <= most; ++i) {
-        report = ik.solve(holds, pose);
+        report = ik.solve(goals, pose);
         if (report.settled) return i;
     }
     return most + 1;
@@ -101,9 +101,9 @@ TEST_CASE("inverse kinematics: holds at rest leave the pose of rest") {
     const Skeleton s = octopus(8, 5);
     InverseKinematics ik(s);
     Pose pose = restPose(s);
-    std::vector<Hold> holds;
-    for (const int p : {0, 6, 11, 41}) holds.push_back({p, s.points[p]});
-    const auto report = ik.solve(holds, pose);
+    std::vector<IkGoal> goals;
+    for (const int p : {0, 6, 11, 41}) goals.push_back({p, s.points[p]});
+    const auto report = ik.solve(goals, pose);
     CHECK(report.settled);
     CHECK(largestMove(restPose(s), pose) < 1e-12);
     CHECK(largestTurn(restPose(s), pose) < 1e-7);
@@ -115,9 +115,9 @@ TEST_CASE("inverse kinematics: a reachable target is reached, after small and af
         CAPTURE(to.transpose());
         InverseKinematics ik(s);
         Pose pose = restPose(s);
-        const std::vector<Hold> holds = {{0, Vec3(0, 0, 0)}, {5, to}};
+        const std::vector<IkGoal> goals = {{0, Vec3(0, 0, 0)}, {5, to}};
         InverseKinematics::Report report;
-        const int solves = settle(ik, holds, pose, report);
+        const int solves = settle(ik, goals, pose, report);
         CHECK(solves <= 200);
         CHECK(report.largestMiss < 1e-6);
         CHECK_FALSE(report.outOfReach);
@@ -156,7 +156,7 @@ TEST_CASE("inverse kinematics: an unpinned body follows the dragged end") {
 
 TEST_CASE("inverse kinematics: degenerate input stays finite") {
     const double big = std::numeric_limits<double>::max();
-    const std::vector<std::vector<Hold>> cases = {
+    const std::vector<std::vector<IkGoal>> cases = {
         {{0, Vec3(0, 0, 0)}, {5, Vec3(0, 0, 0)}},                                   // all at one place
         {{2, Vec3(1, 1, 1)}, {3, Vec3(1, 1, 1)}},                                   // both ends of one bone
         {{2, Vec3(-50, 0, 0)}, {3, Vec3(50, 0, 0)}},                                // incompatible
@@ -165,14 +165,14 @@ TEST_CASE("inverse kinematics: degenerate input stays finite") {
         {{0, Vec3(-big, 0, 0)}, {5, Vec3(big, 0, 0)}},
         {{5, Vec3(1, 0, 0)}, {5, Vec3(2, 0, 0)}},                                   // twice the same point
     };
-    for (const auto& holds : cases) {
+    for (const auto& goals : cases) {
         const Skeleton s = chain(5);
         InverseKinematics ik(s);
         for (const bool collapsed : {false, true}) {
             Pose pose = restPose(s);
             if (collapsed)
                 for (auto& p : pose.points) p.setZero();
-            for (int i = 0; i < 150; ++i) CHECK(ik.solve(holds, pose).finite);
+            for (int i = 0; i < 150; ++i) CHECK(ik.solve(goals, pose).finite);
             CHECK(finite(pose));
             for (const auto& b : s.bones) CHECK((pose.points[b.end] - pose.points[b.start]).norm() > 0.4);
         }
@@ -273,16 +273,16 @@ TEST_CASE("inverse kinematics: an octopus with several pins and drags reaches al
     const Skeleton s = octopus(8, 5);
     InverseKinematics ik(s);
     Pose pose = restPose(s);
-    std::vector<Hold> holds = {{0, s.points[0]}, {6, s.points[6]}, {11, s.points[11]}, {16, s.points[16]}, {41, s.points[41]}};
+    std::vector<IkGoal> goals = {{0, s.points[0]}, {6, s.points[6]}, {11, s.points[11]}, {16, s.points[16]}, {41, s.points[41]}};
     InverseKinematics::Report report;
     for (int i = 1; i <= 60; ++i) {
-        holds[1].target = s.points[6] + 0.03 * i * Vec3(0, 1, 0);
-        holds[2].target = s.points[11] - 0.02 * i * Vec3(1, 0, 1);
-        holds[3].target = s.points[16] + 0.01 * i * Vec3(1, 2, -1);
-        report = ik.solve(holds, pose);
+        goals[1].target = s.points[6] + 0.03 * i * Vec3(0, 1, 0);
+        goals[2].target = s.points[11] - 0.02 * i * Vec3(1, 0, 1);
+        goals[3].target = s.points[16] + 0.01 * i * Vec3(1, 2, -1);
+        report = ik.solve(goals, pose);
         CHECK(report.finite);
     }
-    CHECK(settle(ik, holds, pose, report) <= 200);
+    CHECK(settle(ik, goals, pose, report) <= 200);
     CHECK(report.largestMiss < 1e-6);
     checkFramesFollowBones(s, pose);
 }
@@ -293,12 +293,12 @@ TEST_CASE("inverse kinematics: settles for any targets within 200 solves") {
         InverseKinematics ik(s);
         Pose pose = restPose(s);
         std::mt19937 random(*rc::gen::arbitrary<unsigned>());
-        std::vector<Hold> holds;
+        std::vector<IkGoal> goals;
         const int count = *rc::gen::inRange(1, 6);
         for (int i = 0; i < count; ++i)
-            holds.push_back({static_cast<int>(random() % s.points.size()), randomVector(random, *rc::gen::element(0.5, 2.0, 10.0))});
+            goals.push_back({static_cast<int>(random() % s.points.size()), randomVector(random, *rc::gen::element(0.5, 2.0, 10.0))});
         InverseKinematics::Report report;
-        const int solves = settle(ik, holds, pose, report);
+        const int solves = settle(ik, goals, pose, report);
         RC_ASSERT(report.finite);
         RC_ASSERT(solves <= 200);
     }));
@@ -371,12 +371,12 @@ TEST_CASE("inverse kinematics: solve allocates nothing") {
     const Skeleton s = octopus(8, 5);
     InverseKinematics ik(s);
     Pose pose = restPose(s);
-    std::vector<Hold> holds = {{0, s.points[0]}, {6, s.points[6], true, 0.3}, {11, s.points[11]}};
-    ik.solve(holds, pose);
+    std::vector<IkGoal> goals = {{0, s.points[0]}, {6, s.points[6], true, 0.3}, {11, s.points[11]}};
+    ik.solve(goals, pose);
     const auto before = allocations();
     for (int i = 0; i < 20; ++i) {
-        holds[1].target.y() += 0.1;
-        ik.solve(holds, pose);
+        goals[1].target.y() += 0.1;
+        ik.solve(goals, pose);
     }
     CHECK(allocations() == before);
 }

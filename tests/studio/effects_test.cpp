@@ -106,7 +106,7 @@ TEST_CASE("effects: with bone dynamics the body goes on by itself after the drag
     const EndpointRef end = w.lastEnd();
     const QPointF rest = *w.view().onScreen(end);
     w.drag(end, {30, -110});
-    REQUIRE(w.now().held.contains(end));
+    REQUIRE(w.now().goals.contains(end));
     CHECK(w.document().session().moving());
     QSignalSpy steps(&w.document(), &StudioDocument::frameStepped);
     waitFor([&] { return !steps.isEmpty() && (*w.view().onScreen(end) - rest).manhattanLength() > 60.0; });

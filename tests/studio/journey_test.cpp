@@ -71,7 +71,7 @@ TEST_CASE("studio: a mesh becomes a character by clicking, moves by dragging, an
     QTest::mouseRelease(&w.view(), Qt::LeftButton, {}, from + QPoint(-48, -120));
     w.settle();
     CHECK(w.document().session().position() == before + 1);
-    REQUIRE(w.now().held.contains(end));
+    REQUIRE(w.now().goals.contains(end));
     // It follows the pointer: where the bone's end is drawn is where the mouse let go.
     CHECK((*w.view().onScreen(end) - QPointF(from + QPoint(-48, -120))).manhattanLength() < 12.0);
     w.shoot("dragged");

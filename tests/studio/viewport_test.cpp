@@ -34,7 +34,7 @@ struct Posing : Window {
         for (int i = 1; i <= 4; ++i) QTest::mouseMove(&view(), from + QPoint(0, -12 * i));
         settle();
         REQUIRE(view().busy());
-        REQUIRE(now().held.contains(end));
+        REQUIRE(now().goals.contains(end));
     }
 };
 
@@ -48,7 +48,7 @@ TEST_CASE("viewport: a drag that loses the focus is taken back and leaves no ges
     QFocusEvent lost(QEvent::FocusOut, Qt::ActiveWindowFocusReason);
     QApplication::sendEvent(&w.view(), &lost);
     CHECK(!w.view().busy());
-    CHECK(!w.now().held.contains(w.end));
+    CHECK(!w.now().goals.contains(w.end));
     CHECK(w.document().session().position() == before);
     QTest::mouseRelease(&w.view(), Qt::LeftButton, {}, w.at());
     w.run({{"do", "pin"}, {"endpoint", "bone/start"}});

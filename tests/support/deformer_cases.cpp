@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kFoldAngle = 120.0 * kDegree;
-constexpr std::size_t kMostPairs = 10000;
+constexpr std::size_t kMaxPairs = 10000;
 constexpr double kRow = 1e-6;  // m: vertices of a row have the same distance from the seam
 
 struct Place {
@@ -153,7 +153,7 @@ DeformationMeasures measureDeformation(const DeformerCase& which, const Points& 
     out.volumeChange = enclosedVolume(deformed, triangles) / enclosedVolume(rest, triangles) - 1.0;
     for (Eigen::Index t = 0; t < triangles.rows(); ++t) out.worstQuality = std::min(out.worstQuality, quality(deformed, triangles, t) / quality(rest, triangles, t));
     const TriangleMesh before{rest, triangles}, after{deformed, triangles};
-    out.intersections = static_cast<int>(selfIntersections(after, kMostPairs).size());
+    out.intersections = static_cast<int>(selfIntersections(after, kMaxPairs).size());
 
     const EdgeTable edges(triangles);
     const auto turn = [&](const TriangleMesh& mesh, int e) {

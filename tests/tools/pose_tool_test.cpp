@@ -19,9 +19,9 @@ struct PoseStage : Stage {
         look(ViewAxis::Front);
         tip = {now().boneNamed("bone 2")->id, true};
     }
-    const Held* held() {
-        const auto found = now().held.find(tip);
-        return found == now().held.end() ? nullptr : &found->second;
+    const EndpointGoal* held() {
+        const auto found = now().goals.find(tip);
+        return found == now().goals.end() ? nullptr : &found->second;
     }
 };
 
@@ -83,7 +83,7 @@ TEST_CASE("pose tool: a tool that goes away in mid-drag takes the drag back") {
         stage.pull(tool, Vec3(2, 1, 0));
     }
     CHECK(stage.steps() == before);
-    CHECK(stage.now().held.empty());
+    CHECK(stage.now().goals.empty());
 }
 
 TEST_CASE("pose tool: X, Y and Z lock the drag to an axis, again frees it") {

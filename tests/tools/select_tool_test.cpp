@@ -71,7 +71,7 @@ TEST_CASE("select: the end of a bone can be dragged, and the drag be taken back"
     stage.press(tool, Vec3(3, 0, 0));
     stage.pull(tool, Vec3(2.8, 0.8, 0));
     CHECK(tool.busy());
-    CHECK(stage.now().held.contains(tip));
+    CHECK(stage.now().goals.contains(tip));
     tool.cancel();
     CHECK(!tool.busy());
     CHECK(stage.steps() == before);

@@ -30,8 +30,8 @@ struct Stage {
             ImportedBody body;
             body.name = request.path.stem().string();
             body.mesh.body = bodies.at(body.name);
-            body.mesh.look.triangles = body.mesh.body.triangles;
-            for (std::int32_t v = 0; v < body.mesh.body.vertices.rows(); ++v) body.mesh.look.bodyVertex.push_back(v);
+            body.mesh.renderMesh.triangles = body.mesh.body.triangles;
+            for (std::int32_t v = 0; v < body.mesh.body.vertices.rows(); ++v) body.mesh.renderMesh.bodyVertex.push_back(v);
             body.closed = true;
             ImportResult result;
             result.format = "obj";

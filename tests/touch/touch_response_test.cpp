@@ -295,7 +295,7 @@ TEST_CASE("touch response: without touch nothing changes, with it the key does, 
     CHECK(estimateResponse(input).seconds > 0.0);
     input.touch = -1;
     CHECK(buildResponse(input, {}).error().code == "bad-value");
-    input.touch = ResponseInput::kMostTouch + 1;
+    input.touch = ResponseInput::kMaxTouch + 1;
     CHECK(buildResponse(input, {}).error().code == "bad-value");
 }
 

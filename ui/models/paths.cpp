@@ -45,8 +45,8 @@ std::string pathOf(const Document& document, const SelectionItem& item) {
 }
 
 bool isPinned(const Document& document, const EndpointRef& end) {
-    const auto held = document.held.find(end);
-    return held != document.held.end() && held->second.pinned;
+    const auto held = document.goals.find(end);
+    return held != document.goals.end() && held->second.pinned;
 }
 
 }  // namespace imomushi

@@ -11,7 +11,7 @@
 namespace imomushi {
 namespace {
 
-constexpr int kMost = 12;
+constexpr int kMax = 12;
 const QString kKey = QStringLiteral("files/recent");
 
 QString thumbnailPath(const QString& path) {
@@ -35,7 +35,7 @@ void RecentFiles::add(const QString& path) {
     QStringList all = paths();
     all.removeAll(absolute);
     all.prepend(absolute);
-    while (all.size() > kMost) QFile::remove(thumbnailPath(all.takeLast()));
+    while (all.size() > kMax) QFile::remove(thumbnailPath(all.takeLast()));
     QSettings().setValue(kKey, all);
     Q_EMIT changed();
 }

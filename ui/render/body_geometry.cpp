@@ -37,8 +37,8 @@ void groupCorners(std::span<const std::int32_t> corners, const ElementMesh& mesh
             const int fi = corners[i] / 3, fj = corners[j] / 3;
             bool same = false;
             if (look) {
-                const auto a = mesh.look.normals.row(mesh.look.triangles(fi, corners[i] % 3));
-                const auto b = mesh.look.normals.row(mesh.look.triangles(fj, corners[j] % 3));
+                const auto a = mesh.renderMesh.normals.row(mesh.renderMesh.triangles(fi, corners[i] % 3));
+                const auto b = mesh.renderMesh.normals.row(mesh.renderMesh.triangles(fj, corners[j] % 3));
                 same = a.dot(b) >= BodyGeometry::kSameNormal * a.norm() * b.norm();
             } else if (unitFacet[fi].dot(unitFacet[fj]) >= BodyGeometry::kCrease) {
                 // Neighbours around the vertex: they share an edge at it.
@@ -55,8 +55,8 @@ void groupCorners(std::span<const std::int32_t> corners, const ElementMesh& mesh
 
 BodyGeometry::BodyGeometry(const ElementMesh& mesh, const std::vector<std::int32_t>* covered) : triangles_(mesh.body.triangles) {
     const int vertices = static_cast<int>(mesh.body.vertices.rows()), faces = static_cast<int>(triangles_.rows());
-    const bool hasLook = mesh.look.triangles.rows() == faces && !mesh.look.bodyVertex.empty();
-    const bool lookNormals = hasLook && mesh.look.normals.rows() == static_cast<Eigen::Index>(mesh.look.bodyVertex.size());
+    const bool hasLook = mesh.renderMesh.triangles.rows() == faces && !mesh.renderMesh.bodyVertex.empty();
+    const bool lookNormals = hasLook && mesh.renderMesh.normals.rows() == static_cast<Eigen::Index>(mesh.renderMesh.bodyVertex.size());
     std::vector<char> isCovered(faces, 0), isShown(faces, 1);
     if (covered)
         for (const std::int32_t f : *covered)
@@ -102,7 +102,7 @@ BodyGeometry::BodyGeometry(const ElementMesh& mesh, const std::vector<std::int32
         }
         if (partial != 1) seamGroup_[v] = -1;
         const auto place = [&](int corner, int g) {
-            const int lookVertex = hasLook ? mesh.look.triangles(corner / 3, corner % 3) : -1;
+            const int lookVertex = hasLook ? mesh.renderMesh.triangles(corner / 3, corner % 3) : -1;
             auto at = std::find_if(known.begin(), known.end(), [&](const DisplayVertex& d) { return d.lookVertex == lookVertex && d.group == g; });
             if (at == known.end()) {
                 at = known.insert(at, {lookVertex, g, static_cast<std::uint32_t>(bodyVertex_.size())});
@@ -123,12 +123,12 @@ BodyGeometry::BodyGeometry(const ElementMesh& mesh, const std::vector<std::int32
     welded_.resize(sums_.size());
 
     // Drawn triangles by material.
-    const bool materials = hasLook && mesh.look.material.size() == static_cast<std::size_t>(faces);
+    const bool materials = hasLook && mesh.renderMesh.material.size() == static_cast<std::size_t>(faces);
     for (int f = 0; f < faces; ++f)
         if (!isCovered[f]) drawnTriangle_.push_back(f);
     const auto materialOf = [&](int f) {
-        const int m = materials ? mesh.look.material[f] : -1;
-        return m < static_cast<int>(mesh.look.materials.size()) ? m : -1;
+        const int m = materials ? mesh.renderMesh.material[f] : -1;
+        return m < static_cast<int>(mesh.renderMesh.materials.size()) ? m : -1;
     };
     std::stable_sort(drawnTriangle_.begin(), drawnTriangle_.end(), [&](int a, int b) { return materialOf(a) < materialOf(b); });
     indices_.reserve(3 * drawnTriangle_.size());

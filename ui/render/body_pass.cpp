@@ -14,7 +14,7 @@ void BodyPass::drawLit(const Body& body, const GpuBody& gpu) const {
     lit_.set("hovered", body.hovered && !body.selected ? 1.0f : 0.0f);
     lit_.set("outdated", body.outdated ? 1.0f : 0.0f);
     lit_.set("dataColors", body.dataColors ? 1 : 0);
-    const Look& look = gpu.mesh->look;
+    const RenderMesh& look = gpu.mesh->renderMesh;
     const bool ownColor = look.materials.empty() && look.colors.rows() == 0;
     glBindVertexArray(gpu.vertexArray);
     for (const BodyGeometry::Range& range : gpu.geometry->ranges()) {

@@ -38,7 +38,7 @@ void BodyStore::create(const Body& body, GpuBody& gpu) {
     gpu.staging.resize(std::size_t(g.vertexCount()) * BodyGeometry::kFloats);
 
     // Texture coordinates and colours never change.
-    const Look& look = body.mesh->look;
+    const RenderMesh& look = body.mesh->renderMesh;
     const bool coords = look.texCoords.rows() == static_cast<Eigen::Index>(look.bodyVertex.size());
     const bool colors = look.colors.rows() == static_cast<Eigen::Index>(look.bodyVertex.size());
     std::vector<float> fixed(std::size_t(g.vertexCount()) * 6);
@@ -58,8 +58,8 @@ void BodyStore::create(const Body& body, GpuBody& gpu) {
     glBindBuffer(GL_ARRAY_BUFFER, gpu.vertices);
     floatAttribute(0, 3, BodyGeometry::kFloats * sizeof(float), 0);
     floatAttribute(1, 3, BodyGeometry::kFloats * sizeof(float), 3 * sizeof(float), 0);
-    gpu.look = makeBuffer();
-    glBindBuffer(GL_ARRAY_BUFFER, gpu.look);
+    gpu.renderMesh = makeBuffer();
+    glBindBuffer(GL_ARRAY_BUFFER, gpu.renderMesh);
     glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(fixed.size() * sizeof(float)), fixed.data(), GL_STATIC_DRAW);
     floatAttribute(2, 2, 6 * sizeof(float), 0);
     floatAttribute(3, 4, 6 * sizeof(float), 2 * sizeof(float), 0);

@@ -14,7 +14,7 @@ namespace {
 using Eigen::Vector3f;
 
 // Of shaders/element_frame.glsl: vectors that fit into 16 KiB, the least size of a uniform block that OpenGL promises, after shape, placement and size.
-constexpr int kMostVectors = 1000, kHeader = 7;
+constexpr int kMaxVectors = 1000, kHeader = 7;
 enum Unit { kResponse = 0, kIntegerResponse = 1, kShapes = 2 };
 
 /// Vectors of four that hold n numbers.
@@ -85,11 +85,11 @@ bool GpuDeformer::upload(const DeformInput& deformInput) {
         own.faces = element.faces;
         own.modeVectors = vectorsFor(element.blocks.columns);
         own.shapeVectors = vectorsFor(static_cast<int>(element.shapes.rows()));
-        own.supported = element.possible && own.modeVectors + own.faces * (4 + 3 * own.shapeVectors) <= kMostVectors &&
+        own.supported = element.possible && own.modeVectors + own.faces * (4 + 3 * own.shapeVectors) <= kMaxVectors &&
                         std::int64_t{3} * own.modeVectors * own.vertices <= texels;
         if (!own.supported) own.modeVectors = own.shapeVectors = 0;
         // Its normals inside joints are uploaded all the same.
-        if (4 * own.faces > kMostVectors) return false;
+        if (4 * own.faces > kMaxVectors) return false;
         total += element.vertices;
     }
     if (total > texels || total == 0) return false;
@@ -116,7 +116,7 @@ bool GpuDeformer::upload(const DeformInput& deformInput) {
 void GpuDeformer::uploadElement(const DeformInput::Element& element, ElementBuffers& own) const {
     own.frameNumbers.resize(4 * static_cast<std::size_t>(kHeader + own.modeVectors + own.faces * (4 + 3 * own.shapeVectors)));
     // As large as the block in the shader, whatever is used of it.
-    own.frame = makeBuffer(GL_UNIFORM_BUFFER, std::vector<float>(4 * (kHeader + kMostVectors), 0.0f), GL_DYNAMIC_DRAW);
+    own.frame = makeBuffer(GL_UNIFORM_BUFFER, std::vector<float>(4 * (kHeader + kMaxVectors), 0.0f), GL_DYNAMIC_DRAW);
     glBindBuffer(GL_UNIFORM_BUFFER, 0);
     if (!own.supported) return;
     const auto n = static_cast<std::size_t>(own.vertices);

@@ -225,8 +225,8 @@ OffscreenView::~OffscreenView() {
 }
 
 Result<std::vector<std::uint8_t>> OffscreenView::draw(const Scene& scene, int width, int height) {
-    if (width < 1 || height < 1 || width > kLargestSide || height > kLargestSide || static_cast<long>(width) * height > kMostPixels)
-        return fail("bad-size", "A picture has 1 to " + std::to_string(kLargestSide) + " pixels a side and at most " + std::to_string(kMostPixels / 1'000'000) + " million in all.");
+    if (width < 1 || height < 1 || width > kLargestSide || height > kLargestSide || static_cast<long>(width) * height > kMaxPixels)
+        return fail("bad-size", "A picture has 1 to " + std::to_string(kLargestSide) + " pixels a side and at most " + std::to_string(kMaxPixels / 1'000'000) + " million in all.");
     drew_ = true;
     return DrawingThread::instance().draw(*this, scene, width, height);
 }

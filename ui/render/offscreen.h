@@ -21,7 +21,7 @@ public:
 
 /// Largest pictures that are drawn: side and number of pixels (8192 x 4320 and the like).
 inline constexpr int kLargestSide = 8192;
-inline constexpr long kMostPixels = 36'000'000;
+inline constexpr long kMaxPixels = 36'000'000;
 
 /// Draws scenes one after the other without a display, and keeps on the graphics card what did not change between them. Works beside any other context of
 /// the caller: one thread of the process with a context of its own draws for all views. Buffers are kept for the view that drew last; a picture

@@ -236,7 +236,7 @@ void DocumentScene::addBones(Session& session, const SceneOptions& options, rend
             const std::uint64_t own = sceneId({ScenePart::Kind::Endpoint, id, -1, atEnd});
             point.marker.selected = point.marker.selected || contains(options.selected, own);
             point.marker.hovered = point.marker.hovered || options.hovered == own;
-            if (const auto held = document.held.find(end); held != document.held.end())
+            if (const auto held = document.goals.find(end); held != document.goals.end())
                 point.marker.shape = held->second.pinned ? render::Marker::Shape::PinnedPoint : render::Marker::Shape::HeldPoint;
         }
     }

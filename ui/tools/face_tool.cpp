@@ -21,7 +21,7 @@ namespace {
 constexpr double kAngle = 10.0 * std::numbers::pi / 180.0;
 /// The contract's tolerance, in parts of the element's diagonal; the wheel doubles and halves it.
 constexpr double kTolerance = 1e-4;
-constexpr int kMostWidened = 11;  ///< 2^11 * 1e-4: a fifth of the diagonal
+constexpr int kMaxWidened = 11;  ///< 2^11 * 1e-4: a fifth of the diagonal
 /// Centres of faces that meet lie within this part of their size: the contract's limit of join.
 constexpr double kMeetDistance = 0.01;
 /// Sizes and areas of faces that meet agree to this part; tessellations of one rim may differ.
@@ -241,7 +241,7 @@ void FaceTool::release(const PointerEvent&) {
 
 bool FaceTool::widen(int steps) {
     const int before = widened_;
-    widened_ = std::clamp(widened_ + steps, 0, kMostWidened);
+    widened_ = std::clamp(widened_ + steps, 0, kMaxWidened);
     if (plane_)
         previewPlane();
     else if (widened_ != before && seed_ >= 0)

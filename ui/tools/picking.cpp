@@ -14,7 +14,7 @@ namespace imomushi {
 namespace {
 
 /// A chain of "this end is where that end is" longer than this is a cycle.
-constexpr int kMostReferences = 1000;
+constexpr int kMaxReferences = 1000;
 
 const Vec3* skeletonPoint(Session& session, const EndpointRef& end) {
     Character* character = session.character();
@@ -106,7 +106,7 @@ const JointFace* faceOfTriangle(const Element& element, std::int32_t triangle) {
 
 std::optional<Vec3> endpointRestPosition(const Document& document, const EndpointRef& end) {
     EndpointRef now = end;
-    for (int i = 0; i < kMostReferences; ++i) {
+    for (int i = 0; i < kMaxReferences; ++i) {
         const auto bone = document.bones.find(now.bone);
         if (bone == document.bones.end()) return std::nullopt;
         const Bone::Place& place = now.atEnd ? bone->second->end : bone->second->start;
@@ -165,7 +165,7 @@ std::vector<std::vector<Vec3>> rimOf(Session& session, PartId id, const std::vec
 EndpointRef holdingEndpoint(Session& session, const EndpointRef& end) {
     const int point = session.pointIndex(end);
     if (point < 0) return end;
-    for (const auto& [held, value] : session.document().held)
+    for (const auto& [held, value] : session.document().goals)
         if (session.pointIndex(held) == point) return held;
     if (end.atEnd) return end;
     for (const auto& [id, bone] : session.document().bones)

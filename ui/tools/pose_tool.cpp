@@ -71,7 +71,7 @@ void PoseTool::press(const PointerEvent& e) {
     drag.pressY = e.y;
     drag.normal = dragPlane(e, -1);
     drag.grip = e.onPlane(*at, drag.normal, *at);
-    if (const auto held = document_.document().held.find(*end); held != document_.document().held.end()) drag.roll = held->second.roll;
+    if (const auto held = document_.document().goals.find(*end); held != document_.document().goals.end()) drag.roll = held->second.roll;
     drag_ = std::move(drag);
     last_ = e;
 }
@@ -132,7 +132,7 @@ void PoseTool::release(const PointerEvent& e) {
 
 void PoseTool::doubleClick(const PointerEvent& e) {
     const auto end = endpointUnder(e);
-    if (!end || !document_.document().held.contains(*end)) return;
+    if (!end || !document_.document().goals.contains(*end)) return;
     document_.execute(commands::release(pathOf(document_.document(), *end)));
 }
 

@@ -36,7 +36,7 @@ void FrameClock::start() {
 }
 
 void FrameClock::poseChanged() {
-    if (!stepping_) approaching_ = !document_.document().held.empty();
+    if (!stepping_) approaching_ = !document_.document().goals.empty();
 }
 
 void FrameClock::stepPose(double seconds) {

@@ -168,8 +168,8 @@ void ViewportWidget::contextMenuEvent(QContextMenuEvent* e) {
         if (item.kind != SelectionItem::Kind::Endpoint || selection.size() > 1) continue;
         const EndpointRef end = holdingEndpoint(session, {item.part, item.atEnd});
         const std::string path = pathOf(document_.document(), end);
-        const auto held = document_.document().held.find(end);
-        const bool isHeld = held != document_.document().held.end(), pinned = isHeld && held->second.pinned;
+        const auto held = document_.document().goals.find(end);
+        const bool isHeld = held != document_.document().goals.end(), pinned = isHeld && held->second.pinned;
         menu.addAction(pinned ? tr("Unpin") : tr("Pin"), this,
                        [=, this] { document_.execute(commands::setPinned(path, !pinned)); });
         if (isHeld) menu.addAction(tr("Let go"), this, [=, this] { document_.execute(commands::release(path)); });

@@ -45,8 +45,8 @@ void ActionStates::update() {
     a["hide"]->setEnabled(count(Kind::Element) > 0);
     a["join"]->setEnabled(count(Kind::Face) == 2);
     a["pin"]->setEnabled(count(Kind::Endpoint, Kind::Bone) > 0);
-    a["release"]->setEnabled(!d.held.empty());
-    a["rest"]->setEnabled(!d.held.empty() || !d.pose.points.empty());
+    a["release"]->setEnabled(!d.goals.empty());
+    a["rest"]->setEnabled(!d.goals.empty() || !d.pose.points.empty());
     for (const char* id : {"select-all", "export", "write-mesh"}) a[id]->setEnabled(!d.elements.empty());
     const bool stale = std::any_of(d.elements.begin(), d.elements.end(), [&](const auto& e) {
         return !e.second->faces.empty() && session.responseState(e.first) != Session::ResponseState::Fresh;

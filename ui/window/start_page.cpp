@@ -22,7 +22,7 @@
 namespace imomushi {
 namespace {
 
-constexpr int kMostColumns = 4, kFewestColumns = 3;
+constexpr int kMaxColumns = 4, kFewestColumns = 3;
 constexpr int kTileWidth = 232, kPicture = 145, kTileHeight = 201, kGap = 16;
 
 // A project as a card: its picture, its name, and one line below.
@@ -127,7 +127,7 @@ void StartPage::changeEvent(QEvent* event) {
 }
 
 int StartPage::columnsThatFit() const {
-    const int useful = std::clamp(int(std::max(samples().size(), recent_.paths().size())), kFewestColumns, kMostColumns);
+    const int useful = std::clamp(int(std::max(samples().size(), recent_.paths().size())), kFewestColumns, kMaxColumns);
     return std::clamp((width() - px(96) + px(kGap)) / px(kTileWidth + kGap), 1, useful);
 }
 

@@ -28,12 +28,12 @@ QColor heat(double share) {
 ElementMesh colored(const AccuracyBody::Part& part, double largest) {
     ElementMesh mesh{{part.shown, part.triangles}, {}};
     const auto n = part.error.size();
-    mesh.look.bodyVertex.resize(n);
-    std::iota(mesh.look.bodyVertex.begin(), mesh.look.bodyVertex.end(), 0);
-    mesh.look.triangles = part.triangles;
-    mesh.look.colors.setOnes(Eigen::Index(n), 4);
+    mesh.renderMesh.bodyVertex.resize(n);
+    std::iota(mesh.renderMesh.bodyVertex.begin(), mesh.renderMesh.bodyVertex.end(), 0);
+    mesh.renderMesh.triangles = part.triangles;
+    mesh.renderMesh.colors.setOnes(Eigen::Index(n), 4);
     for (std::size_t v = 0; v < n; ++v)
-        mesh.look.colors.row(Eigen::Index(v)).head<3>() = linearColor(heat(largest > 0.0 ? std::max(0.0f, part.error[v]) / largest : 0.0)).transpose();
+        mesh.renderMesh.colors.row(Eigen::Index(v)).head<3>() = linearColor(heat(largest > 0.0 ? std::max(0.0f, part.error[v]) / largest : 0.0)).transpose();
     return mesh;
 }
 

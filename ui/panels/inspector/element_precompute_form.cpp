@@ -20,9 +20,9 @@ QString scientific(double value) { return value == 0.0 ? QStringLiteral("0") : Q
 
 /// What a kind of solver mesh begins with on `element`: half or twice the vertices of the body.
 SolverMeshSetting firstSetting(MeshKind kind, const Element& element) {
-    const auto vertices = int(std::min<Eigen::Index>(element.mesh->body.vertices.rows(), SolverMeshSetting::kMost));
+    const auto vertices = int(std::min<Eigen::Index>(element.mesh->body.vertices.rows(), SolverMeshSetting::kMax));
     int count = 0;
-    if (kind == MeshKind::Refined) count = std::min(2 * vertices, SolverMeshSetting::kMost);
+    if (kind == MeshKind::Refined) count = std::min(2 * vertices, SolverMeshSetting::kMax);
     if (kind == MeshKind::Decimated) count = std::max(vertices / 2, SolverMeshSetting::kFewest);
     return {kind, count, element.solverMesh.tolerance};
 }
@@ -62,7 +62,7 @@ void ElementForm::addSolverMesh(const Items& items) {
         return setting && (setting->kind == MeshKind::Refined || setting->kind == MeshKind::Decimated);
     };
     if (counted())
-        addNumber(tr("To vertices"), {{}, SolverMeshSetting::kFewest, SolverMeshSetting::kMost, 10.0, 0, 1.0, {}}, items,
+        addNumber(tr("To vertices"), {{}, SolverMeshSetting::kFewest, SolverMeshSetting::kMax, 10.0, 0, 1.0, {}}, items,
                   [this](const SelectionItem& item) -> std::optional<double> {
                       const Element* e = element(item);
                       return e ? std::optional(double(e->solverMesh.count)) : std::nullopt;

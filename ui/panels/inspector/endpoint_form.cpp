@@ -14,7 +14,7 @@ EndpointForm::EndpointForm(StudioDocument& document, const SelectionItem& item, 
     addHeading(QStringLiteral("pose"), [this, item] { return title(item); }, tr("Endpoint"));
     addSection();
     addFact(tr("State"), [this, item] {
-        const Held* h = held(item);
+        const EndpointGoal* h = held(item);
         return !h ? tr("free") : h->pinned ? tr("pinned") : tr("held");
     });
     addFact(tr("At rest (m)"), [this, item] {
@@ -31,9 +31,9 @@ EndpointForm::EndpointForm(StudioDocument& document, const SelectionItem& item, 
     addButtons(item);
 }
 
-const Held* EndpointForm::held(const SelectionItem& item) const {
-    const auto found = now().held.find(EndpointRef{item.part, item.atEnd});
-    return found == now().held.end() ? nullptr : &found->second;
+const EndpointGoal* EndpointForm::held(const SelectionItem& item) const {
+    const auto found = now().goals.find(EndpointRef{item.part, item.atEnd});
+    return found == now().goals.end() ? nullptr : &found->second;
 }
 
 std::optional<Vec3> EndpointForm::shownAt(const SelectionItem& item) const { return endpointPosition(document_.session(), {item.part, item.atEnd}); }
@@ -42,7 +42,7 @@ void EndpointForm::addTarget(const SelectionItem& item) {
     addSection(tr("Target"));
     static constexpr const char* kAxes[] = {"X", "Y", "Z"};
     const auto target = [this](const SelectionItem& endpoint) -> std::optional<Vec3> {
-        const Held* h = held(endpoint);
+        const EndpointGoal* h = held(endpoint);
         return h ? std::optional(h->target) : shownAt(endpoint);
     };
     for (int axis = 0; axis < 3; ++axis) {

@@ -61,7 +61,7 @@ public:
 private:
     void addTarget(const SelectionItem& item);
     void addButtons(const SelectionItem& item);
-    [[nodiscard]] const Held* held(const SelectionItem& item) const;
+    [[nodiscard]] const EndpointGoal* held(const SelectionItem& item) const;
     [[nodiscard]] std::optional<Vec3> shownAt(const SelectionItem& item) const;  ///< m
 };
 
