@@ -4,8 +4,8 @@
 #include <QLocale>
 #include <QToolButton>
 #include <algorithm>
-#include <cmath>
 
+#include "core/base/colour.h"
 #include "ui/models/effect_texts.h"
 #include "ui/models/texts.h"
 #include "ui/panels/inspector/inspector_forms.h"
@@ -13,12 +13,6 @@
 #include "ui/widgets/switch.h"
 
 namespace imomushi {
-namespace {
-
-// Linear light to sRGB, which colour dialogs and style sheets speak (IEC 61966-2-1).
-float toSrgb(double c) { return float(std::clamp(c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1.0 / 2.4) - 0.055, 0.0, 1.0)); }
-
-}  // namespace
 
 ElementForm::ElementForm(StudioDocument& document, const Items& items, QWidget* parent) : InspectorForm(document, parent) {
     const SelectionItem one = items.back();
@@ -64,7 +58,8 @@ void ElementForm::addColor(const Items& items) {
     addRow(tr("Colour"), swatch);
     const auto color = [this, one = items.back()] {
         const Element* e = element(one);
-        return e ? QColor::fromRgbF(toSrgb(e->color.x()), toSrgb(e->color.y()), toSrgb(e->color.z())) : QColor();
+        const auto srgb = [](double linear) { return float(srgbFromLinear(linear)); };
+        return e ? QColor::fromRgbF(srgb(e->color.x()), srgb(e->color.y()), srgb(e->color.z())) : QColor();
     };
     connect(swatch, &QToolButton::clicked, this, [this, items, color] {
         const QColor chosen = QColorDialog::getColor(color(), this, tr("Colour of the element"));
