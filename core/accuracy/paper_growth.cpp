@@ -7,7 +7,7 @@
 #include <functional>
 
 #include "core/accuracy/synthetic_response.h"
-#include "core/character/effects.h"
+#include "core/character/character_effects.h"
 #include "core/comparison/paper_caterpillar.h"
 #include "core/comparison/previous_model.h"
 #include "core/comparison/test_motion.h"

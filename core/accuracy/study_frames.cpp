@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
-#include "core/character/effects.h"
+#include "core/character/character_effects.h"
 
 namespace imomushi {
 

@@ -11,7 +11,7 @@
 #include "core/accuracy/study_frames.h"
 #include "core/accuracy/study_store.h"
 #include "core/accuracy/synthetic_response.h"
-#include "core/character/effects.h"
+#include "core/character/character_effects.h"
 #include "core/comparison/model_table.h"
 #include "core/comparison/previous_model.h"
 #include "core/comparison/timing.h"

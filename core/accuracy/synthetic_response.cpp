@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "core/character/effects.h"
+#include "core/character/character_effects.h"
 
 namespace imomushi {
 

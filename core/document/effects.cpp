@@ -6,7 +6,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "core/character/effects.h"
+#include "core/character/character_effects.h"
 #include "core/document/character_input.h"
 
 namespace imomushi {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "core/character/effects.h"
+#include "core/character/character_effects.h"
 #include "core/character/joint_equilibrium.h"
 #include "core/character/lateral_contraction.h"
 #include "core/skeleton/bone_tree.h"

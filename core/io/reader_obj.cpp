@@ -327,16 +327,16 @@ private:
         // Normals are kept only where every corner has one: half of them would shade with zeros.
         const bool allNormals = normals && std::all_of(faces_.begin(), faces_.end(), [](const Corner& c) { return c.vn >= 0; });
         std::unordered_map<Corner, std::int32_t, CornerHash> known;
-        std::vector<Corner> render;
+        std::vector<Corner> corners;
         render.triangles.resize(triangles, 3);
         for (Eigen::Index i = 0; i < 3 * triangles; ++i) {
             Corner c = faces_[static_cast<std::size_t>(i)];
             if (!allNormals) c.vn = -1;
-            const auto [it, added] = known.emplace(c, static_cast<std::int32_t>(render.size()));
-            if (added) render.push_back(c);
+            const auto [it, added] = known.emplace(c, static_cast<std::int32_t>(corners.size()));
+            if (added) corners.push_back(c);
             render.triangles(i / 3, i % 3) = it->second;
         }
-        const auto n = static_cast<Eigen::Index>(render.size());
+        const auto n = static_cast<Eigen::Index>(corners.size());
         if (uv) render.texCoords.setZero(n, 2);
         if (allNormals) render.normals.setZero(n, 3);
         if (colors) {
@@ -344,7 +344,7 @@ private:
             colors_.resize(points_.size(), 1.0f);
         }
         for (Eigen::Index r = 0; r < n; ++r) {
-            const Corner& c = render[static_cast<std::size_t>(r)];
+            const Corner& c = corners[static_cast<std::size_t>(r)];
             render.bodyVertex.push_back(c.v);
             if (c.vt >= 0)
                 for (int k = 0; k < 2; ++k) render.texCoords(r, k) = texCoords_[static_cast<std::size_t>(c.vt) * 2 + static_cast<std::size_t>(k)];

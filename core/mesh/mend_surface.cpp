@@ -17,20 +17,20 @@ void MendFace::turn() {
     turned = !turned;
 }
 
-MendSurface::MendSurface(RawSurface raw) : points(std::move(raw.mesh.body.vertices)), render(std::move(raw.mesh.renderMesh)) {
+MendSurface::MendSurface(RawSurface raw) : points(std::move(raw.mesh.body.vertices)), renderMesh(std::move(raw.mesh.renderMesh)) {
     const Triangles& corners = raw.mesh.body.triangles;
-    const bool plain = render.triangles.rows() == 0;
+    const bool plain = renderMesh.triangles.rows() == 0;
     faces.resize(static_cast<std::size_t>(corners.rows()));
     for (Eigen::Index f = 0; f < corners.rows(); ++f) {
         MendFace& face = faces[static_cast<std::size_t>(f)];
         for (int k = 0; k < 3; ++k) {
             face.v[static_cast<std::size_t>(k)] = corners(f, k);
-            face.r[static_cast<std::size_t>(k)] = plain ? corners(f, k) : render.triangles(f, k);
+            face.r[static_cast<std::size_t>(k)] = plain ? corners(f, k) : renderMesh.triangles(f, k);
         }
-        if (!render.material.empty()) face.material = render.material[static_cast<std::size_t>(f)];
+        if (!renderMesh.material.empty()) face.material = renderMesh.material[static_cast<std::size_t>(f)];
         if (!raw.part.empty()) face.part = raw.part[static_cast<std::size_t>(f)];
     }
-    attributes = render.normals.rows() + render.texCoords.rows() + render.colors.rows() > 0;
+    attributes = renderMesh.normals.rows() + renderMesh.texCoords.rows() + renderMesh.colors.rows() > 0;
 }
 
 Triangles MendSurface::triangles() const {

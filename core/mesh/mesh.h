@@ -6,9 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "core/base/vec3.h"
+
 namespace imomushi {
 
-using Vec3 = Eigen::Vector3d;
 /// #V x 3, a point per row, contiguous as xyz xyz ...
 using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 /// #F x 3, the corners of a triangle per row, counter-clockwise seen from outside.

@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "core/mesh/mesh.h"
+#include "core/base/vec3.h"
 
 namespace imomushi {
 

@@ -14,7 +14,7 @@
 #include "core/base/parallel.h"
 #include "core/comparison/skin.h"
 #include "core/comparison/timing.h"
-#include "core/character/effects.h"
+#include "core/character/character_effects.h"
 #include "tests/support/deformer_cases.h"
 
 using namespace imomushi;

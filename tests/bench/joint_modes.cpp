@@ -17,7 +17,7 @@
 #include "core/document/seam.h"
 #include "core/document/session.h"
 #include "core/mesh/topology.h"
-#include "core/character/effects.h"
+#include "core/character/character_effects.h"
 #include "tests/character/full_joints.h"
 
 using namespace imomushi;

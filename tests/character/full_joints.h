@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/character/effects.h"
+#include "core/character/character_effects.h"
 #include "core/character/character.h"
 #include "core/mesh/topology.h"
 

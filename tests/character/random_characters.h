@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "core/character/effects.h"
+#include "core/character/character_effects.h"
 #include "tests/character/caterpillar.h"
 
 /// Caterpillars of any kind: number and size of elements, bases, formats, effects, rims that do not match.

@@ -5,7 +5,7 @@
 #include <random>
 #include <string>
 
-#include "core/character/effects.h"
+#include "core/character/character_effects.h"
 #include "core/character/character.h"
 #include "core/character/joint_equilibrium.h"
 #include "tests/character/caterpillar.h"
