@@ -50,7 +50,7 @@ bool sameFaces(const std::vector<JointFace>& a, const std::vector<JointFace>& b)
 
 bool DocumentChange::empty() const { return !structure() && !posing(); }
 bool DocumentChange::structure() const { return !elements.empty() || !joints.empty() || !bones.empty() || !takes.empty() || settings || effects; }
-bool DocumentChange::posing() const { return !held.empty() || touches || pose; }
+bool DocumentChange::posing() const { return !goals.empty() || touches || pose; }
 
 DocumentChange difference(const Document& before, const Document& after) {
     DocumentChange change;

@@ -8,6 +8,7 @@
 #include "core/base/atomic_file.h"
 #include "core/document/project_rows.h"
 #include "core/document/project_tables.h"
+#include "core/document/response_rows.h"
 #include "core/document/version.h"
 
 namespace imomushi {

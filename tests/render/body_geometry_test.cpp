@@ -90,15 +90,15 @@ TEST_CASE("display normals: the edge of a cap stays hard and the side round, in 
 
 TEST_CASE("display normals: a body that is flat-shaded in its file stays flat-shaded when it deforms") {
     TestBody body = blob(Vec3::Zero(), Vec3::Ones(), 1.0, 6, 8);
-    RenderMesh& look = body.mesh->renderMesh;
+    RenderMesh& surface = body.mesh->renderMesh;
     const int faces = static_cast<int>(body.mesh->body.triangles.rows());
-    look.triangles.resize(faces, 3);
-    look.normals.resize(3 * faces, 3);
+    surface.triangles.resize(faces, 3);
+    surface.normals.resize(3 * faces, 3);
     for (int f = 0; f < faces; ++f)
         for (int c = 0; c < 3; ++c) {
-            look.bodyVertex.push_back(body.mesh->body.triangles(f, c));
-            look.triangles(f, c) = 3 * f + c;
-            look.normals.row(3 * f + c) = facet(body, f).cast<float>().transpose();
+            surface.bodyVertex.push_back(body.mesh->body.triangles(f, c));
+            surface.triangles(f, c) = 3 * f + c;
+            surface.normals.row(3 * f + c) = facet(body, f).cast<float>().transpose();
         }
     BodyGeometry geometry(*body.mesh, nullptr);
     for (std::size_t v = 0; v < body.positions.size() / 3; ++v) body.positions[3 * v] += 0.7f * body.positions[3 * v + 1];
@@ -107,16 +107,16 @@ TEST_CASE("display normals: a body that is flat-shaded in its file stays flat-sh
 
 TEST_CASE("display normals: vertices split for texture coordinates alone do not break the shading") {
     TestBody body = blob(Vec3::Zero(), Vec3::Ones());
-    RenderMesh& look = body.mesh->renderMesh;
+    RenderMesh& surface = body.mesh->renderMesh;
     const int faces = static_cast<int>(body.mesh->body.triangles.rows());
-    look.triangles.resize(faces, 3);
-    look.normals.resize(3 * faces, 3);
+    surface.triangles.resize(faces, 3);
+    surface.normals.resize(3 * faces, 3);
     for (int f = 0; f < faces; ++f)
         for (int c = 0; c < 3; ++c) {
             const int v = body.mesh->body.triangles(f, c);
-            look.bodyVertex.push_back(v);
-            look.triangles(f, c) = 3 * f + c;
-            look.normals.row(3 * f + c) = Eigen::Map<const Eigen::RowVector3f>(&body.normals[3 * v]);
+            surface.bodyVertex.push_back(v);
+            surface.triangles(f, c) = 3 * f + c;
+            surface.normals.row(3 * f + c) = Eigen::Map<const Eigen::RowVector3f>(&body.normals[3 * v]);
         }
     BodyGeometry geometry(*body.mesh, nullptr);
     CHECK(geometry.vertexCount() == 3 * faces);
@@ -158,11 +158,11 @@ TEST_CASE("display normals: two halves of a tube shade like the whole tube where
 
 TEST_CASE("triangles are drawn by material, and a drawn triangle leads back to its own") {
     TestBody body = blob(Vec3::Zero(), Vec3::Ones(), 1.0, 6, 8);
-    RenderMesh& look = body.mesh->renderMesh;
-    look.triangles = body.mesh->body.triangles;
-    for (int v = 0; v < body.mesh->body.vertices.rows(); ++v) look.bodyVertex.push_back(v);
-    look.materials.resize(2);
-    for (int f = 0; f < look.triangles.rows(); ++f) look.material.push_back(f % 2);
+    RenderMesh& surface = body.mesh->renderMesh;
+    surface.triangles = body.mesh->body.triangles;
+    for (int v = 0; v < body.mesh->body.vertices.rows(); ++v) surface.bodyVertex.push_back(v);
+    surface.materials.resize(2);
+    for (int f = 0; f < surface.triangles.rows(); ++f) surface.material.push_back(f % 2);
     BodyGeometry geometry(*body.mesh, nullptr);
     REQUIRE(geometry.ranges().size() == 2);
     for (const auto& range : geometry.ranges())

@@ -93,34 +93,34 @@ TEST_CASE("textures, vertex colours and materials colour a body") {
     scene.bodies.push_back(body.body(1, Eigen::Vector3f(0.6f, 0.6f, 0.6f)));
     const auto middle = [&] { return drawn(scene, 100, 100).at(50, 50); };
 
-    RenderMesh& look = body.mesh->renderMesh;
-    look.triangles = body.mesh->body.triangles;
+    RenderMesh& surface = body.mesh->renderMesh;
+    surface.triangles = body.mesh->body.triangles;
     const int vertices = static_cast<int>(body.mesh->body.vertices.rows());
-    for (int v = 0; v < vertices; ++v) look.bodyVertex.push_back(v);
-    look.colors.resize(vertices, 4);
-    look.colors.rowwise() = Eigen::RowVector4f(0.02f, 0.02f, 0.7f, 1.0f);
+    for (int v = 0; v < vertices; ++v) surface.bodyVertex.push_back(v);
+    surface.colors.resize(vertices, 4);
+    surface.colors.rowwise() = Eigen::RowVector4f(0.02f, 0.02f, 0.7f, 1.0f);
     auto p = middle();
     CHECK(p[2] > 2 * p[0]);
 
-    look.colors.resize(0, 4);
-    look.materials.resize(1);
-    look.materials[0].baseColor = Eigen::Vector4f(0.02f, 0.6f, 0.02f, 1.0f);
-    look.material.assign(static_cast<std::size_t>(look.triangles.rows()), 0);
+    surface.colors.resize(0, 4);
+    surface.materials.resize(1);
+    surface.materials[0].baseColor = Eigen::Vector4f(0.02f, 0.6f, 0.02f, 1.0f);
+    surface.material.assign(static_cast<std::size_t>(surface.triangles.rows()), 0);
     p = middle();
     CHECK(p[1] > 2 * p[0]);
 
-    look.materials[0].baseColor = Eigen::Vector4f::Ones();
-    look.materials[0].baseColorTexture = 0;
-    look.textures.push_back({"purple", "image/png", pngBytes(oneColor(4, 4, 180, 20, 180), 4, 4)});
-    look.texCoords.resize(vertices, 2);
-    look.texCoords.setConstant(0.5f);
+    surface.materials[0].baseColor = Eigen::Vector4f::Ones();
+    surface.materials[0].baseColorTexture = 0;
+    surface.textures.push_back({"purple", "image/png", pngBytes(oneColor(4, 4, 180, 20, 180), 4, 4)});
+    surface.texCoords.resize(vertices, 2);
+    surface.texCoords.setConstant(0.5f);
     p = middle();
     CHECK(p[0] > 2 * p[1]);
     CHECK(p[2] > 2 * p[1]);
 
     // A damaged texture leaves the colour of the material.
-    look.textures[0].bytes.resize(20);
-    look.materials[0].baseColor = Eigen::Vector4f(0.02f, 0.6f, 0.02f, 1.0f);
+    surface.textures[0].bytes.resize(20);
+    surface.materials[0].baseColor = Eigen::Vector4f(0.02f, 0.6f, 0.02f, 1.0f);
     p = middle();
     CHECK(p[1] > 2 * p[0]);
 }

@@ -76,12 +76,12 @@ TEST_CASE("data colours stay within a fifth of what a legend shows, wherever lig
     if (!haveOpenGl()) return;
     TestBody ball = blob(Vec3::Zero(), Vec3::Ones());
     const auto n = ball.mesh->body.vertices.rows();
-    RenderMesh& look = ball.mesh->renderMesh;
-    look.triangles = ball.mesh->body.triangles;
-    for (Eigen::Index v = 0; v < n; ++v) look.bodyVertex.push_back(static_cast<std::int32_t>(v));
+    RenderMesh& surface = ball.mesh->renderMesh;
+    surface.triangles = ball.mesh->body.triangles;
+    for (Eigen::Index v = 0; v < n; ++v) surface.bodyVertex.push_back(static_cast<std::int32_t>(v));
     // sRGB 145, 201, 98 as linear light.
-    look.colors.resize(n, 4);
-    look.colors.rowwise() = Eigen::RowVector4f(0.283f, 0.584f, 0.122f, 1.0f);
+    surface.colors.resize(n, 4);
+    surface.colors.rowwise() = Eigen::RowVector4f(0.283f, 0.584f, 0.122f, 1.0f);
     Scene scene;
     scene.camera.eye = Vec3(0, 0, 5);
     scene.camera.target = Vec3::Zero();

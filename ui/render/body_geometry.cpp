@@ -26,7 +26,7 @@ Eigen::Vector3f unit(const Eigen::Vector3f& v) {
 }
 
 /// Splits the corners (triangle * 3 + corner) around one body vertex into groups; writes a group number per corner.
-void groupCorners(std::span<const std::int32_t> corners, const ElementMesh& mesh, bool look, const std::vector<Eigen::Vector3f>& unitFacet,
+void groupCorners(std::span<const std::int32_t> corners, const ElementMesh& mesh, bool ownNormals, const std::vector<Eigen::Vector3f>& unitFacet,
                   std::vector<int>& group) {
     const int n = static_cast<int>(corners.size());
     group.resize(n);
@@ -36,7 +36,7 @@ void groupCorners(std::span<const std::int32_t> corners, const ElementMesh& mesh
         for (int j = 0; j < i; ++j) {
             const int fi = corners[i] / 3, fj = corners[j] / 3;
             bool same = false;
-            if (look) {
+            if (ownNormals) {
                 const auto a = mesh.renderMesh.normals.row(mesh.renderMesh.triangles(fi, corners[i] % 3));
                 const auto b = mesh.renderMesh.normals.row(mesh.renderMesh.triangles(fj, corners[j] % 3));
                 same = a.dot(b) >= BodyGeometry::kSameNormal * a.norm() * b.norm();
@@ -55,8 +55,8 @@ void groupCorners(std::span<const std::int32_t> corners, const ElementMesh& mesh
 
 BodyGeometry::BodyGeometry(const ElementMesh& mesh, const std::vector<std::int32_t>* covered) : triangles_(mesh.body.triangles) {
     const int vertices = static_cast<int>(mesh.body.vertices.rows()), faces = static_cast<int>(triangles_.rows());
-    const bool hasLook = mesh.renderMesh.triangles.rows() == faces && !mesh.renderMesh.bodyVertex.empty();
-    const bool lookNormals = hasLook && mesh.renderMesh.normals.rows() == static_cast<Eigen::Index>(mesh.renderMesh.bodyVertex.size());
+    const bool hasRenderMesh = mesh.renderMesh.triangles.rows() == faces && !mesh.renderMesh.bodyVertex.empty();
+    const bool ownNormals = hasRenderMesh && mesh.renderMesh.normals.rows() == static_cast<Eigen::Index>(mesh.renderMesh.bodyVertex.size());
     std::vector<char> isCovered(faces, 0), isShown(faces, 1);
     if (covered)
         for (const std::int32_t f : *covered)
@@ -69,21 +69,21 @@ BodyGeometry::BodyGeometry(const ElementMesh& mesh, const std::vector<std::int32
     const std::span<const std::int32_t> corners(triangles_.data(), static_cast<std::size_t>(triangles_.size()));
     const VertexCorners shownCorners(corners, static_cast<std::size_t>(vertices), isShown), coveredCorners(corners, static_cast<std::size_t>(vertices), isCovered);
 
-    // Groups, and display vertices: one for each pair of look vertex and group.
+    // Groups, and display vertices: one for each pair of render vertex and group.
     corner_.assign(3 * std::size_t(faces), 0);
     seamGroup_.assign(vertices, -1);
     groupStart_ = {0};
     std::vector<int> group;
     // Of one vertex, and so few that a search from the front is the fastest.
     struct DisplayVertex {
-        int lookVertex, group;
+        int renderVertex, group;
         std::uint32_t index;
     };
     std::vector<DisplayVertex> known;
     std::vector<std::pair<int, int>> number;  // root -> group, -1: whole
     for (int v = 0; v < vertices; ++v) {
         const auto around = shownCorners.at(v), coveredAround = coveredCorners.at(v);
-        groupCorners(around, mesh, lookNormals, unitFacet, group);
+        groupCorners(around, mesh, ownNormals, unitFacet, group);
         known.clear();
         number.clear();
         const auto numberOf = [&](int root) { return std::find_if(number.begin(), number.end(), [&](const auto& entry) { return entry.first == root; }); };
@@ -102,12 +102,12 @@ BodyGeometry::BodyGeometry(const ElementMesh& mesh, const std::vector<std::int32
         }
         if (partial != 1) seamGroup_[v] = -1;
         const auto place = [&](int corner, int g) {
-            const int lookVertex = hasLook ? mesh.renderMesh.triangles(corner / 3, corner % 3) : -1;
-            auto at = std::find_if(known.begin(), known.end(), [&](const DisplayVertex& d) { return d.lookVertex == lookVertex && d.group == g; });
+            const int renderVertex = hasRenderMesh ? mesh.renderMesh.triangles(corner / 3, corner % 3) : -1;
+            auto at = std::find_if(known.begin(), known.end(), [&](const DisplayVertex& d) { return d.renderVertex == renderVertex && d.group == g; });
             if (at == known.end()) {
-                at = known.insert(at, {lookVertex, g, static_cast<std::uint32_t>(bodyVertex_.size())});
+                at = known.insert(at, {renderVertex, g, static_cast<std::uint32_t>(bodyVertex_.size())});
                 bodyVertex_.push_back(v);
-                lookVertex_.push_back(lookVertex);
+                renderVertex_.push_back(renderVertex);
                 group_.push_back(g);
             }
             corner_[corner] = at->index;
@@ -123,7 +123,7 @@ BodyGeometry::BodyGeometry(const ElementMesh& mesh, const std::vector<std::int32
     welded_.resize(sums_.size());
 
     // Drawn triangles by material.
-    const bool materials = hasLook && mesh.renderMesh.material.size() == static_cast<std::size_t>(faces);
+    const bool materials = hasRenderMesh && mesh.renderMesh.material.size() == static_cast<std::size_t>(faces);
     for (int f = 0; f < faces; ++f)
         if (!isCovered[f]) drawnTriangle_.push_back(f);
     const auto materialOf = [&](int f) {

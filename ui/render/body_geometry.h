@@ -34,7 +34,7 @@ public:
     };
     [[nodiscard]] int vertexCount() const { return static_cast<int>(bodyVertex_.size()); }
     [[nodiscard]] const std::vector<std::int32_t>& bodyVertex() const { return bodyVertex_; }
-    [[nodiscard]] const std::vector<std::int32_t>& lookVertex() const { return lookVertex_; }  ///< -1: the mesh has no look
+    [[nodiscard]] const std::vector<std::int32_t>& renderVertex() const { return renderVertex_; }  ///< -1: the mesh has no look
     [[nodiscard]] const std::vector<std::uint32_t>& indices() const { return indices_; }
     [[nodiscard]] const std::vector<Range>& ranges() const { return ranges_; }
     [[nodiscard]] int bodyTriangle(int drawn) const { return drawnTriangle_[drawn]; }  ///< of the n-th drawn triangle
@@ -60,7 +60,7 @@ public:
 private:
     const Triangles triangles_;              ///< of the body
     std::vector<std::int32_t> bodyVertex_;   ///< of each display vertex
-    std::vector<std::int32_t> lookVertex_;
+    std::vector<std::int32_t> renderVertex_;
     std::vector<std::int32_t> group_;        ///< of each display vertex, -1: whole
     std::vector<std::uint32_t> corner_, indices_;
     std::vector<std::int32_t> drawnTriangle_;

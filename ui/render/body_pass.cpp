@@ -14,15 +14,15 @@ void BodyPass::drawLit(const Body& body, const GpuBody& gpu) const {
     lit_.set("hovered", body.hovered && !body.selected ? 1.0f : 0.0f);
     lit_.set("outdated", body.outdated ? 1.0f : 0.0f);
     lit_.set("dataColors", body.dataColors ? 1 : 0);
-    const RenderMesh& look = gpu.mesh->renderMesh;
-    const bool ownColor = look.materials.empty() && look.colors.rows() == 0;
+    const RenderMesh& surface = gpu.mesh->renderMesh;
+    const bool ownColor = surface.materials.empty() && surface.colors.rows() == 0;
     glBindVertexArray(gpu.vertexArray);
     for (const BodyGeometry::Range& range : gpu.geometry->ranges()) {
         Vector3f base = ownColor ? body.color : Vector3f::Ones();
         float metallic = 0.0f, roughness = 0.5f;
         GLuint texture = 0;
         if (range.material >= 0) {
-            const Material& m = look.materials[range.material];
+            const Material& m = surface.materials[range.material];
             base = m.baseColor.head<3>();
             metallic = m.metallic;
             roughness = m.roughness;

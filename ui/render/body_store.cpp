@@ -38,17 +38,17 @@ void BodyStore::create(const Body& body, GpuBody& gpu) {
     gpu.staging.resize(std::size_t(g.vertexCount()) * BodyGeometry::kFloats);
 
     // Texture coordinates and colours never change.
-    const RenderMesh& look = body.mesh->renderMesh;
-    const bool coords = look.texCoords.rows() == static_cast<Eigen::Index>(look.bodyVertex.size());
-    const bool colors = look.colors.rows() == static_cast<Eigen::Index>(look.bodyVertex.size());
+    const RenderMesh& surface = body.mesh->renderMesh;
+    const bool coords = surface.texCoords.rows() == static_cast<Eigen::Index>(surface.bodyVertex.size());
+    const bool colors = surface.colors.rows() == static_cast<Eigen::Index>(surface.bodyVertex.size());
     std::vector<float> fixed(std::size_t(g.vertexCount()) * 6);
     for (int i = 0; i < g.vertexCount(); ++i) {
-        const int v = g.lookVertex()[i];
+        const int v = g.renderVertex()[i];
         float* out = &fixed[6 * std::size_t(i)];
-        out[0] = coords && v >= 0 ? look.texCoords(v, 0) : 0.0f;
-        out[1] = coords && v >= 0 ? look.texCoords(v, 1) : 0.0f;
+        out[0] = coords && v >= 0 ? surface.texCoords(v, 0) : 0.0f;
+        out[1] = coords && v >= 0 ? surface.texCoords(v, 1) : 0.0f;
         for (int c = 0; c < 4; ++c) {
-            const float value = colors && v >= 0 ? look.colors(v, c) : 1.0f;
+            const float value = colors && v >= 0 ? surface.colors(v, c) : 1.0f;
             out[2 + c] = std::isfinite(value) ? std::clamp(value, 0.0f, 1.0f) : 1.0f;
         }
     }
@@ -58,8 +58,8 @@ void BodyStore::create(const Body& body, GpuBody& gpu) {
     glBindBuffer(GL_ARRAY_BUFFER, gpu.vertices);
     floatAttribute(0, 3, BodyGeometry::kFloats * sizeof(float), 0);
     floatAttribute(1, 3, BodyGeometry::kFloats * sizeof(float), 3 * sizeof(float), 0);
-    gpu.renderMesh = makeBuffer();
-    glBindBuffer(GL_ARRAY_BUFFER, gpu.renderMesh);
+    gpu.attributes = makeBuffer();
+    glBindBuffer(GL_ARRAY_BUFFER, gpu.attributes);
     glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(fixed.size() * sizeof(float)), fixed.data(), GL_STATIC_DRAW);
     floatAttribute(2, 2, 6 * sizeof(float), 0);
     floatAttribute(3, 4, 6 * sizeof(float), 2 * sizeof(float), 0);
@@ -68,7 +68,7 @@ void BodyStore::create(const Body& body, GpuBody& gpu) {
     glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(g.indices().size() * sizeof(std::uint32_t)), g.indices().data(), GL_STATIC_DRAW);
     gpu.highlight = makeBuffer();
     glBindVertexArray(0);
-    for (const Texture& t : look.textures) gpu.textures.push_back(makeTexture(t));
+    for (const Texture& t : surface.textures) gpu.textures.push_back(makeTexture(t));
     glBindTexture(GL_TEXTURE_2D, 0);
 }
 

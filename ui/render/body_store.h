@@ -22,7 +22,7 @@ struct GpuBody {
     std::shared_ptr<const std::vector<std::int32_t>> covered;
     std::unique_ptr<BodyGeometry> geometry;
     VertexArray vertexArray;
-    Buffer vertices, look, indices, highlight;
+    Buffer vertices, attributes, indices, highlight;
     std::vector<std::int32_t> highlightedTriangles;
     std::vector<std::uint32_t> highlightedIndices;
     std::vector<TextureName> textures;  ///< 0: could not be decoded
