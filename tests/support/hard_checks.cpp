@@ -6,14 +6,9 @@
 #include <cstdio>
 
 namespace imomushi {
-namespace {
-
-double sizeOf(const TriangleMesh& mesh) { return (mesh.vertices.colwise().maxCoeff() - mesh.vertices.colwise().minCoeff()).norm(); }
-
-}  // namespace
 
 Result<JointFace> makeFace(const TriangleMesh& mesh, const HardFace& face) {
-    auto made = face.vertices.empty() ? jointFaceByPlane(mesh, face.origin, face.normal, 1e-4 * sizeOf(mesh)) : jointFaceByVertices(mesh, face.vertices);
+    auto made = face.vertices.empty() ? jointFaceByPlane(mesh, face.origin, face.normal, 1e-4 * hard::sizeOf(mesh)) : jointFaceByVertices(mesh, face.vertices);
     if (made) made->name = face.name;
     return made;
 }
@@ -46,16 +41,8 @@ Eigen::VectorXd parametersOf(const SolvedElement& solved, const Eigen::Matrix3d&
 }
 
 namespace hard {
-namespace {
 
-/// Rounding of the assembled equations, relative: sums of some hundred terms in double precision.
-constexpr double kAssemblyRounding = 1e-14;
-
-std::string timesCondition(double condition) {
-    char text[80];
-    std::snprintf(text, sizeof text, "rounding of 1e-14 times a condition number of %.0e", condition);
-    return text;
-}
+double sizeOf(const TriangleMesh& mesh) { return (mesh.vertices.colwise().maxCoeff() - mesh.vertices.colwise().minCoeff()).norm(); }
 
 Points freePoints(const SolvedElement& s) {
     Points out(static_cast<Eigen::Index>(s.response.freeVertices.size()), 3);
@@ -66,6 +53,14 @@ Points freePoints(const SolvedElement& s) {
 Points freeDisplacement(const SolvedElement& s, const Eigen::VectorXd& v) {
     const Eigen::VectorXd x = s.response.response * v;
     return Eigen::Map<const Points>(x.data(), x.size() / 3, 3);
+}
+
+namespace {
+
+std::string timesCondition(double condition) {
+    char text[80];
+    std::snprintf(text, sizeof text, "rounding of 1e-14 times a condition number of %.0e", condition);
+    return text;
 }
 
 Vec3 middleOf(const TriangleMesh& mesh) {

@@ -8,6 +8,16 @@
 /// What must hold of a solved element, with a bound and the reason for it.
 namespace imomushi::hard {
 
+/// Rounding of the assembled equations, relative: sums of some hundred terms in double precision.
+inline constexpr double kAssemblyRounding = 1e-14;
+
+/// Diagonal of the box about a mesh, m.
+double sizeOf(const TriangleMesh& mesh);
+/// At rest, #free vertices x 3, m.
+Points freePoints(const SolvedElement& solved);
+/// Of joint parameters v: #free vertices x 3, m.
+Points freeDisplacement(const SolvedElement& solved, const Eigen::VectorXd& v);
+
 /// Rigid motions of all faces give rigid motions. condition: of the solved equations.
 HardCheck rigid(double condition);
 /// Of a prism along z whose two ends are its faces.
