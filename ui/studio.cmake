@@ -16,6 +16,8 @@ imomushi_library(imomushi_viewport ui/viewport imomushi_tools Qt6::OpenGLWidgets
 imomushi_library(imomushi_widgets ui/widgets imomushi_base Qt6::Widgets Qt6::Svg)
 imomushi_library(imomushi_panels ui/panels imomushi_widgets imomushi_models)
 imomushi_library(imomushi_inspector ui/panels/inspector imomushi_widgets imomushi_tools)
+# One header for all forms: moc finds by itself only those that have a source of the same name.
+target_sources(imomushi_inspector PRIVATE ${PROJECT_SOURCE_DIR}/ui/panels/inspector/inspector_forms.h)
 imomushi_library(imomushi_accuracy_panel ui/panels/accuracy imomushi_widgets imomushi_jobs imomushi_viewport)
 imomushi_library(imomushi_dialogs ui/dialogs imomushi_widgets imomushi_jobs imomushi_viewport)
 imomushi_library(imomushi_window ui/window imomushi_panels imomushi_inspector imomushi_accuracy_panel imomushi_dialogs imomushi_viewport)

@@ -18,8 +18,8 @@ using namespace imomushi;
 namespace {
 
 /// The caterpillar in the drag tool, and the panel of takes.
-struct Stage : Window {
-    Stage() {
+struct TakeWindow : Window {
+    TakeWindow() {
         open(samples()[0].path);
         trigger("tool-pose");
         view().setFocus();
@@ -72,7 +72,7 @@ struct Stage : Window {
 }  // namespace
 
 TEST_CASE("takes: what is dragged while it is recorded becomes a take, as one step; undo takes it away") {
-    Stage w;
+    TakeWindow w;
     w.shoot("takes-none");
     const int before = w.position();
     QTest::keyClick(&w.view(), Qt::Key_R);
@@ -104,7 +104,7 @@ TEST_CASE("takes: what is dragged while it is recorded becomes a take, as one st
 }
 
 TEST_CASE("takes: frames are recorded though nothing moves, at the pace of the clock") {
-    Stage w;
+    TakeWindow w;
     auto* button = w.window().takes().findChild<QPushButton*>(QStringLiteral("recordButton"));
     QTest::mouseClick(button, Qt::LeftButton);
     REQUIRE(w.deck().recording());
@@ -115,7 +115,7 @@ TEST_CASE("takes: frames are recorded though nothing moves, at the pace of the c
 }
 
 TEST_CASE("takes: the time bar shows any moment, keys go frame by frame, and a drag leaves the take") {
-    Stage w;
+    TakeWindow w;
     const QPointF rest = w.end();
     w.record({20, -100});
     const QPointF posed = w.end();
@@ -159,7 +159,7 @@ TEST_CASE("takes: the time bar shows any moment, keys go frame by frame, and a d
 }
 
 TEST_CASE("takes: the space bar plays to the end and pauses, and loops where that is on") {
-    Stage w;
+    TakeWindow w;
     w.record({10, -80});
     const double length = w.deck().take()->duration();
     QTest::keyClick(&w.view(), Qt::Key_Space);
@@ -195,7 +195,7 @@ TEST_CASE("takes: the space bar plays to the end and pauses, and loops where tha
 }
 
 TEST_CASE("takes: they are renamed in place and removed by the keyboard, each as one step") {
-    Stage w;
+    TakeWindow w;
     w.record({10, -60});
     w.record({-10, 40});
     REQUIRE(w.now().takes.size() == 2);
@@ -233,7 +233,7 @@ TEST_CASE("takes: they are renamed in place and removed by the keyboard, each as
 }
 
 TEST_CASE("takes: marks hold a part, by mouse or keys; it is played alone, and trimming keeps it as one step") {
-    Stage w;
+    TakeWindow w;
     w.record({20, -100});
     const double length = w.take().duration();
     const std::size_t frames = w.take().times.size();
@@ -291,7 +291,7 @@ TEST_CASE("takes: marks hold a part, by mouse or keys; it is played alone, and t
 }
 
 TEST_CASE("takes: buttons beside the list copy, rename and remove the take that is chosen") {
-    Stage w;
+    TakeWindow w;
     w.record({10, -60});
     const auto button = [&](const char* action) -> QAbstractButton* {
         for (auto* b : w.window().takes().findChildren<QToolButton*>())
@@ -325,7 +325,7 @@ TEST_CASE("takes: buttons beside the list copy, rename and remove the take that 
 }
 
 TEST_CASE("takes: a recording starts after a count where that is wished for, and the same key gives it up") {
-    Stage w;
+    TakeWindow w;
     QSettings().remove(QStringLiteral("takes"));
     w.trigger("count-in");
     QTest::keyClick(&w.view(), Qt::Key_R);
@@ -348,7 +348,7 @@ TEST_CASE("takes: a recording starts after a count where that is wished for, and
 }
 
 TEST_CASE("takes: a recording ends with its take when the document is left, and says when it ends early") {
-    Stage w;
+    TakeWindow w;
     QTest::keyClick(&w.view(), Qt::Key_R);
     w.settle();
     REQUIRE(w.deck().recording());
@@ -367,7 +367,7 @@ TEST_CASE("takes: a recording ends with its take when the document is left, and 
 }
 
 TEST_CASE("takes: the panel reads in every theme, in Japanese and at 125 %") {
-    Stage w;
+    TakeWindow w;
     w.record({20, -90});
     w.record({-10, 60});
     QTest::mouseClick(&w.bar(), Qt::LeftButton, {}, w.at(0.3));

@@ -25,6 +25,7 @@
 #include "ui/widgets/appearance.h"
 #include "ui/window/file_flow.h"
 #include "ui/window/main_window.h"
+#include "ui/window/message_bar.h"
 #include "ui/window/studio_actions.h"
 
 namespace imomushi {

@@ -9,7 +9,7 @@ using Kind = SelectionItem::Kind;
 namespace {
 
 /// addTwoBones() without its bones.
-void addTwoFacedBars(Stage& stage) {
+void addTwoFacedBars(ToolStage& stage) {
     addTwoBones(stage);
     stage.run({{"do", "remove-bone"}, {"name", "bone 2"}});
     stage.run({{"do", "remove-bone"}, {"name", "bone 1"}});
@@ -18,7 +18,7 @@ void addTwoFacedBars(Stage& stage) {
 }  // namespace
 
 TEST_CASE("bone tool: clicks from face to face make a chain through the elements") {
-    Stage stage;
+    ToolStage stage;
     addTwoFacedBars(stage);
     stage.look(ViewAxis::Front);
     BoneTool tool(stage.document());
@@ -48,7 +48,7 @@ TEST_CASE("bone tool: clicks from face to face make a chain through the elements
 }
 
 TEST_CASE("bone tool: the last bone can be undone and the chain goes on from what is left") {
-    Stage stage;
+    ToolStage stage;
     addTwoFacedBars(stage);
     stage.look(ViewAxis::Front);
     BoneTool tool(stage.document());
@@ -63,7 +63,7 @@ TEST_CASE("bone tool: the last bone can be undone and the chain goes on from wha
 }
 
 TEST_CASE("bone tool: a new chain that begins at a joint with a bone shares its end") {
-    Stage stage;
+    ToolStage stage;
     addTwoFacedBars(stage);
     stage.run({{"do", "add-bone"}, {"name", "trunk"}, {"element", "left"}, {"from", "left/tail"}, {"to", "left/joint"}});
     stage.look(ViewAxis::Front);
@@ -77,7 +77,7 @@ TEST_CASE("bone tool: a new chain that begins at a joint with a bone shares its 
 }
 
 TEST_CASE("bone tool: inside a body the point goes to the middle of the volume under the pointer") {
-    Stage stage;
+    ToolStage stage;
     addTwoBars(stage);
     stage.look(ViewAxis::Front);
     BoneTool tool(stage.document());
@@ -92,7 +92,7 @@ TEST_CASE("bone tool: inside a body the point goes to the middle of the volume u
 }
 
 TEST_CASE("bone tool: two clicks on one place make no bone and say so; a click on nothing does nothing") {
-    Stage stage;
+    ToolStage stage;
     addTwoFacedBars(stage);
     stage.look(ViewAxis::Front);
     BoneTool tool(stage.document());
@@ -106,7 +106,7 @@ TEST_CASE("bone tool: two clicks on one place make no bone and say so; a click o
 }
 
 TEST_CASE("bone tool: Shift+click on an end starts a branch there") {
-    Stage stage;
+    ToolStage stage;
     addTwoBones(stage);
     stage.look(ViewAxis::Front);
     BoneTool tool(stage.document());
@@ -121,7 +121,7 @@ TEST_CASE("bone tool: Shift+click on an end starts a branch there") {
 }
 
 TEST_CASE("bone tool: shows bodies like glass, the bone to come and its ends") {
-    Stage stage;
+    ToolStage stage;
     addTwoFacedBars(stage);
     stage.look(ViewAxis::Front);
     BoneTool tool(stage.document());

@@ -7,7 +7,7 @@ using namespace imomushi;
 using Kind = SelectionItem::Kind;
 
 TEST_CASE("face tool: a click on a flat region makes a joint face in one undo step, and selects it") {
-    Stage stage;
+    ToolStage stage;
     addTwoBars(stage);
     stage.look(ViewAxis::Right);
     FaceTool tool(stage.document());
@@ -28,7 +28,7 @@ TEST_CASE("face tool: a click on a flat region makes a joint face in one undo st
 }
 
 TEST_CASE("face tool: a click on a joint face selects it and changes nothing") {
-    Stage stage;
+    ToolStage stage;
     addTwoBars(stage);
     stage.look(ViewAxis::Right);
     FaceTool tool(stage.document());
@@ -43,7 +43,7 @@ TEST_CASE("face tool: a click on a joint face selects it and changes nothing") {
 }
 
 TEST_CASE("face tool: a region that touches a joint face is refused with the reason") {
-    Stage stage;
+    ToolStage stage;
     addTwoBars(stage);
     stage.look(ViewAxis::Right);
     FaceTool tool(stage.document());
@@ -58,7 +58,7 @@ TEST_CASE("face tool: a region that touches a joint face is refused with the rea
 }
 
 TEST_CASE("face tool: after undo the same click makes the face again") {
-    Stage stage;
+    ToolStage stage;
     addTwoBars(stage);
     stage.look(ViewAxis::Right);
     FaceTool tool(stage.document());
@@ -69,7 +69,7 @@ TEST_CASE("face tool: after undo the same click makes the face again") {
 }
 
 TEST_CASE("face tool: where two elements touch, one click behind the surface makes both faces and joins them, in one undo step") {
-    Stage stage;
+    ToolStage stage;
     addTwoBars(stage);
     stage.look(ViewAxis::Front);
     stage.camera.setDirection(Vec3(-1, -0.4, -0.3), false);
@@ -89,7 +89,7 @@ TEST_CASE("face tool: where two elements touch, one click behind the surface mak
 }
 
 TEST_CASE("face tool: a face that meets a free face of a neighbour is joined to it") {
-    Stage stage;
+    ToolStage stage;
     addTwoBars(stage);
     stage.run({{"do", "add-joint-face"},
                {"element", "right"},
@@ -122,7 +122,7 @@ TEST_CASE("face tool: faces of another size, another place or the same side do n
 }
 
 TEST_CASE("face tool: Shift places a plane, Enter makes the face, Esc makes nothing") {
-    Stage stage;
+    ToolStage stage;
     addTwoBars(stage);
     stage.look(ViewAxis::Right);
     FaceTool tool(stage.document());
@@ -149,7 +149,7 @@ TEST_CASE("face tool: Shift places a plane, Enter makes the face, Esc makes noth
 }
 
 TEST_CASE("face tool: a plane off the surface is refused; a larger tolerance reaches it again") {
-    Stage stage;
+    ToolStage stage;
     addTwoBars(stage);
     stage.look(ViewAxis::Right);
     FaceTool tool(stage.document());
@@ -164,7 +164,7 @@ TEST_CASE("face tool: a plane off the surface is refused; a larger tolerance rea
 }
 
 TEST_CASE("face tool: on a round body the tolerance decides how much is flat") {
-    Stage stage;
+    ToolStage stage;
     stage.add("ball", shapes::sphere(1.0, 3).mesh);
     stage.look(ViewAxis::Front);
     FaceTool tool(stage.document());
@@ -179,7 +179,7 @@ TEST_CASE("face tool: on a round body the tolerance decides how much is flat") {
 }
 
 TEST_CASE("face tool: a preview of an element that is gone is neither drawn nor made") {
-    Stage stage;
+    ToolStage stage;
     addTwoBars(stage);
     stage.look(ViewAxis::Right);
     FaceTool tool(stage.document());

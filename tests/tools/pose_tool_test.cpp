@@ -11,7 +11,7 @@ using Kind = SelectionItem::Kind;
 
 namespace {
 
-struct PoseStage : Stage {
+struct PoseStage : ToolStage {
     PoseTool tool{document()};
     EndpointRef tip;
     PoseStage() {
@@ -73,7 +73,7 @@ TEST_CASE("pose tool: cancelling a drag restores the pose and leaves no step and
 }
 
 TEST_CASE("pose tool: a tool that goes away in mid-drag takes the drag back") {
-    Stage stage;
+    ToolStage stage;
     addTwoBones(stage);
     stage.look(ViewAxis::Front);
     const int before = stage.steps();

@@ -8,7 +8,7 @@ using namespace imomushi;
 using Kind = SelectionItem::Kind;
 
 TEST_CASE("picking: a ray crosses a box twice, in and out, and knows the rest point") {
-    Stage stage;
+    ToolStage stage;
     addTwoBars(stage);
     const auto hits = rayHits(stage.session(), Vec3(1.1, 0.2, 9), -Vec3::UnitZ());
     REQUIRE(hits.size() == 2);
@@ -21,7 +21,7 @@ TEST_CASE("picking: a ray crosses a box twice, in and out, and knows the rest po
 }
 
 TEST_CASE("picking: hidden and locked elements are looked through") {
-    Stage stage;
+    ToolStage stage;
     addTwoBars(stage);
     stage.run({{"do", "set"}, {"target", "right"}, {"property", "locked"}, {"value", true}});
     CHECK(rayHits(stage.session(), Vec3(1.1, 0.2, 9), -Vec3::UnitZ()).empty());
@@ -30,7 +30,7 @@ TEST_CASE("picking: hidden and locked elements are looked through") {
 }
 
 TEST_CASE("select: a click takes what is under it, Shift adds and takes away, nothing clears") {
-    Stage stage;
+    ToolStage stage;
     addTwoBars(stage);
     stage.look(ViewAxis::Front);
     SelectTool tool(stage.document());
@@ -46,7 +46,7 @@ TEST_CASE("select: a click takes what is under it, Shift adds and takes away, no
 }
 
 TEST_CASE("select: bones and their ends lie over bodies, joint faces are parts of their own") {
-    Stage stage;
+    ToolStage stage;
     addTwoBones(stage);
     stage.look(ViewAxis::Front);
     SelectTool tool(stage.document());
@@ -62,7 +62,7 @@ TEST_CASE("select: bones and their ends lie over bodies, joint faces are parts o
 }
 
 TEST_CASE("select: the end of a bone can be dragged, and the drag be taken back") {
-    Stage stage;
+    ToolStage stage;
     addTwoBones(stage);
     stage.look(ViewAxis::Front);
     SelectTool tool(stage.document());
@@ -87,7 +87,7 @@ TEST_CASE("select: the end of a bone can be dragged, and the drag be taken back"
 }
 
 TEST_CASE("select: a box that is dragged from nothing selects what it touches, Shift adds, and Esc takes it back") {
-    Stage stage;
+    ToolStage stage;
     addTwoBones(stage);
     for (const bool orthographic : {true, false}) {
         CAPTURE(orthographic);
@@ -138,7 +138,7 @@ TEST_CASE("select: a box that is dragged from nothing selects what it touches, S
 }
 
 TEST_CASE("select: Delete removes everything selected in one undo step") {
-    Stage stage;
+    ToolStage stage;
     addTwoBones(stage);
     stage.look(ViewAxis::Front);
     SelectTool tool(stage.document());

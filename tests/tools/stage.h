@@ -16,14 +16,14 @@
 namespace imomushi {
 
 /// A document of test bodies that is looked at with an orthographic camera of 800 x 600 pixels, and pointers in it. No display.
-struct Stage {
+struct ToolStage {
     CommandRegistry registry;
     std::optional<StudioDocument> made;
     CameraController camera;
     std::map<std::string, TriangleMesh> bodies;
     std::vector<QString> refusals;
 
-    Stage() {
+    ToolStage() {
         addCoreCommands(registry);
         made.emplace(registry);
         session().setImporter([this](const ImportRequest& request, const Progress&) -> Result<ImportResult> {
@@ -109,13 +109,13 @@ struct Stage {
 };
 
 /// Two bars end to end along x: "left" from -3 to 0, "right" from 0 to 3, one metre thick.
-inline void addTwoBars(Stage& stage) {
+inline void addTwoBars(ToolStage& stage) {
     stage.add("left", shapes::box(Vec3(-3, -0.5, -0.5), Vec3(0, 0.5, 0.5), 6, 2, 2).mesh);
     stage.add("right", shapes::box(Vec3(0, -0.5, -0.5), Vec3(3, 0.5, 0.5), 6, 2, 2).mesh);
 }
 
 /// Two joined bars with a bone in each: "bone 1" from (-3,0,0) to the joint, "bone 2" from there to (3,0,0).
-inline void addTwoBones(Stage& stage) {
+inline void addTwoBones(ToolStage& stage) {
     addTwoBars(stage);
     const auto face = [&](const char* element, const char* name, double x, double nx) {
         stage.run({{"do", "add-joint-face"},

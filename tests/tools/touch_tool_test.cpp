@@ -8,7 +8,7 @@ using namespace imomushi;
 namespace {
 
 /// One bar with a joint face at each end, looked at from the front, and what the tool offered.
-struct Touching : Stage {
+struct Touching : ToolStage {
     TouchTool tool{document()};
     std::vector<Json> offers;
     Touching() {
