@@ -145,7 +145,12 @@ std::shared_ptr<const ElementResponse> DocumentResponses::checked(std::shared_pt
     return response;
 }
 
-std::shared_ptr<const ElementResponse> DocumentResponses::freshOf(PartId element) const { return checked(found(element), element); }
+std::shared_ptr<const ElementResponse> DocumentResponses::freshOf(PartId element) const {
+    auto response = checked(found(element), element);
+    if (response)
+        if (StoredResponse& last = last_[element]; last.response != response || !(last.key == keyOf(element))) last = {keyOf(element), shapeOf(element), response};
+    return response;
+}
 
 std::shared_ptr<const ElementResponse> DocumentResponses::found(PartId element) const {
     const Asked& known = asked(element);
@@ -195,7 +200,7 @@ Result<std::shared_ptr<const ElementResponse>> DocumentResponses::compute(PartId
     if (!built) return fail(built.error().code, "\"" + document_.elements.at(element)->name + "\": " + built.error().message);
     auto response = std::make_shared<const ElementResponse>(std::move(*built));
     insert(keyOf(element), response);
-    last_.insert_or_assign(element, StoredResponse{keyOf(element), shapeOf(element), response});
+    (void)freshOf(element);
     return response;
 }
 
@@ -215,8 +220,7 @@ void DocumentResponses::refresh() {
     const auto gone = [&](const auto& item) { return !document_.elements.contains(item.first); };
     std::erase_if(last_, gone);
     std::erase_if(asked_, gone);
-    for (const auto& [id, part] : document_.elements)
-        if (auto response = found(id)) last_.insert_or_assign(id, StoredResponse{keyOf(id), shapeOf(id), std::move(response)});
+    for (const auto& [id, part] : document_.elements) (void)freshOf(id);
 }
 
 bool DocumentResponses::unsaved() const {

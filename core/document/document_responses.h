@@ -122,7 +122,7 @@ private:
 
     const Document& document_;
     const std::shared_ptr<ResponseStore> store_;
-    std::map<PartId, StoredResponse> last_;  // held here, so that the store does not evict what the project file is to have
+    mutable std::map<PartId, StoredResponse> last_;  // the fresh one that was seen last; held here, so that the store does not evict what the project file is to have
     std::set<ContentKey> unsaved_;              // computed and in no project file yet
     mutable std::map<PartId, Asked> asked_;
     mutable Sharing sharing_;

@@ -6,6 +6,7 @@
 #include <QApplication>
 #include <QCursor>
 #include <QDialog>
+#include <QImage>
 #include <QLabel>
 #include <QPushButton>
 #include <QScreen>
@@ -23,6 +24,7 @@
 #include "ui/panels/accuracy/accuracy_panel.h"
 #include "ui/viewport/viewport_widget.h"
 #include "ui/widgets/appearance.h"
+#include "ui/widgets/elided_label.h"
 #include "ui/window/file_flow.h"
 #include "ui/window/main_window.h"
 #include "ui/window/message_bar.h"
@@ -65,6 +67,7 @@ inline std::string cutOff(const QWidget& root) {
         if (!widget->isVisible()) continue;
         QString text;
         QSize needed;
+        if (qobject_cast<const ElidedLabel*>(widget)) continue;  // it says by an ellipsis that there is more
         if (const auto* label = qobject_cast<const QLabel*>(widget)) {
             text = label->text();
             needed = label->wordWrap() ? QSize(0, label->heightForWidth(label->width())) : label->sizeHint();
@@ -79,17 +82,26 @@ inline std::string cutOff(const QWidget& root) {
     }
     return found.toStdString();
 }
-/// Labels in `root` whose text has less contrast than WCAG 2.1 asks of large print and controls (3 to 1); empty: none.
-inline std::string pale(const QWidget& root) {
+/// Labels in `root` whose picture has less contrast between its lightest and darkest pixel than WCAG 2.1 asks of large print and controls (3 to 1); empty: none.
+inline std::string pale(QWidget& root) {
     QString found;
+    const QImage picture = root.grab().toImage();
     const auto luminance = [](const QColor& c) {
         const auto linear = [](double x) { return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4); };
         return 0.2126 * linear(c.redF()) + 0.7152 * linear(c.greenF()) + 0.0722 * linear(c.blueF());
     };
     for (const QLabel* label : root.findChildren<QLabel*>()) {
         if (!label->isVisible() || !label->isEnabled() || label->text().isEmpty()) continue;
-        const double a = luminance(label->palette().color(label->foregroundRole())), b = luminance(label->palette().color(QPalette::Window));
-        const double contrast = (std::max(a, b) + 0.05) / (std::min(a, b) + 0.05);
+        const QRect seen = label->visibleRegion().boundingRect().translated(label->mapTo(&root, QPoint())).intersected(picture.rect());
+        if (seen.isEmpty()) continue;
+        double darkest = 1.0, lightest = 0.0;
+        for (int y = seen.top(); y <= seen.bottom(); ++y)
+            for (int x = seen.left(); x <= seen.right(); ++x) {
+                const double l = luminance(picture.pixelColor(x, y));
+                darkest = std::min(darkest, l);
+                lightest = std::max(lightest, l);
+            }
+        const double contrast = (lightest + 0.05) / (darkest + 0.05);
         if (contrast < 3.0) found += QStringLiteral("\"%1\" %2; ").arg(label->text()).arg(contrast);
     }
     return found.toStdString();

@@ -10,6 +10,7 @@
 #include "ui/models/effect_texts.h"
 #include "ui/models/texts.h"
 #include "ui/widgets/appearance.h"
+#include "ui/widgets/elided_label.h"
 
 namespace imomushi {
 namespace {
@@ -21,8 +22,7 @@ StatusStrip::StatusStrip(StudioDocument& document, std::function<PrecomputeEstim
     setObjectName(QStringLiteral("statusBar"));
     setAttribute(Qt::WA_StyledBackground);
     mouse_ = new QLabel(this);
-    hint_ = new QLabel(this);
-    hint_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
+    hint_ = new ElidedLabel(this);
     state_ = new QToolButton(this);
     state_->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
     warning_ = new QToolButton(this);
@@ -62,10 +62,7 @@ StatusStrip::StatusStrip(StudioDocument& document, std::function<PrecomputeEstim
     update();
 }
 
-void StatusStrip::setHint(const QString& hint) {
-    hint_->setText(hint);
-    hint_->setToolTip(hint);
-}
+void StatusStrip::setHint(const QString& hint) { hint_->setText(hint); }
 
 QString StatusStrip::hint() const { return hint_->text(); }
 

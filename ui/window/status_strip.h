@@ -13,6 +13,8 @@ class QToolButton;
 
 namespace imomushi {
 
+class ElidedLabel;
+
 /// The line at the foot: left what the mouse does now, right what the last frame warns of, the state of the precompute, vertices, milliseconds and frames per second.
 class StatusStrip : public QWidget {
     Q_OBJECT
@@ -37,7 +39,7 @@ private:
     StudioDocument& document_;
     std::function<PrecomputeEstimate()> estimate_;
     QLabel* mouse_;
-    QLabel* hint_;
+    ElidedLabel* hint_;
     QToolButton* warning_;
     QToolButton* state_;
     QLabel* vertices_;
