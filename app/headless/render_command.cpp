@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/base/finite.h"
 #include "core/document/session.h"
 #include "core/document/session_access.h"
 #include "ui/render/image.h"
@@ -28,7 +29,7 @@ Result<Vec3> vector(const Json& camera, const char* key) {
         out[static_cast<Eigen::Index>(i)] = v[i].get<double>();
     }
     // Single precision is what the graphics card takes.
-    if (!out.allFinite() || out.cwiseAbs().maxCoeff() > 1e9) return wrong();
+    if (!allFinite(out) || out.cwiseAbs().maxCoeff() > 1e9) return wrong();
     return out;
 }
 

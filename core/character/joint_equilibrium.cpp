@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/block_cholesky.h"
+#include "core/base/finite.h"
 #include "core/joints/warping.h"
 
 namespace imomushi {
@@ -280,7 +281,7 @@ struct JointEquilibrium::State {
         }
         bool good = system.factorise();
         if (good) system.solve(right);
-        for (const auto& r : right) good = good && r.allFinite();
+        for (const auto& r : right) good = good && allFinite(r);
         for (std::size_t j = 0; j < joints.size(); ++j) {
             if (!good) right[j].setZero();
             if (right[j].size() > 0) shape(joints[j], right[j]);

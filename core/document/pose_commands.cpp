@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/document/command_support.h"
+#include "core/base/finite.h"
 #include "core/document/document_edit.h"
 #include "core/document/names.h"
 #include "core/document/session_access.h"
@@ -239,7 +240,7 @@ Result<Json> showTouch(LiveCharacter& live, const Json& arguments, Json answer) 
 
 bool isFinite(const Character& character, const Pose& pose, std::size_t elements) {
     for (const Vec3& p : pose.points)
-        if (!p.allFinite()) return false;
+        if (!allFinite(p)) return false;
     for (std::size_t e = 0; e < elements; ++e) {
         const auto surface = character.surface(static_cast<int>(e));
         for (int i = 0; i < 3 * surface.vertices; ++i)

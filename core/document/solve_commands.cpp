@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/document/command_support.h"
+#include "core/base/finite.h"
 #include "core/document/session_access.h"
 
 namespace imomushi {
@@ -255,7 +256,7 @@ Result<Json> deform(SessionAccess& access, const Json& arguments, const Progress
         if (!solved) return tl::unexpected(solved.error());
         positions = body.vertices + *solved;
     }
-    if (!positions.allFinite()) return fail("not-finite", "The deformation is not finite: use smaller displacements.");
+    if (!allFinite(positions)) return fail("not-finite", "The deformation is not finite: use smaller displacements.");
     answer["vertices"] = positions.rows();
     answer["max_displacement"] = (positions - body.vertices).rowwise().norm().maxCoeff();
     access.live.showPositions(element.id, std::move(positions));

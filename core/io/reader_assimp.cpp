@@ -11,6 +11,7 @@
 #include <cstring>
 
 #include "core/base/colour.h"
+#include "core/base/finite.h"
 #include "core/io/reader_support.h"
 #include "core/io/text_scanner.h"
 
@@ -119,7 +120,7 @@ private:
             aiColor4D color;
             if (from.Get(AI_MATKEY_COLOR_DIFFUSE, color) == AI_SUCCESS) {
                 const Eigen::Vector4f c(color.r, color.g, color.b, 1.0f);
-                if (c.allFinite()) to.baseColor = c.cwiseMax(0.0f).cwiseMin(1.0f);
+                if (allFinite(c)) to.baseColor = c.cwiseMax(0.0f).cwiseMin(1.0f);
             }
             float value = 0.0f;
             if (from.Get(AI_MATKEY_OPACITY, value) == AI_SUCCESS && std::isfinite(value) && value > 0.0f) to.baseColor[3] = std::min(value, 1.0f);
@@ -181,14 +182,14 @@ private:
         for (unsigned v = 0; v < from.mNumVertices; ++v) {
             const Eigen::Vector4d p = world * Eigen::Vector4d(static_cast<double>(from.mVertices[v].x), static_cast<double>(from.mVertices[v].y), static_cast<double>(from.mVertices[v].z), 1.0);
             const Vec3 x = p.head<3>() * removed_;
-            if (!x.allFinite()) scene_.nonFinite.emplace_back(static_cast<std::int32_t>(points_.size() / 3), "in '" + name + "'");
+            if (!allFinite(x)) scene_.nonFinite.emplace_back(static_cast<std::int32_t>(points_.size() / 3), "in '" + name + "'");
             points_.insert(points_.end(), x.data(), x.data() + 3);
             const auto flag = [&](bool finite) { badAttributes_ += !finite; return finite; };
             Vec3 n = Vec3::Zero();
             if (from.mNormals) {
                 anyNormals_ = true;
                 n = forNormals * Vec3(static_cast<double>(from.mNormals[v].x), static_cast<double>(from.mNormals[v].y), static_cast<double>(from.mNormals[v].z));
-                n = flag(n.allFinite()) && n.norm() > 0.0 ? Vec3(n.normalized()) : Vec3::Zero();
+                n = flag(allFinite(n)) && n.norm() > 0.0 ? Vec3(n.normalized()) : Vec3::Zero();
             }
             for (int k = 0; k < 3; ++k) normals_.push_back(static_cast<float>(n[k]));
             Eigen::Vector2f uv = Eigen::Vector2f::Zero();

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "core/io/gltf_file_reader.h"
+#include "core/base/finite.h"
 #include "core/io/reader_support.h"
 
 namespace imomushi {
@@ -140,7 +141,7 @@ private:
             if (m.width != 16 || m.count < result.joints.size()) refuse("has fewer bind matrices than joints: export it again.");
             for (std::size_t j = 0; j < result.joints.size(); ++j) {
                 const Matrix bind = Eigen::Map<const Matrix>(m.at.data() + 16 * j);
-                if (!bind.allFinite()) refuse("has a bind matrix that is not finite: export it again.");
+                if (!allFinite(bind)) refuse("has a bind matrix that is not finite: export it again.");
                 result.joints[j] = result.joints[j] * bind;
             }
         }
@@ -230,7 +231,7 @@ private:
             }
             const Vec3 p(positions.at[3 * v], positions.at[3 * v + 1], positions.at[3 * v + 2]);
             const Vec3 x = m == Matrix::Identity() ? p : Vec3(m.topLeftCorner<3, 3>() * p + m.topRightCorner<3, 1>());
-            if (!x.allFinite()) scene_.nonFinite.emplace_back(first + static_cast<std::int32_t>(v), "vertex " + std::to_string(v) + " of '" + name + "'");
+            if (!allFinite(x)) scene_.nonFinite.emplace_back(first + static_cast<std::int32_t>(v), "vertex " + std::to_string(v) + " of '" + name + "'");
             points_.insert(points_.end(), x.data(), x.data() + 3);
             const double determinant = m.topLeftCorner<3, 3>().determinant();
             if (v == 0) mirrored = determinant < 0.0;
@@ -239,7 +240,7 @@ private:
                 anyNormals_ = true;
                 const Vec3 from3(orZero(normals.at[normals.width * v]), orZero(normals.at[normals.width * v + 1]), orZero(normals.at[normals.width * v + 2]));
                 normal = std::abs(determinant) > 1e-300 ? Vec3(m.topLeftCorner<3, 3>().inverse().transpose() * from3) : from3;
-                normal = normal.norm() > 0.0 && normal.allFinite() ? Vec3(normal.normalized()) : Vec3::Zero();
+                normal = normal.norm() > 0.0 && allFinite(normal) ? Vec3(normal.normalized()) : Vec3::Zero();
                 if (m.isIdentity(0.0)) normal = from3;
             }
             for (int k = 0; k < 3; ++k) normals_.push_back(static_cast<float>(normal[k]));

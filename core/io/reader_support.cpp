@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "core/base/finite.h"
 #include "core/mesh/cgal/fill_hole.h"
 
 namespace imomushi {
@@ -133,7 +134,7 @@ void triangulatePolygon(const std::vector<double>& points, const std::vector<std
     }
     double largest = 0.0;
     for (std::int32_t k = 0; k < n; ++k) {
-        if (!position(k).allFinite()) {  // refused later, where the vertex is told
+        if (!allFinite(position(k))) {  // refused later, where the vertex is told
             for (std::int32_t i = 1; i + 1 < n; ++i) triangles.push_back({0, i, i + 1});
             return;
         }

@@ -8,6 +8,7 @@
 #include <Eigen/SparseCore>
 #include <algorithm>
 
+#include "core/base/finite.h"
 #include "core/elasticity/dense_lu.h"
 #include "core/mesh/topology.h"
 #include "core/reduction/semidefinite_projection.h"
@@ -112,7 +113,7 @@ Result<StiffnessQuality> projectStiffness(const HeldModes& modes, const SolverMe
             K.row(i).setZero();
             K.col(i).setZero();
         }
-    if (!K.allFinite()) return singular();
+    if (!allFinite(K)) return singular();
     return quality;
 }
 

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <span>
 
+#include "core/base/finite.h"
 #include "core/mesh/topology.h"
 
 namespace imomushi {
@@ -146,7 +147,7 @@ bool TouchContact::place(int finger, const Point& point, double radius) {
 }
 
 bool TouchContact::aim(int finger, const Vec3& wanted, const Vec3& normal) {
-    if (finger < 0 || finger >= kFingers || !wanted.allFinite() || !normal.allFinite()) return false;
+    if (finger < 0 || finger >= kFingers || !allFinite(wanted) || !allFinite(normal)) return false;
     Finger& f = fingers_[static_cast<std::size_t>(finger)];
     const Vec3 direction = unit(normal, Vec3::Zero());
     if (!f.down || direction.isZero(0.0)) return false;
@@ -158,10 +159,10 @@ bool TouchContact::aim(int finger, const Vec3& wanted, const Vec3& normal) {
 }
 
 bool TouchContact::aim(int finger, const std::array<Vec3, 3>& corners, const Vec3& target, const Eigen::Matrix3d& axes) {
-    if (finger < 0 || finger >= kFingers || !fingers_[static_cast<std::size_t>(finger)].down || !target.allFinite() || !axes.array().isFinite().all())
+    if (finger < 0 || finger >= kFingers || !fingers_[static_cast<std::size_t>(finger)].down || !allFinite(target) || !allFinite(axes))
         return false;
     for (const Vec3& corner : corners)
-        if (!corner.allFinite()) return false;
+        if (!allFinite(corner)) return false;
     const Finger& f = fingers_[static_cast<std::size_t>(finger)];
     std::array<Vec3, 3> rest;
     Vec3 at = Vec3::Zero(), smooth = Vec3::Zero();

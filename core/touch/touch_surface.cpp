@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/finite.h"
 #include "core/mesh/topology.h"
 
 namespace imomushi {
@@ -91,19 +92,19 @@ void TouchSurface::findOverlap(const std::vector<std::int32_t>& triangles) {
 }
 
 TouchSurface::Point TouchSurface::nearest(const Vec3& rest) const {
-    if (!rest.allFinite()) return {};
+    if (!allFinite(rest)) return {};
     const TriangleTree::Hit hit = tree_->nearest(rest);
     return {hit.triangle, hit.barycentric, std::sqrt(hit.squaredDistance)};
 }
 
 TouchSurface::Point TouchSurface::nearestFacing(const Vec3& rest, const Vec3& direction) const {
-    if (!rest.allFinite() || !direction.allFinite()) return {};
+    if (!allFinite(rest) || !allFinite(direction)) return {};
     const TriangleTree::Hit hit = tree_->nearestFacing(rest, direction);
     return hit.triangle < 0 ? nearest(rest) : Point{hit.triangle, hit.barycentric, std::sqrt(hit.squaredDistance)};
 }
 
 bool TouchSurface::canTouch(const Point& point) const {
-    return point.triangle >= 0 && point.triangle < body_.triangles.rows() && point.barycentric.allFinite() && point.barycentric.minCoeff() >= -kOutside &&
+    return point.triangle >= 0 && point.triangle < body_.triangles.rows() && allFinite(point.barycentric) && point.barycentric.minCoeff() >= -kOutside &&
            std::abs(point.barycentric.sum() - 1.0) <= 1e-6 && touchable_[static_cast<std::size_t>(point.triangle)];
 }
 

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "core/base/finite.h"
 #include "core/base/union_find.h"
 #include "core/mesh/triangle_tree.h"
 #include "core/warp/bend_warp.h"
@@ -85,7 +86,7 @@ std::vector<WarpBatch> batchesOf(const std::vector<ElasticTriangle>& triangles) 
 bool fits(const TriangleMesh& body, const std::vector<JointFace>& faces, const ElementResponse& response,
           std::span<const std::int32_t> blocks) {
     const auto vertices = body.vertices.rows();
-    if (!body.vertices.allFinite() ||
+    if (!allFinite(body.vertices) ||
         (body.triangles.size() > 0 && (body.triangles.minCoeff() < 0 || body.triangles.maxCoeff() >= vertices)))
         return false;
     if (response.bases.size() != faces.size() || response.firstColumn.size() != faces.size() + 1) return false;
@@ -105,7 +106,7 @@ bool fits(const TriangleMesh& body, const std::vector<JointFace>& faces, const E
     }
     return count == static_cast<std::size_t>(vertices) &&
            response.response.rows() == 3 * static_cast<Eigen::Index>(response.freeVertices.size()) &&
-           response.response.cols() == response.columns() && response.response.allFinite();
+           response.response.cols() == response.columns() && allFinite(response.response);
 }
 
 }  // namespace
@@ -114,7 +115,7 @@ Result<std::shared_ptr<const BendWarpTables>> BendWarpTables::build(const Triang
                                                                     double nu, std::span<const std::int32_t> blocks, const Vec3& middle,
                                                                     const Progress& progress) {
     const auto start = std::chrono::steady_clock::now();
-    if (!fits(body, faces, response, blocks) || !middle.allFinite() || !(nu >= 0.0 && nu <= 0.5))
+    if (!fits(body, faces, response, blocks) || !allFinite(middle) || !(nu >= 0.0 && nu <= 0.5))
         return fail("bad-value", "The response of an element belongs to another mesh or other joint faces; precompute again.");
     progress.report("warp", 0.0);
     auto made = std::make_shared<BendWarpTables>();

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/base/colour.h"
+#include "core/base/finite.h"
 
 namespace imomushi::render {
 
@@ -51,7 +52,7 @@ Vector3f axisColor(const Vec3& direction) {
 
 void addTriangle(std::vector<SolidVertex>& out, const Vec3& a, const Vec3& b, const Vec3& c, const Vector4f& color, float behind) {
     const Vector3f n = (b - a).cross(c - a).normalized().cast<float>();
-    if (!n.allFinite()) return;
+    if (!allFinite(n)) return;
     for (const Vec3& p : {a, b, c}) out.push_back({p.cast<float>(), n, color, behind});
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/finite.h"
 #include "ui/models/commands.h"
 #include "ui/models/paths.h"
 #include "ui/tools/picking.h"
@@ -118,7 +119,7 @@ void PoseTool::issue(const PointerEvent& e) {
         for (int k = 0; k < 3; ++k)
             if (drag.axis < 0 || drag.axis == k) to[k] = grid * std::round(to[k] / grid);
     }
-    if (!to.allFinite()) return;
+    if (!allFinite(to)) return;
     if (!document_.execute(commands::drag(pathOf(document_.document(), drag.end), to, drag.roll))) cancel();
 }
 

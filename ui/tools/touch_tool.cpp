@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/finite.h"
 #include "ui/models/commands.h"
 #include "ui/models/texts.h"
 #include "ui/tools/tool_texts.h"
@@ -71,7 +72,7 @@ void TouchTool::press(const PointerEvent& e) {
 
 bool TouchTool::issue() {
     const auto element = document_.document().elements.find(finger_->element);
-    if (element != document_.document().elements.end() && finger_->tip().allFinite() &&
+    if (element != document_.document().elements.end() && allFinite(finger_->tip()) &&
         document_.execute(commands::touch(element->second->name, finger_->rest, finger_->tip())))
         return true;
     cancel();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/viewport/camera_controller.h"
 
+#include "core/base/finite.h"
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -117,7 +119,7 @@ void CameraController::setAxis(ViewAxis axis, bool animate) {
 }
 
 void CameraController::setDirection(const Vec3& direction, bool animate) {
-    if (!direction.allFinite() || !(direction.norm() > 0.0)) return;
+    if (!allFinite(direction) || !(direction.norm() > 0.0)) return;
     const Vec3 back = -direction.stableNormalized();
     View view = goal_.value_or(view_);
     view.pitch = std::asin(std::clamp(back.y(), -1.0, 1.0));
@@ -129,7 +131,7 @@ void CameraController::frame(std::span<const Vec3> points, bool animate) {
     Vec3 low(-0.5, 0.0, -0.5), high(0.5, 1.0, 0.5);
     bool any = false;
     for (const Vec3& p : points) {
-        if (!p.allFinite()) continue;
+        if (!allFinite(p)) continue;
         low = any ? Vec3(low.cwiseMin(p)) : p;
         high = any ? Vec3(high.cwiseMax(p)) : p;
         any = true;
@@ -154,7 +156,7 @@ void CameraController::frame(std::span<const Vec3> points, bool animate) {
     };
     if (any) {
         for (const Vec3& p : points)
-            if (p.allFinite()) take(p);
+            if (allFinite(p)) take(p);
     } else {
         for (int i = 0; i < 8; ++i) take(Vec3(i & 1 ? low.x() : high.x(), i & 2 ? low.y() : high.y(), i & 4 ? low.z() : high.z()));
     }
