@@ -92,8 +92,8 @@ inline std::string pale(QWidget& root) {
     };
     for (const QLabel* label : root.findChildren<QLabel*>()) {
         if (!label->isVisible() || !label->isEnabled() || label->text().isEmpty()) continue;
-        const QRect seen = label->visibleRegion().boundingRect().translated(label->mapTo(&root, QPoint())).intersected(picture.rect());
-        if (seen.isEmpty()) continue;
+        if (label->visibleRegion() != QRegion(label->rect())) continue;  // scrolled away, or partly
+        const QRect seen = label->rect().translated(label->mapTo(&root, QPoint())).intersected(picture.rect());
         double darkest = 1.0, lightest = 0.0;
         for (int y = seen.top(); y <= seen.bottom(); ++y)
             for (int x = seen.left(); x <= seen.right(); ++x) {
