@@ -87,7 +87,7 @@ struct EffectDescriptor {
     EffectKind kind;
     std::string_view name;  ///< of commands and files; elements and bones cannot have it, so that one name says what a command means
     EffectScope scope = EffectScope::Character;
-    std::span<const EffectProperty> properties;  ///< in the order of Effect::values
+    std::span<const EffectProperty> properties = {};  ///< in the order of Effect::values
     /// What the character is built with (core/character); null: it acts on bones.
     std::shared_ptr<EffectSettings> (*settings)(const Effects&) = nullptr;
     /// What it asks of the response of each element that it acts on, and how many columns these are.
