@@ -126,10 +126,10 @@ void ThreadPool::serve() {
     while (!closing_.load(std::memory_order_acquire)) {
         const std::uint32_t calls = calls_.load(std::memory_order_acquire);
         auto until = std::chrono::steady_clock::now() + kAwake;
-        while (std::chrono::steady_clock::now() < until) {
+        do {
             while (help()) until = std::chrono::steady_clock::now() + kAwake;
             hwy::Pause();
-        }
+        } while (std::chrono::steady_clock::now() < until);
         if (!closing_.load(std::memory_order_acquire)) calls_.wait(calls, std::memory_order_acquire);
     }
 }

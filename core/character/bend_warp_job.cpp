@@ -29,7 +29,7 @@ public:
             const VertexWork work = frame.elements[e.index].work;
             if (work != VertexWork::Evaluate && work != VertexWork::EvaluateAndKeep) continue;
             work_.push_back(&e);
-            bytes += e.warp.cost().bytes;
+            bytes += e.bytes;
         }
         if (work_.empty()) return;
         frame.share(bytes, work_, [&frame](Element* e) { evaluate(*e, frame); });
@@ -41,7 +41,7 @@ public:
 
     [[nodiscard]] std::size_t bytes() const override {
         std::size_t sum = 0;
-        for (const auto& e : elements_) sum += e.warp.cost().bytes;
+        for (const auto& e : elements_) sum += e.bytes;
         return sum;
     }
 
@@ -49,8 +49,10 @@ public:
 
 private:
     struct Element {
-        std::size_t index = 0;
+        Element(std::size_t of, std::shared_ptr<const BendWarpTables> tables) : index(of), warp(std::move(tables)), bytes(warp.cost().bytes) {}
+        std::size_t index;
         BendWarp warp;
+        std::size_t bytes;                 // that an evaluation reads and writes
         std::vector<FaceMotion> motions;   // per face
         std::vector<char> sameTree;        // per face: a bone of its own tree carries the joint, and signs of rotations agree
         Eigen::VectorXd warping;           // what smooth joints add to motions, see BendWarp::evaluate()
@@ -63,7 +65,10 @@ private:
     void add(Frame& frame, std::size_t index) {
         const auto& given = frame.input.elements[index];
         const auto& of = frame.elements[index];
-        Element made{index, BendWarp(of.runtime->warp), std::vector<FaceMotion>(given.faces.size()), {}, Eigen::VectorXd::Zero(of.v.size()), {}, {}, AlignedBuffer<float>(of.withLoads.size() > 0 ? of.local.size() : 0), 0.0, 0.0};
+        Element made(index, of.runtime->warp);
+        made.motions.resize(given.faces.size());
+        made.warping = Eigen::VectorXd::Zero(of.v.size());
+        if (of.withLoads.size() > 0) made.loaded = AlignedBuffer<float>(of.local.size());
         for (const int j : of.jointOf) {
             auto& joint = frame.joints[static_cast<std::size_t>(j)];
             joint.warped = true;

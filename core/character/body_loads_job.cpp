@@ -80,12 +80,12 @@ void BodyLoadsJob::load(Frame& frame, std::size_t e) {
     }
     if (own.inflated) all[first + count - 1] = (inflate_->pressure + inflate_->breath * std::sin(phase_)) / given.stiffness;
     const double wanted = all.tail(count).cwiseAbs().dot(runtime.columnSize.tail(count)), most = kMaxLoaded * runtime.size;
+    out.jointForces.setZero();
     if (wanted <= 0.0) return;
     all.tail(count) *= most * std::tanh(wanted / most) / wanted;
     if (wanted > most) frame.warn(FrameWarning::LoadsBounded);
     if (!frame.smooth) return;
     const auto& forces = given.response->loadForces;
-    out.jointForces.setZero();
     if (own.gravity) out.jointForces.noalias() += forces.leftCols<kGravityColumns>() * all.segment<kGravityColumns>(first);
     if (own.inflated) out.jointForces.noalias() += forces.col(kPressureColumn) * all[first + count - 1];
 }

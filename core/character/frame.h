@@ -145,7 +145,7 @@ struct Frame {
     bool exact = false;        // see Character::keepExact()
     bool replaying = false;    // it shows numbers of Character::shape(), jobs before Stage::Weights do not run
     unsigned warnings = 0;     // of FrameWarning
-    double loadMsOfWarp = 0.0; // of Stage::LocalShape, spent on body loads
+    double loadMsOfWarp = 0.0; // ms of the bend warp that body loads caused: statistics count them as theirs
     Character::Stats stats;
     std::shared_ptr<ThreadPool> pool;  // null: frames of this character are too small for threads
 };

@@ -28,8 +28,8 @@ enum class Stage {
     Weights,      ///< all weights of elements are final; whether positions before placement are needed
     LocalShape,   ///< what is evaluated is decided; positions before placement instead of a product
     Dents,        ///< positions of free vertices; changes of them
+    kCount
 };
-inline constexpr std::size_t kStageCount = 8;
 
 /// One row of statistics.
 struct EffectTime {
@@ -38,7 +38,7 @@ struct EffectTime {
 };
 
 /// What an effect does in a frame: one job in one file, which reads and writes the plain data of a Frame and keeps a state of its own. Jobs of effects that a
-/// character does not have do not exist. Built once; run() and tune() neither allocate nor lock, and run() does not fail.
+/// character does not have do not exist. Built once. run() neither allocates, locks nor fails; tune() is called between frames.
 class FrameJob {
 public:
     FrameJob(const FrameJob&) = delete;
@@ -48,7 +48,7 @@ public:
     [[nodiscard]] std::span<const Stage> stages() const { return stages_; }
     /// The part of the job that belongs to one of stages(). Frame::stopped: it forgets its motion first.
     virtual void run(Stage stage, Frame& frame) = 0;
-    /// New numbers, if they are of its effect and valid.
+    /// New numbers that are valid (EffectSettings::validate()), perhaps of another effect.
     virtual void tune(const EffectSettings&) {}
     /// It changes nothing by itself: the next frame of the same pose is the same.
     [[nodiscard]] virtual bool resting(const Frame&) const { return true; }
@@ -104,8 +104,10 @@ public:
         for (const auto& job : all_) job->report(frame, job->ms_);
     }
     void tune(const CharacterEffects& effects) {
-        for (const auto& job : all_)
-            for (const auto& settings : effects) job->tune(*settings);
+        for (const auto& settings : effects) {
+            if (!settings->validate()) continue;
+            for (const auto& job : all_) job->tune(*settings);
+        }
     }
     [[nodiscard]] bool resting(const Frame& frame) const {
         for (const auto& job : all_)
@@ -120,7 +122,7 @@ public:
 
 private:
     std::vector<std::unique_ptr<FrameJob>> all_;
-    std::array<std::vector<FrameJob*>, kStageCount> at_;
+    std::array<std::vector<FrameJob*>, static_cast<std::size_t>(Stage::kCount)> at_;
 };
 
 }  // namespace imomushi

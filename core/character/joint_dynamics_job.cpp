@@ -229,9 +229,10 @@ public:
     void tune(const EffectSettings& settings) override {
         const auto* asked = settingsAs<JointDynamicsEffect>(settings);
         if (!asked || (settings_.hertz == asked->hertz && settings_.damping == asked->damping)) return;
-        settings_ = *asked;
+        bool taken = true;  // refused numbers leave a joint as it is
         for (auto& joint : joints_)
-            if (joint) (void)joint->set(settings_);  // refused numbers leave it as it is
+            if (joint) taken = joint->set(*asked).has_value() && taken;
+        if (taken) settings_ = *asked;
     }
 
     [[nodiscard]] bool resting(const Frame&) const override {

@@ -90,8 +90,15 @@ void moveElement(DocumentEdit& edit, PartId id, const Vec3& offset, const Stored
     if (!congruence) return;
     auto carried = congruence->carry(*known->response);
     if (!carried) return;
-    // One that only fits has no key of its own: that of the shape stands in.
-    edit.bring(id, {key == known->key ? responses.keyOf(id) : responses.shapeOf(id), responses.shapeOf(id), std::make_shared<const ElementResponse>(std::move(*carried))});
+    ContentKey carriedKey = responses.keyOf(id);
+    if (key != known->key) {  // it only fits, and no precompute would give it: neither has another one its key
+        ContentHasher hasher;
+        hasher.text("carried");
+        hasher.text(known->key.hex());
+        hasher.text(carriedKey.hex());
+        carriedKey = hasher.key();
+    }
+    edit.bring(id, {carriedKey, responses.shapeOf(id), std::make_shared<const ElementResponse>(std::move(*carried))});
 }
 
 std::string freeTakeName(const Document& document, const std::string& wish) {

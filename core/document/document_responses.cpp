@@ -145,12 +145,7 @@ std::shared_ptr<const ElementResponse> DocumentResponses::checked(std::shared_pt
     return response;
 }
 
-std::shared_ptr<const ElementResponse> DocumentResponses::freshOf(PartId element) const {
-    auto response = checked(found(element), element);
-    if (response)
-        if (StoredResponse& last = last_[element]; last.response != response || !(last.key == keyOf(element))) last = {keyOf(element), shapeOf(element), response};
-    return response;
-}
+std::shared_ptr<const ElementResponse> DocumentResponses::freshOf(PartId element) const { return checked(found(element), element); }
 
 std::shared_ptr<const ElementResponse> DocumentResponses::found(PartId element) const {
     const Asked& known = asked(element);
@@ -199,14 +194,18 @@ Result<std::shared_ptr<const ElementResponse>> DocumentResponses::compute(PartId
     }
     if (!built) return fail(built.error().code, "\"" + document_.elements.at(element)->name + "\": " + built.error().message);
     auto response = std::make_shared<const ElementResponse>(std::move(*built));
-    insert(keyOf(element), response);
-    (void)freshOf(element);
+    insert(keyOf(element), response, sharedOf(element) != nullptr);
+    last_.insert_or_assign(element, StoredResponse{keyOf(element), shapeOf(element), response});
     return response;
 }
 
-void DocumentResponses::insert(const ContentKey& key, std::shared_ptr<const ElementResponse> response) {
+void DocumentResponses::insert(const ContentKey& key, std::shared_ptr<const ElementResponse> response, bool carried) {
     unsaved_.insert(key);
-    store_->insertComputed(key, std::move(response));
+    // One that was carried over depends on whose it was, in its last digits: it stays in this process, so that no answer depends on what a folder holds.
+    if (carried)
+        store_->insert(key, std::move(response));
+    else
+        store_->insertComputed(key, std::move(response));
 }
 
 void DocumentResponses::bring(PartId element, const StoredResponse& response) {
@@ -217,10 +216,15 @@ void DocumentResponses::bring(PartId element, const StoredResponse& response) {
 // ---- the project -------------------------------------------------------------------------------------------------------
 
 void DocumentResponses::refresh() {
+    dropGone();
+    for (const auto& [id, part] : document_.elements)
+        if (auto response = freshOf(id)) last_.insert_or_assign(id, StoredResponse{keyOf(id), shapeOf(id), std::move(response)});
+}
+
+void DocumentResponses::dropGone() {
     const auto gone = [&](const auto& item) { return !document_.elements.contains(item.first); };
     std::erase_if(last_, gone);
     std::erase_if(asked_, gone);
-    for (const auto& [id, part] : document_.elements) (void)freshOf(id);
 }
 
 bool DocumentResponses::unsaved() const {

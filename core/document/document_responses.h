@@ -68,14 +68,16 @@ public:
     // ---- computing
     /// The fresh response of an element with joint faces: known, taken over from a congruent element, or solved now. Errors: those of buildResponse().
     Result<std::shared_ptr<const ElementResponse>> compute(PartId element, const Progress& progress);
-    /// Takes in a response that was computed elsewhere, from inputOf().
-    void insert(const ContentKey& key, std::shared_ptr<const ElementResponse> response);
+    /// Takes in a response that was computed from inputOf(), or carried over from a congruent element.
+    void insert(const ContentKey& key, std::shared_ptr<const ElementResponse> response, bool carried);
     /// Takes in a response that came with an element from a project file.
     void bring(PartId element, const StoredResponse& response);
 
     // ---- the project
     /// Remembers the fresh responses as the last ones of their elements; forgets elements that are gone.
     void refresh();
+    /// Forgets elements that are gone.
+    void dropGone();
     /// The last response of each element, for its project file. Call refresh() before.
     [[nodiscard]] const std::map<PartId, StoredResponse>& last() const { return last_; }
     /// A response of an element was computed since the project was saved: work that would be lost.
@@ -116,13 +118,12 @@ private:
     void findShared() const;
     /// estimateResponse(), each answer remembered: it takes part of a second for many elements, and panels ask for every effect again and again.
     ResponseEstimate estimateOf(const ContentKey& key, const ResponseInput& input) const;
-    ResponseEstimate estimateOf(const ResponseInput& input) const { return estimateOf(responseKey(input), input); }
     /// The response, where it fits the element: responses come from files too, and a key alone proves nothing about what a file holds under it.
     std::shared_ptr<const ElementResponse> checked(std::shared_ptr<const ElementResponse> response, PartId element) const;
 
     const Document& document_;
     const std::shared_ptr<ResponseStore> store_;
-    mutable std::map<PartId, StoredResponse> last_;  // the fresh one that was seen last; held here, so that the store does not evict what the project file is to have
+    std::map<PartId, StoredResponse> last_;     // held here, so that the store does not evict what the project file is to have
     std::set<ContentKey> unsaved_;              // computed and in no project file yet
     mutable std::map<PartId, Asked> asked_;
     mutable Sharing sharing_;

@@ -122,8 +122,10 @@ EffectCost DocumentResponses::costOf(EffectKind kind) const {
         with.loads = all.loads, with.touch = all.patches;
         without.loads = others.loads, without.touch = others.patches;
         const int columns = effect.columns(document.effects);
-        const ResponseEstimate more = estimateOf(with), less = estimateOf(without);
-        const bool known = store_->find(responseKey(with)) != nullptr;
+        const EffectColumns now = columnsAsked(document.effects, id);
+        const ContentKey withKey = all == now ? keyOf(id) : responseKey(with), withoutKey = others == now ? keyOf(id) : responseKey(without);
+        const ResponseEstimate more = estimateOf(withKey, with), less = estimateOf(withoutKey, without);
+        const bool known = store_->has(withKey);
         cost.precompute = cost.precompute || !known;
         cost.columns += columns;
         cost.bytes += static_cast<std::size_t>(columns) * static_cast<std::size_t>(3 * element->mesh->body.vertices.rows()) * sizeof(float);

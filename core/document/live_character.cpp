@@ -36,8 +36,9 @@ Result<std::shared_ptr<const CharacterPlan>> LiveCharacter::planOf(const Documen
 }
 
 Result<Character*> LiveCharacter::built() {
-    if (valid_ && responsesSeen_ != responses_.store().revision()) valid_ = usesLatestResponses();
-    responsesSeen_ = responses_.store().revision();
+    const auto revision = responses_.store().revision();  // before the look: others may insert meanwhile
+    if (valid_ && responsesSeen_ != revision) valid_ = usesLatestResponses();
+    responsesSeen_ = revision;
     if (!valid_) {
         if (auto ok = build(); !ok) return tl::unexpected(ok.error());
     } else if (!performanceValid_ && !error_) {
@@ -331,6 +332,7 @@ void LiveCharacter::takeBack(const DocumentChange& change) {
     const bool rebuild = changesCharacter(change, document()) || error_;
     if (rebuild) valid_ = false;
     if (change.effects) performanceValid_ = false;
+    if (change.posing()) poseSettled_ = false;
     if ((rebuild || !change.empty()) && built() && !shownTake_) showPose();
 }
 

@@ -79,10 +79,11 @@ public:
     // ---- takes
     /// A take that is being recorded.
     struct Recording {
-        Take take;                                    ///< without poses and shapes
+        Take take;                                   ///< without poses and shapes
+        std::size_t frameBytes = 0;
         std::vector<std::vector<double>> poses, shapes;
-        std::map<EndpointRef, EndpointGoal> goals;             ///< as of the last frame
-        bool going = true;                            ///< false: it ended, as the character is another one or the take is full
+        std::map<EndpointRef, EndpointGoal> goals;   ///< as of the last frame
+        bool going = true;                           ///< false: it ended, as the character is another one or the take is full
     };
     [[nodiscard]] const std::optional<Recording>& recording() const { return recording_; }
     /// Begins a take with what is shown. Errors: those of built(), "no-element".
@@ -130,7 +131,7 @@ private:
     void dropForeignPose();
     /// Makes `performance_` what the effects of the document ask for. Errors: those of Performance.
     Result<void> prepare();
-    /// Fills `holds_` with the targets as they are now.
+    /// Fills `goals_` with the targets as they are now.
     void collectGoals();
     /// Puts the fingers of the character where the document has them.
     void applyTouches();

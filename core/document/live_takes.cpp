@@ -29,6 +29,7 @@ Result<void> LiveCharacter::startRecording(const std::string& name) {
     made.take.points = static_cast<int>(plan_.input.skeleton.points.size());
     for (std::size_t b = 0; b < plan_.bones.size(); ++b)
         made.take.bones.push_back({plan_.bones[b], plan_.input.skeleton.bones[b].start, plan_.input.skeleton.bones[b].end});
+    made.frameBytes = (poseNumbers(restPose(plan_.input.skeleton)).size() + static_cast<std::size_t>(made.take.layout.size())) * sizeof(double);
     recording_ = std::move(made);
     character_->keepExact(true);
     recordFrame(0.0);
@@ -39,9 +40,8 @@ void LiveCharacter::recordFrame(double seconds) {
     if (!recording_ || !recording_->going || !character_) return;
     Recording& r = *recording_;
     Take& take = r.take;
-    const std::size_t frameBytes = (poseNumbers(restPose(plan_.input.skeleton)).size() + static_cast<std::size_t>(take.layout.size())) * sizeof(double);
     const bool sameBones = std::equal(take.bones.begin(), take.bones.end(), plan_.bones.begin(), plan_.bones.end(), [](const Take::Bone& was, PartId is) { return was.bone == is; });
-    r.going = sameBones && fits(take) && take.times.size() * frameBytes < kMaxTakeBytes;
+    r.going = sameBones && fits(take) && take.times.size() * r.frameBytes < kMaxTakeBytes;
     if (!r.going) return;
     const double now = take.duration() + seconds;
     take.times.push_back(now);

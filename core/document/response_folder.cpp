@@ -44,14 +44,16 @@ std::shared_ptr<const ElementResponse> responseIn(const std::string& content, co
 
 ResponseFolder::ResponseFolder(std::filesystem::path folder, std::uintmax_t limit) : folder_(std::move(folder)), limit_(limit) {
     std::error_code error;
-    for (const auto& entry : std::filesystem::directory_iterator(folder_, error)) {
-        const auto key = keyNamed(entry.path());
-        if (!key) continue;
+    for (std::filesystem::directory_iterator entry(folder_, error), end; !error && entry != end; entry.increment(error)) {
+        const auto key = keyNamed(entry->path());
         std::error_code unknown;
-        const File file{entry.file_size(unknown), entry.last_write_time(unknown)};
+        if (!key || !entry->is_regular_file(unknown)) continue;
+        const std::uintmax_t bytes = entry->file_size(unknown);
         if (unknown) continue;
-        files_.emplace(*key, file);
-        bytes_ += file.bytes;
+        const auto used = entry->last_write_time(unknown);
+        if (unknown) continue;
+        files_.emplace(*key, File{bytes, used});
+        bytes_ += bytes;
     }
     evict();
     writer_ = std::thread([this] { work(); });
@@ -82,6 +84,11 @@ std::shared_ptr<const ElementResponse> ResponseFolder::read(const ContentKey& ke
     std::error_code error;
     std::filesystem::last_write_time(pathOf(key), found->second.used, error);
     return response;
+}
+
+bool ResponseFolder::has(const ContentKey& key) {
+    const std::lock_guard lock(mutex_);
+    return files_.contains(key);
 }
 
 void ResponseFolder::write(const ContentKey& key, std::shared_ptr<const ElementResponse> response) {

@@ -17,8 +17,8 @@
 namespace imomushi {
 
 /// Responses on disk, a file KEY.response per content key: the key and a packed response, which holds its digest. A file appears whole or not at all. One that is
-/// damaged, or holds another key than its name says, counts as absent and is removed; files of other names are left alone. Beyond the limit the files that were used longest ago are removed. Failures to write are no errors: the response is computed again next time.
-/// Thread-safe.
+/// damaged, or holds another key than its name says, counts as absent and is removed; files of other names are left alone. Beyond the limit the files that were
+/// used longest ago are removed. Failures to write are no errors: the response is computed again next time. Thread-safe.
 class ResponseFolder {
 public:
     /// `limit`: bytes of all files together. Knows the files that are there now, and its own.
@@ -30,6 +30,8 @@ public:
 
     /// Null: absent. `body`, `faces`: of an element with this key.
     [[nodiscard]] std::shared_ptr<const ElementResponse> read(const ContentKey& key, const TriangleMesh& body, std::span<const JointFace> faces);
+    /// Without reading the file.
+    [[nodiscard]] bool has(const ContentKey& key);
     /// In the background, in the order of the calls. Nothing where the key is there already.
     void write(const ContentKey& key, std::shared_ptr<const ElementResponse> response);
 

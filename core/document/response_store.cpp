@@ -34,6 +34,11 @@ std::shared_ptr<const ElementResponse> ResponseStore::find(const ContentKey& key
     return read;
 }
 
+bool ResponseStore::has(const ContentKey& key) const {
+    const std::lock_guard lock(mutex_);
+    return entries_.contains(key) || (folder_ && folder_->has(key));
+}
+
 void ResponseStore::insert(const ContentKey& key, std::shared_ptr<const ElementResponse> response) {
     const std::lock_guard lock(mutex_);
     keep(key, std::move(response));
@@ -72,7 +77,7 @@ void ResponseStore::keep(const ContentKey& key, std::shared_ptr<const ElementRes
 void ResponseStore::evict() {
     for (auto use = uses_.begin(); bytes_ > limits_.memory && use != uses_.end();) {
         const auto found = entries_.find(*use);
-        // Who holds one got it from here, under the lock: a single use is the store's own and stays one.
+        // Who holds one got it from here: a single use is the store's own. Where somebody takes it up again at this moment, it is read again next time, at worst.
         if (found->second.response.use_count() > 1) {
             ++use;
             continue;

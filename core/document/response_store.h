@@ -39,6 +39,8 @@ public:
     [[nodiscard]] std::shared_ptr<const ElementResponse> find(const ContentKey& key);
     /// In memory or on disk; null: in neither. `body`, `faces`: of an element with this key.
     [[nodiscard]] std::shared_ptr<const ElementResponse> find(const ContentKey& key, const TriangleMesh& body, std::span<const JointFace> faces);
+    /// In memory or on disk, without reading it.
+    [[nodiscard]] bool has(const ContentKey& key) const;
     /// Into memory alone: what a project file holds has its place there.
     void insert(const ContentKey& key, std::shared_ptr<const ElementResponse> response);
     /// Into the folder too, in the background.

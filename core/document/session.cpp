@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <new>
+#include <utility>
 
 #include "core/document/command_support.h"
 #include "core/document/document_edit.h"
@@ -52,8 +53,10 @@ Result<Json> Session::execute(const Json& command, const Progress& progress) {
     const Document before = history_.document();  // shares all parts
     const int position = history_.position();
     told_ = {};
+    historyMoved_ = false;
     auto answer = perform(*what, command, before, progress);
-    if (!answer) {
+    // What an action did to the history as a whole stands, even where it failed after that: half of it taken back would fit nothing.
+    if (!answer && !std::exchange(historyMoved_, false)) {
         takeBack(before);
         return answer;
     }
@@ -66,6 +69,7 @@ Result<Json> Session::execute(const Json& command, const Progress& progress) {
     const bool stepped = what->changesDocument() || history_.position() != position;
     if (stepped || change.structure() || change.responses) live_->stir(stepped);
     if (what->changesDocument() && (posed || change.document.effects)) live_->leaveTake();
+    if (change.structure() || change.responses) responses_.refresh();
     if (listener_ && (stepped || change.structure() || change.pose || change.responses || change.file)) listener_(change);
     return answer;
 }
@@ -97,6 +101,7 @@ Result<Json> Session::perform(const Command& command, const Json& arguments, con
 void Session::takeBack(const Document& before) {
     const DocumentChange change = difference(history_.document(), before);
     history_.rollBack(before);
+    responses_.dropGone();
     live_->takeBack(change);
     told_ = {};
 }
@@ -174,12 +179,14 @@ SessionAccess::SessionAccess(Session& owner) : session(owner), live(*owner.live_
 
 Result<std::vector<DocumentHistory::Step>> SessionAccess::undo(int count) {
     if (session.history_.inGesture()) {
+        session.historyMoved_ = true;
         session.dropGesture();
         session.told_.pose = true;
         return std::vector<DocumentHistory::Step>{};
     }
     const Document before = session.document();
     auto steps = session.history_.undo(count);
+    session.historyMoved_ = steps.has_value();
     if (steps) live.followExchange(difference(before, session.document()));
     return steps;
 }
@@ -188,6 +195,7 @@ Result<std::vector<DocumentHistory::Step>> SessionAccess::redo(int count) {
     session.endGesture();
     const Document before = session.document();
     auto steps = session.history_.redo(count);
+    session.historyMoved_ = steps.has_value();
     if (steps) live.followExchange(difference(before, session.document()));
     return steps;
 }
@@ -199,11 +207,13 @@ std::shared_ptr<const Take> SessionAccess::addTake(Take take, const Json& line) 
     auto added = std::make_shared<const Take>(std::move(take));
     document.takes.emplace(added->id, added);
     session.history_.commit({"record", added->name}, before, line);
+    session.historyMoved_ = true;
     return added;
 }
 
 void SessionAccess::replace(Project project, std::filesystem::path path, bool saved, const Json& line) {
     session.history_.replace(std::move(project.document), std::move(path), saved, line);
+    session.historyMoved_ = true;
     responses.forget();
     for (const auto& [element, response] : project.responses) responses.bring(element, response);
     live.replace();

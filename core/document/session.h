@@ -120,6 +120,7 @@ private:
     std::function<void(const Change&)> listener_;
     std::function<Result<ImportResult>(const ImportRequest&, const Progress&)> importer_;
     Change told_;  // by the command that runs, besides the parts of the document
+    bool historyMoved_ = false;  // by the action that runs: undo, redo, another document, a take
 };
 
 }  // namespace imomushi

@@ -10,7 +10,7 @@ namespace imomushi {
 
 /// A response and what it answers.
 struct StoredResponse {
-    ContentKey key, shape;  ///< of all that it depends on; and of mesh, faces and basis alone, for which it fits with another nu too
+    ContentKey key, shape;  ///< of all that it depends on; and of mesh, solver mesh, faces and basis alone, for which it fits with another nu too
     std::shared_ptr<const ElementResponse> response;
 };
 

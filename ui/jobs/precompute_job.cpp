@@ -114,7 +114,7 @@ void PrecomputeJob::keep(const Work& work, std::size_t count) {
             Q_EMIT elementFailed(item.name, errorText(item.error));
             continue;
         }
-        document_.session().responses().insert(item.key, item.response);
+        document_.session().responses().insert(item.key, item.response, item.how != nullptr);
         // The command finds the result in the store; an element that changed meanwhile would be computed here and now: leave it.
         const auto& parts = document_.document().elements;
         const auto found = parts.find(item.element);
