@@ -359,6 +359,7 @@ Result<Reference> FullSolution::in(const std::vector<StandardPose>& poses, const
     out.faceRelative = faces.error().relative;
     out.facePercent = faces.error().percent;
     out.seconds = s.seconds + since(start);
+    out.solutionSeconds = s.seconds;
     return out;
 }
 

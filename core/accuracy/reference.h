@@ -33,6 +33,7 @@ struct Reference {
     std::vector<std::vector<char>> seen;         ///< per element and vertex
     std::string mesh;                            ///< solver mesh, as settings name it
     double seconds = 0.0;                        ///< it took, with the full solution that it is from
+    double solutionSeconds = 0.0;                ///< that this took alone
     /// Its own error, over all poses: what its solver mesh leaves, estimated by the difference from a coarser level. Negative: unknown.
     double relative = -1.0, percent = -1.0;
     /// The same for what is left because its joint faces have no freedom but at the vertices of the body: between them they bulge as the smooth part of their motion

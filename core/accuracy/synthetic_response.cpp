@@ -7,12 +7,6 @@
 
 namespace imomushi {
 
-namespace {
-
-constexpr int kLoads = 4;  // columns of ElementResponse::loads
-
-}  // namespace
-
 std::shared_ptr<const ElementResponse> syntheticResponse(const ElementMesh& mesh, const std::vector<JointFace>& faces, const BasisChoice& basis, bool loads) {
     auto out = std::make_shared<ElementResponse>();
     const Points& rest = mesh.body.vertices;
@@ -30,9 +24,9 @@ std::shared_ptr<const ElementResponse> syntheticResponse(const ElementMesh& mesh
     out->stiffness = Eigen::MatrixXd::Identity(columns, columns);
     if (basis == BasisKind::Full) out->tractions = Eigen::MatrixXd::Identity(columns, columns);
     if (loads) {
-        out->loads = Eigen::MatrixXd::Constant(3 * count, kLoads, 1e-3);
+        out->loads = Eigen::MatrixXd::Constant(3 * count, ElementResponse::kLoads, 1e-3);
         for (Eigen::Index i = 0; i < count; ++i) out->loads.middleRows<3>(3 * i) *= std::sin(static_cast<double>(i));
-        out->loadForces = Eigen::MatrixXd::Zero(columns, kLoads);
+        out->loadForces = Eigen::MatrixXd::Zero(columns, ElementResponse::kLoads);
     }
     for (Eigen::Index i = 0; i < count; ++i) {
         const Vec3 x = rest.row(out->freeVertices[static_cast<std::size_t>(i)]).transpose();

@@ -76,7 +76,7 @@ public:
 
     [[nodiscard]] const CharacterInput& input() const;
 
-    /// Inverse kinematics from `pose` towards `holds`, in place.
+    /// Inverse kinematics from `pose` towards `goals`, in place.
     InverseKinematics::Report solvePose(const std::vector<IkGoal>& goals, Pose& pose);
 
     /// Deforms all elements to `pose`. Elements whose v did not change are moved as they are (evaluated once more when that begins); those that

@@ -107,7 +107,7 @@ Result<std::shared_ptr<const ElementRuntime>> ElementRuntime::build(Input input)
             out.warp = std::move(*warp);
         }
         if (given.tables.touch && given.response->touch.columns() > 0) {
-            auto surface = TouchSurface::build(body, given.faces, given.response);
+            auto surface = TouchSurface::build(*given.mesh, given.faces, given.response);
             if (!surface) return tl::unexpected(surface.error());
             out.touch = std::move(*surface);
             out.touchBlocks = TouchBlocks(*given.response, first);

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/mesh/bounds.h"
+
 namespace imomushi {
 
 namespace {
@@ -59,7 +61,7 @@ void PreviousModel::State::prepare(const CharacterInput& input) {
         auto& out = elements[e];
         out.rest = body.vertices;
         out.stiffness = given.stiffness;
-        if (body.vertices.rows() > 0) out.scale = 1.0 / std::max(1e-30, (body.vertices.colwise().maxCoeff() - body.vertices.colwise().minCoeff()).norm());
+        if (body.vertices.rows() > 0) out.scale = 1.0 / std::max(1e-30, diagonalOf(body.vertices));
         for (std::size_t f = 0; f < given.faces.size(); ++f) {
             const auto& patch = given.faces[f];
             std::vector<double> area(patch.vertices.size(), 0.0);

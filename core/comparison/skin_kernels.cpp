@@ -2,7 +2,7 @@
 #include "core/comparison/skin_kernels.h"
 
 // For comparison on machines with vectors of a known size of four lanes or more.
-#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV | HWY_SSSE3 | HWY_SSE4)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/comparison/skin_kernels.cpp"
 #include <hwy/foreach_target.h>

@@ -166,8 +166,8 @@ Result<Json> accuracy(SessionAccess& access, const Json& arguments, const Progre
     answer["notes"] = Json::array(
         {"error: displacement in the frames of the elements against the full solution, vertices that are seen, all poses; relative is L2, max_percent of an element's "
          "bounding-box diagonal; null: unknown",
-         "ms_per_frame: inverse kinematics, joints, product, positions and normals while all bones swing, without other effects than smooth joints; in turn with a yardstick, in the quietest quarter of the time",
-         "predicted: before the precompute, by frames with stand-ins for its results",
+         "ms_per_frame: inverse kinematics, joints, product, positions and normals while all bones swing, without other effects than smooth joints; in turn with a reference load, in the quietest quarter of the time",
+         "predicted: before the precompute, by frames with synthetic responses",
          "points whose error is below that of the reference cannot be told apart by it",
          "effects: what each adds to a frame of the present setting, by the difference of frames with and without it in turn, off_by: the factor between that and its "
          "prediction; their error is unknown, as the full solution has none of them"});

@@ -7,6 +7,7 @@
 #include "core/document/names.h"
 #include "core/document/project_file.h"
 #include "core/document/session_access.h"
+#include "core/mesh/connectivity.h"
 
 namespace imomushi {
 
@@ -195,11 +196,12 @@ Result<Json> importElement(DocumentEdit& edit, const Json& arguments, const Prog
         const Json* name = find(arguments, "name");
         element.name = freeName(document, name ? name->get_ref<const std::string&>() : body.name);
         element.issues = body.issues;
-        const MeshFacts facts = meshFacts(body.mesh.body);
+        element.mesh = std::make_shared<const ElementMesh>(std::move(body.mesh));
+        const MeshFacts& facts = element.mesh->connectivity().facts();
         Json line;
         line["name"] = element.name;
-        line["vertices"] = body.mesh.body.vertices.rows();
-        line["triangles"] = body.mesh.body.triangles.rows();
+        line["vertices"] = element.mesh->body.vertices.rows();
+        line["triangles"] = element.mesh->body.triangles.rows();
         line["closed"] = body.closed;
         line["components"] = body.components;
         line["volume"] = facts.volume;
@@ -212,7 +214,6 @@ Result<Json> importElement(DocumentEdit& edit, const Json& arguments, const Prog
             told["element"] = element.name;
             issues.push_back(std::move(told));
         }
-        element.mesh = std::make_shared<const ElementMesh>(std::move(body.mesh));
         document.elements.emplace(element.id, std::make_shared<const Element>(std::move(element)));
     }
     Json answer;

@@ -131,7 +131,7 @@ void addLimits(Json& answer, const Limits& limits) {
     answer["measured_vertices_at_60_fps"] = std::move(grown);
     answer["divergence"] = std::move(divergence);
     answer["notes"].push_back("measured_vertices_at_60_fps: the caterpillar with finer and finer cells, positions and normals, until a frame takes longer than a 60th of a second, with "
-                              "stand-ins for its responses, which cost the same; vertices_at_60_fps is the largest that was quick enough");
+                              "synthetic responses, which cost the same; vertices_at_60_fps is the largest that was quick enough");
     answer["notes"].push_back("divergence: explicit dynamics of joint faces by step (s) and shear modulus (Pa), 200 steps and at least a quarter of a second each; largest_displacement before it diverged, in diagonals of "
                               "an element");
 }

@@ -83,9 +83,9 @@ std::string accuracyPart(const AccuracyStudy& study) {
     return out;
 }
 
-/// Frames with stand-ins: what grows with what.
+/// Frames with synthetic responses: what grows with what.
 Result<std::string> scalingPart(const CharacterInput& character, const Progress& progress) {
-    std::string out = "## Scaling\n\nMilliseconds of whole frames, float, with stand-ins for responses, which cost the same.\n\n";
+    std::string out = "## Scaling\n\nMilliseconds of whole frames, float, with synthetic responses, which cost the same.\n\n";
     const auto add = [&](std::vector<std::vector<std::string>>& rows, const std::string& name, CharacterInput input) -> Result<void> {
         int vertices = 0;
         for (const auto& e : input.elements) vertices += static_cast<int>(e.mesh->body.vertices.rows());

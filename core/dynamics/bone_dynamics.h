@@ -42,7 +42,7 @@ struct BoneDynamicsSettings {
 
 /// Things that a step wants to say without failing; they describe the last step().
 enum class DynamicsWarning : unsigned {
-    InputRefused = 1,   ///< a time, pose or hold was not usable: the frame was skipped, or the hold ignored
+    InputRefused = 1,   ///< a time, pose or goal was not usable: the frame was skipped, or the goal ignored
     TimeDropped = 2,    ///< the frame lasted longer than kMaxSeconds: the rest of its time passed without motion
     StepRefused = 4,    ///< the equations had no finite solution: the last good state stays and its velocities are zero
 };
@@ -59,7 +59,7 @@ enum class DynamicsWarning : unsigned {
 ///
 /// Time passes in steps of kStep by a stiffly accurate, L-stable, second-order method (Alexander, "Diagonally implicit Runge-Kutta methods for stiff
 /// ODEs", 1977), so that motion does not depend on the frame rate and no stiffness is unstable; a frame that ends within a step is closed by a part of
-/// a step that is not kept. Energy never grows but by work from outside: moved holds, a moving kinematic pose, changed holds or settings.
+/// a step that is not kept. Energy never grows but by work from outside: moved goals, a moving kinematic pose, changed goals or settings.
 class BoneDynamics {
 public:
     struct Input {
@@ -81,14 +81,14 @@ public:
 
     static constexpr double kStep = 1.0 / 240.0;       ///< s
     static constexpr double kMaxSeconds = 0.25;       ///< s, of motion per step()
-    /// One frame: `seconds` pass (>= 0), in which the kinematic pose moves evenly from the last one to `kinematic` and the points of `holds` are held.
-    /// A point that is newly held approaches its kinematic place within about a fifth of a second. Targets of holds do not count, the kinematic
+    /// One frame: `seconds` pass (>= 0), in which the kinematic pose moves evenly from the last one to `kinematic` and the points of `goals` are held.
+    /// A point that is newly held approaches its kinematic place within about a fifth of a second. Targets of goals do not count, the kinematic
     /// pose does. Neither allocates, locks nor fails.
     void step(double seconds, const Pose& kinematic, std::span<const IkGoal> goals);
 
     /// The pose at the end of the last frame.
     [[nodiscard]] const Pose& pose() const;
-    /// Nothing moves until the kinematic pose, the holds or the settings change: pose() stays as it is, bit for bit, and step() costs nothing. Where
+    /// Nothing moves until the kinematic pose, the goals or the settings change: pose() stays as it is, bit for bit, and step() costs nothing. Where
     /// neither gravity nor ground keep it away, pose() then is the kinematic pose itself.
     [[nodiscard]] bool resting() const;
     [[nodiscard]] unsigned warnings() const;  ///< of DynamicsWarning

@@ -16,7 +16,7 @@ struct RenderSurface {
     Eigen::Matrix<float, Eigen::Dynamic, 2, Eigen::RowMajor> texCoords;  ///< no rows: none
     Eigen::Matrix<float, Eigen::Dynamic, 4, Eigen::RowMajor> colors;     ///< no rows: none
     struct Part {
-        int material = -1;                     ///< of the look, -1: none
+        int material = -1;                     ///< of the render mesh, -1: none
         std::vector<std::uint32_t> triangles;  ///< three vertices each
     };
     std::vector<Part> parts;  ///< none is empty

@@ -49,7 +49,7 @@ void triangulatePolygon(const std::vector<double>& points, const std::vector<std
 class TextureLoader {
 public:
     TextureLoader(const SourceFile& file, RawScene& scene) : file_(file), scene_(scene) {}
-    /// The texture's index in the scene's look, -1 with an issue told where it cannot be had: absent, outside the file's
+    /// The texture's index in the scene's render mesh, -1 with an issue told where it cannot be had: absent, outside the file's
     /// folder, too large or no picture. The same name gives the same index.
     int fromFile(std::string_view name);
     int fromBytes(std::string_view name, std::string_view bytes);

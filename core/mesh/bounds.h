@@ -23,7 +23,8 @@ inline Bounds boundsOf(const Points& points) {
     return {points.colwise().minCoeff().transpose(), points.colwise().maxCoeff().transpose()};
 }
 
-/// The diagonal of the bounding box. Stored results rest on the order in which this expression adds squares, which Bounds::diagonal() has not.
+/// The diagonal of the bounding box. It sums squares in another order than Bounds::diagonal() and may differ from it in the last bit: keys and stored responses
+/// were made with this one.
 inline double diagonalOf(const Points& points) {
     return points.rows() > 0 ? (points.colwise().maxCoeff() - points.colwise().minCoeff()).norm() : 0.0;
 }

@@ -25,10 +25,6 @@ bool indicesInRange(const TriangleMesh& mesh) {
     return mesh.triangles.rows() == 0 || (mesh.triangles.minCoeff() >= 0 && mesh.triangles.maxCoeff() < mesh.vertices.rows());
 }
 
-std::string counted(std::size_t n, const char* one, const char* many) {
-    return std::to_string(n) + " " + (n == 1 ? one : many);
-}
-
 MeshIssue issue(Severity severity, const char* code, std::string text, std::size_t count) {
     MeshIssue i;
     i.severity = severity;
@@ -75,6 +71,8 @@ EdgeFacts edgeFacts(const EdgeTable& edges) {
 }
 
 }  // namespace
+
+std::string counted(std::size_t n, const char* one, const char* many) { return std::to_string(n) + " " + (n == 1 ? one : many); }
 
 MeshFacts meshFacts(const TriangleMesh& mesh) {
     MeshFacts facts;

@@ -23,6 +23,9 @@ struct MeshIssue {
     std::vector<std::int32_t> vertices;   ///< up to 1000 places to show, body vertices
 };
 
+/// "1 vertex", "2 vertices": a count in the text of an issue.
+std::string counted(std::size_t n, const char* one, const char* many);
+
 /// Combinatorial and geometric facts of a surface.
 struct MeshFacts {
     bool closed = false;    ///< every edge has exactly two triangles, consistently oriented, manifold at vertices

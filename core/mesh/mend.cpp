@@ -10,7 +10,6 @@
 namespace imomushi {
 namespace {
 
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 void dropUnused(MendSurface& s) {
     std::vector<char> used(static_cast<std::size_t>(s.points.rows()), 0);

@@ -11,7 +11,7 @@ namespace imomushi {
 
 /// A surface as a file gave it: nothing is promised but indices in range and finite positions of used vertices.
 struct RawSurface {
-    /// body: positions in the order of the file and all triangles. look: render vertices with `bodyVertex` into body's vertices; a look without
+    /// body: positions in the order of the file and all triangles. renderMesh: render vertices with `bodyVertex` into body's vertices; one without
     /// `triangles` has no attributes (its materials and RenderMesh::material count nevertheless).
     ElementMesh mesh;
     std::vector<std::int32_t> part;  ///< #F: the object of the file that a triangle belongs to

@@ -14,7 +14,6 @@ namespace {
 
 constexpr int kMaxBodies = 1024;
 
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// What makes two corners one render vertex.
 struct RenderKey {

@@ -16,7 +16,6 @@ constexpr int kDegeneratePasses = 20;
 /// A triangle whose shortest side is below this part of its longest is a needle and is collapsed; others are flipped away.
 constexpr double kNeedle = 1e-6;
 
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 double length(const MendSurface& s, std::int32_t a, std::int32_t b) { return (s.points.row(a) - s.points.row(b)).norm(); }
 

@@ -15,7 +15,6 @@ namespace {
 /// Largest cap relative to the surface it closes. A hemisphere needs 0.5; a sheet would be closed by its own mirror image, 1.
 constexpr double kLargestCap = 0.75;
 
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// Render vertices of a cap: as those on the rim, with normals of the cap.
 std::vector<std::int32_t> renderCap(MendSurface& s, const std::vector<std::int32_t>& loop, const std::vector<std::array<std::int32_t, 3>>& cap,

@@ -5,11 +5,6 @@
 #include <utility>
 
 namespace imomushi {
-namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
 
 void MendFace::turn() {
     std::swap(v[1], v[2]);
@@ -53,8 +48,6 @@ void MendSurface::say(const char* code, std::string text, std::size_t count) {
 void MendSurface::dropCollapsed() {
     collapsed += std::erase_if(faces, [](const MendFace& f) { return f.v[0] == f.v[1] || f.v[1] == f.v[2] || f.v[2] == f.v[0]; });
 }
-
-std::string counted(std::size_t n, const char* one, const char* many) { return std::to_string(n) + " " + (n == 1 ? one : many); }
 
 std::vector<char> soundComponents(const Triangles& triangles, const EdgeTable& edges, const std::vector<std::int32_t>& component, int count) {
     std::vector<char> sound(at(count), 1);

@@ -29,7 +29,7 @@ struct MendSurface {
     Points points;
     RenderMesh renderMesh;
     std::vector<MendFace> faces;
-    bool attributes = false;                           ///< the look has normals, texture coordinates or colours
+    bool attributes = false;                           ///< the render mesh has normals, texture coordinates or colours
     Vec3 low = Vec3::Zero(), high = Vec3::Zero();      ///< bounding box of the used vertices
     std::size_t collapsed = 0;                         ///< faces without area that were removed
     std::vector<MeshIssue> issues;                     ///< what was mended
@@ -41,8 +41,8 @@ struct MendSurface {
     void dropCollapsed();
 };
 
-/// "1 vertex", "2 vertices".
-std::string counted(std::size_t n, const char* one, const char* many);
+/// A vertex or triangle as an index.
+inline std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// Merges vertices at the same place, then nearly the same place, where that closes open edges.
 void weldVertices(MendSurface& s);

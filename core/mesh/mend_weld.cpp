@@ -15,7 +15,6 @@ constexpr double kSeamUlps = 4.0;
 /// A seam tolerance above this part of the size would eat detail: such a file has lost its shape already.
 constexpr double kWidestSeam = 1e-4;
 
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 struct Faults {
     std::size_t open = 0, nonManifold = 0;

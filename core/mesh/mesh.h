@@ -2,7 +2,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <atomic>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -50,10 +52,28 @@ struct RenderMesh {
     std::vector<Texture> textures;
 };
 
+class MeshConnectivity;
+
+/// Of ElementMesh alone: a place for the connectivity of its body. A copy begins empty, since the copy may be changed.
+struct KeptConnectivity {
+    KeptConnectivity() = default;
+    KeptConnectivity(const KeptConnectivity&) noexcept {}
+    KeptConnectivity& operator=(const KeptConnectivity&) noexcept {
+        kept.store(nullptr);
+        return *this;
+    }
+    std::atomic<std::shared_ptr<const MeshConnectivity>> kept;
+};
+
 /// One body with its render mesh: what an element is made of. Body vertices keep the order of the file (a weld keeps the lowest index).
 struct ElementMesh {
     TriangleMesh body;  ///< closed and outward-oriented in every element of a document
     RenderMesh renderMesh;
+
+    /// Edges, corners, normals and facts of the body, made when first asked for and kept with this object (mesh/connectivity.h). Any thread may ask; afterwards the
+    /// body must not change.
+    [[nodiscard]] const MeshConnectivity& connectivity() const;
+    mutable KeptConnectivity connectivity_ = {};  ///< use connectivity()
 };
 
 }  // namespace imomushi

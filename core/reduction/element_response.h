@@ -47,8 +47,9 @@ struct ElementResponse {
     Eigen::MatrixXd tractions;
     /// Body loads with all faces at rest, where they were asked for (else empty). Columns 0 1 2: a uniform force per volume along x, y, z of the
     /// element rest axes, over the shear modulus (1/m); 3: a pressure over the shear modulus that pushes the free surface outwards.
-    Eigen::MatrixXd loads;       ///< 3 * #free x 4: displacement (m) per unit of load
-    Eigen::MatrixXd loadForces;  ///< g x 4, for shear modulus 1: with loads l and joint parameters v the faces are held by K v + loadForces l
+    static constexpr int kLoads = 4;
+    Eigen::MatrixXd loads;       ///< 3 * #free x kLoads: displacement (m) per unit of load
+    Eigen::MatrixXd loadForces;  ///< g x kLoads, for shear modulus 1: with loads l and joint parameters v the faces are held by K v + loadForces l
     TouchResponse touch;         ///< contact forces, where they were asked for
     ResponseQuality quality;
 

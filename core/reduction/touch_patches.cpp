@@ -88,9 +88,8 @@ private:
 
 }  // namespace
 
-std::vector<char> touchableTriangles(const TriangleMesh& mesh, std::span<const std::int32_t> held) {
+std::vector<char> touchableTriangles(const TriangleMesh& mesh, const EdgeTable& edges, std::span<const std::int32_t> held) {
     int count = 0;
-    const EdgeTable edges(mesh.triangles);
     const std::vector<std::int32_t> component = edgeComponents(mesh.triangles, edges, count);
     const Vec3 origin = mesh.vertices.colwise().mean().transpose();
     std::vector<double> volume(static_cast<std::size_t>(count));
@@ -118,7 +117,7 @@ TouchPatches touchPatches(const TriangleMesh& body, std::span<const JointFace> f
     if (faces.empty() || count <= 0) return out;
     std::vector<std::int32_t> held;
     for (const JointFace& face : faces) held.insert(held.end(), face.triangles.begin(), face.triangles.end());
-    Surface surface(body, touchableTriangles(body, held));
+    Surface surface(body, touchableTriangles(body, EdgeTable(body.triangles), held));
     std::vector<double> nearest(vertices, -1.0);  // of the centres; -1: cannot be touched
     std::size_t touchable = 0;
     for (std::size_t v = 0; v < vertices; ++v)

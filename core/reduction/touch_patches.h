@@ -8,6 +8,7 @@
 
 #include "core/joints/joint_face.h"
 #include "core/mesh/mesh.h"
+#include "core/mesh/topology.h"
 
 namespace imomushi {
 
@@ -30,7 +31,7 @@ struct TouchPatches {
 /// triangle, Novotni and Klein 2002). Independent of unit and place up to rounding; deterministic, one thread, about count^(1/2) n log n.
 TouchPatches touchPatches(const TriangleMesh& body, std::span<const JointFace> faces, int count);
 
-/// Per triangle, 1: it belongs neither to a face (`held`: its triangles) nor to a shell that winds inward.
-std::vector<char> touchableTriangles(const TriangleMesh& mesh, std::span<const std::int32_t> held);
+/// Per triangle of a mesh with these edges, 1: it belongs neither to a face (`held`: its triangles) nor to a shell that winds inward.
+std::vector<char> touchableTriangles(const TriangleMesh& mesh, const EdgeTable& edges, std::span<const std::int32_t> held);
 
 }  // namespace imomushi

@@ -32,7 +32,7 @@ std::vector<std::int32_t> heldTriangles(std::span<const JointFace> faces) {
 /// visit(triangle, area) for those that can be touched.
 template <class Visit>
 void eachTouchable(const TriangleMesh& mesh, const std::vector<std::int32_t>& held, const Visit& visit) {
-    const std::vector<char> touchable = touchableTriangles(mesh, held);
+    const std::vector<char> touchable = touchableTriangles(mesh, EdgeTable(mesh.triangles), held);
     for (std::int32_t f = 0; f < mesh.triangles.rows(); ++f)
         if (touchable[static_cast<std::size_t>(f)]) visit(f, 0.5 * areaVector(mesh, f).norm());
 }
@@ -77,7 +77,8 @@ Eigen::MatrixXd patchTractions(const TouchPatches& patches, const TriangleMesh& 
     if (!solved.decimated) {
         out.topRows(own) = onBody;
     } else {
-        const std::vector<char> onBodyTouchable = touchableTriangles(body, heldTriangles(faces)), touchable = touchableTriangles(mesh.mesh, held);
+        const std::vector<char> onBodyTouchable = touchableTriangles(body, EdgeTable(body.triangles), heldTriangles(faces)),
+                                touchable = touchableTriangles(mesh.mesh, EdgeTable(mesh.mesh.triangles), held);
         std::vector<std::int32_t> which;
         for (std::size_t f = 0; f < onBodyTouchable.size(); ++f)
             if (onBodyTouchable[f]) which.push_back(static_cast<std::int32_t>(f));

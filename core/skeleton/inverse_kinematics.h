@@ -14,8 +14,8 @@ namespace imomushi {
 /// Method: implicit Euler steps of the overdamped motion  viscosity dx/dt = -grad energy,  linearised by Gauss-Newton. Each step is thus a
 /// Levenberg-Marquardt step (Nocedal and Wright, Numerical Optimization, 2006, section 10.3) with the viscosity as its damping, followed by a line search.
 /// A trust region around the pose at which a target last moved bounds the motion: its radius is kMotionGain times the move of the target plus kTrustRadius
-/// mean bone lengths, also over many solve() with the same holds, so that a small drag never makes a body jump to a distant minimum.
-/// Without holds nothing moves. Allocates in its constructor only.
+/// mean bone lengths, also over many solve() with the same goals, so that a small drag never makes a body jump to a distant minimum.
+/// Without goals nothing moves. Allocates in its constructor only.
 class InverseKinematics {
 public:
     explicit InverseKinematics(const Skeleton& skeleton);
@@ -35,7 +35,7 @@ public:
         bool outOfReach = false;    ///< converged with a held point away from its target: stretch or bend limits keep it there
         bool finite = true;         ///< false: refused, the last good pose stays
     };
-    /// One frame: moves `pose` towards the holds (of two at one joint point the later counts). Targets must be finite.
+    /// One frame: moves `pose` towards the goals (of two at one joint point the later counts). Targets must be finite.
     /// A held point without a roll keeps the roll it has; between held points roll is harmonic along the bones.
     /// A pose that does not fit the skeleton counts as the pose of rest.
     Report solve(const std::vector<IkGoal>& goals, Pose& pose);

@@ -15,12 +15,12 @@ namespace {
 // about 160 degrees.
 constexpr double kBendStiffness = 0.05;
 // The force of a target spring saturates here, ...
-constexpr double kHoldForce = 50.0;
+constexpr double kGoalForce = 50.0;
 // ... is linear within this part of the mean bone length (a reachable target is missed by a fiftieth of it per unit of force), ...
-constexpr double kHoldReach = 1e-6;
-// ... and falls to this part of itself beyond kFarHold mean bone lengths: several targets out of reach do not tear a point from its own.
+constexpr double kGoalReach = 1e-6;
+// ... and falls to this part of itself beyond kFarGoal mean bone lengths: several targets out of reach do not tear a point from its own.
 constexpr double kFarPull = 0.1;
-constexpr double kFarHold = 0.1;
+constexpr double kFarGoal = 0.1;
 // The force at which a bone is kLimitSlack rest lengths beyond its stretch limits.
 constexpr double kLimitForce = 10.0;
 constexpr double kLimitSlack = 0.01;
@@ -113,10 +113,10 @@ RodEnergy::Tension RodEnergy::stretch(const Skeleton::Bone& bone, double length)
 }
 
 RodEnergy::Pull RodEnergy::pull(const Vec3& miss) const {
-    const double reach = kHoldReach * unit_, far = kFarHold * unit_;
+    const double reach = kGoalReach * unit_, far = kFarGoal * unit_;
     const double r = std::sqrt(miss.squaredNorm() + reach * reach);
     const double near = (1.0 - kFarPull) * far;
-    return {kHoldForce * (kFarPull + near / (far + r)) / r, kHoldForce * (kFarPull * r + near * std::log1p(r / far))};
+    return {kGoalForce * (kFarPull + near / (far + r)) / r, kGoalForce * (kFarPull * r + near * std::log1p(r / far))};
 }
 
 double RodEnergy::energy(const std::vector<Vec3>& points, const IkTargets& targets) const {

@@ -15,7 +15,7 @@ class RollField {
 public:
     /// unit: m, mean rest length of the bones.
     RollField(const Skeleton& skeleton, const BoneTree& tree, double unit);
-    /// Sets the rolls of `holds` and spreads them to the points that are not `held` (one entry per joint point). Roll of a hold counts about the bone that
+    /// Sets the rolls of `goals` and spreads them to the points that are not `held` (one entry per joint point). Roll of a goal counts about the bone that
     /// ends at the point, or else one that starts there.
     void spread(const std::vector<IkGoal>& goals, const std::vector<char>& held, Pose& pose);
 

@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "core/base/finite.h"
+#include "core/mesh/bounds.h"
+#include "core/mesh/connectivity.h"
 #include "core/mesh/topology.h"
 
 namespace imomushi {
@@ -22,9 +24,10 @@ constexpr double kOutside = 1e-9;
 
 }  // namespace
 
-Result<std::shared_ptr<const TouchSurface>> TouchSurface::build(const TriangleMesh& body, std::span<const JointFace> faces,
+Result<std::shared_ptr<const TouchSurface>> TouchSurface::build(const ElementMesh& mesh, std::span<const JointFace> faces,
                                                                 std::shared_ptr<const ElementResponse> response) {
     const auto bad = [] { return fail("bad-value", "The element has no precomputed touch for this mesh; precompute it again with touch."); };
+    const TriangleMesh& body = mesh.body;
     if (!response || response->touch.patches.count() == 0) return bad();
     const TouchResponse& touch = response->touch;
     const Eigen::Index columns = 3 * touch.patches.count();
@@ -40,19 +43,20 @@ Result<std::shared_ptr<const TouchSurface>> TouchSurface::build(const TriangleMe
     for (const JointFace& face : faces)
         for (const std::int32_t f : face.triangles) fits = fits && f >= 0 && f < body.triangles.rows();
     if (!fits) return bad();
-    return std::shared_ptr<const TouchSurface>(new TouchSurface(body, faces, std::move(response)));
+    return std::shared_ptr<const TouchSurface>(new TouchSurface(mesh, faces, std::move(response)));
 }
 
-TouchSurface::TouchSurface(const TriangleMesh& body, std::span<const JointFace> faces, std::shared_ptr<const ElementResponse> response)
-    : response_(std::move(response)), body_(body), normals_(vertexNormals(body)) {
-    size_ = (body.vertices.colwise().maxCoeff() - body.vertices.colwise().minCoeff()).norm();
+TouchSurface::TouchSurface(const ElementMesh& mesh, std::span<const JointFace> faces, std::shared_ptr<const ElementResponse> response)
+    : response_(std::move(response)), body_(mesh.body), normals_(mesh.connectivity().normals()) {
+    const TriangleMesh& body = mesh.body;
+    size_ = diagonalOf(body.vertices);
     row_.assign(static_cast<std::size_t>(body.vertices.rows()), -1);
     for (std::size_t i = 0; i < response_->freeVertices.size(); ++i)
         row_[static_cast<std::size_t>(response_->freeVertices[i])] = static_cast<std::int32_t>(3 * i);
 
     std::vector<std::int32_t> held, touchable;
     for (const JointFace& face : faces) held.insert(held.end(), face.triangles.begin(), face.triangles.end());
-    touchable_ = touchableTriangles(body, held);
+    touchable_ = touchableTriangles(body, mesh.connectivity().edges(), held);
     for (std::int32_t f = 0; f < body.triangles.rows(); ++f)
         if (touchable_[static_cast<std::size_t>(f)]) touchable.push_back(f);
     findOverlap(touchable);

@@ -22,7 +22,7 @@ public:
     static constexpr int kMaxSpread = 8;  ///< no finger is wider than this many smoothings of its patches, see weigh()
 
     /// `response` was made with ResponseInput::touch. Errors: "bad-value" (a response without patches, or of another mesh).
-    static Result<std::shared_ptr<const TouchSurface>> build(const TriangleMesh& body, std::span<const JointFace> faces,
+    static Result<std::shared_ptr<const TouchSurface>> build(const ElementMesh& mesh, std::span<const JointFace> faces,
                                                              std::shared_ptr<const ElementResponse> response);
 
     /// A point of the surface that can be touched.
@@ -56,7 +56,7 @@ public:
     [[nodiscard]] std::size_t bytes() const;
 
 private:
-    TouchSurface(const TriangleMesh& body, std::span<const JointFace> faces, std::shared_ptr<const ElementResponse> response);
+    TouchSurface(const ElementMesh& mesh, std::span<const JointFace> faces, std::shared_ptr<const ElementResponse> response);
     void findOverlap(const std::vector<std::int32_t>& triangles);
 
     std::shared_ptr<const ElementResponse> response_;

@@ -7,6 +7,7 @@
 
 #include "core/base/finite.h"
 #include "core/base/union_find.h"
+#include "core/mesh/bounds.h"
 #include "core/mesh/triangle_tree.h"
 #include "core/warp/bend_warp.h"
 
@@ -127,7 +128,7 @@ Result<std::shared_ptr<const BendWarpTables>> BendWarpTables::build(const Triang
     s.faces = faces;
     s.bases = response.bases;
     s.firstColumn = response.firstColumn;
-    if (n > 0) s.size = (body.vertices.colwise().maxCoeff() - body.vertices.colwise().minCoeff()).norm();
+    s.size = diagonalOf(body.vertices);
     if (!(s.size > 0.0)) s.size = 1.0;
     s.origin = middle;
     if (!faces.empty()) {

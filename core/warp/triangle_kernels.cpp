@@ -4,7 +4,7 @@
 #include <algorithm>
 
 // Vectors of unknown size (SVE, RISC-V) cannot be kept in structures: ARM uses NEON.
-#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV | HWY_SSSE3 | HWY_SSE4)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/warp/triangle_kernels.cpp"
 #include <hwy/foreach_target.h>

@@ -175,8 +175,8 @@ TEST_CASE("poses: the error in one pose is that of a study there, and the full s
         character.update(study.reference.poses[i].pose);
         CHECK(made.error.relative == errorOf(character, reference, i).error().relative);
         CHECK(made.field == errorField(character, reference, i));
-        if (i == 0) whole = made.reference.seconds - made.seconds;
-        CHECK(made.reference.seconds >= whole);  // the solution's time is told with each pose
+        if (i == 0) whole = made.reference.solutionSeconds;
+        CHECK(made.reference.solutionSeconds == whole);  // solved once, and told with each pose
     }
     CHECK(keeper.knows(referenceKey(input.reference)));
     // The basis of the character is not part of it, its body is.
@@ -257,7 +257,7 @@ TEST_CASE("study: what was measured is kept, and not measured again") {
     CHECK_FALSE(kept.points[1].measured());
     CHECK_FALSE(kept.complete);
     const auto second = runStudy(input, {}, {}).value();
-    // Times are told in those of the yardstick, which a quieter moment makes shorter.
+    // Times are told in those of the reference load, which a quieter moment makes shorter.
     CHECK(second.points[0].frameMs / second.calibrationMs == doctest::Approx(kept.points[0].frameMs / kept.calibrationMs).epsilon(1e-9));
     CHECK(second.points[0].relative == kept.points[0].relative);
     for (std::size_t i = 0; i < kept.reference->positions.size(); ++i)

@@ -21,16 +21,16 @@ TEST_CASE("What disturbs a machine most of the time is not in the quiet figures,
     constexpr double kQuick = 0.05, kSlow = 0.5;
     int frames = 0;
     const auto ms = [&] { return frames / 2 % 100 < 30 ? kQuick : kSlow; };
-    const auto yardstick = [&] { spin(ms()); };
+    const auto reference = [&] { spin(ms()); };
     const auto loop = [&] {
         spin(2.0 * ms());
         ++frames;
     };
-    const auto quiet = quietSpreads(0.6, {yardstick, loop});
+    const auto quiet = quietSpreads(0.6, {reference, loop});
     CHECK(quiet[0].median >= kQuick);
     CHECK(quiet[1].median >= 2.0 * kQuick);
     CHECK(quiet[1].median < 2.0 * kSlow);
-    const auto all = spreadsInTurn(400, 0.6, {yardstick, loop});
+    const auto all = spreadsInTurn(400, 0.6, {reference, loop});
     CHECK(all[1].median >= 2.0 * kSlow);
 }
 

@@ -234,9 +234,10 @@ TEST_CASE("precompute: of congruent elements the first is solved and the others 
     CHECK(estimate["elements"][1]["shared"] == "A");
     CHECK(estimate["elements"][1]["columns"] == 18);
     CHECK(estimate["elements"][1]["seconds"].get<double>() < 0.01 * estimate["elements"][0]["seconds"].get<double>());
-    // One alone needs the one it shares with.
-    // The speed of the machine is measured again each time, so these are about the same; alone it would be a hundredth.
-    CHECK(w.good({{"do", "estimate"}, {"elements", {"B"}}})["seconds"].get<double>() > 0.1 * estimate["seconds"].get<double>());
+    // B takes over A's response, so that A is estimated with it. The rates of the machine that are measured in between only improve.
+    const double all = estimate["seconds"].get<double>(), alone = w.good({{"do", "estimate"}, {"elements", {"B"}}})["seconds"].get<double>();
+    CHECK(alone <= all * (1.0 + 1e-9));
+    CHECK(alone > 0.1 * all);
 
     const Json one = w.good({{"do", "precompute"}, {"elements", {"B"}}});
     CHECK(one["elements"][0]["shared"] == "A");

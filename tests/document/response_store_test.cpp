@@ -10,7 +10,7 @@ namespace {
 
 ContentKey key(std::uint64_t n) { return {n, n}; }
 
-/// A stand-in of about `columns` times 24 kB.
+/// A response of about `columns` times 24 kB.
 std::shared_ptr<const ElementResponse> made(int columns) {
     auto response = std::make_shared<ElementResponse>();
     response->response = Eigen::MatrixXd::Constant(3000, columns, 1.0);

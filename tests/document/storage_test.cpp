@@ -57,6 +57,15 @@ void richDocument(Workbench& w) {
     const auto path = Workbench::folder() / "rich.imomushi";
     REQUIRE(saveProject(path, project));
     w.good({{"do", "open"}, {"path", path.string()}});
+    // From here on the document is compared with itself: nothing may be missing by now.
+    const Element& opened = *w.session.document().elements.at(element->id);
+    const RenderMesh &made = mesh->renderMesh, &read = opened.mesh->renderMesh;
+    REQUIRE(read.normals == made.normals);
+    REQUIRE(read.texCoords == made.texCoords);
+    REQUIRE(read.material == made.material);
+    REQUIRE(read.materials.at(0).name == made.materials[0].name);
+    REQUIRE(read.textures.at(0).bytes == made.textures[0].bytes);
+    REQUIRE(opened.issues.size() == element->issues.size());
 }
 
 }  // namespace

@@ -73,7 +73,7 @@ const MeshIssue* find(const std::vector<MeshIssue>& issues, const std::string& c
     return it == issues.end() ? nullptr : &*it;
 }
 
-/// The one body, and that its look fits it.
+/// The one body, and that its render mesh fits it.
 const MendedBody& only(const MendResult& r) {
     REQUIRE(r.bodies.size() == 1);
     return r.bodies[0];
@@ -205,7 +205,7 @@ TEST_CASE("mending: a cavity winds inward, what is in the cavity outward again, 
     }
 }
 
-TEST_CASE("mending: holes are capped where the result is closed, and the cap has a look") {
+TEST_CASE("mending: holes are capped where the result is closed, and the cap has a render mesh") {
     auto tube = shapes::cylinder(1.0, 4.0, 16, 6);
     std::vector<std::int32_t> caps = tube.ends[0].triangles;
     caps.insert(caps.end(), tube.ends[1].triangles.begin(), tube.ends[1].triangles.end());

@@ -327,7 +327,7 @@ TEST_CASE("run: what accuracy costs, as JSON, CSV and plots, within a budget of 
         CHECK(p["error"]["relative"].is_null() == p["error"]["max_percent"].is_null());
         if (p["ms_per_frame"]["median"].is_number()) CHECK(p["error"]["relative"].is_number());
     }
-    // What is known is not measured again; times of frames become those of the machine at its quickest, should the yardstick be quicker now.
+    // What is known is not measured again; times of frames become those of the machine at its quickest, should the reference load be quicker now.
     CHECK(second["points"][0]["precompute_seconds"] == first["points"][0]["precompute_seconds"]);
     CHECK(second["yardstick_ms"].get<double>() <= first["yardstick_ms"].get<double>());
     const double share = second["yardstick_ms"].get<double>() / first["yardstick_ms"].get<double>();

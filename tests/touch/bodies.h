@@ -19,7 +19,7 @@ struct Touched {
 
     [[nodiscard]] double size() const { return (mesh.vertices.colwise().maxCoeff() - mesh.vertices.colwise().minCoeff()).norm(); }
     [[nodiscard]] TouchContact contact(const TouchSettings& settings = {}) const {
-        return TouchContact::build(TouchSurface::build(mesh, faces, response).value(), settings).value();
+        return TouchContact::build(TouchSurface::build({mesh, {}}, faces, response).value(), settings).value();
     }
     [[nodiscard]] std::array<Vec3, 3> corners(std::int32_t triangle) const {
         std::array<Vec3, 3> out;

@@ -414,8 +414,8 @@ TEST_CASE("touch: what makes no sense is refused and changes nothing") {
     bad = {};
     bad.releaseSeconds = nan;
     CHECK(contact.set(bad).error().code == "bad-value");
-    CHECK(TouchSurface::build(ball().mesh, ball().faces, body.response).error().code == "bad-value");
-    CHECK(TouchSurface::build(body.mesh, body.faces, std::make_shared<const ElementResponse>()).error().code == "bad-value");
+    CHECK(TouchSurface::build({ball().mesh, {}}, ball().faces, body.response).error().code == "bad-value");
+    CHECK(TouchSurface::build({body.mesh, {}}, body.faces, std::make_shared<const ElementResponse>()).error().code == "bad-value");
 }
 
 TEST_CASE("touch: random fingers for many frames stay finite and bounded, do not allocate, and do the same again") {

@@ -46,7 +46,7 @@ Eigen::MatrixXd patchMeans(const Touched& body) {
     const Eigen::MatrixXd weights = patches.dense();
     std::vector<std::int32_t> held;
     for (const JointFace& face : body.faces) held.insert(held.end(), face.triangles.begin(), face.triangles.end());
-    const auto touchable = touchableTriangles(body.mesh, held);
+    const auto touchable = touchableTriangles(body.mesh, EdgeTable(body.mesh.triangles), held);
     Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(patches.count(), body.mesh.vertices.rows());
     for (std::int32_t f = 0; f < body.mesh.triangles.rows(); ++f) {
         if (!touchable[static_cast<std::size_t>(f)]) continue;
@@ -72,7 +72,7 @@ TEST_CASE("touch patches: bumps cover what is free and visible, and add up to 1"
         std::vector<char> wanted(static_cast<std::size_t>(body->mesh.vertices.rows()));
         std::vector<std::int32_t> held;
         for (const JointFace& face : body->faces) held.insert(held.end(), face.triangles.begin(), face.triangles.end());
-        const auto touchable = touchableTriangles(body->mesh, held);
+        const auto touchable = touchableTriangles(body->mesh, EdgeTable(body->mesh.triangles), held);
         for (std::int32_t f = 0; f < body->mesh.triangles.rows(); ++f)
             for (int c = 0; c < 3 && touchable[static_cast<std::size_t>(f)]; ++c) wanted[static_cast<std::size_t>(body->mesh.triangles(f, c))] = 1;
         const Eigen::MatrixXd weights = patches.dense();

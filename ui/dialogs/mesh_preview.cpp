@@ -43,7 +43,7 @@ void MeshPreview::show(const Result<ImportResult>& result) {
             (scale * (v.rowwise() - centre.transpose())).cast<float>();
         render::Body& drawn = scene_.bodies.emplace_back();
         drawn.id = scene_.bodies.size();
-        drawn.mesh = std::make_shared<const ElementMesh>(ElementMesh{body.mesh.body, {}});  // its look would hide what the colour says
+        drawn.mesh = std::make_shared<const ElementMesh>(ElementMesh{body.mesh.body, {}});  // its render mesh would hide what the colour says
         drawn.positions = positions.data();
         drawn.color = linearColor(themeColor(body.closed ? Appearance::Role::Accent : Appearance::Role::Warning));
         drawn.twoSided = !body.closed;

@@ -72,7 +72,7 @@ bool GpuDeformer::upload(const DeformInput& deformInput) {
     id_ = deformInput.id;
     GLint texels = 0;
     glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
-    while (glGetError() != GL_NO_ERROR) {}
+    for (int i = 0; i < 8 && glGetError() != GL_NO_ERROR; ++i) {}  // a lost context reports errors for ever
     elements_.resize(deformInput.elements.size());
     std::int64_t total = 0;
     std::vector<std::int32_t> firsts;

@@ -71,11 +71,9 @@ std::unique_ptr<EglContext> contextOn(EGLDisplay display, std::string& why) {
         const EGLint size[] = {EGL_WIDTH, 1, EGL_HEIGHT, 1, EGL_NONE};
         surface = eglCreatePbufferSurface(display, config, size);
     }
-    if (!eglMakeCurrent(display, surface, surface, context)) {
-        eglDestroyContext(display, context);
-        return failed("the context does not become current");
-    }
-    return std::make_unique<EglContext>(display, context, surface);
+    auto made = std::make_unique<EglContext>(display, context, surface);
+    if (!eglMakeCurrent(display, surface, surface, context)) return failed("the context does not become current");
+    return made;
 }
 
 Result<std::unique_ptr<EglContext>> bestContext() {

@@ -6,15 +6,13 @@
 #include <cmath>
 #include <limits>
 
+#include "core/document/character_input.h"
 #include "ui/scene/document_scene.h"
 #include "ui/scene/rim.h"
 #include "ui/tools/posed_body.h"
 
 namespace imomushi {
 namespace {
-
-/// A chain of "this end is where that end is" longer than this is a cycle.
-constexpr int kMaxReferences = 1000;
 
 const Vec3* skeletonPoint(Session& session, const EndpointRef& end) {
     Character* character = session.character();
@@ -105,22 +103,8 @@ const JointFace* faceOfTriangle(const Element& element, std::int32_t triangle) {
 }
 
 std::optional<Vec3> endpointRestPosition(const Document& document, const EndpointRef& end) {
-    EndpointRef now = end;
-    for (int i = 0; i < kMaxReferences; ++i) {
-        const auto bone = document.bones.find(now.bone);
-        if (bone == document.bones.end()) return std::nullopt;
-        const Bone::Place& place = now.atEnd ? bone->second->end : bone->second->start;
-        if (const auto* point = std::get_if<Vec3>(&place)) return *point;
-        if (const auto* face = std::get_if<FaceRef>(&place)) {
-            const auto element = document.elements.find(face->element);
-            if (element == document.elements.end()) return std::nullopt;
-            const int index = element->second->faceIndex(face->face);
-            if (index < 0) return std::nullopt;
-            return element->second->faces[std::size_t(index)].frame.origin;
-        }
-        now = std::get<EndpointRef>(place);
-    }
-    return std::nullopt;
+    const auto position = restPosition(document, end);
+    return position ? std::optional(*position) : std::nullopt;
 }
 
 std::optional<Vec3> endpointPosition(Session& session, const EndpointRef& end) {

@@ -56,8 +56,6 @@ std::optional<SelectionItem> pickItem(Session& session, const PointerEvent& e);
 /// Everything that a box over the viewport touches: bones, where they are shown, and then visible, unlocked elements.
 std::vector<SelectionItem> itemsWithin(Session& session, const PointerEvent& view, const QRectF& box);
 
-/// Names as commands take them: "bone/end", "element/face".
-
 /// The id of a selected part in every scene; 0: it is not there any more.
 std::uint64_t sceneIdOf(const Document& document, const SelectionItem& item);
 

@@ -54,7 +54,8 @@ ViewportWidget::ViewportWidget(StudioDocument& document, QWidget* parent)
 }
 
 ViewportWidget::~ViewportWidget() {
-    tool_.reset();  // while this is still whole: a gesture that is taken back changes the document
+    tool_->cancel();  // while this is still whole: a gesture that is taken back changes the document
+    document_.disconnect(this);
 }
 
 // ---- tools -----------------------------------------------------------------------------------------------------------

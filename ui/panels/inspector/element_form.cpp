@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "core/base/colour.h"
+#include "core/mesh/connectivity.h"
 #include "ui/models/effect_texts.h"
 #include "ui/models/texts.h"
 #include "ui/panels/inspector/inspector_forms.h"
@@ -131,11 +132,10 @@ void ElementForm::addMesh(const Items& items) {
     addFact(tr("Joint faces"), [sum] { return sum([](const Element& e) { return e.faces.size(); }); });
     const Element* e = items.size() == 1 ? element(items.back()) : nullptr;
     if (!e) return;
-    // The mesh of an element never changes under its id; look at it once.
-    const MeshFacts facts = meshFacts(e->mesh->body);
+    const MeshFacts& facts = e->mesh->connectivity().facts();
     const Vec3 size = facts.high - facts.low;
     addFact(tr("Size"), [size] { return QStringLiteral("%1 × %2 × %3").arg(lengthText(size.x()), lengthText(size.y()), lengthText(size.z())); });
-    addFact(tr("Volume"), [facts] { return volumeText(facts.volume); });
+    addFact(tr("Volume"), [volume = facts.volume] { return volumeText(volume); });
 }
 
 }  // namespace imomushi

@@ -103,11 +103,12 @@ void ElementForm::addSolverMesh(const Items& items) {
         return found;
     };
     // Looked at again only when an element is another one: a drag refreshes in every frame.
-    follow([this, parts, counted, tolerant, seen = parts(), hadCount = counted(), hadTolerance = tolerant()]() mutable {
+    follow([this, parts, counted, tolerant, seen = parts(), hadCount = counted(), hadTolerance = tolerant(), differ = false]() mutable {
         if (auto present = parts(); present != seen) {
             seen = std::move(present);
-            if (counted() != hadCount || tolerant() != hadTolerance) askForRows();
+            differ = counted() != hadCount || tolerant() != hadTolerance;
         }
+        if (differ) askForRows();  // again while a gesture keeps the rows from being made
     });
 }
 
