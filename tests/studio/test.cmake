@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # The studio on a display of its own: a program with its own main(), because OpenGL's software renderer works with floating-point traps off.
 if(IMOMUSHI_STUDIO)
-    find_package(Qt6 6.4 REQUIRED COMPONENTS Test)
     find_program(XVFB_RUN xvfb-run)
     file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/studio/*.cpp)
     add_executable(test_studio ${sources})
     target_include_directories(test_studio PRIVATE ${PROJECT_SOURCE_DIR})
     target_link_libraries(test_studio PRIVATE imomushi_studio imomushi_doctest Qt6::Test)
-    target_precompile_headers(test_studio REUSE_FROM imomushi_precompiled_studio)
+    target_precompile_headers(test_studio REUSE_FROM imomushi_precompiled_studio_tests)
     target_compile_definitions(test_studio PRIVATE
         IMOMUSHI_TEST_DATA="${CMAKE_CURRENT_SOURCE_DIR}/data"
         IMOMUSHI_SOURCE_DIR="${PROJECT_SOURCE_DIR}"

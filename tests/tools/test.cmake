@@ -1,6 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 if(IMOMUSHI_STUDIO)
-    set(IMOMUSHI_PRECOMPILED imomushi_precompiled_studio)
-    imomushi_test(tools imomushi_viewport)
-    set(IMOMUSHI_PRECOMPILED imomushi_precompiled_tests)
+    imomushi_test(tools PRECOMPILED studio_tests imomushi_viewport)
 endif()
