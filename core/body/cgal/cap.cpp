@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/body/cgal/cap.h"
+
+#include <CGAL/Constrained_Delaunay_triangulation_2.h>
+#include <CGAL/Delaunay_mesh_face_base_2.h>
+#include <CGAL/Delaunay_mesh_size_criteria_2.h>
+#include <CGAL/Delaunay_mesher_2.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Triangulation_vertex_base_with_info_2.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "core/base/floating_point_guard.h"
+
+namespace imomushi {
+namespace {
+
+using Vec2 = Eigen::Vector2d;
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kWanted = 25.0 * kDegree;  // triangles of smaller angles are refined where that needs no point on a loop
+constexpr double kEnough = 10.0 * kDegree;  // below, points on loops are worth what they cost: more vertices of the body
+constexpr double kSplitWanted = 15.0 * kDegree;  // what those aim at; Ruppert's method ends for angles up to 20.7 degrees
+constexpr double kApart = 0.6;   // added points keep this part of the shortest side of their triangle from all others
+constexpr int kPasses = 40;      // each at least halves the worst sides; what is left then is left
+constexpr std::size_t kMost = 12;  // points added per point of the loops, and
+constexpr std::size_t kMostSmall = 4000;  // for small loops, before refinement gives up (thin walls, nearly touching loops)
+
+/// The number of a vertex, -1: the mesher made it.
+struct Number {
+    int value = -1;
+};
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Vertices = CGAL::Triangulation_vertex_base_with_info_2<Number, Kernel>;
+using Faces = CGAL::Delaunay_mesh_face_base_2<Kernel>;
+using Cdt = CGAL::Constrained_Delaunay_triangulation_2<Kernel, CGAL::Triangulation_data_structure_2<Vertices, Faces>,
+                                                       CGAL::No_constraint_intersection_requiring_constructions_tag>;
+using Criteria = CGAL::Delaunay_mesh_size_criteria_2<Cdt>;
+
+Vec2 placeOf(Cdt::Vertex_handle v) { return {v->point().x(), v->point().y()}; }
+
+double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+double smallestAngleOf(const std::array<Vec2, 3>& p) {
+    double smallest = std::numbers::pi;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Vec2 a = p[(k + 1) % 3] - p[k], b = p[(k + 2) % 3] - p[k];
+        smallest = std::min(smallest, std::atan2(std::abs(cross(a, b)), a.dot(b)));
+    }
+    return smallest;
+}
+
+std::array<Vec2, 3> cornersOf(Cdt::Face_handle f) { return {placeOf(f->vertex(0)), placeOf(f->vertex(1)), placeOf(f->vertex(2))}; }
+
+class Region {
+public:
+    Region(const std::vector<std::vector<Vec2>>& loops, double spacing) : spacing_(spacing) {
+        for (const auto& loop : loops) {
+            const std::size_t begin = points_.size();
+            for (std::size_t i = 0; i < loop.size(); ++i) {
+                points_.push_back(loop[i]);
+                next_.push_back(i + 1 < loop.size() ? static_cast<int>(begin + i + 1) : static_cast<int>(begin));
+            }
+        }
+        given_ = points_.size();
+    }
+
+    /// False where loops touch or cross.
+    bool triangulate() {
+        std::vector<Cdt::Vertex_handle> at;
+        for (std::size_t i = 0; i < points_.size(); ++i) {
+            at.push_back(insert(points_[i]));
+            if (at.back()->info().value >= 0) return false;
+            at.back()->info().value = static_cast<int>(i);
+        }
+        try {
+            for (std::size_t i = 0; i < given_; ++i) cdt_.insert_constraint(at[i], at[static_cast<std::size_t>(next_[i])]);
+        } catch (const Cdt::Intersection_of_constraints_exception&) {
+            return false;
+        }
+        for (std::size_t i = 0; i < given_; ++i) {
+            Cdt::Face_handle f;
+            int k = 0;
+            if (!cdt_.is_edge(at[i], at[static_cast<std::size_t>(next_[i])], f, k) || !f->is_constrained(k)) return false;
+        }
+        return true;
+    }
+
+    /// Adds points inside only.
+    void fill() {
+        for (int pass = 0; pass < kPasses; ++pass) {
+            mark();
+            std::vector<Place> places;
+            for (auto f = cdt_.finite_faces_begin(); f != cdt_.finite_faces_end(); ++f)
+                if (f->is_in_domain()) addPlace(cornersOf(f), places);
+            std::stable_sort(places.begin(), places.end(), [](const Place& a, const Place& b) { return a.radius > b.radius; });
+            bool any = false;
+            for (const Place& place : places)
+                for (const Vec2& p : {place.centre, place.nearer})
+                    if (points_.size() < most() && free(p, place.apart)) {
+                        insert(p)->info().value = static_cast<int>(points_.size());
+                        points_.push_back(p);
+                        any = true;
+                        break;
+                    }
+            if (!any) break;
+        }
+        mark();
+    }
+
+    /// Ruppert's refinement, which splits sides of loops too. False where it would need too many points.
+    bool refine() {
+        mark();
+        const double s = std::sin(kSplitWanted);
+        CGAL::Delaunay_mesher_2<Cdt, Criteria> mesher(cdt_, Criteria(s * s, 1.5 * spacing_));
+        mesher.init(true);
+        while (!mesher.is_refinement_done()) {
+            if (cdt_.number_of_vertices() > most()) return false;
+            mesher.step_by_step_refine_mesh();
+        }
+        for (auto v = cdt_.finite_vertices_begin(); v != cdt_.finite_vertices_end(); ++v)
+            if (v->info().value < 0) {
+                v->info().value = static_cast<int>(points_.size());
+                points_.push_back(placeOf(v));
+            }
+        return true;
+    }
+
+    [[nodiscard]] PlaneRegion result() {
+        PlaneRegion region;
+        region.added.assign(points_.begin() + static_cast<std::ptrdiff_t>(given_), points_.end());
+        region.onSide.resize(given_);
+        for (auto v = cdt_.finite_vertices_begin(); v != cdt_.finite_vertices_end(); ++v)
+            if (v->info().value < static_cast<int>(given_)) followSides(v, region.onSide[static_cast<std::size_t>(v->info().value)]);
+        std::vector<std::array<int, 3>> corners;
+        region.smallestAngle = std::numbers::pi;
+        for (auto f = cdt_.finite_faces_begin(); f != cdt_.finite_faces_end(); ++f) {
+            if (!f->is_in_domain()) continue;
+            std::array<int, 3> c{f->vertex(0)->info().value, f->vertex(1)->info().value, f->vertex(2)->info().value};
+            std::rotate(c.begin(), std::min_element(c.begin(), c.end()), c.end());
+            corners.push_back(c);
+            region.smallestAngle = std::min(region.smallestAngle, smallestAngleOf(cornersOf(f)));
+        }
+        std::sort(corners.begin(), corners.end());
+        region.triangles.resize(static_cast<Eigen::Index>(corners.size()), 3);
+        for (std::size_t f = 0; f < corners.size(); ++f)
+            for (int k = 0; k < 3; ++k) region.triangles(static_cast<Eigen::Index>(f), k) = corners[f][static_cast<std::size_t>(k)];
+        return region;
+    }
+
+private:
+    /// Where a point would make a triangle better: its circumcentre, or nearer to its shortest side.
+    struct Place {
+        Vec2 centre, nearer;
+        double radius = 0.0, apart = 0.0;
+    };
+
+    [[nodiscard]] std::size_t most() const { return kMost * given_ + kMostSmall; }
+
+    Cdt::Vertex_handle insert(const Vec2& p) { return cdt_.insert(Cdt::Point(p.x(), p.y())); }
+
+    void addPlace(const std::array<Vec2, 3>& p, std::vector<Place>& places) const {
+        std::array<double, 3> length{};  // of the side opposite to each corner
+        for (std::size_t k = 0; k < 3; ++k) length[k] = (p[(k + 2) % 3] - p[(k + 1) % 3]).norm();
+        const bool large = *std::max_element(length.begin(), length.end()) > 1.5 * spacing_;
+        if (smallestAngleOf(p) >= kWanted && !large) return;
+        const Vec2 b = p[1] - p[0], c = p[2] - p[0];
+        const double twice = cross(b, c), longest = *std::max_element(length.begin(), length.end());
+        if (!(std::abs(twice) > 1e-12 * longest * longest)) return;
+        Place place;
+        place.centre = p[0] + Vec2(c.y() * b.squaredNorm() - b.y() * c.squaredNorm(), b.x() * c.squaredNorm() - c.x() * b.squaredNorm()) / (2.0 * twice);
+        place.radius = (place.centre - p[0]).norm();
+        const auto apex = static_cast<std::size_t>(std::min_element(length.begin(), length.end()) - length.begin());
+        const Vec2 from = p[(apex + 1) % 3], to = p[(apex + 2) % 3], middle = 0.5 * (from + to);
+        const Vec2 across = Vec2(from.y() - to.y(), to.x() - from.x()) / length[apex];
+        // Off-centre (Üngör 2004): the new triangle on the shortest side just has the wanted angle.
+        place.nearer = middle + across * std::min(0.5 * length[apex] / std::tan(0.5 * kWanted), across.dot(place.centre - middle));
+        place.apart = kApart * length[apex];
+        places.push_back(place);
+    }
+
+    /// No point nearer than `apart`, and outside of the circles about the sides of the loops, hence seen from its triangle.
+    [[nodiscard]] bool free(const Vec2& p, double apart) const {
+        for (const Vec2& q : points_)
+            if ((q - p).squaredNorm() < apart * apart) return false;
+        for (std::size_t i = 0; i < given_; ++i)
+            if ((points_[i] - p).dot(points_[static_cast<std::size_t>(next_[i])] - p) <= 0.0) return false;
+        return true;
+    }
+
+    /// Tells triangles inside from those outside and in holes: each loop is one more wall to pass.
+    void mark() {
+        for (auto f = cdt_.all_faces_begin(); f != cdt_.all_faces_end(); ++f) f->set_in_domain(false);
+        std::vector<std::pair<Cdt::Face_handle, bool>> open{{cdt_.infinite_face(), false}};
+        CGAL::Unique_hash_map<Cdt::Face_handle, bool> seen(false);
+        seen[cdt_.infinite_face()] = true;
+        while (!open.empty()) {
+            const auto [f, inside] = open.back();
+            open.pop_back();
+            f->set_in_domain(inside);
+            for (int k = 0; k < 3; ++k) {
+                const Cdt::Face_handle g = f->neighbor(k);
+                if (seen[g]) continue;
+                seen[g] = true;
+                open.emplace_back(g, inside != f->is_constrained(k));
+            }
+        }
+    }
+
+    /// From point v of a loop along its side: the points added on it.
+    void followSides(Cdt::Vertex_handle v, std::vector<std::int32_t>& onSide) const {
+        const int end = next_[static_cast<std::size_t>(v->info().value)];
+        for (const Cdt::Vertex_handle first : constrainedNeighbours(v)) {
+            std::vector<std::int32_t> path;
+            Cdt::Vertex_handle before = v, here = first;
+            while (here->info().value >= static_cast<int>(given_)) {
+                path.push_back(here->info().value);
+                const auto around = constrainedNeighbours(here);
+                const Cdt::Vertex_handle after = around[0] == before ? around[1] : around[0];
+                before = here;
+                here = after;
+            }
+            if (here->info().value == end) {
+                onSide = std::move(path);
+                return;
+            }
+        }
+    }
+
+    /// Two for each point on a loop.
+    [[nodiscard]] std::vector<Cdt::Vertex_handle> constrainedNeighbours(Cdt::Vertex_handle v) const {
+        std::vector<Cdt::Vertex_handle> result;
+        auto e = cdt_.incident_edges(v);
+        const auto begin = e;
+        do {
+            if (!cdt_.is_infinite(e) && e->first->is_constrained(e->second)) {
+                const Cdt::Vertex_handle a = e->first->vertex(Cdt::cw(e->second)), b = e->first->vertex(Cdt::ccw(e->second));
+                result.push_back(a == v ? b : a);
+            }
+        } while (++e != begin);
+        return result;
+    }
+
+    double spacing_;
+    std::vector<Vec2> points_;
+    std::vector<int> next_;
+    std::size_t given_ = 0;
+    Cdt cdt_;
+};
+
+}  // namespace
+
+std::optional<PlaneRegion> meshRegion(const std::vector<std::vector<Vec2>>& loops, double spacing) {
+    const FloatingPointGuard guard;
+    Region inside(loops, spacing);
+    if (!inside.triangulate()) return std::nullopt;
+    inside.fill();
+    PlaneRegion result = inside.result();
+    if (result.smallestAngle >= kEnough || result.triangles.rows() == 0) return result;
+    Region split(loops, spacing);
+    if (!split.triangulate() || !split.refine()) return result;
+    PlaneRegion better = split.result();
+    return better.smallestAngle > result.smallestAngle ? better : result;
+}
+
+}  // namespace imomushi

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/body/cut.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "core/base/finite.h"
+#include "core/body/cut_pieces.h"
+#include "core/mesh/health.h"
+
+namespace imomushi {
+namespace {
+
+/// How far a refused plane is tried along its normal, in diagonals of the body, and in parts of the body's extent along the normal.
+constexpr double kSteps[] = {1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.02, 0.05, 0.1, 0.2, 0.4};
+constexpr double kParts[] = {0.01, 0.05, 0.2, 0.5, 0.8, 0.95, 0.99};
+constexpr int kHalvings = 4;  // of the way between the last place that failed and the first that works
+
+using Prepared = tl::expected<PreparedCut, CutRefusal>;
+
+CutRefusal refusalOf(Error error, int cut) {
+    CutRefusal refusal;
+    static_cast<Error&>(refusal) = std::move(error);
+    refusal.cut = cut;
+    return refusal;
+}
+
+Prepared prepare(const CutSurface& surface, const CutPlane& plane, int cut) {
+    auto section = findSection(surface, plane);
+    if (!section) return tl::unexpected(refusalOf(std::move(section.error()), cut));
+    std::vector<std::vector<Eigen::Vector2d>> loops;
+    for (const auto& loop : section->loops) {
+        auto& flat = loops.emplace_back();
+        for (const SectionPoint& point : loop) flat.push_back(section->flat(point.place));
+    }
+    auto region = meshRegion(loops, section->spacing);
+    if (!region || region->triangles.rows() == 0)
+        return tl::unexpected(refusalOf({"section-touches-itself", "The section touches or crosses itself; repair the body there, or move or turn the plane a little."}, cut));
+    return PreparedCut{std::move(*section), std::move(*region)};
+}
+
+/// Tries places of one cut among others.
+class NearestPlace {
+public:
+    NearestPlace(const CutSurface& surface, const std::vector<Prepared>& others, const CutPlane& plane, int cut, const Progress& progress)
+        : surface_(surface), plane_(plane), cut_(cut), progress_(progress) {
+        // Cuts that are refused for themselves are left out.
+        for (std::size_t c = 0; c < others.size(); ++c)
+            if (static_cast<int>(c) != cut && others[c]) others_.push_back(*others[c]);
+        others_.emplace_back();
+    }
+
+    /// How far to move the plane along its normal, m; none: not found.
+    std::optional<double> offset() {
+        const Vec3 n = plane_.normal.stableNormalized();
+        const Eigen::VectorXd d = (surface_.mesh.vertices.rowwise() - plane_.origin.transpose()) * n;
+        const double low = d.minCoeff(), high = d.maxCoeff();
+        std::vector<double> offsets;
+        for (const double step : kSteps)
+            for (const double sign : {1.0, -1.0}) offsets.push_back(sign * step * surface_.diagonal);
+        for (const double part : kParts) offsets.push_back(low + part * (high - low));
+        std::erase_if(offsets, [&](double x) { return x <= low || x >= high; });
+        std::stable_sort(offsets.begin(), offsets.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+        for (std::size_t i = 0; i < offsets.size(); ++i) {
+            if (progress_.cancelled()) return std::nullopt;
+            if (!works(offsets[i])) continue;
+            double failed = std::clamp(0.0, std::min(low, offsets[i]), std::max(high, offsets[i])), worked = offsets[i];
+            for (std::size_t j = 0; j < i; ++j)
+                if (offsets[j] * worked > 0.0 && std::abs(offsets[j]) > std::abs(failed)) failed = offsets[j];
+            for (int k = 0; k < kHalvings && !progress_.cancelled(); ++k) {
+                const double middle = 0.5 * (failed + worked);
+                (works(middle) ? worked : failed) = middle;
+            }
+            return worked;
+        }
+        return std::nullopt;
+    }
+
+private:
+    bool works(double offset) {
+        CutPlane plane = plane_;
+        plane.origin += offset * plane.normal.stableNormalized();
+        auto prepared = prepare(surface_, plane, cut_);
+        if (!prepared) return false;
+        others_.back() = std::move(*prepared);
+        const auto pieces = assemblePieces(surface_, others_);
+        const int self = static_cast<int>(others_.size()) - 1;
+        return pieces || (pieces.error().cut != self && pieces.error().other != self);
+    }
+
+    const CutSurface& surface_;
+    const CutPlane& plane_;
+    int cut_;
+    const Progress& progress_;
+    std::vector<PreparedCut> others_;  // the one that is tried comes last
+};
+
+/// Says in a refusal where the plane would work.
+void addNearest(CutRefusal& refusal, const CutSurface& surface, const std::vector<Prepared>& prepared, std::span<const CutPlane> cuts, const Progress& progress) {
+    if (refusal.cut < 0 || refusal.code == "bad-value") return;
+    const CutPlane& plane = cuts[static_cast<std::size_t>(refusal.cut)];
+    const auto offset = NearestPlace(surface, prepared, plane, refusal.cut, progress).offset();
+    if (!offset) return;
+    refusal.nearest = CutPlane{plane.origin + *offset * plane.normal.stableNormalized(), plane.normal};
+    char text[120];
+    std::snprintf(text, sizeof text, " It works %.3g m %s its normal.", std::abs(*offset), *offset > 0.0 ? "along" : "against");
+    refusal.message += text;
+}
+
+}  // namespace
+
+tl::expected<std::vector<BodyPiece>, CutRefusal> cutBody(const TriangleMesh& body, std::span<const CutPlane> cuts, const Progress& progress) {
+    const auto refuse = [](CutRefusal refusal) { return tl::unexpected(std::move(refusal)); };
+    const auto cancelled = [&] { return refuse(refusalOf({kCancelled, "Cutting was cancelled."}, -1)); };
+    const MeshFacts facts = meshFacts(body);
+    if (!facts.outward) return refuse(refusalOf({"not-closed", "The body is not a closed surface that faces outward; repair or wrap it before it is cut."}, -1));
+    const CutSurface surface(body);
+    std::vector<Prepared> prepared;
+    for (std::size_t c = 0; c < cuts.size(); ++c) {
+        if (progress.cancelled()) return cancelled();
+        progress.report("cut", static_cast<double>(c) / static_cast<double>(cuts.size() + 1));
+        prepared.push_back(prepare(surface, cuts[c], static_cast<int>(c)));
+    }
+    for (Prepared& p : prepared) {
+        if (p) continue;
+        addNearest(p.error(), surface, prepared, cuts, progress);
+        return refuse(std::move(p.error()));
+    }
+    if (progress.cancelled()) return cancelled();
+    std::vector<PreparedCut> sound;
+    for (const Prepared& p : prepared) sound.push_back(*p);
+    auto pieces = assemblePieces(surface, sound);
+    if (!pieces) addNearest(pieces.error(), surface, prepared, cuts, progress);
+    return pieces;
+}
+
+}  // namespace imomushi
