@@ -11,6 +11,8 @@ namespace imomushi {
 namespace {
 
 
+}  // namespace
+
 void dropUnused(MendSurface& s) {
     std::vector<char> used(static_cast<std::size_t>(s.points.rows()), 0);
     for (const MendFace& f : s.faces)
@@ -37,8 +39,6 @@ void dropDuplicates(MendSurface& s) {
         s.say("duplicate-triangle", counted(dropped, "triangle that lay on another was", "triangles that lay on others were") + " removed.",
             dropped);
 }
-
-}  // namespace
 
 void windConsistently(MendSurface& s) {
     const EdgeTable edges(s.triangles());

@@ -10,7 +10,7 @@
 #include "core/mesh/mend.h"
 #include "core/mesh/topology.h"
 
-// Of mend() alone: the surface that its steps work on, one file for each.
+// Of mend() and core/body alone: the surface that their steps work on, one file for each.
 namespace imomushi {
 
 struct MendFace {
@@ -44,6 +44,10 @@ struct MendSurface {
 /// A vertex or triangle as an index.
 inline std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
+/// Tells of vertices without a face and takes the box of the others. First of all steps: welding tolerances follow the box.
+void dropUnused(MendSurface& s);
+/// Keeps one of faces with the same vertices.
+void dropDuplicates(MendSurface& s);
 /// Merges vertices at the same place, then nearly the same place, where that closes open edges.
 void weldVertices(MendSurface& s);
 /// Triangles without area are removed where an edge of theirs is open or has too many triangles, collapsed where two corners (nearly)

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/body/body.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "core/base/finite.h"
+#include "core/body/mended_body.h"
+#include "core/body/prepared_surface.h"
+#include "core/body/wrapped_body.h"
+#include "core/mesh/bounds.h"
+#include "core/mesh/triangle_tree.h"
+
+namespace imomushi {
+namespace {
+
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+Result<void> checkInput(const TriangleMesh& render, std::span<const std::int32_t> part, const BodySetting& setting) {
+    if (setting.detail != 0.0 && !(isFinite(setting.detail) && setting.detail >= kFinestDetail && setting.detail <= kCoarsestDetail))
+        return fail("bad-detail", "The detail of a body must be between 0.001 and 0.2 diagonals, or 0 for one that is chosen from the mesh.");
+    if (render.triangles.rows() == 0) return fail("empty-mesh", "The mesh has no triangles: choose a file with a mesh.");
+    if (render.triangles.minCoeff() < 0 || render.triangles.maxCoeff() >= render.vertices.rows() ||
+        (!part.empty() && part.size() != static_cast<std::size_t>(render.triangles.rows())))
+        return fail("bad-index", "Triangles refer to vertices that do not exist: export the mesh again.");
+    for (Eigen::Index i = 0; i < render.triangles.size(); ++i) {
+        const std::int32_t v = render.triangles.data()[i];
+        if (!allFinite(render.vertices.row(v)))
+            return fail("non-finite", "Vertex " + std::to_string(v) + " has a coordinate that is not a finite number: repair the mesh in the program that made it.");
+        if (render.vertices.row(v).cwiseAbs().maxCoeff() > kMaxImportedCoordinate)
+            return fail("non-finite", "The mesh has coordinates that are too large to compute with: scale it down in the program that made it.");
+    }
+    return {};
+}
+
+/// What every body must be.
+bool sound(const TriangleMesh& mesh, int& components) {
+    if (!allFinite(mesh.vertices)) return false;
+    const MeshFacts facts = meshFacts(mesh);
+    components = facts.components;
+    if (!facts.closed || !facts.outward) return false;
+    const std::vector<MeshIssue> issues = checkMesh(mesh);
+    return std::none_of(issues.begin(), issues.end(), [](const MeshIssue& i) { return i.severity == Severity::Error; });
+}
+
+void measureDistance(const TriangleMesh& render, Body& body) {
+    const double diagonal = diagonalOf(body.mesh.vertices);
+    const TriangleTree tree(body.mesh);
+    std::vector<char> used(static_cast<std::size_t>(render.vertices.rows()), 0);
+    for (Eigen::Index i = 0; i < render.triangles.size(); ++i) used[at(render.triangles.data()[i])] = 1;
+    double sum = 0.0, largest = 0.0;
+    std::size_t count = 0;
+    for (std::size_t v = 0; v < used.size(); ++v) {
+        if (!used[v]) continue;
+        ++count;
+        if (body.bodyVertex[v] >= 0) continue;  // welded there
+        const double distance = std::sqrt(tree.nearest(render.vertices.row(static_cast<Eigen::Index>(v))).squaredDistance) / diagonal;
+        sum += distance * distance;
+        largest = std::max(largest, distance);
+    }
+    body.report.distanceRms = count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0.0;
+    body.report.distanceLargest = largest;
+}
+
+/// The body that mending alone gives.
+struct Mended {
+    Body body;
+    bool exact = false;
+};
+
+Result<Mended> mend(const TriangleMesh& render, const PreparedSurface& prepared, const Progress& progress) {
+    auto surface = mendedBody(prepared, progress);
+    if (!surface) return tl::unexpected(surface.error());
+    Mended out;
+    out.body.mesh = std::move(surface->mesh);
+    if (!sound(out.body.mesh, out.body.report.components))
+        return fail("not-mendable", "The mesh cannot be closed as it is: mending leaves flaws; choose a wrapped body, or close it in a modelling program.");
+    out.body.bodyVertex.assign(prepared.vertexOf.size(), -1);
+    for (std::size_t r = 0; r < prepared.vertexOf.size(); ++r)
+        if (prepared.vertexOf[r] >= 0) out.body.bodyVertex[r] = surface->vertexOf[at(prepared.vertexOf[r])];
+    out.exact = prepared.sameShape && surface->whole;
+    for (Eigen::Index i = 0; out.exact && i < render.triangles.size(); ++i) out.exact = out.body.bodyVertex[at(render.triangles.data()[i])] >= 0;
+    out.body.report.how = out.exact ? BodyKind::Exact : BodyKind::Mended;
+    out.body.report.issues = std::move(surface->issues);
+    // What holes and parts across each other enclose is a guess of their own; else the body is what the mesh encloses.
+    if (prepared.sameShape) out.body.report.volumeError = 0.0;
+    return out;
+}
+
+Result<Body> wrap(const PreparedSurface& prepared, double detail, double volume, const Progress& progress) {
+    auto surface = wrappedBody(prepared.mesh, detail, volume, progress);
+    if (!surface) return tl::unexpected(surface.error());
+    Body body;
+    body.mesh = std::move(surface->mesh);
+    if (!sound(body.mesh, body.report.components))
+        return fail("no-volume", "No closed surface with a volume can be made of this mesh: give it thickness or close it in a modelling program.");
+    body.bodyVertex.assign(prepared.vertexOf.size(), -1);
+    body.report.how = BodyKind::Wrapped;
+    body.report.detail = surface->detail;
+    body.report.gaps = std::move(surface->gaps);
+    if (volume > 0.0) body.report.volumeError = std::abs(meshFacts(body.mesh).volume / volume - 1.0);
+    return body;
+}
+
+}  // namespace
+
+std::string_view nameOf(BodyKind how) {
+    switch (how) {
+        case BodyKind::Auto: return "auto";
+        case BodyKind::Exact: return "exact";
+        case BodyKind::Mended: return "mended";
+        case BodyKind::Wrapped: return "wrapped";
+    }
+    return "";
+}
+
+Result<Body> makeBody(const TriangleMesh& render, std::span<const std::int32_t> part, const BodySetting& setting, const Progress& progress) {
+    const auto start = std::chrono::steady_clock::now();
+    if (auto ok = checkInput(render, part, setting); !ok) return tl::unexpected(ok.error());
+    progress.report("mend", 0.0);
+    const PreparedSurface prepared = prepareSurface(render, part);
+    if (prepared.mesh.triangles.rows() == 0) return fail("no-volume", "The mesh has no triangle with an area: choose a file with a mesh.");
+    if (progress.cancelled()) return fail(kCancelled, "Cancelled.");
+
+    auto mended = mend(render, prepared, progress.part(0.1, 0.2));
+    if (!mended && mended.error().code == kCancelled) return tl::unexpected(mended.error());
+    Result<Body> body = fail("no-volume", "");
+    if (setting.how == BodyKind::Exact && !(mended && mended->exact)) {
+        return fail("not-exact", mended ? "The mesh had to be mended to be a body: choose \"mended\" or \"auto\"." : mended.error().message);
+    } else if (setting.how == BodyKind::Mended && !mended) {
+        return tl::unexpected(mended.error());
+    } else if (mended && setting.how != BodyKind::Wrapped) {
+        body = std::move(mended->body);
+    } else {
+        body = wrap(prepared, setting.detail, mended ? meshFacts(mended->body.mesh).volume : 0.0, progress.part(0.2, 0.95));
+        if (!body) return tl::unexpected(body.error());
+    }
+    BodyReport& report = body->report;
+    report.issues.insert(report.issues.begin(), prepared.issues.begin(), prepared.issues.end());
+    measureDistance(render, *body);
+    report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return body;
+}
+
+}  // namespace imomushi

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/base/result.h"
+#include "core/mesh/health.h"
+#include "core/mesh/mesh.h"
+
+namespace imomushi {
+
+/// How a body is made of a render mesh.
+/// Exact: the render mesh, welded, is the body. Mended: holes closed, overlapping parts united, parts inside of others and small ones on them left out.
+/// Wrapped: a new surface around everything (Portaneri et al. 2022, "Alpha wrapping with an offset"). Auto: the first of these that works.
+enum class BodyKind { Auto, Exact, Mended, Wrapped };
+
+/// "auto", "exact", "mended", "wrapped".
+std::string_view nameOf(BodyKind how);
+
+struct BodySetting {
+    BodyKind how = BodyKind::Auto;
+    double detail = 0.0;  ///< of a wrap: the radius of the ball that rolls over the surface, in diagonals of the render mesh, kFinestDetail...kCoarsestDetail;
+                          ///< gaps narrower than its diameter are closed. 0: chosen from the gaps and limbs of the mesh, finer only where it needs to be
+};
+inline constexpr double kFinestDetail = 1e-3, kCoarsestDetail = 0.2;
+
+/// Gaps between two walls of the render mesh that a wrap has filled: what lies on their two sides moves as one.
+struct ClosedGaps {
+    double area = 0.0;              ///< of the walls, as a part of the whole surface
+    double widest = 0.0, narrowest = 0.0;  ///< in diagonals
+    std::vector<Vec3> places;       ///< in the middle of gaps, one for each group of places near each other, the largest group first; m
+};
+
+struct BodyReport {
+    BodyKind how = BodyKind::Exact;  ///< never Auto
+    double distanceRms = 0.0, distanceLargest = 0.0;  ///< of the render vertices from the body's surface, in diagonals
+    double volumeError = -1.0;       ///< relative to the volume inside the render mesh; negative: unknown, as the render mesh encloses none
+    ClosedGaps gaps;
+    double detail = 0.0;             ///< of a wrap: the finest that was used, in diagonals; 0 otherwise
+    int components = 1;              ///< separate surfaces of the body
+    double seconds = 0.0;
+    std::vector<MeshIssue> issues;   ///< what was mended, left out or closed; their triangles are render triangles
+};
+
+/// The closed surface that moves a render mesh.
+struct Body {
+    TriangleMesh mesh;                     ///< closed, manifold, outward, finite, of positive volume; m
+    std::vector<std::int32_t> bodyVertex;  ///< per render vertex the body vertex at the same place, -1: none. Exact: every used one has one
+    BodyReport report;
+};
+
+/// Makes a body of a file's own triangles. `render`: any triangles, of any number of parts; `part`: #F, the part of each triangle, or empty: one part.
+/// Vertices that no triangle uses may hold anything. The same input gives the same bytes.
+/// Errors: "empty-mesh", "bad-index", "non-finite", "no-volume" (nothing with a volume can be made of it), "not-exact", "not-mendable" (only where `how` asks for
+/// one), "bad-detail", "too-large", "cancelled".
+Result<Body> makeBody(const TriangleMesh& render, std::span<const std::int32_t> part, const BodySetting& setting, const Progress& progress);
+
+}  // namespace imomushi

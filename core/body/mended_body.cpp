@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/body/mended_body.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "core/base/union_find.h"
+#include "core/body/cgal/rays.h"
+#include "core/body/cgal/unite.h"
+#include "core/mesh/bounds.h"
+#include "core/mesh/shells.h"
+#include "core/mesh/triangle_tree.h"
+#include "core/mesh/weld.h"
+
+namespace imomushi {
+namespace {
+
+/// A part that stands out less than this from the others, in diagonals, follows them where it is small or open.
+constexpr double kStandsOut = 0.03;
+/// Volume of a small part over that of all.
+constexpr double kSmall = 0.02;
+/// Open parts of less area than this, over that of all, are left out wherever they are: whiskers, feathers.
+constexpr double kLittleArea = 0.01;
+
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+/// Of some triangles, ascending.
+std::vector<std::int32_t> verticesOf(const TriangleMesh& mesh, const std::vector<std::int32_t>& triangles) {
+    std::vector<std::int32_t> vertices;
+    for (const std::int32_t f : triangles)
+        for (int k = 0; k < 3; ++k) vertices.push_back(mesh.triangles(f, k));
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    return vertices;
+}
+
+/// Some triangles with vertices of their own, in order. `turn`: facing the other way.
+TriangleMesh taken(const TriangleMesh& mesh, const std::vector<std::int32_t>& triangles, bool turn) {
+    const std::vector<std::int32_t> vertices = verticesOf(mesh, triangles);
+    TriangleMesh out;
+    out.vertices = mesh.vertices(vertices, Eigen::all);
+    out.triangles.resize(static_cast<Eigen::Index>(triangles.size()), 3);
+    for (std::size_t i = 0; i < triangles.size(); ++i)
+        for (int k = 0; k < 3; ++k) {
+            const int to = turn ? (3 - k) % 3 : k;
+            out.triangles(static_cast<Eigen::Index>(i), to) =
+                static_cast<std::int32_t>(std::lower_bound(vertices.begin(), vertices.end(), mesh.triangles(triangles[i], k)) - vertices.begin());
+        }
+    return out;
+}
+
+void append(TriangleMesh& to, const TriangleMesh& more) {
+    const Eigen::Index v = to.vertices.rows(), f = to.triangles.rows();
+    to.vertices.conservativeResize(v + more.vertices.rows(), 3);
+    to.vertices.bottomRows(more.vertices.rows()) = more.vertices;
+    to.triangles.conservativeResize(f + more.triangles.rows(), 3);
+    to.triangles.bottomRows(more.triangles.rows()) = (more.triangles.array() + static_cast<std::int32_t>(v)).matrix();
+}
+
+/// How far vertices stand out of a closed surface.
+class Standing {
+public:
+    Standing(const TriangleMesh& mesh, const std::vector<std::int32_t>& triangles) : near_(mesh, triangles), rays_(mesh, triangles) {}
+    double of(const TriangleMesh& mesh, const std::vector<std::int32_t>& triangles, double enough) const {
+        double most = 0.0;
+        for (const std::int32_t v : verticesOf(mesh, triangles)) {
+            const Vec3 p = mesh.vertices.row(v);
+            const double distance = std::sqrt(near_.nearest(p).squaredDistance);
+            if (distance <= enough || rays_.inside(p)) continue;
+            most = std::max(most, distance);
+        }
+        return most;
+    }
+
+private:
+    TriangleTree near_;
+    RayTree rays_;
+};
+
+MeshIssue note(Severity severity, const char* code, std::string text, std::size_t count) {
+    MeshIssue issue;
+    issue.severity = severity;
+    issue.code = code;
+    issue.text = std::move(text);
+    issue.count = static_cast<int>(count);
+    issue.fixed = severity == Severity::Info;
+    return issue;
+}
+
+enum class Role { Body, Cavity, Inside, Small };
+
+struct Sorted {
+    Shells shells;
+    std::vector<Role> role;                             ///< of the shells
+    std::vector<std::vector<std::int32_t>> openPieces;  ///< triangles of pieces that enclose nothing
+    double area = 0.0;
+};
+
+double areaOf(const TriangleMesh& mesh, const std::vector<std::int32_t>& triangles) {
+    double twice = 0.0;
+    for (const std::int32_t f : triangles) twice += areaVector(mesh, f).norm();
+    return 0.5 * twice;
+}
+
+Sorted sortSurfaces(const TriangleMesh& mesh) {
+    Sorted sorted;
+    const EdgeTable edges(mesh.triangles);
+    int count = 0;
+    const std::vector<std::int32_t> component = edgeComponents(mesh.triangles, edges, count);
+    const std::vector<char> sound = soundComponents(mesh.triangles, edges, component, count);
+    std::vector<std::int32_t> shellOf(at(count), -1);
+    int shells = 0;
+    for (std::size_t c = 0; c < sound.size(); ++c)
+        if (sound[c]) shellOf[c] = shells++;
+    std::vector<std::int32_t> shellOfFace(component.size());
+    std::vector<std::vector<std::int32_t>> pieces(at(count));
+    for (std::size_t f = 0; f < component.size(); ++f) {
+        shellOfFace[f] = shellOf[at(component[f])];
+        if (shellOfFace[f] < 0) pieces[at(component[f])].push_back(static_cast<std::int32_t>(f));
+    }
+    for (auto& piece : pieces)
+        if (!piece.empty()) sorted.openPieces.push_back(std::move(piece));
+    sorted.area = surfaceArea(mesh);
+    sorted.shells = findShells(mesh, shellOfFace, shells);
+    for (const Shells::Shell& shell : sorted.shells.shells)  // a sheet with two faces is closed and encloses nothing
+        if (shell.volume == 0.0) sorted.openPieces.push_back(shell.triangles);
+    for (const Shells::Shell& shell : sorted.shells.shells) {
+        Role role = Role::Body;
+        if (shell.depth > 0) {
+            const bool opposite = (shell.volume < 0.0) != (sorted.shells.shells[at(shell.parent)].volume < 0.0);
+            role = shell.depth == 1 && opposite ? Role::Cavity : Role::Inside;
+        }
+        if (shell.volume == 0.0) role = Role::Inside;
+        sorted.role.push_back(role);
+    }
+    return sorted;
+}
+
+/// Small closed parts on others.
+void findSmall(const TriangleMesh& mesh, double diagonal, Sorted& sorted) {
+    double volume = 0.0;
+    for (std::size_t i = 0; i < sorted.role.size(); ++i)
+        if (sorted.role[i] == Role::Body) volume += std::abs(sorted.shells.shells[i].volume);
+    std::vector<std::int32_t> large;
+    std::vector<std::size_t> small;
+    for (std::size_t i = 0; i < sorted.role.size(); ++i) {
+        const Shells::Shell& shell = sorted.shells.shells[i];
+        if (sorted.role[i] != Role::Body) continue;
+        if (std::abs(shell.volume) < kSmall * volume)
+            small.push_back(i);
+        else
+            large.insert(large.end(), shell.triangles.begin(), shell.triangles.end());
+    }
+    if (small.empty() || large.empty()) return;
+    const Standing standing(mesh, large);
+    for (const std::size_t i : small)
+        if (standing.of(mesh, sorted.shells.shells[i].triangles, kStandsOut * diagonal) <= kStandsOut * diagonal) sorted.role[i] = Role::Small;
+    for (std::size_t i = 0; i < sorted.role.size(); ++i) {  // with what is inside of them
+        const int parent = sorted.shells.shells[i].parent;
+        if (sorted.role[i] == Role::Cavity && sorted.role[at(parent)] == Role::Small) sorted.role[i] = Role::Inside;
+    }
+}
+
+/// Whether what encloses nothing may be left out.
+bool openPiecesFollow(const TriangleMesh& mesh, double diagonal, const Sorted& sorted, const std::vector<std::int32_t>& body) {
+    const Standing standing(mesh, body);
+    double little = 0.0;
+    return std::all_of(sorted.openPieces.begin(), sorted.openPieces.end(), [&](const std::vector<std::int32_t>& piece) {
+        if (standing.of(mesh, piece, kStandsOut * diagonal) <= kStandsOut * diagonal) return true;
+        little += areaOf(mesh, piece);
+        return little <= kLittleArea * sorted.area;
+    });
+}
+
+/// Closed surfaces that touch become one. Empty where CGAL cannot.
+std::optional<std::vector<TriangleMesh>> unitedBodies(std::vector<TriangleMesh> bodies, std::size_t& unions, const Progress& progress) {
+    std::vector<Bounds> box;
+    for (const TriangleMesh& b : bodies) box.push_back(boundsOf(b.vertices));
+    UnionFind groups(bodies.size());
+    for (std::size_t i = 0; i < bodies.size(); ++i)
+        for (std::size_t j = i + 1; j < bodies.size(); ++j) {
+            if ((box[i].low.array() > box[j].high.array()).any() || (box[j].low.array() > box[i].high.array()).any()) continue;
+            if (progress.cancelled()) return std::nullopt;
+            if (surfacesMeet(bodies[i], bodies[j])) groups.unite(static_cast<std::int32_t>(i), static_cast<std::int32_t>(j));
+        }
+    // Each member joins when it touches what its group has become, so that every step is a union of two that meet.
+    std::vector<TriangleMesh> out;
+    for (std::int32_t g = 0; g < static_cast<std::int32_t>(bodies.size()); ++g) {
+        if (groups.find(g) != g) continue;
+        TriangleMesh whole = std::move(bodies[at(g)]);
+        std::vector<std::int32_t> waiting;
+        for (std::int32_t i = g + 1; i < static_cast<std::int32_t>(bodies.size()); ++i)
+            if (groups.find(i) == g) waiting.push_back(i);
+        while (!waiting.empty()) {
+            if (progress.cancelled()) return std::nullopt;
+            const auto next = std::find_if(waiting.begin(), waiting.end(), [&](std::int32_t i) { return surfacesMeet(whole, bodies[at(i)]); });
+            if (next == waiting.end()) break;  // the others lie inside by now
+            std::optional<TriangleMesh> both = unite(whole, bodies[at(*next)]);
+            if (!both) return std::nullopt;
+            whole = std::move(*both);
+            waiting.erase(next);
+            ++unions;
+        }
+        out.push_back(std::move(whole));
+    }
+    return out;
+}
+
+/// A union without its voids, which nobody modelled, and without the flat triangles that it leaves.
+TriangleMesh tidied(const TriangleMesh& mesh) {
+    RawSurface raw;
+    raw.mesh.body = mesh;
+    MendSurface s(std::move(raw));
+    dropUnused(s);
+    mendDegenerate(s);
+    const TriangleMesh all{s.points, s.triangles()};
+    const EdgeTable edges(all.triangles);
+    int count = 0;
+    const std::vector<std::int32_t> component = edgeComponents(all.triangles, edges, count);
+    const Shells shells = findShells(all, component, count);
+    std::vector<std::int32_t> kept;
+    for (const Shells::Shell& shell : shells.shells)
+        if (shell.volume > 0.0) kept.insert(kept.end(), shell.triangles.begin(), shell.triangles.end());
+    std::sort(kept.begin(), kept.end());
+    return taken(all, kept, false);
+}
+
+}  // namespace
+
+Result<MendedSurface> mendedBody(const PreparedSurface& surface, const Progress& progress) {
+    const TriangleMesh& mesh = surface.mesh;
+    const double diagonal = diagonalOf(mesh.vertices);
+    Sorted sorted = sortSurfaces(mesh);
+    const auto notMendable = [](const char* what) {
+        return fail("not-mendable", std::string("The mesh cannot be closed as it is: ") + what + "; choose a wrapped body, or close it in a modelling program.");
+    };
+    findSmall(mesh, diagonal, sorted);
+    std::vector<std::int32_t> body;
+    for (std::size_t i = 0; i < sorted.role.size(); ++i)
+        if (sorted.role[i] == Role::Body) body.insert(body.end(), sorted.shells.shells[i].triangles.begin(), sorted.shells.shells[i].triangles.end());
+    if (body.empty()) return notMendable("no part of it encloses a volume");
+    std::sort(body.begin(), body.end());
+    if (!sorted.openPieces.empty() && !openPiecesFollow(mesh, diagonal, sorted, body)) return notMendable("open parts of it stand out from the others");
+
+    MendedSurface out;
+    std::vector<TriangleMesh> bodies;
+    std::size_t turned = 0, inside = 0, small = 0;
+    for (std::size_t i = 0; i < sorted.role.size(); ++i) {
+        const Shells::Shell& shell = sorted.shells.shells[i];
+        inside += sorted.role[i] == Role::Inside && shell.volume != 0.0;
+        small += sorted.role[i] == Role::Small;
+        if (sorted.role[i] != Role::Body) continue;
+        turned += shell.volume < 0.0;
+        bodies.push_back(taken(mesh, shell.triangles, shell.volume < 0.0));
+    }
+    std::size_t unions = 0;
+    auto united = unitedBodies(std::move(bodies), unions, progress);
+    if (progress.cancelled()) return fail(kCancelled, "Cancelled.");
+    if (!united) return notMendable("parts that cross each other also cross themselves");
+
+    out.whole = unions + inside + small + sorted.openPieces.size() == 0;
+    out.vertexOf.assign(static_cast<std::size_t>(mesh.vertices.rows()), -1);
+    if (unions == 0) {  // triangles and vertices in their order
+        TriangleMesh turnedMesh = mesh;
+        std::vector<std::int32_t> kept;
+        for (std::size_t i = 0; i < sorted.role.size(); ++i) {
+            if (sorted.role[i] != Role::Body && sorted.role[i] != Role::Cavity) continue;
+            const Shells::Shell& shell = sorted.shells.shells[i];
+            kept.insert(kept.end(), shell.triangles.begin(), shell.triangles.end());
+            if (shell.inverted())
+                for (const std::int32_t f : shell.triangles) std::swap(turnedMesh.triangles(f, 1), turnedMesh.triangles(f, 2));
+        }
+        std::sort(kept.begin(), kept.end());
+        const std::vector<std::int32_t> vertices = verticesOf(mesh, kept);
+        for (std::size_t i = 0; i < vertices.size(); ++i) out.vertexOf[at(vertices[i])] = static_cast<std::int32_t>(i);
+        out.mesh = taken(turnedMesh, kept, false);
+    } else {
+        for (const TriangleMesh& b : *united) append(out.mesh, b);
+        out.mesh = tidied(out.mesh);
+        for (std::size_t i = 0; i < sorted.role.size(); ++i)
+            if (sorted.role[i] == Role::Cavity) append(out.mesh, taken(mesh, sorted.shells.shells[i].triangles, sorted.shells.shells[i].inverted()));
+        // A union keeps the coordinates of the vertices that stay.
+        Points both(out.mesh.vertices.rows() + mesh.vertices.rows(), 3);
+        both << out.mesh.vertices, mesh.vertices;
+        const std::vector<std::int32_t> standsFor = weldExact(both, std::vector<char>(static_cast<std::size_t>(both.rows()), 1), {});
+        const auto bodyVertices = static_cast<std::int32_t>(out.mesh.vertices.rows());
+        for (std::size_t v = 0; v < out.vertexOf.size(); ++v)
+            if (const std::int32_t same = standsFor[at(bodyVertices) + v]; same < bodyVertices) out.vertexOf[v] = same;
+    }
+    if (turned > 0) out.issues.push_back(note(Severity::Info, "inverted", counted(turned, "surface that faced inside out was", "surfaces that faced inside out were") + " turned.", turned));
+    if (unions > 0) out.issues.push_back(note(Severity::Info, "united", counted(unions + 1, "part that overlaps another was", "parts that overlap were") + " united.", unions + 1));
+    if (inside > 0) out.issues.push_back(note(Severity::Info, "inside", counted(inside, "part inside of another was", "parts inside of others were") + " left out; the flesh around carries them.", inside));
+    if (small > 0) out.issues.push_back(note(Severity::Info, "small-part", counted(small, "small part was", "small parts were") + " left out; the body carries them.", small));
+    if (!sorted.openPieces.empty())
+        out.issues.push_back(note(Severity::Info, "open-part", counted(sorted.openPieces.size(), "open part was", "open parts were") + " left out; the body carries them.",
+                                  sorted.openPieces.size()));
+    return out;
+}
+
+}  // namespace imomushi

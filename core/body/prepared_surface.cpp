@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/body/prepared_surface.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace imomushi {
+namespace {
+
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+RawSurface rawSurface(const TriangleMesh& render, std::span<const std::int32_t> part) {
+    RawSurface raw;
+    raw.mesh.body.triangles = render.triangles;
+    raw.mesh.body.vertices = Points::Zero(render.vertices.rows(), 3);
+    for (Eigen::Index i = 0; i < render.triangles.size(); ++i) {  // others may hold anything
+        const std::int32_t v = render.triangles.data()[i];
+        raw.mesh.body.vertices.row(v) = render.vertices.row(v);
+    }
+    raw.part.assign(part.begin(), part.end());
+    return raw;
+}
+
+}  // namespace
+
+PreparedSurface prepareSurface(const TriangleMesh& render, std::span<const std::int32_t> part) {
+    MendSurface s(rawSurface(render, part));
+    dropUnused(s);
+    s.dropCollapsed();
+    weldVertices(s);
+    dropDuplicates(s);
+    mendDegenerate(s);
+    if (s.collapsed > 0) s.say("degenerate", counted(s.collapsed, "triangle without area was", "triangles without area were") + " removed.", s.collapsed);
+    PreparedSurface out;
+    out.sameShape = !separateNonManifold(s);
+    windConsistently(s);
+    const std::size_t before = s.faces.size();
+    capHoles(s);
+    out.sameShape = out.sameShape && s.faces.size() == before;
+
+    std::vector<std::int32_t> number(static_cast<std::size_t>(s.points.rows()), -1);
+    for (const MendFace& f : s.faces)
+        for (const std::int32_t v : f.v) number[at(v)] = 0;
+    std::int32_t vertices = 0;
+    for (std::int32_t& n : number)
+        if (n == 0) n = vertices++;
+    out.mesh.vertices.resize(vertices, 3);
+    for (std::size_t v = 0; v < number.size(); ++v)
+        if (number[v] >= 0) out.mesh.vertices.row(number[v]) = s.points.row(static_cast<Eigen::Index>(v));
+    out.mesh.triangles.resize(static_cast<Eigen::Index>(s.faces.size()), 3);
+    out.vertexOf.assign(static_cast<std::size_t>(render.vertices.rows()), -1);
+    for (std::size_t f = 0; f < s.faces.size(); ++f)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::int32_t v = number[at(s.faces[f].v[k])];
+            out.mesh.triangles(static_cast<Eigen::Index>(f), static_cast<Eigen::Index>(k)) = v;
+            std::int32_t& known = out.vertexOf[at(s.faces[f].r[k])];
+            if (known < 0) known = v;
+        }
+    out.issues = std::move(s.issues);
+    return out;
+}
+
+}  // namespace imomushi

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/mesh/health.h"
+#include "core/mesh/mend_surface.h"
+#include "core/mesh/mesh.h"
+
+// Of makeBody() alone.
+namespace imomushi {
+
+/// A render mesh after all mending that needs no choice between its parts: welded, separated where it was not manifold, evenly wound, its holes closed.
+struct PreparedSurface {
+    TriangleMesh mesh;                     ///< every vertex is used
+    std::vector<std::int32_t> vertexOf;    ///< per render vertex the vertex of `mesh` that it became, -1: none
+    bool sameShape = true;                 ///< no triangle with an area was dropped or added, and none was separated from another
+    std::vector<MeshIssue> issues;         ///< what was mended
+};
+
+/// `render`: indices in range and used vertices finite; `part`: #F or empty.
+PreparedSurface prepareSurface(const TriangleMesh& render, std::span<const std::int32_t> part);
+
+/// Pairs the triangles at edges that have more than two, so that each pair bounds flesh, and gives every fan of triangles around a vertex a vertex of its own. Triangles
+/// that hang on such an edge by one side, with nothing on another, are dropped where they are few. Returns whether anything changed.
+bool separateNonManifold(MendSurface& s);
+
+}  // namespace imomushi

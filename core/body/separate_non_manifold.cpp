@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "core/base/union_find.h"
+#include "core/body/prepared_surface.h"
+
+namespace imomushi {
+namespace {
+
+/// Of the whole area: hanging triangles beyond it are a part of the shape.
+constexpr double kHanging = 0.05;
+
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+double faceArea(const MendSurface& s, const MendFace& f) {
+    const Vec3 a = s.points.row(f.v[0]), b = s.points.row(f.v[1]), c = s.points.row(f.v[2]);
+    return 0.5 * (b - a).cross(c - a).norm();
+}
+
+/// Fins: dropped one after the other from their free side.
+std::size_t dropHanging(MendSurface& s) {
+    double whole = 0.0, dropped = 0.0;
+    for (const MendFace& f : s.faces) whole += faceArea(s, f);
+    const std::vector<MendFace> before = s.faces;
+    for (;;) {
+        const EdgeTable edges(s.triangles());
+        std::vector<char> hanging(s.faces.size(), 0);
+        std::size_t found = 0;
+        for (std::size_t f = 0; f < s.faces.size(); ++f) {
+            bool free = false, crowded = false;
+            for (int k = 0; k < 3; ++k) {
+                const std::size_t uses = edges.uses(edges.edgeOf(static_cast<std::int32_t>(f), k)).size();
+                free = free || uses == 1;
+                crowded = crowded || uses > 2;
+            }
+            if (!free || !crowded) continue;
+            hanging[f] = 1;
+            dropped += faceArea(s, s.faces[f]);
+            ++found;
+        }
+        if (found == 0) return before.size() - s.faces.size();
+        if (dropped > kHanging * whole) {
+            s.faces = before;
+            return 0;
+        }
+        std::size_t i = 0;
+        std::erase_if(s.faces, [&](const MendFace&) { return hanging[i++] != 0; });
+    }
+}
+
+std::int32_t cornerAt(const MendSurface& s, std::int32_t f, std::int32_t v) {
+    for (int k = 0; k < 3; ++k)
+        if (s.faces[at(f)].v[static_cast<std::size_t>(k)] == v) return f * 3 + k;
+    return f * 3;
+}
+
+/// Pairs of triangles at one edge between which flesh lies. Counter-clockwise around the edge from its lower vertex to its higher one, flesh begins behind a
+/// triangle that runs backward along it and ends at one that runs forward; pairs nest like brackets, the closest first.
+std::vector<std::pair<std::int32_t, std::int32_t>> pairsAt(const MendSurface& s, std::span<const EdgeUse> uses) {
+    if (uses.size() == 2) return {{uses[0].triangle, uses[1].triangle}};
+    struct Side {
+        double angle;
+        bool forward;
+        std::int32_t triangle;
+    };
+    const Vec3 from = s.points.row(uses[0].low);
+    const Vec3 axis = (s.points.row(uses[0].high).transpose() - from).normalized();
+    const Vec3 x = axis.unitOrthogonal(), y = axis.cross(x);
+    std::vector<Side> sides;
+    for (const EdgeUse& use : uses) {
+        const Vec3 tip = s.points.row(s.faces[at(use.triangle)].v[static_cast<std::size_t>((use.corner + 2) % 3)]).transpose() - from;
+        sides.push_back({std::atan2(tip.dot(y), tip.dot(x)), use.forward, use.triangle});
+    }
+    std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) { return std::tie(a.angle, a.forward, a.triangle) < std::tie(b.angle, b.forward, b.triangle); });
+    std::vector<std::pair<std::int32_t, std::int32_t>> pairs;
+    for (bool found = true; found && sides.size() > 1;) {
+        found = false;
+        for (std::size_t i = 0; i < sides.size(); ++i) {
+            const std::size_t next = (i + 1) % sides.size();
+            if (sides[i].forward || !sides[next].forward) continue;
+            pairs.emplace_back(sides[i].triangle, sides[next].triangle);
+            sides.erase(sides.begin() + static_cast<std::ptrdiff_t>(std::max(i, next)));
+            sides.erase(sides.begin() + static_cast<std::ptrdiff_t>(std::min(i, next)));
+            found = true;
+            break;
+        }
+    }
+    return pairs;
+}
+
+}  // namespace
+
+bool separateNonManifold(MendSurface& s) {
+    const auto crowdedEdges = [](const EdgeTable& edges) {
+        std::size_t n = 0;
+        for (int e = 0; e < edges.size(); ++e) n += edges.uses(e).size() > 2;
+        return n;
+    };
+    EdgeTable edges(s.triangles());
+    const std::size_t crowded = crowdedEdges(edges);
+    const std::size_t pinched = nonManifoldVertices(s.triangles(), edges).size();
+    if (crowded == 0 && pinched == 0) return false;
+    const std::size_t hanging = crowded > 0 ? dropHanging(s) : 0;
+    if (hanging > 0) edges = EdgeTable(s.triangles());
+
+    UnionFind fans(s.faces.size() * 3);
+    for (int e = 0; e < edges.size(); ++e) {
+        const auto uses = edges.uses(e);
+        if (uses.size() < 2) continue;
+        for (const auto& [f, g] : pairsAt(s, uses))
+            for (const std::int32_t v : {uses[0].low, uses[0].high}) fans.unite(cornerAt(s, f, v), cornerAt(s, g, v));
+    }
+    // The first fan keeps the vertex, others get copies behind the last one.
+    std::vector<std::int32_t> owner(static_cast<std::size_t>(s.points.rows()), -1), vertexOf(s.faces.size() * 3, -1), copied;
+    for (std::int32_t c = 0; c < static_cast<std::int32_t>(vertexOf.size()); ++c) {
+        const std::int32_t fan = fans.find(c);
+        if (fan == c) {
+            const std::int32_t v = s.faces[at(c / 3)].v[at(c % 3)];
+            if (owner[at(v)] < 0) {
+                owner[at(v)] = fan;
+                vertexOf[at(c)] = v;
+            } else {
+                vertexOf[at(c)] = static_cast<std::int32_t>(s.points.rows()) + static_cast<std::int32_t>(copied.size());
+                copied.push_back(v);
+            }
+        } else {
+            vertexOf[at(c)] = vertexOf[at(fan)];
+        }
+    }
+    const Eigen::Index first = s.points.rows();
+    s.points.conservativeResize(first + static_cast<Eigen::Index>(copied.size()), 3);
+    for (std::size_t i = 0; i < copied.size(); ++i) s.points.row(first + static_cast<Eigen::Index>(i)) = s.points.row(copied[i]).eval();
+    for (std::size_t c = 0; c < vertexOf.size(); ++c) s.faces[c / 3].v[c % 3] = vertexOf[c];
+    if (crowded > 0)
+        s.say("non-manifold-edge", counted(crowded, "edge with more than two triangles was", "edges with more than two triangles were") + " separated" +
+                                       (hanging > 0 ? ", and " + counted(hanging, "triangle that hung on them was", "triangles that hung on them were") + " left out." : "."),
+              crowded);
+    if (pinched > 0) s.say("non-manifold-vertex", counted(pinched, "vertex", "vertices") + " in which the surface touched itself became one for each side.", pinched);
+    return true;
+}
+
+}  // namespace imomushi

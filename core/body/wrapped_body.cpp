@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/body/wrapped_body.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "core/base/union_find.h"
+#include "core/body/cgal/decimate.h"
+#include "core/body/cgal/wrap.h"
+#include "core/body/surface_study.h"
+#include "core/mesh/bounds.h"
+#include "core/mesh/cgal/intersections.h"
+#include "core/mesh/topology.h"
+#include "core/mesh/winding_number.h"
+
+namespace imomushi {
+namespace {
+
+// Lengths in diagonals.
+constexpr int kSamples = 6000;           ///< a patch of a 75th of the size of a body has one
+constexpr double kCoarsest = 1.0 / 80.0;   ///< alpha where nothing asks for less
+constexpr double kFinest = 1.0 / 500.0;    ///< alpha in gaps: seconds
+constexpr double kFinestLimb = 1.0 / 300.0;  ///< alpha on thin limbs and fins
+constexpr double kGapPart = 0.4;         ///< of a gap: the ball of alpha rolls in and touches both walls at .5
+constexpr double kLimbPart = 0.15;       ///< of a thickness: a round limb gets some twenty sides
+constexpr double kGrowth = 0.3;          ///< of alpha with the distance: neighbouring triangles differ by a third
+constexpr double kMatters = 2e-3;        ///< area of gaps over the whole below which they are noise
+constexpr double kOffset = 0.05;         ///< of the finest alpha
+constexpr double kDensity = 1.2;         ///< vertices of a wrap per area over alpha squared, measured
+constexpr double kMostVertices = 60000;  ///< of a wrap that is chosen by itself: some ten seconds
+constexpr std::size_t kMostAsked = 400000;  ///< of one that was asked for
+constexpr std::size_t kBodyVertices = 8000;
+constexpr double kReach = 0.25;          ///< of rays
+constexpr std::size_t kDeep = 200;       ///< places in the flesh that must be inside of the wrap
+constexpr double kHollow = 0.05;         ///< of them may be outside
+constexpr double kNear = 0.05;           ///< closed gaps that near are one place
+constexpr std::size_t kPlaces = 16;
+constexpr std::size_t kCrossings = 1000;
+
+SizeField sizesFor(const std::vector<SurfaceSample>& samples, double finest, double coarsest) {
+    std::size_t gaps = 0;
+    for (const SurfaceSample& s : samples) gaps += kGapPart * s.gap < coarsest;
+    const bool gapsMatter = static_cast<double>(gaps) > kMatters * static_cast<double>(samples.size());
+    std::vector<SizeField::Source> sources;
+    for (const SurfaceSample& s : samples) {
+        double size = std::max(kLimbPart * s.thickness, std::max(finest, kFinestLimb));
+        if (gapsMatter) size = std::min(size, std::max(kGapPart * s.gap, finest));
+        if (size < coarsest) sources.push_back({s.point, size});
+    }
+    return SizeField(std::move(sources), coarsest, kGrowth);
+}
+
+double expectedVertices(const SizeField& sizes, const std::vector<SurfaceSample>& samples, double area) {
+    double n = 0.0;
+    for (const SurfaceSample& s : samples) {
+        const double alpha = sizes.at(s.point);
+        n += kDensity * area / static_cast<double>(samples.size()) / (alpha * alpha);
+    }
+    return n;
+}
+
+/// Places that clearly are inside of flesh.
+std::vector<Vec3> deepPlaces(const TriangleMesh& mesh, const std::vector<SurfaceSample>& samples) {
+    std::vector<Vec3> places;
+    const std::size_t step = samples.size() / kDeep + 1;
+    for (std::size_t i = 0; i < samples.size(); i += step) {
+        const Vec3 p = samples[i].point - std::min(0.5 * samples[i].thickness, 0.02) * samples[i].normal;
+        if (windingNumber(mesh, p) > 0.7) places.push_back(p);
+    }
+    return places;
+}
+
+bool hollow(const TriangleMesh& wrap, const std::vector<Vec3>& deep) {
+    const RayTree rays(wrap);
+    const auto outside = static_cast<double>(std::count_if(deep.begin(), deep.end(), [&](const Vec3& p) { return !rays.inside(p); }));
+    return outside > kHollow * static_cast<double>(deep.size());
+}
+
+/// Coarser where that crosses nothing.
+TriangleMesh coarsened(const TriangleMesh& wrap, const Progress& progress) {
+    for (std::size_t vertices = kBodyVertices; vertices < static_cast<std::size_t>(wrap.vertices.rows()); vertices *= 2) {
+        TriangleMesh coarse = collapseEdges(wrap, vertices, progress);
+        if (progress.cancelled()) return wrap;
+        if (selfIntersections(coarse, 1, progress).empty()) return coarse;
+    }
+    return wrap;
+}
+
+/// Moves the vertices inward by the offset, or by what gives the volume, but never far into thin flesh and never across another wall.
+TriangleMesh takenBack(const TriangleMesh& wrap, double offset, double volume) {
+    const Points normals = vertexNormals(wrap);
+    Eigen::VectorXd reach(wrap.vertices.rows());  // how far a vertex may go
+    {
+        const RayTree rays(wrap);
+        for (Eigen::Index v = 0; v < reach.size(); ++v) {
+            const Vec3 n = normals.row(v);
+            const Vec3 from = wrap.vertices.row(v).transpose() - 0.1 * offset * n;
+            reach[v] = n.isZero() ? 0.0 : std::min(4.0 * offset, 0.25 * rays.first(from, -n, 16.0 * offset, -1).distance);
+        }
+    }
+    const auto moved = [&](double by) {
+        TriangleMesh mesh = wrap;
+        for (Eigen::Index v = 0; v < reach.size(); ++v) mesh.vertices.row(v) -= std::min(by, reach[v]) * normals.row(v);
+        return mesh;
+    };
+    double by = offset;
+    if (volume > 0.0) {
+        double low = -4.0 * offset, high = 4.0 * offset;  // the volume falls with the distance
+        for (int i = 0; i < 30; ++i) {
+            by = (low + high) / 2;
+            (enclosedVolume(moved(by).vertices, wrap.triangles) > volume ? low : high) = by;
+        }
+    }
+    for (int round = 0; round < 8; ++round) {
+        TriangleMesh mesh = moved(by);
+        const auto crossing = selfIntersections(mesh, kCrossings);
+        if (crossing.empty() && enclosedVolume(mesh.vertices, mesh.triangles) > 0.0) return mesh;
+        for (const auto& [f, g] : crossing)
+            for (int k = 0; k < 3; ++k) reach[mesh.triangles(f, k)] = reach[mesh.triangles(g, k)] = by < 0.0 ? by : 0.0;
+        if (by < 0.0) by /= 2;  // outward: all of them less
+    }
+    return wrap;
+}
+
+ClosedGaps closedGaps(const TriangleMesh& body, const std::vector<SurfaceSample>& samples) {
+    const RayTree rays(body);
+    std::vector<const SurfaceSample*> closed;
+    for (const SurfaceSample& s : samples)
+        if (std::isfinite(s.gap) && rays.inside(s.point + 0.5 * s.gap * s.across)) closed.push_back(&s);
+    ClosedGaps gaps;
+    gaps.area = samples.empty() ? 0.0 : static_cast<double>(closed.size()) / static_cast<double>(samples.size());
+    if (closed.empty()) return gaps;
+    const auto [narrowest, widest] = std::minmax_element(closed.begin(), closed.end(), [](const auto* a, const auto* b) { return a->gap < b->gap; });
+    gaps.narrowest = (*narrowest)->gap, gaps.widest = (*widest)->gap;
+    UnionFind groups(closed.size());
+    for (std::size_t i = 0; i < closed.size(); ++i)
+        for (std::size_t j = i + 1; j < closed.size(); ++j)
+            if ((closed[i]->point - closed[j]->point).squaredNorm() < kNear * kNear) groups.unite(static_cast<std::int32_t>(i), static_cast<std::int32_t>(j));
+    std::map<std::int32_t, std::vector<std::size_t>> members;
+    for (std::size_t i = 0; i < closed.size(); ++i) members[groups.find(static_cast<std::int32_t>(i))].push_back(i);
+    std::vector<std::vector<std::size_t>> largest;
+    for (auto& [first, group] : members) largest.push_back(std::move(group));
+    std::stable_sort(largest.begin(), largest.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
+    if (largest.size() > kPlaces) largest.resize(kPlaces);
+    for (const auto& group : largest) {  // the widest place of each
+        const SurfaceSample& s = *closed[*std::max_element(group.begin(), group.end(), [&](std::size_t a, std::size_t b) { return closed[a]->gap < closed[b]->gap; })];
+        gaps.places.push_back(s.point + 0.5 * s.gap * s.across);
+    }
+    return gaps;
+}
+
+}  // namespace
+
+Result<WrappedSurface> wrappedBody(const TriangleMesh& mesh, double detail, double volume, const Progress& progress) {
+    const Bounds box = boundsOf(mesh.vertices);
+    const double diagonal = box.diagonal();
+    const Vec3 middle = box.low + box.size() / 2;
+    if (!(diagonal > 0.0)) return fail("no-volume", "The mesh has no extent: choose another file.");
+    TriangleMesh unit = mesh;
+    unit.vertices = (mesh.vertices.rowwise() - middle.transpose()) / diagonal;
+    progress.report("gaps", 0.0);
+    const RayTree rays(unit);
+    const std::vector<SurfaceSample> samples = studySurface(unit, rays, kSamples, kReach, progress);
+    if (progress.cancelled()) return fail(kCancelled, "Cancelled.");
+    if (samples.empty()) return fail("no-volume", "The mesh has no area: choose another file.");
+    const std::vector<Vec3> deep = deepPlaces(unit, samples);
+
+    double coarsest = detail > 0.0 ? detail : kCoarsest;
+    double finest = detail > 0.0 ? detail : kFinest;
+    const auto sizes = [&] { return detail > 0.0 ? SizeField({}, detail, kGrowth) : sizesFor(samples, finest, coarsest); };
+    SizeField field = sizes();
+    if (detail == 0.0) {
+        const double area = surfaceArea(unit);
+        while (finest < coarsest && expectedVertices(field, samples, area) > kMostVertices) {
+            finest *= 1.15;
+            field = sizes();
+        }
+    }
+    Result<TriangleMesh> wrap = fail("no-volume", "");
+    for (;;) {
+        progress.report("wrap", 0.1);
+        WrapSetting setting;
+        setting.alpha = [&field](const Vec3& p) { return field.at(p); };
+        setting.coarsest = field.coarsest();
+        setting.offset = kOffset * field.finest();
+        setting.mostVertices = detail > 0.0 ? kMostAsked : static_cast<std::size_t>(4.0 * kMostVertices);
+        wrap = wrapTriangles(unit, setting, progress);
+        if (detail > 0.0 || (!wrap && wrap.error().code != "too-large")) break;
+        if (wrap && (coarsest >= kCoarsestDetail || !hollow(*wrap, deep))) break;
+        // A hole that the ball fell through: a larger one does not.
+        finest = 2.0 * field.finest();
+        coarsest = std::max(coarsest, finest);
+        field = sizes();
+    }
+    if (!wrap) return tl::unexpected(wrap.error());
+    progress.report("coarsen", 0.8);
+    const TriangleMesh coarse = coarsened(*wrap, progress);
+    const double offset = kOffset * field.finest();
+    const double cubed = diagonal * diagonal * diagonal;
+    WrappedSurface out;
+    out.mesh = takenBack(coarse, offset, volume / cubed);
+    if (progress.cancelled()) return fail(kCancelled, "Cancelled.");
+    out.detail = field.finest();
+    out.gaps = closedGaps(out.mesh, samples);
+    out.mesh.vertices = ((out.mesh.vertices * diagonal).rowwise() + middle.transpose()).eval();
+    for (Vec3& p : out.gaps.places) p = p * diagonal + middle;
+    return out;
+}
+
+}  // namespace imomushi
