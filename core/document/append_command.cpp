@@ -2,6 +2,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <set>
+#include <utility>
 
 #include "core/document/command_support.h"
 #include "core/document/document_edit.h"
@@ -47,6 +48,21 @@ Element moved(const Element& element, const Vec3& offset) {
     mesh.body.vertices.rowwise() += offset.transpose();
     out.mesh = std::make_shared<const ElementMesh>(std::move(mesh));
     for (JointFace& face : out.faces) face.frame.origin += offset;
+    return out;
+}
+
+/// A character that stands elsewhere. Without an offset it shares its mesh and its body.
+CharacterSource moved(const CharacterSource& character, const Vec3& offset) {
+    CharacterSource out = character;
+    if (offset == Vec3::Zero()) return out;
+    RenderModel model = *character.model;
+    Body body = *character.body;
+    model.mesh.body.vertices.rowwise() += offset.transpose();
+    body.mesh.vertices.rowwise() += offset.transpose();
+    for (Vec3& place : body.report.gaps.places) place += offset;
+    for (Cut& cut : out.cuts) cut.plane.origin += offset;
+    out.model = std::make_shared<const RenderModel>(std::move(model));
+    out.body = std::make_shared<const Body>(std::move(body));
     return out;
 }
 
@@ -124,6 +140,10 @@ Result<Json> append(DocumentEdit& edit, const Json& arguments, const Progress&) 
     } else {
         for (const auto& [id, element] : there.elements) wanted.insert(id);
     }
+    // Characters come whole: what is seen of one follows all of its elements.
+    for (const auto& [id, element] : there.elements)
+        if (wanted.contains(id) && element->piece)
+            for (const PartId piece : there.elementsOf(element->piece->character)) wanted.insert(piece);
     if (wanted.empty()) return fail("no-element", "There is nothing to append: the other project has no elements, or none was named.");
 
     Vec3 offset = Vec3::Zero();
@@ -137,13 +157,37 @@ Result<Json> append(DocumentEdit& edit, const Json& arguments, const Progress&) 
     Document& here = edit.document;
     Guests guests(here, there);
     Json answer{{"elements", Json::array()}, {"bones", Json::array()}, {"takes", Json::array()}, {"renamed", Json::array()}};
-    const auto tell = [&](const char* list, const std::string& name, const std::string& wish) {
-        answer[list].push_back(name);
+    const auto tellName = [&](const std::string& name, const std::string& wish) {
         if (name != wish) answer["renamed"].push_back({{"from", wish}, {"to", name}});
     };
+    const auto tell = [&](const char* list, const std::string& name, const std::string& wish) {
+        answer[list].push_back(name);
+        tellName(name, wish);
+    };
+    for (const auto& [id, character] : there.characters) {
+        if (!wanted.contains(there.elementsOf(id).front())) continue;
+        CharacterSource made = moved(*character, offset);
+        made.id = guests.idOf(id);
+        made.name = freeName(here, character->name);
+        tellName(made.name, character->name);
+        const PartId known = made.id;
+        std::vector<Cut> cuts = std::exchange(made.cuts, {});
+        here.characters.emplace(known, std::make_shared<const CharacterSource>(std::move(made)));
+        for (Cut& cut : cuts) {  // one by one, so that no two get one name
+            const std::string wish = cut.name;
+            cut.id = guests.idOf(cut.id);
+            cut.name = freeName(here, wish);
+            tellName(cut.name, wish);
+            exchangePart(here.characters, known, [&](CharacterSource& changed) { changed.cuts.push_back(std::move(cut)); });
+        }
+    }
     for (const PartId id : wanted) {
         Element element = *there.elements.at(id);
         element.id = guests.idOf(id);
+        if (element.piece) {
+            element.piece->character = guests.idOf(element.piece->character);
+            for (CutSide& side : element.piece->sides) side.cut = guests.idOf(side.cut);
+        }
         element.name = freeName(here, element.name);
         tell("elements", element.name, there.elements.at(id)->name);
         const auto known = project->responses.find(id);
@@ -203,7 +247,7 @@ void addAppendCommand(CommandRegistry& registry) {
     using Type = CommandKey::Type;
     registry.addChange("append",
                        "Adds the elements of another project, with their joint faces, joints, bones and results, where they are there or beside that. Names that are "
-                       "taken get a number, which is told. Whole projects bring their takes, which show their poses.",
+                       "taken get a number, which is told. Characters come with all of their elements. Whole projects bring their takes, which show their poses.",
                        {{"path", Type::Text, true, "A .imomushi file."},
                         {"offset", Type::Vector3, false, "Metres that they are shifted by, with their bones and takes ([0,0,0])."},
                         {"elements", Type::Array, false, "Names of these elements alone, with the bones through them (all unless given)."}},

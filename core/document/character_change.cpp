@@ -19,6 +19,10 @@ bool changesCharacter(const DocumentChange& change, const Document& after) {
     if (movesJointPoints(change, after)) return true;
     if (change.settings && !(*change.settings == after.settings)) return true;
     if (change.effects && !sameOnCharacter(*change.effects, after.effects)) return true;
+    for (const auto& [id, was] : change.characters) {
+        const auto is = after.characters.find(id);
+        if (!was || is == after.characters.end() || was->model != is->second->model || was->body != is->second->body) return true;
+    }
     return std::any_of(change.elements.begin(), change.elements.end(), [&](const auto& part) {
         const Element& was = *part.second;
         const Element& is = *after.elements.at(part.first);

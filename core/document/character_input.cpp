@@ -6,6 +6,7 @@
 #include <queue>
 
 #include "core/base/union_find.h"
+#include "core/document/embed_model.h"
 #include "core/document/names.h"
 #include "core/document/seam.h"
 
@@ -124,6 +125,15 @@ Result<Vec3> restPosition(const Document& document, const Bone::Place& start) {
         place = Bone::Place(placeOf(*bone->second, end.atEnd));
     }
     return fail("bad-place", "The ends of bones refer to each other in a circle: place one of them at a face or a point.");
+}
+
+void addRenderMeshes(CharacterPlan& plan, const Document& document, EmbeddedModels& models) {
+    for (const auto& [id, character] : document.characters) {
+        const EmbeddedModel& model = models.of(document, *character);
+        plan.characters.push_back(id);
+        plan.input.renderMeshes.push_back(model.mesh);
+        for (std::size_t e = 0; e < model.places.size(); ++e) plan.input.elements[static_cast<std::size_t>(model.places[e])].embedded = model.points[e];
+    }
 }
 
 Result<CharacterPlan> planCharacter(const Document& document) {

@@ -10,12 +10,15 @@
 
 namespace imomushi {
 
-/// A document as a live character sees it, indices instead of names, and the way back. Responses are left null.
+class EmbeddedModels;
+
+/// A document as a live character sees it, indices instead of names, and the way back. Responses are left null, and render meshes of characters out.
 struct CharacterPlan {
     CharacterInput input;
     std::vector<PartId> elements;         ///< of input.elements
     std::vector<PartId> bones;            ///< of input.skeleton.bones
     std::vector<PartId> joints;           ///< of input.joints, 0: a face that is not joined
+    std::vector<PartId> characters;       ///< of input.renderMeshes
     std::map<EndpointRef, int> points;    ///< joint point of each endpoint
     std::vector<std::string> warnings;    ///< what the artist should know, one sentence each
 
@@ -28,6 +31,9 @@ struct CharacterPlan {
 /// endpoints closer than 1e-9 of the skeleton's size. The first bone created is the root of its tree unless a parent is given.
 /// Errors: "zero-length", "bone-loop", "bad-place" (an endpoint that refers to what is not there, or to itself).
 Result<CharacterPlan> planCharacter(const Document& document);
+
+/// Adds the render meshes of the document's characters to its plan.
+void addRenderMeshes(CharacterPlan& plan, const Document& document, EmbeddedModels& models);
 
 /// Where a place is at rest, m. Errors: "bad-place".
 Result<Vec3> restPosition(const Document& document, const Bone::Place& place);

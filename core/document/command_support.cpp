@@ -37,6 +37,29 @@ Result<double> numberWithin(const Json& value, std::string_view name, double low
     return number;
 }
 
+Result<std::filesystem::path> pathFrom(const Json& arguments) {
+    const std::string& path = text(arguments, "path");
+    if (path.empty() || path.find('\0') != std::string::npos) return fail("bad-value", "\"path\" is empty or holds a zero byte.");
+    return std::filesystem::path(path);
+}
+
+Result<Plane> planeFrom(const Json& value) {
+    Plane plane;
+    for (const auto& item : value.items())
+        if (item.key() != "origin" && item.key() != "normal")
+            return fail("unknown-key", "\"plane\" has no key \"" + item.key() + "\"; it has origin and normal.");
+    const Json* origin = find(value, "origin");
+    const Json* normal = find(value, "normal");
+    if (!origin || !normal) return fail("missing-key", "\"plane\" needs origin and normal.");
+    const auto o = vector3(*origin), n = vector3(*normal);
+    if (!o || !n) return fail("bad-type", "\"origin\" and \"normal\" of \"plane\" must be three numbers, each within 1e9.");
+    const double largest = n->cwiseAbs().maxCoeff();
+    if (largest == 0.0) return fail("bad-value", "The normal of the plane is zero: give it a direction.");
+    plane.origin = *o;
+    plane.normal = (*n / largest).normalized();
+    return plane;
+}
+
 Result<std::filesystem::path> outputPath(const Json& arguments, const char* key, std::initializer_list<std::string_view> endings) {
     const Json* given = find(arguments, key);
     if (!given) return std::filesystem::path();
@@ -63,6 +86,10 @@ Result<std::shared_ptr<const Bone>> boneOf(const Document& document, std::string
     return partNamed(document.bones, name, "no-such-bone", "bone");
 }
 
+Result<std::shared_ptr<const CharacterSource>> characterOf(const Document& document, std::string_view name) {
+    return partNamed(document.characters, name, "no-such-character", "character");
+}
+
 Result<std::shared_ptr<const Take>> takeOf(const Document& document, std::string_view name) {
     return partNamed(document.takes, name, "no-such-take", "take");
 }
@@ -85,8 +112,10 @@ Json placeJson(const Document& document, const Bone::Place& place) {
 
 void addCoreCommands(CommandRegistry& registry) {
     addFileCommands(registry);
+    addImportCommands(registry);
     addAppendCommand(registry);
     addElementCommands(registry);
+    addCutCommands(registry);
     addBoneCommands(registry);
     addPropertyCommands(registry);
     addEffectCommands(registry);

@@ -49,6 +49,15 @@ inline int integer(const Json& value) { return static_cast<int>(value.get<double
 /// A number within [low, high]. Errors: "bad-value".
 Result<double> numberWithin(const Json& value, std::string_view name, double low, double high);
 
+/// The text of the key "path". Errors: "bad-value".
+Result<std::filesystem::path> pathFrom(const Json& arguments);
+
+struct Plane {
+    Vec3 origin, normal;  ///< m; unit
+};
+/// {"origin": [x,y,z], "normal": [x,y,z]}. Errors: "unknown-key", "missing-key", "bad-type", "bad-value".
+Result<Plane> planeFrom(const Json& value);
+
 /// Where a command is to write, checked before its work rather than after: the text of a key, with one of these endings (".svg") and in a folder that is there; empty
 /// without the key. Errors: "bad-value", "unknown-format", "not-writable".
 Result<std::filesystem::path> outputPath(const Json& arguments, const char* key, std::initializer_list<std::string_view> endings);
@@ -56,6 +65,9 @@ Result<std::filesystem::path> outputPath(const Json& arguments, const char* key,
 /// The element or bone of that name. Errors: "no-such-element", "no-such-bone" with the names there are.
 Result<std::shared_ptr<const Element>> elementOf(const Document& document, std::string_view name);
 Result<std::shared_ptr<const Bone>> boneOf(const Document& document, std::string_view name);
+
+/// The character of that name. Errors: "no-such-character" with the names there are.
+Result<std::shared_ptr<const CharacterSource>> characterOf(const Document& document, std::string_view name);
 
 /// The take of that name. Errors: "no-such-take" with the names there are.
 Result<std::shared_ptr<const Take>> takeOf(const Document& document, std::string_view name);
@@ -65,6 +77,12 @@ Json summary(std::vector<double> values);
 
 /// How a script writes a place: "element/face", "bone/end" or [x,y,z].
 Json placeJson(const Document& document, const Bone::Place& place);
+
+/// What "open" and others say of characters; of all, or of one.
+Json charactersJson(const Document& document);
+Json characterJson(const Document& document, const CharacterSource& character);
+/// A body and how it was made.
+Json bodyJson(const Body& body);
 
 /// Replaces a part by a changed copy: exchangePart(document.elements, id, [&](Element& e) { e.nu = nu; }).
 template <class Parts, class Change>
@@ -83,9 +101,11 @@ Json effectsJson(const Document& document, bool all);
 std::string effectsHelp();
 
 // Each adds some commands to a registry.
-void addFileCommands(CommandRegistry& registry);      // new, open, save, save-script, list, import-element
+void addFileCommands(CommandRegistry& registry);      // new, open, save, save-script, list
+void addImportCommands(CommandRegistry& registry);    // import-element, import-character
 void addAppendCommand(CommandRegistry& registry);     // append
 void addElementCommands(CommandRegistry& registry);   // add-joint-face, join, unjoin, remove-element, remove-joint-face
+void addCutCommands(CommandRegistry& registry);       // cut, move-cut, remove-cut
 void addBoneCommands(CommandRegistry& registry);      // add-bone, edit-bone, remove-bone
 void addPropertyCommands(CommandRegistry& registry);  // set, rename
 void addEffectCommands(CommandRegistry& registry);    // enable, disable

@@ -32,15 +32,50 @@ std::pair<std::string_view, std::string_view> split(std::string_view path) {
 
 }  // namespace
 
+int CharacterSource::cutIndex(PartId cut) const {
+    const auto found = std::find_if(cuts.begin(), cuts.end(), [&](const Cut& c) { return c.id == cut; });
+    return found == cuts.end() ? -1 : static_cast<int>(found - cuts.begin());
+}
+
+int CharacterSource::cutIndex(std::string_view cut) const {
+    const auto found = std::find_if(cuts.begin(), cuts.end(), [&](const Cut& c) { return c.name == cut; });
+    return found == cuts.end() ? -1 : static_cast<int>(found - cuts.begin());
+}
+
+int CharacterPiece::sideIndex(PartId cut) const {
+    const auto found = std::find_if(sides.begin(), sides.end(), [&](const CutSide& s) { return s.cut == cut; });
+    return found == sides.end() ? -1 : static_cast<int>(found - sides.begin());
+}
+
 int Element::faceIndex(std::string_view face) const {
     for (std::size_t i = 0; i < faces.size(); ++i)
         if (faces[i].name == face) return static_cast<int>(i);
     return -1;
 }
 
+CutSide* Element::sideOf(std::string_view face) {
+    if (!piece) return nullptr;
+    const auto found = std::find_if(piece->sides.begin(), piece->sides.end(), [&](const CutSide& side) { return side.face == face; });
+    return found == piece->sides.end() ? nullptr : &*found;
+}
+
 const Element* Document::elementNamed(std::string_view name) const { return named(elements, name); }
 const Bone* Document::boneNamed(std::string_view name) const { return named(bones, name); }
+const CharacterSource* Document::characterNamed(std::string_view name) const { return named(characters, name); }
 const Take* Document::takeNamed(std::string_view name) const { return named(takes, name); }
+
+const CharacterSource* Document::characterOfCut(std::string_view cut) const {
+    for (const auto& [id, character] : characters)
+        if (character->cutIndex(cut) >= 0) return character.get();
+    return nullptr;
+}
+
+std::vector<PartId> Document::elementsOf(PartId character) const {
+    std::vector<PartId> ids;
+    for (const auto& [id, element] : elements)
+        if (element->piece && element->piece->character == character) ids.push_back(id);
+    return ids;
+}
 
 const Joint* Document::jointOf(const FaceRef& face) const {
     for (const auto& [id, joint] : joints)

@@ -12,6 +12,7 @@
 
 #include "core/base/result.h"
 #include "core/character/response_format.h"
+#include "core/document/character_source.h"
 #include "core/document/effects.h"
 #include "core/document/take.h"
 #include "core/joints/face_basis.h"
@@ -40,7 +41,9 @@ struct Element {
     /// Who turns the joint planes of this element: Auto = the element itself where it has a single face, the bisector otherwise.
     enum class JointPlanes { Auto, Bisector, Element } jointPlanes = JointPlanes::Auto;
     std::vector<MeshIssue> issues;  ///< as found on import
+    std::optional<CharacterPiece> piece;  ///< none: an element of its own, its render mesh is what is seen of it
     [[nodiscard]] int faceIndex(std::string_view face) const;  ///< -1: no such face
+    [[nodiscard]] CutSide* sideOf(std::string_view face);      ///< whose face it is, null: the face is no cut's
 };
 
 /// A joint face by element and name.
@@ -111,6 +114,7 @@ struct Document {
     std::map<PartId, std::shared_ptr<const Element>> elements;  ///< in order of creation
     std::map<PartId, std::shared_ptr<const Joint>> joints;
     std::map<PartId, std::shared_ptr<const Bone>> bones;
+    std::map<PartId, std::shared_ptr<const CharacterSource>> characters;  ///< every one has its elements, see CharacterPiece
     CharacterSettings settings;
     Effects effects;
     std::map<PartId, std::shared_ptr<const Take>> takes;
@@ -121,6 +125,11 @@ struct Document {
 
     [[nodiscard]] const Element* elementNamed(std::string_view name) const;
     [[nodiscard]] const Bone* boneNamed(std::string_view name) const;
+    [[nodiscard]] const CharacterSource* characterNamed(std::string_view name) const;
+    /// The character that has a cut of this name, null: none.
+    [[nodiscard]] const CharacterSource* characterOfCut(std::string_view cut) const;
+    /// The elements of a character, ascending.
+    [[nodiscard]] std::vector<PartId> elementsOf(PartId character) const;
     /// Takes have names of their own: one may be called like an element.
     [[nodiscard]] const Take* takeNamed(std::string_view name) const;
     /// The joint that `face` belongs to, null: none.

@@ -49,7 +49,7 @@ bool sameFaces(const std::vector<JointFace>& a, const std::vector<JointFace>& b)
 }  // namespace
 
 bool DocumentChange::empty() const { return !structure() && !posing(); }
-bool DocumentChange::structure() const { return !elements.empty() || !joints.empty() || !bones.empty() || !takes.empty() || settings || effects; }
+bool DocumentChange::structure() const { return !elements.empty() || !joints.empty() || !bones.empty() || !characters.empty() || !takes.empty() || settings || effects; }
 bool DocumentChange::posing() const { return !goals.empty() || touches || pose; }
 
 DocumentChange difference(const Document& before, const Document& after) {
@@ -57,6 +57,7 @@ DocumentChange difference(const Document& before, const Document& after) {
     change.elements = partsThatDiffer(before.elements, after.elements);
     change.joints = partsThatDiffer(before.joints, after.joints);
     change.bones = partsThatDiffer(before.bones, after.bones);
+    change.characters = partsThatDiffer(before.characters, after.characters);
     change.takes = partsThatDiffer(before.takes, after.takes);
     for (const auto& [end, held] : before.goals) {
         const auto now = after.goals.find(end);
@@ -75,6 +76,7 @@ void exchange(Document& document, DocumentChange& change) {
     exchangeParts(document.elements, change.elements);
     exchangeParts(document.joints, change.joints);
     exchangeParts(document.bones, change.bones);
+    exchangeParts(document.characters, change.characters);
     exchangeParts(document.takes, change.takes);
     for (auto& [end, held] : change.goals) {
         const auto found = document.goals.find(end);

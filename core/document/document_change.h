@@ -17,6 +17,7 @@ struct DocumentChange {
     std::map<PartId, std::shared_ptr<const Element>> elements;
     std::map<PartId, std::shared_ptr<const Joint>> joints;
     std::map<PartId, std::shared_ptr<const Bone>> bones;
+    std::map<PartId, std::shared_ptr<const CharacterSource>> characters;
     std::map<EndpointRef, std::optional<EndpointGoal>> goals;
     std::optional<CharacterSettings> settings;
     std::optional<Effects> effects;
@@ -25,7 +26,7 @@ struct DocumentChange {
     std::optional<Pose> pose;
 
     [[nodiscard]] bool empty() const;
-    /// Elements, joints, bones, settings, effects or takes differ.
+    /// Elements, joints, bones, characters, settings, effects or takes differ.
     [[nodiscard]] bool structure() const;
     /// Targets, fingers or the pose differ.
     [[nodiscard]] bool posing() const;

@@ -15,13 +15,15 @@ namespace imomushi {
 
 /// Reads a foreign file: importFile(), or what stands in for it.
 using Importer = std::function<Result<ImportResult>(const ImportRequest&, const Progress&)>;
+/// The same of a whole character: importCharacter().
+using CharacterImporter = std::function<Result<ImportedCharacter>(const ImportRequest&, const Progress&)>;
 
 /// All that a command that changes the document can reach: the document itself, and questions that it may ask of the rest. It is taken back whole when the command
 /// fails.
 class DocumentEdit {
 public:
-    DocumentEdit(Document& edited, LiveCharacter& live, const DocumentResponses& responses, const Importer& importer)
-        : document(edited), live_(live), responses_(responses), importer_(importer) {}
+    DocumentEdit(Document& edited, LiveCharacter& live, const DocumentResponses& responses, const Importer& importer, const CharacterImporter& characterImporter)
+        : document(edited), live_(live), responses_(responses), importer_(importer), characterImporter_(characterImporter) {}
 
     Document& document;
 
@@ -37,6 +39,7 @@ public:
     [[nodiscard]] const DocumentResponses& responses() const { return responses_; }
 
     Result<ImportResult> import(const ImportRequest& request, const Progress& progress) const { return importer_(request, progress); }
+    Result<ImportedCharacter> importCharacter(const ImportRequest& request, const Progress& progress) const { return characterImporter_(request, progress); }
     /// A response comes with an element from another project. The session takes it in when the command has succeeded.
     void bring(PartId element, StoredResponse response) { brought_.emplace_back(element, std::move(response)); }
     [[nodiscard]] const std::vector<std::pair<PartId, StoredResponse>>& brought() const { return brought_; }
@@ -45,6 +48,7 @@ private:
     LiveCharacter& live_;
     const DocumentResponses& responses_;
     const Importer& importer_;
+    const CharacterImporter& characterImporter_;
     std::vector<std::pair<PartId, StoredResponse>> brought_;
 };
 

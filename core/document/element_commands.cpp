@@ -5,6 +5,7 @@
 
 #include "core/document/command_support.h"
 #include "core/document/document_edit.h"
+#include "core/document/face_references.h"
 #include "core/document/names.h"
 #include "core/document/seam.h"
 #include "core/mesh/bounds.h"
@@ -17,27 +18,6 @@ namespace {
 constexpr double kPlaneTolerance = 1e-4;
 /// Faces farther apart than this, relative to their size, are not joined: the seam would show.
 constexpr double kLargestGap = 0.01;
-
-struct Plane {
-    Vec3 origin, normal;
-};
-
-Result<Plane> planeFrom(const Json& value) {
-    Plane plane;
-    for (const auto& item : value.items())
-        if (item.key() != "origin" && item.key() != "normal")
-            return fail("unknown-key", "\"plane\" has no key \"" + item.key() + "\"; it has origin and normal.");
-    const Json* origin = find(value, "origin");
-    const Json* normal = find(value, "normal");
-    if (!origin || !normal) return fail("missing-key", "\"plane\" needs origin and normal.");
-    const auto o = vector3(*origin), n = vector3(*normal);
-    if (!o || !n) return fail("bad-type", "\"origin\" and \"normal\" of \"plane\" must be three numbers, each within 1e9.");
-    const double largest = n->cwiseAbs().maxCoeff();
-    if (largest == 0.0) return fail("bad-value", "The normal of the plane is zero: give it a direction.");
-    plane.origin = *o;
-    plane.normal = (*n / largest).normalized();
-    return plane;
-}
 
 Result<std::vector<std::int32_t>> indicesFrom(const Json& value, Eigen::Index count) {
     std::vector<std::int32_t> indices;
@@ -166,15 +146,6 @@ Result<Json> join(DocumentEdit& edit, const Json& arguments, const Progress&) {
     return answer;
 }
 
-/// Takes a face out of its joint; a joint of one face is none.
-void leaveJoint(Document& document, const FaceRef& face) {
-    const Joint* joint = document.jointOf(face);
-    if (!joint) return;
-    const PartId id = joint->id;
-    exchangePart(document.joints, id, [&](Joint& changed) { std::erase(changed.faces, face); });
-    if (document.joints.at(id)->faces.size() < 2) document.joints.erase(id);
-}
-
 Result<Json> unjoin(DocumentEdit& edit, const Json& arguments, const Progress&) {
     Document& document = edit.document;
     const auto face = document.face(text(arguments, "face"));
@@ -184,53 +155,39 @@ Result<Json> unjoin(DocumentEdit& edit, const Json& arguments, const Progress&) 
     return Json::object();
 }
 
-/// Ends of bones at faces that go away stay where they are, as points.
-void freeBones(Document& document, const std::vector<FaceRef>& faces) {
-    std::vector<PartId> ids;
-    for (const auto& [id, bone] : document.bones) ids.push_back(id);
-    for (const PartId id : ids) {
-        const auto refers = [&](const Bone::Place& place) {
-            const auto* face = std::get_if<FaceRef>(&place);
-            return face && std::find(faces.begin(), faces.end(), *face) != faces.end();
-        };
-        const Bone& bone = *document.bones.at(id);
-        if (!refers(bone.start) && !refers(bone.end)) continue;
-        exchangePart(document.bones, id, [&](Bone& changed) {
-            for (Bone::Place* place : {&changed.start, &changed.end})
-                if (refers(*place)) *place = Bone::Place(faceOf(document, std::get<FaceRef>(*place)).frame.origin);
-        });
-    }
-}
-
 Result<Json> removeJointFace(DocumentEdit& edit, const Json& arguments, const Progress&) {
     Document& document = edit.document;
     const auto face = document.face(text(arguments, "face"));
     if (!face) return tl::unexpected(face.error());
     leaveJoint(document, *face);
     freeBones(document, {*face});
-    exchangePart(document.elements, face->element, [&](Element& element) { element.faces.erase(element.faces.begin() + element.faceIndex(face->face)); });
+    exchangePart(document.elements, face->element, [&](Element& element) {
+        element.faces.erase(element.faces.begin() + element.faceIndex(face->face));
+        if (CutSide* side = element.sideOf(face->face)) side->face.clear();
+    });
     return Json::object();
 }
 
+/// What an element or a whole character leaves behind is free: see dropElement().
 Result<Json> removeElement(DocumentEdit& edit, const Json& arguments, const Progress&) {
     Document& document = edit.document;
-    const auto element = elementOf(document, text(arguments, "name"));
-    if (!element) return tl::unexpected(element.error());
-    const PartId gone = (*element)->id;
-    std::vector<FaceRef> faces;
-    for (const JointFace& face : (*element)->faces) faces.push_back({gone, face.name});
-    for (const FaceRef& face : faces) leaveJoint(document, face);
-    freeBones(document, faces);
-    std::vector<PartId> through;
-    for (const auto& [id, bone] : document.bones)
-        if (bone->element == gone) through.push_back(id);
-    for (const PartId id : through) exchangePart(document.bones, id, [](Bone& bone) { bone.element = 0; });
-    for (std::size_t k = 0; k < kEffects; ++k) {
-        Effect& effect = document.effects[static_cast<EffectKind>(k)];
-        if (effect.elements.erase(gone) > 0 && effect.elements.empty()) effect.enabled = false;
+    const std::string& name = text(arguments, "name");
+    if (const CharacterSource* character = document.characterNamed(name)) {
+        const PartId gone = character->id;
+        for (const PartId element : document.elementsOf(gone)) dropElement(document, element);
+        document.characters.erase(gone);
+        return Json::object();
     }
-    std::erase_if(document.touches, [gone](const Touch& touch) { return touch.element == gone; });
-    document.elements.erase(gone);
+    const auto element = elementOf(document, name);
+    if (!element) return tl::unexpected(element.error());
+    if (const auto& piece = (*element)->piece) {
+        const CharacterSource& character = *document.characters.at(piece->character);
+        if (!character.cuts.empty())
+            return fail("part-of-character", "The element \"" + name + "\" is a piece of the character \"" + character.name +
+                                                 "\": take out the cut beside it with remove-cut, or remove the whole character by its name.");
+        document.characters.erase(character.id);
+    }
+    dropElement(document, (*element)->id);
     return Json::object();
 }
 
@@ -256,8 +213,8 @@ void addElementCommands(CommandRegistry& registry) {
     registry.addChange("unjoin", "Takes a face out of its joint.", {path}, unjoin);
     registry.addChange("remove-joint-face", "Removes a joint face; bones that ended at it stay where they are.", {path}, removeJointFace);
     registry.addChange("remove-element",
-                       "Removes an element with its joint faces; bones that ended at them stay where they are.",
-                       {{"name", Type::Text, true, "The element."}},
+                       "Removes an element with its joint faces; bones that ended at them stay where they are. A character goes as a whole, by its own name.",
+                       {{"name", Type::Text, true, "The element, or a character."}},
                        removeElement);
 }
 

@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <algorithm>
-
 #include "core/base/atomic_file.h"
 #include "core/document/command_support.h"
-#include "core/document/document_edit.h"
 #include "core/document/names.h"
 #include "core/document/project_file.h"
 #include "core/document/session_access.h"
-#include "core/mesh/connectivity.h"
 
 namespace imomushi {
 
@@ -59,6 +55,7 @@ Json contents(const Session& session) {
     for (const auto& [id, take] : document.takes) answer["takes"].push_back(take->name);
     answer["held"] = std::move(held);
     answer["basis"] = basisName(document.settings.basis);
+    answer["characters"] = charactersJson(document);
     return answer;
 }
 
@@ -76,16 +73,10 @@ void addFoundParents(Session& session, Json& answer) {
     }
 }
 
-Result<std::filesystem::path> pathOf(const Json& arguments) {
-    const std::string& path = text(arguments, "path");
-    if (path.empty() || path.find('\0') != std::string::npos) return fail("bad-value", "\"path\" is empty or holds a zero byte.");
-    return std::filesystem::path(path);
-}
-
 Result<Json> newDocument(SessionAccess& access, const Json& arguments, const Progress&) {
     std::filesystem::path path;
     if (arguments.contains("path")) {
-        const auto given = pathOf(arguments);
+        const auto given = pathFrom(arguments);
         if (!given) return tl::unexpected(given.error());
         path = *given;
     }
@@ -94,7 +85,7 @@ Result<Json> newDocument(SessionAccess& access, const Json& arguments, const Pro
 }
 
 Result<Json> open(SessionAccess& access, const Json& arguments, const Progress&) {
-    const auto path = pathOf(arguments);
+    const auto path = pathFrom(arguments);
     if (!path) return tl::unexpected(path.error());
     auto project = openProject(*path);
     if (!project) return tl::unexpected(project.error());
@@ -114,7 +105,7 @@ Result<Json> list(SessionAccess& access, const Json&, const Progress&) {
 Result<Json> save(SessionAccess& access, const Json& arguments, const Progress&) {
     std::filesystem::path path = access.session.path();
     if (arguments.contains("path")) {
-        const auto given = pathOf(arguments);
+        const auto given = pathFrom(arguments);
         if (!given) return tl::unexpected(given.error());
         path = *given;
     }
@@ -127,102 +118,12 @@ Result<Json> save(SessionAccess& access, const Json& arguments, const Progress&)
 }
 
 Result<Json> saveScript(SessionAccess& access, const Json& arguments, const Progress&) {
-    const auto path = pathOf(arguments);
+    const auto path = pathFrom(arguments);
     if (!path) return tl::unexpected(path.error());
     std::string lines;
     for (const Json& line : access.session.script()) lines += line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
     if (auto written = writeFileAtomically(*path, lines); !written) return tl::unexpected(written.error());
     return Json{{"commands", access.session.script().size()}};
-}
-
-template <class Value>
-Result<Value> choice(const Json& arguments, const char* key, std::initializer_list<std::pair<const char*, Value>> values, Value otherwise) {
-    const Json* given = find(arguments, key);
-    if (!given) return otherwise;
-    std::string known;
-    for (const auto& [name, value] : values) {
-        if (*given == name) return value;
-        known += std::string(known.empty() ? "\"" : ", \"") + name + "\"";
-    }
-    return fail("bad-value", std::string("\"") + key + "\" must be one of " + known + ".");
-}
-
-Json issueJson(const MeshIssue& issue) {
-    const char* severity = issue.severity == Severity::Info ? "info" : issue.severity == Severity::Warning ? "warning" : "error";
-    return Json{{"code", issue.code}, {"text", issue.text}, {"count", issue.count}, {"fixed", issue.fixed}, {"severity", severity}};
-}
-
-/// Why a body cannot be an element: its first error, or that it is open.
-Error refusal(const ImportedBody& body) {
-    for (const MeshIssue& issue : body.issues)
-        if (issue.severity == Severity::Error && !issue.fixed) return {issue.code, "\"" + body.name + "\": " + issue.text};
-    return {"open", "\"" + body.name + "\" is not a closed surface: close its holes in a modelling program."};
-}
-
-Result<Json> importElement(DocumentEdit& edit, const Json& arguments, const Progress& progress) {
-    Document& document = edit.document;
-    ImportRequest request;
-    const auto path = pathOf(arguments);
-    if (!path) return tl::unexpected(path.error());
-    request.path = *path;
-    const auto unit = choice<Unit>(arguments, "unit", {{"mm", Unit::Millimetre}, {"cm", Unit::Centimetre}, {"m", Unit::Metre}}, Unit::AsInFile);
-    if (!unit) return tl::unexpected(unit.error());
-    request.unit = *unit;
-    const auto up = choice<UpAxis>(arguments, "up", {{"y", UpAxis::Y}, {"z", UpAxis::Z}}, UpAxis::AsInFile);
-    if (!up) return tl::unexpected(up.error());
-    request.up = *up;
-    request.split = arguments.value("split", false);
-    if (const Json* name = find(arguments, "name"))
-        if (auto ok = checkNewName(document, name->get_ref<const std::string&>()); !ok) return tl::unexpected(ok.error());
-
-    auto imported = edit.import(request, progress);
-    if (!imported) return tl::unexpected(imported.error());
-    const auto usable = std::count_if(imported->bodies.begin(), imported->bodies.end(), [](const ImportedBody& body) { return body.closed; });
-    if (imported->bodies.empty()) return fail("empty-mesh", "\"" + path->string() + "\" holds no surface.");
-    if (usable == 0) {
-        const Error error = refusal(imported->bodies.front());
-        return fail(error.code, error.message);
-    }
-
-    Json elements = Json::array(), issues = Json::array();
-    for (const MeshIssue& issue : imported->issues) issues.push_back(issueJson(issue));
-    for (ImportedBody& body : imported->bodies) {
-        if (!body.closed) {
-            issues.push_back({{"code", "left-out"}, {"text", refusal(body).message + " It was left out."}, {"count", 1}, {"fixed", false}, {"severity", "warning"}});
-            continue;
-        }
-        Element element;
-        element.id = document.nextId++;
-        const Json* name = find(arguments, "name");
-        element.name = freeName(document, name ? name->get_ref<const std::string&>() : body.name);
-        element.issues = body.issues;
-        element.mesh = std::make_shared<const ElementMesh>(std::move(body.mesh));
-        const MeshFacts& facts = element.mesh->connectivity().facts();
-        Json line;
-        line["name"] = element.name;
-        line["vertices"] = element.mesh->body.vertices.rows();
-        line["triangles"] = element.mesh->body.triangles.rows();
-        line["closed"] = body.closed;
-        line["components"] = body.components;
-        line["volume"] = facts.volume;
-        line["size"] = json(facts.high - facts.low);
-        line["low"] = json(facts.low);
-        line["high"] = json(facts.high);
-        elements.push_back(std::move(line));
-        for (const MeshIssue& issue : body.issues) {
-            Json told = issueJson(issue);
-            told["element"] = element.name;
-            issues.push_back(std::move(told));
-        }
-        document.elements.emplace(element.id, std::make_shared<const Element>(std::move(element)));
-    }
-    Json answer;
-    answer["elements"] = std::move(elements);
-    answer["issues"] = std::move(issues);
-    answer["format"] = imported->format;
-    answer["metres_per_unit"] = imported->metresPerUnit;
-    answer["turned_z_up"] = imported->zUpConverted;
-    return answer;
 }
 
 }  // namespace
@@ -240,14 +141,6 @@ void addFileCommands(CommandRegistry& registry) {
                        save);
     registry.addAction("save-script", "Saves the commands of this session, without those that were undone, as a script.", {{"path", Type::Text, true, "The file."}}, saveScript);
     registry.addAction("list", "What is in the document: the answer of open.", {}, list);
-    registry.addChange("import-element",
-                       "Imports a mesh (OBJ, PLY, STL, glTF, GLB, FBX, DAE) as one element or several. Mends what can be mended and tells it.",
-                       {{"path", Type::Text, true, "The file."},
-                        {"name", Type::Text, false, "A name that no element or bone has (from the file unless given; numbered where there are several)."},
-                        {"unit", Type::Text, false, "\"mm\", \"cm\" or \"m\": the unit of the file (its own unless given; metres where it has none)."},
-                        {"up", Type::Text, false, "\"y\" or \"z\": the axis of the file that points up (its own unless given; y where it has none)."},
-                        {"split", Type::Boolean, false, "One element per connected component (false)."}},
-                       importElement);
 }
 
 }  // namespace imomushi

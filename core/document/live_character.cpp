@@ -68,6 +68,7 @@ Result<void> LiveCharacter::build() {
         return tl::unexpected(*error_);
     }
     plan_ = **planned;
+    addRenderMeshes(plan_, document(), embeddedModels_);
     responses_.refresh();
     if (document().elements.empty() && document().bones.empty()) {
         character_.reset();
@@ -143,6 +144,13 @@ Points LiveCharacter::positionsOf(PartId element) {
     const int index = plan_.elementIndex(element);
     if (!alive || !*alive || index < 0) return document().elements.at(element)->mesh->body.vertices;
     return (*alive)->positions(index);
+}
+
+Points LiveCharacter::renderPositionsOf(PartId character) {
+    const auto alive = built();
+    const auto found = std::find(plan_.characters.begin(), plan_.characters.end(), character);
+    if (!alive || !*alive || found == plan_.characters.end()) return document().characters.at(character)->model->mesh.body.vertices;
+    return (*alive)->renderPositions(static_cast<int>(found - plan_.characters.begin()));
 }
 
 // ---- posing ------------------------------------------------------------------------------------------------------------
@@ -312,7 +320,7 @@ std::vector<std::string> LiveCharacter::warningTexts(unsigned warnings) const {
 Result<void> LiveCharacter::follow(const Document& before) {
     const DocumentChange change = difference(before, document());
     for (const auto& [id, element] : change.elements)
-        if (!document().elements.contains(id)) positions_.erase(id);
+        if (const auto now = document().elements.find(id); now == document().elements.end() || (element && element->mesh != now->second->mesh)) positions_.erase(id);
     if (movesJointPoints(change, document())) {
         const auto was = planOf(before), is = planOf(document());
         if (!is) return tl::unexpected(is.error());

@@ -11,6 +11,7 @@
 #include "core/character/character.h"
 #include "core/document/character_input.h"
 #include "core/document/document_history.h"
+#include "core/document/embed_model.h"
 #include "core/document/document_responses.h"
 #include "core/document/performance.h"
 #include "core/document/take.h"
@@ -40,6 +41,8 @@ public:
     const Pose& shownPose();
     /// Where an endpoint is shown, m. Errors: those of built().
     Result<Vec3> positionOf(const EndpointRef& end);
+    /// Render vertices of a character as they are shown, in the order of its file, double precision, m.
+    [[nodiscard]] Points renderPositionsOf(PartId character);
     /// Body vertices of an element as they are shown, double precision, m.
     [[nodiscard]] Points positionsOf(PartId element);
     /// write-mesh and measure see these positions of an element, until the character moves.
@@ -142,6 +145,7 @@ private:
     DocumentHistory& history_;
     DocumentResponses& responses_;
     std::vector<KnownPlan> knownPlans_;  // latest last
+    EmbeddedModels embeddedModels_;      // of characters
 
     CharacterPlan plan_;
     std::optional<Character> character_;

@@ -8,6 +8,7 @@
 #include "core/document/seam.h"
 #include "core/document/session_access.h"
 #include "core/mesh/topology.h"
+#include "core/mesh/weld.h"
 #include "core/mesh/write_mesh.h"
 
 namespace imomushi {
@@ -36,6 +37,20 @@ double largestAtSeams(Session& session, const std::shared_ptr<const Element>& on
                 if (only && a.element != only->id && b.element != only->id) continue;
                 largest = std::max(largest, figure(on(a), session.positionsOf(a.element), on(b), session.positionsOf(b.element)));
             }
+    return largest;
+}
+
+/// The largest distance of render vertices that are at one place at rest (of vertices of `only`, where given), m.
+double largestRenderGap(SessionAccess& access, const std::shared_ptr<const Element>& only) {
+    double largest = 0.0;
+    for (const auto& [id, character] : access.document().characters) {
+        if (only && !(only->piece && only->piece->character == id)) continue;
+        const Points& rest = character->model->mesh.body.vertices;
+        const auto first = weldExact(rest, std::vector<char>(static_cast<std::size_t>(rest.rows()), 1), {});
+        const Points now = access.session.renderPositionsOf(id);
+        for (std::size_t v = 0; v < first.size(); ++v)
+            if (first[v] != static_cast<std::int32_t>(v)) largest = std::max(largest, (now.row(first[v]) - now.row(static_cast<Eigen::Index>(v))).norm());
+    }
     return largest;
 }
 
@@ -71,9 +86,10 @@ Result<Json> measure(SessionAccess& access, const Json& arguments, const Progres
         }
         answer["value"] = sum;
     } else if (what == "gap") {
-        answer["value"] = largestAtSeams(session, element, [](const FaceOnBody& a, const Points& atA, const FaceOnBody& b, const Points& atB) {
+        const double gap = largestAtSeams(session, element, [](const FaceOnBody& a, const Points& atA, const FaceOnBody& b, const Points& atB) {
             return seamGap(seamPoints(a, b), *a.body, atA, *b.body, atB);
         });
+        answer["value"] = std::max(gap, largestRenderGap(access, element));
     } else if (what == "crease") {
         answer["value"] = largestAtSeams(session, element, seamCrease);
     } else if (what == "stiffness") {
@@ -134,6 +150,15 @@ Result<Json> writeMeshCommand(SessionAccess& access, const Json& arguments, cons
     if (state != "rest" && state != "current") return fail("bad-value", "\"state\" must be \"rest\" or \"current\".");
     if (state == "current")
         if (auto alive = session.builtCharacter(); !alive) return tl::unexpected(alive.error());
+    if (const Json* name = find(arguments, "character")) {
+        if (element) return fail("unknown-key", "\"write-mesh\" takes either \"element\" or \"character\".");
+        const auto character = characterOf(session.document(), name->get_ref<const std::string&>());
+        if (!character) return tl::unexpected(character.error());
+        const TriangleMesh& model = (*character)->model->mesh.body;
+        const Points vertices = state == "rest" ? model.vertices : session.renderPositionsOf((*character)->id);
+        if (auto written = writeMesh(text(arguments, "path"), vertices, model.triangles); !written) return tl::unexpected(written.error());
+        return Json{{"vertices", model.vertices.rows()}, {"triangles", model.triangles.rows()}};
+    }
     const auto ids = elementsOf(session.document(), element);
     if (ids.empty()) return fail("no-element", "There is no element to write: import one first.");
     Eigen::Index vertexCount = 0, triangleCount = 0;
@@ -161,7 +186,7 @@ void addMeasureCommands(CommandRegistry& registry) {
     using Type = CommandKey::Type;
     registry.addAction("measure",
                        "Measures the character as it is now: \"volume\" (m^3) and \"area\" (m^2) of an element or of all; \"gap\" (largest distance between "
-                       "joined faces, m); \"crease\" (largest normal jump at a seam, radians); \"stiffness\" (K of an element, rows of numbers: faces by "
+                       "joined faces, and between render vertices that are at one place at rest, m); \"crease\" (largest normal jump at a seam, radians); \"stiffness\" (K of an element, rows of numbers: faces by "
                        "creation, columns as in eq. (5), then the rest of the basis); \"bounds\" (low and high corner, m); \"position\" of an endpoint (m); "
                        "\"length\" of a bone (m).",
                        {{"what", Type::Text, true, "One of the names above."},
@@ -170,9 +195,11 @@ void addMeasureCommands(CommandRegistry& registry) {
                         {"bone", Type::Text, false, "For length: the bone."}},
                        measure);
     registry.addAction("write-mesh",
-                       "Writes body vertices in their order, double precision, metres. Without an element all elements one after the other.",
+                       "Writes body vertices in their order, double precision, metres. Without an element all elements one after the other. With a character its own mesh, in the "
+                       "order of its file.",
                        {{"path", Type::Text, true, "A file that ends in .obj or .ply."},
                         {"element", Type::Text, false, "The element (all unless given)."},
+                        {"character", Type::Text, false, "The character whose render mesh is meant."},
                         {"state", Type::Text, false, "\"rest\" or \"current\" (unless given)."}},
                        writeMeshCommand);
 }

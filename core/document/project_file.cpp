@@ -25,7 +25,7 @@ CREATE TABLE element_responses (element INTEGER PRIMARY KEY, response INTEGER);
 )";
 
 /// In this order: the same project gives the same bytes.
-void createTables(Database& db) {
+void createTables(Database& db, int version) {
     db.run(kProjectTable);
     createElementTables(db);
     createSkeletonTables(db);
@@ -34,6 +34,7 @@ void createTables(Database& db) {
     createTouchTable(db);
     createTakeTables(db);
     createEffectTables(db);
+    if (version >= 6) createCharacterTables(db);
 }
 
 /// Each response once, though elements share it.
@@ -57,6 +58,8 @@ void readProjectResponses(Database& db, Project& project, bool withTouch) {
         require(project.document.elements.contains(element) && found != read.end(), "a response belongs to nothing");
         const ResponseRow& row = found->second;
         const Element& of = *project.document.elements.at(element);
+        // A stale response of other joint faces fits no more, and its modes cannot be made again.
+        if (row.response->bases.size() != of.faces.size() && !row.response->bases.empty() && row.response->bases[0].kind == BasisKind::Modes) continue;
         if (warped.insert(found->first).second) addWarping(*row.response, of.mesh->body, of.faces);
         project.responses.emplace(element, StoredResponse{row.key, row.shape, row.response});
     }
@@ -75,17 +78,23 @@ Project readProject(Database& db, std::int64_t version) {
     document.settings.format = *format;
     document.settings.threads = static_cast<int>(settings.integer(0, 1024));
     document.nextId = readId(settings);
-    readElements(db, document);
+    const ReadMeshes meshes = readMeshes(db);
+    readElements(db, document, meshes);
     readSkeleton(db, document);
     if (version >= 3) readProjectResponses(db, project, version >= 4);  // older ones are of older solvers
     if (version >= 4) readEffects(db, document);
     if (version >= 5) readTakes(db, document);
+    if (version >= 6) readCharacters(db, document, meshes);
     std::set<PartId> ids;
     const auto unique = [&](PartId part) { require(part < document.nextId && ids.insert(part).second, "an id is used twice"); };
     for (const auto& [part, element] : document.elements) unique(part);
     for (const auto& [part, joint] : document.joints) unique(part);
     for (const auto& [part, bone] : document.bones) unique(part);
     for (const auto& [part, take] : document.takes) unique(part);
+    for (const auto& [part, character] : document.characters) {
+        unique(part);
+        for (const Cut& cut : character->cuts) unique(cut.id);
+    }
     return project;
 }
 
@@ -110,21 +119,24 @@ Result<void> saveProject(const std::filesystem::path& path, const Project& proje
         Database db;
         db.run("PRAGMA page_size=4096");
         db.run(("PRAGMA application_id=" + std::to_string(kProjectApplicationId)).c_str());
-        db.run(("PRAGMA user_version=" + std::to_string(kProjectVersion)).c_str());
-        db.run("BEGIN");
-        createTables(db);
         const Document& document = project.document;
+        const int version = projectVersion(document);
+        db.run(("PRAGMA user_version=" + std::to_string(version)).c_str());
+        db.run("BEGIN");
+        createTables(db, version);
         {
             RowWriter settings(db, "INSERT INTO settings VALUES (?,?,?,?)");
             settings.row(basisName(document.settings.basis), formatName(document.settings.format), document.settings.threads, document.nextId);
         }
-        writeElements(db, document);
+        const MeshIds meshes = writeMeshes(db, document);
+        writeElements(db, document, meshes);
         writeSkeleton(db, document);
         writeProjectResponses(db, project);
         writeEffects(db, document);
         writeTakes(db, document);
+        if (version >= 6) writeCharacters(db, document, meshes);
         {
-            const std::string digest = db.digest(projectTables(kProjectVersion));
+            const std::string digest = db.digest(projectTables(version));
             RowWriter info(db, "INSERT INTO info VALUES (?,?)");
             info.row("program", std::string("imomushi ") + kVersion);
             info.row("digest", digest);

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <map>
+#include <memory>
+
 #include "core/document/document.h"
 #include "core/document/sqlite.h"
 
@@ -9,10 +12,24 @@
 
 namespace imomushi {
 
-/// Meshes with their materials and textures, elements, issues and joint faces. Elements that share a mesh share its row.
+/// Rows of meshes with their materials and textures: of elements, then of the render meshes of characters. What shares a mesh shares its row.
+using MeshIds = std::map<const ElementMesh*, int>;
+using ReadMeshes = std::map<std::int64_t, std::shared_ptr<ElementMesh>>;
+MeshIds writeMeshes(Database& db, const Document& document);
+ReadMeshes readMeshes(Database& db);
+
+/// The columns of an issue from "severity" on. `mesh`: where it was found.
+MeshIssue readIssue(RowReader& row, const TriangleMesh& mesh);
+
+/// Elements, issues and joint faces; creates the tables of meshes too.
 void createElementTables(Database& db);
-void writeElements(Database& db, const Document& document);
-void readElements(Database& db, Document& document);
+void writeElements(Database& db, const Document& document, const MeshIds& meshes);
+void readElements(Database& db, Document& document, const ReadMeshes& meshes);
+
+/// Characters with their bodies and cuts, and what elements are of them. Reads after the elements and bones.
+void createCharacterTables(Database& db);
+void writeCharacters(Database& db, const Document& document, const MeshIds& meshes);
+void readCharacters(Database& db, Document& document, const ReadMeshes& meshes);
 
 /// Joints, bones, held endpoints and the pose. Reads after the elements.
 void createSkeletonTables(Database& db);

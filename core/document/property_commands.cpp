@@ -5,6 +5,7 @@
 #include "core/base/colour.h"
 #include "core/document/command_support.h"
 #include "core/document/document_edit.h"
+#include "core/document/face_references.h"
 #include "core/document/names.h"
 
 namespace imomushi {
@@ -160,20 +161,9 @@ Result<Json> set(DocumentEdit& edit, const Json& arguments, const Progress&) {
 void renameFace(Document& document, const FaceRef& face, const std::string& name) {
     exchangePart(document.elements, face.element, [&](Element& element) {
         element.faces[static_cast<std::size_t>(element.faceIndex(face.face))].name = name;
+        if (CutSide* side = element.sideOf(face.face)) side->face = name;
     });
-    if (const Joint* joint = document.jointOf(face))
-        exchangePart(document.joints, joint->id, [&](Joint& changed) {
-            for (FaceRef& f : changed.faces)
-                if (f == face) f.face = name;
-        });
-    std::vector<PartId> users;
-    for (const auto& [id, bone] : document.bones)
-        if (bone->start == Bone::Place(face) || bone->end == Bone::Place(face)) users.push_back(id);
-    for (const PartId id : users)
-        exchangePart(document.bones, id, [&](Bone& bone) {
-            for (Bone::Place* place : {&bone.start, &bone.end})
-                if (*place == Bone::Place(face)) *place = Bone::Place(FaceRef{face.element, name});
-        });
+    replaceFace(document, face, {face.element, name});
 }
 
 Result<Json> rename(DocumentEdit& edit, const Json& arguments, const Progress&) {
@@ -190,14 +180,19 @@ Result<Json> rename(DocumentEdit& edit, const Json& arguments, const Progress&) 
         renameFace(document, *face, name);
         return Json::object();
     }
-    if (name == target && (document.elementNamed(name) || document.boneNamed(name))) return Json::object();
+    const CharacterSource* ofCut = document.characterOfCut(target);
+    if (name == target && (document.elementNamed(name) || document.boneNamed(name) || document.characterNamed(name) || ofCut)) return Json::object();
     if (auto ok = checkNewName(document, name); !ok) return tl::unexpected(ok.error());
     if (const Element* element = document.elementNamed(target))
         exchangePart(document.elements, element->id, [&](Element& changed) { changed.name = name; });
     else if (const Bone* bone = document.boneNamed(target))
         exchangePart(document.bones, bone->id, [&](Bone& changed) { changed.name = name; });
+    else if (const CharacterSource* character = document.characterNamed(target))
+        exchangePart(document.characters, character->id, [&](CharacterSource& changed) { changed.name = name; });
+    else if (ofCut)
+        exchangePart(document.characters, ofCut->id, [&](CharacterSource& changed) { changed.cuts[static_cast<std::size_t>(changed.cutIndex(target))].name = name; });
     else
-        return fail("no-such-target", "There is no element or bone \"" + target + "\" to rename.");
+        return fail("no-such-target", "There is no element, bone, character or cut \"" + target + "\" to rename.");
     return Json::object();
 }
 
@@ -215,8 +210,8 @@ void addPropertyCommands(CommandRegistry& registry) {
                         {"value", Type::Any, true, "Its value."}},
                        set);
     registry.addChange("rename",
-                       "Gives an element, a bone or a joint face another name.",
-                       {{"target", Type::Text, true, "An element, a bone, or \"element/face\"."},
+                       "Gives an element, a bone, a joint face, a character or a cut another name.",
+                       {{"target", Type::Text, true, "An element, a bone, a character, a cut, or \"element/face\"."},
                         {"name", Type::Text, true, "The new name; for a face without its element."}},
                        rename);
 }

@@ -23,7 +23,7 @@ bool finite(const Json& value) {
 
 /// What an undo step says it was done to.
 std::string subjectOf(const Json& arguments) {
-    for (const char* key : {"effect", "name", "element", "endpoint", "target", "path", "a", "bone", "take"})
+    for (const char* key : {"effect", "name", "element", "endpoint", "target", "path", "a", "bone", "cut", "take"})
         if (const Json* value = find(arguments, key); value && value->is_string()) return value->get<std::string>();
     return {};
 }
@@ -34,7 +34,8 @@ Session::Session(const CommandRegistry& registry, std::shared_ptr<ResponseStore>
     : registry_(registry),
       responses_(history_.document(), store ? std::move(store) : std::make_shared<ResponseStore>()),
       live_(std::make_unique<LiveCharacter>(history_, responses_)),
-      importer_(importFile) {}
+      importer_(importFile),
+      characterImporter_(importCharacter) {}
 
 Session::~Session() = default;
 
@@ -78,7 +79,7 @@ Result<Json> Session::perform(const Command& command, const Json& arguments, con
     Result<Json> answer;
     try {
         if (command.changesDocument()) {
-            DocumentEdit edit(history_.edit(), *live_, responses_, importer_);
+            DocumentEdit edit(history_.edit(), *live_, responses_, importer_, characterImporter_);
             answer = command.change(edit, arguments, progress);
             if (!answer) return answer;
             for (const auto& [element, response] : edit.brought()) responses_.bring(element, response);
@@ -148,6 +149,7 @@ int Session::pointIndex(const EndpointRef& end) const { return live_->built() ? 
 const Pose& Session::shownPose() { return live_->shownPose(); }
 Result<Vec3> Session::positionOf(const EndpointRef& end) { return live_->positionOf(end); }
 Points Session::positionsOf(PartId element) { return live_->positionsOf(element); }
+Points Session::renderPositionsOf(PartId character) { return live_->renderPositionsOf(character); }
 bool Session::moving() { return live_->moving(); }
 void Session::stepFrame(double seconds) { live_->stepFrame(seconds); }
 std::optional<double> Session::effectMilliseconds(EffectKind effect) const { return live_->effectMilliseconds(effect); }
@@ -166,6 +168,10 @@ void Session::setListener(std::function<void(const Change&)> listener) { listene
 
 void Session::setImporter(std::function<Result<ImportResult>(const ImportRequest&, const Progress&)> importer) {
     importer_ = importer ? std::move(importer) : importFile;
+}
+
+void Session::setCharacterImporter(std::function<Result<ImportedCharacter>(const ImportRequest&, const Progress&)> importer) {
+    characterImporter_ = importer ? std::move(importer) : importCharacter;
 }
 
 Project Session::project() {

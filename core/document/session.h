@@ -74,6 +74,7 @@ public:
     const Pose& shownPose();
     Result<Vec3> positionOf(const EndpointRef& end);
     [[nodiscard]] Points positionsOf(PartId element);
+    [[nodiscard]] Points renderPositionsOf(PartId character);
     bool moving();
     /// Advances by one frame (s). What "step" does `frames` times.
     void stepFrame(double seconds);
@@ -102,6 +103,8 @@ public:
     void setListener(std::function<void(const Change&)> listener);
     /// Replaces importFile() (the studio imports in the background and answers from what it prepared). Empty: importFile() again.
     void setImporter(std::function<Result<ImportResult>(const ImportRequest&, const Progress&)> importer);
+    /// The same for importCharacter().
+    void setCharacterImporter(std::function<Result<ImportedCharacter>(const ImportRequest&, const Progress&)> importer);
     /// What "save" writes, and an autosave: the document as it is now with the responses that its elements have. Copies no mesh and no response.
     [[nodiscard]] Project project();
 
@@ -119,6 +122,7 @@ private:
     std::unique_ptr<LiveCharacter> live_;
     std::function<void(const Change&)> listener_;
     std::function<Result<ImportResult>(const ImportRequest&, const Progress&)> importer_;
+    std::function<Result<ImportedCharacter>(const ImportRequest&, const Progress&)> characterImporter_;
     Change told_;  // by the command that runs, besides the parts of the document
     bool historyMoved_ = false;  // by the action that runs: undo, redo, another document, a take
 };

@@ -129,6 +129,16 @@ Result<JointFace> jointFaceByPlane(const TriangleMesh& body, const Vec3& origin,
     return faceOf(body, std::move(found[largest]));
 }
 
+Result<JointFace> jointFaceByTriangles(const TriangleMesh& body, std::vector<std::int32_t> triangles) {
+    std::sort(triangles.begin(), triangles.end());
+    triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
+    if (triangles.empty()) return fail("no-patch", "The face has no triangle; name at least one.");
+    if (triangles.front() < 0 || triangles.back() >= body.triangles.rows())
+        return fail("bad-index", "A triangle of the face does not exist; the element has " + std::to_string(body.triangles.rows()) + " triangles.");
+    if (patches(body, triangles).size() > 1) return fail("not-connected", "The triangles do not hang together by their sides; make a face of each patch.");
+    return faceOf(body, std::move(triangles));
+}
+
 Result<JointFace> jointFaceByVertices(const TriangleMesh& body, const std::vector<std::int32_t>& vertices) {
     std::vector<bool> named(static_cast<std::size_t>(body.vertices.rows()), false);
     for (const std::int32_t v : vertices) {

@@ -44,6 +44,9 @@ Result<JointFace> jointFaceByPlane(const TriangleMesh& body, const Vec3& origin,
 /// Errors: "no-patch", "bad-index", "not-connected", "not-planar" (farther from its plane than half of its size: no frame).
 Result<JointFace> jointFaceByVertices(const TriangleMesh& body, const std::vector<std::int32_t>& vertices);
 
+/// The patch of these triangles alone. Errors: those of jointFaceByVertices().
+Result<JointFace> jointFaceByTriangles(const TriangleMesh& body, std::vector<std::int32_t> triangles);
+
 /// The flat region around triangle `seed`: grows over neighbours whose normals stay within `angle` radians of the seed's and whose
 /// corners stay within `tolerance` metres of its plane. What a click of the face tool selects.
 Result<JointFace> jointFaceBySeed(const TriangleMesh& body, std::int32_t seed, double angle, double tolerance);

@@ -1,0 +1,427 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/document/character_cuts.h"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "core/document/character_input.h"
+#include "core/document/command_support.h"
+#include "core/document/face_references.h"
+#include "core/document/names.h"
+#include "core/mesh/winding_number.h"
+
+namespace imomushi {
+
+namespace {
+
+using Sides = std::vector<std::pair<PartId, bool>>;  // cut and whether in front, ascending
+
+Sides sidesOf(const CharacterPiece& piece) {
+    Sides sides;
+    for (const CutSide& side : piece.sides) sides.emplace_back(side.cut, side.front);
+    return sides;
+}
+
+Sides sidesOf(const BodyPiece& piece, const std::vector<Cut>& cuts) {
+    Sides sides;
+    for (const auto& cap : piece.caps) sides.emplace_back(cuts[static_cast<std::size_t>(cap.cut)].id, cap.front);
+    std::sort(sides.begin(), sides.end());
+    return sides;
+}
+
+const BodyPiece* pieceWith(const std::vector<BodyPiece>& pieces, const std::vector<Cut>& cuts, const Sides& sides) {
+    const auto found = std::find_if(pieces.begin(), pieces.end(), [&](const BodyPiece& piece) { return sidesOf(piece, cuts) == sides; });
+    return found == pieces.end() ? nullptr : &*found;
+}
+
+const BodyPiece::Cap& capOf(const BodyPiece& piece, const std::vector<Cut>& cuts, PartId cut) {
+    return *std::find_if(piece.caps.begin(), piece.caps.end(), [&](const auto& cap) { return cuts[static_cast<std::size_t>(cap.cut)].id == cut; });
+}
+
+std::string quoted(const std::string& name) { return "\"" + name + "\""; }
+
+/// `asked`: the cut that a command is about; a refusal that is another one's fault says whose.
+Result<std::vector<BodyPiece>> piecesOf(const CharacterSource& character, PartId asked, const Progress& progress) {
+    std::vector<CutPlane> planes;
+    for (const Cut& cut : character.cuts) planes.push_back(cut.plane);
+    auto pieces = cutBody(character.body->mesh, planes, progress);
+    if (pieces) return std::move(*pieces);
+    const CutRefusal& why = pieces.error();
+    const auto named = [&](int cut) { return quoted(character.cuts[static_cast<std::size_t>(cut)].name); };
+    std::string message = why.message;
+    if (why.cut >= 0 && character.cuts[static_cast<std::size_t>(why.cut)].id != asked) message = "At the cut " + named(why.cut) + ": " + message;
+    if (const int other = why.other; other >= 0 && character.cuts[static_cast<std::size_t>(other)].id != asked) message += " The other cut is " + named(other) + ".";
+    return fail(why.code, std::move(message));
+}
+
+// ---- joint faces --------------------------------------------------------------------------------------------------------
+
+/// A joint face of an element as it was.
+struct OldFace {
+    PartId element = 0;
+    const TriangleMesh* body = nullptr;
+    const JointFace* face = nullptr;
+    PartId cut = 0;  ///< whose side it is, 0: none
+};
+
+std::vector<OldFace> facesOf(const Element& element) {
+    std::vector<OldFace> faces;
+    for (const JointFace& face : element.faces) {
+        OldFace old{element.id, &element.mesh->body, &face, 0};
+        for (const CutSide& side : element.piece->sides)
+            if (side.face == face.name) old.cut = side.cut;
+        faces.push_back(old);
+    }
+    return faces;
+}
+
+/// Corners of a triangle, the lowest place first, so that the same triangle of another body compares equal.
+using Place = std::array<double, 9>;
+Place placeOf(const TriangleMesh& body, std::int32_t triangle) {
+    std::array<std::array<double, 3>, 3> corners;
+    for (std::size_t k = 0; k < 3; ++k)
+        for (int x = 0; x < 3; ++x) corners[k][static_cast<std::size_t>(x)] = body.vertices(body.triangles(triangle, static_cast<int>(k)), x);
+    std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
+    Place place;
+    for (std::size_t i = 0; i < 9; ++i) place[i] = corners[i / 3][i % 3];
+    return place;
+}
+
+/// The faces on another body, bit for bit at the same places; none: not all of their triangles are there.
+std::vector<std::optional<JointFace>> carriedTo(const TriangleMesh& body, const std::vector<OldFace>& faces) {
+    std::map<Place, std::vector<std::size_t>> wanted;  // by place, the faces that have a triangle there
+    for (std::size_t f = 0; f < faces.size(); ++f)
+        for (const std::int32_t t : faces[f].face->triangles) wanted[placeOf(*faces[f].body, t)].push_back(f);
+    std::vector<std::vector<std::int32_t>> triangles(faces.size());
+    if (!wanted.empty())
+        for (std::int32_t t = 0; t < body.triangles.rows(); ++t)
+            if (const auto found = wanted.find(placeOf(body, t)); found != wanted.end())
+                for (const std::size_t f : found->second) triangles[f].push_back(t);
+    std::vector<std::optional<JointFace>> carried(faces.size());
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+        if (triangles[f].size() != faces[f].face->triangles.size()) continue;
+        JointFace face = *faces[f].face;  // frame and size stay as they are, bit for bit
+        face.triangles = std::move(triangles[f]);
+        face.vertices.clear();
+        for (const std::int32_t t : face.triangles)
+            for (int k = 0; k < 3; ++k) face.vertices.push_back(body.triangles(t, k));
+        std::sort(face.vertices.begin(), face.vertices.end());
+        face.vertices.erase(std::unique(face.vertices.begin(), face.vertices.end()), face.vertices.end());
+        carried[f] = std::move(face);
+    }
+    return carried;
+}
+
+/// The faces that a piece takes over from elements; those of cuts that lie elsewhere now are its caps. `names`: under which, in the order of `faces`.
+Result<std::vector<JointFace>> facesOn(const Document& document, const BodyPiece& piece, const std::vector<Cut>& cuts, const std::vector<OldFace>& faces) {
+    auto carried = carriedTo(piece.body, faces);
+    std::vector<JointFace> out;
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+        if (!carried[f] && faces[f].cut != 0) {
+            auto cap = jointFaceByTriangles(piece.body, capOf(piece, cuts, faces[f].cut).triangles);
+            if (!cap) return tl::unexpected(cap.error());
+            cap->name = faces[f].face->name;
+            carried[f] = std::move(*cap);
+        }
+        if (!carried[f])
+            return fail("face-cut", "The cut would go through the joint face \"" + document.elements.at(faces[f].element)->name + "/" + faces[f].face->name +
+                                        "\": move the plane away from it, or remove the face first.");
+        out.push_back(std::move(*carried[f]));
+    }
+    return out;
+}
+
+/// Faces that share a vertex cannot be moved one by one.
+Result<void> checkApart(const Element& element) {
+    for (std::size_t i = 0; i < element.faces.size(); ++i)
+        for (std::size_t k = 0; k < i; ++k) {
+            std::vector<std::int32_t> shared;
+            std::set_intersection(element.faces[i].vertices.begin(), element.faces[i].vertices.end(), element.faces[k].vertices.begin(), element.faces[k].vertices.end(),
+                                  std::back_inserter(shared));
+            if (!shared.empty())
+                return fail("face-cut", "The cut would touch the joint face \"" + element.name + "/" + element.faces[k].name +
+                                            "\": leave one ring of free triangles between them, or remove the face first.");
+        }
+    std::size_t held = 0;
+    for (const JointFace& face : element.faces) held += face.vertices.size();
+    if (held == static_cast<std::size_t>(element.mesh->body.vertices.rows()))
+        return fail("no-free-vertex", "The joint faces of \"" + element.name + "\" would hold every one of its vertices: leave some of its surface free.");
+    return {};
+}
+
+std::string freeFaceName(const Element& element, const std::string& wish) {
+    std::string name = wish;
+    for (int n = 2; element.faceIndex(name) >= 0; ++n) name = wish + " " + std::to_string(n);
+    return name;
+}
+
+// ---- elements -----------------------------------------------------------------------------------------------------------
+
+std::shared_ptr<const ElementMesh> meshOf(TriangleMesh body) {
+    auto mesh = std::make_shared<ElementMesh>();
+    mesh->renderMesh.bodyVertex.resize(static_cast<std::size_t>(body.vertices.rows()));
+    std::iota(mesh->renderMesh.bodyVertex.begin(), mesh->renderMesh.bodyVertex.end(), 0);
+    mesh->renderMesh.triangles = body.triangles;
+    mesh->body = std::move(body);
+    return mesh;
+}
+
+/// Gives an element the body of a piece. Sides keep the names of their faces; those that are new have none.
+void takePiece(Element& element, const BodyPiece& piece, const std::vector<Cut>& cuts) {
+    element.mesh = meshOf(piece.body);
+    element.issues.clear();
+    const std::vector<CutSide> was = element.piece->sides;
+    element.piece->sides.clear();
+    for (const auto& [cut, front] : sidesOf(piece, cuts)) {
+        const auto known = std::find_if(was.begin(), was.end(), [&, id = cut](const CutSide& side) { return side.cut == id; });
+        element.piece->sides.push_back({cut, front, known == was.end() ? std::string() : known->face});
+    }
+    element.piece->origin = std::make_shared<const PieceOrigin>(PieceOrigin{piece.source, piece.sourceTriangle});
+}
+
+/// Whether a piece is what the element is already.
+bool same(const Element& element, const BodyPiece& piece) {
+    const TriangleMesh& body = element.mesh->body;
+    return body.triangles.rows() == piece.body.triangles.rows() && body.vertices.rows() == piece.body.vertices.rows() && body.triangles == piece.body.triangles &&
+           body.vertices == piece.body.vertices;
+}
+
+void put(Document& document, Element element) {
+    const PartId id = element.id;
+    std::erase_if(document.touches, [&](const Touch& touch) { return touch.element == id; });
+    document.elements.insert_or_assign(id, std::make_shared<const Element>(std::move(element)));
+}
+
+/// Whether an end of a bone lies in a piece.
+bool liesIn(const Document& document, Bone::Place place, const Element& element) {
+    for (std::size_t hops = 0; hops <= 2 * document.bones.size(); ++hops) {
+        if (const auto* face = std::get_if<FaceRef>(&place)) return face->element == element.id;
+        const auto* end = std::get_if<EndpointRef>(&place);
+        if (!end) break;
+        const auto bone = document.bones.find(end->bone);
+        if (bone == document.bones.end()) return false;
+        place = Bone::Place(end->atEnd ? bone->second->end : bone->second->start);
+    }
+    const auto* point = std::get_if<Vec3>(&place);
+    return point && windingNumber(element.mesh->body, *point) > 0.5;
+}
+
+}  // namespace
+
+Element wholeElement(const CharacterSource& character) {
+    const TriangleMesh& body = character.body->mesh;
+    PieceOrigin origin;
+    origin.vertices.resize(static_cast<std::size_t>(body.vertices.rows()));
+    std::iota(origin.vertices.begin(), origin.vertices.end(), 0);
+    origin.triangles.resize(static_cast<std::size_t>(body.triangles.rows()));
+    std::iota(origin.triangles.begin(), origin.triangles.end(), 0);
+    Element element;
+    element.mesh = meshOf(body);
+    element.piece = CharacterPiece{character.id, {}, std::make_shared<const PieceOrigin>(std::move(origin))};
+    return element;
+}
+
+PartId makeCharacter(Document& document, PartId element, const std::string& name) {
+    const auto part = document.elements.at(element);
+    const auto vertices = part->mesh->body.vertices.rows(), triangles = part->mesh->body.triangles.rows();
+    RenderModel model{*part->mesh, std::vector<std::int32_t>(static_cast<std::size_t>(triangles), 0), {part->name}};
+    Body body;
+    body.mesh = part->mesh->body;
+    body.bodyVertex.resize(static_cast<std::size_t>(vertices));
+    std::iota(body.bodyVertex.begin(), body.bodyVertex.end(), 0);
+    body.report.volumeError = 0.0;
+    body.report.components = part->mesh->connectivity().facts().components;
+    CharacterSource character;
+    character.id = document.nextId++;
+    character.name = name;
+    character.issues = part->issues;
+    character.model = std::make_shared<const RenderModel>(std::move(model));
+    character.body = std::make_shared<const Body>(std::move(body));
+    const PartId id = character.id;
+    exchangePart(document.elements, element, [&](Element& e) { e.piece = wholeElement(character).piece; });
+    document.characters.emplace(id, std::make_shared<const CharacterSource>(std::move(character)));
+    return id;
+}
+
+Result<MadeCut> addCut(Document& document, PartId characterId, PartId elementId, Cut cut, const std::array<std::string, 2>& names, const Progress& progress) {
+    CharacterSource character = *document.characters.at(characterId);
+    cut.id = document.nextId++;
+    const PartId made = cut.id;
+    character.cuts.push_back(std::move(cut));
+    auto pieces = piecesOf(character, made, progress);
+    if (!pieces) return tl::unexpected(pieces.error());
+
+    // The two pieces beside the cut were one element.
+    std::array<const BodyPiece*, 2> sides{};
+    Sides before;
+    for (const BodyPiece& piece : *pieces)
+        for (const auto& [id, front] : sidesOf(piece, character.cuts))
+            if (id == made) sides[front ? 1 : 0] = &piece;
+    for (const BodyPiece* piece : sides)
+        for (const auto& side : sidesOf(*piece, character.cuts))
+            if (side.first != made) before.push_back(side);
+    std::sort(before.begin(), before.end());
+    std::shared_ptr<const Element> whole;
+    for (const PartId id : document.elementsOf(characterId))
+        if (sidesOf(*document.elements.at(id)->piece) == before) whole = document.elements.at(id);
+    if (!whole) return fail("cut-passes", "The cut would change on which side of each other the other cuts lie: put it between them.");
+    if (elementId != 0 && whole->id != elementId)
+        return fail("other-element", "The section nearest to the origin of the plane belongs to the element " + quoted(whole->name) + ": put the origin into the section that is meant.");
+
+    Element behind = *whole, front = *whole;
+    front.id = document.nextId++;
+    if (!names[0].empty()) behind.name = names[0];
+    front.name = names[1].empty() ? freeName(document, whole->name) : names[1];
+    std::string& cutName = character.cuts.back().name;
+    for (int n = 1; cutName.empty() || cutName == behind.name || cutName == front.name; ++n)
+        cutName = freeName(document, front.name + " cut" + (n > 1 ? " " + std::to_string(n) : std::string()));
+    takePiece(behind, *sides[0], character.cuts);
+    takePiece(front, *sides[1], character.cuts);
+
+    // Each joint face goes with the piece that has all of it.
+    std::vector<OldFace> stay, leave;
+    const auto all = facesOf(*whole);
+    const auto inFront = carriedTo(sides[1]->body, all);
+    for (std::size_t f = 0; f < all.size(); ++f) {
+        const bool goes = all[f].cut != 0 ? front.piece->sideIndex(all[f].cut) >= 0 : inFront[f].has_value();
+        (goes ? leave : stay).push_back(all[f]);
+    }
+    MadeCut out{characterId, made, {behind.id, front.id}, {}, 0.0};
+    for (const bool isFront : {false, true}) {
+        Element& element = isFront ? front : behind;
+        const BodyPiece& piece = *sides[isFront ? 1 : 0];
+        auto faces = facesOn(document, piece, character.cuts, isFront ? leave : stay);
+        if (!faces) return tl::unexpected(faces.error());
+        element.faces = std::move(*faces);
+        const auto& cap = capOf(piece, character.cuts, made);
+        auto face = jointFaceByTriangles(piece.body, cap.triangles);
+        if (!face) return tl::unexpected(face.error());
+        face->name = freeFaceName(element, cutName);
+        out.faces[isFront ? 1 : 0] = face->name;
+        out.smallestAngle = isFront ? std::min(out.smallestAngle, cap.smallestAngle) : cap.smallestAngle;
+        element.piece->sides[static_cast<std::size_t>(element.piece->sideIndex(made))].face = face->name;
+        element.faces.push_back(std::move(*face));
+        if (auto ok = checkApart(element); !ok) return tl::unexpected(ok.error());
+    }
+
+    for (const OldFace& face : leave) replaceFace(document, {behind.id, face.face->name}, {front.id, face.face->name});
+    std::vector<PartId> through;
+    for (const auto& [id, bone] : document.bones)
+        if (bone->element == behind.id && liesIn(document, bone->start, front) && liesIn(document, bone->end, front)) through.push_back(id);
+    for (const PartId id : through) exchangePart(document.bones, id, [&](Bone& bone) { bone.element = front.id; });
+    for (std::size_t k = 0; k < kEffects; ++k)
+        if (auto& on = document.effects[static_cast<EffectKind>(k)].elements; on.contains(behind.id)) on.insert(front.id);
+    Joint joint;
+    joint.id = document.nextId++;
+    joint.faces = {{behind.id, out.faces[0]}, {front.id, out.faces[1]}};
+    document.joints.emplace(joint.id, std::make_shared<const Joint>(std::move(joint)));
+    document.characters.insert_or_assign(characterId, std::make_shared<const CharacterSource>(std::move(character)));
+    put(document, std::move(behind));
+    put(document, std::move(front));
+    return out;
+}
+
+Result<std::vector<PartId>> moveCut(Document& document, PartId characterId, PartId cut, const CutPlane& plane, const Progress& progress) {
+    CharacterSource character = *document.characters.at(characterId);
+    CutPlane& moved = character.cuts[static_cast<std::size_t>(character.cutIndex(cut))].plane;
+    const bool turned = moved.normal.stableNormalized().dot(plane.normal.stableNormalized()) < 0.0;
+    moved = {plane.origin, turned ? Vec3(-plane.normal) : plane.normal};
+    const auto pieces = piecesOf(character, cut, progress);
+    if (!pieces) return tl::unexpected(pieces.error());
+
+    std::vector<Element> changed;
+    for (const PartId id : document.elementsOf(characterId)) {
+        const Element& element = *document.elements.at(id);
+        const BodyPiece* piece = pieceWith(*pieces, character.cuts, sidesOf(*element.piece));
+        if (!piece)
+            return fail("cut-passes", "The cut would come to lie on the other side of another cut of " + quoted(element.name) + ": move it less far, or take it out and cut anew.");
+        if (element.piece->sideIndex(cut) < 0 || same(element, *piece)) continue;
+        Element now = element;
+        takePiece(now, *piece, character.cuts);
+        auto faces = facesOn(document, *piece, character.cuts, facesOf(element));
+        if (!faces) return tl::unexpected(faces.error());
+        now.faces = std::move(*faces);
+        if (auto ok = checkApart(now); !ok) return tl::unexpected(ok.error());
+        changed.push_back(std::move(now));
+    }
+    document.characters.insert_or_assign(characterId, std::make_shared<const CharacterSource>(std::move(character)));
+    std::vector<PartId> ids;
+    for (Element& element : changed) {
+        ids.push_back(element.id);
+        put(document, std::move(element));
+    }
+    return ids;
+}
+
+Result<PartId> removeCut(Document& document, PartId characterId, PartId cut, const Progress& progress) {
+    CharacterSource character = *document.characters.at(characterId);
+    std::array<std::shared_ptr<const Element>, 2> sides;
+    for (const PartId id : document.elementsOf(characterId)) {
+        const auto& element = document.elements.at(id);
+        if (const int side = element->piece->sideIndex(cut); side >= 0) sides[element->piece->sides[static_cast<std::size_t>(side)].front ? 1 : 0] = element;
+    }
+    character.cuts.erase(character.cuts.begin() + character.cutIndex(cut));
+    const auto pieces = piecesOf(character, 0, progress);
+    if (!pieces) return tl::unexpected(pieces.error());
+    Sides together;
+    for (const auto& element : sides)
+        for (const auto& side : sidesOf(*element->piece))
+            if (side.first != cut) together.push_back(side);
+    std::sort(together.begin(), together.end());
+    const BodyPiece* piece = pieceWith(*pieces, character.cuts, together);
+    if (!piece) return fail("cut-passes", "The other cuts would come to lie on other sides of each other: move them apart first.");
+
+    // Faces of the element in front come over, under names that are free there; those of the cut go.
+    const PartId behind = sides[0]->id, front = sides[1]->id;
+    Element merged = *sides[0];
+    std::vector<OldFace> kept;
+    for (const OldFace& face : facesOf(*sides[0]))
+        if (face.cut != cut) kept.push_back(face);
+    std::vector<std::pair<std::string, std::string>> renamed;  // in front, from and to
+    std::vector<FaceRef> gone;
+    for (const auto& element : sides)
+        if (const std::string& face = element->piece->sides[static_cast<std::size_t>(element->piece->sideIndex(cut))].face; !face.empty()) gone.push_back({element->id, face});
+    const std::size_t own = kept.size();
+    for (const OldFace& face : facesOf(*sides[1]))
+        if (face.cut != cut) kept.push_back(face);
+    auto faces = facesOn(document, *piece, character.cuts, kept);
+    if (!faces) return tl::unexpected(faces.error());
+    merged.faces.clear();
+    for (std::size_t f = 0; f < faces->size(); ++f) {
+        JointFace& face = (*faces)[f];
+        if (f >= own) {
+            renamed.emplace_back(face.name, freeFaceName(merged, face.name));
+            face.name = renamed.back().second;
+        }
+        merged.faces.push_back(std::move(face));
+    }
+    for (const CutSide& side : sides[1]->piece->sides) {
+        const auto to = std::find_if(renamed.begin(), renamed.end(), [&](const auto& r) { return r.first == side.face; });
+        merged.piece->sides.push_back({side.cut, side.front, to == renamed.end() ? std::string() : to->second});
+    }
+    std::erase_if(merged.piece->sides, [&](const CutSide& side) { return side.cut == cut; });
+    takePiece(merged, *piece, character.cuts);
+    if (auto ok = checkApart(merged); !ok) return tl::unexpected(ok.error());
+
+    for (const FaceRef& face : gone) leaveJoint(document, face);
+    freeBones(document, gone);
+    for (const auto& [from, to] : renamed) replaceFace(document, {front, from}, {behind, to});
+    // Faces that were joined across the cut are now faces of one element.
+    std::vector<FaceRef> alone;
+    for (const auto& [id, joint] : document.joints) {
+        int count = 0;
+        for (const FaceRef& face : joint->faces)
+            if (face.element == behind && ++count > 1) alone.push_back(face);
+    }
+    for (const FaceRef& face : alone) leaveJoint(document, face);
+    exchangePart(document.elements, front, [](Element& element) { element.faces.clear(); });
+    dropElement(document, front, behind);
+    document.characters.insert_or_assign(characterId, std::make_shared<const CharacterSource>(std::move(character)));
+    put(document, std::move(merged));
+    return behind;
+}
+
+}  // namespace imomushi

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/body/body.h"
+#include "core/body/cut.h"
+#include "core/document/effects.h"
+#include "core/mesh/health.h"
+#include "core/mesh/render_model.h"
+
+namespace imomushi {
+
+/// A plane that cuts the body of a character.
+struct Cut {
+    PartId id = 0;
+    std::string name;
+    CutPlane plane;
+};
+
+/// A whole character: what is seen of it, the closed body that moves that, and the cuts that make elements of the body. All cuts are applied together to the whole
+/// body, so that each can be moved or taken out at any time. A cut into two pieces per plane: a character of n cuts has n + 1 elements.
+struct CharacterSource {
+    PartId id = 0;
+    std::string name;
+    std::shared_ptr<const RenderModel> model;
+    std::shared_ptr<const Body> body;
+    std::vector<Cut> cuts;            ///< in order of creation
+    std::vector<MeshIssue> issues;    ///< as found on import; places are those of the model
+
+    [[nodiscard]] int cutIndex(PartId cut) const;  ///< -1: no such cut
+    [[nodiscard]] int cutIndex(std::string_view cut) const;
+};
+
+/// A side of a cut that bounds an element.
+struct CutSide {
+    PartId cut = 0;
+    bool front = false;  ///< the element lies where the normal of the plane points
+    std::string face;    ///< the joint face on that side, empty: it was removed
+    bool operator==(const CutSide&) const = default;
+};
+
+/// Where a piece of a body comes from, see BodyPiece.
+struct PieceOrigin {
+    std::vector<std::int32_t> vertices;   ///< per vertex of the element's body that of the whole body, -1: made by a cut
+    std::vector<std::int32_t> triangles;  ///< per triangle that of the whole body that it lies on, -1: of a cut
+};
+
+/// What an element is of a character. Its sides tell it from the other elements of the character.
+struct CharacterPiece {
+    PartId character = 0;
+    std::vector<CutSide> sides;  ///< ascending by cut; none: the whole body
+    std::shared_ptr<const PieceOrigin> origin;
+
+    [[nodiscard]] int sideIndex(PartId cut) const;  ///< -1: the cut does not bound it
+};
+
+}  // namespace imomushi

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "core/character/embedded_mesh.h"
+#include "core/document/document.h"
+
+namespace imomushi {
+
+/// How the elements of a character move what is seen of it.
+struct EmbeddedModel {
+    std::shared_ptr<const EmbeddedMesh> mesh;  ///< EmbeddedMesh::Vertex::element counts all elements of the document
+    std::vector<PartId> elements;              ///< of the character, ascending
+    std::vector<int> places;                   ///< of these, among all elements of the document
+    std::vector<std::shared_ptr<const EmbeddedPoints>> points;  ///< of these, null: it moves its body vertices alone
+};
+
+/// Render vertices at a body vertex follow it. Others follow the element whose surface (without the caps of cuts) is nearest, preferring surface that faces the way of their normal;
+/// vertices at one place follow the same element. A part of the render mesh that hangs together, lies off the body and is small (kSmallPart) follows one element as a whole,
+/// that of most of its vertices. Depends on model, body and pieces of the character alone.
+EmbeddedModel embedModel(const Document& document, const CharacterSource& character);
+
+/// Parts smaller than this, in diagonals of the model, are not torn apart at cuts: eyes, teeth, buttons.
+inline constexpr double kSmallPart = 0.1;
+
+/// The embedded models of a document's characters, the latest remembered. What did not change stays the same objects, so that nothing is built from it anew.
+class EmbeddedModels {
+public:
+    const EmbeddedModel& of(const Document& document, const CharacterSource& character);
+
+private:
+    struct Known {
+        std::shared_ptr<const RenderModel> model;
+        std::shared_ptr<const Body> body;
+        std::vector<std::shared_ptr<const PieceOrigin>> origins;  // of its elements
+        std::vector<std::shared_ptr<const ElementMesh>> meshes;   // of its elements
+        EmbeddedModel embedded;
+    };
+    std::map<PartId, Known> known_;
+};
+
+}  // namespace imomushi

@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <utility>
+
+#include "core/document/character_cuts.h"
+#include "core/document/command_support.h"
+#include "core/document/document_edit.h"
+#include "core/document/names.h"
+#include "core/mesh/connectivity.h"
+
+namespace imomushi {
+
+namespace {
+
+/// How many vertices of the file each part has. A vertex belongs to the first part that uses it, one that none uses to the part of the vertex before it.
+std::vector<std::size_t> verticesOfParts(const RenderModel& model) {
+    std::vector<std::size_t> counts(model.parts.size(), 0);
+    if (counts.empty()) return counts;
+    std::vector<std::int32_t> part(static_cast<std::size_t>(model.mesh.body.vertices.rows()), -1);
+    for (Eigen::Index t = 0; t < model.mesh.body.triangles.rows(); ++t)
+        for (int k = 0; k < 3; ++k) {
+            auto& of = part[static_cast<std::size_t>(model.mesh.body.triangles(t, k))];
+            const std::int32_t here = model.part.empty() ? 0 : model.part[static_cast<std::size_t>(t)];
+            of = of < 0 ? here : std::min(of, here);
+        }
+    std::int32_t last = 0;
+    for (const std::int32_t p : part) {
+        if (p >= 0) last = p;
+        ++counts[static_cast<std::size_t>(last)];
+    }
+    return counts;
+}
+
+template <class Value>
+Result<Value> choice(const Json& arguments, const char* key, std::initializer_list<std::pair<const char*, Value>> values, Value otherwise) {
+    const Json* given = find(arguments, key);
+    if (!given) return otherwise;
+    std::string known;
+    for (const auto& [name, value] : values) {
+        if (*given == name) return value;
+        known += std::string(known.empty() ? "\"" : ", \"") + name + "\"";
+    }
+    return fail("bad-value", std::string("\"") + key + "\" must be one of " + known + ".");
+}
+
+Json issueJson(const MeshIssue& issue) {
+    const char* severity = issue.severity == Severity::Info ? "info" : issue.severity == Severity::Warning ? "warning" : "error";
+    return Json{{"code", issue.code}, {"text", issue.text}, {"count", issue.count}, {"fixed", issue.fixed}, {"severity", severity}};
+}
+
+/// Keys that both commands share.
+Result<ImportRequest> requestFrom(const Document& document, const Json& arguments) {
+    ImportRequest request;
+    const auto path = pathFrom(arguments);
+    if (!path) return tl::unexpected(path.error());
+    request.path = *path;
+    const auto unit = choice<Unit>(arguments, "unit", {{"mm", Unit::Millimetre}, {"cm", Unit::Centimetre}, {"m", Unit::Metre}}, Unit::AsInFile);
+    if (!unit) return tl::unexpected(unit.error());
+    request.unit = *unit;
+    const auto up = choice<UpAxis>(arguments, "up", {{"y", UpAxis::Y}, {"z", UpAxis::Z}}, UpAxis::AsInFile);
+    if (!up) return tl::unexpected(up.error());
+    request.up = *up;
+    if (const Json* name = find(arguments, "name"))
+        if (auto ok = checkNewName(document, name->get_ref<const std::string&>()); !ok) return tl::unexpected(ok.error());
+    return request;
+}
+
+/// Why a body cannot be an element: its first error, or that it is open.
+Error refusal(const ImportedBody& body) {
+    for (const MeshIssue& issue : body.issues)
+        if (issue.severity == Severity::Error && !issue.fixed) return {issue.code, "\"" + body.name + "\": " + issue.text};
+    return {"open", "\"" + body.name + "\" is not a closed surface: close its holes in a modelling program."};
+}
+
+Result<Json> importElement(DocumentEdit& edit, const Json& arguments, const Progress& progress) {
+    Document& document = edit.document;
+    auto request = requestFrom(document, arguments);
+    if (!request) return tl::unexpected(request.error());
+    request->split = arguments.value("split", false);
+
+    auto imported = edit.import(*request, progress);
+    if (!imported) return tl::unexpected(imported.error());
+    const auto usable = std::count_if(imported->bodies.begin(), imported->bodies.end(), [](const ImportedBody& body) { return body.closed; });
+    if (imported->bodies.empty()) return fail("empty-mesh", "\"" + request->path.string() + "\" holds no surface.");
+    if (usable == 0) {
+        const Error error = refusal(imported->bodies.front());
+        return fail(error.code, error.message);
+    }
+
+    Json elements = Json::array(), issues = Json::array();
+    for (const MeshIssue& issue : imported->issues) issues.push_back(issueJson(issue));
+    for (ImportedBody& body : imported->bodies) {
+        if (!body.closed) {
+            issues.push_back({{"code", "left-out"}, {"text", refusal(body).message + " It was left out."}, {"count", 1}, {"fixed", false}, {"severity", "warning"}});
+            continue;
+        }
+        Element element;
+        element.id = document.nextId++;
+        const Json* name = find(arguments, "name");
+        element.name = freeName(document, name ? name->get_ref<const std::string&>() : body.name);
+        element.issues = body.issues;
+        element.mesh = std::make_shared<const ElementMesh>(std::move(body.mesh));
+        const MeshFacts& facts = element.mesh->connectivity().facts();
+        Json line;
+        line["name"] = element.name;
+        line["vertices"] = element.mesh->body.vertices.rows();
+        line["triangles"] = element.mesh->body.triangles.rows();
+        line["closed"] = body.closed;
+        line["components"] = body.components;
+        line["volume"] = facts.volume;
+        line["size"] = json(facts.high - facts.low);
+        line["low"] = json(facts.low);
+        line["high"] = json(facts.high);
+        elements.push_back(std::move(line));
+        for (const MeshIssue& issue : body.issues) {
+            Json told = issueJson(issue);
+            told["element"] = element.name;
+            issues.push_back(std::move(told));
+        }
+        document.elements.emplace(element.id, std::make_shared<const Element>(std::move(element)));
+    }
+    Json answer;
+    answer["elements"] = std::move(elements);
+    answer["issues"] = std::move(issues);
+    answer["format"] = imported->format;
+    answer["metres_per_unit"] = imported->metresPerUnit;
+    answer["turned_z_up"] = imported->zUpConverted;
+    return answer;
+}
+
+Result<Json> importCharacterCommand(DocumentEdit& edit, const Json& arguments, const Progress& progress) {
+    Document& document = edit.document;
+    const auto request = requestFrom(document, arguments);
+    if (!request) return tl::unexpected(request.error());
+    BodySetting setting;
+    const auto how = choice<BodyKind>(arguments, "body", {{"auto", BodyKind::Auto}, {"exact", BodyKind::Exact}, {"mended", BodyKind::Mended}, {"wrapped", BodyKind::Wrapped}}, BodyKind::Auto);
+    if (!how) return tl::unexpected(how.error());
+    setting.how = *how;
+    if (const Json* value = find(arguments, "detail")) {
+        const auto detail = numberWithin(*value, "detail", kFinestDetail, kCoarsestDetail);
+        if (!detail) return tl::unexpected(detail.error());
+        setting.detail = *detail;
+    }
+    auto imported = edit.importCharacter(*request, progress.part(0.0, 0.3));
+    if (!imported) return tl::unexpected(imported.error());
+    if (imported->model.mesh.body.triangles.rows() == 0) return fail("empty-mesh", "\"" + request->path.string() + "\" holds no surface.");
+    auto body = makeBody(imported->model.mesh.body, imported->model.part, setting, progress.part(0.3, 1.0));
+    if (!body) return tl::unexpected(body.error());
+
+    CharacterSource character;
+    character.id = document.nextId++;
+    const Json* name = find(arguments, "name");
+    character.name = freeName(document, name ? name->get_ref<const std::string&>() : imported->model.parts.size() == 1 ? imported->model.parts[0] : request->path.stem().string());
+    character.issues = std::move(imported->issues);
+    character.issues.insert(character.issues.end(), body->report.issues.begin(), body->report.issues.end());
+    const double seconds = std::exchange(body->report.seconds, 0.0);  // the rest of the report is the same each time
+    body->report.issues.clear();
+    character.model = std::make_shared<const RenderModel>(std::move(imported->model));
+    character.body = std::make_shared<const Body>(std::move(*body));
+    const auto added = document.characters.emplace(character.id, std::make_shared<const CharacterSource>(std::move(character))).first->second;
+    Element element = wholeElement(*added);
+    element.id = document.nextId++;
+    element.name = freeName(document, added->name + " body");
+    document.elements.emplace(element.id, std::make_shared<const Element>(std::move(element)));
+
+    const Json line = characterJson(document, *added);
+    Json answer;
+    answer["characters"] = Json::array({line});
+    answer["body"] = line["body"];
+    answer["body"]["seconds"] = seconds;
+    answer["parts"] = line["parts"];
+    answer["elements"] = line["elements"];
+    answer["skeleton"] = Json::array();
+    answer["clips"] = Json::array();
+    answer["issues"] = Json::array();
+    for (const MeshIssue& issue : added->issues) answer["issues"].push_back(issueJson(issue));
+    answer["format"] = imported->format;
+    answer["metres_per_unit"] = imported->metresPerUnit;
+    answer["turned_z_up"] = imported->zUpConverted;
+    return answer;
+}
+
+}  // namespace
+
+Json bodyJson(const Body& body) {
+    const BodyReport& report = body.report;
+    Json gaps{{"area", report.gaps.area}, {"narrowest", report.gaps.narrowest}, {"widest", report.gaps.widest}, {"places", Json::array()}};
+    for (const Vec3& place : report.gaps.places) gaps["places"].push_back(json(place));
+    return Json{{"how", nameOf(report.how)},
+                {"vertices", body.mesh.vertices.rows()},
+                {"triangles", body.mesh.triangles.rows()},
+                {"components", report.components},
+                {"distance", {{"rms", report.distanceRms}, {"largest", report.distanceLargest}}},
+                {"volume_error", report.volumeError < 0.0 ? Json() : Json(report.volumeError)},
+                {"detail", report.detail},
+                {"gaps", std::move(gaps)}};
+}
+
+Json characterJson(const Document& document, const CharacterSource& character) {
+    const auto vertices = verticesOfParts(*character.model);
+    Json parts = Json::array(), cuts = Json::array(), elements = Json::array();
+    for (std::size_t p = 0; p < vertices.size(); ++p) parts.push_back({{"name", character.model->parts[p]}, {"vertices", vertices[p]}});
+    for (const PartId id : document.elementsOf(character.id)) elements.push_back(document.elements.at(id)->name);
+    for (const Cut& cut : character.cuts) {
+        Json between = Json::array({nullptr, nullptr});
+        for (const PartId id : document.elementsOf(character.id)) {
+            const Element& element = *document.elements.at(id);
+            if (const int side = element.piece->sideIndex(cut.id); side >= 0) between[element.piece->sides[static_cast<std::size_t>(side)].front ? 1 : 0] = element.name;
+        }
+        cuts.push_back({{"name", cut.name}, {"origin", json(cut.plane.origin)}, {"normal", json(cut.plane.normal)}, {"elements", std::move(between)}});
+    }
+    return Json{{"name", character.name}, {"parts", std::move(parts)}, {"body", bodyJson(*character.body)}, {"cuts", std::move(cuts)}, {"elements", std::move(elements)}};
+}
+
+Json charactersJson(const Document& document) {
+    Json characters = Json::array();
+    for (const auto& [id, character] : document.characters) characters.push_back(characterJson(document, *character));
+    return characters;
+}
+
+void addImportCommands(CommandRegistry& registry) {
+    using Type = CommandKey::Type;
+    registry.addChange("import-element",
+                       "Imports a mesh (OBJ, PLY, STL, glTF, GLB, FBX, DAE) as one element or several. Mends what can be mended and tells it.",
+                       {{"path", Type::Text, true, "The file."},
+                        {"name", Type::Text, false, "A name that no element or bone has (from the file unless given; numbered where there are several)."},
+                        {"unit", Type::Text, false, "\"mm\", \"cm\" or \"m\": the unit of the file (its own unless given; metres where it has none)."},
+                        {"up", Type::Text, false, "\"y\" or \"z\": the axis of the file that points up (its own unless given; y where it has none)."},
+                        {"split", Type::Boolean, false, "One element per connected component (false)."}},
+                       importElement);
+    registry.addChange("import-character",
+                       "Imports a mesh of any kind (open, of many parts, crossing itself) as a character: what is seen is the file's own mesh, and a closed body moves it. The body is one "
+                       "element, which cuts divide.",
+                       {{"path", Type::Text, true, "The file."},
+                        {"name", Type::Text, false, "A name that no element, bone, character or cut has (from the file unless given)."},
+                        {"unit", Type::Text, false, "\"mm\", \"cm\" or \"m\": the unit of the file (its own unless given; metres where it has none)."},
+                        {"up", Type::Text, false, "\"y\" or \"z\": the axis of the file that points up (its own unless given; y where it has none)."},
+                        {"body", Type::Text, false, "\"exact\": the mesh itself, \"mended\": with holes closed and parts united, \"wrapped\": a new surface around it, \"auto\": the first that works (unless given)."},
+                        {"detail", Type::Number, false, "Of a wrap, in diagonals of the mesh: gaps narrower than twice this are closed (0.001 to 0.2; chosen from the mesh unless given)."}},
+                       importCharacterCommand);
+}
+
+}  // namespace imomushi
