@@ -42,10 +42,14 @@ void Character::State::showShape(std::chrono::steady_clock::time_point start) {
     jobs.run(Stage::LocalShape, frame);
     std::size_t bytes = 0;
     for (const auto& e : elements)
-        if (e.moved && !e.pending) bytes += e.blocks.count() * e.blocks.bytesPerBlock();
-    frame.share(bytes, productPieces, [&elements](const Piece& p) { showPositions(elements[p.element], p.begin, p.end); });
+        if (e.moved && (!e.pending || e.unseen)) bytes += e.blocks.count() * e.blocks.bytesPerBlock();
+    frame.share(bytes, productPieces, [&elements](const Piece& p) {
+        auto& out = elements[p.element];
+        if (!p.unseen || !out.partial) showPositions(out, p.begin, p.end);
+    });
     jobs.run(Stage::Dents, frame);
     for (auto& e : elements) holdVertices(e);
+    jobs.run(Stage::Placed, frame);
     const auto placed = std::chrono::steady_clock::now();
     frame.share(bytes, normalPieces, [&elements](const Piece& p) {
         auto& out = elements[p.element];
@@ -54,6 +58,7 @@ void Character::State::showShape(std::chrono::steady_clock::time_point start) {
     });
     for (auto& e : elements) holdNormals(e);
     closeSeams();
+    jobs.run(Stage::Normals, frame);
     for (std::size_t e = 0; deformInput && e < elements.size(); ++e) fillDeformInput(e);
     const auto done = std::chrono::steady_clock::now();
     stats.jointsMs = milliseconds(start, weighed);
@@ -130,6 +135,17 @@ Points Character::positions(int element) const {
     return out;
 }
 
+Character::Surface Character::renderSurface(int mesh) const { return state_->renderMeshes->surface(mesh); }
+
+Points Character::renderPositions(int mesh) const {
+    const auto& tables = state_->renderMeshes->tables(mesh);
+    std::vector<Points> bodies(state_->frame.elements.size());
+    for (const auto e : tables.elements) bodies[static_cast<std::size_t>(e)] = positions(e);
+    return state_->renderMeshes->positions(state_->frame, mesh, bodies);
+}
+
+const Points& Character::renderRestPositions(int mesh) const { return state_->renderMeshes->tables(mesh).rest; }
+
 const Eigen::VectorXd& Character::jointParameters(int element) const { return state_->frame.elements[element].v; }
 
 Eigen::Isometry3d Character::frame(int element) const {
@@ -144,7 +160,8 @@ const Character::Stats& Character::stats() const { return state_->frame.stats; }
 
 Character::Memory Character::memory(int element) const {
     const auto& e = state_->frame.elements[element];
-    return {e.blocks.responseBytes(), e.blocks.rest().bytes() + e.local.bytes() + e.positions.bytes() + e.normals.bytes() + e.runtime->stencils.size() * sizeof(NormalStencil)};
+    return {e.blocks.responseBytes(), e.blocks.rest().bytes() + e.local.bytes() + e.positions.bytes() + e.normals.bytes() + e.runtime->stencils.size() * sizeof(NormalStencil) +
+                                           (e.runtime->embedded ? e.runtime->embedded->mapping.bytes() : 0)};
 }
 
 double Character::formatError(int element) const { return state_->frame.elements[element].blocks.error(); }

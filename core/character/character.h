@@ -11,6 +11,7 @@
 
 #include "core/character/character_shape.h"
 #include "core/character/effect_settings.h"
+#include "core/character/embedded_mesh.h"
 #include "core/character/frame_job.h"
 #include "core/character/response_format.h"
 #include "core/joints/joint_face.h"
@@ -33,6 +34,7 @@ struct CharacterInput {
         std::vector<int> bones;                           ///< bones that run through it; empty: it stays at rest
         /// True: joint planes at its faces are not bisected, they turn with this element (model.md section 4, free ends).
         bool leadsJointPlanes = false;
+        std::shared_ptr<const EmbeddedPoints> embedded;   ///< what its body moves besides itself; null: nothing
     };
     /// One joint: faces that must look like one surface, at one joint point.
     struct Joint {
@@ -48,6 +50,8 @@ struct CharacterInput {
     Skeleton skeleton;
     std::vector<Element> elements;
     std::vector<Joint> joints;  ///< every joint face belongs to exactly one joint
+    /// What is seen instead of the bodies that move it. Bodies under them are evaluated as far as these need them, and wholly when somebody asks (surface()).
+    std::vector<std::shared_ptr<const EmbeddedMesh>> renderMeshes;
     BasisChoice basis;
     CharacterEffects effects;
     ResponseFormat format = ResponseFormat::Float;
@@ -102,18 +106,23 @@ public:
         int vertices = 0;
         std::uint64_t revision = 0;        ///< changes when the content does
     };
-    /// Of an element that somebody else deforms this evaluates the vertices now, on this thread.
+    /// Of an element that somebody else deforms, or whose body is under a render mesh, this evaluates the vertices now, on this thread.
     [[nodiscard]] Surface surface(int element) const;
+    /// The same of a render mesh: its vertices in the order of its file, and their normals (RenderMeshTables).
+    [[nodiscard]] Surface renderSurface(int mesh) const;
 
     /// With what others may deform the surfaces, a graphics card for one (deform_input.h). Kept up to date by update() from the first call on, which
     /// allocates.
     const DeformInput& deformInput();
     /// From the next update() on, somebody else deforms this element, where it can be: update() leaves its vertices alone but for frames in which a
-    /// finger presses. False: it is deformed here (the bend warp and joints of the previous model are more than a product).
+    /// finger presses. False: it is deformed here (the bend warp and joints of the previous model are more than a product, and render meshes need vertices).
     bool deformExternally(int element, bool external);
 
     /// The same pose in double precision for files and measurements: #body vertices x 3, world. Allocates.
     [[nodiscard]] Points positions(int element) const;
+    /// The same of a render mesh: #vertices x 3.
+    [[nodiscard]] Points renderPositions(int mesh) const;
+    [[nodiscard]] const Points& renderRestPositions(int mesh) const;  ///< #vertices x 3, m
 
     /// Joint parameters v of an element as last updated (all faces, see ElementResponse), and the rigid motion of its frame.
     [[nodiscard]] const Eigen::VectorXd& jointParameters(int element) const;

@@ -14,6 +14,11 @@ namespace {
 // A vertex at the rim of a joined face that has no partner takes the normal of the nearest place on the other rim within this many face sizes.
 constexpr double kNearRim = 0.1;
 
+/// The block that has a free vertex.
+std::size_t blockOf(const ResponseBlocks& blocks, std::int32_t vertex) {
+    return static_cast<std::size_t>(std::upper_bound(blocks.first(), blocks.first() + blocks.count(), vertex) - blocks.first()) - 1;
+}
+
 }  // namespace
 
 Result<Character> Character::build(CharacterInput input, const Character* previous) {
@@ -22,13 +27,13 @@ Result<Character> Character::build(CharacterInput input, const Character* previo
         for (const auto& e : previous->state_->frame.elements) known.add(e.runtime);
     if (auto ok = checkInput(input, known); !ok) return tl::unexpected(ok.error());
     auto state = std::make_unique<State>(std::move(input));
-    if (auto ok = state->build(known); !ok) return tl::unexpected(ok.error());
+    if (auto ok = state->build(known, previous ? previous->state_->renderMeshes : nullptr); !ok) return tl::unexpected(ok.error());
     return Character(std::move(state));
 }
 
 Character::State::State(CharacterInput given) : frame(std::move(given)), kinematics(frame.input.skeleton) {}
 
-Result<void> Character::State::build(const ElementRuntimes& known) {
+Result<void> Character::State::build(const ElementRuntimes& known, const RenderMeshJob* knownMeshes) {
     const auto& input = frame.input;
     frame.joints.resize(input.joints.size());
     frame.elements.resize(input.elements.size());
@@ -46,6 +51,8 @@ Result<void> Character::State::build(const ElementRuntimes& known) {
         if (!runtime) return tl::unexpected(runtime.error());
         frame.elements[e].runtime = std::move(*runtime);
     }
+    for (const auto& mesh : input.renderMeshes)
+        for (const auto& v : mesh->vertices) frame.elements[static_cast<std::size_t>(v.element)].unseen = true;
     const auto contractions = leastEnergyContractions(input);
     for (std::size_t j = 0; j < input.joints.size(); ++j) buildJoint(j, contractions[j]);
     for (std::size_t e = 0; e < frame.elements.size(); ++e) buildElement(e);
@@ -53,6 +60,7 @@ Result<void> Character::State::build(const ElementRuntimes& known) {
     for (const auto& effect : input.effects)
         if (auto ok = effect->addJob(frame, jobs); !ok) return ok;
     touch = jobs.find<TouchJob>();
+    if (!input.renderMeshes.empty()) renderMeshes = &jobs.add<RenderMeshJob>(frame, knownMeshes);
     std::vector<std::vector<std::int32_t>> rimOf;
     for (const auto& e : frame.elements) rimOf.emplace_back(e.runtime->vertices, -1);
     for (const auto& joint : input.joints) buildSeam(joint, rimOf);
@@ -66,13 +74,14 @@ Result<void> Character::State::build(const ElementRuntimes& known) {
 
 Result<std::shared_ptr<const ElementRuntime>> Character::State::runtimeOf(std::size_t e, const ElementRuntimes& known) const {
     const auto& given = frame.input.elements[e];
-    ElementRuntime::Input input{given.mesh, given.faces, given.response, {}, frame.input.format, {}, given.nu};
+    ElementRuntime::Input input{given.mesh, given.faces, given.response, {}, frame.input.format, {}, given.nu, given.embedded};
     for (const int j : frame.elements[e].jointOf) input.covered.push_back(frame.input.joints[static_cast<std::size_t>(j)].faces.size() >= 2);
     for (const auto& effect : frame.input.effects)
         if (effect->on(e)) effect->ask(input.tables);
     if (!given.response || given.response->loads.size() == 0) input.tables.loads.clear();
     if (auto found = known.find(input)) return found;
-    return ElementRuntime::build(std::move(input));
+    auto embedded = known.findEmbedded(input);
+    return ElementRuntime::build(std::move(input), std::move(embedded));
 }
 
 void Character::State::buildJoint(std::size_t j, double contraction) {
@@ -116,20 +125,46 @@ void Character::State::buildElement(std::size_t e) {
     out.blocks = runtime.blocks;
     out.local = AlignedBuffer<float>(out.blocks.rest().size());
     const std::size_t padded = (runtime.vertices + kVertexBlock - 1) / kVertexBlock * kVertexBlock + kVertexBlock;
-    out.positions = AlignedBuffer<float>(3 * padded);
+    out.positions = AlignedBuffer<float>(3 * runtime.paddedVertices());
     out.normals = AlignedBuffer<float>(3 * padded);
     splitWork(e);
 }
 
 void Character::State::splitWork(std::size_t e) {
-    const auto& runtime = *frame.elements[e].runtime;
-    const auto split = [e](std::vector<Piece>& pieces, std::size_t count, std::size_t bytesEach, std::size_t grain) {
+    auto& out = frame.elements[e];
+    const auto& runtime = *out.runtime;
+    // Pieces end where `seen` changes.
+    const auto split = [e](std::vector<Piece>& pieces, std::size_t count, std::size_t bytesEach, std::size_t grain, const std::vector<char>& seen) {
         std::size_t each = std::max<std::size_t>(Frame::kBytesPerPiece / std::max<std::size_t>(bytesEach, 1), 1);
         each = (each + grain - 1) / grain * grain;
-        for (std::size_t i = 0; i < count; i += each) pieces.push_back({static_cast<int>(e), i, std::min(i + each, count)});
+        for (std::size_t i = 0, end = 0; i < count; i = end) {
+            end = std::min(i + each, count);
+            if (!seen.empty()) end = static_cast<std::size_t>(std::find(seen.begin() + static_cast<std::ptrdiff_t>(i), seen.begin() + static_cast<std::ptrdiff_t>(end), !seen[i]) - seen.begin());
+            pieces.push_back({static_cast<int>(e), i, end, !seen.empty() && !seen[i]});
+        }
     };
-    split(productPieces, runtime.blocks.count(), runtime.blocks.bytesPerBlock(), 1);
-    split(normalPieces, runtime.vertices, sizeof(NormalStencil) + 6 * sizeof(float), kVertexBlock);
+    const auto seen = out.unseen ? seenBlocks(e) : std::vector<char>();
+    split(productPieces, runtime.blocks.count(), runtime.blocks.bytesPerBlock(), 1, seen);
+    split(normalPieces, runtime.vertices, sizeof(NormalStencil) + 6 * sizeof(float), kVertexBlock, {});
+    out.evaluatedVertices = static_cast<int>(runtime.free.size());
+    if (!out.unseen) return;
+    if (runtime.embedded) out.evaluatedVertices += static_cast<int>(runtime.embedded->rows.size());
+    for (const auto v : runtime.free)
+        if (!seen[blockOf(runtime.blocks, v)]) --out.evaluatedVertices;
+}
+
+std::vector<char> Character::State::seenBlocks(std::size_t e) const {
+    const auto& runtime = *frame.elements[e].runtime;
+    std::vector<char> isFree(runtime.vertices, 0), seen(runtime.blocks.count(), 1);
+    for (const auto v : runtime.free) isFree[static_cast<std::size_t>(v)] = 1;
+    std::fill_n(seen.begin(), runtime.bodyBlocks, 0);
+    for (const auto& mesh : frame.input.renderMeshes)
+        for (const auto& v : mesh->vertices) {
+            if (v.element != static_cast<int>(e)) continue;
+            const std::int32_t vertex = elementVertex(v, runtime);
+            if (vertex < static_cast<std::int32_t>(runtime.vertices) && isFree[static_cast<std::size_t>(vertex)]) seen[blockOf(runtime.blocks, vertex)] = 1;
+        }
+    return seen;
 }
 
 // Vertices of the second face that are welded to the first one are placed from there: seams are closed by construction.

@@ -8,6 +8,7 @@
 #include "core/character/frame.h"
 #include "core/character/frame_job.h"
 #include "core/character/deform_input.h"
+#include "core/character/render_mesh_job.h"
 #include "core/character/touch_job.h"
 #include "core/skeleton/skeleton.h"
 
@@ -27,17 +28,20 @@ struct Character::State {
     struct Piece {
         int element = 0;
         std::size_t begin = 0, end = 0;
+        bool unseen = false;  // of blocks: no render mesh needs their vertices (ElementFrame::unseen)
     };
 
     explicit State(CharacterInput given);
 
     // Once (character_build.cpp).
-    Result<void> build(const ElementRuntimes& known);
+    Result<void> build(const ElementRuntimes& known, const RenderMeshJob* knownMeshes);
     Result<std::shared_ptr<const ElementRuntime>> runtimeOf(std::size_t e, const ElementRuntimes& known) const;
     void buildJoint(std::size_t j, double contraction);
     void buildElement(std::size_t e);
     void holdFaces(std::size_t j);
     void splitWork(std::size_t e);
+    // Per block of an element: some of its vertices are seen. Embedded points are.
+    [[nodiscard]] std::vector<char> seenBlocks(std::size_t e) const;
     // Which vertices of two joined rims share normals. rimOf: per element and body vertex, its index in the rim, -1: none yet.
     void buildSeam(const CharacterInput::Joint& joint, std::vector<std::vector<std::int32_t>>& rimOf);
 
@@ -65,7 +69,7 @@ struct Character::State {
     bool closeSeam(const SeamNormal& s);
 
     // Deformation by others (deform_input.cpp).
-    [[nodiscard]] bool canDeformExternally(const ElementFrame& e) const { return !e.runtime->warp && frame.offsets.empty(); }
+    [[nodiscard]] bool canDeformExternally(const ElementFrame& e) const { return !e.runtime->warp && !e.unseen && frame.offsets.empty(); }
     void buildDeformInput();
     void fillDeformInput(std::size_t e);
     // Positions and normals of an element as of the last update().
@@ -77,6 +81,7 @@ struct Character::State {
     FrameJobs jobs;
     const Pose poseOfRest = restPose(frame.input.skeleton);
     TouchJob* touch = nullptr;  // of jobs, null: none
+    RenderMeshJob* renderMeshes = nullptr;
     InverseKinematics kinematics;
     std::vector<std::vector<int>> jointsOf;  // per element: those that its faces belong to, ascending
     std::vector<SeamNormal> seams;

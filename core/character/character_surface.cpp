@@ -46,8 +46,9 @@ void Character::State::decideWork(std::size_t e) {
         out.placement.shift[i] = static_cast<float>(shift[i]);
         for (int k = 0; k < 3; ++k) out.placement.linear[3 * i + k] = static_cast<float>(out.frame.linear(i, k));
     }
-    out.pending = external;
-    if (sameShape && out.localShown) {
+    out.pending = external || out.unseen;
+    out.partial = out.unseen && !out.wantsLocal && !runtime.warp;
+    if (sameShape && out.localShown && (out.partial || !out.localPart)) {
         out.work = external ? VertexWork::None : VertexWork::Place;
         return;
     }
@@ -60,12 +61,13 @@ void Character::State::decideWork(std::size_t e) {
     }
     // Who bends goes on bending, mostly: the bent shape is kept when it moves as it is, and at the start.
     out.localShown = sameShape || !out.shown || out.wantsLocal;
+    out.localPart = out.partial;
     out.work = out.localShown ? VertexWork::EvaluateAndKeep : VertexWork::Evaluate;
     if (!sameShape) out.shownWeights = out.weights();
     out.blocks.weigh(out.shownWeights);
     out.shown = true;
     ++frame.stats.evaluatedElements;
-    frame.stats.evaluatedVertices += static_cast<int>(runtime.free.size());
+    frame.stats.evaluatedVertices += out.evaluatedVertices;
 }
 
 void Character::State::showPositions(ElementFrame& out, std::size_t begin, std::size_t end) {
@@ -78,7 +80,7 @@ void Character::State::showPositions(ElementFrame& out, std::size_t begin, std::
 }
 
 void Character::State::holdVertices(ElementFrame& out) const {
-    if (!out.moved || out.pending) return;
+    if (!out.moved || (out.pending && !out.unseen)) return;
     const auto put = [&out](const HeldVertex& h, const Vec3& p) {
         for (int i = 0; i < 3; ++i) out.positions[3 * static_cast<std::size_t>(h.vertex) + i] = static_cast<float>(p[i]);
     };

@@ -43,6 +43,43 @@ Result<void> checkBody(const CharacterInput::Element& element) {
     return {};
 }
 
+Result<void> checkEmbedded(const CharacterInput::Element& element) {
+    const EmbeddedPoints& points = *element.embedded;
+    const auto count = points.rest.rows();
+    if (!allFinite(points.rest) || !allFinite(points.normals)) return bad("an embedded point or its normal is not a number");
+    if ((points.normals.rows() != 0 && points.normals.rows() != count) || (!points.bodyVertex.empty() && static_cast<Eigen::Index>(points.bodyVertex.size()) != count))
+        return bad("the normals or body vertices of embedded points are not as many as the points");
+    for (const auto v : points.bodyVertex)
+        if (v < -1 || v >= element.mesh->body.vertices.rows()) return bad("an embedded point names a body vertex that is not there");
+    std::vector<char> attached(static_cast<std::size_t>(count), 0);
+    for (const auto& part : points.attached) {
+        if (!allFinite(part.pivot)) return bad("the pivot of an attached part is not a number");
+        for (const auto i : part.points) {
+            if (i < 0 || i >= count) return bad("an attached part names a point that is not there");
+            if (attached[static_cast<std::size_t>(i)]++) return bad("two attached parts share a point");
+            if (!points.bodyVertex.empty() && points.bodyVertex[static_cast<std::size_t>(i)] >= 0) return bad("an attached point is at a body vertex, too");
+        }
+    }
+    return {};
+}
+
+Result<void> checkRenderMeshes(const CharacterInput& input) {
+    for (const auto& mesh : input.renderMeshes) {
+        if (!mesh) return bad("a render mesh is missing");
+        const auto count = static_cast<Eigen::Index>(mesh->vertices.size());
+        if (mesh->triangles.size() > 0 && (mesh->triangles.minCoeff() < 0 || mesh->triangles.maxCoeff() >= count)) return bad("a triangle of a render mesh has a corner that is not there");
+        if (mesh->normals.rows() != 0 && mesh->normals.rows() != count) return bad("the normals of a render mesh are not as many as its vertices");
+        if (!allFinite(mesh->normals)) return bad("a normal of a render mesh is not a number");
+        for (const auto& v : mesh->vertices) {
+            if (!in(v.element, static_cast<int>(input.elements.size()))) return bad("a render mesh names an element that is not there");
+            const auto& element = input.elements[static_cast<std::size_t>(v.element)];
+            const Eigen::Index points = v.onBody ? element.mesh->body.vertices.rows() : element.embedded ? element.embedded->rest.rows() : 0;
+            if (v.index < 0 || v.index >= points) return bad("a render mesh names a point that is not there");
+        }
+    }
+    return {};
+}
+
 Result<void> checkResponse(const CharacterInput::Element& element) {
     const auto& r = *element.response;
     const auto vertices = element.mesh->body.vertices.rows();
@@ -104,7 +141,10 @@ Result<void> checkInput(const CharacterInput& input, const ElementRuntimes& know
         if (!(element.density > 0.0) || !std::isfinite(element.density)) return bad("an element has no density");
         if (!fits && element.response)
             if (auto ok = checkResponse(element); !ok) return ok;
+        if (element.embedded)
+            if (auto ok = checkEmbedded(element); !ok) return ok;
     }
+    if (auto ok = checkRenderMeshes(input); !ok) return ok;
     if (auto ok = checkJoints(input); !ok) return ok;
     for (const auto& effect : input.effects)
         if (auto ok = effect->validate(); !ok) return ok;

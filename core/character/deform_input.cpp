@@ -36,7 +36,7 @@ void Character::State::buildDeformInput() {
         out.faces = static_cast<int>(from.jointOf.size());
         out.scale = static_cast<float>(runtime.scale());
         out.blocks = from.blocks.view();
-        out.blockCount = from.blocks.count();
+        out.blockCount = runtime.bodyBlocks;
         out.free = &runtime.free;
         out.stencils = runtime.stencils.data();
         std::vector<int> faceOf(runtime.vertices, -1);
@@ -98,11 +98,17 @@ void Character::State::evaluateHere(std::size_t e) {
     auto& out = frame.elements[e];
     out.pending = false;
     out.moved = out.seamsOpen = true;
-    out.work = out.localShown ? VertexWork::Place : VertexWork::EvaluateAndKeep;
-    out.localShown = true;
+    if (out.unseen) {
+        // Render meshes have what they need.
+        out.work = !out.partial ? VertexWork::None : out.localShown ? VertexWork::EvaluateAndKeep : VertexWork::Evaluate;
+        out.partial = out.localPart = false;
+    } else {
+        out.work = out.localShown ? VertexWork::Place : VertexWork::EvaluateAndKeep;
+        out.localShown = true;
+    }
     const auto mine = [e](const Piece& p) { return p.element == static_cast<int>(e); };
     frame.share(out.blocks.count() * out.blocks.bytesPerBlock(), productPieces, [&](const Piece& p) {
-        if (mine(p)) showPositions(out, p.begin, p.end);
+        if (mine(p) && (!out.unseen || p.unseen)) showPositions(out, p.begin, p.end);
     });
     out.work = VertexWork::None;
     holdVertices(out);

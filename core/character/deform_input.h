@@ -36,7 +36,7 @@ struct DeformInput {
     };
     struct Element {
         bool possible = false;                ///< Character::deformExternally() is not refused
-        bool external = false;                ///< in this frame; else `positions` are up to date
+        bool external = false;                ///< in this frame; else `positions` are up to date, once surface() was asked for where a render mesh is seen
         const float* positions = nullptr;     ///< #vertices x 3, m, world
         int vertices = 0, faces = 0;
         float scale = 1.0f;                   ///< of normals, see findNormals()

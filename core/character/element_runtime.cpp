@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "core/base/parallel.h"
 #include "core/character/normal_stencils.h"
 
 namespace imomushi {
@@ -17,8 +18,8 @@ bool sameFaces(const std::vector<JointFace>& a, const std::vector<JointFace>& b)
 }
 
 bool same(const ElementRuntime::Input& a, const ElementRuntime::Input& b) {
-    return a.mesh == b.mesh && a.response == b.response && a.format == b.format && a.tables == b.tables && (!a.tables.warp || a.nu == b.nu) && a.covered == b.covered &&
-           sameFaces(a.faces, b.faces);
+    return a.mesh == b.mesh && a.response == b.response && a.format == b.format && a.tables == b.tables && (!(a.tables.warp || a.embedded) || a.nu == b.nu) && a.covered == b.covered &&
+           a.embedded == b.embedded && sameFaces(a.faces, b.faces);
 }
 
 void findColumnSizes(ElementRuntime& out) {
@@ -58,9 +59,104 @@ Eigen::MatrixXd responseWithLoads(ElementRuntime& out) {
     return response;
 }
 
+std::size_t padded(std::size_t vertices) { return (vertices + kVertexBlock - 1) / kVertexBlock * kVertexBlock + kVertexBlock; }
+
+Result<std::shared_ptr<const EmbeddedTables>> embed(const ElementRuntime& runtime) {
+    const auto& given = runtime.input;
+    const EmbeddedPoints& points = *given.embedded;
+    const auto count = static_cast<std::size_t>(points.rest.rows());
+    auto made = std::make_shared<EmbeddedTables>();
+    EmbeddedTables& out = *made;
+    out.first = padded(runtime.vertices);
+    out.parts = points.attached.size();
+    out.count = count + EmbeddedTables::kFrameVertices * out.parts;
+    out.reach = runtime.size > 0.0 ? runtime.size : 1.0;
+    std::vector<char> elsewhere(count, 0);
+    for (std::size_t i = 0; i < points.bodyVertex.size(); ++i) elsewhere[i] = points.bodyVertex[i] >= 0;
+    for (const auto& part : points.attached)
+        for (const auto i : part.points) elsewhere[static_cast<std::size_t>(i)] = 1;
+    for (std::size_t i = 0; i < count; ++i)
+        if (!elsewhere[i]) out.rows.push_back(static_cast<std::int32_t>(out.first + i));
+    const std::size_t plain = out.rows.size();
+    const auto all = static_cast<Eigen::Index>(plain + EmbeddedTables::kFrameVertices * out.parts);
+    Points rest(all, 3), normals = Points::Zero(all, 3);
+    std::vector<std::int32_t> place(static_cast<std::size_t>(all));
+    for (std::size_t i = 0; i < plain; ++i) {
+        const auto from = static_cast<Eigen::Index>(static_cast<std::size_t>(out.rows[i]) - out.first), to = static_cast<Eigen::Index>(i);
+        rest.row(to) = points.rest.row(from);
+        if (points.normals.rows() > 0) normals.row(to) = points.normals.row(from);
+        place[i] = static_cast<std::int32_t>(i);
+    }
+    for (std::size_t a = 0; a < out.parts; ++a)
+        for (std::size_t k = 0; k < EmbeddedTables::kFrameVertices; ++k) {
+            const std::size_t i = plain + EmbeddedTables::kFrameVertices * a + k;
+            rest.row(static_cast<Eigen::Index>(i)) = points.attached[a].pivot.transpose();
+            if (k > 0) rest(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k - 1)) += out.reach;
+            place[i] = static_cast<std::int32_t>(i - k);
+            out.rows.push_back(static_cast<std::int32_t>(out.frameOf(a) + k));
+        }
+    EmbeddedMapping::Input mapping;
+    mapping.body = &given.mesh->body;
+    mapping.faces = given.faces;
+    mapping.covered = given.covered;
+    mapping.points = &rest;
+    mapping.normals = &normals;
+    mapping.place = place;
+    mapping.nu = given.nu;
+    mapping.threads = hardwareThreads();
+    auto built = EmbeddedMapping::build(mapping);
+    if (!built) return tl::unexpected(built.error());
+    out.mapping = std::move(*built);
+    return std::shared_ptr<const EmbeddedTables>(std::move(made));
+}
+
+/// Displacements of all body vertices per column: those of free ones, and what the bases of faces say of held ones. 3 #V x columns.
+Eigen::MatrixXd wholeResponse(const ElementRuntime& runtime, const Eigen::MatrixXd& response) {
+    const auto& given = runtime.input;
+    const auto& body = given.mesh->body;
+    Eigen::MatrixXd out = Eigen::MatrixXd::Zero(3 * body.vertices.rows(), response.cols());
+    for (std::size_t i = 0; i < runtime.free.size(); ++i) out.middleRows<3>(3 * runtime.free[i]) = response.middleRows<3>(3 * static_cast<Eigen::Index>(i));
+    for (std::size_t f = 0; given.response && f < given.faces.size(); ++f) {
+        const auto& face = given.faces[f];
+        const FaceBasis& basis = given.response->bases[f];
+        int i = 0;
+        for (const auto v : face.vertices)
+            out.block(3 * v, given.response->firstColumn[f], 3, basis.columns()) = face.frame.axes * basis.at(face.frame.toLocal(body.vertices.row(v).transpose()), i++);
+    }
+    return out;
+}
+
+/// Blocks of the body and, where they are a product, of embedded points.
+ResponseBlocks blocksOf(ElementRuntime& runtime) {
+    const auto& given = runtime.input;
+    const Points& body = given.mesh->body.vertices;
+    const Eigen::MatrixXd response = responseWithLoads(runtime);
+    const bool warped = given.response && !given.faces.empty() && given.tables.warp;
+    if (!runtime.embedded || warped || runtime.embedded->rows.empty()) return {body, runtime.free, runtime.middle, response, given.format};
+    const EmbeddedTables& embedded = *runtime.embedded;
+    const auto own = static_cast<Eigen::Index>(3 * runtime.free.size()), more = static_cast<Eigen::Index>(3 * embedded.rows.size());
+    Eigen::MatrixXd all(own + more, response.cols());
+    all.topRows(own) = response;
+    all.bottomRows(more) = embedded.mapping.apply(wholeResponse(runtime, response), hardwareThreads());
+    Points rest = Points::Zero(static_cast<Eigen::Index>(embedded.first + embedded.count), 3);
+    rest.topRows(body.rows()) = body;
+    rest.middleRows(static_cast<Eigen::Index>(embedded.first), given.embedded->rest.rows()) = given.embedded->rest;
+    for (std::size_t a = 0; a < embedded.parts; ++a)
+        for (std::size_t k = 0; k < EmbeddedTables::kFrameVertices; ++k) {
+            const auto row = static_cast<Eigen::Index>(embedded.frameOf(a) + k);
+            rest.row(row) = given.embedded->attached[a].pivot.transpose();
+            if (k > 0) rest(row, static_cast<Eigen::Index>(k - 1)) += embedded.reach;
+        }
+    std::vector<std::int32_t> rows = runtime.free;
+    rows.insert(rows.end(), embedded.rows.begin(), embedded.rows.end());
+    return {rest, rows, runtime.middle, all, given.format};
+}
+
 }  // namespace
 
-Result<std::shared_ptr<const ElementRuntime>> ElementRuntime::build(Input input) {
+std::size_t ElementRuntime::paddedVertices() const { return embedded ? padded(embedded->first + embedded->count) : padded(vertices); }
+
+Result<std::shared_ptr<const ElementRuntime>> ElementRuntime::build(Input input, std::shared_ptr<const EmbeddedTables> embedded) {
     auto made = std::make_shared<ElementRuntime>();
     ElementRuntime& out = *made;
     out.input = std::move(input);
@@ -97,9 +193,16 @@ Result<std::shared_ptr<const ElementRuntime>> ElementRuntime::build(Input input)
         for (std::size_t v = 0; v < out.vertices; ++v)
             if (!onFace[v]) out.free.push_back(static_cast<std::int32_t>(v));
 
-    out.blocks = ResponseBlocks(body.vertices, out.free, out.middle, responseWithLoads(out), given.format);
+    if (given.embedded && !embedded) {
+        auto tables = embed(out);
+        if (!tables) return tl::unexpected(tables.error());
+        embedded = std::move(*tables);
+    }
+    out.embedded = std::move(embedded);
+    out.blocks = blocksOf(out);
+    out.bodyBlocks = static_cast<std::size_t>(std::lower_bound(out.blocks.first(), out.blocks.first() + out.blocks.count(), static_cast<std::int32_t>(out.vertices)) - out.blocks.first());
     out.stencils = normalStencils(body.vertices, triangles, out.scale());
-    const std::span<const std::int32_t> first(out.blocks.first(), out.blocks.count());
+    const std::span<const std::int32_t> first(out.blocks.first(), out.bodyBlocks);
     if (given.response && !given.faces.empty()) {
         if (given.tables.warp) {
             auto warp = BendWarpTables::build(body, given.faces, *given.response, given.nu, first, out.middle, {});
@@ -125,6 +228,16 @@ std::shared_ptr<const ElementRuntime> ElementRuntimes::find(const ElementRuntime
     const auto [begin, end] = byMesh_.equal_range(input.mesh.get());
     const auto found = std::find_if(begin, end, [&](const auto& known) { return same(known.second->input, input); });
     return found == end ? nullptr : found->second;
+}
+
+std::shared_ptr<const EmbeddedTables> ElementRuntimes::findEmbedded(const ElementRuntime::Input& input) const {
+    if (!input.embedded) return nullptr;
+    const auto [begin, end] = byMesh_.equal_range(input.mesh.get());
+    const auto found = std::find_if(begin, end, [&](const auto& known) {
+        const auto& i = known.second->input;
+        return i.embedded == input.embedded && i.nu == input.nu && i.covered == input.covered && sameFaces(i.faces, input.faces);
+    });
+    return found == end ? nullptr : found->second->embedded;
 }
 
 bool ElementRuntimes::knows(const std::shared_ptr<const ElementMesh>& mesh, const std::vector<JointFace>& faces,

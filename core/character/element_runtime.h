@@ -7,10 +7,12 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/character/embedded_mesh.h"
 #include "core/character/response_blocks.h"
 #include "core/character/vertex_kernels.h"
 #include "core/joints/joint_face.h"
 #include "core/reduction/element_response.h"
+#include "core/reduction/embedded_mapping.h"
 #include "core/touch/touch_blocks.h"
 #include "core/touch/touch_surface.h"
 #include "core/warp/bend_warp_tables.h"
@@ -25,6 +27,20 @@ struct ElementTables {
     bool operator==(const ElementTables&) const = default;
 };
 
+/// The embedded points of an element as frames read them. Among the element's vertices they follow those of the body and a gap: point i is vertex first + i, then
+/// come kFrameVertices per attached part: its pivot, and points in x, y and z from there (reach, m).
+struct EmbeddedTables {
+    static constexpr std::size_t kFrameVertices = 4;
+    std::size_t first = 0;
+    std::size_t count = 0;           ///< with those of attached parts
+    double reach = 1.0;
+    std::vector<std::int32_t> rows;  ///< the vertex of each point of the mapping, ascending: neither those at body vertices nor those that are attached
+    EmbeddedMapping mapping;
+
+    [[nodiscard]] std::size_t frameOf(std::size_t attached) const { return first + count - kFrameVertices * (parts - attached); }
+    std::size_t parts = 0;           ///< attached ones
+};
+
 /// What the frames of one element read and never change: it follows from its mesh, joint faces, response and settings alone, not from the pose nor from
 /// other elements. Characters share runtimes: one that is built again takes over those whose input did not change.
 struct ElementRuntime {
@@ -35,7 +51,8 @@ struct ElementRuntime {
         std::vector<char> covered;  ///< per face, 1: another face of its joint covers it, and its triangles are not seen
         ResponseFormat format = ResponseFormat::Float;
         ElementTables tables;
-        double nu = 0.45;  ///< Poisson ratio, for the warp
+        double nu = 0.45;  ///< Poisson ratio, for the warp and embedded points
+        std::shared_ptr<const EmbeddedPoints> embedded;  ///< may be null
     };
     /// Vertices whose triangles are all covered: they take the normal of their face.
     struct Hidden {
@@ -45,13 +62,17 @@ struct ElementRuntime {
     };
 
     /// Tables that the response has nothing for are left out. Errors: "bad-value" (the response belongs to another mesh or other faces).
-    static Result<std::shared_ptr<const ElementRuntime>> build(Input input);
+    /// embedded: tables of ElementRuntimes::findEmbedded(), or null.
+    static Result<std::shared_ptr<const ElementRuntime>> build(Input input, std::shared_ptr<const EmbeddedTables> embedded = nullptr);
 
     [[nodiscard]] double scale() const { return size > 0.0 ? 1.0 / size : 1.0; }
     [[nodiscard]] int columns() const { return input.response ? input.response->columns() : 0; }  ///< of v
 
+    /// Of the body and embedded points, with the room that kernels write to behind them.
+    [[nodiscard]] std::size_t paddedVertices() const;
+
     Input input;
-    std::size_t vertices = 0;
+    std::size_t vertices = 0;             ///< of the body
     Vec3 middle = Vec3::Zero();           ///< of its box at rest, m
     double size = 0.0;                    ///< diagonal of its box, m
     std::vector<Points> restOfFace;       ///< per face, its vertices in its axes; without a response: none
@@ -59,7 +80,9 @@ struct ElementRuntime {
     std::vector<Hidden> hidden;
     std::vector<NormalStencil> stencils;  ///< per vertex
     Eigen::VectorXd columnSize;           ///< per column (of v, then loads): the largest displacement per unit, m
-    ResponseBlocks blocks;
+    ResponseBlocks blocks;                ///< of free body vertices; of embedded points behind them where they are a product: without a warp
+    std::size_t bodyBlocks = 0;           ///< those of the body
+    std::shared_ptr<const EmbeddedTables> embedded;  ///< null: there are none
     std::shared_ptr<const BendWarpTables> warp;  ///< null: not asked for
     std::shared_ptr<const TouchSurface> touch;   ///< null: not asked for
     TouchBlocks touchBlocks;
@@ -71,6 +94,8 @@ public:
     void add(std::shared_ptr<const ElementRuntime> runtime);
     /// Null: there is none of this input.
     [[nodiscard]] std::shared_ptr<const ElementRuntime> find(const ElementRuntime::Input& input) const;
+    /// The embedded tables of this input from a runtime with another response. Null: there is none.
+    [[nodiscard]] std::shared_ptr<const EmbeddedTables> findEmbedded(const ElementRuntime::Input& input) const;
     /// One of this mesh, these faces and this response exists: they fit each other.
     [[nodiscard]] bool knows(const std::shared_ptr<const ElementMesh>& mesh, const std::vector<JointFace>& faces,
                              const std::shared_ptr<const ElementResponse>& response) const;

@@ -94,6 +94,7 @@ struct ElementFrame {
 
     // Vertices.
     ResponseBlocks blocks;           // of the runtime, with the weights of this frame
+    int evaluatedVertices = 0;       // in a frame: free ones; where the body is not seen those that render meshes need, and embedded points
     bool wantsLocal = false;         // Stage::Weights: a job reads `local` in this frame
     VertexWork work = VertexWork::None;
     AffineFloat placement{};
@@ -108,6 +109,11 @@ struct ElementFrame {
     bool external = false;       // and done, since the last update()
     bool pending = false;        // positions and normals here are not those of the last update()
     bool seamsOpen = false;      // normals on seams are not
+
+    // Under render meshes its body is not seen: of its vertices a frame evaluates those that they need, and no normals; the rest when somebody asks.
+    bool unseen = false;         // fixed by the character
+    bool partial = false;        // of the positions of the body some are not those of the last update()
+    bool localPart = false;      // nor is `local`
 };
 
 struct Frame {

@@ -28,6 +28,8 @@ enum class Stage {
     Weights,      ///< all weights of elements are final; whether positions before placement are needed
     LocalShape,   ///< what is evaluated is decided; positions before placement instead of a product
     Dents,        ///< positions of free vertices; changes of them
+    Placed,       ///< positions of all body vertices, final
+    Normals,      ///< normals of bodies
     kCount
 };
 

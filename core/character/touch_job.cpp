@@ -61,8 +61,9 @@ void TouchJob::press(Element& touched, Frame& frame) {
     if (!dented) return;
     touched.blocks.weigh(out.patchForces);
     std::copy_n(out.local.data(), out.local.size(), touched.dented.data());
-    touched.blocks.add(0, out.blocks.count(), touched.dented.data());
-    place(touched.dented.data(), out.blocks.first(), out.placement, 0, out.blocks.count(), out.positions.data());
+    const std::size_t blocks = out.runtime->bodyBlocks;
+    touched.blocks.add(0, blocks, touched.dented.data());
+    place(touched.dented.data(), out.blocks.first(), out.placement, 0, blocks, out.positions.data());
 }
 
 void TouchJob::aimFingers(Element& touched, const Frame& frame) {

@@ -12,8 +12,8 @@
 #include "core/base/parallel.h"
 #include "core/mesh/bounds.h"
 #include "core/mesh/topology.h"
-#include "core/mesh/triangle_frame.h"
 #include "core/mesh/triangle_tree.h"
+#include "core/reduction/surface_gradient.h"
 
 namespace imomushi {
 namespace {
@@ -26,14 +26,6 @@ constexpr double kReach = 2.0;
 
 /// Vertices per piece of work: some milliseconds.
 constexpr std::size_t kGrain = 4096;
-
-/// The gradient of a displacement with corner values u on a surface free of traction; stretch = nu / (1 - nu).
-Gradient gradientOf(const TriangleFrame& frame, const std::array<Vec3, 3>& u, double stretch) {
-    Gradient along = Gradient::Zero();
-    for (std::size_t c = 0; c < 3; ++c) along += u[c] * frame.slope[c].transpose();
-    const Vec3 across = -(along.transpose() * frame.normal) - stretch * along.trace() * frame.normal;
-    return along + across * frame.normal.transpose();
-}
 
 }  // namespace
 

@@ -22,6 +22,15 @@ Json effectCommand(const char* name, EffectKind effect, const std::optional<std:
     return command;
 }
 
+Json importCommand(const char* name, const Import& import) {
+    Json command = {{"do", name}, {"path", import.path}};
+    if (!import.unit.empty()) command["unit"] = import.unit;
+    if (!import.up.empty()) command["up"] = import.up;
+    return command;
+}
+
+Json planeJson(const Vec3& origin, const Vec3& normal) { return {{"origin", vector(origin)}, {"normal", vector(normal)}}; }
+
 Json recordCommand(const std::string& take, const char* action) { return {{"do", "record"}, {"take", take}, {"action", action}}; }
 
 }  // namespace
@@ -39,11 +48,20 @@ Json writeMesh(const std::string& path, const std::optional<std::string>& elemen
     return command;
 }
 
+Json writeCharacterMesh(const std::string& path, const std::string& character) {
+    return {{"do", "write-mesh"}, {"path", path}, {"state", "current"}, {"character", character}};
+}
+
 Json importElement(const Import& import) {
-    Json command = {{"do", "import-element"}, {"path", import.path}};
-    if (!import.unit.empty()) command["unit"] = import.unit;
-    if (!import.up.empty()) command["up"] = import.up;
+    Json command = importCommand("import-element", import);
     if (import.split) command["split"] = true;
+    return command;
+}
+
+Json importCharacter(const Import& import, const std::string& body, std::optional<double> detail) {
+    Json command = importCommand("import-character", import);
+    if (!body.empty()) command["body"] = body;
+    add(command, "detail", detail);
     return command;
 }
 
@@ -83,8 +101,19 @@ Json addJointFace(const std::string& element, const std::string& name, const std
 }
 
 Json addJointFace(const std::string& element, const std::string& name, const Vec3& origin, const Vec3& normal, double tolerance) {
-    return {{"do", "add-joint-face"}, {"element", element}, {"name", name}, {"plane", {{"origin", vector(origin)}, {"normal", vector(normal)}}}, {"tolerance", tolerance}};
+    return {{"do", "add-joint-face"}, {"element", element}, {"name", name}, {"plane", planeJson(origin, normal)}, {"tolerance", tolerance}};
 }
+
+Json cut(const std::string& element, const Vec3& origin, const Vec3& normal, const std::optional<std::pair<std::string, std::string>>& names,
+         const std::optional<std::string>& name) {
+    Json command = {{"do", "cut"}, {"element", element}, {"plane", planeJson(origin, normal)}};
+    if (names) command["names"] = Json::array({names->first, names->second});
+    add(command, "name", name);
+    return command;
+}
+
+Json moveCut(const std::string& cut, const Vec3& origin, const Vec3& normal) { return {{"do", "move-cut"}, {"cut", cut}, {"plane", planeJson(origin, normal)}}; }
+Json removeCut(const std::string& cut) { return {{"do", "remove-cut"}, {"cut", cut}}; }
 
 Json removeJointFace(const std::string& face) { return {{"do", "remove-joint-face"}, {"face", face}}; }
 Json join(const std::string& a, const std::string& b) { return {{"do", "join"}, {"a", a}, {"b", b}}; }

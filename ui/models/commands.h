@@ -28,6 +28,8 @@ Json saveCopy(const std::string& path);
 Json saveScript(const std::string& path);
 /// As it is posed; one element or all.
 Json writeMesh(const std::string& path, const std::optional<std::string>& element);
+/// The character's own mesh, in the order of its file.
+Json writeCharacterMesh(const std::string& path, const std::string& character);
 
 struct Import {
     std::string path;
@@ -35,6 +37,8 @@ struct Import {
     bool split = false;    ///< an element for each separate part
 };
 Json importElement(const Import& import);
+/// `body`: "auto", "exact", "mended" or "wrapped", empty: auto. `detail`: of a wrap, in diagonals.
+Json importCharacter(const Import& import, const std::string& body = {}, std::optional<double> detail = {});
 
 struct Export {
     std::string path, layout, preset;
@@ -92,7 +96,13 @@ inline Json setEnabled(EffectKind effect, bool on, const std::optional<std::stri
 
 // ---- elements, joint faces, bones ------------------------------------------------------------------------------------------
 
+/// Or a whole character.
 Json removeElement(const std::string& name);
+/// `element`: or a character, whichever of its elements the plane cuts. `names`: of the pieces, the one behind the plane first. m.
+Json cut(const std::string& element, const Vec3& origin, const Vec3& normal, const std::optional<std::pair<std::string, std::string>>& names = {},
+         const std::optional<std::string>& name = {});
+Json moveCut(const std::string& cut, const Vec3& origin, const Vec3& normal);
+Json removeCut(const std::string& cut);
 Json addJointFace(const std::string& element, const std::string& name, const std::vector<std::int32_t>& vertices);
 /// Where a plane cuts the rest shape; m.
 Json addJointFace(const std::string& element, const std::string& name, const Vec3& origin, const Vec3& normal, double tolerance);

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/character/aligned_buffer.h"
+#include "core/character/character.h"
+#include "core/character/frame_job.h"
+#include "core/character/render_mesh_tables.h"
+#include "core/reduction/embedded_mapping.h"
+
+namespace imomushi {
+
+struct ElementFrame;
+
+/// The render meshes of a character: the last job of a frame. Embedded points of elements that are a product come with it (ResponseBlocks); those of
+/// elements that are more follow the surface here, and what a finger dents is carried to them. Joints add their part, attached parts are placed, and vertices are
+/// put into the order of the file.
+///   reads   everything
+///   writes  ElementFrame::positions behind those of the body
+class RenderMeshJob final : public FrameJob {
+public:
+    /// known: tables that may fit, of a character before.
+    RenderMeshJob(const Frame& frame, const RenderMeshJob* known);
+
+    void run(Stage stage, Frame& frame) override;
+    void report(Frame&, double) const override {}  // within the times of the product and of normals
+    [[nodiscard]] std::size_t bytes() const override;
+
+    [[nodiscard]] Character::Surface surface(int mesh) const;
+    /// In double precision: see Character::renderPositions(). bodies: Character::positions() of the elements that it has vertices of, else empty.
+    [[nodiscard]] Points positions(const Frame& frame, int mesh, const std::vector<Points>& bodies) const;
+    [[nodiscard]] const RenderMeshTables& tables(int mesh) const { return *meshes_[static_cast<std::size_t>(mesh)].tables; }
+
+private:
+    enum class Carry { Nothing, Bodies, Dents };
+    struct Element {
+        std::size_t index = 0;
+        std::shared_ptr<const EmbeddedTables> tables;
+        EmbeddedMapping::Gradients gradients;
+        AlignedBuffer<float> dents;  // #body vertices x 3, m, in the frame of the element; where it feels touch
+        Carry carry = Carry::Nothing;
+    };
+    struct Mesh {
+        std::shared_ptr<const RenderMeshTables> tables;
+        AlignedBuffer<float> positions, normals;
+        std::uint64_t revision = 0;
+    };
+    struct Piece {
+        std::size_t element = 0, begin = 0, end = 0;
+    };
+    void follow(Frame& frame);
+    static void findDents(Element& element, const ElementFrame& of);
+    static void addJointParts(const Element& element, const Frame& frame, ElementFrame& of);
+    static void placeAttached(const Element& element, ElementFrame& of);
+    void gather(Frame& frame);
+    void findNormals(Frame& frame);
+
+    std::vector<Element> elements_;
+    std::vector<Mesh> meshes_;
+    std::vector<Piece> triangles_, vertices_, points_;              // of elements_
+    std::vector<Piece> normals_;                                    // of meshes_: begin is a piece of its normals
+    std::size_t carriedBytes_ = 0;
+};
+
+}  // namespace imomushi
