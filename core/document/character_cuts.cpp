@@ -11,6 +11,7 @@
 #include "core/document/command_support.h"
 #include "core/document/face_references.h"
 #include "core/document/names.h"
+#include "core/mesh/connectivity.h"
 #include "core/mesh/winding_number.h"
 
 namespace imomushi {
