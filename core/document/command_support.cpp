@@ -63,6 +63,14 @@ Result<std::shared_ptr<const Bone>> boneOf(const Document& document, std::string
     return partNamed(document.bones, name, "no-such-bone", "bone");
 }
 
+Result<FaceRef> handleNamed(const Document& document, std::string_view name) {
+    if (const auto handle = document.handle(name)) return *handle;
+    std::vector<std::string> names;
+    for (const auto& [id, element] : document.elements)
+        for (const Handle& handle : element->handles) names.push_back(handle.face);
+    return fail("no-such-handle", "There is no handle \"" + std::string(name) + "\"; " + listNames(names) + ".");
+}
+
 Result<std::shared_ptr<const Take>> takeOf(const Document& document, std::string_view name) {
     return partNamed(document.takes, name, "no-such-take", "take");
 }
@@ -87,6 +95,7 @@ void addCoreCommands(CommandRegistry& registry) {
     addFileCommands(registry);
     addAppendCommand(registry);
     addElementCommands(registry);
+    addHandleCommands(registry);
     addBoneCommands(registry);
     addPropertyCommands(registry);
     addEffectCommands(registry);

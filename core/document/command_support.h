@@ -57,6 +57,11 @@ Result<std::filesystem::path> outputPath(const Json& arguments, const char* key,
 Result<std::shared_ptr<const Element>> elementOf(const Document& document, std::string_view name);
 Result<std::shared_ptr<const Bone>> boneOf(const Document& document, std::string_view name);
 
+/// The handle of that name, or "element/handle". Errors: "no-such-handle" with the names there are.
+Result<FaceRef> handleNamed(const Document& document, std::string_view name);
+/// Removes a joint face, or a handle, from everything that knows it; bones that ended at it stay where they are.
+void removeFace(Document& document, const FaceRef& face);
+
 /// The take of that name. Errors: "no-such-take" with the names there are.
 Result<std::shared_ptr<const Take>> takeOf(const Document& document, std::string_view name);
 
@@ -86,6 +91,7 @@ std::string effectsHelp();
 void addFileCommands(CommandRegistry& registry);      // new, open, save, save-script, list, import-element
 void addAppendCommand(CommandRegistry& registry);     // append
 void addElementCommands(CommandRegistry& registry);   // add-joint-face, join, unjoin, remove-element, remove-joint-face
+void addHandleCommands(CommandRegistry& registry);    // handle, remove-handle
 void addBoneCommands(CommandRegistry& registry);      // add-bone, edit-bone, remove-bone
 void addPropertyCommands(CommandRegistry& registry);  // set, rename
 void addEffectCommands(CommandRegistry& registry);    // enable, disable

@@ -4,6 +4,7 @@
 #include "core/base/atomic_file.h"
 #include "core/document/command_support.h"
 #include "core/document/document_edit.h"
+#include "core/document/handle_commands.h"
 #include "core/document/names.h"
 #include "core/document/project_file.h"
 #include "core/document/session_access.h"
@@ -50,9 +51,15 @@ Json contents(const Session& session) {
     }
     for (const auto& [end, target] : document.goals)
         held.push_back({{"endpoint", endpointText(document, end)}, {"pinned", target.pinned}, {"to", json(target.target)}});
+    Json handles = Json::array();
+    for (const auto& [id, element] : document.elements)
+        for (const Handle& handle : element->handles) handles.push_back(handleJson(document, *element, handle));
+    for (const auto& [handle, goal] : document.handleGoals)
+        if (goal.target.held) held.push_back(heldHandleJson(handle, goal));
     Json answer;
     answer["elements"] = std::move(elements);
     answer["bones"] = std::move(bones);
+    answer["handles"] = std::move(handles);
     answer["joints"] = std::move(joints);
     answer["effects"] = effectsJson(document, false);
     answer["takes"] = Json::array();
@@ -243,7 +250,7 @@ void addFileCommands(CommandRegistry& registry) {
     registry.addChange("import-element",
                        "Imports a mesh (OBJ, PLY, STL, glTF, GLB, FBX, DAE) as one element or several. Mends what can be mended and tells it.",
                        {{"path", Type::Text, true, "The file."},
-                        {"name", Type::Text, false, "A name that no element or bone has (from the file unless given; numbered where there are several)."},
+                        {"name", Type::Text, false, "A name that no element, bone or handle has (from the file unless given; numbered where there are several)."},
                         {"unit", Type::Text, false, "\"mm\", \"cm\" or \"m\": the unit of the file (its own unless given; metres where it has none)."},
                         {"up", Type::Text, false, "\"y\" or \"z\": the axis of the file that points up (its own unless given; y where it has none)."},
                         {"split", Type::Boolean, false, "One element per connected component (false)."}},

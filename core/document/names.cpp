@@ -34,9 +34,9 @@ Result<void> checkNewName(const Document& document, std::string_view name) {
     if (auto ok = checkNameText(name); !ok) return ok;
     if (name == "character" || effectNamed(name))
         return fail("bad-name", "The name \"" + std::string(name) + "\" belongs to the program: choose another.");
-    if (document.elementNamed(name) || document.boneNamed(name))
+    if (document.elementNamed(name) || document.boneNamed(name) || document.handle(name))
         return fail("name-taken",
-                    "The name \"" + std::string(name) + "\" is taken: elements and bones share one name space, choose another.");
+                    "The name \"" + std::string(name) + "\" is taken: elements, bones and handles share one name space, choose another.");
     return {};
 }
 

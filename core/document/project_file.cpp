@@ -34,6 +34,7 @@ void createTables(Database& db) {
     createTouchTable(db);
     createTakeTables(db);
     createEffectTables(db);
+    createHandleTables(db);
 }
 
 /// Each response once, though elements share it.
@@ -80,6 +81,7 @@ Project readProject(Database& db, std::int64_t version) {
     if (version >= 3) readProjectResponses(db, project, version >= 4);  // older ones are of older solvers
     if (version >= 4) readEffects(db, document);
     if (version >= 5) readTakes(db, document);
+    if (version >= 6) readHandles(db, document);
     std::set<PartId> ids;
     const auto unique = [&](PartId part) { require(part < document.nextId && ids.insert(part).second, "an id is used twice"); };
     for (const auto& [part, element] : document.elements) unique(part);
@@ -123,6 +125,7 @@ Result<void> saveProject(const std::filesystem::path& path, const Project& proje
         writeProjectResponses(db, project);
         writeEffects(db, document);
         writeTakes(db, document);
+        writeHandles(db, document);
         {
             const std::string digest = db.digest(projectTables(kProjectVersion));
             RowWriter info(db, "INSERT INTO info VALUES (?,?)");

@@ -21,15 +21,15 @@ struct Project {
 /// "IMOM": SQLite's application id of a .imomushi file.
 inline constexpr int kProjectApplicationId = 0x494d4f4d;
 /// Version of the tables. A file of a newer one is refused.
-inline constexpr int kProjectVersion = 5;
+inline constexpr int kProjectVersion = 6;
 
-/// All tables that hold the project; "info" holds their digest. Effects and touch came with version 4, takes with 5.
-inline constexpr std::array<const char*, 20> kProjectTables = {"settings", "meshes", "materials", "textures",    "elements", "issues",    "faces",
+/// All tables that hold the project; "info" holds their digest. Effects and touch came with version 4, takes with 5, handles with 6.
+inline constexpr std::array<const char*, 22> kProjectTables = {"settings", "meshes", "materials", "textures",    "elements", "issues",    "faces",
                                                                "joints",   "joint_faces", "bones",  "held", "pose",  "responses", "element_responses",
                                                                "effects",  "effect_elements", "effect_settings", "touch_responses",
-                                                               "takes",    "take_targets"};
+                                                               "takes",    "take_targets", "handles", "handle_goals"};
 [[nodiscard]] inline std::span<const char* const> projectTables(std::int64_t version) {
-    return std::span<const char* const>(kProjectTables).first(version >= 5 ? kProjectTables.size() : version == 4 ? kProjectTables.size() - 2 : kProjectTables.size() - 6);
+    return std::span<const char* const>(kProjectTables).first(version >= 6 ? kProjectTables.size() : version == 5 ? kProjectTables.size() - 2 : version == 4 ? kProjectTables.size() - 4 : kProjectTables.size() - 8);
 }
 
 /// Writes one self-contained SQLite file: beside its place first, on disk, then renamed, so that there is always a whole file. Nothing of an old
