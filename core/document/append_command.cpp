@@ -2,6 +2,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <set>
+#include <utility>
 
 #include "core/document/command_support.h"
 #include "core/document/document_edit.h"

@@ -147,9 +147,9 @@ Result<Json> release(DocumentEdit& edit, const Json& arguments, const Progress&)
     };
     if (arguments.contains("endpoint")) {
         if (const auto handle = edit.document.handle(text(arguments, "endpoint"))) {
-            const auto let = releaseHandle(edit, *handle);
-            if (!let) return tl::unexpected(let.error());
-            if (!*let) return fail("not-held", "The handle \"" + handle->face + "\" is not held.");
+            const auto wasHeld = releaseHandle(edit, *handle);
+            if (!wasHeld) return tl::unexpected(wasHeld.error());
+            if (!*wasHeld) return fail("not-held", "The handle \"" + handle->face + "\" is not held.");
             return Json{{"released", 1}};
         }
         const auto shown = endpointOf(edit, arguments);
@@ -164,9 +164,9 @@ Result<Json> release(DocumentEdit& edit, const Json& arguments, const Progress&)
             held = *next;
         }
         for (const auto& [handle, goal] : std::map(edit.document.handleGoals)) {
-            const auto let = releaseHandle(edit, handle);
-            if (!let) return tl::unexpected(let.error());
-            released += *let;
+            const auto wasHeld = releaseHandle(edit, handle);
+            if (!wasHeld) return tl::unexpected(wasHeld.error());
+            released += *wasHeld;
         }
     }
     return Json{{"released", released}};
