@@ -243,6 +243,10 @@
             <source>L&amp;eave the take</source>
             <translation>テイクを離れる(&amp;E)</translation>
         </message>
+        <message>
+            <source>Ha&amp;ndle</source>
+            <translation>ハンドル(&amp;N)</translation>
+        </message>
     </context>
     <context>
         <name>EffectTexts</name>
@@ -808,12 +812,12 @@
             <translation>そのような設定はありません。</translation>
         </message>
         <message>
-            <source>There is no element, bone or effect of that name.</source>
-            <translation>その名前の要素、ボーン、エフェクトはありません。</translation>
+            <source>There is no element, bone, handle or effect of that name.</source>
+            <translation>その名前の要素、ボーン、ハンドル、エフェクトはありません。</translation>
         </message>
         <message>
-            <source>This end of a bone is not held.</source>
-            <translation>このボーンの端は保持されていません。</translation>
+            <source>This end of a bone or handle is not held.</source>
+            <translation>このボーンの端やハンドルは保持されていません。</translation>
         </message>
         <message>
             <source>This joint face is not joined.</source>
@@ -824,8 +828,8 @@
             <translation>今の状態で前計算されていない要素があります。先に前計算してください。</translation>
         </message>
         <message>
-            <source>This end of a bone is not pinned.</source>
-            <translation>このボーンの端はピン留めされていません。</translation>
+            <source>This end of a bone or handle is not pinned.</source>
+            <translation>このボーンの端やハンドルはピン留めされていません。</translation>
         </message>
         <message>
             <source>The heat of the bones was not found. Repair triangles without area.</source>
@@ -874,6 +878,22 @@
         <message>
             <source>The bone has no length. Let it end at another place.</source>
             <translation>ボーンに長さがありません。別の場所を端にしてください。</translation>
+        </message>
+        <message>
+            <source>There is no handle of that name.</source>
+            <translation>その名前のハンドルはありません。</translation>
+        </message>
+        <message>
+            <source>The point is too far from the surface.</source>
+            <translation>点が表面から離れすぎています。</translation>
+        </message>
+        <message>
+            <source>A handle moves by itself and cannot be joined.</source>
+            <translation>ハンドルは単独で動くため、接合できません。</translation>
+        </message>
+        <message>
+            <source>The disc closes around a limb or has a hole. Make it smaller.</source>
+            <translation>円板が手足を一周しているか、穴があります。小さくしてください。</translation>
         </message>
     </context>
     <context>
@@ -1120,6 +1140,14 @@
             <source>Trim take</source>
             <translation>テイクの切り詰め</translation>
         </message>
+        <message>
+            <source>Add handle</source>
+            <translation>ハンドルを追加</translation>
+        </message>
+        <message>
+            <source>Remove handle</source>
+            <translation>ハンドルを削除</translation>
+        </message>
     </context>
     <context>
         <name>Texts</name>
@@ -1207,8 +1235,8 @@
             <translation>X、Y、Z：軸を固定 · Shift：細かく · Ctrl：格子 · R かホイール：ねじる · Esc：取り消し</translation>
         </message>
         <message>
-            <source>There are no bones yet. Place them with the bone tool.</source>
-            <translation>ボーンがまだありません。ボーンツールで置いてください。</translation>
+            <source>There are no bones and no handles yet. Place them with their tools.</source>
+            <translation>ボーンもハンドルもまだありません。それぞれのツールで置いてください。</translation>
         </message>
         <message>
             <source>Drag: pose · P: pin · Double click: let go</source>
@@ -1265,6 +1293,22 @@
         <message>
             <source>Press and hold: poke a finger into the surface</source>
             <translation>押し続ける：指で表面をへこませる</translation>
+        </message>
+        <message>
+            <source>Drag: pose · P: pin · Delete: remove the selected</source>
+            <translation>ドラッグ: ポーズ · P: ピン留め · Delete: 選択したものを削除</translation>
+        </message>
+        <message>
+            <source>Press on a body: a handle, dragged at once</source>
+            <translation>ボディを押す: ハンドルを作り、そのままドラッグ</translation>
+        </message>
+        <message>
+            <source>Press: handle · Drag on: pose · [ ] or Ctrl+wheel: radius (%1)</source>
+            <translation>押す: ハンドル · そのままドラッグ: ポーズ · [ ] か Ctrl+ホイール: 半径 (%1)</translation>
+        </message>
+        <message>
+            <source>Drag a handle or the end of a bone</source>
+            <translation>ハンドルかボーンの端をドラッグ</translation>
         </message>
     </context>
     <context>
@@ -2032,6 +2076,77 @@
         <message>
             <source>Normal</source>
             <translation>法線</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::HandleForm</name>
+        <message>
+            <source>Handle</source>
+            <translation>ハンドル</translation>
+        </message>
+        <message>
+            <source>Element</source>
+            <translation>要素</translation>
+        </message>
+        <message>
+            <source>State</source>
+            <translation>状態</translation>
+        </message>
+        <message>
+            <source>free</source>
+            <translation>自由</translation>
+        </message>
+        <message>
+            <source>pinned</source>
+            <translation>ピン留め</translation>
+        </message>
+        <message>
+            <source>held</source>
+            <translation>保持</translation>
+        </message>
+        <message>
+            <source>its element</source>
+            <translation>自分の要素</translation>
+        </message>
+        <message>
+            <source>Moves with</source>
+            <translation>一緒に動くもの</translation>
+        </message>
+        <message>
+            <source>Disc</source>
+            <translation>円板</translation>
+        </message>
+        <message>
+            <source>Radius</source>
+            <translation>半径</translation>
+        </message>
+        <message>
+            <source>Vertices</source>
+            <translation>頂点</translation>
+        </message>
+        <message>
+            <source>Planarity error</source>
+            <translation>平面からのずれ</translation>
+        </message>
+        <message>
+            <source>Target</source>
+            <translation>目標</translation>
+        </message>
+        <message>
+            <source>Release</source>
+            <translation>放す</translation>
+        </message>
+        <message>
+            <source>Remove</source>
+            <translation>削除</translation>
+        </message>
+        <message>
+            <source>Unpin</source>
+            <translation>ピンを外す</translation>
+        </message>
+        <message>
+            <source>Pin</source>
+            <translation>ピン留め</translation>
         </message>
     </context>
     <context>

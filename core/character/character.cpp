@@ -19,7 +19,10 @@ void Character::State::update(const Pose& wanted, double seconds) {
     else
         frame.warn(FrameWarning::PoseRefused);
     for (std::size_t e = 0; e < frame.elements.size(); ++e) placeElement(e);
-    for (std::size_t j = 0; j < frame.joints.size(); ++j) placeJoint(j);
+    for (std::size_t h = 0; h < frame.handles.size(); ++h) placeHandle(h);
+    for (auto& element : frame.elements) fitElement(element);
+    for (std::size_t j = 0; j < frame.joints.size(); ++j)
+        if (!frame.joints[j].handle) placeJoint(j);
     jobs.run(Stage::Joints, frame);
     for (auto& joint : frame.joints) mapJoint(joint);
     jobs.run(Stage::JointMaps, frame);

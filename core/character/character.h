@@ -13,6 +13,7 @@
 #include "core/character/effect_settings.h"
 #include "core/character/embedded_mesh.h"
 #include "core/character/frame_job.h"
+#include "core/character/handle_pose.h"
 #include "core/character/response_format.h"
 #include "core/joints/joint_face.h"
 #include "core/reduction/element_response.h"
@@ -31,7 +32,8 @@ struct CharacterInput {
         double stiffness = 1.0;                           ///< relative shear modulus
         double density = 1000.0;                          ///< kg/m^3
         double nu = 0.45;                                 ///< Poisson ratio
-        std::vector<int> bones;                           ///< bones that run through it; empty: it stays at rest
+        int handles = 0;                                  ///< how many of its faces are handles
+        std::vector<int> bones;                           ///< bones that run through it; empty: it stays at rest, or moves with its handles (RigidFit)
         /// True: joint planes at its faces are not bisected, they turn with this element (model.md section 4, free ends).
         bool leadsJointPlanes = false;
         std::shared_ptr<const EmbeddedPoints> embedded;   ///< what its body moves besides itself; null: nothing
@@ -47,11 +49,18 @@ struct CharacterInput {
         std::vector<Face> faces; ///< one: a free face or a cap held by its bone
         std::vector<std::pair<std::int32_t, std::int32_t>> welded;  ///< of faces 0 and 1: body vertices that are one point
     };
+    /// A joint whose pose is given (setHandle()) instead of found from bones.
+    struct Handle {
+        int joint = -1;  ///< of a single face, at no joint point
+        int bone = -1;   ///< that it hangs on, at one end; -1: its element carries it
+        bool atEnd = true;
+    };
     Skeleton skeleton;
     std::vector<Element> elements;
     std::vector<Joint> joints;  ///< every joint face belongs to exactly one joint
     /// What is seen instead of the bodies that move it. Bodies under them are evaluated as far as these need them, and wholly when somebody asks (surface()).
     std::vector<std::shared_ptr<const EmbeddedMesh>> renderMeshes;
+    std::vector<Handle> handles;
     BasisChoice basis;
     CharacterEffects effects;
     ResponseFormat format = ResponseFormat::Float;
@@ -86,6 +95,12 @@ public:
     /// Deforms all elements to `pose`. Elements whose v did not change are moved as they are (evaluated once more when that begins); those that
     /// did not move either are left alone. `seconds` passed since the last update(), for effects that have a past; 0: none, what oscillates stays at its phase.
     void update(const Pose& pose, double seconds = 0.0);
+    /// Where a handle is to be in the next update(); at rest until then. False: not finite, or no rotation, and nothing changes.
+    bool setHandle(int handle, const HandlePose& pose);
+    [[nodiscard]] const HandlePose& handlePose(int handle) const;        ///< as it was set
+    [[nodiscard]] HandlePose shownHandle(int handle) const;             ///< as it is shown, in the world
+    /// Rest to world, of what carried it in the last update().
+    [[nodiscard]] Eigen::Isometry3d handleCarrier(int handle) const;
     /// Forgets all motion: the next update() jumps to its pose, at rest.
     void stop();
 

@@ -56,6 +56,7 @@ Result<void> Character::State::build(const ElementRuntimes& known, const RenderM
     const auto contractions = leastEnergyContractions(input);
     for (std::size_t j = 0; j < input.joints.size(); ++j) buildJoint(j, contractions[j]);
     for (std::size_t e = 0; e < frame.elements.size(); ++e) buildElement(e);
+    buildHandles();
     for (std::size_t j = 0; j < input.joints.size(); ++j) holdFaces(j);
     for (const auto& effect : input.effects)
         if (auto ok = effect->addJob(frame, jobs); !ok) return ok;

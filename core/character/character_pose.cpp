@@ -126,7 +126,7 @@ void Character::State::placeJoint(std::size_t j) {
 }
 
 void Character::State::mapJoint(JointFrame& joint) const {
-    if (frame.smooth) {
+    if (frame.smooth || joint.handle) {
         joint.map.linear = joint.rotation;
     } else {
         const Vec3& n = joint.restNormal;

@@ -37,6 +37,7 @@ struct Character::State {
     Result<void> build(const ElementRuntimes& known, const RenderMeshJob* knownMeshes);
     Result<std::shared_ptr<const ElementRuntime>> runtimeOf(std::size_t e, const ElementRuntimes& known) const;
     void buildJoint(std::size_t j, double contraction);
+    void buildHandles();
     void buildElement(std::size_t e);
     void holdFaces(std::size_t j);
     void splitWork(std::size_t e);
@@ -54,6 +55,9 @@ struct Character::State {
     // Pose -> joints and v (character_pose.cpp).
     [[nodiscard]] Eigen::Quaterniond rolled(int bone) const;
     void placeElement(std::size_t e);
+    // The joints of handles, and elements that move with them (character_handles.cpp).
+    void placeHandle(std::size_t h);
+    void fitElement(ElementFrame& element) const;
     void placeJoint(std::size_t j);
     void mapJoint(JointFrame& joint) const;
     // The joints of an element in its own frame, as coefficients of its bases.

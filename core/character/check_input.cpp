@@ -101,6 +101,18 @@ Result<void> checkResponse(const CharacterInput::Element& element) {
     return {};
 }
 
+Result<void> checkHandles(const CharacterInput& input) {
+    std::vector<char> used(input.joints.size(), 0);
+    for (const auto& handle : input.handles) {
+        if (!in(handle.joint, static_cast<int>(input.joints.size()))) return bad("a handle names a joint that is not there");
+        const auto& joint = input.joints[static_cast<std::size_t>(handle.joint)];
+        if (joint.faces.size() != 1 || joint.point >= 0) return bad("a handle holds a joint that has other faces or a joint point");
+        if (used[static_cast<std::size_t>(handle.joint)]++) return bad("two handles hold one joint");
+        if (handle.bone < -1 || handle.bone >= static_cast<int>(input.skeleton.bones.size())) return bad("a handle hangs on a bone that is not there");
+    }
+    return {};
+}
+
 Result<void> checkJoints(const CharacterInput& input) {
     const int points = static_cast<int>(input.skeleton.points.size()), bones = static_cast<int>(input.skeleton.bones.size());
     std::vector<std::vector<int>> used(input.elements.size());
@@ -146,6 +158,7 @@ Result<void> checkInput(const CharacterInput& input, const ElementRuntimes& know
     }
     if (auto ok = checkRenderMeshes(input); !ok) return ok;
     if (auto ok = checkJoints(input); !ok) return ok;
+    if (auto ok = checkHandles(input); !ok) return ok;
     for (const auto& effect : input.effects)
         if (auto ok = effect->validate(); !ok) return ok;
     return {};

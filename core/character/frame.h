@@ -11,6 +11,7 @@
 #include "core/character/aligned_buffer.h"
 #include "core/character/character.h"
 #include "core/character/element_runtime.h"
+#include "core/character/rigid_fit.h"
 #include "core/character/vertex_kernels.h"
 #include "core/skeleton/bone_tree.h"
 
@@ -34,6 +35,7 @@ struct JointFrame {
     bool led = false;                 // its plane turns with elements that lead (CharacterInput::Element::leadsJointPlanes)
     bool warped = false;              // an element keeps its volume here
     double nu = 0.45;                 // Poisson ratio of that element
+    bool handle = false;              // placed by a handle: it moves rigidly
 
     // Stage::Joints
     Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  // rest to world; its sign says which way a bend went round
@@ -44,6 +46,13 @@ struct JointFrame {
     AffineMap map;
     Eigen::Matrix3Xd warping;  // with smooth joints: world, per scalar shape
     double part = 1.0;         // of its shape in equilibrium that is shown: less where it turns far and elements are warped
+};
+
+/// A joint whose pose is given.
+struct HandleFrame {
+    HandlePose pose;
+    Eigen::Quaterniond carrierTurn = Eigen::Quaterniond::Identity();
+    AffineMap carrier;  // rest to world
 };
 
 /// A vertex that its joint places, and the rest position that it is placed from.
@@ -70,6 +79,8 @@ struct ElementFrame {
     int anchorJoint = -1;            // it hangs on this joint; -1: on the middle of its bones
     Vec3 restAnchor = Vec3::Zero();  // m
     std::vector<int> jointOf;        // per face
+    std::vector<int> handles;        // of its faces
+    std::shared_ptr<RigidFit> fit;   // of these, what the element moves with where it has no bones; null: none
     std::vector<HeldVertex> held;
     Eigen::MatrixXd heldShapes;      // with smooth joints: #shapes x #held, warping shapes of the joint, m
 
@@ -141,6 +152,7 @@ struct Frame {
     const BoneTree tree;
     std::vector<JointFrame> joints;
     std::vector<ElementFrame> elements;
+    std::vector<HandleFrame> handles;
     bool smooth = false;       // joints take their shape in Stage::Equilibrium, none from lateral contraction
     int warpingShapes = 0;     // per joint, with smooth joints
     std::vector<Vec3> offsets; // per node of the previous model: m, in the rest axes of its joint

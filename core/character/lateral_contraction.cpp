@@ -7,7 +7,7 @@
 namespace imomushi {
 
 bool hangsOnItsJoint(const CharacterInput::Element& element, const CharacterInput::Joint& joint) {
-    if (element.faces.size() != 1 || joint.point < 0) return false;
+    if (static_cast<int>(element.faces.size()) - element.handles != 1 || joint.point < 0) return false;
     for (const auto& face : joint.faces)
         if (face.bone >= 0)
             for (const int bone : element.bones)

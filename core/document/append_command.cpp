@@ -27,9 +27,16 @@ public:
     }
     [[nodiscard]] bool has(PartId part) const { return ids_.contains(part); }
 
+    /// A handle comes under another name.
+    void call(const FaceRef& handle, const std::string& name) { names_.insert_or_assign(handle, name); }
+    [[nodiscard]] std::string nameOf(const FaceRef& face) const {
+        const auto known = names_.find(face);
+        return known == names_.end() ? face.face : known->second;
+    }
+
     /// A place of a bone; where it refers to what stays behind, where that is at rest.
     Bone::Place placeOf(const Bone::Place& place) {
-        if (const auto* face = std::get_if<FaceRef>(&place); face && has(face->element)) return FaceRef{idOf(face->element), face->face};
+        if (const auto* face = std::get_if<FaceRef>(&place); face && has(face->element)) return FaceRef{idOf(face->element), nameOf(*face)};
         if (const auto* end = std::get_if<EndpointRef>(&place); end && has(end->bone)) return EndpointRef{idOf(end->bone), end->atEnd};
         const auto at = restPosition(there_, place);
         return at ? *at : Vec3(Vec3::Zero());
@@ -39,6 +46,7 @@ private:
     Document& here_;
     const Document& there_;
     std::map<PartId, PartId> ids_;
+    std::map<FaceRef, std::string> names_;
 };
 
 /// An element that stands elsewhere.
@@ -48,6 +56,7 @@ Element moved(const Element& element, const Vec3& offset) {
     mesh.body.vertices.rowwise() += offset.transpose();
     out.mesh = std::make_shared<const ElementMesh>(std::move(mesh));
     for (JointFace& face : out.faces) face.frame.origin += offset;
+    for (Handle& handle : out.handles) handle.point += offset;
     return out;
 }
 
@@ -123,6 +132,13 @@ std::string freeTakeName(const Document& document, const std::string& wish) {
     return name;
 }
 
+/// `wish`, or with a number, which no part and no other face of the element has.
+std::string freeHandleName(const Document& document, const Element& element, const std::string& wish) {
+    std::string name = freeName(document, wish);
+    for (int n = 2; name != wish && element.faceIndex(name) >= 0; ++n) name = freeName(document, wish + " " + std::to_string(n));
+    return name;
+}
+
 Result<Json> append(DocumentEdit& edit, const Json& arguments, const Progress&) {
     const std::string& path = text(arguments, "path");
     if (path.empty() || path.find('\0') != std::string::npos) return fail("bad-value", "\"path\" is empty or holds a zero byte.");
@@ -156,7 +172,7 @@ Result<Json> append(DocumentEdit& edit, const Json& arguments, const Progress&) 
 
     Document& here = edit.document;
     Guests guests(here, there);
-    Json answer{{"elements", Json::array()}, {"bones", Json::array()}, {"takes", Json::array()}, {"renamed", Json::array()}};
+    Json answer{{"elements", Json::array()}, {"bones", Json::array()}, {"handles", Json::array()}, {"takes", Json::array()}, {"renamed", Json::array()}};
     const auto tellName = [&](const std::string& name, const std::string& wish) {
         if (name != wish) answer["renamed"].push_back({{"from", wish}, {"to", name}});
     };
@@ -181,8 +197,10 @@ Result<Json> append(DocumentEdit& edit, const Json& arguments, const Progress&) 
             exchangePart(here.characters, known, [&](CharacterSource& changed) { changed.cuts.push_back(std::move(cut)); });
         }
     }
+    const auto comes = [&](const Bone& bone) { return wanted.size() == there.elements.size() || wanted.contains(bone.element); };
     for (const PartId id : wanted) {
         Element element = *there.elements.at(id);
+        const std::vector<Handle> handles = std::exchange(element.handles, {});
         element.id = guests.idOf(id);
         if (element.piece) {
             element.piece->character = guests.idOf(element.piece->character);
@@ -194,6 +212,20 @@ Result<Json> append(DocumentEdit& edit, const Json& arguments, const Progress&) 
         const StoredResponse* response = known == project->responses.end() ? nullptr : &known->second;
         const PartId made = element.id;
         here.elements.emplace(made, std::make_shared<const Element>(std::move(element)));
+        for (Handle handle : handles) {
+            const FaceRef was{id, handle.face};
+            handle.face = freeHandleName(here, *here.elements.at(made), was.face);
+            if (handle.bone && comes(*there.bones.at(handle.bone->bone)))
+                handle.bone->bone = guests.idOf(handle.bone->bone);
+            else
+                handle.bone.reset();
+            guests.call(was, handle.face);
+            tell("handles", handle.face, was.face);
+            exchangePart(here.elements, made, [&](Element& changed) {
+                changed.faces[static_cast<std::size_t>(changed.faceIndex(was.face))].name = handle.face;
+                changed.handles.push_back(std::move(handle));
+            });
+        }
         if (offset != Vec3::Zero()) {
             moveElement(edit, made, offset, response);
         } else if (response) {
@@ -209,7 +241,6 @@ Result<Json> append(DocumentEdit& edit, const Json& arguments, const Progress&) 
         here.joints.emplace(made.id, std::make_shared<const Joint>(std::move(made)));
     }
     // Bones refer to each other in any order.
-    const auto comes = [&](const Bone& bone) { return wanted.size() == there.elements.size() || wanted.contains(bone.element); };
     for (const auto& [id, bone] : there.bones)
         if (comes(*bone)) (void)guests.idOf(id);
     for (const auto& [id, bone] : there.bones) {

@@ -26,12 +26,13 @@ bool changesCharacter(const DocumentChange& change, const Document& after) {
     return std::any_of(change.elements.begin(), change.elements.end(), [&](const auto& part) {
         const Element& was = *part.second;
         const Element& is = *after.elements.at(part.first);
-        return was.nu != is.nu || was.stiffness != is.stiffness || was.jointPlanes != is.jointPlanes;
+        return was.nu != is.nu || was.stiffness != is.stiffness || was.jointPlanes != is.jointPlanes || was.handles != is.handles;
     });
 }
 
 bool followSkeleton(Document& document, const CharacterPlan* was, const CharacterPlan& is) {
     std::erase_if(document.goals, [&](const auto& held) { return is.pointIndex(held.first) < 0; });
+    std::erase_if(document.handleGoals, [&](const auto& held) { return is.handleIndex(held.first) < 0; });
     if (was && sameSkeleton(was->input.skeleton, is.input.skeleton)) return false;
     document.pose = {};
     bool pulled = false;

@@ -2,6 +2,7 @@
 #include "core/document/character_cuts.h"
 
 #include <algorithm>
+#include <initializer_list>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -190,6 +191,25 @@ bool same(const Element& element, const BodyPiece& piece) {
            body.vertices == piece.body.vertices;
 }
 
+/// Handles are the faces of theirs that the element has now. `from`: the elements that they were of.
+void takeHandles(Element& element, std::initializer_list<const Element*> from, const std::vector<std::pair<std::string, std::string>>& renamed = {}) {
+    std::vector<Handle> handles;
+    for (const Element* of : from)
+        for (Handle handle : of->handles) {
+            if (of->id != element.id)
+                for (const auto& [was, is] : renamed)
+                    if (handle.face == was) {
+                        handle.face = is;
+                        break;
+                    }
+            handles.push_back(std::move(handle));
+        }
+    element.handles.clear();
+    for (const JointFace& face : element.faces)
+        for (const Handle& handle : handles)
+            if (handle.face == face.name) element.handles.push_back(handle);
+}
+
 void put(Document& document, Element element) {
     const PartId id = element.id;
     std::erase_if(document.touches, [&](const Touch& touch) { return touch.element == id; });
@@ -305,6 +325,7 @@ Result<MadeCut> addCut(Document& document, PartId characterId, PartId elementId,
         out.smallestAngle = isFront ? std::min(out.smallestAngle, cap.smallestAngle) : cap.smallestAngle;
         element.piece->sides[static_cast<std::size_t>(element.piece->sideIndex(made))].face = face->name;
         element.faces.push_back(std::move(*face));
+        takeHandles(element, {whole.get()});
         if (auto ok = checkApart(element); !ok) return tl::unexpected(ok.error());
     }
 
@@ -407,6 +428,7 @@ Result<PartId> removeCut(Document& document, PartId characterId, PartId cut, con
     takePiece(merged, *piece, character.cuts);
     if (auto ok = checkApart(merged); !ok) return tl::unexpected(ok.error());
 
+    takeHandles(merged, {sides[0].get(), sides[1].get()}, renamed);
     for (const FaceRef& face : gone) leaveJoint(document, face);
     freeBones(document, gone);
     for (const auto& [from, to] : renamed) replaceFace(document, {front, from}, {behind, to});

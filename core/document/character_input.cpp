@@ -28,6 +28,15 @@ const JointFace* faceAt(const Document& document, const FaceRef& ref) {
     return face < 0 ? nullptr : &element->second->faces[static_cast<std::size_t>(face)];
 }
 
+/// A handle moves by itself: a bone that was placed at its middle does not move it.
+bool isHandle(const Document& document, const FaceRef& ref) {
+    const auto element = document.elements.find(ref.element);
+    return element != document.elements.end() && element->second->handleOf(ref.face);
+}
+
+/// Where neighbours or bones may take hold of an element.
+std::size_t jointFaces(const Element& element) { return element.faces.size() - element.handles.size(); }
+
 /// Nodes of the union: two per bone (start, end), then one per joint face.
 struct Nodes {
     std::map<PartId, int> bones;   ///< node of a bone's start
@@ -109,6 +118,11 @@ int CharacterPlan::pointIndex(const EndpointRef& end) const {
     return found == points.end() ? -1 : found->second;
 }
 
+int CharacterPlan::handleIndex(const FaceRef& handle) const {
+    const auto found = std::find(handles.begin(), handles.end(), handle);
+    return found == handles.end() ? -1 : static_cast<int>(found - handles.begin());
+}
+
 Result<Vec3> restPosition(const Document& document, const Bone::Place& start) {
     Bone::Place place = start;
     // Each hop leads to another endpoint, so more hops than endpoints is a circle.
@@ -153,7 +167,7 @@ Result<CharacterPlan> planCharacter(const Document& document) {
             rest[static_cast<std::size_t>(node)] = *position;
             low = low.cwiseMin(*position);
             high = high.cwiseMax(*position);
-            if (const auto* face = std::get_if<FaceRef>(&place)) sets.unite(node, nodes.faces.at(*face));
+            if (const auto* face = std::get_if<FaceRef>(&place); face && !isHandle(document, *face)) sets.unite(node, nodes.faces.at(*face));
             if (const auto* end = std::get_if<EndpointRef>(&place)) sets.unite(node, nodes.endpoint(*end));
         }
     for (const auto& [id, joint] : document.joints)
@@ -172,6 +186,7 @@ Result<CharacterPlan> planCharacter(const Document& document) {
             if (const auto* point = std::get_if<Vec3>(&placeOf(*bone, atEnd)))
                 for (const auto& [ref, node] : nodes.faces) {
                     const JointFace& face = *faceAt(document, ref);
+                    if (isHandle(document, ref)) continue;
                     if ((face.frame.origin - *point).norm() <= kAtFace * face.size) sets.unite(nodes.endpoint({id, atEnd}), node);
                 }
 
@@ -232,6 +247,7 @@ Result<CharacterPlan> planCharacter(const Document& document) {
         made.stiffness = element->stiffness;
         made.density = element->density;
         made.nu = element->nu;
+        made.handles = static_cast<int>(element->handles.size());
         for (std::size_t b = 0; b < plan.bones.size(); ++b)
             if (document.bones.at(plan.bones[b])->element == id) made.bones.push_back(static_cast<int>(b));
         plan.elements.push_back(id);
@@ -239,12 +255,12 @@ Result<CharacterPlan> planCharacter(const Document& document) {
     }
     for (const auto& [id, joint] : document.joints) {
         bool someHasMore = false;
-        for (const FaceRef& f : joint->faces) someHasMore = someHasMore || document.elements.at(f.element)->faces.size() >= 2;
+        for (const FaceRef& f : joint->faces) someHasMore = someHasMore || jointFaces(*document.elements.at(f.element)) >= 2;
         for (const FaceRef& f : joint->faces) {
             const Element& element = *document.elements.at(f.element);
             auto& made = plan.input.elements[static_cast<std::size_t>(plan.elementIndex(f.element))];
             made.leadsJointPlanes = element.jointPlanes == Element::JointPlanes::Element ||
-                                    (element.jointPlanes == Element::JointPlanes::Auto && element.faces.size() == 1 && someHasMore);
+                                    (element.jointPlanes == Element::JointPlanes::Auto && jointFaces(element) == 1 && someHasMore);
         }
         if (!someHasMore && joint->faces.size() >= 2)
             plan.warnings.push_back("The elements at \"" + faceText(document, joint->faces[0]) + "\" and \"" +
@@ -284,6 +300,16 @@ Result<CharacterPlan> planCharacter(const Document& document) {
         if (document.jointOf(ref)) continue;
         CharacterInput::Joint made;
         addFace(made, ref);
+        if (isHandle(document, ref)) {
+            CharacterInput::Handle handle;
+            handle.joint = static_cast<int>(plan.input.joints.size());
+            if (const auto& bone = document.elements.at(ref.element)->handleOf(ref.face)->bone) {
+                handle.bone = plan.boneIndex(bone->bone);
+                handle.atEnd = bone->atEnd;
+            }
+            plan.input.handles.push_back(handle);
+            plan.handles.push_back(ref);
+        }
         plan.joints.push_back(0);
         plan.input.joints.push_back(std::move(made));
     }

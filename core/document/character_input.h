@@ -20,10 +20,12 @@ struct CharacterPlan {
     std::vector<PartId> joints;           ///< of input.joints, 0: a face that is not joined
     std::vector<PartId> characters;       ///< of input.renderMeshes
     std::map<EndpointRef, int> points;    ///< joint point of each endpoint
+    std::vector<FaceRef> handles;         ///< of input.handles
     std::vector<std::string> warnings;    ///< what the artist should know, one sentence each
 
     [[nodiscard]] int elementIndex(PartId element) const;
     [[nodiscard]] int boneIndex(PartId bone) const;
+    [[nodiscard]] int handleIndex(const FaceRef& handle) const;
     [[nodiscard]] int pointIndex(const EndpointRef& end) const;
 };
 

@@ -90,6 +90,14 @@ Result<std::shared_ptr<const CharacterSource>> characterOf(const Document& docum
     return partNamed(document.characters, name, "no-such-character", "character");
 }
 
+Result<FaceRef> handleNamed(const Document& document, std::string_view name) {
+    if (const auto handle = document.handle(name)) return *handle;
+    std::vector<std::string> names;
+    for (const auto& [id, element] : document.elements)
+        for (const Handle& handle : element->handles) names.push_back(handle.face);
+    return fail("no-such-handle", "There is no handle \"" + std::string(name) + "\"; " + listNames(names) + ".");
+}
+
 Result<std::shared_ptr<const Take>> takeOf(const Document& document, std::string_view name) {
     return partNamed(document.takes, name, "no-such-take", "take");
 }
@@ -116,6 +124,7 @@ void addCoreCommands(CommandRegistry& registry) {
     addAppendCommand(registry);
     addElementCommands(registry);
     addCutCommands(registry);
+    addHandleCommands(registry);
     addBoneCommands(registry);
     addPropertyCommands(registry);
     addEffectCommands(registry);

@@ -68,6 +68,10 @@ Result<std::shared_ptr<const Bone>> boneOf(const Document& document, std::string
 
 /// The character of that name. Errors: "no-such-character" with the names there are.
 Result<std::shared_ptr<const CharacterSource>> characterOf(const Document& document, std::string_view name);
+/// The handle of that name, or "element/handle". Errors: "no-such-handle" with the names there are.
+Result<FaceRef> handleNamed(const Document& document, std::string_view name);
+/// Removes a joint face, or a handle, from everything that knows it; bones that ended at it stay where they are.
+void removeFace(Document& document, const FaceRef& face);
 
 /// The take of that name. Errors: "no-such-take" with the names there are.
 Result<std::shared_ptr<const Take>> takeOf(const Document& document, std::string_view name);
@@ -106,6 +110,7 @@ void addImportCommands(CommandRegistry& registry);    // import-element, import-
 void addAppendCommand(CommandRegistry& registry);     // append
 void addElementCommands(CommandRegistry& registry);   // add-joint-face, join, unjoin, remove-element, remove-joint-face
 void addCutCommands(CommandRegistry& registry);       // cut, move-cut, remove-cut
+void addHandleCommands(CommandRegistry& registry);    // handle, remove-handle
 void addBoneCommands(CommandRegistry& registry);      // add-bone, edit-bone, remove-bone
 void addPropertyCommands(CommandRegistry& registry);  // set, rename
 void addEffectCommands(CommandRegistry& registry);    // enable, disable

@@ -59,6 +59,26 @@ CutSide* Element::sideOf(std::string_view face) {
     return found == piece->sides.end() ? nullptr : &*found;
 }
 
+const Handle* Element::handleOf(std::string_view face) const {
+    const auto found = std::find_if(handles.begin(), handles.end(), [face](const Handle& handle) { return handle.face == face; });
+    return found == handles.end() ? nullptr : &*found;
+}
+
+HandlePose HandleGoal::now() const {
+    if (!(elapsed < seconds)) return target;
+    const double done = elapsed / seconds;
+    return {from.at + done * (target.at - from.at), from.turn.slerp(done, target.turn).normalized(), target.held};
+}
+
+std::optional<FaceRef> Document::handle(std::string_view path) const {
+    const auto [elementName, faceName] = split(path);
+    for (const auto& [id, element] : elements) {
+        if (!faceName.empty() && element->name != elementName) continue;
+        if (const Handle* found = element->handleOf(faceName.empty() ? path : faceName)) return FaceRef{id, found->face};
+    }
+    return std::nullopt;
+}
+
 const Element* Document::elementNamed(std::string_view name) const { return named(elements, name); }
 const Bone* Document::boneNamed(std::string_view name) const { return named(bones, name); }
 const CharacterSource* Document::characterNamed(std::string_view name) const { return named(characters, name); }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/character/handle_pose.h"
 #include "core/character/response_format.h"
 #include "core/document/character_source.h"
 #include "core/document/effects.h"
@@ -24,11 +25,29 @@
 
 namespace imomushi {
 
+/// One end of a bone.
+struct EndpointRef {
+    PartId bone = 0;
+    bool atEnd = false;  ///< false: "bone/start"
+    auto operator<=>(const EndpointRef&) const = default;
+};
+
+/// A joint face that is moved by itself: a disc of the surface, dragged and turned freely. It is one of its element's faces and has its name, which no
+/// other handle, element or bone has.
+struct Handle {
+    std::string face;
+    Vec3 point = Vec3::Zero();  ///< middle of the disc, on the body at rest, m
+    double radius = 0.0;        ///< m, along the surface
+    std::optional<EndpointRef> bone;  ///< what it hangs on; none: its element carries it
+    bool operator==(const Handle&) const = default;
+};
+
 struct Element {
     PartId id = 0;
     std::string name;
     std::shared_ptr<const ElementMesh> mesh;
     std::vector<JointFace> faces;
+    std::vector<Handle> handles;  ///< which of the faces are handles, in the order of the faces
     double nu = 0.45;        ///< Poisson ratio, 0...0.5
     double stiffness = 1.0;  ///< relative shear modulus, > 0
     double density = 1000.0; ///< kg/m^3, > 0
@@ -44,6 +63,7 @@ struct Element {
     std::optional<CharacterPiece> piece;  ///< none: an element of its own, its render mesh is what is seen of it
     [[nodiscard]] int faceIndex(std::string_view face) const;  ///< -1: no such face
     [[nodiscard]] CutSide* sideOf(std::string_view face);      ///< whose face it is, null: the face is no cut's
+    [[nodiscard]] const Handle* handleOf(std::string_view face) const;  ///< null: the face is none
 };
 
 /// A joint face by element and name.
@@ -57,13 +77,6 @@ struct FaceRef {
 struct Joint {
     PartId id = 0;
     std::vector<FaceRef> faces;
-};
-
-/// One end of a bone.
-struct EndpointRef {
-    PartId bone = 0;
-    bool atEnd = false;  ///< false: "bone/start"
-    auto operator<=>(const EndpointRef&) const = default;
 };
 
 struct Bone {
@@ -89,6 +102,19 @@ struct EndpointGoal {
     double seconds = 0.0;            ///<        how long it takes (0: at once),
     double elapsed = 0.0;            ///<        and how much of that has passed
     bool operator==(const EndpointGoal&) const = default;
+};
+
+/// Where a handle was taken: dragged, pinned, or left lying. One that was never moved has none.
+struct HandleGoal {
+    /// `target.held`: it is held there in the world, until it is released; else it lies there, relative to what carries it (HandlePose).
+    HandlePose target;
+    bool pinned = false;      ///< only of one that is held
+    HandlePose from;          ///< glide: where it started, in the world
+    double seconds = 0.0;     ///<        how long it takes (0: at once),
+    double elapsed = 0.0;     ///<        and how much of that has passed
+    bool operator==(const HandleGoal&) const = default;
+    /// Where it is to be now.
+    [[nodiscard]] HandlePose now() const;
 };
 
 /// A finger on an element.
@@ -119,6 +145,7 @@ struct Document {
     Effects effects;
     std::map<PartId, std::shared_ptr<const Take>> takes;
     std::map<EndpointRef, EndpointGoal> goals;  ///< targets of drags, and pins
+    std::map<FaceRef, HandleGoal> handleGoals;  ///< of handles that are not at rest
     std::vector<Touch> touches;        ///< fingers that are down
     Pose pose;                         ///< empty: at rest
     PartId nextId = 1;
@@ -136,6 +163,8 @@ struct Document {
     [[nodiscard]] const Joint* jointOf(const FaceRef& face) const;
     /// "element/face". Errors: "no-such-element", "no-such-face", with the names there are.
     [[nodiscard]] Result<FaceRef> face(std::string_view path) const;
+    /// A handle by its name; none: there is none. With `path` "element/face", too.
+    [[nodiscard]] std::optional<FaceRef> handle(std::string_view path) const;
     /// "bone/start", "bone/end". Errors: "no-such-bone", "bad-value".
     [[nodiscard]] Result<EndpointRef> endpoint(std::string_view path) const;
 };

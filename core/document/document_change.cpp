@@ -33,6 +33,33 @@ void exchangeParts(Map& document, Map& change) {
     }
 }
 
+/// The same of values, absent ones without a value.
+template <class Key, class Value>
+std::map<Key, std::optional<Value>> valuesThatDiffer(const std::map<Key, Value>& before, const std::map<Key, Value>& after) {
+    std::map<Key, std::optional<Value>> values;
+    for (const auto& [key, value] : before) {
+        const auto now = after.find(key);
+        if (now == after.end() || !(now->second == value)) values.emplace(key, value);
+    }
+    for (const auto& [key, value] : after)
+        if (!before.contains(key)) values.emplace(key, std::nullopt);
+    return values;
+}
+
+template <class Key, class Value>
+void exchangeValues(std::map<Key, Value>& document, std::map<Key, std::optional<Value>>& change) {
+    for (auto& [key, value] : change) {
+        const auto found = document.find(key);
+        std::optional<Value> was;
+        if (found != document.end()) was = found->second;
+        if (value)
+            document.insert_or_assign(key, *value);
+        else if (found != document.end())
+            document.erase(found);
+        value = was;
+    }
+}
+
 bool samePose(const Pose& a, const Pose& b) {
     if (a.points != b.points || a.roll != b.roll || a.frames.size() != b.frames.size()) return false;
     for (std::size_t i = 0; i < a.frames.size(); ++i)
@@ -50,7 +77,7 @@ bool sameFaces(const std::vector<JointFace>& a, const std::vector<JointFace>& b)
 
 bool DocumentChange::empty() const { return !structure() && !posing(); }
 bool DocumentChange::structure() const { return !elements.empty() || !joints.empty() || !bones.empty() || !characters.empty() || !takes.empty() || settings || effects; }
-bool DocumentChange::posing() const { return !goals.empty() || touches || pose; }
+bool DocumentChange::posing() const { return !goals.empty() || !handleGoals.empty() || touches || pose; }
 
 DocumentChange difference(const Document& before, const Document& after) {
     DocumentChange change;
@@ -59,12 +86,8 @@ DocumentChange difference(const Document& before, const Document& after) {
     change.bones = partsThatDiffer(before.bones, after.bones);
     change.characters = partsThatDiffer(before.characters, after.characters);
     change.takes = partsThatDiffer(before.takes, after.takes);
-    for (const auto& [end, held] : before.goals) {
-        const auto now = after.goals.find(end);
-        if (now == after.goals.end() || !(now->second == held)) change.goals.emplace(end, held);
-    }
-    for (const auto& [end, held] : after.goals)
-        if (!before.goals.contains(end)) change.goals.emplace(end, std::nullopt);
+    change.goals = valuesThatDiffer(before.goals, after.goals);
+    change.handleGoals = valuesThatDiffer(before.handleGoals, after.handleGoals);
     if (!(before.settings == after.settings)) change.settings = before.settings;
     if (!(before.effects == after.effects)) change.effects = before.effects;
     if (!(before.touches == after.touches)) change.touches = before.touches;
@@ -78,16 +101,8 @@ void exchange(Document& document, DocumentChange& change) {
     exchangeParts(document.bones, change.bones);
     exchangeParts(document.characters, change.characters);
     exchangeParts(document.takes, change.takes);
-    for (auto& [end, held] : change.goals) {
-        const auto found = document.goals.find(end);
-        std::optional<EndpointGoal> was;
-        if (found != document.goals.end()) was = found->second;
-        if (held)
-            document.goals.insert_or_assign(end, *held);
-        else if (found != document.goals.end())
-            document.goals.erase(found);
-        held = was;
-    }
+    exchangeValues(document.goals, change.goals);
+    exchangeValues(document.handleGoals, change.handleGoals);
     if (change.settings) std::swap(document.settings, *change.settings);
     if (change.effects) std::swap(document.effects, *change.effects);
     if (change.touches) std::swap(document.touches, *change.touches);

@@ -19,6 +19,7 @@ struct DocumentChange {
     std::map<PartId, std::shared_ptr<const Bone>> bones;
     std::map<PartId, std::shared_ptr<const CharacterSource>> characters;
     std::map<EndpointRef, std::optional<EndpointGoal>> goals;
+    std::map<FaceRef, std::optional<HandleGoal>> handleGoals;
     std::optional<CharacterSettings> settings;
     std::optional<Effects> effects;
     std::map<PartId, std::shared_ptr<const Take>> takes;
@@ -28,7 +29,7 @@ struct DocumentChange {
     [[nodiscard]] bool empty() const;
     /// Elements, joints, bones, characters, settings, effects or takes differ.
     [[nodiscard]] bool structure() const;
-    /// Targets, fingers or the pose differ.
+    /// Targets of endpoints or handles, fingers or the pose differ.
     [[nodiscard]] bool posing() const;
 };
 

@@ -36,6 +36,9 @@ public:
     }
     /// Where an endpoint is shown, m. Errors: those of LiveCharacter::built().
     Result<Vec3> positionOf(const EndpointRef& end) const { return live_.positionOf(end); }
+    /// Where a handle is shown, in the world; and a pose in the world relative to what carries it. Errors: those of LiveCharacter.
+    Result<HandlePose> poseOf(const FaceRef& handle) const { return live_.poseOf(handle); }
+    Result<HandlePose> carried(const FaceRef& handle, const HandlePose& world) const { return live_.carried(handle, world); }
     [[nodiscard]] const DocumentResponses& responses() const { return responses_; }
 
     Result<ImportResult> import(const ImportRequest& request, const Progress& progress) const { return importer_(request, progress); }

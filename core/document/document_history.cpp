@@ -69,6 +69,8 @@ void DocumentHistory::push(Step step, const Document& before, std::vector<Json> 
 void DocumentHistory::advanceGlides(double seconds) {
     for (auto& [end, held] : document_.goals)
         if (held.elapsed < held.seconds) held.elapsed = std::min(held.seconds, held.elapsed + seconds);
+    for (auto& [handle, held] : document_.handleGoals)
+        if (held.elapsed < held.seconds) held.elapsed = std::min(held.seconds, held.elapsed + seconds);
 }
 
 void DocumentHistory::exchangeEntry(int index) {

@@ -6,6 +6,7 @@
 #include "core/document/command_support.h"
 #include "core/document/document_edit.h"
 #include "core/document/face_references.h"
+#include "core/document/handle_commands.h"
 #include "core/document/names.h"
 #include "core/document/seam.h"
 #include "core/mesh/bounds.h"
@@ -103,6 +104,9 @@ Result<Json> join(DocumentEdit& edit, const Json& arguments, const Progress&) {
     if (!a) return tl::unexpected(a.error());
     const auto b = document.face(text(arguments, "b"));
     if (!b) return tl::unexpected(b.error());
+    for (const FaceRef& face : {*a, *b})
+        if (document.elements.at(face.element)->handleOf(face.face))
+            return fail("is-handle", "\"" + face.face + "\" is a handle, which moves by itself: join joint faces.");
     if (a->element == b->element) return fail("same-element", "Both faces belong to one element: join faces of two elements.");
     const FaceOnBody first{&document.elements.at(a->element)->mesh->body, &faceOf(document, *a)};
     const FaceOnBody second{&document.elements.at(b->element)->mesh->body, &faceOf(document, *b)};
@@ -156,15 +160,9 @@ Result<Json> unjoin(DocumentEdit& edit, const Json& arguments, const Progress&) 
 }
 
 Result<Json> removeJointFace(DocumentEdit& edit, const Json& arguments, const Progress&) {
-    Document& document = edit.document;
-    const auto face = document.face(text(arguments, "face"));
+    const auto face = edit.document.face(text(arguments, "face"));
     if (!face) return tl::unexpected(face.error());
-    leaveJoint(document, *face);
-    freeBones(document, {*face});
-    exchangePart(document.elements, face->element, [&](Element& element) {
-        element.faces.erase(element.faces.begin() + element.faceIndex(face->face));
-        if (CutSide* side = element.sideOf(face->face)) side->face.clear();
-    });
+    removeFace(edit.document, *face);
     return Json::object();
 }
 
@@ -192,6 +190,16 @@ Result<Json> removeElement(DocumentEdit& edit, const Json& arguments, const Prog
 }
 
 }  // namespace
+
+void removeFace(Document& document, const FaceRef& face) {
+    leaveJoint(document, face);
+    freeBones(document, {face});
+    eraseHandle(document, face);
+    exchangePart(document.elements, face.element, [&](Element& element) {
+        element.faces.erase(element.faces.begin() + element.faceIndex(face.face));
+        if (CutSide* side = element.sideOf(face.face)) side->face.clear();
+    });
+}
 
 void addElementCommands(CommandRegistry& registry) {
     using Type = CommandKey::Type;

@@ -47,6 +47,10 @@ void freeBones(Document& document, const std::vector<FaceRef>& faces) {
 void replaceFace(Document& document, const FaceRef& from, const FaceRef& to) {
     if (const Joint* joint = document.jointOf(from))
         exchangePart(document.joints, joint->id, [&](Joint& changed) { std::replace(changed.faces.begin(), changed.faces.end(), from, to); });
+    if (auto goal = document.handleGoals.extract(from)) {
+        goal.key() = to;
+        document.handleGoals.insert(std::move(goal));
+    }
     const Bone::Place was(from);
     changeBones(document, [&](const Bone& bone) { return bone.start == was || bone.end == was; },
                 [&](Bone& bone) {
@@ -58,7 +62,10 @@ void replaceFace(Document& document, const FaceRef& from, const FaceRef& to) {
 void dropElement(Document& document, PartId element, PartId heir) {
     std::vector<FaceRef> faces;
     for (const JointFace& face : document.elements.at(element)->faces) faces.push_back({element, face.name});
-    for (const FaceRef& face : faces) leaveJoint(document, face);
+    for (const FaceRef& face : faces) {
+        leaveJoint(document, face);
+        document.handleGoals.erase(face);
+    }
     freeBones(document, faces);
     changeBones(document, [&](const Bone& bone) { return bone.element == element; }, [&](Bone& bone) { bone.element = heir; });
     for (std::size_t k = 0; k < kEffects; ++k) {

@@ -15,7 +15,7 @@ void leaveJoint(Document& document, const FaceRef& face);
 /// Ends of bones at faces that go away stay where they are, as points.
 void freeBones(Document& document, const std::vector<FaceRef>& faces);
 
-/// Joints and bones that named `from` name `to`.
+/// Joints, bones and goals of handles that named `from` name `to`.
 void replaceFace(Document& document, const FaceRef& from, const FaceRef& to);
 
 /// Takes an element out of the document with all that hangs on it: its faces leave their joints, bones that ended at them stay where they are, bones through it run through

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/base/atomic_file.h"
 #include "core/document/command_support.h"
+#include "core/document/handle_commands.h"
 #include "core/document/names.h"
 #include "core/document/project_file.h"
 #include "core/document/session_access.h"
@@ -46,9 +47,15 @@ Json contents(const Session& session) {
     }
     for (const auto& [end, target] : document.goals)
         held.push_back({{"endpoint", endpointText(document, end)}, {"pinned", target.pinned}, {"to", json(target.target)}});
+    Json handles = Json::array();
+    for (const auto& [id, element] : document.elements)
+        for (const Handle& handle : element->handles) handles.push_back(handleJson(document, *element, handle));
+    for (const auto& [handle, goal] : document.handleGoals)
+        if (goal.target.held) held.push_back(heldHandleJson(handle, goal));
     Json answer;
     answer["elements"] = std::move(elements);
     answer["bones"] = std::move(bones);
+    answer["handles"] = std::move(handles);
     answer["joints"] = std::move(joints);
     answer["effects"] = effectsJson(document, false);
     answer["takes"] = Json::array();

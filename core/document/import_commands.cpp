@@ -223,7 +223,7 @@ void addImportCommands(CommandRegistry& registry) {
     registry.addChange("import-element",
                        "Imports a mesh (OBJ, PLY, STL, glTF, GLB, FBX, DAE) as one element or several. Mends what can be mended and tells it.",
                        {{"path", Type::Text, true, "The file."},
-                        {"name", Type::Text, false, "A name that no element or bone has (from the file unless given; numbered where there are several)."},
+                        {"name", Type::Text, false, "A name that no element, bone, handle, character or cut has (from the file unless given; numbered where there are several)."},
                         {"unit", Type::Text, false, "\"mm\", \"cm\" or \"m\": the unit of the file (its own unless given; metres where it has none)."},
                         {"up", Type::Text, false, "\"y\" or \"z\": the axis of the file that points up (its own unless given; y where it has none)."},
                         {"split", Type::Boolean, false, "One element per connected component (false)."}},
@@ -232,7 +232,7 @@ void addImportCommands(CommandRegistry& registry) {
                        "Imports a mesh of any kind (open, of many parts, crossing itself) as a character: what is seen is the file's own mesh, and a closed body moves it. The body is one "
                        "element, which cuts divide.",
                        {{"path", Type::Text, true, "The file."},
-                        {"name", Type::Text, false, "A name that no element, bone, character or cut has (from the file unless given)."},
+                        {"name", Type::Text, false, "A name that no element, bone, handle, character or cut has (from the file unless given)."},
                         {"unit", Type::Text, false, "\"mm\", \"cm\" or \"m\": the unit of the file (its own unless given; metres where it has none)."},
                         {"up", Type::Text, false, "\"y\" or \"z\": the axis of the file that points up (its own unless given; y where it has none)."},
                         {"body", Type::Text, false, "\"exact\": the mesh itself, \"mended\": with holes closed and parts united, \"wrapped\": a new surface around it, \"auto\": the first that works (unless given)."},

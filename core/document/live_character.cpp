@@ -138,6 +138,22 @@ Result<Vec3> LiveCharacter::positionOf(const EndpointRef& end) {
     return document().pose.points.empty() ? plan_.input.skeleton.points[point] : document().pose.points[point];
 }
 
+Result<HandlePose> LiveCharacter::poseOf(const FaceRef& handle) {
+    if (auto alive = built(); !alive) return tl::unexpected(alive.error());
+    const int index = plan_.handleIndex(handle);
+    if (!character_ || index < 0) return fail("no-such-handle", "The handle \"" + handle.face + "\" is not there.");
+    return character_->shownHandle(index);
+}
+
+Result<HandlePose> LiveCharacter::carried(const FaceRef& handle, const HandlePose& world) {
+    if (auto alive = built(); !alive) return tl::unexpected(alive.error());
+    const int index = plan_.handleIndex(handle);
+    if (!character_ || index < 0) return fail("no-such-handle", "The handle \"" + handle.face + "\" is not there.");
+    const Eigen::Isometry3d carrier = character_->handleCarrier(index);
+    const Eigen::Quaterniond turn(carrier.linear());
+    return HandlePose{carrier.inverse() * world.at, (turn.conjugate() * world.turn).normalized(), false};
+}
+
 Points LiveCharacter::positionsOf(PartId element) {
     if (const auto given = positions_.find(element); given != positions_.end()) return given->second;
     const auto alive = built();
@@ -208,6 +224,7 @@ void LiveCharacter::showPose() {
     shownTake_.reset();
     const Pose pose = posed();
     if (performance_ && !performance_->isDynamic()) performance_->reset(pose);
+    applyHandles();
     applyTouches();
     character_->update(performance_ ? performance_->pose() : pose);
 }
@@ -226,6 +243,25 @@ bool LiveCharacter::putFinger(const Touch& touch) {
     if (element < 0 || !character_->setFinger(element, touch.finger, touch.point, touch.to, touch.radius)) return false;
     showPose();
     return true;
+}
+
+bool LiveCharacter::applyHandles() {
+    bool moved = false;
+    for (std::size_t i = 0; i < plan_.handles.size(); ++i) {
+        const int handle = static_cast<int>(i);
+        const FaceRef& ref = plan_.handles[i];
+        const auto goal = document().handleGoals.find(ref);
+        HandlePose pose;
+        if (goal == document().handleGoals.end()) {
+            const auto& of = plan_.input.joints[static_cast<std::size_t>(plan_.input.handles[i].joint)].faces[0];
+            pose.at = plan_.input.elements[static_cast<std::size_t>(of.element)].faces[static_cast<std::size_t>(of.face)].frame.origin;
+        } else {
+            pose = goal->second.now();
+        }
+        if (character_->handlePose(handle) == pose) continue;
+        moved = character_->setHandle(handle, pose) || moved;
+    }
+    return moved;
 }
 
 void LiveCharacter::applyTouches() {
@@ -250,7 +286,9 @@ bool LiveCharacter::moving() {
     if (!alive || !*alive || shownTake_) return false;
     if (stirred_ && (!character_->resting() || (performance_ && performance_->isDynamic()))) return true;
     const auto& held = document().goals;
-    return std::any_of(held.begin(), held.end(), [](const auto& h) { return h.second.elapsed < h.second.seconds; });
+    const auto& handles = document().handleGoals;
+    const auto glides = [](const auto& h) { return h.second.elapsed < h.second.seconds; };
+    return std::any_of(held.begin(), held.end(), glides) || std::any_of(handles.begin(), handles.end(), glides);
 }
 
 void LiveCharacter::stepFrame(double seconds) {
@@ -267,11 +305,12 @@ void LiveCharacter::stepFrame(double seconds) {
         settledGoals_ = goals_;
     }
     if (!positions_.empty()) positions_.clear();
+    const bool handled = applyHandles();
     applyTouches();
     if (performance_) {
         performance_->step(seconds, ownPose(), goals_);
         character_->update(performance_->pose(), seconds);
-    } else if (!document().pose.points.empty() || stirred_ || wasTake || !character_->resting()) {
+    } else if (handled || !document().pose.points.empty() || stirred_ || wasTake || !character_->resting()) {
         character_->update(ownPose(), seconds);
     }
     measureEffects();

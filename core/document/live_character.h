@@ -43,6 +43,10 @@ public:
     Result<Vec3> positionOf(const EndpointRef& end);
     /// Render vertices of a character as they are shown, in the order of its file, double precision, m.
     [[nodiscard]] Points renderPositionsOf(PartId character);
+    /// Where a handle is shown, in the world. Errors: those of built(), "no-such-handle".
+    Result<HandlePose> poseOf(const FaceRef& handle);
+    /// The pose in the world, relative to what carries the handle now. Errors: as poseOf().
+    Result<HandlePose> carried(const FaceRef& handle, const HandlePose& world);
     /// Body vertices of an element as they are shown, double precision, m.
     [[nodiscard]] Points positionsOf(PartId element);
     /// write-mesh and measure see these positions of an element, until the character moves.
@@ -136,6 +140,8 @@ private:
     Result<void> prepare();
     /// Fills `goals_` with the targets as they are now.
     void collectGoals();
+    /// Puts the handles of the character where the document has them. False: they were there.
+    bool applyHandles();
     /// Puts the fingers of the character where the document has them.
     void applyTouches();
     void measureEffects();

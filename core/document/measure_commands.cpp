@@ -120,6 +120,12 @@ Result<Json> measure(SessionAccess& access, const Json& arguments, const Progres
         answer["value"] = {{"low", json(low)}, {"high", json(high)}};
     } else if (what == "position") {
         if (!arguments.contains("endpoint")) return needs("endpoint");
+        if (const auto handle = session.document().handle(text(arguments, "endpoint"))) {
+            const auto pose = session.poseOf(*handle);
+            if (!pose) return tl::unexpected(pose.error());
+            answer["value"] = json(pose->at);
+            return answer;
+        }
         const auto end = session.document().endpoint(text(arguments, "endpoint"));
         if (!end) return tl::unexpected(end.error());
         const auto position = session.positionOf(*end);

@@ -34,9 +34,9 @@ Result<void> checkNewName(const Document& document, std::string_view name) {
     if (auto ok = checkNameText(name); !ok) return ok;
     if (name == "character" || effectNamed(name))
         return fail("bad-name", "The name \"" + std::string(name) + "\" belongs to the program: choose another.");
-    if (document.elementNamed(name) || document.boneNamed(name) || document.characterNamed(name) || document.characterOfCut(name))
+    if (document.elementNamed(name) || document.boneNamed(name) || document.handle(name) || document.characterNamed(name) || document.characterOfCut(name))
         return fail("name-taken",
-                    "The name \"" + std::string(name) + "\" is taken: elements, bones, characters and cuts share one name space, choose another.");
+                    "The name \"" + std::string(name) + "\" is taken: elements, bones, handles, characters and cuts share one name space, choose another.");
     return {};
 }
 

@@ -13,7 +13,7 @@ namespace imomushi {
 
 /// Whether `name` can be the name of an element, bone or face at all. Errors: "bad-name".
 Result<void> checkNameText(std::string_view name);
-/// Whether a new element, bone, character or cut can be called `name`. Errors: "bad-name", "name-taken".
+/// Whether a new element, bone, handle, character or cut can be called `name`. Errors: "bad-name", "name-taken".
 Result<void> checkNewName(const Document& document, std::string_view name);
 /// `wish`, made a possible name and unique by a number at its end.
 std::string freeName(const Document& document, std::string_view wish);

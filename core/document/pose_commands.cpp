@@ -7,6 +7,7 @@
 #include "core/document/command_support.h"
 #include "core/base/finite.h"
 #include "core/document/document_edit.h"
+#include "core/document/handle_commands.h"
 #include "core/document/names.h"
 #include "core/document/session_access.h"
 #include "core/touch/touch_contact.h"
@@ -46,6 +47,7 @@ Result<ShownEndpoint> endpointOf(const DocumentEdit& edit, const Json& arguments
 }
 
 Result<Json> pin(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    if (const auto handle = edit.document.handle(text(arguments, "endpoint"))) return pinHandle(edit, *handle);
     const auto shown = endpointOf(edit, arguments);
     if (!shown) return tl::unexpected(shown.error());
     const auto position = edit.positionOf(shown->end);
@@ -62,6 +64,7 @@ Result<Json> pin(DocumentEdit& edit, const Json& arguments, const Progress&) {
 }
 
 Result<Json> unpin(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    if (const auto handle = edit.document.handle(text(arguments, "endpoint"))) return unpinHandle(edit, *handle);
     const auto shown = endpointOf(edit, arguments);
     if (!shown) return tl::unexpected(shown.error());
     const auto held = heldAt(edit.document, shown->plan, shown->end);
@@ -72,6 +75,8 @@ Result<Json> unpin(DocumentEdit& edit, const Json& arguments, const Progress&) {
 }
 
 Result<Json> drag(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    if (const auto handle = edit.document.handle(text(arguments, "endpoint"))) return dragHandle(edit, *handle, arguments);
+    if (arguments.contains("rotation")) return fail("unknown-key", "\"rotation\" goes with handles; the end of a bone is turned by \"roll\".");
     const auto shown = endpointOf(edit, arguments);
     if (!shown) return tl::unexpected(shown.error());
     const auto position = edit.positionOf(shown->end);
@@ -102,6 +107,7 @@ Result<Json> drag(DocumentEdit& edit, const Json& arguments, const Progress&) {
 
 Result<Json> showDrag(LiveCharacter& live, const Json& arguments, Json) {
     const Document& document = live.document();
+    if (const auto handle = document.handle(text(arguments, "endpoint"))) return showHandle(live, *handle);
     const EndpointRef end = *document.endpoint(text(arguments, "endpoint"));
     const EndpointGoal held = document.goals.at(end);
     live.hidePositions();
@@ -140,6 +146,12 @@ Result<Json> release(DocumentEdit& edit, const Json& arguments, const Progress&)
         return std::next(held);
     };
     if (arguments.contains("endpoint")) {
+        if (const auto handle = edit.document.handle(text(arguments, "endpoint"))) {
+            const auto wasHeld = releaseHandle(edit, *handle);
+            if (!wasHeld) return tl::unexpected(wasHeld.error());
+            if (!*wasHeld) return fail("not-held", "The handle \"" + handle->face + "\" is not held.");
+            return Json{{"released", 1}};
+        }
         const auto shown = endpointOf(edit, arguments);
         if (!shown) return tl::unexpected(shown.error());
         const auto held = heldAt(edit.document, shown->plan, shown->end);
@@ -150,6 +162,11 @@ Result<Json> release(DocumentEdit& edit, const Json& arguments, const Progress&)
             auto next = let(held);
             if (!next) return tl::unexpected(next.error());
             held = *next;
+        }
+        for (const auto& [handle, goal] : std::map(edit.document.handleGoals)) {
+            const auto wasHeld = releaseHandle(edit, handle);
+            if (!wasHeld) return tl::unexpected(wasHeld.error());
+            released += *wasHeld;
         }
     }
     return Json{{"released", released}};
@@ -167,6 +184,7 @@ Result<Json> rest(DocumentEdit& edit, const Json&, const Progress&) {
     Document& document = edit.document;
     document.pose = {};
     document.touches.clear();
+    restHandles(document);
     std::erase_if(document.goals, [](const auto& held) { return !held.second.pinned; });
     for (auto& [end, held] : document.goals) {
         held = {};
@@ -317,19 +335,20 @@ Result<Json> step(SessionAccess& access, const Json& arguments, const Progress& 
 
 void addPoseCommands(CommandRegistry& registry) {
     using Type = CommandKey::Type;
-    const CommandKey endpoint{"endpoint", Type::Text, true, "\"bone/start\" or \"bone/end\"."};
-    registry.addChange("pin", "Holds an endpoint where it is, until it is unpinned.", {endpoint}, pin);
-    registry.addChange("unpin", "Lets a pinned endpoint go.", {endpoint}, unpin);
+    const CommandKey endpoint{"endpoint", Type::Text, true, "\"bone/start\" or \"bone/end\", or a handle."};
+    registry.addChange("pin", "Holds an endpoint where it is, a handle as it is turned too, until it is unpinned.", {endpoint}, pin);
+    registry.addChange("unpin", "Lets a pinned endpoint or handle go.", {endpoint}, unpin);
     registry.addChange("drag",
-                       "Moves an endpoint; it stays held at the target until it is released. Without seconds the static pose is found before the answer.",
+                       "Moves an endpoint or a handle; it stays held at the target until it is released. Without seconds the static pose is found before the answer.",
                        {endpoint,
                         {"to", Type::Vector3, true, "Where to, metres. Out of reach: as near as the bones can stretch."},
                         {"roll", Type::Number, false, "Twist of the bone's end about its axis, radians from rest."},
+                        {"rotation", Type::Array, false, "How a handle is turned from rest, a quaternion [x,y,z,w] (as it is)."},
                         {"seconds", Type::Number, false, "Glides there in this time while step runs."}},
                        drag, showDrag);
     registry.addChange("release",
-                       "Lets dragged endpoints go; the pose stays. A pin that was dragged stays a pin where it is now.",
-                       {{"endpoint", Type::Text, false, "\"bone/start\" or \"bone/end\" (all unless given)."}},
+                       "Lets dragged endpoints and handles go; the pose stays, handles where the flesh has them. A pin that was dragged stays a pin where it is now.",
+                       {{"endpoint", Type::Text, false, "\"bone/start\" or \"bone/end\", or a handle (all unless given)."}},
                        release, showRelease);
     registry.addChange("touch",
                        "Presses a finger into the surface, or moves or lifts one. It pushes, never pulls, and comes and goes smoothly as frames pass. Needs the effect \"touch\".",
@@ -338,7 +357,7 @@ void addPoseCommands(CommandRegistry& registry) {
                         {"to", Type::Any, true, "Where that point is pushed, metres, in the world; null lifts the finger."},
                         {"radius", Type::Number, false, "Of the finger tip, metres (as small as the patches allow)."}},
                        touch, showTouch);
-    registry.addChange("rest", "The rest pose: all dragged endpoints released, pins back at rest, all velocities zero.", {}, rest, showRest);
+    registry.addChange("rest", "The rest pose: all dragged endpoints and handles released, pins back at rest, all velocities zero.", {}, rest, showRest);
     registry.addAction("step",
                        "Performs frames: glides, poses, deformation.",
                        {{"frames", Type::Integer, true, "How many, from 1."}, {"dt", Type::Any, false, "Seconds from frame to frame (1/60), up to 10: a number, or one for each frame."}},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/document/project_file.h"
 
+#include <algorithm>
 #include <cstring>
 #include <fstream>
 #include <set>
@@ -34,7 +35,9 @@ void createTables(Database& db, int version) {
     createTouchTable(db);
     createTakeTables(db);
     createEffectTables(db);
-    if (version >= 6) createCharacterTables(db);
+    if (version < 6) return;
+    createHandleTables(db);
+    createCharacterTables(db);
 }
 
 /// Each response once, though elements share it.
@@ -84,7 +87,10 @@ Project readProject(Database& db, std::int64_t version) {
     if (version >= 3) readProjectResponses(db, project, version >= 4);  // older ones are of older solvers
     if (version >= 4) readEffects(db, document);
     if (version >= 5) readTakes(db, document);
-    if (version >= 6) readCharacters(db, document, meshes);
+    if (version >= 6) {
+        readHandles(db, document);
+        readCharacters(db, document, meshes);
+    }
     std::set<PartId> ids;
     const auto unique = [&](PartId part) { require(part < document.nextId && ids.insert(part).second, "an id is used twice"); };
     for (const auto& [part, element] : document.elements) unique(part);
@@ -114,6 +120,11 @@ Result<std::vector<std::byte>> readBytes(const std::filesystem::path& path) {
 
 }  // namespace
 
+int projectVersion(const Document& document) {
+    const bool handles = std::any_of(document.elements.begin(), document.elements.end(), [](const auto& part) { return !part.second->handles.empty(); });
+    return handles || !document.characters.empty() ? kProjectVersion : 5;
+}
+
 Result<void> saveProject(const std::filesystem::path& path, const Project& project) {
     try {
         Database db;
@@ -134,7 +145,10 @@ Result<void> saveProject(const std::filesystem::path& path, const Project& proje
         writeProjectResponses(db, project);
         writeEffects(db, document);
         writeTakes(db, document);
-        if (version >= 6) writeCharacters(db, document, meshes);
+        if (version >= 6) {
+            writeHandles(db, document);
+            writeCharacters(db, document, meshes);
+        }
         {
             const std::string digest = db.digest(projectTables(version));
             RowWriter info(db, "INSERT INTO info VALUES (?,?)");

@@ -36,6 +36,11 @@ void createSkeletonTables(Database& db);
 void writeSkeleton(Database& db, const Document& document);
 void readSkeleton(Database& db, Document& document);
 
+/// Handles and where they were taken. Reads after the skeleton.
+void createHandleTables(Database& db);
+void writeHandles(Database& db, const Document& document);
+void readHandles(Database& db, Document& document);
+
 void createTakeTables(Database& db);
 void writeTakes(Database& db, const Document& document);
 void readTakes(Database& db, Document& document);

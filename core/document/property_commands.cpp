@@ -6,6 +6,7 @@
 #include "core/document/command_support.h"
 #include "core/document/document_edit.h"
 #include "core/document/face_references.h"
+#include "core/document/handle_commands.h"
 #include "core/document/names.h"
 
 namespace imomushi {
@@ -151,14 +152,17 @@ Result<Json> set(DocumentEdit& edit, const Json& arguments, const Progress&) {
         exchangePart(document.elements, element->id, [&](Element& changed) { done = setElement(changed, property, value); });
     } else if (const Bone* bone = document.boneNamed(target)) {
         exchangePart(document.bones, bone->id, [&](Bone& changed) { done = setBone(changed, property, value); });
+    } else if (const auto handle = document.handle(target)) {
+        done = setHandleProperty(document, *handle, property, value);
     } else {
-        done = fail("no-such-target", "There is no element, bone or effect \"" + target + "\" to set; \"character\" has the settings of all.");
+        done = fail("no-such-target", "There is no element, bone, handle or effect \"" + target + "\" to set; \"character\" has the settings of all.");
     }
     if (!done) return tl::unexpected(done.error());
     return Json::object();
 }
 
 void renameFace(Document& document, const FaceRef& face, const std::string& name) {
+    renameHandle(document, face, name);
     exchangePart(document.elements, face.element, [&](Element& element) {
         element.faces[static_cast<std::size_t>(element.faceIndex(face.face))].name = name;
         if (CutSide* side = element.sideOf(face.face)) side->face = name;
@@ -170,11 +174,12 @@ Result<Json> rename(DocumentEdit& edit, const Json& arguments, const Progress&) 
     Document& document = edit.document;
     const std::string& target = text(arguments, "target");
     const std::string& name = text(arguments, "name");
-    if (target.find('/') != std::string::npos) {
-        const auto face = document.face(target);
+    const auto handle = document.handle(target);
+    if (handle || target.find('/') != std::string::npos) {
+        const auto face = handle ? Result<FaceRef>(*handle) : document.face(target);
         if (!face) return tl::unexpected(face.error());
-        if (auto ok = checkNameText(name); !ok) return tl::unexpected(ok.error());
         if (name == face->face) return Json::object();
+        if (auto ok = handle ? checkNewName(document, name) : checkNameText(name); !ok) return tl::unexpected(ok.error());
         if (document.elements.at(face->element)->faceIndex(name) >= 0)
             return fail("name-taken", "The element has a joint face \"" + name + "\" already: choose another name.");
         renameFace(document, *face, name);
@@ -203,15 +208,16 @@ void addPropertyCommands(CommandRegistry& registry) {
     registry.addChange("set",
                        "Sets a property. Element: nu (0 to 0.5), stiffness (relative, 1e-6 to 1e6), density (kg/m^3), solver-mesh (\"default\", \"best\", \"as-is\", \"refined:N\", \"decimated:N\"; N vertices; \"@T\" after it: the tolerance of solutions of more than 5000 nodes, 1e-6 to 0.01), "
                        "joint-planes (\"auto\", \"bisector\", \"element\": who turns the planes of its joints), color (\"#rrggbb\"), visible, locked. "
+                       "Handle: radius (metres along the surface), bone (\"bone/end\" that it hangs on, \"\": none). "
                        "Bone: min-stretch (0.01 to 1), max-stretch (1 to 100, of the rest length), roll (radians at rest). "
                        "Character: basis (\"paper\", \"affine\", \"modes:1\" to \"modes:36\", \"full\"), format (\"float\", \"half\", \"int16\"), threads (0: all)." + effectsHelp(),
-                       {{"target", Type::Text, true, "An element, a bone, an effect, or \"character\"."},
+                       {{"target", Type::Text, true, "An element, a bone, a handle, an effect, or \"character\"."},
                         {"property", Type::Text, true, "The name of the property."},
                         {"value", Type::Any, true, "Its value."}},
                        set);
     registry.addChange("rename",
-                       "Gives an element, a bone, a joint face, a character or a cut another name.",
-                       {{"target", Type::Text, true, "An element, a bone, a character, a cut, or \"element/face\"."},
+                       "Gives an element, a bone, a handle, a joint face, a character or a cut another name.",
+                       {{"target", Type::Text, true, "An element, a bone, a handle, a character, a cut, or \"element/face\"."},
                         {"name", Type::Text, true, "The new name; for a face without its element."}},
                        rename);
 }

@@ -148,6 +148,7 @@ int Session::elementIndex(PartId element) const { return live_->built() ? live_-
 int Session::pointIndex(const EndpointRef& end) const { return live_->built() ? live_->plan().pointIndex(end) : -1; }
 const Pose& Session::shownPose() { return live_->shownPose(); }
 Result<Vec3> Session::positionOf(const EndpointRef& end) { return live_->positionOf(end); }
+Result<HandlePose> Session::poseOf(const FaceRef& handle) { return live_->poseOf(handle); }
 Points Session::positionsOf(PartId element) { return live_->positionsOf(element); }
 Points Session::renderPositionsOf(PartId character) { return live_->renderPositionsOf(character); }
 bool Session::moving() { return live_->moving(); }

@@ -73,6 +73,7 @@ public:
     [[nodiscard]] int pointIndex(const EndpointRef& end) const;  ///< joint point in the skeleton, -1: none
     const Pose& shownPose();
     Result<Vec3> positionOf(const EndpointRef& end);
+    Result<HandlePose> poseOf(const FaceRef& handle);
     [[nodiscard]] Points positionsOf(PartId element);
     [[nodiscard]] Points renderPositionsOf(PartId character);
     bool moving();

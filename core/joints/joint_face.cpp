@@ -4,13 +4,17 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <string>
 #include <unordered_map>
+#include <unordered_set>
 
 #include "core/base/finite.h"
 #include "core/base/union_find.h"
+#include "core/mesh/closest_point.h"
 #include "core/mesh/edge_key.h"
+#include "core/mesh/surface_distance.h"
 #include "core/mesh/topology.h"
 
 namespace imomushi {
@@ -22,6 +26,10 @@ const double kPlaneCosine = std::cos(10.0 * std::numbers::pi / 180.0);
 constexpr double kAxisTie = 1e-6;
 /// A patch that leaves its own plane farther than this part of its size has no sensible frame.
 constexpr double kLargestBulge = 0.5;
+/// The area vector of a patch over its area: below, it folds back on itself and has no outward side.
+constexpr double kLeastOutward = 0.3;
+/// The same for discs, which may go over a tip.
+constexpr double kLeastOutwardOfDisc = 0.02;
 
 FaceFrame frameOf(const Vec3& origin, const Vec3& z) {
     int axis = 0;
@@ -55,8 +63,20 @@ std::vector<std::vector<std::int32_t>> patches(const TriangleMesh& body, const s
     return result;
 }
 
-/// The face of a connected patch of triangles.
-Result<JointFace> faceOf(const TriangleMesh& body, std::vector<std::int32_t> triangles) {
+/// Whether a connected patch is a disc: without holes, and not closed around anything (Euler's characteristic is 1).
+bool isDisc(const TriangleMesh& body, const std::vector<std::int32_t>& patch) {
+    std::unordered_set<std::int32_t> vertices;
+    std::unordered_set<std::uint64_t> edges;
+    for (const std::int32_t t : patch)
+        for (int c = 0; c < 3; ++c) {
+            vertices.insert(body.triangles(t, c));
+            edges.insert(edgeKey(body.triangles(t, c), body.triangles(t, (c + 1) % 3)));
+        }
+    return vertices.size() + patch.size() == edges.size() + 1;
+}
+
+/// The face of a connected patch of triangles. `curved`: as far from a plane as it likes to be.
+Result<JointFace> faceOf(const TriangleMesh& body, std::vector<std::int32_t> triangles, bool curved = false) {
     JointFace face;
     std::sort(triangles.begin(), triangles.end());
     face.triangles = std::move(triangles);
@@ -79,8 +99,7 @@ Result<JointFace> faceOf(const TriangleMesh& body, std::vector<std::int32_t> tri
         area += a;
     }
     if (!(area > 0.0)) return fail("no-patch", "The patch has no area; choose triangles that are not degenerate.");
-    // A patch that folds back on itself has an area vector much shorter than its area and no outward side.
-    if (!(outward.norm() > 0.3 * area))
+    if (!(outward.norm() > (curved ? kLeastOutwardOfDisc : kLeastOutward) * area))
         return fail("not-planar", "The patch bends too far to have one outward side; choose a flatter one.");
     face.area = area;
     face.frame = frameOf(near + moment / area, outward.normalized());
@@ -89,7 +108,7 @@ Result<JointFace> faceOf(const TriangleMesh& body, std::vector<std::int32_t> tri
         face.size = std::max(face.size, p.norm());
         face.planarityError = std::max(face.planarityError, std::abs(p.z()));
     }
-    if (face.planarityError > kLargestBulge * face.size)
+    if (!curved && face.planarityError > kLargestBulge * face.size)
         return fail("not-planar", "The patch leaves its plane by more than half of its size; choose a flatter one.");
     return face;
 }
@@ -188,6 +207,70 @@ Result<JointFace> jointFaceBySeed(const TriangleMesh& body, std::int32_t seed, d
     for (auto& patch : patches(body, chosen))
         if (std::binary_search(patch.begin(), patch.end(), seed)) return faceOf(body, std::move(patch));
     return fail("no-patch", "No flat region lies there.");
+}
+
+SurfacePoint nearestOnSurface(const TriangleMesh& body, const Vec3& point) {
+    SurfacePoint best;
+    best.distance = std::numeric_limits<double>::infinity();
+    for (std::int32_t t = 0; t < body.triangles.rows(); ++t) {
+        const auto corner = [&](int c) -> Vec3 { return body.vertices.row(body.triangles(t, c)).transpose(); };
+        const Vec3 a = corner(0), b = corner(1), c = corner(2);
+        ClosestOnTriangle closest = closestOnTriangle(b - a, c - a, point - a, point - b, point - c);
+        if (const double sum = closest.weights.sum(); sum > 0.0) closest.weights /= sum;
+        const Vec3 at = closest.weights[0] * a + closest.weights[1] * b + closest.weights[2] * c;
+        const double distance = (at - point).norm();
+        if (!(distance < best.distance)) continue;
+        best = {t, at, distance};
+    }
+    return best;
+}
+
+Result<JointFace> jointFaceByDisc(const TriangleMesh& body, std::int32_t seed, const Vec3& point, double radius) {
+    if (seed < 0 || seed >= body.triangles.rows()) return fail("bad-index", "Triangle " + std::to_string(seed) + " does not exist.");
+    if (!allFinite(point) || !(radius > 0.0) || !std::isfinite(radius)) return fail("bad-value", "A disc needs a finite point and a radius above 0.");
+    SurfaceDistance surface(body);
+    std::vector<SurfaceSource> sources;
+    for (int c = 0; c < 3; ++c) {
+        const std::int32_t v = body.triangles(seed, c);
+        sources.emplace_back(v, (body.vertices.row(v).transpose() - point).norm());
+    }
+    std::vector<std::int32_t> near;
+    std::unordered_set<std::int32_t> within;
+    surface.spread(
+        sources, radius, [](std::int32_t, double) { return true; },
+        [&](std::int32_t v, double) {
+            within.insert(v);
+            for (const std::int32_t corner : surface.corners().at(v)) near.push_back(corner / 3);
+        });
+    std::sort(near.begin(), near.end());
+    near.erase(std::unique(near.begin(), near.end()), near.end());
+    std::erase_if(near, [&](std::int32_t t) {
+        for (int c = 0; c < 3; ++c)
+            if (!within.contains(body.triangles(t, c))) return true;
+        return false;
+    });
+    std::vector<std::int32_t> disc;
+    for (auto& patch : patches(body, near))
+        if (std::binary_search(patch.begin(), patch.end(), seed)) disc = std::move(patch);
+    if (disc.size() < kFewestDiscTriangles) {
+        const auto nearest = std::min_element(sources.begin(), sources.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+        disc.clear();
+        for (const std::int32_t corner : surface.corners().at(nearest->first)) disc.push_back(corner / 3);
+    }
+    if (!isDisc(body, disc)) return fail("not-a-disc", "The patch closes around a limb or has a hole: choose a smaller radius.");
+    return faceOf(body, std::move(disc), true);
+}
+
+int overlappingFace(std::span<const JointFace> faces, const JointFace& face) {
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+        const auto& other = faces[i].vertices;
+        std::size_t a = 0, b = 0;  // both ascend
+        while (a < other.size() && b < face.vertices.size()) {
+            if (other[a] == face.vertices[b]) return static_cast<int>(i);
+            ++(other[a] < face.vertices[b] ? a : b);
+        }
+    }
+    return -1;
 }
 
 }  // namespace imomushi

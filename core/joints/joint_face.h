@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -50,5 +51,25 @@ Result<JointFace> jointFaceByTriangles(const TriangleMesh& body, std::vector<std
 /// The flat region around triangle `seed`: grows over neighbours whose normals stay within `angle` radians of the seed's and whose
 /// corners stay within `tolerance` metres of its plane. What a click of the face tool selects.
 Result<JointFace> jointFaceBySeed(const TriangleMesh& body, std::int32_t seed, double angle, double tolerance);
+
+/// A place on the surface of a body.
+struct SurfacePoint {
+    std::int32_t triangle = -1;  ///< -1: the body has none
+    Vec3 point = Vec3::Zero();   ///< m, on that triangle
+    double distance = 0.0;       ///< m, from what was asked for
+};
+/// The place nearest to `point`; of equally near triangles the first.
+SurfacePoint nearestOnSurface(const TriangleMesh& body, const Vec3& point);
+
+/// A patch with fewer triangles than this holds its flesh by hardly more than a point, and says little of how it is turned.
+inline constexpr std::size_t kFewestDiscTriangles = 6;
+
+/// The disc about a point of triangle `seed`: the triangles within `radius` (m) of it along the surface (SurfaceDistance), as far as they are connected with the
+/// seed; where these are fewer than kFewestDiscTriangles, all at the nearest vertex instead. It need not be flat, not nearly; z of its frame is the
+/// mean normal. Errors: "bad-index", "bad-value", "no-patch" (no area), "not-a-disc" (it closes around a limb, or has holes), "not-planar" (no outward side).
+Result<JointFace> jointFaceByDisc(const TriangleMesh& body, std::int32_t seed, const Vec3& point, double radius);
+
+/// The first of `faces` that shares a vertex with `face`, -1: none. Two faces of an element must not: a ring of free triangles lies between them.
+int overlappingFace(std::span<const JointFace> faces, const JointFace& face);
 
 }  // namespace imomushi

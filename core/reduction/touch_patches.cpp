@@ -6,85 +6,21 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <queue>
 #include <utility>
 
+#include "core/mesh/surface_distance.h"
 #include "core/mesh/topology.h"
-#include "core/mesh/vertex_corners.h"
 #include "core/reduction/mesh_pieces.h"
 
 namespace imomushi {
 namespace {
 
-constexpr double kFar = std::numeric_limits<double>::infinity();
+constexpr double kFar = SurfaceDistance::kFar;
 /// Bumps reach this many times as far as the farthest place is from its nearest centre: four or five overlap, and where the most distant two meet
 /// both still have half of their height.
 constexpr double kOverlap = 1.8;
 /// Fewer vertices to a bump would make it as pointed as a single one.
 constexpr std::size_t kVerticesPerPatch = 4;
-
-/// Distances along some of the triangles of a mesh.
-class Surface {
-public:
-    Surface(const TriangleMesh& mesh, const std::vector<char>& which)
-        : mesh_(mesh), corners_({mesh.triangles.data(), static_cast<std::size_t>(mesh.triangles.size())}, static_cast<std::size_t>(mesh.vertices.rows()), which),
-          distance_(static_cast<std::size_t>(mesh.vertices.rows()), kFar) {}
-
-    [[nodiscard]] bool has(std::size_t v) const { return !corners_.at(static_cast<std::int32_t>(v)).empty(); }
-
-    /// visit(v, distance) for every vertex nearer than `reach` to `from`. Does not go on beyond those where goOn(v, distance) is false.
-    template <class GoOn, class Visit>
-    void spread(std::int32_t from, double reach, const GoOn& goOn, const Visit& visit) {
-        using Entry = std::pair<double, std::int32_t>;
-        std::priority_queue<Entry, std::vector<Entry>, std::greater<>> front;
-        touched_.clear();
-        const auto offer = [&](std::int32_t v, double d) {
-            double& known = distance_[static_cast<std::size_t>(v)];
-            if (!(d < known) || !(d < reach)) return;
-            if (known == kFar) touched_.push_back(v);
-            known = d;
-            front.emplace(d, v);
-        };
-        offer(from, 0.0);
-        while (!front.empty()) {
-            const auto [d, v] = front.top();
-            front.pop();
-            if (d > distance_[static_cast<std::size_t>(v)] || !goOn(v, d)) continue;
-            for (const std::int32_t corner : corners_.at(v)) {
-                const std::int32_t f = corner / 3, c = corner % 3;
-                const std::int32_t p = mesh_.triangles(f, (c + 1) % 3), q = mesh_.triangles(f, (c + 2) % 3);
-                offer(p, d + length(v, p));
-                offer(q, d + length(v, q));
-                offer(q, across(v, p, q));
-                offer(p, across(v, q, p));
-            }
-        }
-        for (const std::int32_t v : touched_) visit(v, std::exchange(distance_[static_cast<std::size_t>(v)], kFar));
-    }
-
-private:
-    [[nodiscard]] Vec3 at(std::int32_t v) const { return mesh_.vertices.row(v).transpose(); }
-    [[nodiscard]] double length(std::int32_t a, std::int32_t b) const { return (at(a) - at(b)).norm(); }
-    /// The distance of c straight through triangle a b c, from a source beyond side a b with these distances in its plane; infinite where there is
-    /// none.
-    [[nodiscard]] double across(std::int32_t a, std::int32_t b, std::int32_t c) const {
-        const double da = distance_[static_cast<std::size_t>(a)], db = distance_[static_cast<std::size_t>(b)];
-        if (db == kFar) return kFar;
-        const Vec3 side = at(b) - at(a), to = at(c) - at(a);
-        const double l = side.norm(), x = to.dot(side) / l, y = std::sqrt(std::max(0.0, to.squaredNorm() - x * x));
-        const double sx = (da * da - db * db + l * l) / (2.0 * l), square = da * da - sx * sx;
-        if (!(square >= 0.0)) return kFar;
-        const double sy = std::sqrt(square);  // below the side
-        if (!(y + sy > 0.0)) return kFar;
-        const double crossing = sx + (x - sx) * sy / (y + sy);
-        return crossing >= 0.0 && crossing <= l ? std::hypot(x - sx, y + sy) : kFar;
-    }
-
-    const TriangleMesh& mesh_;
-    VertexCorners corners_;
-    std::vector<double> distance_;
-    std::vector<std::int32_t> touched_;
-};
 
 }  // namespace
 
@@ -117,15 +53,16 @@ TouchPatches touchPatches(const TriangleMesh& body, std::span<const JointFace> f
     if (faces.empty() || count <= 0) return out;
     std::vector<std::int32_t> held;
     for (const JointFace& face : faces) held.insert(held.end(), face.triangles.begin(), face.triangles.end());
-    Surface surface(body, touchableTriangles(body, EdgeTable(body.triangles), held));
+    const std::vector<char> touchable = touchableTriangles(body, EdgeTable(body.triangles), held);
+    SurfaceDistance surface(body, touchable);
     std::vector<double> nearest(vertices, -1.0);  // of the centres; -1: cannot be touched
-    std::size_t touchable = 0;
+    std::size_t reachable = 0;
     for (std::size_t v = 0; v < vertices; ++v)
         if (surface.has(v)) {
             nearest[v] = kFar;
-            ++touchable;
+            ++reachable;
         }
-    const std::size_t most = std::clamp<std::size_t>(touchable / kVerticesPerPatch, 1, static_cast<std::size_t>(count));
+    const std::size_t most = std::clamp<std::size_t>(reachable / kVerticesPerPatch, 1, static_cast<std::size_t>(count));
     // The farthest vertex; of equally far ones the first.
     const auto farthest = [&] {
         std::size_t at = 0;

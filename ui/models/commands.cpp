@@ -116,6 +116,10 @@ Json moveCut(const std::string& cut, const Vec3& origin, const Vec3& normal) { r
 Json removeCut(const std::string& cut) { return {{"do", "remove-cut"}, {"cut", cut}}; }
 
 Json removeJointFace(const std::string& face) { return {{"do", "remove-joint-face"}, {"face", face}}; }
+Json addHandle(const std::string& element, const Vec3& point, double radius) {
+    return {{"do", "handle"}, {"element", element}, {"point", vector(point)}, {"radius", radius}};
+}
+Json removeHandle(const std::string& handle) { return {{"do", "remove-handle"}, {"handle", handle}}; }
 Json join(const std::string& a, const std::string& b) { return {{"do", "join"}, {"a", a}, {"b", b}}; }
 
 Json addBone(const NewBone& bone) {
@@ -143,6 +147,10 @@ Json drag(const std::string& endpoint, const Vec3& to, std::optional<double> rol
     Json command = {{"do", "drag"}, {"endpoint", endpoint}, {"to", vector(to)}};
     add(command, "roll", roll);
     return command;
+}
+
+Json dragHandle(const std::string& handle, const Vec3& to, const Eigen::Quaterniond& turn) {
+    return {{"do", "drag"}, {"endpoint", handle}, {"to", vector(to)}, {"rotation", Json::array({turn.x(), turn.y(), turn.z(), turn.w()})}};
 }
 
 Json setPinned(const std::string& endpoint, bool pinned) { return {{"do", pinned ? "pin" : "unpin"}, {"endpoint", endpoint}}; }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <Eigen/Geometry>
 #include <optional>
 #include <span>
 #include <string>
@@ -72,6 +73,10 @@ namespace bone {
 inline constexpr Property<double> kRoll{"roll"};                                            ///< radians
 inline constexpr Property<double> kMinStretch{"min-stretch"}, kMaxStretch{"max-stretch"};   ///< of the length at rest
 }  // namespace bone
+namespace handle {
+inline constexpr Property<double> kRadius{"radius"};       ///< m, along the surface
+inline constexpr Property<std::string> kBone{"bone"};      ///< an end of a bone; empty: none
+}  // namespace handle
 namespace character {
 inline constexpr const char* kTarget = "character";
 inline constexpr Property<std::string> kBasis{"basis"}, kFormat{"format"};
@@ -108,6 +113,9 @@ Json addJointFace(const std::string& element, const std::string& name, const std
 Json addJointFace(const std::string& element, const std::string& name, const Vec3& origin, const Vec3& normal, double tolerance);
 Json removeJointFace(const std::string& face);
 Json join(const std::string& a, const std::string& b);
+/// A disc about the point of the rest shape; m. Its name is in the answer.
+Json addHandle(const std::string& element, const Vec3& point, double radius);
+Json removeHandle(const std::string& handle);
 
 struct NewBone {
     std::string name;
@@ -129,6 +137,9 @@ Json precompute(const std::vector<std::string>& elements);
 // ---- pose ------------------------------------------------------------------------------------------------------------------
 
 Json drag(const std::string& endpoint, const Vec3& to, std::optional<double> roll = {});  ///< m, radians
+/// `turn`: from rest.
+Json dragHandle(const std::string& handle, const Vec3& to, const Eigen::Quaterniond& turn);
+/// Of an endpoint or a handle, as release().
 Json setPinned(const std::string& endpoint, bool pinned);
 Json release(const std::string& endpoint);
 Json releaseAll();

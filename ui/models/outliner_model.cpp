@@ -200,6 +200,7 @@ QVariant OutlinerModel::data(const QModelIndex& index, int role) const {
             }
             if (role == IconRole) {
                 static constexpr const char* kIcons[] = {"character", "element", "face", "bones", "bone"};
+                if (n.kind == Kind::Face && e->handleOf(n.face)) return QStringLiteral("handle");
                 return QString::fromLatin1(kIcons[int(n.kind)]);
             }
             if (role == NoteRole && n.kind == Kind::Face) {

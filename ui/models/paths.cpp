@@ -44,6 +44,16 @@ std::string pathOf(const Document& document, const SelectionItem& item) {
     return {};
 }
 
+const Handle* handleOf(const Document& document, const SelectionItem& item) {
+    const Element* element = item.kind == SelectionItem::Kind::Face ? elementOf(document, item) : nullptr;
+    return element ? element->handleOf(item.face) : nullptr;
+}
+
+bool isPinned(const Document& document, const FaceRef& handle) {
+    const auto goal = document.handleGoals.find(handle);
+    return goal != document.handleGoals.end() && goal->second.pinned;
+}
+
 bool isPinned(const Document& document, const EndpointRef& end) {
     const auto held = document.goals.find(end);
     return held != document.goals.end() && held->second.pinned;

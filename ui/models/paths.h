@@ -16,7 +16,11 @@ std::string pathOf(const Document& document, const EndpointRef& end);
 std::string pathOf(const Document& document, const FaceRef& face);
 std::string pathOf(const Document& document, const SelectionItem& item);
 
+/// The handle that is selected; null: it is none.
+const Handle* handleOf(const Document& document, const SelectionItem& item);
+
 /// The endpoint is held where the artist pinned it.
 bool isPinned(const Document& document, const EndpointRef& end);
+bool isPinned(const Document& document, const FaceRef& handle);
 
 }  // namespace imomushi

@@ -38,6 +38,8 @@ void togglePins(StudioDocument& document) {
     for (const SelectionItem& item : document.selection())
         if (boneOf(d, item)) ends.insert({item.part, item.kind == Kind::Bone || item.atEnd});
     std::vector<Json> wanted;
+    for (const SelectionItem& item : document.selection())
+        if (handleOf(d, item)) wanted.push_back(commands::setPinned(item.face, !isPinned(d, FaceRef{item.part, item.face})));
     for (const EndpointRef& end : ends) wanted.push_back(commands::setPinned(pathOf(d, end), !isPinned(d, end)));
     executeTogether(document, wanted);
 }

@@ -20,6 +20,8 @@ constexpr std::uint64_t kDetailMask = 0xffff, kPartMask = (std::uint64_t(1) << (
 
 // A face this much smaller than what it is joined to hides less than all of it (relative area): the larger one stays drawn.
 constexpr double kSameArea = 0.98;
+// Arrows of a handle are this many times as long as its disc is wide in half.
+constexpr double kHandleAxis = 1.6;
 
 bool contains(const std::vector<std::uint64_t>& ids, std::uint64_t id) { return std::find(ids.begin(), ids.end(), id) != ids.end(); }
 
@@ -115,7 +117,7 @@ void DocumentScene::update(Session& session, const SceneOptions& options, render
         ContentHasher content;
         if (made && made->vertices == element->mesh->body.vertices.rows()) {
             body.deformElement = index;
-            body.positions = options.faces ? character->surface(index).positions : nullptr;  // for their outlines
+            body.positions = options.faces || (options.bones && !element->handles.empty()) ? character->surface(index).positions : nullptr;  // for their outlines
             content.number(scene.deformInput->id);
             content.number(made->frame.revision);
             body.revision = content.key().low;
@@ -137,8 +139,9 @@ void DocumentScene::update(Session& session, const SceneOptions& options, render
     scene.solidGround = document.effects.has(EffectKind::Ground);
     if (scene.solidGround) scene.ground = document.effects.number(EffectKind::Ground, "height");
     addSeams(document, scene);
-    if (options.faces) addFaces(document, options, scene);
+    if (options.faces || options.bones) addFaces(document, options, scene);
     if (options.bones) addBones(session, options, scene);
+    if (options.bones) addHandles(session, options, scene);
 }
 
 void DocumentScene::addSeams(const Document& document, render::Scene& scene) {
@@ -183,6 +186,7 @@ void DocumentScene::addFaces(const Document& document, const SceneOptions& optio
             marker.selected = contains(options.selected, marker.id);
             marker.hovered = options.hovered == marker.id;
             const FaceRef ref{part->part, p.element->faces[f].name};
+            if (p.element->handleOf(ref.face) ? !options.bones : !options.faces) continue;
             if (!marker.selected && !marker.hovered && std::find(hidden.begin(), hidden.end(), ref) != hidden.end()) continue;
             if (p.element->locked) marker.id = 0;
             for (const auto& loop : p.rims[f]) {
@@ -243,6 +247,38 @@ void DocumentScene::addBones(Session& session, const SceneOptions& options, rend
     for (Point& point : points) {
         point.marker.id = sceneId({ScenePart::Kind::Endpoint, point.representative.bone, -1, point.representative.atEnd});
         scene.markers.push_back(std::move(point.marker));
+    }
+}
+
+void DocumentScene::addHandles(Session& session, const SceneOptions& options, render::Scene& scene) {
+    const Document& document = session.document();
+    for (const auto& [id, element] : document.elements) {
+        if (!element->visible) continue;
+        for (const Handle& handle : element->handles) {
+            const int face = element->faceIndex(handle.face);
+            const auto pose = session.poseOf({id, handle.face});
+            if (face < 0 || !pose) continue;
+            render::Marker point;
+            const auto goal = document.handleGoals.find({id, handle.face});
+            if (goal != document.handleGoals.end() && goal->second.target.held)
+                point.shape = goal->second.pinned ? render::Marker::Shape::PinnedPoint : render::Marker::Shape::HeldPoint;
+            point.id = sceneId({ScenePart::Kind::Face, id, face, false});
+            point.from = point.to = pose->at;
+            point.selected = contains(options.selected, point.id);
+            point.hovered = options.hovered == point.id;
+            if (point.selected || point.hovered) {
+                const JointFace& of = element->faces[static_cast<std::size_t>(face)];
+                for (int axis = 0; axis < 3; ++axis) {
+                    render::Marker arrow;
+                    arrow.shape = render::Marker::Shape::Axis;
+                    arrow.from = pose->at;
+                    arrow.to = pose->at + kHandleAxis * of.size * (pose->turn * Vec3(of.frame.axes.col(axis)));
+                    scene.markers.push_back(std::move(arrow));
+                }
+            }
+            if (element->locked) point.id = 0;
+            scene.markers.push_back(std::move(point));
+        }
     }
 }
 

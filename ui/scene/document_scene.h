@@ -28,7 +28,7 @@ std::optional<ScenePart> scenePart(std::uint64_t id);
 
 /// What to show beside the bodies.
 struct SceneOptions {
-    bool bones = false;         ///< bones with their joint points, held and pinned points
+    bool bones = false;         ///< bones with their joint points, held and pinned points; handles with theirs
     bool faces = false;         ///< outlines of joint faces
     float bodyOpacity = 1.0f;   ///< < 1: x-ray
     std::vector<std::uint64_t> selected;  ///< scene ids
@@ -65,6 +65,7 @@ private:
     void addSeams(const Document& document, render::Scene& scene);
     void addBones(Session& session, const SceneOptions& options, render::Scene& scene) const;
     void addFaces(const Document& document, const SceneOptions& options, render::Scene& scene);
+    static void addHandles(Session& session, const SceneOptions& options, render::Scene& scene);
     std::map<PartId, ElementParts> parts_;
     std::map<std::pair<FaceRef, FaceRef>, Weld> welds_;
 };

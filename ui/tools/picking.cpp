@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/document/character_input.h"
+#include "ui/models/paths.h"
 #include "ui/scene/document_scene.h"
 #include "ui/scene/rim.h"
 #include "ui/tools/posed_body.h"
@@ -174,6 +175,72 @@ std::optional<EndpointRef> pickEndpoint(Session& session, const PointerEvent& e,
     return best;
 }
 
+std::optional<Vec3> gripPosition(Session& session, const PoseGrip& grip) {
+    if (!grip.isHandle()) return endpointPosition(session, grip.end);
+    const auto pose = session.poseOf(grip.handle);
+    return pose ? std::optional(pose->at) : std::nullopt;
+}
+
+std::string pathOf(const Document& document, const PoseGrip& grip) { return grip.isHandle() ? grip.handle.face : pathOf(document, grip.end); }
+bool isPinned(const Document& document, const PoseGrip& grip) { return grip.isHandle() ? isPinned(document, grip.handle) : isPinned(document, grip.end); }
+
+bool isHeld(const Document& document, const PoseGrip& grip) {
+    if (!grip.isHandle()) return document.goals.contains(grip.end);
+    const auto goal = document.handleGoals.find(grip.handle);
+    return goal != document.handleGoals.end() && goal->second.target.held;
+}
+
+std::optional<FaceRef> pickHandle(Session& session, const PointerEvent& e, double pixels) {
+    const auto hits = rayHits(session, e.rayOrigin, e.rayDirection);
+    const auto& elements = session.document().elements;
+    if (!hits.empty()) {
+        const Element& element = *elements.at(hits.front().element);
+        const JointFace* face = faceOfTriangle(element, hits.front().triangle);
+        if (face && element.handleOf(face->name)) return FaceRef{element.id, face->name};
+    }
+    std::optional<FaceRef> best;
+    double nearest = pixels;
+    for (const auto& [id, element] : elements) {
+        if (!element->visible || element->locked) continue;
+        for (const Handle& handle : element->handles) {
+            const auto at = gripPosition(session, {{}, {id, handle.face}});
+            if (!at) continue;
+            const double distance = pixelsTo(e, *at);
+            const double size = element->faces[std::size_t(element->faceIndex(handle.face))].size;
+            if (distance >= nearest || (!hits.empty() && hits.front().distance < (*at - e.rayOrigin).dot(e.rayDirection) - size)) continue;
+            nearest = distance;
+            best = FaceRef{id, handle.face};
+        }
+    }
+    return best;
+}
+
+std::optional<PoseGrip> pickGrip(Session& session, const PointerEvent& e) {
+    if (const auto end = pickEndpoint(session, e)) return PoseGrip{*end, {}};
+    if (const auto handle = pickHandle(session, e)) return PoseGrip{{}, *handle};
+    return std::nullopt;
+}
+
+std::optional<PoseGrip> nearestGrip(Session& session, PartId id, const Vec3& place) {
+    std::optional<PoseGrip> best;
+    double nearest = 0.0;
+    const auto offer = [&](const PoseGrip& grip) {
+        const auto at = gripPosition(session, grip);
+        if (!at) return;
+        const double distance = (*at - place).norm();
+        if (best && distance >= nearest) return;
+        nearest = distance;
+        best = grip;
+    };
+    for (const auto& [bone, part] : session.document().bones)
+        if (part->element == id)
+            for (const bool atEnd : {true, false}) offer({{bone, atEnd}, {}});
+    if (const auto element = session.document().elements.find(id); element != session.document().elements.end())
+        for (const Handle& handle : element->second->handles) offer({{}, {id, handle.face}});
+    if (best && !best->isHandle()) best->end = holdingEndpoint(session, best->end);
+    return best;
+}
+
 std::optional<SelectionItem> pickItem(Session& session, const PointerEvent& e) {
     if (e.bonesVisible) {
         if (const auto end = pickEndpoint(session, e)) return SelectionItem{SelectionItem::Kind::Endpoint, end->bone, {}, end->atEnd};
@@ -189,6 +256,7 @@ std::optional<SelectionItem> pickItem(Session& session, const PointerEvent& e) {
         }
         if (best) return best;
     }
+    if (const auto handle = pickHandle(session, e)) return PoseGrip{{}, *handle}.item();
     const auto hits = rayHits(session, e.rayOrigin, e.rayDirection);
     if (hits.empty()) return std::nullopt;
     const RayHit& hit = hits.front();

@@ -34,6 +34,25 @@ std::vector<RayHit> rayHits(Session& session, const Vec3& rayOrigin, const Vec3&
 /// The joint face of an element that a triangle belongs to; null: none.
 const JointFace* faceOfTriangle(const Element& element, std::int32_t triangle);
 
+/// What a pose is made with: an end of a bone, or a handle.
+struct PoseGrip {
+    EndpointRef end;
+    FaceRef handle;  ///< of no element: it is the end of a bone
+    [[nodiscard]] bool isHandle() const { return handle.element != 0; }
+    [[nodiscard]] SelectionItem item() const {
+        if (isHandle()) return {SelectionItem::Kind::Face, handle.element, handle.face, false};
+        return {SelectionItem::Kind::Endpoint, end.bone, {}, end.atEnd};
+    }
+    bool operator==(const PoseGrip&) const = default;
+};
+/// Where it is now; none: the reference leads nowhere.
+std::optional<Vec3> gripPosition(Session& session, const PoseGrip& grip);
+/// What commands call it.
+std::string pathOf(const Document& document, const PoseGrip& grip);
+bool isPinned(const Document& document, const PoseGrip& grip);
+/// It was dragged or pinned.
+bool isHeld(const Document& document, const PoseGrip& grip);
+
 /// Where an end of a bone is now (posed), or at rest; none: the reference leads nowhere.
 std::optional<Vec3> endpointPosition(Session& session, const EndpointRef& end);
 std::optional<Vec3> endpointRestPosition(const Document& document, const EndpointRef& end);
@@ -46,6 +65,13 @@ std::vector<std::vector<Vec3>> rimOf(Session& session, PartId element, const std
 /// The end of a bone nearest to the pointer, within `pixels` of it. Of several ends at one joint point the one that is held already is
 /// taken, then the end (not the start) of the oldest bone.
 std::optional<EndpointRef> pickEndpoint(Session& session, const PointerEvent& e, double pixels = kEndpointPixels);
+
+/// The handle under the pointer: one whose disc is seen there, or whose middle is within `pixels` of it and not behind a body.
+std::optional<FaceRef> pickHandle(Session& session, const PointerEvent& e, double pixels = kEndpointPixels);
+/// Whichever of both is under the pointer, ends of bones first.
+std::optional<PoseGrip> pickGrip(Session& session, const PointerEvent& e);
+/// The end of a bone through the element, or the handle of it, that is nearest to a place of the flesh as it is posed.
+std::optional<PoseGrip> nearestGrip(Session& session, PartId element, const Vec3& place);
 
 /// Another reference to the same joint point that is to be preferred for holding it.
 EndpointRef holdingEndpoint(Session& session, const EndpointRef& end);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/tools/pose_tool.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -30,58 +31,49 @@ Vec3 dragPlane(const PointerEvent& e, int axis) {
 
 }  // namespace
 
-std::optional<EndpointRef> PoseTool::endpointUnder(const PointerEvent& e) const {
+std::optional<PoseGrip> PoseTool::gripUnder(const PointerEvent& e) const {
     Session& session = document_.session();
-    if (const auto end = pickEndpoint(session, e)) return end;
-    // Pulling at the body pulls at the nearest end of a bone in it.
+    if (const auto grip = pickGrip(session, e)) return grip;
     const auto hits = rayHits(session, e.rayOrigin, e.rayDirection);
-    if (hits.empty()) return std::nullopt;
-    std::optional<EndpointRef> best;
-    double nearest = 0.0;
-    for (const auto& [id, bone] : session.document().bones) {
-        if (bone->element != hits.front().element) continue;
-        for (const bool atEnd : {true, false}) {
-            const auto at = endpointPosition(session, {id, atEnd});
-            if (!at) continue;
-            const double distance = (*at - hits.front().point).norm();
-            if (best && distance >= nearest) continue;
-            nearest = distance;
-            best = EndpointRef{id, atEnd};
-        }
-    }
-    if (best) best = holdingEndpoint(session, *best);
-    return best;
+    return hits.empty() ? std::nullopt : nearestGrip(session, hits.front().element, hits.front().point);
 }
 
 void PoseTool::press(const PointerEvent& e) {
     if (drag_ || e.button != Qt::LeftButton) return;
-    const auto end = endpointUnder(e);
-    const auto at = end ? endpointPosition(document_.session(), *end) : std::nullopt;
-    if (!at) {
+    if (const auto grip = gripUnder(e); grip && gripPosition(document_.session(), *grip))
+        grab(*grip, e);
+    else
         selectByClick(document_, pickItem(document_.session(), e), e.modifiers);
-        return;
-    }
-    const SelectionItem item{SelectionItem::Kind::Endpoint, end->bone, {}, end->atEnd};
+}
+
+void PoseTool::grab(const PoseGrip& grip, const PointerEvent& e) {
+    const auto at = gripPosition(document_.session(), grip);
+    if (!at) return;
+    const SelectionItem item = grip.item();
     if (!(e.modifiers & Qt::ShiftModifier) || !document_.isSelected(item)) selectByClick(document_, item, e.modifiers);
-    hovered_ = end;
+    hovered_ = grip;
     document_.setHovered(item);
     Drag drag;
-    drag.end = *end;
+    drag.end = grip;
     drag.origin = drag.target = *at;
     drag.pressX = drag.lastX = e.x;
-    drag.pressY = e.y;
+    drag.pressY = drag.lastY = e.y;
     drag.normal = dragPlane(e, -1);
     drag.grip = e.onPlane(*at, drag.normal, *at);
-    if (const auto held = document_.document().goals.find(*end); held != document_.document().goals.end()) drag.roll = held->second.roll;
+    if (grip.isHandle()) {
+        if (const auto pose = document_.session().poseOf(grip.handle)) drag.turn = pose->turn;
+    } else if (const auto held = document_.document().goals.find(grip.end); held != document_.document().goals.end()) {
+        drag.roll = held->second.roll;
+    }
     drag_ = std::move(drag);
     last_ = e;
 }
 
 void PoseTool::move(const PointerEvent& e) {
     if (!drag_) {
-        hovered_ = endpointUnder(e);
+        hovered_ = gripUnder(e);
         if (hovered_)
-            document_.setHovered(SelectionItem{SelectionItem::Kind::Endpoint, hovered_->bone, {}, hovered_->atEnd});
+            document_.setHovered(hovered_->item());
         else
             document_.setHovered(pickItem(document_.session(), e));
         return;
@@ -98,7 +90,7 @@ void PoseTool::follow(const PointerEvent& e) {
     Drag& drag = *drag_;
     const double pace = e.pace();
     if (turning_ || (e.modifiers & Qt::AltModifier)) {
-        drag.roll = drag.roll.value_or(0.0) + pace * kRadiansPerPixel * (e.x - drag.lastX);
+        turn(e);
         if (drag.normal.norm() > 0.5) drag.grip = e.onPlane(drag.grip, drag.normal, drag.grip);
     } else if (drag.normal.norm() > 0.5) {
         const Vec3 under = e.onPlane(drag.grip, drag.normal, drag.grip);
@@ -108,7 +100,19 @@ void PoseTool::follow(const PointerEvent& e) {
         drag.grip = under;
     }
     drag.lastX = e.x;
+    drag.lastY = e.y;
     last_ = e;
+}
+
+void PoseTool::turn(const PointerEvent& e) {
+    Drag& drag = *drag_;
+    const double right = e.pace() * kRadiansPerPixel * (e.x - drag.lastX), down = e.pace() * kRadiansPerPixel * (e.y - drag.lastY);
+    if (!drag.end.isHandle())
+        drag.roll = drag.roll.value_or(0.0) + right;
+    else if (drag.axis >= 0)
+        drag.turn = (Eigen::AngleAxisd(right, Vec3::Unit(drag.axis)) * drag.turn).normalized();
+    else
+        drag.turn = (Eigen::AngleAxisd(right, e.viewRight.cross(e.viewForward)) * Eigen::AngleAxisd(down, e.viewRight) * drag.turn).normalized();
 }
 
 void PoseTool::issue(const PointerEvent& e) {
@@ -120,7 +124,8 @@ void PoseTool::issue(const PointerEvent& e) {
             if (drag.axis < 0 || drag.axis == k) to[k] = grid * std::round(to[k] / grid);
     }
     if (!allFinite(to)) return;
-    if (!document_.execute(commands::drag(pathOf(document_.document(), drag.end), to, drag.roll))) cancel();
+    const std::string path = pathOf(document_.document(), drag.end);
+    if (!document_.execute(drag.end.isHandle() ? commands::dragHandle(path, to, drag.turn) : commands::drag(path, to, drag.roll))) cancel();
 }
 
 void PoseTool::release(const PointerEvent& e) {
@@ -132,16 +137,20 @@ void PoseTool::release(const PointerEvent& e) {
 }
 
 void PoseTool::doubleClick(const PointerEvent& e) {
-    const auto end = endpointUnder(e);
-    if (!end || !document_.document().goals.contains(*end)) return;
-    document_.execute(commands::release(pathOf(document_.document(), *end)));
+    const auto grip = gripUnder(e);
+    if (!grip || !isHeld(document_.document(), *grip)) return;
+    document_.execute(commands::release(pathOf(document_.document(), *grip)));
 }
 
 bool PoseTool::wheel(double notches, const PointerEvent& e) {
     if (!drag_) return false;
     if (!drag_->gesture) drag_->gesture = std::make_unique<Gesture>(document_);
     const double pace = e.pace();
-    drag_->roll = drag_->roll.value_or(0.0) + pace * kRadiansPerNotch * notches;
+    const double angle = pace * kRadiansPerNotch * notches;
+    if (drag_->end.isHandle())
+        drag_->turn = (Eigen::AngleAxisd(angle, drag_->axis >= 0 ? Vec3(Vec3::Unit(drag_->axis)) : Vec3(-e.viewForward)) * drag_->turn).normalized();
+    else
+        drag_->roll = drag_->roll.value_or(0.0) + angle;
     issue(e);
     return true;
 }
@@ -155,7 +164,10 @@ bool PoseTool::key(int key, Qt::KeyboardModifiers) {
         }
         for (const SelectionItem& item : document_.selection())
             if (item.kind == SelectionItem::Kind::Endpoint) {
-                toggle(holdingEndpoint(document_.session(), {item.part, item.atEnd}));
+                toggle({holdingEndpoint(document_.session(), {item.part, item.atEnd}), {}});
+                return true;
+            } else if (handleOf(document_.document(), item)) {
+                toggle({{}, {item.part, item.face}});
                 return true;
             }
         return false;
@@ -190,9 +202,9 @@ void PoseTool::keyReleased(int key) {
     if (key == Qt::Key_R) turning_ = false;
 }
 
-void PoseTool::toggle(const EndpointRef& end) {
+void PoseTool::toggle(const PoseGrip& grip) {
     const Document& d = document_.document();
-    document_.execute(commands::setPinned(pathOf(d, end), !isPinned(d, end)));
+    document_.execute(commands::setPinned(pathOf(d, grip), !isPinned(d, grip)));
 }
 
 void PoseTool::cancel() {
@@ -203,9 +215,11 @@ void PoseTool::cancel() {
 
 QString PoseTool::hint() const {
     if (drag_) return ToolTexts::tr("X, Y, Z: lock axis · Shift: fine · Ctrl: grid · R or wheel: turn · Esc: cancel");
-    if (document_.document().bones.empty()) return ToolTexts::tr("There are no bones yet. Place them with the bone tool.");
+    const Document& d = document_.document();
+    const bool handles = std::any_of(d.elements.begin(), d.elements.end(), [](const auto& e) { return !e.second->handles.empty(); });
+    if (d.bones.empty() && !handles) return ToolTexts::tr("There are no bones and no handles yet. Place them with their tools.");
     if (hovered_) return ToolTexts::tr("Drag: pose · P: pin · Double click: let go");
-    return ToolTexts::tr("Drag the end of a bone");
+    return handles ? ToolTexts::tr("Drag a handle or the end of a bone") : ToolTexts::tr("Drag the end of a bone");
 }
 
 void PoseTool::decorate(render::Scene& scene) const {

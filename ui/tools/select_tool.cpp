@@ -10,6 +10,14 @@
 #include "ui/tools/tool_texts.h"
 
 namespace imomushi {
+namespace {
+
+/// It can be dragged.
+bool isGrip(const StudioDocument& document, const SelectionItem& item) {
+    return item.kind == SelectionItem::Kind::Endpoint || handleOf(document.document(), item);
+}
+
+}  // namespace
 
 void selectByClick(StudioDocument& document, const std::optional<SelectionItem>& item, Qt::KeyboardModifiers modifiers) {
     if (!(modifiers & Qt::ShiftModifier)) {
@@ -63,7 +71,7 @@ bool removeSelection(StudioDocument& document) {
 void SelectTool::press(const PointerEvent& e) {
     if (e.button != Qt::LeftButton || busy()) return;
     const auto item = pickItem(document_.session(), e);
-    if (item && item->kind == SelectionItem::Kind::Endpoint && !(e.modifiers & Qt::ShiftModifier)) return pose_.press(e);
+    if (item && isGrip(document_, *item) && !(e.modifiers & Qt::ShiftModifier)) return pose_.press(e);
     auto before = document_.selection();
     selectByClick(document_, item, e.modifiers);
     if (!item) drag_ = Drag{{e.x, e.y}, {e.x, e.y}, std::move(before), document_.selection()};
@@ -109,7 +117,7 @@ bool SelectTool::key(int key, Qt::KeyboardModifiers modifiers) {
 QString SelectTool::hint() const {
     if (drag_) return ToolTexts::tr("Release: select what the box touches · Esc: cancel");
     if (busy()) return pose_.hint();
-    if (document_.hovered() && document_.hovered()->kind == SelectionItem::Kind::Endpoint)
+    if (document_.hovered() && isGrip(document_, *document_.hovered()))
         return ToolTexts::tr("Click: select · Drag: pose");
     if (document_.selection().empty()) return ToolTexts::tr("Click or drag a box: select · Shift: add");
     return ToolTexts::tr("Click or drag a box: select · Shift: add · Delete: remove");

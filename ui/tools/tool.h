@@ -54,7 +54,7 @@ struct PointerEvent {
     }
 };
 
-/// What the user does with the pointer in the viewport: select, place a joint face, place bones, pose, touch. No widgets, no OpenGL: tools can be tested
+/// What the user does with the pointer in the viewport: select, place a joint face, place bones, place handles, pose, touch. No widgets, no OpenGL: tools can be tested
 /// without a display. A tool changes the document through commands only; a drag is one gesture (one undo step), cancelled by Esc or the right button.
 class Tool {
 public:

@@ -3,7 +3,7 @@
 
 namespace imomushi {
 
-/// The tools of the viewport: select; joint faces; bones; pose (drag endpoints); touch (fingers on the surface).
-enum class ToolKind { Select, Face, Bone, Pose, Touch };
+/// The tools of the viewport: select; joint faces; bones; handles; pose (drag endpoints and handles); touch (fingers on the surface).
+enum class ToolKind { Select, Face, Bone, Handle, Pose, Touch };
 
 }  // namespace imomushi

@@ -165,14 +165,14 @@ void ViewportWidget::contextMenuEvent(QContextMenuEvent* e) {
     QMenu menu(this);
     const auto selection = document_.selection();
     for (const SelectionItem& item : selection) {
-        if (item.kind != SelectionItem::Kind::Endpoint || selection.size() > 1) continue;
-        const EndpointRef end = holdingEndpoint(session, {item.part, item.atEnd});
-        const std::string path = pathOf(document_.document(), end);
-        const auto held = document_.document().goals.find(end);
-        const bool isHeld = held != document_.document().goals.end(), pinned = isHeld && held->second.pinned;
+        const bool handle = handleOf(document_.document(), item) != nullptr;
+        if ((item.kind != SelectionItem::Kind::Endpoint && !handle) || selection.size() > 1) continue;
+        const PoseGrip grip = handle ? PoseGrip{{}, {item.part, item.face}} : PoseGrip{holdingEndpoint(session, {item.part, item.atEnd}), {}};
+        const std::string path = pathOf(document_.document(), grip);
+        const bool held = isHeld(document_.document(), grip), pinned = isPinned(document_.document(), grip);
         menu.addAction(pinned ? tr("Unpin") : tr("Pin"), this,
                        [=, this] { document_.execute(commands::setPinned(path, !pinned)); });
-        if (isHeld) menu.addAction(tr("Let go"), this, [=, this] { document_.execute(commands::release(path)); });
+        if (held) menu.addAction(tr("Let go"), this, [=, this] { document_.execute(commands::release(path)); });
     }
     menu.addAction(tr("Frame selection"), this, [this] { frameSelection(); })->setEnabled(!selection.empty());
     menu.addAction(tr("Frame all"), this, [this] { frameAll(); });

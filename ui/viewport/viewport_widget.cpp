@@ -213,7 +213,7 @@ bool ViewportWidget::dark() const { return palette().color(QPalette::Window).lig
 SceneOptions ViewportWidget::sceneOptions() const {
     const Document& d = document_.document();
     SceneOptions options;
-    options.bones = bones_ || kind_ == ToolKind::Bone || kind_ == ToolKind::Pose;
+    options.bones = bones_ || kind_ == ToolKind::Bone || kind_ == ToolKind::Handle || kind_ == ToolKind::Pose;
     options.faces = kind_ == ToolKind::Face || kind_ == ToolKind::Bone;
     options.bodyOpacity = xray_ ? kXrayOpacity : 1.0f;
     for (const SelectionItem& item : document_.selection())

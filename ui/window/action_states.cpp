@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "ui/jobs/precompute_job.h"
+#include "ui/models/paths.h"
 #include "ui/models/studio_document.h"
 #include "ui/models/take_deck.h"
 #include "ui/models/texts.h"
@@ -44,9 +45,11 @@ void ActionStates::update() {
     a["rename"]->setEnabled(selection.size() == 1 && selection.front().kind != Kind::Endpoint);
     a["hide"]->setEnabled(count(Kind::Element) > 0);
     a["join"]->setEnabled(count(Kind::Face) == 2);
-    a["pin"]->setEnabled(count(Kind::Endpoint, Kind::Bone) > 0);
-    a["release"]->setEnabled(!d.goals.empty());
-    a["rest"]->setEnabled(!d.goals.empty() || !d.pose.points.empty());
+    const bool handles = std::any_of(selection.begin(), selection.end(), [&](const SelectionItem& i) { return handleOf(d, i) != nullptr; });
+    a["pin"]->setEnabled(handles || count(Kind::Endpoint, Kind::Bone) > 0);
+    const bool held = !d.goals.empty() || std::any_of(d.handleGoals.begin(), d.handleGoals.end(), [](const auto& goal) { return goal.second.target.held; });
+    a["release"]->setEnabled(held);
+    a["rest"]->setEnabled(held || !d.handleGoals.empty() || !d.pose.points.empty());
     for (const char* id : {"select-all", "export", "write-mesh"}) a[id]->setEnabled(!d.elements.empty());
     const bool stale = std::any_of(d.elements.begin(), d.elements.end(), [&](const auto& e) {
         return !e.second->faces.empty() && session.responseState(e.first) != Session::ResponseState::Fresh;

@@ -12,6 +12,7 @@
 #include <QStatusBar>
 #include <QTabBar>
 #include <QTimer>
+#include <utility>
 #include <QUrl>
 #include <QVBoxLayout>
 #include <algorithm>
@@ -45,6 +46,7 @@ namespace {
 constexpr double kInspectorShare = 0.6;  // of the height, at first
 constexpr int kWarnAgainMs = 5000;
 constexpr int kPictureMs = 400;          // until the view has drawn what is there now
+constexpr double kSoon = 10.0;           // s, of a precompute that follows drafts by itself
 constexpr int kStateVersion = 3;         // of the arrangement of docks in QSettings
 
 }  // namespace
@@ -56,6 +58,7 @@ MainWindow::MainWindow(const CommandRegistry& registry, std::shared_ptr<Response
     deck_ = new TakeDeck(document_, this);
     files_ = new FileFlow(document_, this);
     precompute_ = new PrecomputeJob(document_, this);
+    drafts_ = new DraftJob(document_, this);
     costs_ = new FrameCostMeter(document_, this);
     buildStage();
     buildStatusBar();
@@ -93,6 +96,7 @@ MainWindow::~MainWindow() {
     delete states_;
     delete deck_;
     delete precompute_;
+    delete drafts_;
     delete files_;
     delete statusBar();
     document_.disconnect();
@@ -163,6 +167,7 @@ void MainWindow::connectFiles() {
     connect(files_, &FileFlow::said, this, [this](const QString& text) { messages().say(text, MessageBar::Tone::Good); });
     connect(files_, &FileFlow::opened, this, [this] {
         precompute_->cancel();
+        drafts_->cancel();
         showStart(false);
         viewport_->frameAll(false);
         keepPicture();
@@ -197,7 +202,17 @@ void MainWindow::connectPrecompute() {
         if (kept > 0) files_->autosave().saveSoon();
         if (!completed) messages().say(kept > 0 ? tr("Precompute cancelled; %n element(s) were done and are kept.", nullptr, kept) : tr("Precompute cancelled"), MessageBar::Tone::Info);
         else if (!precomputeFailed_) messages().say(tr("Precomputed. Drag a joint point with the drag tool (D)."), MessageBar::Tone::Good);
+        if (std::exchange(draftedMeanwhile_, false) && completed) followDrafts();
     });
+    connect(drafts_, &DraftJob::drafted, this, &MainWindow::followDrafts);
+}
+
+void MainWindow::followDrafts() {
+    draftedMeanwhile_ = precompute_->running();
+    if (draftedMeanwhile_ || precompute_->estimate().seconds > kSoon) return;
+    precomputeFailed_ = false;
+    precompute_->start();
+    states_->update();
 }
 
 void MainWindow::connectPanels() {
@@ -332,6 +347,7 @@ void MainWindow::closeEvent(QCloseEvent* event) {
         return;
     }
     precompute_->cancel();
+    drafts_->cancel();
     QSettings settings;
     settings.setValue(QStringLiteral("window/geometry"), saveGeometry());
     settings.setValue(QStringLiteral("window/docks"), saveState(kStateVersion));

@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 
+#include "ui/jobs/draft_job.h"
 #include "ui/jobs/precompute_job.h"
 #include "ui/models/studio_document.h"
 #include "ui/models/take_deck.h"
@@ -77,6 +78,8 @@ private:
     void connectDocument();
     void connectFiles();
     void connectPrecompute();
+    /// What has a draft is precomputed as it is set, where that does not take long.
+    void followDrafts();
     void connectPanels();
     void connectView();
     void restore();
@@ -112,6 +115,7 @@ private:
     TakeDeck* deck_;
     FileFlow* files_;
     PrecomputeJob* precompute_;
+    DraftJob* drafts_;
     FrameCostMeter* costs_;
     QWidget* stage_ = nullptr;
     QStackedLayout* stack_ = nullptr;
@@ -125,6 +129,7 @@ private:
     QPointer<ExportDialog> export_;
     std::map<FrameWarning, QElapsedTimer> warned_;  ///< since each was last said
     bool precomputeFailed_ = false;
+    bool draftedMeanwhile_ = false;  // while it precomputed: there is more to do
     bool shown_ = false;
 };
 

@@ -25,7 +25,7 @@ namespace imomushi {
 namespace {
 
 constexpr std::pair<const char*, ToolKind> kTools[] = {
-    {"tool-select", ToolKind::Select}, {"tool-face", ToolKind::Face}, {"tool-bone", ToolKind::Bone}, {"tool-pose", ToolKind::Pose}, {"tool-touch", ToolKind::Touch}};
+    {"tool-select", ToolKind::Select}, {"tool-face", ToolKind::Face}, {"tool-bone", ToolKind::Bone}, {"tool-handle", ToolKind::Handle}, {"tool-pose", ToolKind::Pose}, {"tool-touch", ToolKind::Touch}};
 
 }  // namespace
 

@@ -34,6 +34,7 @@ constexpr Row kRows[] = {
     {"tool-select", "select", QT_TRANSLATE_NOOP("Actions", "&Select"), "Q", true},
     {"tool-face", "face", QT_TRANSLATE_NOOP("Actions", "Joint &face"), "J", true},
     {"tool-bone", "bone", QT_TRANSLATE_NOOP("Actions", "&Bone"), "B", true},
+    {"tool-handle", "handle", QT_TRANSLATE_NOOP("Actions", "Ha&ndle"), "N", true},
     {"tool-pose", "pose", QT_TRANSLATE_NOOP("Actions", "&Drag"), "D", true},
     {"tool-touch", "touch", QT_TRANSLATE_NOOP("Actions", "&Touch"), "T", true},
     {"precompute", "precompute", QT_TRANSLATE_NOOP("Actions", "&Precompute"), "P"},

@@ -41,6 +41,21 @@ public:
     FaceForm(StudioDocument& document, const SelectionItem& item, QWidget* parent);
 };
 
+/// A handle: its disc, what carries it, and where it is held.
+class HandleForm : public InspectorForm {
+    Q_OBJECT
+public:
+    HandleForm(StudioDocument& document, const SelectionItem& item, QWidget* parent);
+
+private:
+    void addDisc(const SelectionItem& item);
+    void addPlace(const SelectionItem& item);
+    void addButtons(const SelectionItem& item);
+    [[nodiscard]] const Handle* handle(const SelectionItem& item) const;
+    [[nodiscard]] const JointFace* face(const SelectionItem& item) const;
+    [[nodiscard]] const HandleGoal* goal(const SelectionItem& item) const;
+};
+
 /// One bone or several.
 class BoneForm : public InspectorForm {
     Q_OBJECT

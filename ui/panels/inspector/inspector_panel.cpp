@@ -92,7 +92,9 @@ InspectorForm* InspectorPanel::makeForm() {
     if (alike.empty()) return new CharacterForm(document_, viewport());
     switch (alike.back().kind) {
         case Kind::Element: return new ElementForm(document_, alike, viewport());
-        case Kind::Face: return new FaceForm(document_, alike.back(), viewport());
+        case Kind::Face:
+            if (handleOf(document_.document(), alike.back())) return new HandleForm(document_, alike.back(), viewport());
+            return new FaceForm(document_, alike.back(), viewport());
         case Kind::Bone: return new BoneForm(document_, alike, viewport());
         case Kind::Endpoint: break;
     }

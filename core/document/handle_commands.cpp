@@ -1,0 +1,339 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/document/handle_commands.h"
+
+#include <cmath>
+#include <cstdio>
+
+#include "core/base/finite.h"
+#include "core/document/command_support.h"
+#include "core/document/document_edit.h"
+#include "core/document/names.h"
+#include "core/mesh/bounds.h"
+
+namespace imomushi {
+
+namespace {
+
+/// A point this near to the surface lies on it, parts of the diagonal: as typed with few digits.
+constexpr double kOnSurface = 1e-3;
+constexpr double kLongestGlide = 1e6;  // s
+/// A quaternion shorter than this has no direction that rounding leaves it.
+constexpr double kShortestQuaternion = 1e-6;
+
+const JointFace& faceOf(const Document& document, const FaceRef& handle) {
+    const Element& element = *document.elements.at(handle.element);
+    return element.faces[static_cast<std::size_t>(element.faceIndex(handle.face))];
+}
+
+Json json(const Eigen::Quaterniond& turn) { return Json::array({turn.x(), turn.y(), turn.z(), turn.w()}); }
+using imomushi::json;
+
+Json frameJson(const FaceFrame& frame) {
+    return Json{{"origin", json(frame.origin)}, {"x", json(Vec3(frame.axes.col(0)))}, {"y", json(Vec3(frame.axes.col(1)))}, {"z", json(Vec3(frame.axes.col(2)))}};
+}
+
+Json faceJson(const JointFace& face) {
+    return Json{{"vertices", face.vertices.size()}, {"triangles", face.triangles.size()}, {"frame", frameJson(face.frame)}, {"planarity_error", face.planarityError},
+                {"flat", face.flat()},              {"area", face.area},                  {"size", face.size}};
+}
+
+/// [x,y,z,w] of any length.
+Result<Eigen::Quaterniond> rotationFrom(const Json& value) {
+    const auto bad = [] { return fail("bad-type", "\"rotation\" must be a quaternion [x,y,z,w], the turn from rest."); };
+    if (!value.is_array() || value.size() != 4) return bad();
+    Eigen::Quaterniond turn;
+    for (std::size_t i = 0; i < 4; ++i) {
+        if (!value[i].is_number()) return bad();
+        const double x = value[i].get<double>();
+        if (!(std::abs(x) <= kMaxCoordinate)) return bad();
+        turn.coeffs()[static_cast<Eigen::Index>(i)] = x;
+    }
+    if (!(turn.norm() >= kShortestQuaternion)) return fail("bad-value", "\"rotation\" is zero: no turn is [0,0,0,1].");
+    return turn.normalized();
+}
+
+Result<std::optional<EndpointRef>> boneFrom(const Document& document, const std::string& path) {
+    if (path.empty()) return std::optional<EndpointRef>();
+    const auto end = document.endpoint(path);
+    if (!end) return tl::unexpected(end.error());
+    return std::optional(*end);
+}
+
+/// "handle 1", "handle 2", ...: the first that is free.
+std::string freeHandleName(const Document& document, const Element& element) {
+    for (int n = 1;; ++n) {
+        std::string name = "handle " + std::to_string(n);
+        if (checkNewName(document, name) && element.faceIndex(name) < 0) return name;
+    }
+}
+
+Result<double> radiusFrom(const Element& element, const Json& value) {
+    return numberWithin(value, "radius", 0.0, kLargestHandleRadius * diagonalOf(element.mesh->body.vertices));
+}
+
+Result<Json> makeHandle(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    Document& document = edit.document;
+    const auto element = elementOf(document, text(arguments, "element"));
+    if (!element) return tl::unexpected(element.error());
+    std::string name;
+    if (const Json* given = find(arguments, "name")) {
+        name = given->get_ref<const std::string&>();
+        if (auto ok = checkNewName(document, name); !ok) return tl::unexpected(ok.error());
+        if ((*element)->faceIndex(name) >= 0)
+            return fail("name-taken", "The element \"" + (*element)->name + "\" has a joint face \"" + name + "\" already: choose another name.");
+    } else {
+        name = freeHandleName(document, **element);
+    }
+    Handle handle;
+    handle.face = name;
+    handle.radius = kDefaultHandleRadius * diagonalOf((*element)->mesh->body.vertices);
+    if (const Json* given = find(arguments, "radius")) {
+        const auto radius = radiusFrom(**element, *given);
+        if (!radius) return tl::unexpected(radius.error());
+        handle.radius = *radius;
+    }
+    if (const Json* given = find(arguments, "bone")) {
+        const auto bone = boneFrom(document, given->get_ref<const std::string&>());
+        if (!bone) return tl::unexpected(bone.error());
+        handle.bone = *bone;
+    }
+    handle.point = *vector3(arguments.at("point"));
+    auto face = handleFace(**element, handle.point, handle.radius);
+    if (!face) return tl::unexpected(face.error());
+    handle.point = nearestOnSurface((*element)->mesh->body, handle.point).point;
+    face->name = name;
+    Json answer = faceJson(*face);
+    answer["name"] = name;
+    answer["face"] = (*element)->name + "/" + name;
+    answer["radius"] = handle.radius;
+    answer["handles"] = (*element)->handles.size() + 1;
+    exchangePart(document.elements, (*element)->id, [&](Element& changed) {
+        changed.faces.push_back(std::move(*face));
+        changed.handles.push_back(std::move(handle));
+    });
+    return answer;
+}
+
+Result<Json> removeHandle(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    Document& document = edit.document;
+    const auto handle = handleNamed(document, text(arguments, "handle"));
+    if (!handle) return tl::unexpected(handle.error());
+    removeFace(document, *handle);
+    return Json::object();
+}
+
+/// What is known of where a handle is, or rest.
+HandleGoal& goalOf(Document& document, const FaceRef& handle) {
+    const auto [goal, added] = document.handleGoals.try_emplace(handle);
+    if (added) goal->second.target.at = faceOf(document, handle).frame.origin;
+    return goal->second;
+}
+
+/// A handle is let go where it is.
+Result<void> leave(DocumentEdit& edit, const FaceRef& handle) {
+    HandleGoal& goal = goalOf(edit.document, handle);
+    const auto left = edit.carried(handle, goal.now());
+    if (!left) return tl::unexpected(left.error());
+    goal = {};
+    goal.target = *left;
+    return {};
+}
+
+}  // namespace
+
+Result<JointFace> handleFace(const Element& element, const Vec3& point, double radius, std::string_view instead) {
+    const TriangleMesh& body = element.mesh->body;
+    const SurfacePoint place = nearestOnSurface(body, point);
+    if (place.distance > std::max(radius, kOnSurface * diagonalOf(body.vertices))) {
+        char figure[32];
+        std::snprintf(figure, sizeof figure, "%.3g", place.distance);
+        return fail("bad-point", "The point is " + std::string(figure) + " m away from the surface of \"" + element.name + "\" at rest: give one on it.");
+    }
+    auto face = jointFaceByDisc(body, place.triangle, place.point, radius);
+    if (!face) return face;
+    std::vector<JointFace> others;
+    for (const JointFace& other : element.faces)
+        if (other.name != instead) others.push_back(other);
+    if (const int other = overlappingFace(others, *face); other >= 0)
+        return fail("shared-rim", "The handle would overlap \"" + others[static_cast<std::size_t>(other)].name +
+                                      "\": choose a smaller radius or another place, one ring of free triangles must lie between them.");
+    if (face->vertices.size() == static_cast<std::size_t>(body.vertices.rows()))
+        return fail("no-free-vertex", "The handle would hold every vertex of the element: choose a smaller radius.");
+    return face;
+}
+
+void eraseHandle(Document& document, const FaceRef& face) {
+    document.handleGoals.erase(face);
+    if (document.elements.at(face.element)->handleOf(face.face))
+        exchangePart(document.elements, face.element, [&](Element& element) { std::erase_if(element.handles, [&](const Handle& h) { return h.face == face.face; }); });
+}
+
+void renameHandle(Document& document, const FaceRef& face, const std::string& name) {
+    exchangePart(document.elements, face.element, [&](Element& element) {
+        for (Handle& handle : element.handles)
+            if (handle.face == face.face) handle.face = name;
+    });
+    if (auto goal = document.handleGoals.extract(face)) {
+        goal.key().face = name;
+        document.handleGoals.insert(std::move(goal));
+    }
+}
+
+void letHandlesGo(Document& document, PartId bone) {
+    std::vector<PartId> users;
+    const auto hangs = [bone](const Handle& handle) { return handle.bone && handle.bone->bone == bone; };
+    for (const auto& [id, element] : document.elements)
+        if (std::any_of(element->handles.begin(), element->handles.end(), hangs)) users.push_back(id);
+    for (const PartId id : users)
+        exchangePart(document.elements, id, [&](Element& element) {
+            for (Handle& handle : element.handles)
+                if (hangs(handle)) handle.bone.reset();
+        });
+}
+
+Result<void> setHandleProperty(Document& document, const FaceRef& handle, const std::string& property, const Json& value) {
+    const Element& element = *document.elements.at(handle.element);
+    Handle changed = *element.handleOf(handle.face);
+    JointFace face = faceOf(document, handle);
+    if (property == "radius") {
+        const auto radius = radiusFrom(element, value);
+        if (!radius) return tl::unexpected(radius.error());
+        auto made = handleFace(element, changed.point, *radius, handle.face);
+        if (!made) return tl::unexpected(made.error());
+        changed.radius = *radius;
+        made->name = handle.face;
+        // Motions stay what they are; they are told by where the middle goes, which is another one now.
+        const Vec3 step = made->frame.origin - face.frame.origin;
+        if (const auto goal = document.handleGoals.find(handle); goal != document.handleGoals.end())
+            for (HandlePose* pose : {&goal->second.target, &goal->second.from}) pose->at += pose->turn * step;
+        face = std::move(*made);
+    } else if (property == "bone") {
+        if (!value.is_string()) return fail("bad-type", "\"bone\" must be a text: \"bone/start\" or \"bone/end\", or \"\" for none.");
+        const auto bone = boneFrom(document, value.get_ref<const std::string&>());
+        if (!bone) return tl::unexpected(bone.error());
+        changed.bone = *bone;
+    } else {
+        return fail("no-such-property", "A handle has no property \"" + property + "\"; it has radius and bone.");
+    }
+    exchangePart(document.elements, handle.element, [&](Element& to) {
+        to.faces[static_cast<std::size_t>(to.faceIndex(handle.face))] = std::move(face);
+        for (Handle& h : to.handles)
+            if (h.face == handle.face) h = changed;
+    });
+    return {};
+}
+
+Result<Json> dragHandle(DocumentEdit& edit, const FaceRef& handle, const Json& arguments) {
+    if (arguments.contains("roll")) return fail("unknown-key", "\"roll\" goes with ends of bones; a handle is turned by \"rotation\".");
+    const auto shown = edit.poseOf(handle);
+    if (!shown) return tl::unexpected(shown.error());
+    HandleGoal made;
+    made.target = *shown;
+    made.target.held = true;
+    made.target.at = *vector3(arguments.at("to"));
+    if (const Json* given = find(arguments, "rotation")) {
+        const auto turn = rotationFrom(*given);
+        if (!turn) return tl::unexpected(turn.error());
+        made.target.turn = *turn;
+    }
+    if (const Json* given = find(arguments, "seconds")) {
+        const auto seconds = numberWithin(*given, "seconds", 0.0, kLongestGlide);
+        if (!seconds) return tl::unexpected(seconds.error());
+        made.seconds = *seconds;
+    }
+    made.from = *shown;
+    HandleGoal& goal = goalOf(edit.document, handle);
+    made.pinned = goal.pinned;
+    goal = made;
+    return Json::object();
+}
+
+Result<Json> showHandle(LiveCharacter& live, const FaceRef& handle) {
+    const HandleGoal goal = live.document().handleGoals.at(handle);
+    live.hidePositions();
+    Json answer;
+    if (goal.seconds > 0.0) answer["seconds"] = goal.seconds;
+    const auto settled = live.settle();
+    if (!settled) return tl::unexpected(settled.error());
+    const auto now = live.poseOf(handle);
+    if (!now) return tl::unexpected(now.error());
+    answer["position"] = json(now->at);
+    answer["rotation"] = json(now->turn);
+    answer["distance"] = (now->at - goal.target.at).norm();
+    answer["settled"] = settled->settled && goal.seconds <= 0.0;
+    answer["ms"] = settled->milliseconds;
+    answer["warnings"] = live.warningTexts(settled->warnings);
+    return answer;
+}
+
+Result<Json> pinHandle(DocumentEdit& edit, const FaceRef& handle) {
+    const auto shown = edit.poseOf(handle);
+    if (!shown) return tl::unexpected(shown.error());
+    HandleGoal& goal = goalOf(edit.document, handle);
+    if (!goal.target.held) {
+        goal = {};
+        goal.target = *shown;
+    }
+    goal.pinned = true;
+    return Json::object();
+}
+
+Result<Json> unpinHandle(DocumentEdit& edit, const FaceRef& handle) {
+    const auto goal = edit.document.handleGoals.find(handle);
+    if (goal == edit.document.handleGoals.end() || !goal->second.pinned) return fail("not-pinned", "The handle \"" + handle.face + "\" is not pinned.");
+    if (auto ok = leave(edit, handle); !ok) return tl::unexpected(ok.error());
+    return Json::object();
+}
+
+Result<bool> releaseHandle(DocumentEdit& edit, const FaceRef& handle) {
+    const auto goal = edit.document.handleGoals.find(handle);
+    if (goal == edit.document.handleGoals.end() || !goal->second.target.held) return false;
+    if (!goal->second.pinned) {
+        if (auto ok = leave(edit, handle); !ok) return tl::unexpected(ok.error());
+        return true;
+    }
+    // A pin that was dragged stays a pin, where it is now.
+    HandleGoal pinned;
+    pinned.pinned = true;
+    pinned.target = goal->second.now();
+    goal->second = pinned;
+    return true;
+}
+
+void restHandles(Document& document) {
+    std::erase_if(document.handleGoals, [](const auto& goal) { return !goal.second.pinned; });
+    for (auto& [handle, goal] : document.handleGoals) {
+        goal = {};
+        goal.pinned = goal.target.held = true;
+        goal.target.at = faceOf(document, handle).frame.origin;
+    }
+}
+
+Json heldHandleJson(const FaceRef& handle, const HandleGoal& goal) {
+    return Json{{"endpoint", handle.face}, {"pinned", goal.pinned}, {"to", json(goal.target.at)}, {"rotation", json(goal.target.turn)}};
+}
+
+Json handleJson(const Document& document, const Element& element, const Handle& handle) {
+    const JointFace& face = faceOf(document, {element.id, handle.face});
+    return Json{{"name", handle.face},
+                {"element", element.name},
+                {"origin", json(face.frame.origin)},
+                {"radius", handle.radius},
+                {"vertices", face.vertices.size()},
+                {"bone", handle.bone ? Json(endpointText(document, *handle.bone)) : Json()}};
+}
+
+void addHandleCommands(CommandRegistry& registry) {
+    using Type = CommandKey::Type;
+    registry.addChange("handle",
+                       "Makes a handle: a disc of an element's surface that is dragged, turned and pinned by itself. An element with handles needs no bone.",
+                       {{"element", Type::Text, true, "The element."},
+                        {"name", Type::Text, false, "A name that no element, bone or handle has (\"handle 1\", ...)."},
+                        {"point", Type::Vector3, true, "Its middle on the surface at rest, metres."},
+                        {"radius", Type::Number, false, "Metres along the surface, up to half of the element's diagonal (a twentieth of that); at least the triangles about a vertex."},
+                        {"bone", Type::Text, false, "\"bone/start\" or \"bone/end\", with which it moves while it is not held (the element)."}},
+                       makeHandle);
+    registry.addChange("remove-handle", "Removes a handle.", {{"handle", Type::Text, true, "The handle."}}, removeHandle);
+}
+
+}  // namespace imomushi

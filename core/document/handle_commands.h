@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "core/document/command.h"
+#include "core/document/document.h"
+
+namespace imomushi {
+
+/// Makes a handle of a disc about the place of the surface nearest to `point`. Errors: those of jointFaceByDisc(), "bad-point" (too far from the surface), "shared-rim" (it
+/// overlaps another face), "no-free-vertex".
+Result<JointFace> handleFace(const Element& element, const Vec3& point, double radius, std::string_view instead = {});
+
+/// What a handle has at most: parts of the diagonal of its element. Unless one says, its radius is the default.
+inline constexpr double kDefaultHandleRadius = 0.05, kLargestHandleRadius = 0.5;
+
+/// Forgets a handle of a face that goes; the face stays.
+void eraseHandle(Document& document, const FaceRef& face);
+/// A face that is a handle gets another name.
+void renameHandle(Document& document, const FaceRef& face, const std::string& name);
+/// Handles that hang on a bone that goes are carried by their elements.
+void letHandlesGo(Document& document, PartId bone);
+
+/// "radius" or "bone" of a handle. Errors: "no-such-property", "bad-value", those of handleFace().
+Result<void> setHandleProperty(Document& document, const FaceRef& handle, const std::string& property, const Json& value);
+
+// What drag, pin, unpin and release do with a handle.
+Result<Json> dragHandle(DocumentEdit& edit, const FaceRef& handle, const Json& arguments);
+Result<Json> showHandle(LiveCharacter& live, const FaceRef& handle);
+Result<Json> pinHandle(DocumentEdit& edit, const FaceRef& handle);
+Result<Json> unpinHandle(DocumentEdit& edit, const FaceRef& handle);
+/// False: it is not held.
+Result<bool> releaseHandle(DocumentEdit& edit, const FaceRef& handle);
+/// Handles to where they are at rest, pins among them stay pins.
+void restHandles(Document& document);
+
+/// Of a handle that was moved, for "list".
+Json heldHandleJson(const FaceRef& handle, const HandleGoal& goal);
+Json handleJson(const Document& document, const Element& element, const Handle& handle);
+
+}  // namespace imomushi

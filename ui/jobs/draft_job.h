@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "ui/jobs/background_job.h"
+#include "ui/models/studio_document.h"
+
+namespace imomushi {
+
+/// Makes elements soft at once after their handles changed: solved on a coarse mesh in the background, about a tenth of a second. The answer stands in, as one that is out
+/// of date, until the element is precomputed as its settings say. Not while an element is larger than kLargest, nor with as many columns that it would take long.
+class DraftJob : public BackgroundJob {
+    Q_OBJECT
+public:
+    explicit DraftJob(StudioDocument& document, QObject* parent = nullptr);
+
+    /// Vertices of the mesh that is solved, and of the body up to which one is made.
+    static constexpr int kVertices = 400, kLargest = 100'000;
+
+signals:
+    /// All elements whose handles changed have a draft, or cannot have one.
+    void drafted();
+
+private:
+    struct Work;
+    void follow(const DocumentChange& change);
+    void next();
+
+    StudioDocument& document_;
+    std::vector<PartId> waiting_;
+    std::shared_ptr<Work> work_;
+};
+
+}  // namespace imomushi
