@@ -4,12 +4,17 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
+#include "core/base/finite.h"
 #include "core/mesh/bounds.h"
 #include "core/mesh/topology.h"
+#include "core/mesh/weld.h"
 
 namespace imomushi {
 namespace {
+
+constexpr std::size_t kMaxPlaces = 1000;  // that an issue shows
 
 double metres(Unit unit) {
     switch (unit) {
@@ -44,6 +49,24 @@ Result<void> checkFinite(const RawScene& scene, const std::string& quoted) {
                                   ": repair the mesh in the program that made it.");
 }
 
+/// Unit and axes, and what every answer says of its file.
+template <class Answer>
+Result<void> place(RawScene& scene, const ImportRequest& request, const std::string& quoted, Answer& answer) {
+    ElementMesh& mesh = scene.surface.mesh;
+    answer.format = scene.format;
+    answer.issues = std::move(scene.issues);
+    answer.metresPerUnit = request.unit == Unit::AsInFile ? scene.metresPerUnit : metres(request.unit);
+    if (mesh.body.vertices.cwiseAbs().maxCoeff() > kMaxImportedCoordinate / std::max(1.0, answer.metresPerUnit))
+        return fail("non-finite", quoted + " has coordinates that are too large to compute with: scale the mesh down in the program that made it.");
+    if (answer.metresPerUnit != 1.0) mesh.body.vertices *= answer.metresPerUnit;
+    answer.zUpConverted = request.up == UpAxis::AsInFile ? scene.zUp : request.up == UpAxis::Z;
+    if (answer.zUpConverted) {
+        turnZUp(mesh.body.vertices);
+        turnZUp(mesh.renderMesh.normals);
+    }
+    return {};
+}
+
 /// Some writers give normals of length 0: those of the body replace them.
 void replaceZeroNormals(ElementMesh& mesh) {
     RenderMesh& render = mesh.renderMesh;
@@ -55,14 +78,68 @@ void replaceZeroNormals(ElementMesh& mesh) {
     }
 }
 
+/// Only the coordinates that are not finite change, of vertices in no triangle: all others keep their number and their bits.
+void replaceNonFinite(RawScene& scene) {
+    if (scene.nonFinite.empty()) return;
+    MeshIssue issue;
+    issue.severity = Severity::Warning;
+    issue.code = "non-finite";
+    issue.count = static_cast<int>(scene.nonFinite.size());
+    issue.fixed = true;
+    issue.text = counted(scene.nonFinite.size(), "vertex that belongs to no triangle has a coordinate that is not a finite number, which was",
+                         "vertices that belong to no triangle have coordinates that are not finite numbers, which were") +
+                 " set to 0.";
+    for (const auto& [vertex, where] : scene.nonFinite) {
+        for (int k = 0; k < 3; ++k)
+            if (double& x = scene.surface.mesh.body.vertices(vertex, k); !isFinite(x)) x = 0.0;
+        if (issue.vertices.size() < kMaxPlaces) issue.vertices.push_back(vertex);
+    }
+    scene.issues.push_back(std::move(issue));
+}
+
+/// Files that give each triangle its own corners: those at the same place of one part become the first of them. Every vertex is in use.
+void weldCorners(RawScene& scene) {
+    TriangleMesh& mesh = scene.surface.mesh.body;
+    const auto vertices = static_cast<std::size_t>(mesh.vertices.rows());
+    std::vector<std::int32_t> part(vertices, 0);
+    for (Eigen::Index i = 0; i < mesh.triangles.size(); ++i) part[static_cast<std::size_t>(mesh.triangles.data()[i])] = scene.surface.part[static_cast<std::size_t>(i / 3)];
+    const std::vector<std::int32_t> standsFor = weldExact(mesh.vertices, std::vector<char>(vertices, 1), part);
+    std::vector<std::int32_t> number(vertices);
+    std::int32_t kept = 0;
+    for (std::size_t v = 0; v < vertices; ++v) {
+        const auto first = static_cast<std::size_t>(standsFor[v]);
+        if (first != v) {
+            number[v] = number[first];
+            continue;
+        }
+        mesh.vertices.row(kept) = mesh.vertices.row(static_cast<Eigen::Index>(v)).eval();
+        number[v] = kept++;
+    }
+    mesh.vertices.conservativeResize(kept, 3);
+    for (Eigen::Index i = 0; i < mesh.triangles.size(); ++i) mesh.triangles.data()[i] = number[static_cast<std::size_t>(mesh.triangles.data()[i])];
+}
+
+/// The parts that have triangles, in the order of the file.
+void takeParts(RawScene& scene, const std::string& stem, RenderModel& model) {
+    std::vector<std::int32_t> number(scene.partNames.size(), -1);
+    for (const std::int32_t p : scene.surface.part) number[static_cast<std::size_t>(p)] = 0;
+    for (std::size_t p = 0; p < number.size(); ++p) {
+        if (number[p] < 0) continue;
+        number[p] = static_cast<std::int32_t>(model.parts.size());
+        model.parts.push_back(cleanName(scene.partNames[p], stem));
+    }
+    model.part = std::move(scene.surface.part);
+    for (std::int32_t& p : model.part) p = number[static_cast<std::size_t>(p)];
+}
+
 }  // namespace
 
-Result<RawScene> readScene(const SourceFile& file) {
+Result<RawScene> readScene(const SourceFile& file, SceneUse use) {
     const std::string format = formatOf(file.path);
     if (format == "obj") return readObj(file);
     if (format == "ply") return readPly(file);
     if (format == "stl") return readStl(file);
-    if (format == "gltf" || format == "glb") return readGltf(file);
+    if (format == "gltf" || format == "glb") return readGltf(file, use);
     if (!format.empty()) return readByAssimp(file, format);
     return fail("unknown-format", file.quoted() + " is of no kind that can be read: OBJ, PLY, STL, glTF, GLB, FBX and DAE can.");
 }
@@ -75,17 +152,7 @@ Result<ImportResult> buildResult(RawScene scene, const ImportRequest& request, c
     for (const auto& [vertex, where] : scene.nonFinite) mesh.body.vertices.row(vertex).setZero();  // in no triangle
 
     ImportResult result;
-    result.format = scene.format;
-    result.issues = std::move(scene.issues);
-    result.metresPerUnit = request.unit == Unit::AsInFile ? scene.metresPerUnit : metres(request.unit);
-    if (mesh.body.vertices.cwiseAbs().maxCoeff() > kMaxImportedCoordinate / std::max(1.0, result.metresPerUnit))
-        return fail("non-finite", quoted + " has coordinates that are too large to compute with: scale the mesh down in the program that made it.");
-    if (result.metresPerUnit != 1.0) mesh.body.vertices *= result.metresPerUnit;
-    result.zUpConverted = request.up == UpAxis::AsInFile ? scene.zUp : request.up == UpAxis::Z;
-    if (result.zUpConverted) {
-        turnZUp(mesh.body.vertices);
-        turnZUp(mesh.renderMesh.normals);
-    }
+    if (auto placed = place(scene, request, quoted, result); !placed) return tl::unexpected(placed.error());
 
     progress.report("mend", 0.3);
     std::string stem = cleanName(request.path.stem().string(), "mesh");
@@ -105,6 +172,31 @@ Result<ImportResult> buildResult(RawScene scene, const ImportRequest& request, c
     auto& issues = result.bodies.size() == 1 ? result.bodies.front().issues : result.issues;
     issues.insert(issues.begin(), mended.mended.begin(), mended.mended.end());
     return result;
+}
+
+Result<CharacterFile> buildCharacter(RawScene scene, const ImportRequest& request, const Progress& progress) {
+    const std::string quoted = quotedName(request.path);
+    ElementMesh& mesh = scene.surface.mesh;
+    if (mesh.body.triangles.rows() == 0) return fail("empty-mesh", quoted + " has no triangles: choose a file with a mesh.");
+    if (auto finite = checkFinite(scene, quoted); !finite) return tl::unexpected(finite.error());
+    replaceNonFinite(scene);
+    CharacterFile file;
+    if (auto placed = place(scene, request, quoted, file); !placed) return tl::unexpected(placed.error());
+    progress.report("check", 0.5);
+    if (scene.format == "stl") weldCorners(scene);
+    bool area = false;
+    for (std::int32_t f = 0; !area && f < mesh.body.triangles.rows(); ++f) area = !degenerate(mesh.body, f);
+    if (!area) return fail("empty-mesh", quoted + " has no triangle with an area: choose a file with a mesh.");
+    RenderMesh& render = mesh.renderMesh;
+    if (render.triangles.rows() == 0) {  // no attributes: a render vertex for each vertex
+        render.triangles = mesh.body.triangles;
+        render.bodyVertex.resize(static_cast<std::size_t>(mesh.body.vertices.rows()));
+        std::iota(render.bodyVertex.begin(), render.bodyVertex.end(), 0);
+    }
+    replaceZeroNormals(mesh);
+    takeParts(scene, cleanName(request.path.stem().string(), "mesh"), file.renderModel);
+    file.renderModel.mesh = std::move(mesh);
+    return file;
 }
 
 }  // namespace imomushi

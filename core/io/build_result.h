@@ -2,16 +2,20 @@
 #pragma once
 
 #include "core/base/progress.h"
+#include "core/io/character_file.h"
 #include "core/io/import.h"
 #include "core/io/raw_scene.h"
 
 namespace imomushi {
 
-/// Reads the bytes of a file in this process (the worker's part of importFile()) by the reader of its suffix.
+/// Reads the bytes of a file in this process (the worker's part of importFile() and importCharacter()) by the reader of its suffix.
 /// Errors: as importFile().
-Result<RawScene> readScene(const SourceFile& file);
+Result<RawScene> readScene(const SourceFile& file, SceneUse use = SceneUse::Elements);
 
 /// Unit, axes and mending: what importFile() answers for a scene. Errors: "non-finite", "empty-mesh".
 Result<ImportResult> buildResult(RawScene scene, const ImportRequest& request, const Progress& progress);
+
+/// Unit and axes: what importCharacter() answers for a scene. Errors: "non-finite", "empty-mesh".
+Result<CharacterFile> buildCharacter(RawScene scene, const ImportRequest& request, const Progress& progress);
 
 }  // namespace imomushi

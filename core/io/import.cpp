@@ -160,7 +160,15 @@ tl::unexpected<Error> died(int status, const std::string& quoted, const ImportLi
     return fail("worker-failed", "The reader gave up on " + quoted + " without an answer: the file is probably damaged; export it again.");
 }
 
-Result<ImportResult> converse(const std::string& program, const ImportRequest& request, const Progress& progress, const ImportLimits& limits) {
+/// What a caller asks the worker for, and how it reads the answer.
+template <class Answer>
+struct Question {
+    FrameKind kind;
+    Result<Answer> (*decode)(std::string_view);
+};
+
+template <class Answer>
+Result<Answer> converse(const std::string& program, const Question<Answer>& asked, const ImportRequest& request, const Progress& progress, const ImportLimits& limits) {
     const std::string quoted = quotedName(request.path);
     int pair[2];
     if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair) != 0)
@@ -173,7 +181,7 @@ Result<ImportResult> converse(const std::string& program, const ImportRequest& r
     theirs.close();
     setLimits(*pid, limits);
 
-    const std::string question = frame(FrameKind::Request, encodeRequest(request));
+    const std::string question = frame(asked.kind, encodeRequest(request));
     if (::send(mine.get(), question.data(), question.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(question.size()))
         return died(child.wait(), quoted, limits);
 
@@ -186,12 +194,12 @@ Result<ImportResult> converse(const std::string& program, const ImportRequest& r
         while (received.size() >= kFrameHeader) {
             FrameKind kind{};
             std::uint64_t length = 0;
-            if (!parseFrameHeader(received, kind, length) || kind == FrameKind::Request || length > kLargestAnswer) return garbage();
+            if (!parseFrameHeader(received, kind, length) || (kind != FrameKind::Answer && kind != FrameKind::Progress) || length > kLargestAnswer) return garbage();
             if (received.size() - kFrameHeader < length) break;
             const std::string_view content = std::string_view(received).substr(kFrameHeader, length);
             if (kind == FrameKind::Answer) {
                 child.kill();
-                return decodeAnswer(content);
+                return asked.decode(content);
             }
             std::string stage;
             double fraction = 0.0;
@@ -218,14 +226,8 @@ Result<ImportResult> converse(const std::string& program, const ImportRequest& r
     }
 }
 
-}  // namespace
-
-void setImportWorker(std::filesystem::path program) {
-    const std::lock_guard lock(workerMutex);
-    workerProgram = std::move(program);
-}
-
-Result<ImportResult> importFile(const ImportRequest& request, const Progress& progress, const ImportLimits& limits) {
+template <class Answer>
+Result<Answer> ask(const Question<Answer>& asked, const ImportRequest& request, const Progress& progress, const ImportLimits& limits) {
     namespace fs = std::filesystem;
     const std::string quoted = quotedName(request.path);
     std::error_code error;
@@ -251,12 +253,29 @@ Result<ImportResult> importFile(const ImportRequest& request, const Progress& pr
     absolute.path = fs::absolute(request.path, error);
     if (error) return fail("not-readable", quoted + " cannot be read: check its path.");
     try {
-        return converse(program, absolute, progress, limits);
+        return converse(program, asked, absolute, progress, limits);
     } catch (const std::bad_alloc&) {
         return fail("too-large", quoted + " needs more memory than there is: reduce the mesh, or split the file.");
     }
 }
 
+}  // namespace
+
+void setImportWorker(std::filesystem::path program) {
+    const std::lock_guard lock(workerMutex);
+    workerProgram = std::move(program);
+}
+
+Result<ImportResult> importFile(const ImportRequest& request, const Progress& progress, const ImportLimits& limits) {
+    return ask(Question<ImportResult>{FrameKind::Request, decodeAnswer}, request, progress, limits);
+}
+
 Result<ImportResult> importFile(const ImportRequest& request, const Progress& progress) { return importFile(request, progress, ImportLimits{}); }
+
+Result<CharacterFile> importCharacter(const ImportRequest& request, const Progress& progress, const ImportLimits& limits) {
+    return ask(Question<CharacterFile>{FrameKind::CharacterRequest, decodeCharacter}, request, progress, limits);
+}
+
+Result<CharacterFile> importCharacter(const ImportRequest& request, const Progress& progress) { return importCharacter(request, progress, ImportLimits{}); }
 
 }  // namespace imomushi

@@ -207,8 +207,55 @@ void readRenderMesh(Reader& r, const TriangleMesh& body, RenderMesh& render) {
     if (!good) r.refuse();
 }
 
+void write(Writer& w, const ElementMesh& mesh) {
+    w.matrix(mesh.body.vertices);
+    w.matrix(mesh.body.triangles);
+    write(w, mesh.renderMesh);
+}
+
+void readMesh(Reader& r, ElementMesh& mesh) {
+    r.matrix(mesh.body.vertices);
+    r.matrix(mesh.body.triangles);
+    const TriangleMesh& body = mesh.body;
+    if (!r.good() || body.triangles.rows() == 0 || !allFinite(body.vertices) || !inRange(body.triangles, body.vertices.rows()) ||
+        body.vertices.cwiseAbs().maxCoeff() > kMaxImportedCoordinate)
+        r.refuse();
+    else
+        readRenderMesh(r, body, mesh.renderMesh);
+}
+
 tl::unexpected<Error> contradicts() {
     return fail("worker-failed", "The import worker answered with something that contradicts itself: the file is probably damaged, export it again.");
+}
+
+/// What both answers begin with. False: an error, which is all of the answer.
+template <class Answer>
+bool begin(Writer& w, const Result<Answer>& answer) {
+    w.value(static_cast<std::uint8_t>(answer.has_value()));
+    if (!answer) {
+        w.text(answer.error().code);
+        w.text(answer.error().message);
+        return false;
+    }
+    w.text(answer->format);
+    w.value(answer->metresPerUnit);
+    w.value(static_cast<std::uint8_t>(answer->zUpConverted));
+    return true;
+}
+
+/// An error: the worker's own, or that it contradicts itself.
+template <class Answer>
+Result<void> begin(Reader& r, Answer& answer) {
+    if (r.value<std::uint8_t>() == 0) {
+        std::string code = cleanName(r.text(), ""), message = r.text();
+        if (!r.finished() || code.empty() || message.empty()) return contradicts();
+        return fail(std::move(code), std::move(message));
+    }
+    answer.format = cleanName(r.text(), "");
+    answer.metresPerUnit = r.value<double>();
+    answer.zUpConverted = r.value<std::uint8_t>() != 0;
+    if (!r.good() || !isFinite(answer.metresPerUnit) || answer.metresPerUnit <= 0.0) return contradicts();
+    return {};
 }
 
 }  // namespace
@@ -228,7 +275,7 @@ bool parseFrameHeader(std::string_view header, FrameKind& kind, std::uint64_t& l
     Reader r(header.substr(4, kFrameHeader - 4));
     const auto k = r.value<std::uint32_t>();
     length = r.value<std::uint64_t>();
-    if (k < 1 || k > 3) return false;
+    if (k < 1 || k > 4) return false;
     kind = static_cast<FrameKind>(k);
     return true;
 }
@@ -271,21 +318,11 @@ bool decodeProgress(std::string_view content, std::string& stage, double& fracti
 
 std::string encodeAnswer(const Result<ImportResult>& answer) {
     Writer w;
-    w.value(static_cast<std::uint8_t>(answer.has_value()));
-    if (!answer) {
-        w.text(answer.error().code);
-        w.text(answer.error().message);
-        return w.take();
-    }
-    w.text(answer->format);
-    w.value(answer->metresPerUnit);
-    w.value(static_cast<std::uint8_t>(answer->zUpConverted));
+    if (!begin(w, answer)) return w.take();
     w.value(static_cast<std::uint64_t>(answer->bodies.size()));
     for (const ImportedBody& body : answer->bodies) {
         w.text(body.name);
-        w.matrix(body.mesh.body.vertices);
-        w.matrix(body.mesh.body.triangles);
-        write(w, body.mesh.renderMesh);
+        write(w, body.mesh);
         write(w, body.issues);
         w.value(static_cast<std::int32_t>(body.components));
         w.value(static_cast<std::uint8_t>(body.closed));
@@ -296,27 +333,14 @@ std::string encodeAnswer(const Result<ImportResult>& answer) {
 
 Result<ImportResult> decodeAnswer(std::string_view content) {
     Reader r(content);
-    if (r.value<std::uint8_t>() == 0) {
-        std::string code = cleanName(r.text(), ""), message = r.text();
-        if (!r.finished() || code.empty() || message.empty()) return contradicts();
-        return fail(std::move(code), std::move(message));
-    }
     ImportResult result;
-    result.format = cleanName(r.text(), "");
-    result.metresPerUnit = r.value<double>();
-    result.zUpConverted = r.value<std::uint8_t>() != 0;
-    if (!std::isfinite(result.metresPerUnit) || result.metresPerUnit <= 0.0) return contradicts();
+    if (auto begun = begin(r, result); !begun) return tl::unexpected(begun.error());
     const std::size_t bodies = r.count(1);
     for (std::size_t i = 0; i < bodies && r.good(); ++i) {
         ImportedBody& body = result.bodies.emplace_back();
         body.name = cleanName(r.text(), "mesh");
-        r.matrix(body.mesh.body.vertices);
-        r.matrix(body.mesh.body.triangles);
+        readMesh(r, body.mesh);
         const TriangleMesh& mesh = body.mesh.body;
-        if (!r.good() || mesh.triangles.rows() == 0 || !allFinite(mesh.vertices) || !inRange(mesh.triangles, mesh.vertices.rows()) ||
-            mesh.vertices.cwiseAbs().maxCoeff() > kMaxImportedCoordinate)
-            return contradicts();
-        readRenderMesh(r, mesh, body.mesh.renderMesh);
         body.issues = readIssues(r, mesh.triangles.rows(), mesh.vertices.rows());
         body.components = r.value<std::int32_t>();
         body.closed = r.value<std::uint8_t>() != 0;
@@ -329,6 +353,34 @@ Result<ImportResult> decodeAnswer(std::string_view content) {
     result.issues = readIssues(r, 0, 0);
     if (!r.finished() || result.bodies.empty()) return contradicts();
     return result;
+}
+
+std::string encodeCharacter(const Result<CharacterFile>& answer) {
+    Writer w;
+    if (!begin(w, answer)) return w.take();
+    const RenderModel& model = answer->renderModel;
+    write(w, model.mesh);
+    w.items(model.part.data(), model.part.size());
+    w.value(static_cast<std::uint64_t>(model.parts.size()));
+    for (const std::string& name : model.parts) w.text(name);
+    write(w, answer->issues);
+    return w.take();
+}
+
+Result<CharacterFile> decodeCharacter(std::string_view content) {
+    Reader r(content);
+    CharacterFile file;
+    if (auto begun = begin(r, file); !begun) return tl::unexpected(begun.error());
+    RenderModel& model = file.renderModel;
+    readMesh(r, model.mesh);
+    model.part = r.items<std::int32_t>();
+    const std::size_t parts = r.count(sizeof(std::uint64_t));
+    for (std::size_t i = 0; i < parts && r.good(); ++i) model.parts.push_back(cleanName(r.text(), "mesh"));
+    const TriangleMesh& mesh = model.mesh.body;
+    if (static_cast<Eigen::Index>(model.part.size()) != mesh.triangles.rows() || !inRange(model.part, static_cast<Eigen::Index>(model.parts.size()))) r.refuse();
+    if (r.good()) file.issues = readIssues(r, mesh.triangles.rows(), mesh.vertices.rows());
+    if (!r.finished()) return contradicts();
+    return file;
 }
 
 }  // namespace imomushi

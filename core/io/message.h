@@ -5,15 +5,17 @@
 #include <string_view>
 
 #include "core/base/result.h"
+#include "core/io/character_file.h"
 #include "core/io/import.h"
 
 namespace imomushi {
 
-// What importFile() and its worker say to each other over one socket, in the machine's own byte order (both are the same program).
+// What importFile() and importCharacter() and their worker say to each other over one socket, in the machine's own byte order (both are the same program).
 // A message is a frame: 4 bytes "imo1", uint32 kind, uint64 length of the content, content. Strings and arrays are a uint64 count and
 // the items. The parent believes nothing: every length, index and number is checked before use.
 
-enum class FrameKind : std::uint32_t { Request = 1, Progress = 2, Answer = 3 };
+/// The kind of a request says which of the two asks.
+enum class FrameKind : std::uint32_t { Request = 1, Progress = 2, Answer = 3, CharacterRequest = 4 };
 inline constexpr std::size_t kFrameHeader = 16;
 
 std::string frame(FrameKind kind, std::string_view content);
@@ -30,5 +32,9 @@ bool decodeProgress(std::string_view content, std::string& stage, double& fracti
 std::string encodeAnswer(const Result<ImportResult>& answer);
 /// Errors: "worker-failed" where the content contradicts itself; else the answer, which may be an error of the worker's.
 Result<ImportResult> decodeAnswer(std::string_view content);
+
+/// The same for importCharacter().
+std::string encodeCharacter(const Result<CharacterFile>& answer);
+Result<CharacterFile> decodeCharacter(std::string_view content);
 
 }  // namespace imomushi

@@ -39,12 +39,16 @@ struct RawScene {
     std::vector<MeshIssue> issues;       ///< of the file: what was dropped or not understood
 };
 
+/// What a file is read for. Character: glTF nodes come depth first, and a skinned vertex that its joints move by rounding alone keeps its place. Elements: as elements have
+/// always come, since documents refer to their vertices by number: nodes by their index, skins as the joints say.
+enum class SceneUse { Elements, Character };
+
 /// Readers of one format each. Strict: what is not understood is refused with its place or told as an issue.
 /// Errors: "bad-file", "too-large", "empty-mesh".
 Result<RawScene> readObj(const SourceFile& file);
 Result<RawScene> readPly(const SourceFile& file);
 Result<RawScene> readStl(const SourceFile& file);
-Result<RawScene> readGltf(const SourceFile& file);
+Result<RawScene> readGltf(const SourceFile& file, SceneUse use);
 Result<RawScene> readByAssimp(const SourceFile& file, std::string_view format);  ///< "fbx", "dae"
 
 /// The formats that can be read, by suffix: "obj", "ply", ... Empty: none.

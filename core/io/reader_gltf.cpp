@@ -16,11 +16,12 @@ namespace {
 using Matrix = Eigen::Matrix4d;
 
 constexpr int kDeepest = 1000;        // nodes within nodes
+constexpr double kRounding = 1e-6;    // of a mesh's size: joints that move a vertex by less say the same as the file, in single precision
 constexpr double kSameMatrix = 1e-6;  // joints that agree to this move a skin as one: its coordinates stay what the file says
 
 class GltfReader : GltfFileReader {
 public:
-    explicit GltfReader(const SourceFile& file) : GltfFileReader(file), textures_(file, scene_) {}
+    GltfReader(const SourceFile& file, SceneUse use) : GltfFileReader(file), use_(use), textures_(file, scene_) {}
 
     RawScene read() {
         scene_.format = isBinary() ? "glb" : "gltf";
@@ -40,8 +41,8 @@ public:
                 if (!isChild[n]) roots.push_back(n);
         }
         for (const std::size_t root : roots) place(root, Matrix::Identity(), visited, 0);
-        for (std::size_t n = 0; n < visited.size(); ++n)
-            if (visited[n]) node(list("nodes")[n], global_[n]);
+        if (use_ == SceneUse::Elements) std::sort(placed_.begin(), placed_.end());
+        for (const std::size_t n : placed_) node(list("nodes")[n], global_[n]);
         return finish();
     }
 
@@ -107,6 +108,7 @@ private:
     void place(std::size_t n, const Matrix& parent, std::vector<char>& visited, int depth) {
         if (visited[n] || depth > kDeepest) refuse("has nodes that contain themselves, or too many within each other: export it again.");
         visited[n] = 1;
+        placed_.push_back(n);
         const Json& node = list("nodes")[n];
         Matrix local = Matrix::Identity();
         if (const Json& m = member(node, "matrix"); !m.is_null()) {
@@ -149,6 +151,12 @@ private:
         result.rigid = std::all_of(result.joints.begin(), result.joints.end(), [&](const Matrix& m) { return (m - result.joints[0]).cwiseAbs().maxCoeff() <= kSameMatrix * size; });
         if (result.rigid && (result.joints[0] - Matrix::Identity()).cwiseAbs().maxCoeff() <= kSameMatrix) result.joints[0].setIdentity();
         return result;
+    }
+
+    /// How far `m` moves any point at most whose coordinates are up to `reach`.
+    static double moves(const Matrix& m, double reach) {
+        const Eigen::Matrix3d turn = m.topLeftCorner<3, 3>() - Eigen::Matrix3d::Identity();
+        return turn.cwiseAbs().rowwise().sum().maxCoeff() * reach + m.topRightCorner<3, 1>().cwiseAbs().maxCoeff();
     }
 
     void node(const Json& from, const Matrix& world) {
@@ -211,6 +219,9 @@ private:
 
         const auto first = static_cast<std::int32_t>(points_.size() / 3);
         if (points_.size() / 3 + n > kMaxVertices) refuseAsTooLarge();
+        double reach = 0.0;  // of the coordinates
+        for (const double x : positions.at)
+            if (isFinite(x)) reach = std::max(reach, std::abs(x));
         const auto orZero = [&](double x) { return attributeOrZero(x, badAttributes_); };
         bool mirrored = false;
         for (std::size_t v = 0; v < n; ++v) {
@@ -229,6 +240,7 @@ private:
                     }
                 if (sum > 0.0) m = blend / sum;
             }
+            if (use_ == SceneUse::Character && bones && moves(m, reach) <= kRounding * reach) m.setIdentity();
             const Vec3 p(positions.at[3 * v], positions.at[3 * v + 1], positions.at[3 * v + 2]);
             const Vec3 x = m == Matrix::Identity() ? p : Vec3(m.topLeftCorner<3, 3>() * p + m.topRightCorner<3, 1>());
             if (!allFinite(x)) scene_.nonFinite.emplace_back(first + static_cast<std::int32_t>(v), "vertex " + std::to_string(v) + " of '" + name + "'");
@@ -333,11 +345,13 @@ private:
         Eigen::Vector2d offset = Eigen::Vector2d::Zero();
     };
 
+    SceneUse use_;
     RawScene scene_;
     TextureLoader textures_;
     std::vector<UvUse> uvUse_;
     std::map<std::size_t, int> images_;
-    std::vector<Matrix> global_;  // of each node, to the scene
+    std::vector<Matrix> global_;        // of each node, to the scene
+    std::vector<std::size_t> placed_;   // the nodes of the scene, depth first
     std::vector<double> points_;
     std::vector<float> normals_, texCoords_, colors_;
     std::vector<std::int32_t> triangles_, material_;
@@ -347,9 +361,9 @@ private:
 
 }  // namespace
 
-Result<RawScene> readGltf(const SourceFile& file) {
+Result<RawScene> readGltf(const SourceFile& file, SceneUse use) {
     try {
-        return GltfReader(file).read();
+        return GltfReader(file, use).read();
     } catch (const GltfFileReader::Refused& refused) {
         return tl::unexpected(refused.error);
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The worker's side of importFile(): one request on standard input, progress and one answer on standard output (message.h). The parent sets
+// The worker's side of importFile() and importCharacter(): one request on standard input, progress and one answer on standard output (message.h). The parent sets
 // the limits of memory and time from outside, before it sends the request.
 #include <fcntl.h>
 #include <sys/prctl.h>
@@ -40,7 +40,7 @@ bool writeAll(int file, std::string_view bytes) {
     return true;
 }
 
-Result<ImportResult> read(const ImportRequest& request, const Progress& progress) {
+Result<RawScene> read(const ImportRequest& request, SceneUse use, const Progress& progress) {
     SourceFile file{request.path, {}};
     std::string bytes;
     {
@@ -53,15 +53,17 @@ Result<ImportResult> read(const ImportRequest& request, const Progress& progress
     }
     file.bytes = bytes;
     progress.report("read", 0.05);
-    auto scene = readScene(file);
-    if (!scene) return tl::unexpected(scene.error());
-    return buildResult(std::move(*scene), request, progress);
+    return readScene(file, use);
 }
 
-Result<ImportResult> readSafely(const ImportRequest& request, const Progress& progress) {
+/// Reads the scene and builds the answer of it: buildResult() or buildCharacter().
+template <class Answer>
+Result<Answer> answerFor(const ImportRequest& request, SceneUse use, Result<Answer> (*build)(RawScene, const ImportRequest&, const Progress&), const Progress& progress) {
     const std::string quoted = quotedName(request.path);
     try {
-        return read(request, progress);
+        auto scene = read(request, use, progress);
+        if (!scene) return tl::unexpected(scene.error());
+        return build(std::move(*scene), request, progress);
     } catch (const std::bad_alloc&) {
         return fail("too-large", quoted + " needs more memory than an import may use: reduce the mesh, or split the file.");
     } catch (const std::exception& e) {
@@ -83,15 +85,21 @@ int importWorkerMain() {
     FrameKind kind{};
     std::uint64_t length = 0;
     if (!readAll(STDIN_FILENO, header, sizeof header) || !parseFrameHeader({header, sizeof header}, kind, length) ||
-        kind != FrameKind::Request || length > kLargestRequest)
+        (kind != FrameKind::Request && kind != FrameKind::CharacterRequest) || length > kLargestRequest)
         return 2;
     std::string content(length, '\0');
     if (!readAll(STDIN_FILENO, content.data(), content.size())) return 2;
     const auto request = decodeRequest(content);
     const Progress progress(
         [&](std::string_view stage, double fraction) { writeAll(answerTo, frame(FrameKind::Progress, encodeProgress(stage, fraction))); }, {});
-    const auto answer = request ? readSafely(*request, progress) : Result<ImportResult>(tl::unexpected(request.error()));
-    return writeAll(answerTo, frame(FrameKind::Answer, encodeAnswer(answer))) ? 0 : 1;
+    std::string answer;
+    if (!request)
+        answer = encodeAnswer(tl::unexpected(request.error()));
+    else if (kind == FrameKind::Request)
+        answer = encodeAnswer(answerFor(*request, SceneUse::Elements, buildResult, progress));
+    else
+        answer = encodeCharacter(answerFor(*request, SceneUse::Character, buildCharacter, progress));
+    return writeAll(answerTo, frame(FrameKind::Answer, answer)) ? 0 : 1;
 }
 
 }  // namespace imomushi

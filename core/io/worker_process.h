@@ -3,6 +3,7 @@
 
 #include <cstddef>
 
+#include "core/io/character_file.h"
 #include "core/io/import.h"
 
 namespace imomushi {
@@ -17,5 +18,7 @@ struct ImportLimits {
 
 /// importFile() with other limits.
 Result<ImportResult> importFile(const ImportRequest& request, const Progress& progress, const ImportLimits& limits);
+/// importCharacter() with other limits.
+Result<CharacterFile> importCharacter(const ImportRequest& request, const Progress& progress, const ImportLimits& limits);
 
 }  // namespace imomushi

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // libFuzzer over everything of an import that reads bytes which it did not write: first byte 0 = OBJ, 1 = PLY, 2 = STL, 3 = GLB, 4 = the answer of a
-// worker; what is read is mended and checked too. Configure with clang and -DIMOMUSHI_FUZZ=ON, then: fuzz_import CORPUS -max_len=4096
+// worker; what is read is mended and checked too, and read as a whole character. Configure with clang and -DIMOMUSHI_FUZZ=ON, then: fuzz_import CORPUS -max_len=4096
 #include <cstdint>
 #include <cstdlib>
 #include <string_view>
@@ -16,6 +16,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (data[0] % 5 == 4) {
         const auto answer = decodeAnswer(bytes);
         if (answer && decodeAnswer(encodeAnswer(answer)).has_value() != answer.has_value()) std::abort();
+        const auto character = decodeCharacter(bytes);
+        if (character && !decodeCharacter(encodeCharacter(character))) std::abort();
         return 0;
     }
     static const char* const kNames[] = {"fuzz.obj", "fuzz.ply", "fuzz.stl", "fuzz.glb"};
@@ -23,6 +25,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     request.path = std::filesystem::path("/nonexistent") / kNames[data[0] % 5];
     request.split = size % 2 == 0;
     try {
+        if (auto whole = readScene({request.path, bytes}, SceneUse::Character)) {
+            const auto character = buildCharacter(std::move(*whole), request, {});
+            if (character && !decodeCharacter(encodeCharacter(character))) std::abort();
+        }
         auto scene = readScene({request.path, bytes});
         if (!scene) return 0;
         const auto result = buildResult(std::move(*scene), request, {});

@@ -74,5 +74,17 @@ int main() {
         result.bodies.push_back(body);
         say(frame(FrameKind::Answer, encodeAnswer(result)));
     }
+    if (how == "other") {  // asked for a character, it answers with an element
+        ImportResult result;
+        result.format = "obj";
+        ImportedBody& body = result.bodies.emplace_back();
+        body.name = "other";
+        body.mesh.body.vertices = Points::Identity(3, 3);
+        body.mesh.body.triangles = Triangles::Zero(1, 3);
+        body.mesh.body.triangles.row(0) << 0, 1, 2;
+        body.mesh.renderMesh.bodyVertex = {0, 1, 2};
+        body.mesh.renderMesh.triangles = body.mesh.body.triangles;
+        say(frame(FrameKind::Answer, encodeAnswer(result)));
+    }
     return 0;
 }
