@@ -9,14 +9,14 @@
 #include "core/document/character_input.h"
 #include "core/document/document_responses.h"
 #include "core/document/live_character.h"
-#include "core/io/import.h"
+#include "core/io/character_file.h"
 
 namespace imomushi {
 
 /// Reads a foreign file: importFile(), or what stands in for it.
 using Importer = std::function<Result<ImportResult>(const ImportRequest&, const Progress&)>;
 /// The same of a whole character: importCharacter().
-using CharacterImporter = std::function<Result<ImportedCharacter>(const ImportRequest&, const Progress&)>;
+using CharacterImporter = std::function<Result<CharacterFile>(const ImportRequest&, const Progress&)>;
 
 /// All that a command that changes the document can reach: the document itself, and questions that it may ask of the rest. It is taken back whole when the command
 /// fails.
@@ -42,7 +42,7 @@ public:
     [[nodiscard]] const DocumentResponses& responses() const { return responses_; }
 
     Result<ImportResult> import(const ImportRequest& request, const Progress& progress) const { return importer_(request, progress); }
-    Result<ImportedCharacter> importCharacter(const ImportRequest& request, const Progress& progress) const { return characterImporter_(request, progress); }
+    Result<CharacterFile> importCharacter(const ImportRequest& request, const Progress& progress) const { return characterImporter_(request, progress); }
     /// A response comes with an element from another project. The session takes it in when the command has succeeded.
     void bring(PartId element, StoredResponse response) { brought_.emplace_back(element, std::move(response)); }
     [[nodiscard]] const std::vector<std::pair<PartId, StoredResponse>>& brought() const { return brought_; }

@@ -143,19 +143,19 @@ Result<Json> importCharacterCommand(DocumentEdit& edit, const Json& arguments, c
     }
     auto imported = edit.importCharacter(*request, progress.part(0.0, 0.3));
     if (!imported) return tl::unexpected(imported.error());
-    if (imported->model.mesh.body.triangles.rows() == 0) return fail("empty-mesh", "\"" + request->path.string() + "\" holds no surface.");
-    auto body = makeBody(imported->model.mesh.body, imported->model.part, setting, progress.part(0.3, 1.0));
+    if (imported->renderModel.mesh.body.triangles.rows() == 0) return fail("empty-mesh", "\"" + request->path.string() + "\" holds no surface.");
+    auto body = makeBody(imported->renderModel.mesh.body, imported->renderModel.part, setting, progress.part(0.3, 1.0));
     if (!body) return tl::unexpected(body.error());
 
     CharacterSource character;
     character.id = document.nextId++;
     const Json* name = find(arguments, "name");
-    character.name = freeName(document, name ? name->get_ref<const std::string&>() : imported->model.parts.size() == 1 ? imported->model.parts[0] : request->path.stem().string());
+    character.name = freeName(document, name ? name->get_ref<const std::string&>() : imported->renderModel.parts.size() == 1 ? imported->renderModel.parts[0] : request->path.stem().string());
     character.issues = std::move(imported->issues);
     character.issues.insert(character.issues.end(), body->report.issues.begin(), body->report.issues.end());
     const double seconds = std::exchange(body->report.seconds, 0.0);  // the rest of the report is the same each time
     body->report.issues.clear();
-    character.model = std::make_shared<const RenderModel>(std::move(imported->model));
+    character.model = std::make_shared<const RenderModel>(std::move(imported->renderModel));
     character.body = std::make_shared<const Body>(std::move(*body));
     const auto added = document.characters.emplace(character.id, std::make_shared<const CharacterSource>(std::move(character))).first->second;
     Element element = wholeElement(*added);

@@ -171,7 +171,7 @@ void Session::setImporter(std::function<Result<ImportResult>(const ImportRequest
     importer_ = importer ? std::move(importer) : importFile;
 }
 
-void Session::setCharacterImporter(std::function<Result<ImportedCharacter>(const ImportRequest&, const Progress&)> importer) {
+void Session::setCharacterImporter(std::function<Result<CharacterFile>(const ImportRequest&, const Progress&)> importer) {
     characterImporter_ = importer ? std::move(importer) : importCharacter;
 }
 

@@ -13,7 +13,7 @@
 #include "core/document/document.h"
 #include "core/document/document_history.h"
 #include "core/document/document_responses.h"
-#include "core/io/import.h"
+#include "core/io/character_file.h"
 
 namespace imomushi {
 
@@ -105,7 +105,7 @@ public:
     /// Replaces importFile() (the studio imports in the background and answers from what it prepared). Empty: importFile() again.
     void setImporter(std::function<Result<ImportResult>(const ImportRequest&, const Progress&)> importer);
     /// The same for importCharacter().
-    void setCharacterImporter(std::function<Result<ImportedCharacter>(const ImportRequest&, const Progress&)> importer);
+    void setCharacterImporter(std::function<Result<CharacterFile>(const ImportRequest&, const Progress&)> importer);
     /// What "save" writes, and an autosave: the document as it is now with the responses that its elements have. Copies no mesh and no response.
     [[nodiscard]] Project project();
 
@@ -123,7 +123,7 @@ private:
     std::unique_ptr<LiveCharacter> live_;
     std::function<void(const Change&)> listener_;
     std::function<Result<ImportResult>(const ImportRequest&, const Progress&)> importer_;
-    std::function<Result<ImportedCharacter>(const ImportRequest&, const Progress&)> characterImporter_;
+    std::function<Result<CharacterFile>(const ImportRequest&, const Progress&)> characterImporter_;
     Change told_;  // by the command that runs, besides the parts of the document
     bool historyMoved_ = false;  // by the action that runs: undo, redo, another document, a take
 };

@@ -11,7 +11,6 @@
 #include "core/base/result.h"
 #include "core/mesh/health.h"
 #include "core/mesh/mesh.h"
-#include "core/mesh/render_model.h"
 
 namespace imomushi {
 
@@ -47,15 +46,6 @@ struct ImportResult {
 /// Errors: "file-not-found", "not-readable", "unknown-format", "bad-file" (with what is wrong and where), "non-finite", "empty-mesh",
 /// "too-large", "timeout", "worker-failed", "cancelled". A body that is readable but not usable as an element is no error here: `closed` is false.
 Result<ImportResult> importFile(const ImportRequest& request, const Progress& progress);
-
-struct ImportedCharacter {
-    std::string format;
-    double metresPerUnit = 1.0;
-    bool zUpConverted = false;
-    RenderModel model;
-    std::vector<MeshIssue> issues;
-};
-Result<ImportedCharacter> importCharacter(const ImportRequest& request, const Progress& progress);
 
 /// The program that importFile() starts as its worker: this executable's path unless set; called as `PROGRAM import-worker`.
 void setImportWorker(std::filesystem::path program);
