@@ -895,6 +895,66 @@
             <source>The disc closes around a limb or has a hole. Make it smaller.</source>
             <translation>円板が手足を一周しているか、穴があります。小さくしてください。</translation>
         </message>
+        <message>
+            <source>The detail of a wrap lies between 0.001 and 0.2 diagonals of the mesh.</source>
+            <translation>包み込みの細かさは、メッシュの対角線の 0.001 から 0.2 倍までです。</translation>
+        </message>
+        <message>
+            <source>Cuts cannot change on which side of each other they lie. Put this one elsewhere.</source>
+            <translation>切断面の並びは変えられません。ほかの場所に置いてください。</translation>
+        </message>
+        <message>
+            <source>Two cuts touch or come too near to each other. Move one of them away.</source>
+            <translation>二つの切断面が触れているか、近すぎます。どちらかを離してください。</translation>
+        </message>
+        <message>
+            <source>The body still hangs together around the cut. Put it where it cuts something off.</source>
+            <translation>切断面のまわりでボディがつながったままです。何かが切り離される場所に置いてください。</translation>
+        </message>
+        <message>
+            <source>One side of the cut would have no volume. Move the plane deeper into the body.</source>
+            <translation>切断面の片側に体積が残りません。平面をボディのもっと内側に動かしてください。</translation>
+        </message>
+        <message>
+            <source>The cut would go through a joint face or touch it. Move the plane away, or remove the face first.</source>
+            <translation>切断面が関節面を通るか、触れています。平面を離すか、先に面を削除してください。</translation>
+        </message>
+        <message>
+            <source>The plane does not cross the body. Move it into the body.</source>
+            <translation>平面がボディと交わっていません。ボディの中に動かしてください。</translation>
+        </message>
+        <message>
+            <source>There is no character of that name.</source>
+            <translation>その名前のキャラクターはありません。</translation>
+        </message>
+        <message>
+            <source>There is no cut of that name.</source>
+            <translation>その名前の切断面はありません。</translation>
+        </message>
+        <message>
+            <source>No closed body with a volume can be made of this mesh. Give it thickness.</source>
+            <translation>このメッシュからは体積のある閉じたボディを作れません。厚みを付けてください。</translation>
+        </message>
+        <message>
+            <source>The mesh had to be mended to be a body. Choose “mended” or “auto”.</source>
+            <translation>ボディにするには修復が必要なメッシュです。「修復」か「自動」を選んでください。</translation>
+        </message>
+        <message>
+            <source>The mesh cannot be closed by mending. Choose a wrapped body.</source>
+            <translation>このメッシュは修復では閉じられません。包み込みを選んでください。</translation>
+        </message>
+        <message>
+            <source>The section nearest to the origin of the plane belongs to another element. Put the origin into the section that is meant.</source>
+            <translation>平面の原点に最も近い断面は別の要素のものです。切りたい断面の中に原点を置いてください。</translation>
+        </message>
+        <message>
+            <source>This element is a piece of a character. Take out the cut beside it, or remove the whole character.</source>
+            <translation>この要素はキャラクターの一部です。隣の切断面を取り除くか、キャラクター全体を削除してください。</translation>
+        </message>
+        <message>
+            <source>The section touches or crosses itself. Move or turn the plane a little.</source>
+            <translation>断面が自分自身に触れているか、交わっています。平面を少し動かすか、回してください。</translation>
+        </message>
     </context>
     <context>
         <name>Issues</name>
@@ -1147,6 +1207,18 @@
         <message>
             <source>Remove handle</source>
             <translation>ハンドルを削除</translation>
+        </message>
+        <message>
+            <source>Import character</source>
+            <translation>キャラクターを読み込む</translation>
+        </message>
+        <message>
+            <source>Move cut</source>
+            <translation>切断面を動かす</translation>
+        </message>
+        <message>
+            <source>Remove cut</source>
+            <translation>切断面を取り除く</translation>
         </message>
     </context>
     <context>

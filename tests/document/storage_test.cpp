@@ -1,33 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <sqlite3.h>
-
 #include <cstring>
 #include <random>
 
-#include "core/document/sqlite.h"
+#include "tests/document/tamper.h"
 #include "tests/document/workbench.h"
 
 using namespace imomushi;
 
 namespace {
-
-void sql(const std::filesystem::path& path, const std::string& statement) {
-    sqlite3* handle = nullptr;
-    REQUIRE(sqlite3_open(path.c_str(), &handle) == SQLITE_OK);
-    char* message = nullptr;
-    const int code = sqlite3_exec(handle, statement.c_str(), nullptr, nullptr, &message);
-    INFO(statement << ": " << (message ? message : ""));
-    CHECK(code == SQLITE_OK);
-    sqlite3_free(message);
-    sqlite3_close(handle);
-}
-
-/// Makes a tampered file look whole: what a hostile writer would do.
-void sign(const std::filesystem::path& path) {
-    const std::string bytes = readFile(path);
-    Database db(std::as_bytes(std::span(bytes)));
-    sql(path, "UPDATE info SET value='" + db.digest(kProjectTables) + "' WHERE name='digest'");
-}
 
 std::string openCode(const std::filesystem::path& path) {
     const auto project = openProject(path);

@@ -36,6 +36,9 @@ inline ImportedBody importedBody(std::string name, TriangleMesh mesh, bool close
 
 /// A session whose files are shapes: "barN" is a bar of 1 x 1 x 3 m from z = 3 N, "coarseN" one with other triangles, "pair" holds two bodies, "half"
 /// a good and an open one, "open" an open one.
+///
+/// Whole characters: "trunk" is a bar of 1 x 1 x 12 m from z = 0; "ball" a sphere; "two balls" overlap, a part each; "tube" is open at both ends; "snowman" is a bar with a
+/// separate eye off its surface.
 class Workbench {
 public:
     explicit Workbench(std::shared_ptr<ResponseStore> store = nullptr) : session(coreRegistry(), std::move(store)) {
@@ -60,6 +63,51 @@ public:
                 return fail("file-not-found", "There is no such shape.");
             return result;
         });
+        session.setCharacterImporter(characterFile);
+    }
+
+    static Result<CharacterFile> characterFile(const ImportRequest& request, const Progress&) {
+        const std::string name = request.path.string();
+        const auto shifted = [](TriangleMesh mesh, const Vec3& by) {
+            mesh.vertices.rowwise() += by.transpose();
+            return mesh;
+        };
+        if (name == "trunk") return characterOf({longBar()}, {"trunk"});
+        if (name == "ball") return characterOf({shapes::sphere(1.0, 3).mesh}, {"ball"});
+        if (name == "two balls") return characterOf({shapes::sphere(1.0, 3).mesh, shifted(shapes::sphere(1.0, 3).mesh, {1.2, 0.1, 0.05})}, {"left", "right"});
+        if (name == "snowman") return characterOf({longBar(), shifted(shapes::sphere(0.05, 1).mesh, {0.0, 0.56, 6.03})}, {"trunk", "eye"});
+        if (name == "tube") {
+            TriangleMesh mesh = shapes::cylinder(0.5, 4.0, 16, 12).mesh;
+            const double low = mesh.vertices.col(2).minCoeff(), high = mesh.vertices.col(2).maxCoeff();
+            std::vector<Eigen::Index> wall;
+            for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) {
+                const auto z = [&](int k) { return mesh.vertices(mesh.triangles(t, k), 2); };
+                const bool end = (z(0) == low && z(1) == low && z(2) == low) || (z(0) == high && z(1) == high && z(2) == high);
+                if (!end) wall.push_back(t);
+            }
+            mesh.triangles = Triangles(mesh.triangles(wall, Eigen::indexing::all));
+            return characterOf({mesh}, {"tube"});
+        }
+        return fail("file-not-found", "There is no such shape.");
+    }
+    static TriangleMesh longBar() { return shapes::box({-0.5, -0.5, 0.0}, {0.5, 0.5, 12.0}, 3, 3, 30).mesh; }
+    /// One part for each mesh, one after the other.
+    static CharacterFile characterOf(const std::vector<TriangleMesh>& meshes, std::vector<std::string> parts) {
+        CharacterFile file;
+        file.format = "shape";
+        TriangleMesh& all = file.renderModel.mesh.body;
+        for (std::size_t p = 0; p < meshes.size(); ++p) {
+            const Eigen::Index v = all.vertices.rows(), t = all.triangles.rows();
+            all.vertices.conservativeResize(v + meshes[p].vertices.rows(), 3);
+            all.vertices.bottomRows(meshes[p].vertices.rows()) = meshes[p].vertices;
+            all.triangles.conservativeResize(t + meshes[p].triangles.rows(), 3);
+            all.triangles.bottomRows(meshes[p].triangles.rows()) = meshes[p].triangles.array() + static_cast<std::int32_t>(v);
+            file.renderModel.part.resize(static_cast<std::size_t>(all.triangles.rows()), static_cast<std::int32_t>(p));
+        }
+        for (std::int32_t v = 0; v < all.vertices.rows(); ++v) file.renderModel.mesh.renderMesh.bodyVertex.push_back(v);
+        file.renderModel.mesh.renderMesh.triangles = all.triangles;
+        file.renderModel.parts = std::move(parts);
+        return file;
     }
 
     Result<Json> run(const Json& command) { return session.execute(command); }

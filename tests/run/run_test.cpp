@@ -11,6 +11,7 @@
 
 #include "core/mesh/write_mesh.h"
 #include "tests/run/program.h"
+#include "tests/support/obj.h"
 #include "tests/support/shapes.h"
 
 using namespace imomushi;
@@ -350,4 +351,69 @@ TEST_CASE("run: a report with all its parts") {
     const std::string text = readFile(folder() / "report.md");
     for (const char* part : {"## What accuracy costs", "## Scaling", "## Against skins", "linear blend skinning", "dual quaternions", "spline skin", "## Against the previous model"})
         CHECK_MESSAGE(text.find(part) != std::string::npos, part);
+}
+
+TEST_CASE("run: a whole character from its file, cut, boned, dragged and written in its file's own order") {
+    // A worm that is open at its head, which makes it no element, with an eye beside it.
+    TriangleMesh worm = shapes::box({-0.5, -0.5, 0.0}, {0.5, 0.5, 9.0}, 3, 3, 24).mesh;
+    const TriangleMesh eye = shapes::moved(shapes::sphere(0.06, 1), Eigen::Matrix3d::Identity(), {0.0, 0.53, 7.9}).mesh;
+    std::string obj = "o worm\n";
+    const auto add = [&](const TriangleMesh& mesh, int first, bool open) {
+        for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
+            obj += "v " + Json(mesh.vertices(v, 0)).dump() + " " + Json(mesh.vertices(v, 1)).dump() + " " + Json(mesh.vertices(v, 2)).dump() + "\n";
+        for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) {
+            bool head = true;
+            for (int k = 0; k < 3; ++k) head = head && mesh.vertices(mesh.triangles(t, k), 2) == 9.0;
+            if (open && head) continue;
+            obj += "f";
+            for (int k = 0; k < 3; ++k) obj += " " + std::to_string(first + mesh.triangles(t, k));
+            obj += "\n";
+        }
+    };
+    add(worm, 1, true);
+    obj += "o eye\n";
+    add(eye, static_cast<int>(worm.vertices.rows()) + 1, false);
+    writeFile("worm.obj", obj);
+    const std::string lines = R"({"do":"import-character","path":"worm.obj","name":"worm"}
+{"do":"cut","element":"worm","plane":{"origin":[0,0,3.1],"normal":[0,0,1]},"names":["tail","belly"],"name":"hip"}
+{"do":"cut","element":"belly","plane":{"origin":[0,0,6.1],"normal":[0,0,1]},"names":["belly","head"],"name":"neck"}
+{"do":"add-bone","name":"a","element":"tail","from":[0,0,0.3],"to":"tail/hip"}
+{"do":"add-bone","name":"b","from":"a/end","to":"belly/neck"}
+{"do":"add-bone","name":"c","element":"head","from":"b/end","to":[0,0,8.7]}
+{"do":"set","target":"tail","property":"solver-mesh","value":"as-is"}
+{"do":"set","target":"belly","property":"solver-mesh","value":"as-is"}
+{"do":"set","target":"head","property":"solver-mesh","value":"as-is"}
+{"do":"precompute"}
+{"do":"pin","endpoint":"a/start"}
+{"do":"drag","endpoint":"c/end","to":[2,1,7.5]}
+{"do":"measure","what":"gap"}
+{"do":"write-mesh","path":"rest.obj","character":"worm","state":"rest"}
+{"do":"write-mesh","path":"now.obj","character":"worm"}
+{"do":"move-cut","cut":"neck","plane":{"origin":[0,0,5.8],"normal":[0,0,1]}}
+{"do":"list"}
+{"do":"save","path":"worm.imomushi"}
+{"do":"open","path":"worm.imomushi"}
+{"do":"remove-cut","cut":"neck"}
+{"do":"list"}
+)";
+    const Run first = script(lines);
+    INFO(first.out << first.err);
+    REQUIRE(first.status == 0);
+    CHECK(first.answers[0]["body"]["how"] != "exact");
+    CHECK(first.answers[0]["parts"].size() == 2);
+    CHECK(first.answers[12]["value"].get<double>() < 1e-9);
+    const TriangleMesh rest = readObj((folder() / "rest.obj").string()), now = readObj((folder() / "now.obj").string());
+    Points own(worm.vertices.rows() + eye.vertices.rows(), 3);
+    own << worm.vertices, eye.vertices;
+    CHECK(rest.vertices == own);
+    CHECK(now.triangles == rest.triangles);
+    CHECK((now.vertices - own).rowwise().norm().maxCoeff() > 0.5);
+    CHECK(first.answers[15]["stale"] == Json::array({"belly", "head"}));
+    CHECK(first.answers[16]["elements"][0]["state"] == "fresh");
+    CHECK(first.answers[18]["characters"] == first.answers[16]["characters"]);
+    CHECK(first.answers[20]["elements"].size() == 2);
+    const std::string posed = readFile(folder() / "now.obj");
+    const Run again = script("{\"do\":\"set\",\"target\":\"character\",\"property\":\"threads\",\"value\":1}\n" + lines);
+    REQUIRE(again.status == 0);
+    CHECK(readFile(folder() / "now.obj") == posed);
 }
