@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <rapidcheck.h>
-
 #include <cmath>
+#include <random>
 #include <set>
 
 #include "core/document/character_cuts.h"
+#include "core/document/character_input.h"
 #include "core/document/embed_model.h"
 #include "core/mesh/connectivity.h"
 #include "tests/document/tamper.h"
@@ -34,6 +34,7 @@ void buildTrunk(Workbench& w) {
     w.addFace("low", "out", 12, 1);
     w.good({{"do", "cut"}, {"element", "low"}, {"plane", planeAt(3.1)}, {"names", {"low", "middle"}}, {"name", "first"}});
     w.good({{"do", "cut"}, {"element", "middle"}, {"plane", planeAt(8.3)}, {"names", {"middle", "high"}}, {"name", "second"}});
+    for (const char* element : {"low", "middle", "high"}) w.good({{"do", "set"}, {"target", element}, {"property", "solver-mesh"}, {"value", "as-is"}});
     w.good({{"do", "add-bone"}, {"name", "a"}, {"from", "low/in"}, {"to", "low/first"}});
     w.good({{"do", "add-bone"}, {"name", "b"}, {"from", "a/end"}, {"to", "middle/second"}});
     w.good({{"do", "add-bone"}, {"name", "c"}, {"from", "b/end"}, {"to", "high/out"}});
@@ -131,7 +132,8 @@ TEST_CASE("cut: the piece behind stays the element, the one in front is new, and
     CHECK(list["bones"][2]["element"] == "tail");
     CHECK(list["characters"][0]["cuts"] == Json::array({{{"name", "waist"}, {"origin", {0.0, 0.0, 5.3}}, {"normal", {0.0, 0.0, 1.0}}, {"elements", {"tail", "head"}}}}));
     CHECK(w.good({{"do", "measure"}, {"what", "gap"}})["value"] == 0.0);
-    CHECK(w.good({{"do", "join"}, {"a", "tail/in"}, {"b", "head/out"}}).is_null() == false);
+    w.good({{"do", "undo"}});
+    CHECK(w.content() == before);
 }
 
 TEST_CASE("cut: refusals say why and change nothing") {
@@ -147,8 +149,7 @@ TEST_CASE("cut: refusals say why and change nothing") {
     refused(cutAt("low", 30.0), "no-section");
     refused(cutAt("low", 5.0), "other-element");
     refused(cutAt("middle", 3.1), "cuts-touch");
-    refused(cutAt("high", 12.0), "no-section");
-    refused({{"do", "cut"}, {"element", "low"}, {"plane", planeAt(1.0)}, {"names", {"x"}}}, "bad-type");
+    refused({{"do", "cut"}, {"element", "low"}, {"plane", planeAt(1.0)}, {"names", Json::array({"x"})}}, "bad-type");
     refused({{"do", "cut"}, {"element", "low"}, {"plane", planeAt(1.0)}, {"names", {"x", "x"}}}, "name-taken");
     refused({{"do", "cut"}, {"element", "low"}, {"plane", planeAt(1.0)}, {"names", {"low", "middle"}}}, "name-taken");
     refused({{"do", "cut"}, {"element", "low"}, {"plane", planeAt(1.0)}, {"names", {"middle", "x"}}}, "name-taken");
@@ -285,8 +286,8 @@ TEST_CASE("cut: handles go with the piece that they lie on, where they were drag
     Workbench w;
     w.good({{"do", "import-character"}, {"path", "trunk"}, {"name", "worm"}});
     w.addFace("worm body", "in", 0, -1);
-    w.good({{"do", "handle"}, {"element", "worm body"}, {"point", {0.5, 0, 2}}, {"name", "near"}, {"radius", 0.5}});
-    w.good({{"do", "handle"}, {"element", "worm body"}, {"point", {0.5, 0, 9}}, {"name", "far"}, {"radius", 0.5}});
+    w.good({{"do", "handle"}, {"element", "worm body"}, {"point", {0.5, 0, 2}}, {"name", "near"}, {"radius", 0.4}});
+    w.good({{"do", "handle"}, {"element", "worm body"}, {"point", {0.5, 0, 9}}, {"name", "far"}, {"radius", 0.4}});
     w.good({{"do", "drag"}, {"endpoint", "far"}, {"to", {1.0, 0, 9}}});
     w.good({{"do", "cut"}, {"element", "worm"}, {"plane", planeAt(5.3)}, {"names", {"tail", "head"}}});
     CHECK(elementNamed(w, "tail").handleOf("near") != nullptr);
@@ -300,13 +301,12 @@ TEST_CASE("cut: handles go with the piece that they lie on, where they were drag
 
 TEST_CASE("characters: one render mesh over several elements moves as one, small parts on it stay whole") {
     Workbench w;
-    w.good({{"do", "import-character"}, {"path", "snowman"}, {"name", "worm"}, {"body", "mended"}});
+    w.good({{"do", "import-character"}, {"path", "snowman"}, {"name", "worm"}, {"body", "wrapped"}, {"detail", 0.02}});
     w.good({{"do", "rename"}, {"target", "worm body"}, {"name", "low"}});
-    w.addFace("low", "in", 0, -1);
-    w.addFace("low", "out", 12, 1);
     w.good({{"do", "cut"}, {"element", "low"}, {"plane", planeAt(6.05)}, {"names", {"low", "high"}}, {"name", "waist"}});
-    w.good({{"do", "add-bone"}, {"name", "a"}, {"from", "low/in"}, {"to", "low/waist"}});
-    w.good({{"do", "add-bone"}, {"name", "b"}, {"from", "a/end"}, {"to", "high/out"}});
+    w.good({{"do", "add-bone"}, {"name", "a"}, {"from", {0, 0, 0.3}}, {"to", "low/waist"}});
+    w.good({{"do", "add-bone"}, {"name", "b"}, {"element", "high"}, {"from", "a/end"}, {"to", {0, 0, 11.7}}});
+    for (const char* element : {"low", "high"}) w.good({{"do", "set"}, {"target", element}, {"property", "solver-mesh"}, {"value", "as-is"}});
     w.good({{"do", "precompute"}});
     const Document& document = w.session.document();
     const EmbeddedModel model = embedModel(document, *document.characters.begin()->second);
@@ -322,7 +322,7 @@ TEST_CASE("characters: one render mesh over several elements moves as one, small
     const Points now = readObj(path).vertices, rest = document.characters.begin()->second->model->mesh.body.vertices;
     REQUIRE(now.rows() == rest.rows());
     CHECK((now - rest).rowwise().norm().maxCoeff() > 1.0);
-    CHECK(w.good({{"do", "measure"}, {"what", "gap"}})["value"].get<double>() < 1e-12);
+    CHECK(w.good({{"do", "measure"}, {"what", "gap"}})["value"].get<double>() < 1e-9);
     // No edge is torn at the joint: it stretches no more than edges do where a bar of this thickness bends.
     const Triangles& triangles = model.mesh->triangles;
     double largest = 0.0;
@@ -340,7 +340,7 @@ TEST_CASE("characters: one render mesh over several elements moves as one, small
 TEST_CASE("storage: characters come back as they were, and a document without one stays a file that older programs open") {
     Workbench w;
     buildTrunk(w);
-    w.good({{"do", "precompute"}, {"elements", {"low"}}});
+    w.good({{"do", "precompute"}, {"elements", Json::array({"low"})}});
     w.good({{"do", "import-character"}, {"path", "two balls"}, {"name", "balls"}});
     const auto path = tempPath("characters.imomushi");
     w.good({{"do", "save"}, {"path", path}});
@@ -395,7 +395,7 @@ TEST_CASE("append: a character comes whole, beside another of the same names, an
     w.good({{"do", "precompute"}});
     const auto path = tempPath("worm.imomushi");
     w.good({{"do", "save"}, {"path", path}});
-    const Json answer = w.good({{"do", "append"}, {"path", path}, {"elements", {"middle"}}, {"offset", {4.1, 0.3, 0.7}}});
+    const Json answer = w.good({{"do", "append"}, {"path", path}, {"elements", Json::array({"middle"})}, {"offset", {4.1, 0.3, 0.7}}});
     CHECK(answer["elements"] == Json::array({"low 2", "middle 2", "high 2"}));
     const Json characters = w.good({{"do", "list"}})["characters"];
     REQUIRE(characters.size() == 2);
@@ -406,7 +406,7 @@ TEST_CASE("append: a character comes whole, beside another of the same names, an
     const auto lowest = elementNamed(w, "low 2").mesh;
     CHECK(w.good({{"do", "move-cut"}, {"cut", "second 2"}, {"plane", {{"origin", {4.1, 0.3, 9.9}}, {"normal", {0, 0, 1}}}}})["stale"] == Json::array({"middle 2", "high 2"}));
     CHECK(elementNamed(w, "low 2").mesh == lowest);
-    CHECK(w.good({{"do", "measure"}, {"what", "gap"}})["value"].get<double>() < 1e-12);
+    CHECK(w.good({{"do", "measure"}, {"what", "gap"}})["value"].get<double>() < 1e-9);
     w.good({{"do", "remove-cut"}, {"cut", "first 2"}});
     const auto text = tempPath("rest.obj");
     w.good({{"do", "write-mesh"}, {"path", text}, {"character", "worm"}, {"state", "rest"}});
@@ -444,60 +444,68 @@ Json commandFrom(unsigned kind, unsigned a, unsigned b) {
 void checkWhole(const Workbench& w) {
     const Document& document = w.session.document();
     std::set<std::string> names;
-    for (const auto& [id, element] : document.elements) RC_ASSERT(names.insert(element->name).second);
-    for (const auto& [id, bone] : document.bones) RC_ASSERT(names.insert(bone->name).second);
+    for (const auto& [id, element] : document.elements) REQUIRE(names.insert(element->name).second);
+    for (const auto& [id, bone] : document.bones) REQUIRE(names.insert(bone->name).second);
     for (const auto& [id, character] : document.characters) {
-        RC_ASSERT(names.insert(character->name).second);
-        for (const Cut& cut : character->cuts) RC_ASSERT(names.insert(cut.name).second);
+        REQUIRE(names.insert(character->name).second);
+        for (const Cut& cut : character->cuts) REQUIRE(names.insert(cut.name).second);
         const auto elements = document.elementsOf(id);
-        RC_ASSERT(elements.size() == character->cuts.size() + 1);
+        REQUIRE(elements.size() == character->cuts.size() + 1);
         double volume = 0.0;
         for (const PartId element : elements) {
-            RC_ASSERT(document.elements.at(element)->mesh->connectivity().facts().outward);
+            REQUIRE(document.elements.at(element)->mesh->connectivity().facts().outward);
             volume += volumeOf(*document.elements.at(element));
         }
-        RC_ASSERT(std::abs(volume - meshFacts(character->body->mesh).volume) < 1e-9 * volume);
+        REQUIRE(std::abs(volume - meshFacts(character->body->mesh).volume) < 1e-9 * volume);
     }
     for (const auto& [id, joint] : document.joints)
-        for (const FaceRef& face : joint->faces) RC_ASSERT(document.elements.at(face.element)->faceIndex(face.face) >= 0);
+        for (const FaceRef& face : joint->faces) REQUIRE(document.elements.at(face.element)->faceIndex(face.face) >= 0);
 }
 
 }  // namespace
 
 TEST_CASE("characters: any commands leave closed pieces, undo leads back to the first document and redo to the last, and files hold it all") {
-    const bool holds = rc::check([] {
-        const auto choices = *rc::gen::resize(14, rc::gen::arbitrary<std::vector<std::tuple<unsigned, unsigned, unsigned>>>());
+    int done = 0, refused = 0;
+    for (unsigned seed = 0; seed < 200; ++seed) {
+        CAPTURE(seed);
+        std::mt19937 random(seed);
         Workbench w;
         buildTrunk(w);
         const int first = w.session.position();
         std::vector<std::string> contents{w.content()};
-        for (const auto& [kind, a, b] : choices) {
-            const auto answer = w.session.execute(commandFrom(kind, a, b));
+        for (unsigned commands = 1 + random() % 8; commands > 0; --commands) {
+            const auto kind = static_cast<unsigned>(random()), a = static_cast<unsigned>(random()), b = static_cast<unsigned>(random());
+            const Json command = commandFrom(kind, a, b);
+            CAPTURE(command.dump());
+            const bool answered = w.session.execute(command).has_value();
+            ++(answered ? done : refused);
             const std::string now = w.content();
-            if (answer)
+            if (answered)
                 contents.push_back(now);
             else
-                RC_ASSERT(now == contents.back());
+                REQUIRE(now == contents.back());
             checkWhole(w);
-            RC_ASSERT(w.session.character() != nullptr || (w.session.document().elements.empty() && w.session.document().bones.empty()));
+            REQUIRE((w.session.character() != nullptr || (w.session.document().elements.empty() && w.session.document().bones.empty())));
         }
         const auto path = tempPath("walk.imomushi");
         w.good({{"do", "save"}, {"path", path}, {"copy", true}});
         Workbench other;
         other.good({{"do", "open"}, {"path", path}});
-        RC_ASSERT(other.content() == contents.back());
-        RC_ASSERT(w.session.position() == first + static_cast<int>(contents.size()) - 1);
+        REQUIRE(other.content() == contents.back());
+        REQUIRE(w.session.position() == first + static_cast<int>(contents.size()) - 1);
         for (std::size_t i = contents.size() - 1; i > 0; --i) {
             w.good({{"do", "undo"}});
-            RC_ASSERT(w.content() == contents[i - 1]);
+            REQUIRE(w.content() == contents[i - 1]);
         }
         if (const int steps = static_cast<int>(contents.size()) - 1; steps > 0) {
             w.good({{"do", "redo"}, {"count", steps}});
-            RC_ASSERT(w.content() == contents.back());
+            REQUIRE(w.content() == contents.back());
         }
         w.good({{"do", "undo"}, {"count", w.session.position()}});
-        RC_ASSERT(w.session.document().elements.empty());
-        RC_ASSERT(w.session.document().characters.empty());
-    });
-    CHECK(holds);
+        REQUIRE(w.session.document().elements.empty());
+        REQUIRE(w.session.document().characters.empty());
+    }
+    MESSAGE(done << " commands done, " << refused << " refused");
+    CHECK(done > 200);
+    CHECK(refused > 50);
 }
