@@ -157,3 +157,28 @@ TEST_CASE("random cuts: characters of others") {
         print(std::string(name) + ", three planes", three);
     }
 }
+
+TEST_CASE("cuts of a character: the penguin falls into wings, head and trunk") {
+    const std::filesystem::path path = std::filesystem::path(IMOMUSHI_SHARED_MESHES) / "penguin.obj";
+    if (!std::filesystem::exists(path)) {
+        MESSAGE("skipped: no " << path.string());
+        return;
+    }
+    const TriangleMesh body = readObj(path.string());
+    const std::vector<CutPlane> cuts{{Vec3(-0.6, 0.2, -0.05), Vec3(-1, -0.6, 0)}, {Vec3(0.62, 0.2, -0.05), Vec3(1, -0.6, 0)}, {Vec3(0, 0.68, 0), Vec3(0, 1, 0)}};
+    auto pieces = cutBody(body, cuts);
+    REQUIRE_MESSAGE(pieces.has_value(), pieces.error().code << ": " << pieces.error().message);
+    checkPieces(body, cuts, *pieces);
+    CHECK(pieces->size() == 4);
+    const double whole = enclosedVolume(body.vertices, body.triangles);
+    for (const BodyPiece& piece : *pieces) {
+        CHECK(selfIntersections(piece.body, 1).empty() == selfIntersections(body, 1).empty());
+        for (const auto& cap : piece.caps)
+            MESSAGE("cut " << cap.cut << (cap.front ? " front" : " back") << ": " << piece.body.vertices.rows() << " vertices, " << 100 * enclosedVolume(piece.body.vertices, piece.body.triangles) / whole
+                           << " % of the volume, cap of " << cap.vertices.size() << " vertices, smallest angle " << degrees(cap.smallestAngle));
+    }
+    const auto begin = std::chrono::steady_clock::now();
+    constexpr int kRuns = 5;
+    for (int i = 0; i < kRuns; ++i) CHECK(cutBody(body, cuts).has_value());
+    MESSAGE("the penguin cut by three planes in " << std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count() / kRuns << " ms");
+}

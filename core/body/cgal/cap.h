@@ -19,8 +19,8 @@ struct PlaneRegion {
 };
 
 /// Meshes the region between closed loops (each of at least three points, no two at the same place; the first is the outer one, the others
-/// are holes in it) by constrained Delaunay triangles. Points are added inside until sides are about `spacing` long at most and angles are good; on
-/// the loops only where too small angles need it. None: the loops touch or cross.
+/// are holes in it) by constrained Delaunay triangles: points are added, inside and on the loops, until sides are at
+/// most 1.5 `spacing` long and angles at least 15 degrees, except where the loops themselves are sharper. None: the loops touch or cross.
 std::optional<PlaneRegion> meshRegion(const std::vector<std::vector<Eigen::Vector2d>>& loops, double spacing);
 
 }  // namespace imomushi
