@@ -273,6 +273,24 @@ TEST_CASE("cut: a section that is pinched to a point is refused") {
     CHECK(refusal.nearest.has_value());
 }
 
+TEST_CASE("cut: at any scale and far from the origin the cut is the same") {
+    const Cuts cuts{{Vec3(0, 0, 1.5), Vec3(0, 0.1, 1)}, {Vec3(0, 0, 2.5), Vec3(0.1, 0, 1)}};  // the second through vertices, up to rounding
+    const auto plain = accepted(limb(), cuts);
+    for (const double scale : {1e-4, 1e4})
+        for (const double far : {0.0, 1e3}) {
+            TriangleMesh body = limb();
+            const Vec3 shift = scale * far * Vec3(1, -2, 3);
+            body.vertices = ((scale * body.vertices).rowwise() + shift.transpose()).eval();
+            Cuts moved = cuts;
+            for (CutPlane& cut : moved) cut.origin = scale * cut.origin + shift;
+            const auto pieces = accepted(body, moved);
+            REQUIRE(pieces.size() == plain.size());
+            for (std::size_t p = 0; p < pieces.size(); ++p) {
+                CHECK(volumeOf(pieces[p]) / (scale * scale * scale) == doctest::Approx(volumeOf(plain[p])).epsilon(1e-6));
+            }
+        }
+}
+
 TEST_CASE("cut: what is no plane and no body is refused") {
     const TriangleMesh body = limb();
     const double nan = std::numeric_limits<double>::quiet_NaN(), infinite = std::numeric_limits<double>::infinity();

@@ -23,6 +23,8 @@ using Vec2 = Eigen::Vector2d;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kWanted = 15.0 * kDegree;  // smallest angle that is aimed at; Ruppert's method ends for angles up to 20.7 degrees
+constexpr double kSliver = 5.0 * kDegree;   // where a smaller one is left (at notches, where refinement stops early), other aims are tried:
+constexpr double kOtherAims[] = {20.0 * kDegree, 10.0 * kDegree};
 constexpr double kLargest = 1.5;            // longest side of a triangle, of the spacing wanted
 /// Points in all, per point of the loops and for small loops, before refinement gives up (walls of no thickness, loops that nearly touch).
 constexpr std::size_t kMost = 12, kMostSmall = 4000;
@@ -100,8 +102,8 @@ public:
     }
 
     /// Ruppert's refinement, which splits sides of loops where they are too long for what is near. False where it would need too many points.
-    bool refine() {
-        const double s = std::sin(kWanted);
+    bool refine(double wanted) {
+        const double s = std::sin(wanted);
         CGAL::Delaunay_mesher_2<Cdt, Criteria> mesher(cdt_, Criteria(s * s, kLargest * spacing_));
         mesher.init(true);
         while (!mesher.is_refinement_done()) {
@@ -208,10 +210,20 @@ std::optional<PlaneRegion> meshRegion(const std::vector<std::vector<Vec2>>& loop
     Region region(loops, spacing);
     if (!region.triangulate()) return std::nullopt;
     if (region.good()) return region.result();
-    PlaneRegion plain = region.result();
-    if (plain.triangles.rows() == 0 || !region.refine()) return plain;
-    PlaneRegion refined = region.result();
-    return refined.smallestAngle >= plain.smallestAngle ? refined : plain;
+    PlaneRegion best = region.result();
+    if (best.triangles.rows() == 0) return best;
+    const auto take = [&](Region& refined, double wanted) {
+        if (!refined.refine(wanted)) return;
+        PlaneRegion result = refined.result();
+        if (result.smallestAngle >= best.smallestAngle) best = std::move(result);
+    };
+    take(region, kWanted);
+    for (const double wanted : kOtherAims) {
+        if (best.smallestAngle >= kSliver) break;
+        Region again(loops, spacing);
+        if (again.triangulate()) take(again, wanted);
+    }
+    return best;
 }
 
 }  // namespace imomushi
