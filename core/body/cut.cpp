@@ -38,7 +38,8 @@ Prepared prepare(const CutSurface& surface, const CutPlane& plane, int cut) {
     }
     auto region = meshRegion(loops, section->spacing);
     if (!region || region->triangles.rows() == 0)
-        return tl::unexpected(refusalOf({"section-touches-itself", "The section touches or crosses itself; repair the body there, or move or turn the plane a little."}, cut));
+        return tl::unexpected(
+            refusalOf({"section-touches-itself", "The section touches or crosses itself; repair the body there, or move or turn the plane a little."}, cut));
     return PreparedCut{std::move(*section), std::move(*region)};
 }
 
@@ -99,7 +100,8 @@ private:
 };
 
 /// Says in a refusal where the plane would work.
-void addNearest(CutRefusal& refusal, const CutSurface& surface, const std::vector<Prepared>& prepared, std::span<const CutPlane> cuts, const Progress& progress) {
+void addNearest(CutRefusal& refusal, const CutSurface& surface, const std::vector<Prepared>& prepared, std::span<const CutPlane> cuts,
+                const Progress& progress) {
     if (refusal.cut < 0 || refusal.code == "bad-value") return;
     const CutPlane& plane = cuts[static_cast<std::size_t>(refusal.cut)];
     const auto offset = NearestPlace(surface, prepared, plane, refusal.cut, progress).offset();
@@ -116,7 +118,8 @@ tl::expected<std::vector<BodyPiece>, CutRefusal> cutBody(const TriangleMesh& bod
     const auto refuse = [](CutRefusal refusal) { return tl::unexpected(std::move(refusal)); };
     const auto cancelled = [&] { return refuse(refusalOf({kCancelled, "Cutting was cancelled."}, -1)); };
     const MeshFacts facts = meshFacts(body);
-    if (!facts.outward) return refuse(refusalOf({"not-closed", "The body is not a closed surface that faces outward; repair or wrap it before it is cut."}, -1));
+    if (!facts.outward)
+        return refuse(refusalOf({"not-closed", "The body is not a closed surface that faces outward; repair or wrap it before it is cut."}, -1));
     const CutSurface surface(body);
     std::vector<Prepared> prepared;
     for (std::size_t c = 0; c < cuts.size(); ++c) {

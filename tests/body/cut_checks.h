@@ -23,8 +23,8 @@ namespace imomushi {
 inline double degrees(double radians) { return radians * 180.0 / std::numbers::pi; }
 
 inline bool sameBytes(const BodyPiece& a, const BodyPiece& b) {
-    return a.body.vertices.rows() == b.body.vertices.rows() && a.body.triangles.rows() == b.body.triangles.rows() && a.body.vertices == b.body.vertices && a.body.triangles == b.body.triangles &&
-           a.source == b.source && a.sourceTriangle == b.sourceTriangle;
+    return a.body.vertices.rows() == b.body.vertices.rows() && a.body.triangles.rows() == b.body.triangles.rows() && a.body.vertices == b.body.vertices &&
+           a.body.triangles == b.body.triangles && a.source == b.source && a.sourceTriangle == b.sourceTriangle;
 }
 
 /// What every accepted set of cuts must keep, and the smallest angle of its caps in degrees.
@@ -51,7 +51,8 @@ inline double checkPieces(const TriangleMesh& body, std::span<const CutPlane> cu
         double moved = 0.0;  // in edges
         for (std::size_t v = 0; v < piece.source.size(); ++v)
             if (const std::int32_t from = piece.source[v]; from >= 0)
-                moved = std::max(moved, (piece.body.vertices.row(static_cast<Eigen::Index>(v)) - body.vertices.row(from)).norm() / shortest[static_cast<std::size_t>(from)]);
+                moved = std::max(
+                    moved, (piece.body.vertices.row(static_cast<Eigen::Index>(v)) - body.vertices.row(from)).norm() / shortest[static_cast<std::size_t>(from)]);
         CHECK(moved <= 2.5 * kSnap * (1.0 + 1e-9));
         if (!degenerateBefore)
             for (std::int32_t f = 0; f < piece.body.triangles.rows(); ++f)

@@ -23,9 +23,8 @@ using Vec2 = Eigen::Vector2d;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kWanted = 15.0 * kDegree;  // smallest angle that is aimed at; Ruppert's method ends for angles up to 20.7 degrees
-constexpr double kSliver = 5.0 * kDegree;   // where a smaller one is left (at notches, where refinement stops early), other aims are tried:
-constexpr double kOtherAims[] = {20.0 * kDegree, 10.0 * kDegree};
-constexpr double kLargest = 1.5;            // longest side of a triangle, of the spacing wanted
+constexpr double kLargest = 1.5;            // longest side of a triangle, of the spacing wanted, unless that takes more
+constexpr double kMostTriangles = 3.0;      // triangles than this per point of the loops: in wide regions they grow inward
 /// Points in all, per point of the loops and for small loops, before refinement gives up (walls of no thickness, loops that nearly touch).
 constexpr std::size_t kMost = 12, kMostSmall = 4000;
 
@@ -57,15 +56,19 @@ std::array<Vec2, 3> cornersOf(Cdt::Face_handle f) { return {placeOf(f->vertex(0)
 
 class Region {
 public:
-    Region(const std::vector<std::vector<Vec2>>& loops, double spacing) : spacing_(spacing) {
+    Region(const std::vector<std::vector<Vec2>>& loops, double spacing) {
+        double twiceArea = 0.0;
         for (const auto& loop : loops) {
             const std::size_t begin = points_.size();
             for (std::size_t i = 0; i < loop.size(); ++i) {
+                twiceArea += cross(loop[i] - loops[0][0], loop[(i + 1) % loop.size()] - loops[0][0]);
                 points_.push_back(loop[i]);
                 next_.push_back(i + 1 < loop.size() ? static_cast<int>(begin + i + 1) : static_cast<int>(begin));
             }
         }
         given_ = points_.size();
+        const double equilateral = std::sqrt(3.0) / 4.0;
+        longest_ = std::max(kLargest * spacing, std::sqrt(0.5 * std::abs(twiceArea) / (equilateral * kMostTriangles * static_cast<double>(given_))));
     }
 
     /// False where loops touch or cross.
@@ -96,15 +99,15 @@ public:
             if (!f->is_in_domain()) continue;
             const std::array<Vec2, 3> p = cornersOf(f);
             const double longest = std::sqrt(std::max({(p[1] - p[0]).squaredNorm(), (p[2] - p[1]).squaredNorm(), (p[0] - p[2]).squaredNorm()}));
-            if (smallestAngleOf(p) < kWanted || longest > kLargest * spacing_) return false;
+            if (smallestAngleOf(p) < kWanted || longest > longest_) return false;
         }
         return true;
     }
 
     /// Ruppert's refinement, which splits sides of loops where they are too long for what is near. False where it would need too many points.
-    bool refine(double wanted) {
-        const double s = std::sin(wanted);
-        CGAL::Delaunay_mesher_2<Cdt, Criteria> mesher(cdt_, Criteria(s * s, kLargest * spacing_));
+    bool refine() {
+        const double s = std::sin(kWanted);
+        CGAL::Delaunay_mesher_2<Cdt, Criteria> mesher(cdt_, Criteria(s * s, longest_));
         mesher.init(true);
         while (!mesher.is_refinement_done()) {
             if (cdt_.number_of_vertices() > kMost * given_ + kMostSmall) return false;
@@ -196,7 +199,7 @@ private:
         return result;
     }
 
-    double spacing_;
+    double longest_ = 0.0;  // side of a triangle
     std::vector<Vec2> points_;
     std::vector<int> next_;
     std::size_t given_ = 0;
@@ -210,20 +213,10 @@ std::optional<PlaneRegion> meshRegion(const std::vector<std::vector<Vec2>>& loop
     Region region(loops, spacing);
     if (!region.triangulate()) return std::nullopt;
     if (region.good()) return region.result();
-    PlaneRegion best = region.result();
-    if (best.triangles.rows() == 0) return best;
-    const auto take = [&](Region& refined, double wanted) {
-        if (!refined.refine(wanted)) return;
-        PlaneRegion result = refined.result();
-        if (result.smallestAngle >= best.smallestAngle) best = std::move(result);
-    };
-    take(region, kWanted);
-    for (const double wanted : kOtherAims) {
-        if (best.smallestAngle >= kSliver) break;
-        Region again(loops, spacing);
-        if (again.triangulate()) take(again, wanted);
-    }
-    return best;
+    PlaneRegion plain = region.result();
+    if (plain.triangles.rows() == 0 || !region.refine()) return plain;
+    PlaneRegion refined = region.result();
+    return refined.smallestAngle >= plain.smallestAngle ? refined : plain;
 }
 
 }  // namespace imomushi
