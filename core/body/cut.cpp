@@ -17,7 +17,7 @@ namespace {
 /// How far a refused plane is tried along its normal, in diagonals of the body, and in parts of the body's extent along the normal.
 constexpr double kSteps[] = {1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.02, 0.05, 0.1, 0.2, 0.4};
 constexpr double kParts[] = {0.01, 0.05, 0.2, 0.5, 0.8, 0.95, 0.99};
-constexpr int kHalvings = 4;  // of the way between the last place that failed and the first that works
+constexpr int kHalvings = 4;  // of the way between the last place that failed and the first that works, until it is about the first step
 
 using Prepared = tl::expected<PreparedCut, CutRefusal>;
 
@@ -71,7 +71,7 @@ public:
             double failed = std::clamp(0.0, std::min(low, offsets[i]), std::max(high, offsets[i])), worked = offsets[i];
             for (std::size_t j = 0; j < i; ++j)
                 if (offsets[j] * worked > 0.0 && std::abs(offsets[j]) > std::abs(failed)) failed = offsets[j];
-            for (int k = 0; k < kHalvings && !progress_.cancelled(); ++k) {
+            for (int k = 0; k < kHalvings && std::abs(worked - failed) > 1.5 * kSteps[0] * surface_.diagonal && !progress_.cancelled(); ++k) {
                 const double middle = 0.5 * (failed + worked);
                 (works(middle) ? worked : failed) = middle;
             }
