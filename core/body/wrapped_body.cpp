@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <cstdio>
+#include <chrono>
+#include <ctime>
 #include <utility>
 
 #include "core/base/union_find.h"
@@ -24,6 +27,7 @@ constexpr int kSamples = 6000;           ///< a patch of a 75th of the size of a
 constexpr double kCoarsest = 1.0 / 80.0;   ///< alpha where nothing asks for less
 constexpr double kFinest = 1.0 / 500.0;    ///< alpha in gaps: seconds
 constexpr double kFinestLimb = 1.0 / 300.0;  ///< alpha on thin limbs and fins
+constexpr double kFinestCrease = 1.0 / 200.0; ///< alpha in creases, which it rounds
 constexpr double kGapPart = 0.4;         ///< of a gap: the ball of alpha rolls in and touches both walls at .5
 constexpr double kLimbPart = 0.15;       ///< of a thickness: a round limb gets some twenty sides
 constexpr double kGrowth = 0.3;          ///< of alpha with the distance: neighbouring triangles differ by a third
@@ -36,21 +40,23 @@ constexpr std::size_t kBodyVertices = 8000;
 constexpr double kReach = 0.25;          ///< of rays
 constexpr std::size_t kDeep = 200;       ///< places in the flesh that must be inside of the wrap
 constexpr double kHollow = 0.05;         ///< of them may be outside
+constexpr double kIsland = 1e-3;          ///< volume over that of the largest surface of a wrap, below which one is dropped
 constexpr double kNear = 0.05;           ///< closed gaps that near are one place
 constexpr std::size_t kPlaces = 16;
 constexpr std::size_t kCrossings = 1000;
 
-SizeField sizesFor(const std::vector<SurfaceSample>& samples, double finest, double coarsest) {
+SizeField sizesFor(const std::vector<SurfaceSample>& samples, double spacing, double finest, double coarsest) {
     std::size_t gaps = 0;
     for (const SurfaceSample& s : samples) gaps += kGapPart * s.gap < coarsest;
     const bool gapsMatter = static_cast<double>(gaps) > kMatters * static_cast<double>(samples.size());
     std::vector<SizeField::Source> sources;
     for (const SurfaceSample& s : samples) {
         double size = std::max(kLimbPart * s.thickness, std::max(finest, kFinestLimb));
+        size = std::min(size, std::max(kGapPart * s.crease, std::max(finest, kFinestCrease)));
         if (gapsMatter) size = std::min(size, std::max(kGapPart * s.gap, finest));
         if (size < coarsest) sources.push_back({s.point, size});
     }
-    return SizeField(std::move(sources), coarsest, kGrowth);
+    return SizeField(std::move(sources), coarsest, kGrowth, spacing);
 }
 
 double expectedVertices(const SizeField& sizes, const std::vector<SurfaceSample>& samples, double area) {
@@ -71,6 +77,37 @@ std::vector<Vec3> deepPlaces(const TriangleMesh& mesh, const std::vector<Surface
         if (windingNumber(mesh, p) > 0.7) places.push_back(p);
     }
     return places;
+}
+
+/// Without the islands that stay in gaps where the ball went around them.
+TriangleMesh withoutIslands(const TriangleMesh& wrap) {
+    const EdgeTable edges(wrap.triangles);
+    int count = 0;
+    const std::vector<std::int32_t> component = edgeComponents(wrap.triangles, edges, count);
+    if (count == 1) return wrap;
+    std::vector<double> volume(static_cast<std::size_t>(count), 0.0);
+    for (std::int32_t f = 0; f < wrap.triangles.rows(); ++f)
+        volume[static_cast<std::size_t>(component[static_cast<std::size_t>(f)])] += areaVector(wrap, f).dot(wrap.vertices.row(wrap.triangles(f, 0))) / 6.0;
+    const double least = kIsland * *std::max_element(volume.begin(), volume.end());
+    TriangleMesh out;
+    std::vector<std::int32_t> number(static_cast<std::size_t>(wrap.vertices.rows()), -1), vertices;
+    out.triangles.resize(wrap.triangles.rows(), 3);
+    Eigen::Index faces = 0;
+    for (std::int32_t f = 0; f < wrap.triangles.rows(); ++f) {
+        if (volume[static_cast<std::size_t>(component[static_cast<std::size_t>(f)])] < least) continue;
+        for (int k = 0; k < 3; ++k) {
+            std::int32_t& n = number[static_cast<std::size_t>(wrap.triangles(f, k))];
+            if (n < 0) {
+                n = static_cast<std::int32_t>(vertices.size());
+                vertices.push_back(wrap.triangles(f, k));
+            }
+            out.triangles(faces, k) = n;
+        }
+        ++faces;
+    }
+    out.triangles.conservativeResize(faces, 3);
+    out.vertices = wrap.vertices(vertices, Eigen::all);
+    return out;
 }
 
 bool hollow(const TriangleMesh& wrap, const std::vector<Vec3>& deep) {
@@ -130,6 +167,7 @@ ClosedGaps closedGaps(const TriangleMesh& body, const std::vector<SurfaceSample>
     std::vector<const SurfaceSample*> closed;
     for (const SurfaceSample& s : samples)
         if (std::isfinite(s.gap) && rays.inside(s.point + 0.5 * s.gap * s.across)) closed.push_back(&s);
+    for (auto* s : closed) std::printf("GAP %f thick %f at %f %f %f  across %f %f %f n %f %f %f\n", s->gap, s->thickness, s->point.x(), s->point.y(), s->point.z(), s->across.x(), s->across.y(), s->across.z(), s->normal.x(), s->normal.y(), s->normal.z());
     ClosedGaps gaps;
     gaps.area = samples.empty() ? 0.0 : static_cast<double>(closed.size()) / static_cast<double>(samples.size());
     if (closed.empty()) return gaps;
@@ -168,43 +206,66 @@ Result<WrappedSurface> wrappedBody(const TriangleMesh& mesh, double detail, doub
     if (samples.empty()) return fail("no-volume", "The mesh has no area: choose another file.");
     const std::vector<Vec3> deep = deepPlaces(unit, samples);
 
+    const double area = surfaceArea(unit);
+    const double spacing = std::sqrt(area / static_cast<double>(samples.size()));
     double coarsest = detail > 0.0 ? detail : kCoarsest;
     double finest = detail > 0.0 ? detail : kFinest;
-    const auto sizes = [&] { return detail > 0.0 ? SizeField({}, detail, kGrowth) : sizesFor(samples, finest, coarsest); };
+    const auto sizes = [&] { return detail > 0.0 ? SizeField({}, detail, kGrowth, 0.0) : sizesFor(samples, spacing, finest, coarsest); };
     SizeField field = sizes();
     if (detail == 0.0) {
-        const double area = surfaceArea(unit);
         while (finest < coarsest && expectedVertices(field, samples, area) > kMostVertices) {
             finest *= 1.15;
             field = sizes();
         }
     }
+    const auto wrapped = [&]() -> Result<TriangleMesh> {
+        WrapSetting wanted;
+        wanted.alpha = [&field](const Vec3& p) { return field.at(p); };
+        wanted.coarsest = field.coarsest();
+        wanted.offset = kOffset * field.finest();
+        wanted.mostVertices = detail > 0.0 ? kMostAsked : static_cast<std::size_t>(3.0 * kMostVertices);
+        auto wrap = wrapTriangles(unit, wanted, progress);
+        if (wrap) *wrap = withoutIslands(*wrap);
+        return wrap;
+    };
+    // A ball that falls through a hole leaves a hollow body: a larger one does not. Large ones are tried first, as they are quick.
     Result<TriangleMesh> wrap = fail("no-volume", "");
-    for (;;) {
-        progress.report("wrap", 0.1);
-        WrapSetting setting;
-        setting.alpha = [&field](const Vec3& p) { return field.at(p); };
-        setting.coarsest = field.coarsest();
-        setting.offset = kOffset * field.finest();
-        setting.mostVertices = detail > 0.0 ? kMostAsked : static_cast<std::size_t>(4.0 * kMostVertices);
-        wrap = wrapTriangles(unit, setting, progress);
-        if (detail > 0.0 || (!wrap && wrap.error().code != "too-large")) break;
-        if (wrap && (coarsest >= kCoarsestDetail || !hollow(*wrap, deep))) break;
-        // A hole that the ball fell through: a larger one does not.
-        finest = 2.0 * field.finest();
-        coarsest = std::max(coarsest, finest);
-        field = sizes();
+    if (detail == 0.0) {
+        const SizeField chosen = field;
+        for (;; coarsest = std::min(1.5 * coarsest, kCoarsestDetail)) {
+            field = SizeField({}, coarsest, kGrowth, 0.0);
+            wrap = wrapped();
+            if (!wrap || coarsest >= kCoarsestDetail || !hollow(*wrap, deep)) break;
+        }
+        if (!wrap) return tl::unexpected(wrap.error());
+        if (coarsest == kCoarsest) {
+            const SizeField plain = field;
+            for (field = chosen; field.finest() < coarsest; finest = 2.0 * field.finest(), field = sizes()) {
+                auto fine = wrapped();
+                if (!fine && fine.error().code != "too-large") return tl::unexpected(fine.error());
+                if (!fine || hollow(*fine, deep)) continue;
+                wrap = std::move(fine);
+                break;
+            }
+            if (field.finest() >= coarsest) field = plain;
+        }
+    } else {
+        wrap = wrapped();
     }
     if (!wrap) return tl::unexpected(wrap.error());
     progress.report("coarsen", 0.8);
+    std::printf("wrap %ld finest %f cpu %f\n", (long)wrap->vertices.rows(), field.finest(), std::clock() / 1e6);
     const TriangleMesh coarse = coarsened(*wrap, progress);
     const double offset = kOffset * field.finest();
+    std::printf("coarse %ld cpu %f\n", (long)coarse.vertices.rows(), std::clock() / 1e6);
     const double cubed = diagonal * diagonal * diagonal;
     WrappedSurface out;
     out.mesh = takenBack(coarse, offset, volume / cubed);
     if (progress.cancelled()) return fail(kCancelled, "Cancelled.");
+    std::printf("taken back cpu %f\n", std::clock() / 1e6);
     out.detail = field.finest();
     out.gaps = closedGaps(out.mesh, samples);
+    std::printf("gaps cpu %f\n", std::clock() / 1e6);
     out.mesh.vertices = ((out.mesh.vertices * diagonal).rowwise() + middle.transpose()).eval();
     for (Vec3& p : out.gaps.places) p = p * diagonal + middle;
     return out;
