@@ -32,7 +32,7 @@ constexpr double kGapPart = 0.4;         ///< of a gap: the ball of alpha rolls 
 constexpr double kLimbPart = 0.15;       ///< of a thickness: a round limb gets some twenty sides
 constexpr double kGrowth = 0.3;          ///< of alpha with the distance: neighbouring triangles differ by a third
 constexpr double kMatters = 2e-3;        ///< area of gaps over the whole below which they are noise
-constexpr double kOffset = 0.05;         ///< of the finest alpha
+constexpr double kOffset = 0.2;         ///< of the finest alpha
 constexpr double kDensity = 1.2;         ///< vertices of a wrap per area over alpha squared, measured
 constexpr double kMostVertices = 60000;  ///< of a wrap that is chosen by itself: some ten seconds
 constexpr std::size_t kMostAsked = 400000;  ///< of one that was asked for
@@ -108,6 +108,13 @@ TriangleMesh withoutIslands(const TriangleMesh& wrap) {
     out.triangles.conservativeResize(faces, 3);
     out.vertices = wrap.vertices(vertices, Eigen::all);
     return out;
+}
+
+bool hasHoles(const TriangleMesh& mesh) {
+    const EdgeTable edges(mesh.triangles);
+    for (int e = 0; e < edges.size(); ++e)
+        if (edges.uses(e).size() == 1) return true;
+    return false;
 }
 
 bool hollow(const TriangleMesh& wrap, const std::vector<Vec3>& deep) {
@@ -230,7 +237,7 @@ Result<WrappedSurface> wrappedBody(const TriangleMesh& mesh, double detail, doub
     };
     // A ball that falls through a hole leaves a hollow body: a larger one does not. Large ones are tried first, as they are quick.
     Result<TriangleMesh> wrap = fail("no-volume", "");
-    if (detail == 0.0) {
+    if (detail == 0.0 && hasHoles(unit)) {
         const SizeField chosen = field;
         for (;; coarsest = std::min(1.5 * coarsest, kCoarsestDetail)) {
             field = SizeField({}, coarsest, kGrowth, 0.0);
