@@ -76,6 +76,7 @@ std::vector<Vec3> deepPlaces(const TriangleMesh& mesh, const std::vector<Surface
         const Vec3 p = samples[i].point - std::min(0.5 * samples[i].thickness, 0.02) * samples[i].normal;
         if (windingNumber(mesh, p) > 0.7) places.push_back(p);
     }
+    if (10 * places.size() < samples.size() / step) places.clear();  // sheets: what lies between them is by chance
     return places;
 }
 
@@ -220,6 +221,7 @@ Result<WrappedSurface> wrappedBody(const TriangleMesh& mesh, double detail, doub
     const auto sizes = [&] { return detail > 0.0 ? SizeField({}, detail, kGrowth, 0.0) : sizesFor(samples, spacing, finest, coarsest); };
     SizeField field = sizes();
     if (detail == 0.0) {
+        while (coarsest < kCoarsestDetail && kDensity * area / (coarsest * coarsest) > kMostVertices / 2) coarsest *= 1.15;
         while (finest < coarsest && expectedVertices(field, samples, area) > kMostVertices) {
             finest *= 1.15;
             field = sizes();
@@ -239,13 +241,14 @@ Result<WrappedSurface> wrappedBody(const TriangleMesh& mesh, double detail, doub
     Result<TriangleMesh> wrap = fail("no-volume", "");
     if (detail == 0.0 && hasHoles(unit)) {
         const SizeField chosen = field;
+        const double first = coarsest;
         for (;; coarsest = std::min(1.5 * coarsest, kCoarsestDetail)) {
             field = SizeField({}, coarsest, kGrowth, 0.0);
             wrap = wrapped();
             if (!wrap || coarsest >= kCoarsestDetail || !hollow(*wrap, deep)) break;
         }
         if (!wrap) return tl::unexpected(wrap.error());
-        if (coarsest == kCoarsest) {
+        if (coarsest == first) {
             const SizeField plain = field;
             for (field = chosen; field.finest() < coarsest; finest = 2.0 * field.finest(), field = sizes()) {
                 auto fine = wrapped();

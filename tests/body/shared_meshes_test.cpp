@@ -36,6 +36,7 @@ TEST_CASE("trial") {
     if (!what) return;
     BodySetting setting;
     if (how && std::string(how) == "wrapped") setting.how = BodyKind::Wrapped;
+    if (how && std::string(how) == "mended") setting.how = BodyKind::Mended;
     if (const char* d = std::getenv("DETAIL")) setting.detail = std::atof(d);
     std::vector<fs::path> paths;
     if (fs::is_directory(what))
