@@ -24,7 +24,7 @@ struct PreparedSurface {
 PreparedSurface prepareSurface(const TriangleMesh& render, std::span<const std::int32_t> part);
 
 /// Pairs the triangles at edges that have more than two, so that each pair bounds flesh, and gives every fan of triangles around a vertex a vertex of its own. Triangles
-/// that hang on such an edge by one side, with nothing on another, are dropped where they are few. Returns whether anything changed.
+/// that hang on such an edge by one side, with nothing on another, and walls that divide flesh are dropped where they are few. Returns whether anything changed.
 bool separateNonManifold(MendSurface& s);
 
 }  // namespace imomushi
