@@ -55,7 +55,7 @@ std::size_t dropHanging(MendSurface& s) {
     }
 }
 
-/// Walls inside of flesh: pieces of surface whose whole rim lies on edges that are sound without them, or two such pieces with the same rim. Smallest first:
+/// Walls inside of flesh: pieces of surface whose rim lies on edges that are sound without them, or two such pieces with the same rim. Smallest first:
 /// a wall is smaller than what it divides.
 std::size_t dropWalls(MendSurface& s) {
     const EdgeTable edges(s.triangles());
@@ -110,15 +110,18 @@ std::size_t dropWalls(MendSurface& s) {
     for (const Wall& wall : walls) {
         if (area + wall.area > kWalls * whole) break;
         const std::set<std::int32_t> own(wall.faces.begin(), wall.faces.end());
-        const bool sound = !gone[at(wall.faces.front())] && std::all_of(wall.rim.begin(), wall.rim.end(), [&](int e) {
+        std::size_t sound = 0, torn = 0;  // of the rim without the wall
+        for (const int e : wall.rim) {
             int forward = 0, backward = 0;
             for (const EdgeUse& use : edges.uses(e)) {
                 if (gone[at(use.triangle)] || own.contains(use.triangle)) continue;
                 ++(use.forward ? forward : backward);
             }
-            return forward == 1 && backward == 1;
-        });
-        if (!sound) continue;
+            sound += forward == 1 && backward == 1;
+            torn += forward + backward < 2;
+        }
+        // Where two walls meet, more than two triangles are left until both are gone.
+        if (gone[at(wall.faces.front())] || torn > 0 || 2 * sound <= wall.rim.size()) continue;
         for (const std::int32_t f : wall.faces) gone[at(f)] = 1;
         area += wall.area;
         ++dropped;
