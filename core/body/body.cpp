@@ -85,8 +85,8 @@ Result<Mended> mend(const TriangleMesh& render, const PreparedSurface& prepared,
     for (Eigen::Index i = 0; out.exact && i < render.triangles.size(); ++i) out.exact = out.body.bodyVertex[at(render.triangles.data()[i])] >= 0;
     out.body.report.how = out.exact ? BodyKind::Exact : BodyKind::Mended;
     out.body.report.issues = std::move(surface->issues);
-    // What holes and parts across each other enclose is a guess of their own; else the body is what the mesh encloses.
-    if (prepared.sameShape) out.body.report.volumeError = 0.0;
+    // What a mesh with holes encloses is a guess.
+    if (prepared.sameShape) out.body.report.volumeError = surface->volumeLeftOut / (surface->volumeLeftOut + meshFacts(out.body.mesh).volume);
     return out;
 }
 

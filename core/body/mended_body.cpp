@@ -289,6 +289,7 @@ Result<MendedSurface> mendedBody(const PreparedSurface& surface, const Progress&
         const double volume = sorted.shells.shells[i].volume;
         inside += sorted.role[i] == Role::Inside && volume != 0.0;
         small += sorted.role[i] == Role::Small;
+        if (sorted.role[i] == Role::Small) out.volumeLeftOut += std::abs(volume);
         turned += sorted.role[i] == Role::Body && volume < 0.0;
     }
     small -= apart;

@@ -35,7 +35,8 @@ public:
 
     /// Whether a way of at most `longest` leads from a point in triangle f to a point in triangle g.
     bool reach(std::int32_t f, const Vec3& from, std::int32_t g, const Vec3& to, double longest) const {
-        if (f == g) return true;
+        for (int k = 0; k < 9; ++k)  // neighbours, whose corners may be far away
+            if (mesh_.triangles(f, k % 3) == mesh_.triangles(g, k / 3)) return true;
         using Entry = std::pair<double, std::int32_t>;
         std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
         std::unordered_map<std::int32_t, double> best;

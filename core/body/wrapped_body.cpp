@@ -5,9 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <cstdio>
-#include <chrono>
-#include <ctime>
 #include <utility>
 
 #include "core/base/union_find.h"
@@ -175,7 +172,6 @@ ClosedGaps closedGaps(const TriangleMesh& body, const std::vector<SurfaceSample>
     std::vector<const SurfaceSample*> closed;
     for (const SurfaceSample& s : samples)
         if (std::isfinite(s.gap) && rays.inside(s.point + 0.5 * s.gap * s.across)) closed.push_back(&s);
-    for (auto* s : closed) std::printf("GAP %f thick %f at %f %f %f  across %f %f %f n %f %f %f\n", s->gap, s->thickness, s->point.x(), s->point.y(), s->point.z(), s->across.x(), s->across.y(), s->across.z(), s->normal.x(), s->normal.y(), s->normal.z());
     ClosedGaps gaps;
     gaps.area = samples.empty() ? 0.0 : static_cast<double>(closed.size()) / static_cast<double>(samples.size());
     if (closed.empty()) return gaps;
@@ -264,18 +260,14 @@ Result<WrappedSurface> wrappedBody(const TriangleMesh& mesh, double detail, doub
     }
     if (!wrap) return tl::unexpected(wrap.error());
     progress.report("coarsen", 0.8);
-    std::printf("wrap %ld finest %f cpu %f\n", (long)wrap->vertices.rows(), field.finest(), std::clock() / 1e6);
     const TriangleMesh coarse = coarsened(*wrap, progress);
     const double offset = kOffset * field.finest();
-    std::printf("coarse %ld cpu %f\n", (long)coarse.vertices.rows(), std::clock() / 1e6);
     const double cubed = diagonal * diagonal * diagonal;
     WrappedSurface out;
     out.mesh = takenBack(coarse, offset, volume / cubed);
     if (progress.cancelled()) return fail(kCancelled, "Cancelled.");
-    std::printf("taken back cpu %f\n", std::clock() / 1e6);
     out.detail = field.finest();
     out.gaps = closedGaps(out.mesh, samples);
-    std::printf("gaps cpu %f\n", std::clock() / 1e6);
     out.mesh.vertices = ((out.mesh.vertices * diagonal).rowwise() + middle.transpose()).eval();
     for (Vec3& p : out.gaps.places) p = p * diagonal + middle;
     return out;
