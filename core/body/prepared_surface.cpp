@@ -36,6 +36,7 @@ PreparedSurface prepareSurface(const TriangleMesh& render, std::span<const std::
     windConsistently(s);
     const std::size_t before = s.faces.size();
     capHoles(s);
+    closeHoles(s);
     out.sameShape = out.sameShape && s.faces.size() == before;
 
     std::vector<std::int32_t> number(static_cast<std::size_t>(s.points.rows()), -1);
@@ -53,6 +54,7 @@ PreparedSurface prepareSurface(const TriangleMesh& render, std::span<const std::
         for (std::size_t k = 0; k < 3; ++k) {
             const std::int32_t v = number[at(s.faces[f].v[k])];
             out.mesh.triangles(static_cast<Eigen::Index>(f), static_cast<Eigen::Index>(k)) = v;
+            if (s.faces[f].r[k] < 0) continue;
             std::int32_t& known = out.vertexOf[at(s.faces[f].r[k])];
             if (known < 0) known = v;
         }

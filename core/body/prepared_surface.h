@@ -27,4 +27,8 @@ PreparedSurface prepareSurface(const TriangleMesh& render, std::span<const std::
 /// that hang on such an edge by one side, with nothing on another, and walls that divide flesh are dropped where they are few. Returns whether anything changed.
 bool separateNonManifold(MendSurface& s);
 
+/// Closes the holes that capHoles() leaves, which wants all of a surface to be closed and no new vertices: each by itself, around a new vertex where it must be.
+/// New faces have no render vertices (-1). For a surface that is manifold but for its holes.
+void closeHoles(MendSurface& s);
+
 }  // namespace imomushi

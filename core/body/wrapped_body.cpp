@@ -228,7 +228,8 @@ Result<WrappedSurface> wrappedBody(const TriangleMesh& mesh, double detail, doub
         wanted.alpha = [&field](const Vec3& p) { return field.at(p); };
         wanted.coarsest = field.coarsest();
         wanted.offset = kOffset * field.finest();
-        wanted.mostVertices = detail > 0.0 ? kMostAsked : static_cast<std::size_t>(3.0 * kMostVertices);
+        // One that falls through a hole has two sides and is given up early.
+        wanted.mostVertices = detail > 0.0 ? kMostAsked : 5000 + static_cast<std::size_t>(1.6 * expectedVertices(field, samples, area));
         auto wrap = wrapTriangles(unit, wanted, progress);
         if (wrap) *wrap = withoutIslands(*wrap);
         return wrap;
@@ -241,20 +242,22 @@ Result<WrappedSurface> wrappedBody(const TriangleMesh& mesh, double detail, doub
         for (;; coarsest = std::min(1.5 * coarsest, kCoarsestDetail)) {
             field = SizeField({}, coarsest, kGrowth, 0.0);
             wrap = wrapped();
-            if (!wrap || coarsest >= kCoarsestDetail || !hollow(*wrap, deep)) break;
+            const bool fell = wrap ? hollow(*wrap, deep) : wrap.error().code == "too-large";
+            if (!fell || coarsest >= kCoarsestDetail) break;
         }
         if (!wrap) return tl::unexpected(wrap.error());
-        if (coarsest == first) {
-            const SizeField plain = field;
-            for (field = chosen; field.finest() < coarsest; finest = 2.0 * field.finest(), field = sizes()) {
-                auto fine = wrapped();
-                if (!fine && fine.error().code != "too-large") return tl::unexpected(fine.error());
-                if (!fine || hollow(*fine, deep)) continue;
-                wrap = std::move(fine);
-                break;
-            }
-            if (field.finest() >= coarsest) field = plain;
+        // Then finer ones, each from the last on, until one falls through.
+        SizeField fitting = field;
+        for (double floor = coarsest / 2.0; coarsest == first && fitting.finest() > chosen.finest(); floor /= 2.0) {
+            finest = std::max(floor, chosen.finest());
+            field = sizes();
+            auto fine = wrapped();
+            if (!fine && fine.error().code != "too-large") return tl::unexpected(fine.error());
+            if (!fine || hollow(*fine, deep)) break;
+            wrap = std::move(fine);
+            fitting = field;
         }
+        field = fitting;
     } else {
         wrap = wrapped();
     }
