@@ -5,11 +5,12 @@
 #include <span>
 #include <vector>
 
+#include "core/base/result.h"
 #include "core/mesh/health.h"
 #include "core/mesh/mend_surface.h"
 #include "core/mesh/mesh.h"
 
-// Of makeBody() alone.
+// Of makeBody() and repairSurface() alone.
 namespace imomushi {
 
 /// A render mesh after all mending that needs no choice between its parts: welded, separated where it was not manifold, evenly wound, its holes closed.
@@ -19,6 +20,12 @@ struct PreparedSurface {
     bool sameShape = true;                 ///< no triangle with an area was dropped or added, and none was separated from another
     std::vector<MeshIssue> issues;         ///< what was mended
 };
+
+/// Whether triangles can be computed with. `part`: #F or empty. Errors: "empty-mesh", "bad-index", "non-finite" (a vertex in use).
+Result<void> checkTriangles(const TriangleMesh& mesh, std::span<const std::int32_t> part);
+
+/// The same triangles as a surface to mend; vertices that none uses become zero.
+RawSurface rawSurface(const TriangleMesh& mesh, std::span<const std::int32_t> part);
 
 /// `render`: indices in range and used vertices finite; `part`: #F or empty.
 PreparedSurface prepareSurface(const TriangleMesh& render, std::span<const std::int32_t> part);

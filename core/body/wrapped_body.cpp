@@ -66,10 +66,10 @@ double expectedVertices(const SizeField& sizes, const std::vector<SurfaceSample>
 }
 
 /// Places that clearly are inside of flesh.
-std::vector<Vec3> deepPlaces(const TriangleMesh& mesh, const std::vector<SurfaceSample>& samples) {
+std::vector<Vec3> deepPlaces(const TriangleMesh& mesh, const std::vector<SurfaceSample>& samples, const Progress& progress) {
     std::vector<Vec3> places;
     const std::size_t step = samples.size() / kDeep + 1;
-    for (std::size_t i = 0; i < samples.size(); i += step) {
+    for (std::size_t i = 0; i < samples.size() && !progress.cancelled(); i += step) {
         const Vec3 p = samples[i].point - std::min(0.5 * samples[i].thickness, 0.02) * samples[i].normal;
         if (windingNumber(mesh, p) > 0.7) places.push_back(p);
     }
@@ -208,7 +208,7 @@ Result<WrappedSurface> wrappedBody(const TriangleMesh& mesh, double detail, doub
     const std::vector<SurfaceSample> samples = studySurface(unit, rays, kSamples, kReach, progress);
     if (progress.cancelled()) return fail(kCancelled, "Cancelled.");
     if (samples.empty()) return fail("no-volume", "The mesh has no area: choose another file.");
-    const std::vector<Vec3> deep = deepPlaces(unit, samples);
+    const std::vector<Vec3> deep = deepPlaces(unit, samples, progress);
 
     const double area = surfaceArea(unit);
     const double spacing = std::sqrt(area / static_cast<double>(samples.size()));
