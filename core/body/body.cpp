@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iomanip>
+#include <locale>
+#include <sstream>
 #include <utility>
 
 #include "core/base/finite.h"
@@ -89,6 +92,18 @@ Result<Body> wrap(const PreparedSurface& prepared, double detail, double volume,
     body.report.how = BodyKind::Wrapped;
     body.report.detail = surface->detail;
     body.report.gaps = std::move(surface->gaps);
+    if (const ClosedGaps& gaps = body.report.gaps; gaps.area > 0.0) {
+        MeshIssue issue;
+        issue.severity = Severity::Warning;
+        issue.code = "closed-gap";
+        issue.count = static_cast<int>(gaps.places.size());
+        std::ostringstream text;
+        text.imbue(std::locale::classic());
+        text << "Gaps of up to " << std::setprecision(2) << 100.0 * gaps.widest << " % of the size were closed in " << counted(gaps.places.size(), "place", "places")
+             << ": what lies on their two sides moves as one; choose a finer detail to keep them open.";
+        issue.text = text.str();
+        body.report.issues.push_back(std::move(issue));
+    }
     if (volume > 0.0) body.report.volumeError = std::abs(meshFacts(body.mesh).volume / volume - 1.0);
     return body;
 }

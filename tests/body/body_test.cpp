@@ -192,6 +192,7 @@ TEST_CASE("body: a wrap keeps gaps open that it can, and tells of those it close
     CHECK(coarse.report.detail == 0.03);
     CHECK(coarse.report.gaps.area > 0.05);  // two walls of .7 x .2 m of 3.3 m^2 are .085 of it
     CHECK(coarse.report.gaps.narrowest > 0.9 * gap);
+    CHECK(has(coarse, "closed-gap"));
     REQUIRE(!coarse.report.gaps.places.empty());
     const Vec3 place = coarse.report.gaps.places.front();
     CHECK(std::abs(place.x()) < 0.015);
