@@ -151,6 +151,25 @@ TEST_CASE("character from OBJ: seams split render vertices, never vertices; mate
     CHECK(render.materials[0].baseColorTexture == 0);
 }
 
+TEST_CASE("character: a file that repeats a normal for each corner has one render vertex per vertex") {
+    std::string obj;
+    const TriangleMesh ball = shapes::sphere(1.0, 2).mesh;
+    for (Eigen::Index v = 0; v < ball.vertices.rows(); ++v) obj += "v " + std::to_string(ball.vertices(v, 0)) + " " + std::to_string(ball.vertices(v, 1)) + " " + std::to_string(ball.vertices(v, 2)) + "\n";
+    for (Eigen::Index i = 0; i < ball.triangles.size(); ++i) {
+        const auto n = ball.vertices.row(ball.triangles.data()[i]);
+        obj += "vn " + std::to_string(n[0]) + " " + std::to_string(n[1]) + " " + std::to_string(n[2]) + "\n";
+    }
+    for (Eigen::Index i = 0; i < ball.triangles.size(); ++i) obj += (i % 3 ? " " : "\nf ") + std::to_string(ball.triangles.data()[i] + 1) + "//" + std::to_string(i + 1);
+    const auto file = characterOf("a.obj", obj + "\n");
+    CAPTURE(said(file));
+    REQUIRE(file);
+    checkSound(*file);
+    const RenderMesh& render = file->renderModel.mesh.renderMesh;
+    REQUIRE(static_cast<Eigen::Index>(render.bodyVertex.size()) == ball.vertices.rows());
+    for (Eigen::Index r = 0; r < render.normals.rows(); ++r)
+        CHECK((render.normals.row(r).cast<double>() - ball.vertices.row(render.bodyVertex[static_cast<std::size_t>(r)])).norm() < 1e-5);
+}
+
 TEST_CASE("character, write-mesh, character: vertices and triangles come back bit for bit, unused, degenerate and duplicate ones too") {
     const TestFolder folder;
     std::string obj = "v 9 9 9\n" + objOf(shapes::sphere(0.1, 2).mesh) + "v -1e-17 3e22 0.1\nf 1 2 2\nf 3 4 5\nf 3 4 5\nf 4 3 5\n";
