@@ -116,13 +116,7 @@ Eigen::MatrixXd wholeResponse(const ElementRuntime& runtime, const Eigen::Matrix
     const auto& body = given.mesh->body;
     Eigen::MatrixXd out = Eigen::MatrixXd::Zero(3 * body.vertices.rows(), response.cols());
     for (std::size_t i = 0; i < runtime.free.size(); ++i) out.middleRows<3>(3 * runtime.free[i]) = response.middleRows<3>(3 * static_cast<Eigen::Index>(i));
-    for (std::size_t f = 0; given.response && f < given.faces.size(); ++f) {
-        const auto& face = given.faces[f];
-        const FaceBasis& basis = given.response->bases[f];
-        int i = 0;
-        for (const auto v : face.vertices)
-            out.block(3 * v, given.response->firstColumn[f], 3, basis.columns()) = face.frame.axes * basis.at(face.frame.toLocal(body.vertices.row(v).transpose()), i++);
-    }
+    forHeldVertices(given, [&](std::int32_t v, int column, const Eigen::MatrixXd& block) { out.block(3 * v, column, 3, block.cols()) = block; });
     return out;
 }
 
@@ -217,6 +211,15 @@ Result<std::shared_ptr<const ElementRuntime>> ElementRuntime::build(Input input,
         }
     }
     return std::shared_ptr<const ElementRuntime>(std::move(made));
+}
+
+void forHeldVertices(const ElementRuntime::Input& input, const std::function<void(std::int32_t, int, const Eigen::MatrixXd&)>& take) {
+    for (std::size_t f = 0; input.response && f < input.faces.size(); ++f) {
+        const auto& face = input.faces[f];
+        int i = 0;
+        for (const auto v : face.vertices)
+            take(v, input.response->firstColumn[f], face.frame.axes * input.response->bases[f].at(face.frame.toLocal(input.mesh->body.vertices.row(v).transpose()), i++));
+    }
 }
 
 void ElementRuntimes::add(std::shared_ptr<const ElementRuntime> runtime) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <unordered_map>
 #include <vector>
@@ -87,6 +88,9 @@ struct ElementRuntime {
     std::shared_ptr<const TouchSurface> touch;   ///< null: not asked for
     TouchBlocks touchBlocks;
 };
+
+/// What the bases of joint faces say of their vertices: take(body vertex, first column of its face in v, 3 x columns of its face: displacement (m) per unit of v).
+void forHeldVertices(const ElementRuntime::Input& input, const std::function<void(std::int32_t, int, const Eigen::MatrixXd&)>& take);
 
 /// The runtimes of a character by their input.
 class ElementRuntimes {

@@ -48,7 +48,7 @@ RenderMeshJob::RenderMeshJob(const Frame& frame, const RenderMeshJob* known) : F
     for (std::size_t e = 0; e < frame.elements.size(); ++e) {
         const auto& of = frame.elements[e];
         if (!of.runtime->embedded) continue;
-        Element made{e, of.runtime->embedded, {}, AlignedBuffer<float>(), Carry::Nothing};
+        Element made = madeFor(frame, e);
         const bool touched = of.patchForces.size() > 0;
         if (of.runtime->warp || touched) {
             const auto& mapping = made.tables->mapping;
@@ -75,6 +75,25 @@ RenderMeshJob::RenderMeshJob(const Frame& frame, const RenderMeshJob* known) : F
         for (std::size_t i = 0; i < made.tables->normalPieces.size(); ++i) normals_.push_back({meshes_.size(), i, i + 1});
         meshes_.push_back(std::move(made));
     }
+}
+
+RenderMeshJob::Element RenderMeshJob::madeFor(const Frame& frame, std::size_t index) {
+    const auto& of = frame.elements[index];
+    Element made;
+    made.index = index;
+    made.tables = of.runtime->embedded;
+    if (of.runtime->input.response && frame.input.basis != BasisKind::Paper) return made;
+    std::vector<std::int32_t> indexOf(of.runtime->vertices, -1);
+    for (std::size_t i = 0; i < of.held.size(); ++i) indexOf[static_cast<std::size_t>(of.held[i].vertex)] = static_cast<std::int32_t>(i);
+    for (const auto& part : made.tables->mapping.heldParts()) made.heldOf.push_back(indexOf[static_cast<std::size_t>(part.vertex)]);
+    const auto held = static_cast<Eigen::Index>(of.held.size());
+    made.heldColumns = Eigen::MatrixXd::Zero(3 * held, of.v.size());
+    made.heldMoves = Eigen::VectorXd::Zero(3 * held);
+    made.missing = Points::Zero(held, 3);
+    forHeldVertices(of.runtime->input, [&](std::int32_t v, int column, const Eigen::MatrixXd& block) {
+        made.heldColumns.block(3 * indexOf[static_cast<std::size_t>(v)], column, 3, block.cols()) = block;
+    });
+    return made;
 }
 
 void RenderMeshJob::run(Stage stage, Frame& frame) {
@@ -118,10 +137,18 @@ void RenderMeshJob::follow(Frame& frame) {
             }
         });
     }
-    for (const auto& e : elements_) {
+    for (auto& e : elements_) {
         auto& of = frame.elements[e.index];
         if (!of.moved) continue;
         addJointParts(e, frame, of);
+        if (!e.heldOf.empty() && e.carry != Carry::Bodies) {
+            findMissing(e, frame);
+            for (std::size_t i = 0; i < e.heldOf.size(); ++i) {
+                const auto& part = e.tables->mapping.heldParts()[i];
+                Eigen::Map<Eigen::Vector3f>(of.positions.data() + 3 * static_cast<std::ptrdiff_t>(e.tables->rows[static_cast<std::size_t>(part.point)])) +=
+                    (part.weight * e.missing.row(e.heldOf[i]).transpose()).cast<float>();
+            }
+        }
         placeAttached(e, of);
     }
 }
@@ -135,6 +162,16 @@ void RenderMeshJob::findDents(Element& e, const ElementFrame& of) {
             for (std::int32_t i = 0; i < count; ++i)
                 e.dents[3 * static_cast<std::size_t>(first + i) + static_cast<std::size_t>(axis)] = of.dented[from + static_cast<std::size_t>(i)] - of.local[from + static_cast<std::size_t>(i)];
         }
+    }
+}
+
+void RenderMeshJob::findMissing(Element& e, const Frame& frame) {
+    const auto& of = frame.elements[e.index];
+    const Points& rest = of.runtime->input.mesh->body.vertices;
+    e.heldMoves.noalias() = e.heldColumns * of.v;
+    for (std::size_t i = 0; i < of.held.size(); ++i) {
+        const Vec3 said = rest.row(of.held[i].vertex).transpose() + e.heldMoves.segment<3>(3 * static_cast<Eigen::Index>(i));
+        e.missing.row(static_cast<Eigen::Index>(i)) = (frame.heldAt(of, i) - of.frame(said)).transpose();
     }
 }
 
@@ -229,6 +266,11 @@ Points RenderMeshJob::positions(const Frame& frame, int mesh, const std::vector<
             out.row(embedded.rows[i]) = of.frame(restOf(static_cast<std::size_t>(embedded.rows[i])) + followed.col(0).segment<3>(3 * static_cast<Eigen::Index>(i))).transpose();
         for (const auto& part : embedded.mapping.jointParts())
             out.row(embedded.rows[static_cast<std::size_t>(part.point)]) += (jointPart(frame, of, part.face, false) * part.offset).transpose();
+        const auto own = std::find_if(elements_.begin(), elements_.end(), [e](const Element& known) { return known.index == e; });
+        for (std::size_t i = 0; i < own->heldOf.size(); ++i) {
+            const auto& part = embedded.mapping.heldParts()[i];
+            out.row(embedded.rows[static_cast<std::size_t>(part.point)]) += part.weight * own->missing.row(own->heldOf[i]);
+        }
         placeParts(*given.embedded, embedded, [&](std::size_t i) -> Vec3 { return out.row(static_cast<Eigen::Index>(i)).transpose(); },
                    [&](std::int32_t i, const Vec3& p) { out.row(static_cast<Eigen::Index>(embedded.first) + i) = p.transpose(); });
     }

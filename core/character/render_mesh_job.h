@@ -41,6 +41,11 @@ private:
         EmbeddedMapping::Gradients gradients;
         AlignedBuffer<float> dents;  // #body vertices x 3, m, in the frame of the element; where it feels touch
         Carry carry = Carry::Nothing;
+        // Where joints place vertices otherwise than v says (the basis "paper" loses twist, v is empty without a response), points near them follow.
+        Eigen::MatrixXd heldColumns;         // 3 #held x columns of v
+        Eigen::VectorXd heldMoves;           // 3 #held, in the frame of the element
+        Points missing;                      // #held x 3, m, world
+        std::vector<std::int32_t> heldOf;    // per EmbeddedMapping::heldParts(): in ElementFrame::held; none: v says all
     };
     struct Mesh {
         std::shared_ptr<const RenderMeshTables> tables;
@@ -52,6 +57,8 @@ private:
     };
     void follow(Frame& frame);
     static void findDents(Element& element, const ElementFrame& of);
+    static Element madeFor(const Frame& frame, std::size_t index);
+    static void findMissing(Element& element, const Frame& frame);
     static void addJointParts(const Element& element, const Frame& frame, ElementFrame& of);
     static void placeAttached(const Element& element, ElementFrame& of);
     void gather(Frame& frame);
