@@ -56,6 +56,8 @@ private:
         std::size_t element = 0, begin = 0, end = 0;
     };
     void follow(Frame& frame);
+    // In double precision, as ElementFrame::positions; those of the body are left out.
+    static Points elementPositions(const Frame& frame, const Element& element);
     static void findDents(Element& element, const ElementFrame& of);
     static Element madeFor(const Frame& frame, std::size_t index);
     static void findMissing(Element& element, const Frame& frame);
@@ -67,7 +69,7 @@ private:
     std::vector<Element> elements_;
     std::vector<Mesh> meshes_;
     std::vector<Piece> triangles_, vertices_, points_;              // of elements_
-    std::vector<Piece> normals_;                                    // of meshes_: begin is a piece of its normals
+    std::vector<Piece> runs_, normals_;                             // of meshes_: indices into RenderMeshTables::runs; begin of normals_: a piece of theirs
     std::size_t carriedBytes_ = 0;
 };
 

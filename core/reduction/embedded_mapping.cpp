@@ -24,7 +24,8 @@ constexpr double kMostArea = 8.0;
 /// Where points find the surface that they follow.
 class Surface {
 public:
-    Surface(const EmbeddedMapping::Input& input, const std::vector<TriangleFrame>& frames) : body_(*input.body), deep_(EmbeddedMapping::kDeep * diagonalOf(input.body->vertices)) {
+    Surface(const EmbeddedMapping::Input& input, const std::vector<TriangleFrame>& frames)
+        : body_(*input.body), deep_(EmbeddedMapping::kDeep * diagonalOf(input.body->vertices)) {
         faceOf_.assign(frames.size(), -1);
         for (std::size_t f = 0; f < input.faces.size(); ++f) {
             std::vector<std::int32_t> all;
@@ -78,7 +79,8 @@ private:
 
 Result<void> check(const EmbeddedMapping::Input& input) {
     const auto count = input.points->rows();
-    if ((input.normals && input.normals->rows() != 0 && input.normals->rows() != count) || (!input.place.empty() && static_cast<Eigen::Index>(input.place.size()) != count))
+    const auto many = [count](Eigen::Index given) { return given == 0 || given == count; };
+    if ((input.normals && !many(input.normals->rows())) || !many(static_cast<Eigen::Index>(input.place.size())))
         return fail("bad-value", "The normals or places of embedded points are not as many as the points.");
     if (!allFinite(*input.points) || (input.normals && !allFinite(*input.normals))) return fail("bad-value", "An embedded point or its normal is not a number.");
     for (std::size_t i = 0; i < input.place.size(); ++i)
@@ -102,7 +104,8 @@ Result<EmbeddedMapping> EmbeddedMapping::build(const Input& input) {
     std::vector<TriangleFrame> frames(triangleCount);
     for (std::size_t t = 0; t < triangleCount; ++t) frames[t] = triangleFrame(body, static_cast<std::int32_t>(t));
     const Surface surface(input, frames);
-    if (surface.empty()) return fail("bad-value", "The body has no triangle that points could follow, outside of its joints and with an area; give the element another body.");
+    if (surface.empty())
+        return fail("bad-value", "The body has no triangle that points could follow, outside of its joints and with an area; give the element another body.");
     std::vector<char> held(vertexCount, 0), freeTriangle(triangleCount, 0);
     for (const auto& face : input.faces)
         for (const auto v : face.vertices) held[static_cast<std::size_t>(v)] = 1;

@@ -56,9 +56,13 @@ void takeResponse(CharacterInput& dense, const CharacterInput& coarse) {
 
 struct Times {
     std::vector<double> frame, product, normals;
+    double megabytes = 0.0;  // of the response
     void row(const char* name, int vertices) {
-        const auto median = [](std::vector<double>& s) { return std::nth_element(s.begin(), s.begin() + static_cast<std::ptrdiff_t>(s.size() / 2), s.end()), s[s.size() / 2]; };
-        std::printf("%-58s %9d %9.4f %9.4f %9.4f\n", name, vertices, median(frame), median(product), median(normals));
+        const auto median = [](std::vector<double>& s) {
+            std::nth_element(s.begin(), s.begin() + static_cast<std::ptrdiff_t>(s.size() / 2), s.end());
+            return s[s.size() / 2];
+        };
+        std::printf("%-45s %9d %9.4f %9.4f %9.4f %9.3f\n", name, vertices, median(frame), median(product), median(normals), megabytes);
     }
 };
 
@@ -106,7 +110,7 @@ int main() {
             c.times.product.push_back(c.character.stats().productMs);
             c.times.normals.push_back(c.character.stats().normalsMs);
         }
-    std::printf("%-58s %9s %9s %9s %9s\n", "ms per frame, one thread, median", "seen", "frame", "product", "normals");
-    for (auto& c : cases) c.times.row(c.name, c.vertices);
+    std::printf("%-45s %9s %9s %9s %9s %9s\n", "ms per frame, one thread, median", "seen", "frame", "product", "normals", "MB of A'");
+    for (auto& c : cases) c.times.megabytes = 1e-6 * static_cast<double>(c.character.memory(0).response), c.times.row(c.name, c.vertices);
     return 0;
 }
