@@ -17,17 +17,18 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-CharacterInput cylinder(int around, int along) {
+CharacterInput cylinder(int around, int along, bool solved) {
     caterpillar::Shape shape;
     shape.elements = 1;
     shape.length = 3.0;
     shape.around = {around};
     shape.along = {along};
     shape.tips = true;
+    shape.precomputed = solved;
     return caterpillar::make(shape);
 }
 
-/// The responses of the coarse body on the vertices of the dense one: that they are solved is no matter here.
+/// The response of a coarse body on the vertices of a dense one: how well it is solved is no matter here.
 void takeResponse(CharacterInput& dense, const CharacterInput& coarse) {
     const auto& mesh = dense.elements[0].mesh->body;
     ElementResponse made = *coarse.elements[0].response;
@@ -69,9 +70,11 @@ struct Times {
 }  // namespace
 
 int main() {
-    const CharacterInput coarse = cylinder(48, 27);
-    CharacterInput plain = cylinder(60, 314), under = coarse;
-    takeResponse(plain, coarse);
+    const CharacterInput solved = cylinder(24, 12, true);
+    CharacterInput coarse = cylinder(48, 27, false), plain = cylinder(60, 314, false);
+    takeResponse(coarse, solved);
+    takeResponse(plain, solved);
+    CharacterInput under = coarse;
     embedded::addRenderMesh(under, embedded::tube(0.52, 0.05, 2.95, 200, 99), 3.0);
     CharacterInput warped = under;
     warped.effects.set(BendWarpEffect{});
