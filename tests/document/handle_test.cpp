@@ -24,6 +24,19 @@ struct HandleBench : Workbench {
         const Json at = good({{"do", "measure"}, {"what", "position"}, {"endpoint", handle}})["value"];
         return {at[0], at[1], at[2]};
     }
+    /// Where its middle is at rest.
+    Vec3 rest(const std::string& handle) {
+        const Element& element = *session.document().elementNamed("A");
+        return element.faces[static_cast<std::size_t>(element.faceIndex(handle))].frame.origin;
+    }
+    /// The distance of a handle from where it is at rest, moved by `by`.
+    double off(const std::string& handle, const Vec3& by) { return (place(handle) - rest(handle) - by).norm(); }
+    void drag(const std::string& handle, const Vec3& by, Json more = Json::object()) {
+        const Vec3 to = rest(handle) + by;
+        Json command = {{"do", "drag"}, {"endpoint", handle}, {"to", {to.x(), to.y(), to.z()}}};
+        command.update(more);
+        good(command);
+    }
     Points positions() { return session.positionsOf(session.document().elementNamed("A")->id); }
     const HandleGoal* goal(const std::string& name) {
         const auto found = session.document().handleGoals.find(*session.document().handle(name));
@@ -73,7 +86,6 @@ TEST_CASE("handle: what cannot be is refused with its reason, and changes nothin
     CHECK(make({{"point", {0, 0.1, 0}}}) == "shared-rim");
     CHECK(make({{"radius", 0}}) == "bad-value");
     CHECK(make({{"radius", 100}}) == "bad-value");
-    CHECK(make({{"radius", 1.6}}) == "not-a-disc");
     CHECK(make({{"bone", "b/end"}}) == "no-such-bone");
     CHECK(w.code({{"do", "remove-handle"}, {"handle", "x"}}) == "no-such-handle");
     CHECK(w.code({{"do", "drag"}, {"endpoint", "low"}, {"to", {0, 0, 0}}, {"roll", 1}}) == "unknown-key");
@@ -98,13 +110,13 @@ TEST_CASE("handle: dragged, it is where it was asked to be, turned, and the othe
     const Json answer = w.good({{"do", "drag"}, {"endpoint", "high"}, {"to", {0.5, 0, 2.8}}, {"rotation", kQuarter}});
     CHECK(answer["distance"].get<double>() < 1e-12);
     CHECK((w.place("high") - Vec3(0.5, 0, 2.8)).norm() < 1e-12);
-    CHECK((w.place("low") - Vec3(0, 0, 0)).norm() < 1e-12);
+    CHECK(w.off("low", Vec3::Zero()) < 1e-12);
     const Element& e = *w.session.document().elementNamed("A");
     const Points now = w.positions();
     const Eigen::Quaterniond turn(std::sqrt(0.5), 0, std::sqrt(0.5), 0);
-    for (const auto v : e.faces[1].vertices) CHECK((Vec3(now.row(v).transpose()) - (turn * (Vec3(rest.row(v).transpose()) - Vec3(0, 0, 3)) + Vec3(0.5, 0, 2.8))).norm() < 1e-12);
-    // The flesh in between is between.
-    CHECK((now - rest).rowwise().norm().maxCoeff() < 3.0);
+    for (const auto v : e.faces[1].vertices)
+        CHECK((Vec3(now.row(v).transpose()) - (turn * (Vec3(rest.row(v).transpose()) - w.rest("high")) + Vec3(0.5, 0, 2.8))).norm() < 1e-12);
+    CHECK((now - rest).rowwise().norm().maxCoeff() < 3.0);  // nothing flew away
     CHECK(w.goal("high")->target.held);
     CHECK(w.good({{"do", "list"}})["held"][0]["endpoint"] == "high");
     w.good({{"do", "undo"}});
@@ -112,7 +124,7 @@ TEST_CASE("handle: dragged, it is where it was asked to be, turned, and the othe
     w.good({{"do", "redo"}});
     CHECK(w.positions() == now);
     // All of them moved alike: the body moves as a whole.
-    for (const char* name : {"low", "high", "handle 1"}) w.good({{"do", "drag"}, {"endpoint", name}, {"to", Json::array({7.0 + (name[0] == 'h' && name[1] == 'a' ? 1.5 : name[0] == 'h' ? 3.0 : 0.0), 0.0, name[1] == 'a' ? -0.5 : 0.0})}, {"rotation", kQuarter}});
+    for (const char* name : {"low", "high", "handle 1"}) w.drag(name, turn * w.rest(name) - w.rest(name) + Vec3(7, 0, 0), {{"rotation", kQuarter}});
     const Points moved = w.positions();
     for (Eigen::Index v = 0; v < rest.rows(); ++v) CHECK((Vec3(moved.row(v).transpose()) - (turn * Vec3(rest.row(v).transpose()) + Vec3(7, 0, 0))).norm() < 1e-9);
 }
@@ -120,27 +132,27 @@ TEST_CASE("handle: dragged, it is where it was asked to be, turned, and the othe
 TEST_CASE("handle: a glide goes there while frames pass, straight and by the shortest turn, and pins hold place and orientation") {
     HandleBench w;
     w.good({{"do", "precompute"}});
-    w.good({{"do", "drag"}, {"endpoint", "high"}, {"to", {1, 0, 3}}, {"rotation", kQuarter}, {"seconds", 1}});
-    CHECK(w.place("high") == Vec3(0, 0, 3));
+    w.drag("high", Vec3(1, 0, 0), {{"rotation", kQuarter}, {"seconds", 1}});
+    CHECK(w.off("high", Vec3::Zero()) < 1e-12);
     CHECK(w.session.moving());
     const Json half = w.good({{"do", "step"}, {"frames", 5}, {"dt", 0.1}});
     CHECK(half["finite"] == true);
-    CHECK((w.place("high") - Vec3(0.5, 0, 3)).norm() < 1e-9);
+    CHECK(w.off("high", Vec3(0.5, 0, 0)) < 1e-9);
     const FaceRef high = *w.session.document().handle("high");
     CHECK(w.session.poseOf(high)->turn.angularDistance(Eigen::Quaterniond::Identity()) == doctest::Approx(std::numbers::pi / 4.0));
     w.good({{"do", "step"}, {"frames", 7}, {"dt", 0.1}});
-    CHECK((w.place("high") - Vec3(1, 0, 3)).norm() < 1e-9);
+    CHECK(w.off("high", Vec3(1, 0, 0)) < 1e-9);
     CHECK(!w.session.moving());
     w.good({{"do", "pin"}, {"endpoint", "high"}});
     w.good({{"do", "pin"}, {"endpoint", "low"}});
-    w.good({{"do", "drag"}, {"endpoint", "low"}, {"to", {0, 0.3, 0}}});
+    w.drag("low", Vec3(0, 0.3, 0));
     CHECK(w.good({{"do", "release"}})["released"] == 2);
     CHECK(w.goal("low")->pinned);  // where it was dragged to
-    CHECK((w.place("low") - Vec3(0, 0.3, 0)).norm() < 1e-12);
+    CHECK(w.off("low", Vec3(0, 0.3, 0)) < 1e-12);
     w.good({{"do", "rest"}});
-    CHECK((w.place("low") - Vec3(0, 0, 0)).norm() < 1e-12);
+    CHECK(w.off("low", Vec3::Zero()) < 1e-12);
     CHECK(w.goal("high")->pinned);
-    CHECK((w.place("high") - Vec3(0, 0, 3)).norm() < 1e-12);
+    CHECK(w.off("high", Vec3::Zero()) < 1e-12);
     w.good({{"do", "unpin"}, {"endpoint", "high"}});
     CHECK(!w.goal("high")->target.held);
 }
@@ -155,7 +167,7 @@ TEST_CASE("handle: one that is let go stays where the flesh has it") {
     CHECK(w.good({{"do", "list"}})["held"].empty());
     w.good({{"do", "rest"}});
     CHECK(w.session.document().handleGoals.empty());
-    CHECK((w.place("high") - Vec3(0, 0, 3)).norm() < 1e-12);
+    CHECK(w.off("high", Vec3::Zero()) < 1e-12);
 }
 
 TEST_CASE("handle: one in a body with a bone moves with it, one on a bone's end with that, and not when that goes") {
@@ -167,40 +179,40 @@ TEST_CASE("handle: one in a body with a bone moves with it, one on a bone's end 
     w.good({{"do", "pin"}, {"endpoint", "low"}});
     for (const auto& [end, x] : std::initializer_list<std::pair<const char*, double>>{{"b/start", 1.0}, {"b/end", 1.0}})
         w.good({{"do", "drag"}, {"endpoint", end}, {"to", Json::array({x, 0.0, std::string(end) == "b/start" ? 0.5 : 2.5})}});
-    CHECK((w.place("high") - Vec3(1, 0, 3)).norm() < 1e-6);
-    CHECK((w.place("low") - Vec3(0, 0, 0)).norm() < 1e-12);
-    CHECK((w.place("handle 1") - Vec3(0.5, 0, 1.5)).norm() < 1e-6);
+    CHECK(w.off("high", Vec3(1, 0, 0)) < 1e-6);
+    CHECK(w.off("low", Vec3::Zero()) < 1e-12);
+    CHECK(w.off("handle 1", Vec3::Zero()) < 1e-6);
     for (const auto& [end, z] : std::initializer_list<std::pair<const char*, double>>{{"free/start", 2.0}, {"free/end", 3.0}})
         w.good({{"do", "drag"}, {"endpoint", end}, {"to", Json::array({5.0, 0.0, z})}});
-    CHECK((w.place("handle 1") - Vec3(0.5, 0, 3.5)).norm() < 1e-4);
+    CHECK(w.off("handle 1", Vec3(0, 0, 2)) < 1e-4);
     w.good({{"do", "remove-bone"}, {"name", "free"}});
     CHECK(w.good({{"do", "list"}})["handles"][2]["bone"].is_null());
-    CHECK((w.place("handle 1") - Vec3(1.5, 0, 1.5)).norm() < 1e-6);
+    CHECK(w.off("handle 1", Vec3(1, 0, 0)) < 1e-6);
 }
 
 TEST_CASE("handle: another radius keeps its motion and asks for another response; another name keeps everything") {
     HandleBench w;
     w.good({{"do", "precompute"}});
-    w.good({{"do", "drag"}, {"endpoint", "high"}, {"to", {0, 0, 3.5}}});
+    w.drag("high", Vec3(0, 0, 0.5));
     CHECK(w.session.responseState(w.session.document().elementNamed("A")->id) == Session::ResponseState::Fresh);
     w.good({{"do", "set"}, {"target", "high"}, {"property", "radius"}, {"value", 0.75}});
     CHECK(w.session.responseState(w.session.document().elementNamed("A")->id) == Session::ResponseState::Stale);
-    CHECK((w.place("high") - Vec3(0, 0, 3.5)).norm() < 1e-12);
+    CHECK(w.off("high", Vec3(0, 0, 0.5)) < 1e-12);
     w.good({{"do", "undo"}});
     CHECK(w.session.responseState(w.session.document().elementNamed("A")->id) == Session::ResponseState::Fresh);
     w.good({{"do", "rename"}, {"target", "high"}, {"name", "top"}});
     CHECK(w.session.responseState(w.session.document().elementNamed("A")->id) == Session::ResponseState::Fresh);
-    CHECK((w.place("top") - Vec3(0, 0, 3.5)).norm() < 1e-12);
+    CHECK(w.off("top", Vec3(0, 0, 0.5)) < 1e-12);
     CHECK(w.code({{"do", "pin"}, {"endpoint", "high"}}) == "no-such-bone");
     w.good({{"do", "remove-joint-face"}, {"face", "A/top"}});
     CHECK(w.session.document().handleGoals.empty());
     CHECK(w.session.document().elementNamed("A")->handles.size() == 2);
     w.good({{"do", "undo"}});
-    CHECK((w.place("top") - Vec3(0, 0, 3.5)).norm() < 1e-12);
+    CHECK(w.off("top", Vec3(0, 0, 0.5)) < 1e-12);
     w.good({{"do", "remove-element"}, {"name", "A"}});
     CHECK(w.session.document().handleGoals.empty());
     w.good({{"do", "undo"}});
-    CHECK((w.place("top") - Vec3(0, 0, 3.5)).norm() < 1e-12);
+    CHECK(w.off("top", Vec3(0, 0, 0.5)) < 1e-12);
 }
 
 TEST_CASE("handle: a project keeps handles, their pins and where they lie, and a script makes the same again") {
@@ -242,14 +254,14 @@ TEST_CASE("handle: an element that is appended brings its handles, under other n
     CHECK(list["elements"][1]["state"] == "fresh");
     w.good({{"do", "drag"}, {"endpoint", "high 2"}, {"to", {4, 0, 3.3}}});
     CHECK((w.place("high 2") - Vec3(4, 0, 3.3)).norm() < 1e-12);
-    CHECK((w.place("high") - Vec3(0, 0, 3)).norm() < 1e-12);
+    CHECK(w.off("high", Vec3::Zero()) < 1e-12);
 }
 
 TEST_CASE("handle: takes keep what handles did") {
     HandleBench w;
     w.good({{"do", "precompute"}});
     w.good({{"do", "record"}, {"take", "t"}, {"action", "start"}});
-    w.good({{"do", "drag"}, {"endpoint", "high"}, {"to", {1, 0, 3}}, {"seconds", 0.5}});
+    w.drag("high", Vec3(1, 0, 0), {{"seconds", 0.5}});
     w.good({{"do", "step"}, {"frames", 30}});
     const Points seen = w.positions();
     w.good({{"do", "record"}, {"take", "t"}, {"action", "stop"}});
@@ -257,5 +269,5 @@ TEST_CASE("handle: takes keep what handles did") {
     CHECK((w.positions() - seen).cwiseAbs().maxCoeff() > 0.5);
     w.good({{"do", "play"}, {"take", "t"}, {"time", 0.5}});
     CHECK((w.positions() - seen).cwiseAbs().maxCoeff() < 1e-12);
-    CHECK((w.place("high") - Vec3(1, 0, 3)).norm() < 1e-9);
+    CHECK(w.off("high", Vec3(1, 0, 0)) < 1e-9);
 }
