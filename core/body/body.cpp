@@ -19,8 +19,6 @@
 namespace imomushi {
 namespace {
 
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
-
 Result<void> checkSetting(const BodySetting& setting) {
     if (setting.detail != 0.0 && !(isFinite(setting.detail) && setting.detail >= kFinestDetail && setting.detail <= kCoarsestDetail))
         return fail("bad-detail", "The detail of a body must be between 0.001 and 0.2 diagonals, or 0 for one that is chosen from the mesh.");

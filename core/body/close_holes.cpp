@@ -13,8 +13,6 @@ namespace {
 /// Largest caps relative to the surface that they close, as in capHoles(): a sheet would be closed by its own mirror image, 1.
 constexpr double kLargestCap = 0.75;
 
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
-
 double capArea(const Points& points, const std::vector<std::array<std::int32_t, 3>>& cap) {
     double area = 0.0;
     for (const auto& t : cap) {
