@@ -11,8 +11,6 @@
 namespace imomushi {
 namespace {
 
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
-
 }  // namespace
 
 Result<void> checkTriangles(const TriangleMesh& mesh, std::span<const std::int32_t> part) {

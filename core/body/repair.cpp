@@ -40,8 +40,6 @@ constexpr std::array<Mends, 11> kMends{{{"unwelded", RepairAction::Weld},
                                         {"self-intersection", RepairAction::Wrap},
                                         {"non-orientable", RepairAction::Wrap}}};
 
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
-
 void drop(MendSurface& s) {
     dropDuplicates(s);
     mendDegenerate(s);
