@@ -14,7 +14,7 @@ namespace {
 constexpr double kFov = 0.6;                  ///< radians, vertical
 constexpr double kRadiansPerPixel = 0.008;
 constexpr double kZoomPerNotch = 0.88;
-constexpr double kMargin = 1.12;              ///< room around what is framed
+constexpr double kFramedMargin = 1.12;              ///< room around what is framed
 constexpr double kSeconds = 0.22;             ///< of an animated change of view
 constexpr double kPole = std::numbers::pi / 2.0;
 /// The eye stays within these multiples of the size of what was framed last.
@@ -143,7 +143,7 @@ void CameraController::frame(std::span<const Vec3> points, bool animate) {
     const Eigen::Matrix3d a = axesOf(view);
     // The tightest eye: for each pair of sides of the view, the eye keeps all points between two planes through it. Without perspective the
     // extents across the view count.
-    const double tanY = std::tan(kFov / 2.0) / kMargin, tanX = tanY * width_ / height_;
+    const double tanY = std::tan(kFov / 2.0) / kFramedMargin, tanX = tanY * width_ / height_;
     const Eigen::Array2d slope(tanX, tanY);
     Eigen::Array2d least = Eigen::Array2d::Constant(1e300), most = -least, narrow = least, wide = most;
     const auto take = [&](const Vec3& p) {

@@ -66,7 +66,7 @@ void EndpointForm::addButtons(const SelectionItem& item) {
     buttons->addWidget(pin);
     buttons->addWidget(release);
     sections_->addLayout(buttons);
-    const auto pinned = [this, item] { return isPinned(now(), {item.part, item.atEnd}); };
+    const auto pinned = [this, item] { return isPinned(now(), EndpointRef{item.part, item.atEnd}); };
     connect(pin, &QPushButton::clicked, this, [this, item, pinned] { document_.execute(commands::setPinned(path(item), !pinned())); });
     connect(release, &QPushButton::clicked, this, [this, item] { document_.execute(commands::release(path(item))); });
     follow([this, item, pin, release, pinned] {
