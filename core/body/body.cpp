@@ -17,7 +17,6 @@
 namespace imomushi {
 namespace {
 
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 Result<void> checkInput(const TriangleMesh& render, std::span<const std::int32_t> part, const BodySetting& setting) {
     if (setting.detail != 0.0 && !(isFinite(setting.detail) && setting.detail >= kFinestDetail && setting.detail <= kCoarsestDetail))

@@ -25,8 +25,6 @@ constexpr double kSmall = 0.02;
 /// Open parts of less area than this, over that of all, are left out wherever they are: whiskers, feathers.
 constexpr double kLittleArea = 0.01;
 
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
-
 /// Of some triangles, ascending.
 std::vector<std::int32_t> verticesOf(const TriangleMesh& mesh, const std::vector<std::int32_t>& triangles) {
     std::vector<std::int32_t> vertices;

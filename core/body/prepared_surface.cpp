@@ -7,8 +7,6 @@
 namespace imomushi {
 namespace {
 
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
-
 RawSurface rawSurface(const TriangleMesh& render, std::span<const std::int32_t> part) {
     RawSurface raw;
     raw.mesh.body.triangles = render.triangles;

@@ -13,8 +13,6 @@ namespace {
 /// Of the whole area: hanging triangles beyond it are a part of the shape.
 constexpr double kHanging = 0.05;
 
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
-
 double faceArea(const MendSurface& s, const MendFace& f) {
     const Vec3 a = s.points.row(f.v[0]), b = s.points.row(f.v[1]), c = s.points.row(f.v[2]);
     return 0.5 * (b - a).cross(c - a).norm();
