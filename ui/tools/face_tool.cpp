@@ -216,7 +216,7 @@ void FaceTool::placePlane(const RayHit& hit) {
     Session& session = document_.session();
     const int index = session.elementIndex(hit.element);
     Character* character = session.character();
-    const Eigen::Quaterniond turn(character && index >= 0 ? character->frame(index).linear() : Eigen::Matrix3d::Identity());
+    const Eigen::Quaterniond turn = character && index >= 0 ? Eigen::Quaterniond(character->frame(index).linear()) : Eigen::Quaterniond::Identity();
     plane.shownOrigin = hit.point + turn * (plane.origin - hit.rest);
     plane.shownNormal = turn * plane.normal;
     plane_ = plane;

@@ -344,9 +344,11 @@ std::optional<SelectionItem> pickItem(Session& session, const PointerEvent& e) {
 }
 
 std::optional<SelectionItem> pickCut(Session& session, const PointerEvent& e) {
-    const auto hits = session.document().characters.empty() ? std::vector<RayHit>() : rayHits(session, e.rayOrigin, e.rayDirection);
-    std::optional<SelectionItem> best;
-    double nearest = kBonePixels;
+    struct Near {
+        double pixels, depth, reach;
+        PartId cut;
+    };
+    std::vector<Near> near;
     for (const auto& [id, character] : session.document().characters)
         for (const Cut& cut : character->cuts) {
             const auto frame = cutFrame(session, cut.id);
@@ -354,14 +356,15 @@ std::optional<SelectionItem> pickCut(Session& session, const PointerEvent& e) {
             for (const auto& loop : frame->rim)
                 for (std::size_t i = 0; i < loop.size(); ++i) {
                     const Vec3 at = nearestOnSegment(e, loop[i], loop[(i + 1) % loop.size()]);
-                    const double distance = pixelsTo(e, at);
-                    // The rim lies on the surface: what is a little behind that is in front all the same.
-                    if (distance >= nearest || (!hits.empty() && hits.front().distance < (at - e.rayOrigin).dot(e.rayDirection) - 0.5 * frame->reach)) continue;
-                    nearest = distance;
-                    best = SelectionItem{SelectionItem::Kind::Cut, cut.id, {}, false};
+                    if (const double pixels = pixelsTo(e, at); pixels < kBonePixels) near.push_back({pixels, (at - e.rayOrigin).dot(e.rayDirection), frame->reach, cut.id});
                 }
         }
-    return best;
+    if (near.empty()) return std::nullopt;
+    // The rim lies on the surface: what is a little behind that is in front all the same.
+    if (const auto hits = rayHits(session, e.rayOrigin, e.rayDirection); !hits.empty())
+        std::erase_if(near, [&](const Near& n) { return n.depth > hits.front().distance + 0.5 * n.reach; });
+    const auto best = std::min_element(near.begin(), near.end(), [](const Near& a, const Near& b) { return a.pixels < b.pixels; });
+    return best == near.end() ? std::nullopt : std::optional(SelectionItem{SelectionItem::Kind::Cut, best->cut, {}, false});
 }
 
 std::vector<SelectionItem> itemsWithin(Session& session, const PointerEvent& view, const QRectF& box) {
