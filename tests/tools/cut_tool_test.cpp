@@ -90,6 +90,11 @@ TEST_CASE("cuts: in the face tool flesh without a flat region shows its section,
     CHECK(stage.now().elements.size() == 1);
     CHECK(worm(stage).cuts.empty());
     CHECK(stage.document().selection().empty());
+    // Enter does the same as a click.
+    stage.hover(tool, onLimb(-1.0));
+    CHECK(tool.wants(Qt::Key_Return));
+    CHECK(tool.key(Qt::Key_Return, {}));
+    CHECK(worm(stage).cuts.size() == 1);
 }
 
 TEST_CASE("cuts: the flat end of a limb becomes a joint face as before, and an arrow asks for a patch of round flesh") {

@@ -326,6 +326,10 @@ bool FaceTool::key(int key, Qt::KeyboardModifiers modifiers) {
     if ((key == Qt::Key_Delete || key == Qt::Key_Backspace) && !plane_) return removeSelection(document_);
     if (key == Qt::Key_Up || key == Qt::Key_Plus) return seed_ >= 0 || plane_ ? widen(1) : false;
     if (key == Qt::Key_Down || key == Qt::Key_Minus) return seed_ >= 0 || plane_ ? widen(-1) : false;
+    if (cut_ && !plane_ && (key == Qt::Key_Return || key == Qt::Key_Enter)) {
+        create();
+        return true;
+    }
     if (!plane_) return false;
     const double pace = (modifiers & Qt::ShiftModifier) ? 0.1 : 1.0;
     switch (key) {
@@ -358,7 +362,7 @@ bool FaceTool::wants(int key) const {
         case Qt::Key_Plus:
         case Qt::Key_Minus: return plane_ || seed_ >= 0;
         case Qt::Key_Return:
-        case Qt::Key_Enter:
+        case Qt::Key_Enter: return plane_ || cut_;
         case Qt::Key_Left:
         case Qt::Key_Right:
         case Qt::Key_PageUp:
