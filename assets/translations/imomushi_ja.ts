@@ -1626,6 +1626,10 @@
             <source>%1 copy</source>
             <translation>%1 のコピー</translation>
         </message>
+        <message>
+            <source>Imported “%1” as a whole character. Its body: %2.</source>
+            <translation>「%1」をキャラクター全体として読み込みました。ボディ：%2。</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::HistoryModel</name>

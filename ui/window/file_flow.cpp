@@ -14,6 +14,7 @@
 #include "ui/dialogs/import_dialog.h"
 #include "ui/dialogs/recovery_dialog.h"
 #include "ui/jobs/character_job.h"
+#include "ui/models/body_texts.h"
 #include "ui/models/commands.h"
 #include "ui/models/paths.h"
 #include "ui/models/texts.h"
@@ -212,8 +213,10 @@ void FileFlow::nextImport() {
                     for (const Json& element : elements)
                         if (const Element* e = d.elementNamed(element.at("name").get<std::string>())) items.push_back({SelectionItem::Kind::Element, e->id, {}, false});
                 }
-                document_.select(std::move(items));
+                document_.select(items);
                 Q_EMIT imported(int(elements.size()));
+                if (const CharacterSource* c = items.empty() ? nullptr : characterOf(d, items.front()))
+                    Q_EMIT said(tr("Imported “%1” as a whole character. Its body: %2.").arg(QString::fromStdString(c->name), bodyKindText(c->body->report.how)));
             }
         }
         nextImport();
