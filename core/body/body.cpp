@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <string>
+#include <iomanip>
+#include <locale>
+#include <sstream>
 #include <utility>
 
 #include "core/base/finite.h"
@@ -17,21 +19,9 @@
 namespace imomushi {
 namespace {
 
-
-Result<void> checkInput(const TriangleMesh& render, std::span<const std::int32_t> part, const BodySetting& setting) {
+Result<void> checkSetting(const BodySetting& setting) {
     if (setting.detail != 0.0 && !(isFinite(setting.detail) && setting.detail >= kFinestDetail && setting.detail <= kCoarsestDetail))
         return fail("bad-detail", "The detail of a body must be between 0.001 and 0.2 diagonals, or 0 for one that is chosen from the mesh.");
-    if (render.triangles.rows() == 0) return fail("empty-mesh", "The mesh has no triangles: choose a file with a mesh.");
-    if (render.triangles.minCoeff() < 0 || render.triangles.maxCoeff() >= render.vertices.rows() ||
-        (!part.empty() && part.size() != static_cast<std::size_t>(render.triangles.rows())))
-        return fail("bad-index", "Triangles refer to vertices that do not exist: export the mesh again.");
-    for (Eigen::Index i = 0; i < render.triangles.size(); ++i) {
-        const std::int32_t v = render.triangles.data()[i];
-        if (!allFinite(render.vertices.row(v)))
-            return fail("non-finite", "Vertex " + std::to_string(v) + " has a coordinate that is not a finite number: repair the mesh in the program that made it.");
-        if (render.vertices.row(v).cwiseAbs().maxCoeff() > kMaxImportedCoordinate)
-            return fail("non-finite", "The mesh has coordinates that are too large to compute with: scale it down in the program that made it.");
-    }
     return {};
 }
 
@@ -84,8 +74,8 @@ Result<Mended> mend(const TriangleMesh& render, const PreparedSurface& prepared,
     for (Eigen::Index i = 0; out.exact && i < render.triangles.size(); ++i) out.exact = out.body.bodyVertex[at(render.triangles.data()[i])] >= 0;
     out.body.report.how = out.exact ? BodyKind::Exact : BodyKind::Mended;
     out.body.report.issues = std::move(surface->issues);
-    // What holes and parts across each other enclose is a guess of their own; else the body is what the mesh encloses.
-    if (prepared.sameShape) out.body.report.volumeError = 0.0;
+    // What a mesh with holes encloses is a guess.
+    if (prepared.sameShape) out.body.report.volumeError = surface->volumeLeftOut / (surface->volumeLeftOut + meshFacts(out.body.mesh).volume);
     return out;
 }
 
@@ -100,6 +90,18 @@ Result<Body> wrap(const PreparedSurface& prepared, double detail, double volume,
     body.report.how = BodyKind::Wrapped;
     body.report.detail = surface->detail;
     body.report.gaps = std::move(surface->gaps);
+    if (const ClosedGaps& gaps = body.report.gaps; gaps.area > 0.0) {
+        MeshIssue issue;
+        issue.severity = Severity::Warning;
+        issue.code = "closed-gap";
+        issue.count = static_cast<int>(gaps.places.size());
+        std::ostringstream text;
+        text.imbue(std::locale::classic());
+        text << "Gaps of up to " << std::setprecision(2) << 100.0 * gaps.widest << " % of the size were closed in " << counted(gaps.places.size(), "place", "places")
+             << ": what lies on their two sides moves as one; choose a finer detail to keep them open.";
+        issue.text = text.str();
+        body.report.issues.push_back(std::move(issue));
+    }
     if (volume > 0.0) body.report.volumeError = std::abs(meshFacts(body.mesh).volume / volume - 1.0);
     return body;
 }
@@ -118,7 +120,8 @@ std::string_view nameOf(BodyKind how) {
 
 Result<Body> makeBody(const TriangleMesh& render, std::span<const std::int32_t> part, const BodySetting& setting, const Progress& progress) {
     const auto start = std::chrono::steady_clock::now();
-    if (auto ok = checkInput(render, part, setting); !ok) return tl::unexpected(ok.error());
+    if (auto ok = checkSetting(setting); !ok) return tl::unexpected(ok.error());
+    if (auto ok = checkTriangles(render, part); !ok) return tl::unexpected(ok.error());
     progress.report("mend", 0.0);
     const PreparedSurface prepared = prepareSurface(render, part);
     if (prepared.mesh.triangles.rows() == 0) return fail("no-volume", "The mesh has no triangle with an area: choose a file with a mesh.");

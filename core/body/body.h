@@ -43,7 +43,7 @@ struct BodyReport {
     double detail = 0.0;             ///< of a wrap: the finest that was used, in diagonals; 0 otherwise
     int components = 1;              ///< separate surfaces of the body
     double seconds = 0.0;
-    std::vector<MeshIssue> issues;   ///< what was mended, left out or closed; their triangles are render triangles
+    std::vector<MeshIssue> issues;   ///< what was mended, left out or closed
 };
 
 /// The closed surface that moves a render mesh.

@@ -9,8 +9,8 @@
 
 namespace imomushi {
 
-/// Triangles (as indices of points, in the order of the polygon) of a plane polygon, convex up to points in line, such that the smallest of their angles is as large as it can be
-/// without more points. Dynamic programming over diagonals, O(n^3).
+/// Triangles (as indices of points, wound like the polygon) of a plane polygon that is convex, points in line allowed. The smallest of their angles is as
+/// large as it can be without more points. Dynamic programming over diagonals, O(n^3).
 std::vector<std::array<std::int32_t, 3>> triangulateConvex(const std::vector<Vec3>& polygon);
 
 }  // namespace imomushi

@@ -17,7 +17,7 @@ namespace {
 /// How far a refused plane is tried along its normal, in diagonals of the body, and in parts of the body's extent along the normal.
 constexpr double kSteps[] = {1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.02, 0.05, 0.1, 0.2, 0.4};
 constexpr double kParts[] = {0.01, 0.05, 0.2, 0.5, 0.8, 0.95, 0.99};
-constexpr int kHalvings = 4;  // of the way between the last place that failed and the first that works
+constexpr int kHalvings = 4;  // of the way between the last place that failed and the first that works, until it is about the first step
 
 using Prepared = tl::expected<PreparedCut, CutRefusal>;
 
@@ -38,7 +38,8 @@ Prepared prepare(const CutSurface& surface, const CutPlane& plane, int cut) {
     }
     auto region = meshRegion(loops, section->spacing);
     if (!region || region->triangles.rows() == 0)
-        return tl::unexpected(refusalOf({"section-touches-itself", "The section touches or crosses itself; repair the body there, or move or turn the plane a little."}, cut));
+        return tl::unexpected(
+            refusalOf({"section-touches-itself", "The section touches or crosses itself; repair the body there, or move or turn the plane a little."}, cut));
     return PreparedCut{std::move(*section), std::move(*region)};
 }
 
@@ -70,7 +71,7 @@ public:
             double failed = std::clamp(0.0, std::min(low, offsets[i]), std::max(high, offsets[i])), worked = offsets[i];
             for (std::size_t j = 0; j < i; ++j)
                 if (offsets[j] * worked > 0.0 && std::abs(offsets[j]) > std::abs(failed)) failed = offsets[j];
-            for (int k = 0; k < kHalvings && !progress_.cancelled(); ++k) {
+            for (int k = 0; k < kHalvings && std::abs(worked - failed) > 1.5 * kSteps[0] * surface_.diagonal && !progress_.cancelled(); ++k) {
                 const double middle = 0.5 * (failed + worked);
                 (works(middle) ? worked : failed) = middle;
             }
@@ -99,7 +100,8 @@ private:
 };
 
 /// Says in a refusal where the plane would work.
-void addNearest(CutRefusal& refusal, const CutSurface& surface, const std::vector<Prepared>& prepared, std::span<const CutPlane> cuts, const Progress& progress) {
+void addNearest(CutRefusal& refusal, const CutSurface& surface, const std::vector<Prepared>& prepared, std::span<const CutPlane> cuts,
+                const Progress& progress) {
     if (refusal.cut < 0 || refusal.code == "bad-value") return;
     const CutPlane& plane = cuts[static_cast<std::size_t>(refusal.cut)];
     const auto offset = NearestPlace(surface, prepared, plane, refusal.cut, progress).offset();
@@ -116,7 +118,8 @@ tl::expected<std::vector<BodyPiece>, CutRefusal> cutBody(const TriangleMesh& bod
     const auto refuse = [](CutRefusal refusal) { return tl::unexpected(std::move(refusal)); };
     const auto cancelled = [&] { return refuse(refusalOf({kCancelled, "Cutting was cancelled."}, -1)); };
     const MeshFacts facts = meshFacts(body);
-    if (!facts.outward) return refuse(refusalOf({"not-closed", "The body is not a closed surface that faces outward; repair or wrap it before it is cut."}, -1));
+    if (!facts.outward)
+        return refuse(refusalOf({"not-closed", "The body is not a closed surface that faces outward; repair or wrap it before it is cut."}, -1));
     const CutSurface surface(body);
     std::vector<Prepared> prepared;
     for (std::size_t c = 0; c < cuts.size(); ++c) {

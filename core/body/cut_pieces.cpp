@@ -139,7 +139,8 @@ private:
         for (auto& [edge, points] : onEdge_) {
             std::sort(points.begin(), points.end(), [](const EdgePoint& a, const EdgePoint& b) { return std::pair(a.along, a.id) < std::pair(b.along, b.id); });
             for (std::size_t i = 0; i + 1 < points.size(); ++i)
-                if (points[i].cut != points[i + 1].cut && points[i + 1].along - points[i].along < kGap) return touching(points[i].cut, points[i + 1].cut).value();
+                if (points[i].cut != points[i + 1].cut && points[i + 1].along - points[i].along < kGap)
+                    return touching(points[i].cut, points[i + 1].cut).value();
             const auto run = runs_.find(edge);
             if (run == runs_.end()) continue;
             for (const EdgePoint& p : points)
@@ -256,7 +257,9 @@ private:
         for (const CutSide& side : cutSides_) {
             const auto inFront = at.find(sideKey(side.from, side.to)), behind = at.find(sideKey(side.to, side.from));
             if (inFront == at.end() || behind == at.end())
-                return refuse(side.cut, -1, "section-touches-itself", "The section touches itself, so that the pieces would hang together there; move or turn the plane a little.").value();
+                return refuse(side.cut, -1, "section-touches-itself",
+                              "The section touches itself, so that the pieces would hang together there; move or turn the plane a little.")
+                    .value();
             onCut[edgeKey(side.from, side.to)] = side.cut;
             for (auto [first, polygon] : {std::pair(&front_, inFront->second), std::pair(&back_, behind->second)}) {
                 std::int32_t& one = (*first)[static_cast<std::size_t>(side.cut)];
@@ -273,7 +276,9 @@ private:
         for (std::size_t c = 0; c < cuts_.size(); ++c)
             if (sets_.find(front_[c]) == sets_.find(back_[c]))
                 return refuse(static_cast<int>(c), -1, "does-not-separate",
-                              "The body still hangs together around this cut; cut the ring in a second place too, or move the plane to where it cuts something off.").value();
+                              "The body still hangs together around this cut; cut the ring in a second place too, or move the plane to where it cuts something "
+                              "off.")
+                    .value();
         return {};
     }
 
@@ -327,10 +332,12 @@ private:
             if (!piece.caps.empty()) {
                 const BodyPiece::Cap& cap = piece.caps[0];
                 if (!facts.closed)
-                    return refuse(cap.cut, -1, "section-touches-itself", "The section touches the surface elsewhere, so that a piece would not be closed; move or turn the plane a little.");
+                    return refuse(cap.cut, -1, "section-touches-itself",
+                                  "The section touches the surface elsewhere, so that a piece would not be closed; move or turn the plane a little.");
                 if (!(facts.volume > kLeastVolume * std::abs(surface_.volume)))
                     return refuse(cap.cut, -1, "empty-piece",
-                                  std::string("The piece ") + (cap.front ? "in front of" : "behind") + " the cut would have no volume; move the plane deeper into the body.");
+                                  std::string("The piece ") + (cap.front ? "in front of" : "behind") +
+                                      " the cut would have no volume; move the plane deeper into the body.");
             }
             result.push_back(std::move(piece));
         }
@@ -373,21 +380,23 @@ private:
             }
         piece.sourceTriangle.resize(corners.size(), -1);
 
-        std::vector<std::int32_t> used;
-        for (const auto& t : corners) used.insert(used.end(), t.begin(), t.end());
-        std::sort(used.begin(), used.end());
-        used.erase(std::unique(used.begin(), used.end()), used.end());
-        const auto local = [&](std::int32_t id) { return static_cast<std::int32_t>(std::lower_bound(used.begin(), used.end(), id) - used.begin()); };
-        piece.body.vertices.resize(static_cast<Eigen::Index>(used.size()), 3);
-        for (std::size_t v = 0; v < used.size(); ++v) {
-            piece.body.vertices.row(static_cast<Eigen::Index>(v)) = placeOf(used[v]).transpose();
-            piece.source.push_back(used[v] < bodyVertices() ? used[v] : -1);
+        std::vector<std::int32_t> local(static_cast<std::size_t>(bodyVertices()) + added_.size(), -1);  // per id
+        for (const auto& t : corners)
+            for (const std::int32_t id : t) local[static_cast<std::size_t>(id)] = 0;
+        for (std::size_t id = 0; id < local.size(); ++id) {
+            if (local[id] < 0) continue;
+            local[id] = static_cast<std::int32_t>(piece.source.size());
+            piece.source.push_back(static_cast<std::int32_t>(id) < bodyVertices() ? static_cast<std::int32_t>(id) : -1);
         }
+        piece.body.vertices.resize(static_cast<Eigen::Index>(piece.source.size()), 3);
+        for (std::size_t id = 0; id < local.size(); ++id)
+            if (local[id] >= 0) piece.body.vertices.row(local[id]) = placeOf(static_cast<std::int32_t>(id)).transpose();
         piece.body.triangles.resize(static_cast<Eigen::Index>(corners.size()), 3);
         for (std::size_t f = 0; f < corners.size(); ++f)
-            for (int k = 0; k < 3; ++k) piece.body.triangles(static_cast<Eigen::Index>(f), k) = local(corners[f][static_cast<std::size_t>(k)]);
+            for (int k = 0; k < 3; ++k)
+                piece.body.triangles(static_cast<Eigen::Index>(f), k) = local[static_cast<std::size_t>(corners[f][static_cast<std::size_t>(k)])];
         for (BodyPiece::Cap& cap : piece.caps)
-            for (std::int32_t& v : cap.vertices) v = local(v);
+            for (std::int32_t& v : cap.vertices) v = local[static_cast<std::size_t>(v)];
         return piece;
     }
 
@@ -399,17 +408,17 @@ private:
     const CutSurface& surface_;
     const TriangleMesh& mesh_;
     std::span<const PreparedCut> cuts_;
-    std::vector<Vec3> added_;                                    // places of the points that cuts add
-    std::unordered_map<std::int32_t, Vec3> moved_;               // places of moved vertices of the body
-    std::vector<std::vector<std::int32_t>> capIds_;              // per cut: ids of the points of its region
-    std::map<std::int32_t, std::vector<EdgePoint>> onEdge_;      // per edge
-    std::unordered_map<std::int32_t, int> runs_;                 // edges that a loop runs along, and its cut
-    std::map<std::int32_t, std::vector<Chord>> chords_;          // per triangle, ascending by cut
-    std::vector<CutSide> cutSides_;                              // their front parts on the left
-    std::vector<std::int32_t> whole_;                            // per triangle its polygon, -1: touched by a cut
+    std::vector<Vec3> added_;                                // places of the points that cuts add
+    std::unordered_map<std::int32_t, Vec3> moved_;           // places of moved vertices of the body
+    std::vector<std::vector<std::int32_t>> capIds_;          // per cut: ids of the points of its region
+    std::map<std::int32_t, std::vector<EdgePoint>> onEdge_;  // per edge
+    std::unordered_map<std::int32_t, int> runs_;             // edges that a loop runs along, and its cut
+    std::map<std::int32_t, std::vector<Chord>> chords_;      // per triangle, ascending by cut
+    std::vector<CutSide> cutSides_;                          // their front parts on the left
+    std::vector<std::int32_t> whole_;                        // per triangle its polygon, -1: touched by a cut
     std::vector<Polygon> polygons_;
-    UnionFind sets_{0};                                          // of polygons
-    std::vector<std::int32_t> front_, back_;                     // per cut, a polygon on each side
+    UnionFind sets_{0};                       // of polygons
+    std::vector<std::int32_t> front_, back_;  // per cut, a polygon on each side
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -22,6 +23,8 @@ namespace {
 constexpr double kStandsOut = 0.03;
 /// Volume of a small part over that of all.
 constexpr double kSmall = 0.02;
+/// Volume of parts that touch no other over that of the largest, below which they follow it.
+constexpr double kApart = 0.1;
 /// Open parts of less area than this, over that of all, are left out wherever they are: whiskers, feathers.
 constexpr double kLittleArea = 0.01;
 
@@ -137,6 +140,13 @@ Sorted sortSurfaces(const TriangleMesh& mesh) {
     return sorted;
 }
 
+/// A part that the others carry, with its cavities.
+void leaveOut(Sorted& sorted, std::size_t shell) {
+    sorted.role[shell] = Role::Small;
+    for (std::size_t i = 0; i < sorted.role.size(); ++i)
+        if (sorted.role[i] == Role::Cavity && at(sorted.shells.shells[i].parent) == shell) sorted.role[i] = Role::Inside;
+}
+
 /// Small closed parts on others.
 void findSmall(const TriangleMesh& mesh, double diagonal, Sorted& sorted) {
     double volume = 0.0;
@@ -155,11 +165,7 @@ void findSmall(const TriangleMesh& mesh, double diagonal, Sorted& sorted) {
     if (small.empty() || large.empty()) return;
     const Standing standing(mesh, large);
     for (const std::size_t i : small)
-        if (standing.of(mesh, sorted.shells.shells[i].triangles, kStandsOut * diagonal) <= kStandsOut * diagonal) sorted.role[i] = Role::Small;
-    for (std::size_t i = 0; i < sorted.role.size(); ++i) {  // with what is inside of them
-        const int parent = sorted.shells.shells[i].parent;
-        if (sorted.role[i] == Role::Cavity && sorted.role[at(parent)] == Role::Small) sorted.role[i] = Role::Inside;
-    }
+        if (standing.of(mesh, sorted.shells.shells[i].triangles, kStandsOut * diagonal) <= kStandsOut * diagonal) leaveOut(sorted, i);
 }
 
 /// Whether what encloses nothing may be left out.
@@ -173,38 +179,37 @@ bool openPiecesFollow(const TriangleMesh& mesh, double diagonal, const Sorted& s
     });
 }
 
-/// Closed surfaces that touch become one. Empty where CGAL cannot.
-std::optional<std::vector<TriangleMesh>> unitedBodies(std::vector<TriangleMesh> bodies, std::size_t& unions, const Progress& progress) {
+/// The sets of bodies that touch each other, directly or by others.
+UnionFind touching(const std::vector<TriangleMesh>& bodies, const Progress& progress) {
     std::vector<Bounds> box;
     for (const TriangleMesh& b : bodies) box.push_back(boundsOf(b.vertices));
     UnionFind groups(bodies.size());
     for (std::size_t i = 0; i < bodies.size(); ++i)
         for (std::size_t j = i + 1; j < bodies.size(); ++j) {
             if ((box[i].low.array() > box[j].high.array()).any() || (box[j].low.array() > box[i].high.array()).any()) continue;
-            if (progress.cancelled()) return std::nullopt;
-            if (surfacesMeet(bodies[i], bodies[j])) groups.unite(static_cast<std::int32_t>(i), static_cast<std::int32_t>(j));
+            if (progress.cancelled()) return groups;
+            const auto a = static_cast<std::int32_t>(i), b = static_cast<std::int32_t>(j);
+            if (groups.find(a) != groups.find(b) && surfacesMeet(bodies[i], bodies[j])) groups.unite(a, b);
         }
-    // Each member joins when it touches what its group has become, so that every step is a union of two that meet.
-    std::vector<TriangleMesh> out;
-    for (std::int32_t g = 0; g < static_cast<std::int32_t>(bodies.size()); ++g) {
-        if (groups.find(g) != g) continue;
-        TriangleMesh whole = std::move(bodies[at(g)]);
-        std::vector<std::int32_t> waiting;
-        for (std::int32_t i = g + 1; i < static_cast<std::int32_t>(bodies.size()); ++i)
-            if (groups.find(i) == g) waiting.push_back(i);
-        while (!waiting.empty()) {
-            if (progress.cancelled()) return std::nullopt;
-            const auto next = std::find_if(waiting.begin(), waiting.end(), [&](std::int32_t i) { return surfacesMeet(whole, bodies[at(i)]); });
-            if (next == waiting.end()) break;  // the others lie inside by now
-            std::optional<TriangleMesh> both = unite(whole, bodies[at(*next)]);
-            if (!both) return std::nullopt;
-            whole = std::move(*both);
-            waiting.erase(next);
-            ++unions;
-        }
-        out.push_back(std::move(whole));
+    return groups;
+}
+
+/// Bodies that touch each other as one. Each joins when it touches what the others have become, so that every step is a union of two that meet. Empty where
+/// CGAL cannot, or when cancelled.
+std::optional<TriangleMesh> united(std::vector<TriangleMesh> bodies, std::size_t& unions, const Progress& progress) {
+    TriangleMesh whole = std::move(bodies.front());
+    bodies.erase(bodies.begin());
+    while (!bodies.empty()) {
+        if (progress.cancelled()) return std::nullopt;
+        const auto next = std::find_if(bodies.begin(), bodies.end(), [&](const TriangleMesh& b) { return surfacesMeet(whole, b); });
+        if (next == bodies.end()) break;  // the others lie inside by now
+        std::optional<TriangleMesh> both = unite(whole, *next);
+        if (!both) return std::nullopt;
+        whole = std::move(*both);
+        bodies.erase(next);
+        ++unions;
     }
-    return out;
+    return whole;
 }
 
 /// A union without its voids, which nobody modelled, and without the flat triangles that it leaves.
@@ -245,21 +250,49 @@ Result<MendedSurface> mendedBody(const PreparedSurface& surface, const Progress&
 
     MendedSurface out;
     std::vector<TriangleMesh> bodies;
+    std::vector<std::size_t> shellOf;  // of the bodies
+    for (std::size_t i = 0; i < sorted.role.size(); ++i) {
+        if (sorted.role[i] != Role::Body) continue;
+        const Shells::Shell& shell = sorted.shells.shells[i];
+        bodies.push_back(taken(mesh, shell.triangles, shell.volume < 0.0));
+        shellOf.push_back(i);
+    }
+    UnionFind sets = touching(bodies, progress);
+    std::map<std::int32_t, std::vector<std::size_t>> groups;
+    for (std::size_t b = 0; b < bodies.size(); ++b) groups[sets.find(static_cast<std::int32_t>(b))].push_back(b);
+    const auto volumeOf = [&](const std::vector<std::size_t>& group) {
+        double sum = 0.0;
+        for (const std::size_t b : group) sum += std::abs(sorted.shells.shells[shellOf[b]].volume);
+        return sum;
+    };
+    double largest = 0.0;
+    for (const auto& [first, group] : groups) largest = std::max(largest, volumeOf(group));
+    std::vector<TriangleMesh> pieces;
+    std::size_t unions = 0, apart = 0;
+    for (const auto& [first, group] : groups) {
+        if (volumeOf(group) < kApart * largest) {
+            apart += group.size();
+            for (const std::size_t b : group) leaveOut(sorted, shellOf[b]);
+            continue;
+        }
+        std::vector<TriangleMesh> members;
+        for (const std::size_t b : group) members.push_back(std::move(bodies[b]));
+        std::optional<TriangleMesh> one = united(std::move(members), unions, progress);
+        if (progress.cancelled()) return fail(kCancelled, "Cancelled.");
+        if (!one) return notMendable("parts of it cross each other in a way that leaves no clear surface");
+        pieces.push_back(std::move(*one));
+    }
     std::size_t turned = 0, inside = 0, small = 0;
     for (std::size_t i = 0; i < sorted.role.size(); ++i) {
-        const Shells::Shell& shell = sorted.shells.shells[i];
-        inside += sorted.role[i] == Role::Inside && shell.volume != 0.0;
+        const double volume = sorted.shells.shells[i].volume;
+        inside += sorted.role[i] == Role::Inside && volume != 0.0;
         small += sorted.role[i] == Role::Small;
-        if (sorted.role[i] != Role::Body) continue;
-        turned += shell.volume < 0.0;
-        bodies.push_back(taken(mesh, shell.triangles, shell.volume < 0.0));
+        if (sorted.role[i] == Role::Small) out.volumeLeftOut += std::abs(volume);
+        turned += sorted.role[i] == Role::Body && volume < 0.0;
     }
-    std::size_t unions = 0;
-    auto united = unitedBodies(std::move(bodies), unions, progress);
-    if (progress.cancelled()) return fail(kCancelled, "Cancelled.");
-    if (!united) return notMendable("parts that cross each other also cross themselves");
+    small -= apart;
 
-    out.whole = unions + inside + small + sorted.openPieces.size() == 0;
+    out.whole = unions + inside + small + apart + sorted.openPieces.size() == 0;
     out.vertexOf.assign(static_cast<std::size_t>(mesh.vertices.rows()), -1);
     if (unions == 0) {  // triangles and vertices in their order
         TriangleMesh turnedMesh = mesh;
@@ -276,7 +309,7 @@ Result<MendedSurface> mendedBody(const PreparedSurface& surface, const Progress&
         for (std::size_t i = 0; i < vertices.size(); ++i) out.vertexOf[at(vertices[i])] = static_cast<std::int32_t>(i);
         out.mesh = taken(turnedMesh, kept, false);
     } else {
-        for (const TriangleMesh& b : *united) append(out.mesh, b);
+        for (const TriangleMesh& b : pieces) append(out.mesh, b);
         out.mesh = tidied(out.mesh);
         for (std::size_t i = 0; i < sorted.role.size(); ++i)
             if (sorted.role[i] == Role::Cavity) append(out.mesh, taken(mesh, sorted.shells.shells[i].triangles, sorted.shells.shells[i].inverted()));
@@ -292,6 +325,9 @@ Result<MendedSurface> mendedBody(const PreparedSurface& surface, const Progress&
     if (unions > 0) out.issues.push_back(note(Severity::Info, "united", counted(unions + 1, "part that overlaps another was", "parts that overlap were") + " united.", unions + 1));
     if (inside > 0) out.issues.push_back(note(Severity::Info, "inside", counted(inside, "part inside of another was", "parts inside of others were") + " left out; the flesh around carries them.", inside));
     if (small > 0) out.issues.push_back(note(Severity::Info, "small-part", counted(small, "small part was", "small parts were") + " left out; the body carries them.", small));
+    if (apart > 0) out.issues.push_back(note(Severity::Info, "apart", counted(apart, "part that touches no other was", "parts that touch no others were") + " left out; the body carries them.", apart));
+    if (pieces.size() > 1)
+        out.issues.push_back(note(Severity::Warning, "components", "The body consists of " + std::to_string(pieces.size()) + " parts that touch nowhere: give each a bone, or import them as separate elements.", pieces.size()));
     if (!sorted.openPieces.empty())
         out.issues.push_back(note(Severity::Info, "open-part", counted(sorted.openPieces.size(), "open part was", "open parts were") + " left out; the body carries them.",
                                   sorted.openPieces.size()));

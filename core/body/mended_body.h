@@ -14,6 +14,7 @@ namespace imomushi {
 struct MendedSurface {
     TriangleMesh mesh;                   ///< closed, outward
     std::vector<std::int32_t> vertexOf;  ///< per vertex of the prepared mesh its vertex here, -1: none
+    double volumeLeftOut = 0.0;          ///< of closed parts that the body carries, m^3
     bool whole = false;                  ///< all of the prepared mesh, triangle by triangle
     std::vector<MeshIssue> issues;
 };

@@ -89,7 +89,8 @@ public:
             bool stuck = false;
             std::vector<std::int32_t> release = pinches(chosen, stuck);
             if (stuck)
-                return fail("section-touches-itself", "The section touches itself in a point, so that the pieces would hang together there; move or turn the plane a little.");
+                return fail("section-touches-itself",
+                            "The section touches itself in a point, so that the pieces would hang together there; move or turn the plane a little.");
             std::vector<std::pair<std::int32_t, Vec3>> moved;
             if (release.empty()) moved = moves(chosen, release);
             if (release.empty()) return sectionOf(chosen, std::move(moved));
@@ -203,7 +204,8 @@ private:
             if (loops_[h].area >= 0.0) continue;
             std::size_t around = loops_.size();
             for (std::size_t o = 0; o < loops_.size(); ++o)
-                if (loops_[o].area > -loops_[h].area && (around == loops_.size() || loops_[o].area < loops_[around].area) && liesIn(loops_[h], loops_[o])) around = o;
+                if (loops_[o].area > -loops_[h].area && (around == loops_.size() || loops_[o].area < loops_[around].area) && liesIn(loops_[h], loops_[o]))
+                    around = o;
             if (around < loops_.size()) holes[around].push_back(h);
         }
         std::vector<std::size_t> chosen;
@@ -245,8 +247,8 @@ private:
         return result;
     }
 
-    /// Slides the vertices of the loops onto the plane, one after the other: down to it, and within it so far that the volume of the body stays. The volume is linear in the
-    /// place of one vertex. `release` gets those that would move too far.
+    /// Slides the vertices of the loops onto the plane, one after the other: down to it, and within it so far that the volume of the body stays, which is
+    /// linear in the place of one vertex. `release` gets those that would move too far.
     [[nodiscard]] std::vector<std::pair<std::int32_t, Vec3>> moves(const std::vector<std::size_t>& chosen, std::vector<std::int32_t>& release) const {
         std::vector<std::pair<std::int32_t, Vec3>> moved;
         for (const std::size_t l : chosen)
@@ -320,11 +322,13 @@ private:
 
 }  // namespace
 
-CutSurface::CutSurface(const TriangleMesh& body) : mesh(body), edges(body.triangles), corners(body), diagonal(diagonalOf(body.vertices)), volume(enclosedVolume(body.vertices, body.triangles)) {
+CutSurface::CutSurface(const TriangleMesh& body)
+    : mesh(body), edges(body.triangles), corners(body), diagonal(diagonalOf(body.vertices)), volume(enclosedVolume(body.vertices, body.triangles)) {
     height.assign(static_cast<std::size_t>(mesh.vertices.rows()), HUGE_VAL);
     for (std::int32_t f = 0; f < mesh.triangles.rows(); ++f) {
         double longest = 0.0;
-        for (int k = 0; k < 3; ++k) longest = std::max(longest, (mesh.vertices.row(mesh.triangles(f, k)) - mesh.vertices.row(mesh.triangles(f, (k + 1) % 3))).norm());
+        for (int k = 0; k < 3; ++k)
+            longest = std::max(longest, (mesh.vertices.row(mesh.triangles(f, k)) - mesh.vertices.row(mesh.triangles(f, (k + 1) % 3))).norm());
         const double h = longest > 0.0 ? areaVector(mesh, f).norm() / longest : 0.0;
         for (int k = 0; k < 3; ++k) {
             double& least = height[static_cast<std::size_t>(mesh.triangles(f, k))];
@@ -334,7 +338,8 @@ CutSurface::CutSurface(const TriangleMesh& body) : mesh(body), edges(body.triang
 }
 
 Result<Section> findSection(const CutSurface& surface, const CutPlane& plane) {
-    if (!allFinite(plane.origin) || !allFinite(plane.normal) || !(plane.normal.cwiseAbs().maxCoeff() > 0.0) || plane.origin.cwiseAbs().maxCoeff() > kMaxCoordinate)
+    if (!allFinite(plane.origin) || !allFinite(plane.normal) || !(plane.normal.cwiseAbs().maxCoeff() > 0.0) ||
+        plane.origin.cwiseAbs().maxCoeff() > kMaxCoordinate)
         return fail("bad-value", "The plane needs an origin within 1e9 m and a normal that is finite and not zero.");
     return Finder(surface, plane).find();
 }

@@ -2,6 +2,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 #include <tuple>
 
 #include "core/base/union_find.h"
@@ -12,6 +14,8 @@ namespace {
 
 /// Of the whole area: hanging triangles beyond it are a part of the shape.
 constexpr double kHanging = 0.05;
+/// Of the whole area: walls beyond it are a part of the shape.
+constexpr double kWalls = 0.2;
 
 double faceArea(const MendSurface& s, const MendFace& f) {
     const Vec3 a = s.points.row(f.v[0]), b = s.points.row(f.v[1]), c = s.points.row(f.v[2]);
@@ -47,6 +51,82 @@ std::size_t dropHanging(MendSurface& s) {
         std::size_t i = 0;
         std::erase_if(s.faces, [&](const MendFace&) { return hanging[i++] != 0; });
     }
+}
+
+/// Walls inside of flesh: pieces of surface whose rim lies on edges that are sound without them, or two such pieces with the same rim. Smallest first:
+/// a wall is smaller than what it divides.
+std::size_t dropWalls(MendSurface& s) {
+    const EdgeTable edges(s.triangles());
+    UnionFind pieces(s.faces.size());
+    for (int e = 0; e < edges.size(); ++e)
+        if (const auto uses = edges.uses(e); uses.size() == 2) pieces.unite(uses[0].triangle, uses[1].triangle);
+    struct Piece {
+        std::vector<int> rim;
+        std::vector<std::int32_t> faces;
+        double area = 0.0;
+        bool free = false;  // ends somewhere in the open
+    };
+    std::map<std::int32_t, Piece> byFirst;
+    double whole = 0.0;
+    for (std::int32_t f = 0; f < static_cast<std::int32_t>(s.faces.size()); ++f) {
+        Piece& piece = byFirst[pieces.find(f)];
+        piece.faces.push_back(f);
+        const double area = faceArea(s, s.faces[at(f)]);
+        piece.area += area;
+        whole += area;
+        for (int k = 0; k < 3; ++k) {
+            const int e = edges.edgeOf(f, k);
+            const std::size_t uses = edges.uses(e).size();
+            piece.free = piece.free || uses == 1;
+            if (uses > 2) piece.rim.push_back(e);
+        }
+    }
+    std::map<std::vector<int>, std::vector<Piece>> byRim;
+    for (auto& [first, piece] : byFirst) {
+        if (piece.free || piece.rim.empty()) continue;
+        std::sort(piece.rim.begin(), piece.rim.end());
+        byRim[piece.rim].push_back(std::move(piece));
+    }
+    struct Wall {
+        double area;
+        std::vector<int> rim;
+        std::vector<std::int32_t> faces;
+    };
+    std::vector<Wall> walls;
+    for (auto& [rim, same] : byRim) {
+        std::stable_sort(same.begin(), same.end(), [](const Piece& a, const Piece& b) { return a.area < b.area; });
+        walls.push_back({same[0].area, rim, same[0].faces});
+        if (same.size() < 2) continue;
+        Wall both{same[0].area + same[1].area, rim, same[0].faces};
+        both.faces.insert(both.faces.end(), same[1].faces.begin(), same[1].faces.end());
+        walls.push_back(std::move(both));
+    }
+    std::stable_sort(walls.begin(), walls.end(), [](const Wall& a, const Wall& b) { return a.area < b.area; });
+    std::vector<char> gone(s.faces.size(), 0);
+    std::size_t dropped = 0;
+    double area = 0.0;
+    for (const Wall& wall : walls) {
+        if (area + wall.area > kWalls * whole) break;
+        const std::set<std::int32_t> own(wall.faces.begin(), wall.faces.end());
+        std::size_t sound = 0, torn = 0;  // of the rim without the wall
+        for (const int e : wall.rim) {
+            int forward = 0, backward = 0;
+            for (const EdgeUse& use : edges.uses(e)) {
+                if (gone[at(use.triangle)] || own.contains(use.triangle)) continue;
+                ++(use.forward ? forward : backward);
+            }
+            sound += forward == 1 && backward == 1;
+            torn += forward + backward < 2;
+        }
+        // Where two walls meet, more than two triangles are left until both are gone.
+        if (gone[at(wall.faces.front())] || torn > 0 || 2 * sound <= wall.rim.size()) continue;
+        for (const std::int32_t f : wall.faces) gone[at(f)] = 1;
+        area += wall.area;
+        ++dropped;
+    }
+    std::size_t i = 0;
+    std::erase_if(s.faces, [&](const MendFace&) { return gone[i++] != 0; });
+    return dropped;
 }
 
 std::int32_t cornerAt(const MendSurface& s, std::int32_t f, std::int32_t v) {
@@ -102,7 +182,8 @@ bool separateNonManifold(MendSurface& s) {
     const std::size_t pinched = nonManifoldVertices(s.triangles(), edges).size();
     if (crowded == 0 && pinched == 0) return false;
     const std::size_t hanging = crowded > 0 ? dropHanging(s) : 0;
-    if (hanging > 0) edges = EdgeTable(s.triangles());
+    const std::size_t walls = crowded > 0 ? dropWalls(s) : 0;
+    if (hanging + walls > 0) edges = EdgeTable(s.triangles());
 
     UnionFind fans(s.faces.size() * 3);
     for (int e = 0; e < edges.size(); ++e) {
@@ -136,6 +217,7 @@ bool separateNonManifold(MendSurface& s) {
         s.say("non-manifold-edge", counted(crowded, "edge with more than two triangles was", "edges with more than two triangles were") + " separated" +
                                        (hanging > 0 ? ", and " + counted(hanging, "triangle that hung on them was", "triangles that hung on them were") + " left out." : "."),
               crowded);
+    if (walls > 0) s.say("inner-wall", counted(walls, "wall inside of the flesh was", "walls inside of the flesh were") + " left out.", walls);
     if (pinched > 0) s.say("non-manifold-vertex", counted(pinched, "vertex", "vertices") + " in which the surface touched itself became one for each side.", pinched);
     return true;
 }

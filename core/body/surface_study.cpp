@@ -21,7 +21,7 @@ constexpr double kDetour = 3.5;
 /// Vertices that the way over the surface may visit: a fine mesh whose walls are that far apart has a gap.
 constexpr std::size_t kVisits = 4000;
 /// Rays look along the normal and this far to four sides of it.
-constexpr double kTilt = 0.5;
+constexpr double kTilt = 1.0;
 /// Starts of rays before the surface, in diagonals: above rounding.
 constexpr double kStart = 1e-9;
 constexpr std::int32_t kLeaf = 4;
@@ -35,7 +35,8 @@ public:
 
     /// Whether a way of at most `longest` leads from a point in triangle f to a point in triangle g.
     bool reach(std::int32_t f, const Vec3& from, std::int32_t g, const Vec3& to, double longest) const {
-        if (f == g) return true;
+        for (int k = 0; k < 9; ++k)  // neighbours, whose corners may be far away
+            if (mesh_.triangles(f, k % 3) == mesh_.triangles(g, k / 3)) return true;
         using Entry = std::pair<double, std::int32_t>;
         std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
         std::unordered_map<std::int32_t, double> best;
@@ -97,7 +98,9 @@ std::vector<SurfaceSample> studySurface(const TriangleMesh& mesh, const RayTree&
                 const Vec3 across = (n + kTilt * tilts[static_cast<std::size_t>(ray)]).normalized();
                 const RayTree::Hit hit = rays.first(sample.point + kStart * across, across, std::min(reach, sample.gap), f);
                 if (hit.triangle < 0 || areaVector(mesh, hit.triangle).dot(across) >= 0.0 || hit.distance <= kStart) continue;
-                if (!ways.reach(f, sample.point, hit.triangle, sample.point + hit.distance * across, kDetour * hit.distance)) {
+                if (ways.reach(f, sample.point, hit.triangle, sample.point + hit.distance * across, kDetour * hit.distance)) {
+                    sample.crease = std::min(sample.crease, hit.distance);
+                } else {
                     sample.gap = hit.distance;
                     sample.across = across;
                 }
@@ -110,7 +113,7 @@ std::vector<SurfaceSample> studySurface(const TriangleMesh& mesh, const RayTree&
     return out;
 }
 
-SizeField::SizeField(std::vector<Source> sources, double coarsest, double growth) : coarsest_(coarsest), growth_(growth) {
+SizeField::SizeField(std::vector<Source> sources, double coarsest, double growth, double around) : coarsest_(coarsest), growth_(growth), around_(around) {
     // From the finest on: those that a finer one already answers for are left out.
     std::stable_sort(sources.begin(), sources.end(), [](const Source& a, const Source& b) { return a.size < b.size; });
     std::unordered_map<std::int64_t, std::vector<std::int32_t>> cells;
@@ -169,14 +172,15 @@ double SizeField::at(const Vec3& point) const {
     while (count > 0) {
         const std::int32_t n = open[--count];
         const Node& node = nodes_[static_cast<std::size_t>(n)];
-        if (node.size + growth_ * (node.low - point).cwiseMax(point - node.high).cwiseMax(0.0).norm() >= best) continue;
+        if (node.size + growth_ * std::max(0.0, (node.low - point).cwiseMax(point - node.high).cwiseMax(0.0).norm() - around_) >= best) continue;
         if (node.right >= 0) {
             open[count++] = node.right;
             open[count++] = n + 1;
             continue;
         }
         for (std::int32_t i = node.begin; i < node.end; ++i)
-            best = std::min(best, sources_[static_cast<std::size_t>(i)].size + growth_ * (sources_[static_cast<std::size_t>(i)].point - point).norm());
+            best = std::min(best, sources_[static_cast<std::size_t>(i)].size +
+                                      growth_ * std::max(0.0, (sources_[static_cast<std::size_t>(i)].point - point).norm() - around_));
     }
     return best;
 }

@@ -17,6 +17,7 @@ struct SurfaceSample {
     Vec3 point, normal;
     double gap = std::numeric_limits<double>::infinity();    ///< to another part of the surface in front; infinite: none within reach
     Vec3 across = Vec3::Zero();                              ///< from the point to the other side of the gap, unit
+    double crease = std::numeric_limits<double>::infinity(); ///< to a wall in front that is no gap but the other side of a crease
     double thickness = std::numeric_limits<double>::infinity();  ///< to the far side of the flesh; infinite: none within reach
 };
 
@@ -31,8 +32,8 @@ public:
         Vec3 point;
         double size;
     };
-    /// size(x) = min(coarsest, min over sources of (size + growth |x - point|))
-    SizeField(std::vector<Source> sources, double coarsest, double growth);
+    /// size(x) = min(coarsest, min over sources of (size + growth max(0, |x - point| - around)))
+    SizeField(std::vector<Source> sources, double coarsest, double growth, double around);
     [[nodiscard]] double at(const Vec3& point) const;
     [[nodiscard]] double coarsest() const { return coarsest_; }
     [[nodiscard]] double finest() const { return nodes_.empty() ? coarsest_ : nodes_.front().size; }
@@ -48,7 +49,7 @@ private:
 
     std::vector<Source> sources_;
     std::vector<Node> nodes_;
-    double coarsest_, growth_;
+    double coarsest_, growth_, around_;
 };
 
 }  // namespace imomushi

@@ -24,11 +24,12 @@ constexpr int kSamples = 6000;           ///< a patch of a 75th of the size of a
 constexpr double kCoarsest = 1.0 / 80.0;   ///< alpha where nothing asks for less
 constexpr double kFinest = 1.0 / 500.0;    ///< alpha in gaps: seconds
 constexpr double kFinestLimb = 1.0 / 300.0;  ///< alpha on thin limbs and fins
+constexpr double kFinestCrease = 1.0 / 200.0; ///< alpha in creases, which it rounds
 constexpr double kGapPart = 0.4;         ///< of a gap: the ball of alpha rolls in and touches both walls at .5
 constexpr double kLimbPart = 0.15;       ///< of a thickness: a round limb gets some twenty sides
 constexpr double kGrowth = 0.3;          ///< of alpha with the distance: neighbouring triangles differ by a third
 constexpr double kMatters = 2e-3;        ///< area of gaps over the whole below which they are noise
-constexpr double kOffset = 0.05;         ///< of the finest alpha
+constexpr double kOffset = 0.2;         ///< of the finest alpha
 constexpr double kDensity = 1.2;         ///< vertices of a wrap per area over alpha squared, measured
 constexpr double kMostVertices = 60000;  ///< of a wrap that is chosen by itself: some ten seconds
 constexpr std::size_t kMostAsked = 400000;  ///< of one that was asked for
@@ -36,21 +37,23 @@ constexpr std::size_t kBodyVertices = 8000;
 constexpr double kReach = 0.25;          ///< of rays
 constexpr std::size_t kDeep = 200;       ///< places in the flesh that must be inside of the wrap
 constexpr double kHollow = 0.05;         ///< of them may be outside
+constexpr double kIsland = 1e-3;          ///< volume over that of the largest surface of a wrap, below which one is dropped
 constexpr double kNear = 0.05;           ///< closed gaps that near are one place
 constexpr std::size_t kPlaces = 16;
 constexpr std::size_t kCrossings = 1000;
 
-SizeField sizesFor(const std::vector<SurfaceSample>& samples, double finest, double coarsest) {
+SizeField sizesFor(const std::vector<SurfaceSample>& samples, double spacing, double finest, double coarsest) {
     std::size_t gaps = 0;
     for (const SurfaceSample& s : samples) gaps += kGapPart * s.gap < coarsest;
     const bool gapsMatter = static_cast<double>(gaps) > kMatters * static_cast<double>(samples.size());
     std::vector<SizeField::Source> sources;
     for (const SurfaceSample& s : samples) {
         double size = std::max(kLimbPart * s.thickness, std::max(finest, kFinestLimb));
+        size = std::min(size, std::max(kGapPart * s.crease, std::max(finest, kFinestCrease)));
         if (gapsMatter) size = std::min(size, std::max(kGapPart * s.gap, finest));
         if (size < coarsest) sources.push_back({s.point, size});
     }
-    return SizeField(std::move(sources), coarsest, kGrowth);
+    return SizeField(std::move(sources), coarsest, kGrowth, spacing);
 }
 
 double expectedVertices(const SizeField& sizes, const std::vector<SurfaceSample>& samples, double area) {
@@ -63,14 +66,53 @@ double expectedVertices(const SizeField& sizes, const std::vector<SurfaceSample>
 }
 
 /// Places that clearly are inside of flesh.
-std::vector<Vec3> deepPlaces(const TriangleMesh& mesh, const std::vector<SurfaceSample>& samples) {
+std::vector<Vec3> deepPlaces(const TriangleMesh& mesh, const std::vector<SurfaceSample>& samples, const Progress& progress) {
     std::vector<Vec3> places;
     const std::size_t step = samples.size() / kDeep + 1;
-    for (std::size_t i = 0; i < samples.size(); i += step) {
+    for (std::size_t i = 0; i < samples.size() && !progress.cancelled(); i += step) {
         const Vec3 p = samples[i].point - std::min(0.5 * samples[i].thickness, 0.02) * samples[i].normal;
         if (windingNumber(mesh, p) > 0.7) places.push_back(p);
     }
+    if (10 * places.size() < samples.size() / step) places.clear();  // sheets: what lies between them is by chance
     return places;
+}
+
+/// Without the islands that stay in gaps where the ball went around them.
+TriangleMesh withoutIslands(const TriangleMesh& wrap) {
+    const EdgeTable edges(wrap.triangles);
+    int count = 0;
+    const std::vector<std::int32_t> component = edgeComponents(wrap.triangles, edges, count);
+    if (count == 1) return wrap;
+    std::vector<double> volume(static_cast<std::size_t>(count), 0.0);
+    for (std::int32_t f = 0; f < wrap.triangles.rows(); ++f)
+        volume[static_cast<std::size_t>(component[static_cast<std::size_t>(f)])] += areaVector(wrap, f).dot(wrap.vertices.row(wrap.triangles(f, 0))) / 6.0;
+    const double least = kIsland * *std::max_element(volume.begin(), volume.end());
+    TriangleMesh out;
+    std::vector<std::int32_t> number(static_cast<std::size_t>(wrap.vertices.rows()), -1), vertices;
+    out.triangles.resize(wrap.triangles.rows(), 3);
+    Eigen::Index faces = 0;
+    for (std::int32_t f = 0; f < wrap.triangles.rows(); ++f) {
+        if (volume[static_cast<std::size_t>(component[static_cast<std::size_t>(f)])] < least) continue;
+        for (int k = 0; k < 3; ++k) {
+            std::int32_t& n = number[static_cast<std::size_t>(wrap.triangles(f, k))];
+            if (n < 0) {
+                n = static_cast<std::int32_t>(vertices.size());
+                vertices.push_back(wrap.triangles(f, k));
+            }
+            out.triangles(faces, k) = n;
+        }
+        ++faces;
+    }
+    out.triangles.conservativeResize(faces, 3);
+    out.vertices = wrap.vertices(vertices, Eigen::all);
+    return out;
+}
+
+bool hasHoles(const TriangleMesh& mesh) {
+    const EdgeTable edges(mesh.triangles);
+    for (int e = 0; e < edges.size(); ++e)
+        if (edges.uses(e).size() == 1) return true;
+    return false;
 }
 
 bool hollow(const TriangleMesh& wrap, const std::vector<Vec3>& deep) {
@@ -166,34 +208,58 @@ Result<WrappedSurface> wrappedBody(const TriangleMesh& mesh, double detail, doub
     const std::vector<SurfaceSample> samples = studySurface(unit, rays, kSamples, kReach, progress);
     if (progress.cancelled()) return fail(kCancelled, "Cancelled.");
     if (samples.empty()) return fail("no-volume", "The mesh has no area: choose another file.");
-    const std::vector<Vec3> deep = deepPlaces(unit, samples);
+    const std::vector<Vec3> deep = deepPlaces(unit, samples, progress);
 
+    const double area = surfaceArea(unit);
+    const double spacing = std::sqrt(area / static_cast<double>(samples.size()));
     double coarsest = detail > 0.0 ? detail : kCoarsest;
     double finest = detail > 0.0 ? detail : kFinest;
-    const auto sizes = [&] { return detail > 0.0 ? SizeField({}, detail, kGrowth) : sizesFor(samples, finest, coarsest); };
+    const auto sizes = [&] { return detail > 0.0 ? SizeField({}, detail, kGrowth, 0.0) : sizesFor(samples, spacing, finest, coarsest); };
     SizeField field = sizes();
     if (detail == 0.0) {
-        const double area = surfaceArea(unit);
+        while (coarsest < kCoarsestDetail && kDensity * area / (coarsest * coarsest) > kMostVertices / 2) coarsest *= 1.15;
         while (finest < coarsest && expectedVertices(field, samples, area) > kMostVertices) {
             finest *= 1.15;
             field = sizes();
         }
     }
+    const auto wrapped = [&]() -> Result<TriangleMesh> {
+        WrapSetting wanted;
+        wanted.alpha = [&field](const Vec3& p) { return field.at(p); };
+        wanted.coarsest = field.coarsest();
+        wanted.offset = kOffset * field.finest();
+        // One that falls through a hole has two sides and is given up early.
+        wanted.mostVertices = detail > 0.0 ? kMostAsked : 5000 + static_cast<std::size_t>(1.6 * expectedVertices(field, samples, area));
+        auto wrap = wrapTriangles(unit, wanted, progress);
+        if (wrap) *wrap = withoutIslands(*wrap);
+        return wrap;
+    };
+    // A ball that falls through a hole leaves a hollow body: a larger one does not. Large ones are tried first, as they are quick.
     Result<TriangleMesh> wrap = fail("no-volume", "");
-    for (;;) {
-        progress.report("wrap", 0.1);
-        WrapSetting setting;
-        setting.alpha = [&field](const Vec3& p) { return field.at(p); };
-        setting.coarsest = field.coarsest();
-        setting.offset = kOffset * field.finest();
-        setting.mostVertices = detail > 0.0 ? kMostAsked : static_cast<std::size_t>(4.0 * kMostVertices);
-        wrap = wrapTriangles(unit, setting, progress);
-        if (detail > 0.0 || (!wrap && wrap.error().code != "too-large")) break;
-        if (wrap && (coarsest >= kCoarsestDetail || !hollow(*wrap, deep))) break;
-        // A hole that the ball fell through: a larger one does not.
-        finest = 2.0 * field.finest();
-        coarsest = std::max(coarsest, finest);
-        field = sizes();
+    if (detail == 0.0 && hasHoles(unit)) {
+        const SizeField chosen = field;
+        const double first = coarsest;
+        for (;; coarsest = std::min(1.5 * coarsest, kCoarsestDetail)) {
+            field = SizeField({}, coarsest, kGrowth, 0.0);
+            wrap = wrapped();
+            const bool fell = wrap ? hollow(*wrap, deep) : wrap.error().code == "too-large";
+            if (!fell || coarsest >= kCoarsestDetail) break;
+        }
+        if (!wrap) return tl::unexpected(wrap.error());
+        // Then finer ones, each from the last on, until one falls through.
+        SizeField fitting = field;
+        for (double floor = coarsest / 2.0; coarsest == first && fitting.finest() > chosen.finest(); floor /= 2.0) {
+            finest = std::max(floor, chosen.finest());
+            field = sizes();
+            auto fine = wrapped();
+            if (!fine && fine.error().code != "too-large") return tl::unexpected(fine.error());
+            if (!fine || hollow(*fine, deep)) break;
+            wrap = std::move(fine);
+            fitting = field;
+        }
+        field = fitting;
+    } else {
+        wrap = wrapped();
     }
     if (!wrap) return tl::unexpected(wrap.error());
     progress.report("coarsen", 0.8);

@@ -163,8 +163,9 @@ const Character::Stats& Character::stats() const { return state_->frame.stats; }
 
 Character::Memory Character::memory(int element) const {
     const auto& e = state_->frame.elements[element];
-    return {e.blocks.responseBytes(), e.blocks.rest().bytes() + e.local.bytes() + e.positions.bytes() + e.normals.bytes() + e.runtime->stencils.size() * sizeof(NormalStencil) +
-                                           (e.runtime->embedded ? e.runtime->embedded->mapping.bytes() : 0)};
+    const std::size_t mapping = e.runtime->embedded ? e.runtime->embedded->mapping.bytes() : 0;
+    return {e.blocks.responseBytes(), e.blocks.rest().bytes() + e.local.bytes() + e.positions.bytes() + e.normals.bytes() +
+                                          e.runtime->stencils.size() * sizeof(NormalStencil) + mapping};
 }
 
 double Character::formatError(int element) const { return state_->frame.elements[element].blocks.error(); }

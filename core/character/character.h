@@ -175,7 +175,7 @@ public:
     };
     [[nodiscard]] const Stats& stats() const;
 
-    /// Bytes of an element that a frame reads and writes.
+    /// Bytes of an element that a frame reads and writes, its embedded points among them; without render meshes themselves.
     struct Memory {
         std::size_t response = 0;  ///< A' in the format of the input
         std::size_t surface = 0;   ///< everything that grows with vertices alone

@@ -140,7 +140,8 @@ void Character::State::splitWork(std::size_t e) {
         each = (each + grain - 1) / grain * grain;
         for (std::size_t i = 0, end = 0; i < count; i = end) {
             end = std::min(i + each, count);
-            if (!seen.empty()) end = static_cast<std::size_t>(std::find(seen.begin() + static_cast<std::ptrdiff_t>(i), seen.begin() + static_cast<std::ptrdiff_t>(end), !seen[i]) - seen.begin());
+            for (std::size_t k = i + 1; !seen.empty() && k < end; ++k)
+                if (seen[k] != seen[i]) end = k;
             pieces.push_back({static_cast<int>(e), i, end, !seen.empty() && !seen[i]});
         }
     };

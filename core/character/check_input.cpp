@@ -47,7 +47,8 @@ Result<void> checkEmbedded(const CharacterInput::Element& element) {
     const EmbeddedPoints& points = *element.embedded;
     const auto count = points.rest.rows();
     if (!allFinite(points.rest) || !allFinite(points.normals)) return bad("an embedded point or its normal is not a number");
-    if ((points.normals.rows() != 0 && points.normals.rows() != count) || (!points.bodyVertex.empty() && static_cast<Eigen::Index>(points.bodyVertex.size()) != count))
+    const auto many = [count](Eigen::Index given) { return given == 0 || given == count; };
+    if (!many(points.normals.rows()) || !many(static_cast<Eigen::Index>(points.bodyVertex.size())))
         return bad("the normals or body vertices of embedded points are not as many as the points");
     for (const auto v : points.bodyVertex)
         if (v < -1 || v >= element.mesh->body.vertices.rows()) return bad("an embedded point names a body vertex that is not there");
@@ -67,7 +68,8 @@ Result<void> checkRenderMeshes(const CharacterInput& input) {
     for (const auto& mesh : input.renderMeshes) {
         if (!mesh) return bad("a render mesh is missing");
         const auto count = static_cast<Eigen::Index>(mesh->vertices.size());
-        if (mesh->triangles.size() > 0 && (mesh->triangles.minCoeff() < 0 || mesh->triangles.maxCoeff() >= count)) return bad("a triangle of a render mesh has a corner that is not there");
+        if (mesh->triangles.size() > 0 && (mesh->triangles.minCoeff() < 0 || mesh->triangles.maxCoeff() >= count))
+            return bad("a triangle of a render mesh has a corner that is not there");
         if (mesh->normals.rows() != 0 && mesh->normals.rows() != count) return bad("the normals of a render mesh are not as many as its vertices");
         if (!allFinite(mesh->normals)) return bad("a normal of a render mesh is not a number");
         for (const auto& v : mesh->vertices) {

@@ -2,6 +2,7 @@
 #include "core/character/element_runtime.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "core/base/parallel.h"
 #include "core/character/normal_stencils.h"
@@ -18,8 +19,8 @@ bool sameFaces(const std::vector<JointFace>& a, const std::vector<JointFace>& b)
 }
 
 bool same(const ElementRuntime::Input& a, const ElementRuntime::Input& b) {
-    return a.mesh == b.mesh && a.response == b.response && a.format == b.format && a.tables == b.tables && (!(a.tables.warp || a.embedded) || a.nu == b.nu) && a.covered == b.covered &&
-           a.embedded == b.embedded && sameFaces(a.faces, b.faces);
+    return a.mesh == b.mesh && a.response == b.response && a.embedded == b.embedded && a.format == b.format && a.tables == b.tables &&
+           (!(a.tables.warp || a.embedded) || a.nu == b.nu) && a.covered == b.covered && sameFaces(a.faces, b.faces);
 }
 
 void findColumnSizes(ElementRuntime& out) {
@@ -77,24 +78,20 @@ Result<std::shared_ptr<const EmbeddedTables>> embed(const ElementRuntime& runtim
         for (const auto i : part.points) elsewhere[static_cast<std::size_t>(i)] = 1;
     for (std::size_t i = 0; i < count; ++i)
         if (!elsewhere[i]) out.rows.push_back(static_cast<std::int32_t>(out.first + i));
-    const std::size_t plain = out.rows.size();
-    const auto all = static_cast<Eigen::Index>(plain + EmbeddedTables::kFrameVertices * out.parts);
-    Points rest(all, 3), normals = Points::Zero(all, 3);
-    std::vector<std::int32_t> place(static_cast<std::size_t>(all));
-    for (std::size_t i = 0; i < plain; ++i) {
-        const auto from = static_cast<Eigen::Index>(static_cast<std::size_t>(out.rows[i]) - out.first), to = static_cast<Eigen::Index>(i);
-        rest.row(to) = points.rest.row(from);
-        if (points.normals.rows() > 0) normals.row(to) = points.normals.row(from);
-        place[i] = static_cast<std::int32_t>(i);
-    }
+    std::vector<std::int32_t> place(out.rows.size());
+    std::iota(place.begin(), place.end(), 0);
     for (std::size_t a = 0; a < out.parts; ++a)
         for (std::size_t k = 0; k < EmbeddedTables::kFrameVertices; ++k) {
-            const std::size_t i = plain + EmbeddedTables::kFrameVertices * a + k;
-            rest.row(static_cast<Eigen::Index>(i)) = points.attached[a].pivot.transpose();
-            if (k > 0) rest(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k - 1)) += out.reach;
-            place[i] = static_cast<std::int32_t>(i - k);
+            place.push_back(static_cast<std::int32_t>(out.rows.size() - k));  // that of its pivot
             out.rows.push_back(static_cast<std::int32_t>(out.frameOf(a) + k));
         }
+    const Points all = out.restOf(points);
+    Points rest(static_cast<Eigen::Index>(out.rows.size()), 3), normals = Points::Zero(rest.rows(), 3);
+    for (Eigen::Index i = 0; i < rest.rows(); ++i) {
+        const Eigen::Index from = out.rows[static_cast<std::size_t>(i)] - static_cast<Eigen::Index>(out.first);
+        rest.row(i) = all.row(from);
+        if (from < points.normals.rows()) normals.row(i) = points.normals.row(from);
+    }
     EmbeddedMapping::Input mapping;
     mapping.body = &given.mesh->body;
     mapping.faces = given.faces;
@@ -116,13 +113,7 @@ Eigen::MatrixXd wholeResponse(const ElementRuntime& runtime, const Eigen::Matrix
     const auto& body = given.mesh->body;
     Eigen::MatrixXd out = Eigen::MatrixXd::Zero(3 * body.vertices.rows(), response.cols());
     for (std::size_t i = 0; i < runtime.free.size(); ++i) out.middleRows<3>(3 * runtime.free[i]) = response.middleRows<3>(3 * static_cast<Eigen::Index>(i));
-    for (std::size_t f = 0; given.response && f < given.faces.size(); ++f) {
-        const auto& face = given.faces[f];
-        const FaceBasis& basis = given.response->bases[f];
-        int i = 0;
-        for (const auto v : face.vertices)
-            out.block(3 * v, given.response->firstColumn[f], 3, basis.columns()) = face.frame.axes * basis.at(face.frame.toLocal(body.vertices.row(v).transpose()), i++);
-    }
+    forHeldVertices(given, [&](std::int32_t v, int column, const Eigen::MatrixXd& block) { out.block(3 * v, column, 3, block.cols()) = block; });
     return out;
 }
 
@@ -140,19 +131,25 @@ ResponseBlocks blocksOf(ElementRuntime& runtime) {
     all.bottomRows(more) = embedded.mapping.apply(wholeResponse(runtime, response), hardwareThreads());
     Points rest = Points::Zero(static_cast<Eigen::Index>(embedded.first + embedded.count), 3);
     rest.topRows(body.rows()) = body;
-    rest.middleRows(static_cast<Eigen::Index>(embedded.first), given.embedded->rest.rows()) = given.embedded->rest;
-    for (std::size_t a = 0; a < embedded.parts; ++a)
-        for (std::size_t k = 0; k < EmbeddedTables::kFrameVertices; ++k) {
-            const auto row = static_cast<Eigen::Index>(embedded.frameOf(a) + k);
-            rest.row(row) = given.embedded->attached[a].pivot.transpose();
-            if (k > 0) rest(row, static_cast<Eigen::Index>(k - 1)) += embedded.reach;
-        }
+    rest.bottomRows(static_cast<Eigen::Index>(embedded.count)) = embedded.restOf(*given.embedded);
     std::vector<std::int32_t> rows = runtime.free;
     rows.insert(rows.end(), embedded.rows.begin(), embedded.rows.end());
     return {rest, rows, runtime.middle, all, given.format};
 }
 
 }  // namespace
+
+Points EmbeddedTables::restOf(const EmbeddedPoints& points) const {
+    Points rest(static_cast<Eigen::Index>(count), 3);
+    rest.topRows(points.rest.rows()) = points.rest;
+    Eigen::Index row = points.rest.rows();
+    for (const auto& part : points.attached)
+        for (int k = 0; k < static_cast<int>(kFrameVertices); ++k, ++row) {
+            rest.row(row) = part.pivot.transpose();
+            if (k > 0) rest(row, k - 1) += reach;
+        }
+    return rest;
+}
 
 std::size_t ElementRuntime::paddedVertices() const { return embedded ? padded(embedded->first + embedded->count) : padded(vertices); }
 
@@ -200,9 +197,10 @@ Result<std::shared_ptr<const ElementRuntime>> ElementRuntime::build(Input input,
     }
     out.embedded = std::move(embedded);
     out.blocks = blocksOf(out);
-    out.bodyBlocks = static_cast<std::size_t>(std::lower_bound(out.blocks.first(), out.blocks.first() + out.blocks.count(), static_cast<std::int32_t>(out.vertices)) - out.blocks.first());
+    const std::span<const std::int32_t> blocks(out.blocks.first(), out.blocks.count());
+    out.bodyBlocks = static_cast<std::size_t>(std::lower_bound(blocks.begin(), blocks.end(), static_cast<std::int32_t>(out.vertices)) - blocks.begin());
     out.stencils = normalStencils(body.vertices, triangles, out.scale());
-    const std::span<const std::int32_t> first(out.blocks.first(), out.bodyBlocks);
+    const auto first = blocks.first(out.bodyBlocks);
     if (given.response && !given.faces.empty()) {
         if (given.tables.warp) {
             auto warp = BendWarpTables::build(body, given.faces, *given.response, given.nu, first, out.middle, {});
@@ -217,6 +215,17 @@ Result<std::shared_ptr<const ElementRuntime>> ElementRuntime::build(Input input,
         }
     }
     return std::shared_ptr<const ElementRuntime>(std::move(made));
+}
+
+void forHeldVertices(const ElementRuntime::Input& input, const std::function<void(std::int32_t, int, const Eigen::MatrixXd&)>& take) {
+    for (std::size_t f = 0; input.response && f < input.faces.size(); ++f) {
+        const auto& face = input.faces[f];
+        int i = 0;
+        for (const auto v : face.vertices) {
+            const Vec3 local = face.frame.toLocal(input.mesh->body.vertices.row(v).transpose());
+            take(v, input.response->firstColumn[f], face.frame.axes * input.response->bases[f].at(local, i++));
+        }
+    }
 }
 
 void ElementRuntimes::add(std::shared_ptr<const ElementRuntime> runtime) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <unordered_map>
 #include <vector>
@@ -37,8 +38,12 @@ struct EmbeddedTables {
     std::vector<std::int32_t> rows;  ///< the vertex of each point of the mapping, ascending: neither those at body vertices nor those that are attached
     EmbeddedMapping mapping;
 
-    [[nodiscard]] std::size_t frameOf(std::size_t attached) const { return first + count - kFrameVertices * (parts - attached); }
     std::size_t parts = 0;           ///< attached ones
+
+    /// The pivot of an attached part, among the element's vertices.
+    [[nodiscard]] std::size_t frameOf(std::size_t part) const { return first + count - kFrameVertices * (parts - part); }
+    /// All of them at rest, count x 3, m.
+    [[nodiscard]] Points restOf(const EmbeddedPoints& points) const;
 };
 
 /// What the frames of one element read and never change: it follows from its mesh, joint faces, response and settings alone, not from the pose nor from
@@ -87,6 +92,9 @@ struct ElementRuntime {
     std::shared_ptr<const TouchSurface> touch;   ///< null: not asked for
     TouchBlocks touchBlocks;
 };
+
+/// What the bases of joint faces say of their vertices: take(body vertex, first column of its face in v, 3 x columns of its face: displacement (m) per unit of v).
+void forHeldVertices(const ElementRuntime::Input& input, const std::function<void(std::int32_t, int, const Eigen::MatrixXd&)>& take);
 
 /// The runtimes of a character by their input.
 class ElementRuntimes {

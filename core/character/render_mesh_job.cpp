@@ -10,7 +10,14 @@ namespace imomushi {
 
 namespace {
 
+// Of the work for one thread: points that follow; vertices that are put in order.
 constexpr std::size_t kOfPiece = 1024;
+constexpr std::int32_t kRunsOfPiece = 8192;
+
+/// Where a vertex of an element is shown.
+Eigen::Map<Eigen::Vector3f> shownAt(ElementFrame& of, std::int32_t vertex) {
+    return Eigen::Map<Eigen::Vector3f>(of.positions.data() + 3 * static_cast<std::ptrdiff_t>(vertex));
+}
 
 /// The rotation of a gradient: of all, the nearest to it.
 Eigen::Matrix3d rotationOf(const Eigen::Matrix3d& gradient) {
@@ -48,7 +55,7 @@ RenderMeshJob::RenderMeshJob(const Frame& frame, const RenderMeshJob* known) : F
     for (std::size_t e = 0; e < frame.elements.size(); ++e) {
         const auto& of = frame.elements[e];
         if (!of.runtime->embedded) continue;
-        Element made{e, of.runtime->embedded, {}, AlignedBuffer<float>(), Carry::Nothing};
+        Element made = madeFor(frame, e);
         const bool touched = of.patchForces.size() > 0;
         if (of.runtime->warp || touched) {
             const auto& mapping = made.tables->mapping;
@@ -73,8 +80,33 @@ RenderMeshJob::RenderMeshJob(const Frame& frame, const RenderMeshJob* known) : F
         made.positions = AlignedBuffer<float>(3 * padded);
         made.normals = AlignedBuffer<float>(3 * padded);
         for (std::size_t i = 0; i < made.tables->normalPieces.size(); ++i) normals_.push_back({meshes_.size(), i, i + 1});
+        const auto& runs = made.tables->runs;
+        for (std::size_t begin = 0, end = 0; begin < runs.size(); begin = end) {
+            std::int32_t vertices = 0;
+            while (end < runs.size() && vertices < kRunsOfPiece) vertices += runs[end++].count;
+            runs_.push_back({meshes_.size(), begin, end});
+        }
         meshes_.push_back(std::move(made));
     }
+}
+
+RenderMeshJob::Element RenderMeshJob::madeFor(const Frame& frame, std::size_t index) {
+    const auto& of = frame.elements[index];
+    Element made;
+    made.index = index;
+    made.tables = of.runtime->embedded;
+    if (of.runtime->input.response && frame.input.basis != BasisKind::Paper) return made;
+    std::vector<std::int32_t> indexOf(of.runtime->vertices, -1);
+    for (std::size_t i = 0; i < of.held.size(); ++i) indexOf[static_cast<std::size_t>(of.held[i].vertex)] = static_cast<std::int32_t>(i);
+    for (const auto& part : made.tables->mapping.heldParts()) made.heldOf.push_back(indexOf[static_cast<std::size_t>(part.vertex)]);
+    const auto held = static_cast<Eigen::Index>(of.held.size());
+    made.heldColumns = Eigen::MatrixXd::Zero(3 * held, of.v.size());
+    made.heldMoves = Eigen::VectorXd::Zero(3 * held);
+    made.missing = Points::Zero(held, 3);
+    forHeldVertices(of.runtime->input, [&](std::int32_t v, int column, const Eigen::MatrixXd& block) {
+        made.heldColumns.block(3 * indexOf[static_cast<std::size_t>(v)], column, 3, block.cols()) = block;
+    });
+    return made;
 }
 
 void RenderMeshJob::run(Stage stage, Frame& frame) {
@@ -110,18 +142,24 @@ void RenderMeshJob::follow(Frame& frame) {
             auto& of = frame.elements[e.index];
             for (std::size_t i = p.begin; e.carry != Carry::Nothing && i < p.end; ++i) {
                 const Vec3 at = e.tables->mapping.at(i, values(e), e.gradients);
-                Eigen::Map<Eigen::Vector3f> to(of.positions.data() + 3 * static_cast<std::ptrdiff_t>(e.tables->rows[i]));
                 if (e.carry == Carry::Bodies)
-                    to = at.cast<float>();
+                    shownAt(of, e.tables->rows[i]) = at.cast<float>();
                 else
-                    to += (of.frame.linear * at).cast<float>();
+                    shownAt(of, e.tables->rows[i]) += (of.frame.linear * at).cast<float>();
             }
         });
     }
-    for (const auto& e : elements_) {
+    for (auto& e : elements_) {
         auto& of = frame.elements[e.index];
         if (!of.moved) continue;
         addJointParts(e, frame, of);
+        if (!e.heldOf.empty() && e.carry != Carry::Bodies) {
+            findMissing(e, frame);
+            for (std::size_t i = 0; i < e.heldOf.size(); ++i) {
+                const auto& part = e.tables->mapping.heldParts()[i];
+                shownAt(of, e.tables->rows[static_cast<std::size_t>(part.point)]) += (part.weight * e.missing.row(e.heldOf[i]).transpose()).cast<float>();
+            }
+        }
         placeAttached(e, of);
     }
 }
@@ -131,10 +169,21 @@ void RenderMeshJob::findDents(Element& e, const ElementFrame& of) {
     for (std::size_t k = 0; k < of.runtime->bodyBlocks; ++k) {
         const std::int32_t first = of.blocks.first()[k], count = std::min(kVertexBlock, vertices - first);
         for (int axis = 0; axis < 3; ++axis) {
-            const std::size_t from = (3 * k + static_cast<std::size_t>(axis)) * kVertexBlock;
-            for (std::int32_t i = 0; i < count; ++i)
-                e.dents[3 * static_cast<std::size_t>(first + i) + static_cast<std::size_t>(axis)] = of.dented[from + static_cast<std::size_t>(i)] - of.local[from + static_cast<std::size_t>(i)];
+            const std::ptrdiff_t from = (3 * static_cast<std::ptrdiff_t>(k) + axis) * kVertexBlock;
+            const float *dented = of.dented + from, *local = of.local.data() + from;
+            float* to = e.dents.data() + 3 * static_cast<std::ptrdiff_t>(first) + axis;
+            for (std::int32_t i = 0; i < count; ++i) to[3 * i] = dented[i] - local[i];
         }
+    }
+}
+
+void RenderMeshJob::findMissing(Element& e, const Frame& frame) {
+    const auto& of = frame.elements[e.index];
+    const Points& rest = of.runtime->input.mesh->body.vertices;
+    e.heldMoves.noalias() = e.heldColumns * of.v;
+    for (std::size_t i = 0; i < of.held.size(); ++i) {
+        const Vec3 said = rest.row(of.held[i].vertex).transpose() + e.heldMoves.segment<3>(3 * static_cast<Eigen::Index>(i));
+        e.missing.row(static_cast<Eigen::Index>(i)) = (frame.heldAt(of, i) - of.frame(said)).transpose();
     }
 }
 
@@ -146,27 +195,31 @@ void RenderMeshJob::addJointParts(const Element& e, const Frame& frame, ElementF
             face = part.face;
             motion = jointPart(frame, of, face, e.carry == Carry::Bodies).cast<float>();
         }
-        Eigen::Map<Eigen::Vector3f>(of.positions.data() + 3 * static_cast<std::ptrdiff_t>(e.tables->rows[static_cast<std::size_t>(part.point)])) += motion * part.offset.cast<float>();
+        shownAt(of, e.tables->rows[static_cast<std::size_t>(part.point)]) += motion * part.offset.cast<float>();
     }
 }
 
 void RenderMeshJob::placeAttached(const Element& e, ElementFrame& of) {
-    const auto at = [&](std::size_t i) -> Eigen::Map<Eigen::Vector3f> { return Eigen::Map<Eigen::Vector3f>(of.positions.data() + 3 * i); };
-    placeParts(*of.runtime->input.embedded, *e.tables, [&](std::size_t i) -> Vec3 { return at(i).cast<double>(); },
-               [&](std::int32_t i, const Vec3& p) { at(e.tables->first + static_cast<std::size_t>(i)) = p.cast<float>(); });
+    const auto first = static_cast<std::int32_t>(e.tables->first);
+    placeParts(*of.runtime->input.embedded, *e.tables, [&of](std::size_t i) -> Vec3 { return shownAt(of, static_cast<std::int32_t>(i)).cast<double>(); },
+               [&of, first](std::int32_t i, const Vec3& p) { shownAt(of, first + i) = p.cast<float>(); });
 }
 
 void RenderMeshJob::gather(Frame& frame) {
+    const auto moved = [&frame](std::int32_t e) { return frame.elements[static_cast<std::size_t>(e)].moved; };
+    std::size_t bytes = 0;
     for (auto& mesh : meshes_) {
-        bool moved = false;
-        for (const auto e : mesh.tables->elements) moved = moved || frame.elements[static_cast<std::size_t>(e)].moved;
-        if (!moved) continue;
-        ++mesh.revision;
-        for (const auto& run : mesh.tables->runs) {
-            const auto& of = frame.elements[static_cast<std::size_t>(run.element)];
-            if (of.moved) std::copy_n(of.positions.data() + 3 * static_cast<std::size_t>(run.from), 3 * run.count, mesh.positions.data() + 3 * static_cast<std::size_t>(run.to));
-        }
+        if (std::any_of(mesh.tables->elements.begin(), mesh.tables->elements.end(), moved)) ++mesh.revision;
+        bytes += 6 * sizeof(float) * mesh.tables->vertices();
     }
+    frame.share(bytes, runs_, [&](const Piece& p) {
+        auto& mesh = meshes_[p.element];
+        for (std::size_t i = p.begin; i < p.end; ++i) {
+            const auto& run = mesh.tables->runs[i];
+            const float* from = frame.elements[static_cast<std::size_t>(run.element)].positions.data() + 3 * static_cast<std::ptrdiff_t>(run.from);
+            if (moved(run.element)) std::copy_n(from, 3 * run.count, mesh.positions.data() + 3 * static_cast<std::ptrdiff_t>(run.to));
+        }
+    });
 }
 
 void RenderMeshJob::findNormals(Frame& frame) {
@@ -174,9 +227,10 @@ void RenderMeshJob::findNormals(Frame& frame) {
     for (const auto& mesh : meshes_) bytes += mesh.tables->vertices() * (sizeof(NormalStencil) + 6 * sizeof(float));
     frame.share(bytes, normals_, [&](const Piece& p) {
         auto& mesh = meshes_[p.element];
-        const auto& piece = mesh.tables->normalPieces[p.begin];
+        const auto& tables = *mesh.tables;
+        const auto& piece = tables.normalPieces[p.begin];
         if (std::any_of(piece.elements.begin(), piece.elements.end(), [&](std::int32_t e) { return frame.elements[static_cast<std::size_t>(e)].moved; }))
-            imomushi::findNormals(mesh.positions.data(), mesh.tables->stencils.data(), static_cast<float>(mesh.tables->scale), piece.begin, piece.end, mesh.normals.data());
+            imomushi::findNormals(mesh.positions.data(), tables.stencils.data(), static_cast<float>(tables.scale), piece.begin, piece.end, mesh.normals.data());
     });
 }
 
@@ -191,47 +245,50 @@ Character::Surface RenderMeshJob::surface(int mesh) const {
     return {m.positions.data(), m.normals.data(), static_cast<int>(m.tables->vertices()), m.revision};
 }
 
+Points RenderMeshJob::elementPositions(const Frame& frame, const Element& element) {
+    const auto& of = frame.elements[element.index];
+    const auto& runtime = *of.runtime;
+    const auto& given = runtime.input;
+    const auto& tables = *element.tables;
+    const auto count = static_cast<Eigen::Index>(tables.first + tables.count);
+    // What only a frame knows is as precise as it is shown.
+    if (runtime.warp || of.dented)
+        return Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(of.positions.data(), count, 3).cast<double>();
+    const Points& body = given.mesh->body.vertices;
+    Eigen::MatrixXd displacement = Eigen::MatrixXd::Zero(3 * body.rows(), 1);
+    if (given.response && given.response->columns() > 0) {
+        const Points u = deformElement(*given.mesh, given.faces, *given.response, of.v) - body;
+        displacement.col(0) = Eigen::Map<const Eigen::VectorXd>(u.data(), u.size());
+    }
+    for (std::size_t l = 0; l < given.tables.loads.size(); ++l) {
+        const auto column = given.response->loads.col(given.tables.loads[l]);
+        const double weight = of.withLoads[of.v.size() + static_cast<Eigen::Index>(l)];
+        for (std::size_t i = 0; i < runtime.free.size(); ++i) displacement.block<3, 1>(3 * runtime.free[i], 0) += weight * column.segment<3>(3 * static_cast<Eigen::Index>(i));
+    }
+    const Eigen::MatrixXd followed = tables.mapping.apply(displacement, 1);
+    const Points rest = tables.restOf(*given.embedded);
+    Points out = Points::Zero(count, 3);
+    for (std::size_t i = 0; i < tables.rows.size(); ++i) {
+        const Eigen::Index row = tables.rows[i];
+        const Vec3 at = rest.row(row - static_cast<Eigen::Index>(tables.first)).transpose() + followed.col(0).segment<3>(3 * static_cast<Eigen::Index>(i));
+        out.row(row) = of.frame(at).transpose();
+    }
+    for (const auto& part : tables.mapping.jointParts())
+        out.row(tables.rows[static_cast<std::size_t>(part.point)]) += (jointPart(frame, of, part.face, false) * part.offset).transpose();
+    for (std::size_t i = 0; i < element.heldOf.size(); ++i) {
+        const auto& part = tables.mapping.heldParts()[i];
+        out.row(tables.rows[static_cast<std::size_t>(part.point)]) += part.weight * element.missing.row(element.heldOf[i]);
+    }
+    placeParts(*given.embedded, tables, [&](std::size_t i) -> Vec3 { return out.row(static_cast<Eigen::Index>(i)).transpose(); },
+               [&](std::int32_t i, const Vec3& p) { out.row(static_cast<Eigen::Index>(tables.first) + i) = p.transpose(); });
+    return out;
+}
+
 Points RenderMeshJob::positions(const Frame& frame, int mesh, const std::vector<Points>& bodies) const {
     const auto& tables = *meshes_[static_cast<std::size_t>(mesh)].tables;
     std::vector<Points> all(frame.elements.size());  // vertices of elements (EmbeddedTables)
-    for (const auto index : tables.elements) {
-        const auto e = static_cast<std::size_t>(index);
-        const auto& of = frame.elements[e];
-        const auto& runtime = *of.runtime;
-        if (!runtime.embedded) continue;
-        const auto& embedded = *runtime.embedded;
-        Points& out = all[e] = Points::Zero(static_cast<Eigen::Index>(embedded.first + embedded.count), 3);
-        // What only a frame knows is as precise as it is shown.
-        if (runtime.warp || of.dented) {
-            out = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(of.positions.data(), out.rows(), 3).cast<double>();
-            continue;
-        }
-        const auto& given = runtime.input;
-        const Points& rest = given.mesh->body.vertices;
-        Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(3 * rest.rows(), 1);
-        if (given.response && given.response->columns() > 0) {
-            const Points u = deformElement(*given.mesh, given.faces, *given.response, of.v) - rest;
-            moved.col(0) = Eigen::Map<const Eigen::VectorXd>(u.data(), u.size());
-        }
-        for (std::size_t l = 0; l < given.tables.loads.size(); ++l)
-            for (std::size_t i = 0; i < runtime.free.size(); ++i)
-                moved.block<3, 1>(3 * runtime.free[i], 0) += given.response->loads.block<3, 1>(3 * static_cast<Eigen::Index>(i), given.tables.loads[l]) * of.withLoads[of.v.size() + static_cast<Eigen::Index>(l)];
-        const Eigen::MatrixXd followed = embedded.mapping.apply(moved, 1);
-        const auto restOf = [&](std::size_t vertex) -> Vec3 {
-            const std::size_t i = vertex - embedded.first;
-            if (i < static_cast<std::size_t>(given.embedded->rest.rows())) return given.embedded->rest.row(static_cast<Eigen::Index>(i)).transpose();
-            const std::size_t k = (vertex - embedded.frameOf(0)) % EmbeddedTables::kFrameVertices;
-            Vec3 p = given.embedded->attached[(vertex - embedded.frameOf(0)) / EmbeddedTables::kFrameVertices].pivot;
-            if (k > 0) p[static_cast<Eigen::Index>(k) - 1] += embedded.reach;
-            return p;
-        };
-        for (std::size_t i = 0; i < embedded.rows.size(); ++i)
-            out.row(embedded.rows[i]) = of.frame(restOf(static_cast<std::size_t>(embedded.rows[i])) + followed.col(0).segment<3>(3 * static_cast<Eigen::Index>(i))).transpose();
-        for (const auto& part : embedded.mapping.jointParts())
-            out.row(embedded.rows[static_cast<std::size_t>(part.point)]) += (jointPart(frame, of, part.face, false) * part.offset).transpose();
-        placeParts(*given.embedded, embedded, [&](std::size_t i) -> Vec3 { return out.row(static_cast<Eigen::Index>(i)).transpose(); },
-                   [&](std::int32_t i, const Vec3& p) { out.row(static_cast<Eigen::Index>(embedded.first) + i) = p.transpose(); });
-    }
+    for (const auto& e : elements_)
+        if (std::binary_search(tables.elements.begin(), tables.elements.end(), static_cast<std::int32_t>(e.index))) all[e.index] = elementPositions(frame, e);
     Points out(static_cast<Eigen::Index>(tables.vertices()), 3);
     for (const auto& run : tables.runs) {
         const auto e = static_cast<std::size_t>(run.element);

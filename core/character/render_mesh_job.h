@@ -41,6 +41,11 @@ private:
         EmbeddedMapping::Gradients gradients;
         AlignedBuffer<float> dents;  // #body vertices x 3, m, in the frame of the element; where it feels touch
         Carry carry = Carry::Nothing;
+        // Where joints place vertices otherwise than v says (the basis "paper" loses twist, v is empty without a response), points near them follow.
+        Eigen::MatrixXd heldColumns;         // 3 #held x columns of v
+        Eigen::VectorXd heldMoves;           // 3 #held, in the frame of the element
+        Points missing;                      // #held x 3, m, world
+        std::vector<std::int32_t> heldOf;    // per EmbeddedMapping::heldParts(): in ElementFrame::held; none: v says all
     };
     struct Mesh {
         std::shared_ptr<const RenderMeshTables> tables;
@@ -51,7 +56,11 @@ private:
         std::size_t element = 0, begin = 0, end = 0;
     };
     void follow(Frame& frame);
+    // In double precision, as ElementFrame::positions; those of the body are left out.
+    static Points elementPositions(const Frame& frame, const Element& element);
     static void findDents(Element& element, const ElementFrame& of);
+    static Element madeFor(const Frame& frame, std::size_t index);
+    static void findMissing(Element& element, const Frame& frame);
     static void addJointParts(const Element& element, const Frame& frame, ElementFrame& of);
     static void placeAttached(const Element& element, ElementFrame& of);
     void gather(Frame& frame);
@@ -60,7 +69,7 @@ private:
     std::vector<Element> elements_;
     std::vector<Mesh> meshes_;
     std::vector<Piece> triangles_, vertices_, points_;              // of elements_
-    std::vector<Piece> normals_;                                    // of meshes_: begin is a piece of its normals
+    std::vector<Piece> runs_, normals_;                             // of meshes_: indices into RenderMeshTables::runs; begin of normals_: a piece of theirs
     std::size_t carriedBytes_ = 0;
 };
 

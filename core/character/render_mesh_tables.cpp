@@ -25,12 +25,14 @@ std::vector<std::int32_t> smoothingGroups(const EmbeddedMesh& mesh, const Points
     const double same = given ? RenderMeshTables::kSameNormal : RenderMeshTables::kCrease;
     std::vector<std::int32_t> order(count), group(count);
     std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) { return place[static_cast<std::size_t>(a)] < place[static_cast<std::size_t>(b)]; });
+    const auto placeOf = [&place](std::int32_t v) { return place[static_cast<std::size_t>(v)]; };
+    std::stable_sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) { return placeOf(a) < placeOf(b); });
     std::vector<std::int32_t> groups;  // of one place: they are few, as no two have the same normal
     for (std::size_t i = 0; i < count; ++i) {
         const std::int32_t v = order[i];
-        if (i == 0 || place[static_cast<std::size_t>(v)] != place[static_cast<std::size_t>(order[i - 1])]) groups.clear();
-        const auto found = std::find_if(groups.begin(), groups.end(), [&](std::int32_t g) { return normals.row(g).dot(normals.row(v)) >= same; });
+        if (i == 0 || placeOf(v) != placeOf(order[i - 1])) groups.clear();
+        const bool any = normals.row(v).squaredNorm() == 0.0;  // it has no area, or no normal in the file
+        const auto found = std::find_if(groups.begin(), groups.end(), [&](std::int32_t g) { return any || normals.row(g).dot(normals.row(v)) >= same; });
         group[static_cast<std::size_t>(v)] = found == groups.end() ? groups.emplace_back(v) : *found;
     }
     return group;
@@ -46,7 +48,8 @@ std::int32_t elementVertex(const EmbeddedMesh::Vertex& vertex, const ElementRunt
     return static_cast<std::int32_t>(runtime.embedded->first + i);
 }
 
-std::shared_ptr<const RenderMeshTables> RenderMeshTables::build(std::shared_ptr<const EmbeddedMesh> given, std::span<const std::shared_ptr<const ElementRuntime>> runtimes) {
+std::shared_ptr<const RenderMeshTables> RenderMeshTables::build(std::shared_ptr<const EmbeddedMesh> given,
+                                                                std::span<const std::shared_ptr<const ElementRuntime>> runtimes) {
     auto made = std::make_shared<RenderMeshTables>();
     RenderMeshTables& out = *made;
     out.mesh = std::move(given);

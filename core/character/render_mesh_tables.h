@@ -32,7 +32,8 @@ struct RenderMeshTables {
     };
 
     /// runtimes: those of all elements. The mesh is valid for them (check_input.h).
-    static std::shared_ptr<const RenderMeshTables> build(std::shared_ptr<const EmbeddedMesh> mesh, std::span<const std::shared_ptr<const ElementRuntime>> runtimes);
+    static std::shared_ptr<const RenderMeshTables> build(std::shared_ptr<const EmbeddedMesh> mesh,
+                                                         std::span<const std::shared_ptr<const ElementRuntime>> runtimes);
     /// They are those of this mesh with these elements.
     [[nodiscard]] bool fits(const std::shared_ptr<const EmbeddedMesh>& mesh, std::span<const std::shared_ptr<const ElementRuntime>> runtimes) const;
 

@@ -17,6 +17,8 @@ namespace imomushi {
 
 namespace {
 
+/// A part that is larger than this, in diagonals of its element, is flesh of several elements: a hand among fingers.
+constexpr double kOfElement = 0.5;
 constexpr double kOneNormal = 0.985;  // cosine of 10 degrees: corners of a vertex whose normals are nearer than that have one
 
 template <class Matrix>
@@ -183,11 +185,14 @@ EmbeddedModel embedModel(const Document& document, const CharacterSource& charac
             ++part.votes[at(vertices[v].element)];
         }
         const double small = kSmallPart * boundsOf(model.vertices).diagonal();
+        std::vector<double> sizes;
+        for (const Element* element : elements) sizes.push_back(boundsOf(element->mesh->body.vertices).diagonal());
         for (std::size_t v = 0; v < count; ++v) {
             if (!used[v]) continue;
             const Part& part = all.at(parts.find(first[v]));
-            if (!part.onBody && part.box.diagonal() < small)
-                vertices[v].element = static_cast<std::int32_t>(std::max_element(part.votes.begin(), part.votes.end()) - part.votes.begin());
+            if (part.onBody || part.box.diagonal() >= small) continue;
+            const auto most = std::max_element(part.votes.begin(), part.votes.end()) - part.votes.begin();
+            if (part.box.diagonal() < kOfElement * sizes[static_cast<std::size_t>(most)]) vertices[v].element = static_cast<std::int32_t>(most);
         }
     }
 

@@ -19,8 +19,8 @@ struct EmbeddedModel {
 };
 
 /// Render vertices at a body vertex follow it. Others follow the element whose surface (without the caps of cuts) is nearest, preferring surface that faces the way of their normal;
-/// vertices at one place follow the same element. A part of the render mesh that hangs together, lies off the body and is small (kSmallPart) follows one element as a whole,
-/// that of most of its vertices. Depends on model, body and pieces of the character alone.
+/// vertices at one place follow the same element. A part of the render mesh that hangs together, lies off the body and is small, beside the model (kSmallPart) and beside
+/// the element of most of its vertices, follows that one as a whole. Depends on model, body and pieces of the character alone.
 EmbeddedModel embedModel(const Document& document, const CharacterSource& character);
 
 /// Parts smaller than this, in diagonals of the model, are not torn apart at cuts: eyes, teeth, buttons.

@@ -128,6 +128,16 @@ Result<Json> importElement(DocumentEdit& edit, const Json& arguments, const Prog
     return answer;
 }
 
+/// An issue of making a body, without its places where these are not of the render model.
+MeshIssue onModel(MeshIssue issue, const TriangleMesh& model) {
+    const auto within = [](const std::vector<std::int32_t>& places, Eigen::Index count) {
+        return std::all_of(places.begin(), places.end(), [&](std::int32_t i) { return i >= 0 && i < count; });
+    };
+    if (!within(issue.triangles, model.triangles.rows())) issue.triangles.clear();
+    if (!within(issue.vertices, model.vertices.rows())) issue.vertices.clear();
+    return issue;
+}
+
 Result<Json> importCharacterCommand(DocumentEdit& edit, const Json& arguments, const Progress& progress) {
     Document& document = edit.document;
     const auto request = requestFrom(document, arguments);
@@ -152,7 +162,7 @@ Result<Json> importCharacterCommand(DocumentEdit& edit, const Json& arguments, c
     const Json* name = find(arguments, "name");
     character.name = freeName(document, name ? name->get_ref<const std::string&>() : imported->renderModel.parts.size() == 1 ? imported->renderModel.parts[0] : request->path.stem().string());
     character.issues = std::move(imported->issues);
-    character.issues.insert(character.issues.end(), body->report.issues.begin(), body->report.issues.end());
+    for (const MeshIssue& issue : body->report.issues) character.issues.push_back(onModel(issue, imported->renderModel.mesh.body));
     const double seconds = std::exchange(body->report.seconds, 0.0);  // the rest of the report is the same each time
     body->report.issues.clear();
     character.model = std::make_shared<const RenderModel>(std::move(imported->renderModel));

@@ -23,7 +23,7 @@ bool finite(const Json& value) {
 
 /// What an undo step says it was done to.
 std::string subjectOf(const Json& arguments) {
-    for (const char* key : {"effect", "name", "element", "endpoint", "target", "path", "a", "bone", "cut", "take"})
+    for (const char* key : {"effect", "name", "element", "endpoint", "target", "handle", "path", "a", "bone", "cut", "take"})
         if (const Json* value = find(arguments, key); value && value->is_string()) return value->get<std::string>();
     return {};
 }

@@ -8,6 +8,7 @@
 
 #include "core/base/finite.h"
 #include "core/mesh/bounds.h"
+#include "core/mesh/render_vertices.h"
 #include "core/mesh/topology.h"
 #include "core/mesh/weld.h"
 
@@ -119,6 +120,22 @@ void weldCorners(RawScene& scene) {
     for (Eigen::Index i = 0; i < mesh.triangles.size(); ++i) mesh.triangles.data()[i] = number[static_cast<std::size_t>(mesh.triangles.data()[i])];
 }
 
+/// Files often say for each corner again what its vertex looks like: equal render vertices become one, the first. Without attributes there is one for each vertex.
+void shareRenderVertices(ElementMesh& mesh) {
+    RenderMesh& render = mesh.renderMesh;
+    if (render.triangles.rows() == 0) {
+        render.triangles = mesh.body.triangles;
+        render.bodyVertex.resize(static_cast<std::size_t>(mesh.body.vertices.rows()));
+        std::iota(render.bodyVertex.begin(), render.bodyVertex.end(), 0);
+        return;
+    }
+    RenderVertices shared(render);
+    std::vector<std::int32_t> number(render.bodyVertex.size());
+    for (std::size_t r = 0; r < number.size(); ++r) number[r] = shared.add(render.bodyVertex[r], static_cast<std::int32_t>(r));
+    shared.write(render);
+    for (Eigen::Index i = 0; i < render.triangles.size(); ++i) render.triangles.data()[i] = number[static_cast<std::size_t>(render.triangles.data()[i])];
+}
+
 /// The parts that have triangles, in the order of the file.
 void takeParts(RawScene& scene, const std::string& stem, RenderModel& model) {
     std::vector<std::int32_t> number(scene.partNames.size(), -1);
@@ -187,12 +204,7 @@ Result<CharacterFile> buildCharacter(RawScene scene, const ImportRequest& reques
     bool area = false;
     for (std::int32_t f = 0; !area && f < mesh.body.triangles.rows(); ++f) area = !degenerate(mesh.body, f);
     if (!area) return fail("empty-mesh", quoted + " has no triangle with an area: choose a file with a mesh.");
-    RenderMesh& render = mesh.renderMesh;
-    if (render.triangles.rows() == 0) {  // no attributes: a render vertex for each vertex
-        render.triangles = mesh.body.triangles;
-        render.bodyVertex.resize(static_cast<std::size_t>(mesh.body.vertices.rows()));
-        std::iota(render.bodyVertex.begin(), render.bodyVertex.end(), 0);
-    }
+    shareRenderVertices(mesh);
     replaceZeroNormals(mesh);
     takeParts(scene, cleanName(request.path.stem().string(), "mesh"), file.renderModel);
     file.renderModel.mesh = std::move(mesh);

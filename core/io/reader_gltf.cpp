@@ -16,7 +16,7 @@ namespace {
 using Matrix = Eigen::Matrix4d;
 
 constexpr int kDeepest = 1000;        // nodes within nodes
-constexpr double kRounding = 1e-6;    // of a mesh's size: joints that move a vertex by less say the same as the file, in single precision
+constexpr double kRounding = 1e-6;    // of a mesh's coordinates: joints that move a vertex by less leave it in its place, in single precision
 constexpr double kSameMatrix = 1e-6;  // joints that agree to this move a skin as one: its coordinates stay what the file says
 
 class GltfReader : GltfFileReader {
@@ -153,12 +153,6 @@ private:
         return result;
     }
 
-    /// How far `m` moves any point at most whose coordinates are up to `reach`.
-    static double moves(const Matrix& m, double reach) {
-        const Eigen::Matrix3d turn = m.topLeftCorner<3, 3>() - Eigen::Matrix3d::Identity();
-        return turn.cwiseAbs().rowwise().sum().maxCoeff() * reach + m.topRightCorner<3, 1>().cwiseAbs().maxCoeff();
-    }
-
     void node(const Json& from, const Matrix& world) {
         if (member(from, "mesh").is_null()) return;
         const Json& meshes = list("meshes");
@@ -240,9 +234,9 @@ private:
                     }
                 if (sum > 0.0) m = blend / sum;
             }
-            if (use_ == SceneUse::Character && bones && moves(m, reach) <= kRounding * reach) m.setIdentity();
             const Vec3 p(positions.at[3 * v], positions.at[3 * v + 1], positions.at[3 * v + 2]);
-            const Vec3 x = m == Matrix::Identity() ? p : Vec3(m.topLeftCorner<3, 3>() * p + m.topRightCorner<3, 1>());
+            Vec3 x = m == Matrix::Identity() ? p : Vec3(m.topLeftCorner<3, 3>() * p + m.topRightCorner<3, 1>());
+            if (use_ == SceneUse::Character && bones && allFinite(x) && (x - p).cwiseAbs().maxCoeff() <= kRounding * reach) x = p;
             if (!allFinite(x)) scene_.nonFinite.emplace_back(first + static_cast<std::int32_t>(v), "vertex " + std::to_string(v) + " of '" + name + "'");
             points_.insert(points_.end(), x.data(), x.data() + 3);
             const double determinant = m.topLeftCorner<3, 3>().determinant();

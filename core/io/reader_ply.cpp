@@ -2,13 +2,11 @@
 // PLY, ascii and binary of both byte orders, with any properties. Source: Turk, "The PLY Polygon File Format", 1994. Own reader: single
 // precision would be lost and Debian has none that checks counts against the file.
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <charconv>
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <map>
 
 #include "core/base/colour.h"
 #include "core/io/reader_support.h"
@@ -345,28 +343,20 @@ private:
             render.materials.clear();
         else
             render.material.assign(static_cast<std::size_t>(n), 0);
-        if (anyWedge_) {  // texture coordinates per corner: a render vertex for each pair of vertex and coordinates
-            std::map<std::array<std::uint32_t, 3>, std::int32_t> known;
-            std::vector<std::size_t> first;  // corner, by render vertex
+        if (anyWedge_) {  // texture coordinates per corner: a render vertex each, mend() merges equal ones
+            const auto corners = static_cast<Eigen::Index>(triangles.size());
+            render.bodyVertex = triangles;
             render.triangles.resize(n, 3);
-            for (std::size_t i = 0; i < triangles.size(); ++i) {
-                const float* uv = wedges_.data() + 2 * wedgeOf[i];
-                const auto [it, added] = known.emplace(std::array{static_cast<std::uint32_t>(triangles[i]), std::bit_cast<std::uint32_t>(uv[0]), std::bit_cast<std::uint32_t>(uv[1])},
-                                                       static_cast<std::int32_t>(first.size()));
-                if (added) first.push_back(i);
-                render.triangles.data()[i] = it->second;
-            }
-            const auto corners = static_cast<Eigen::Index>(first.size());
+            for (Eigen::Index i = 0; i < corners; ++i) render.triangles.data()[i] = static_cast<std::int32_t>(i);
             render.texCoords.resize(corners, 2);
             if (normals_.rows() > 0) render.normals.resize(corners, 3);
             if (colors_.rows() > 0) render.colors.resize(corners, 4);
-            for (Eigen::Index r = 0; r < corners; ++r) {
-                const std::size_t i = first[static_cast<std::size_t>(r)], w = 2 * wedgeOf[i];
-                render.texCoords(r, 0) = wedges_[w], render.texCoords(r, 1) = wedges_[w + 1];
-                const std::int32_t v = triangles[i];
-                render.bodyVertex.push_back(v);
-                if (normals_.rows() > 0) render.normals.row(r) = normals_.row(v);
-                if (colors_.rows() > 0) render.colors.row(r) = colors_.row(v);
+            for (Eigen::Index i = 0; i < corners; ++i) {
+                const auto w = 2 * wedgeOf[static_cast<std::size_t>(i)];
+                render.texCoords(i, 0) = wedges_[w], render.texCoords(i, 1) = wedges_[w + 1];
+                const std::int32_t v = triangles[static_cast<std::size_t>(i)];
+                if (normals_.rows() > 0) render.normals.row(i) = normals_.row(v);
+                if (colors_.rows() > 0) render.colors.row(i) = colors_.row(v);
             }
         } else if (normals_.rows() + colors_.rows() + texCoords_.rows() > 0) {
             render.triangles = mesh.body.triangles;

@@ -1,33 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <numeric>
-#include <unordered_map>
 #include <utility>
 
 #include "core/mesh/mend_surface.h"
+#include "core/mesh/render_vertices.h"
 #include "core/mesh/shells.h"
 
 namespace imomushi {
 namespace {
 
 constexpr int kMaxBodies = 1024;
-
-
-/// What makes two corners one render vertex.
-struct RenderKey {
-    std::int32_t body;
-    std::array<std::uint32_t, 9> bits;
-    bool operator==(const RenderKey&) const = default;
-};
-struct RenderKeyHash {
-    std::size_t operator()(const RenderKey& k) const {
-        std::uint64_t h = static_cast<std::uint64_t>(k.body) * 0x9e3779b97f4a7c15ULL;
-        for (const std::uint32_t b : k.bits) h = (h ^ b) * 0xff51afd7ed558ccdULL, h ^= h >> 32;
-        return h;
-    }
-};
 
 /// The materials and textures that these faces wear, in the order of the file.
 void takeMaterials(const MendSurface& s, const std::vector<std::int32_t>& faces, RenderMesh& render) {
@@ -73,43 +56,16 @@ ElementMesh extract(const MendSurface& s, const std::vector<std::int32_t>& faces
         return mesh;
     }
     render.triangles.resize(static_cast<Eigen::Index>(faces.size()), 3);
-    std::unordered_map<RenderKey, std::int32_t, RenderKeyHash> known;
-    std::vector<RenderKey> keys;
+    RenderVertices chosen(s.renderMesh);
     for (std::size_t i = 0; i < faces.size(); ++i) {
         const MendFace& face = s.faces[at(faces[i])];
         const Vec3 out = areaVector(mesh.body, static_cast<std::int32_t>(i));
         for (std::size_t k = 0; k < 3; ++k) {
-            RenderKey key{number[at(face.v[k])], {}};
-            const std::int32_t r = face.r[k];
-            if (s.renderMesh.normals.rows() > 0) {
-                Eigen::RowVector3f n = s.renderMesh.normals.row(r);
-                if (face.turned && n.cast<double>().dot(out) < 0.0) n = -n;
-                for (int c = 0; c < 3; ++c) key.bits[static_cast<std::size_t>(c)] = std::bit_cast<std::uint32_t>(n[c]);
-            }
-            if (s.renderMesh.texCoords.rows() > 0)
-                for (int c = 0; c < 2; ++c) key.bits[static_cast<std::size_t>(3 + c)] = std::bit_cast<std::uint32_t>(s.renderMesh.texCoords(r, c));
-            if (s.renderMesh.colors.rows() > 0)
-                for (int c = 0; c < 4; ++c) key.bits[static_cast<std::size_t>(5 + c)] = std::bit_cast<std::uint32_t>(s.renderMesh.colors(r, c));
-            const auto [it, added] = known.emplace(key, static_cast<std::int32_t>(keys.size()));
-            if (added) keys.push_back(key);
-            render.triangles(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = it->second;
+            const bool flipped = face.turned && s.renderMesh.normals.rows() > 0 && s.renderMesh.normals.row(face.r[k]).cast<double>().dot(out) < 0.0;
+            render.triangles(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = chosen.add(number[at(face.v[k])], face.r[k], flipped);
         }
     }
-    const auto n = static_cast<Eigen::Index>(keys.size());
-    render.bodyVertex.resize(keys.size());
-    if (s.renderMesh.normals.rows() > 0) render.normals.resize(n, 3);
-    if (s.renderMesh.texCoords.rows() > 0) render.texCoords.resize(n, 2);
-    if (s.renderMesh.colors.rows() > 0) render.colors.resize(n, 4);
-    for (Eigen::Index r = 0; r < n; ++r) {
-        const RenderKey& key = keys[static_cast<std::size_t>(r)];
-        render.bodyVertex[static_cast<std::size_t>(r)] = key.body;
-        if (s.renderMesh.normals.rows() > 0)
-            for (int c = 0; c < 3; ++c) render.normals(r, c) = std::bit_cast<float>(key.bits[static_cast<std::size_t>(c)]);
-        if (s.renderMesh.texCoords.rows() > 0)
-            for (int c = 0; c < 2; ++c) render.texCoords(r, c) = std::bit_cast<float>(key.bits[static_cast<std::size_t>(3 + c)]);
-        if (s.renderMesh.colors.rows() > 0)
-            for (int c = 0; c < 4; ++c) render.colors(r, c) = std::bit_cast<float>(key.bits[static_cast<std::size_t>(5 + c)]);
-    }
+    chosen.write(render);
     return mesh;
 }
 

@@ -24,7 +24,8 @@ constexpr double kMostArea = 8.0;
 /// Where points find the surface that they follow.
 class Surface {
 public:
-    Surface(const EmbeddedMapping::Input& input, const std::vector<TriangleFrame>& frames) : body_(*input.body), deep_(EmbeddedMapping::kDeep * diagonalOf(input.body->vertices)) {
+    Surface(const EmbeddedMapping::Input& input, const std::vector<TriangleFrame>& frames)
+        : body_(*input.body), deep_(EmbeddedMapping::kDeep * diagonalOf(input.body->vertices)) {
         faceOf_.assign(frames.size(), -1);
         for (std::size_t f = 0; f < input.faces.size(); ++f) {
             std::vector<std::int32_t> all;
@@ -35,35 +36,24 @@ public:
             faces_.emplace_back();
             if (!all.empty()) faces_.back().emplace(body_, std::move(all));
         }
-        std::vector<std::int32_t> seen, inside;
+        std::vector<std::int32_t> seen;
         for (std::int32_t t = 0; t < static_cast<std::int32_t>(frames.size()); ++t) {
             const int f = faceOf_[static_cast<std::size_t>(t)];
-            if (frames[static_cast<std::size_t>(t)].area > 0.0) (f >= 0 && input.covered[static_cast<std::size_t>(f)] ? inside : seen).push_back(t);
+            if (frames[static_cast<std::size_t>(t)].area > 0.0 && !(f >= 0 && input.covered[static_cast<std::size_t>(f)])) seen.push_back(t);
         }
         if (!seen.empty()) seen_.emplace(body_, std::move(seen));
-        if (!inside.empty()) inside_.emplace(body_, std::move(inside));
     }
 
-    [[nodiscard]] bool empty() const { return !seen_ && !inside_; }
+    [[nodiscard]] bool empty() const { return !seen_; }
     /// The face that a triangle belongs to, -1: none.
     [[nodiscard]] int faceOf(std::int32_t triangle) const { return faceOf_[static_cast<std::size_t>(triangle)]; }
 
     [[nodiscard]] TriangleTree::Hit find(const Vec3& x, const Vec3& normal) const {
-        TriangleTree::Hit hit;
-        if (seen_) {
-            hit = seen_->nearest(x);
-            if (normal != Vec3::Zero()) {
-                constexpr double kReach = EmbeddedMapping::kReach;
-                const auto facing = seen_->nearestFacing(x, normal);
-                if (facing.triangle >= 0 && facing.squaredDistance <= std::min(kReach * kReach * hit.squaredDistance, deep_ * deep_)) hit = facing;
-            }
-        }
-        if (inside_) {
-            constexpr double kInside = EmbeddedMapping::kInside;
-            const auto inside = inside_->nearest(x);
-            if (hit.triangle < 0 || inside.squaredDistance < kInside * kInside * hit.squaredDistance) hit = inside;
-        }
-        return hit;
+        constexpr double kReach = EmbeddedMapping::kReach;
+        const auto hit = seen_->nearest(x);
+        if (normal == Vec3::Zero()) return hit;
+        const auto facing = seen_->nearestFacing(x, normal);
+        return facing.triangle >= 0 && facing.squaredDistance <= std::min(kReach * kReach * hit.squaredDistance, deep_ * deep_) ? facing : hit;
     }
     /// w of a point that is `far` from its place p, and the face that it belongs to; 0: none.
     [[nodiscard]] double fade(const Vec3& p, double far, int& face) const {
@@ -83,13 +73,14 @@ private:
     const TriangleMesh& body_;
     double deep_;
     std::vector<int> faceOf_;
-    std::optional<TriangleTree> seen_, inside_;
+    std::optional<TriangleTree> seen_;
     std::vector<std::optional<TriangleTree>> faces_;
 };
 
 Result<void> check(const EmbeddedMapping::Input& input) {
     const auto count = input.points->rows();
-    if ((input.normals && input.normals->rows() != 0 && input.normals->rows() != count) || (!input.place.empty() && static_cast<Eigen::Index>(input.place.size()) != count))
+    const auto many = [count](Eigen::Index given) { return given == 0 || given == count; };
+    if ((input.normals && !many(input.normals->rows())) || !many(static_cast<Eigen::Index>(input.place.size())))
         return fail("bad-value", "The normals or places of embedded points are not as many as the points.");
     if (!allFinite(*input.points) || (input.normals && !allFinite(*input.normals))) return fail("bad-value", "An embedded point or its normal is not a number.");
     for (std::size_t i = 0; i < input.place.size(); ++i)
@@ -113,7 +104,8 @@ Result<EmbeddedMapping> EmbeddedMapping::build(const Input& input) {
     std::vector<TriangleFrame> frames(triangleCount);
     for (std::size_t t = 0; t < triangleCount; ++t) frames[t] = triangleFrame(body, static_cast<std::int32_t>(t));
     const Surface surface(input, frames);
-    if (surface.empty()) return fail("bad-value", "The body has no triangle with an area that points could follow; give the element another body.");
+    if (surface.empty())
+        return fail("bad-value", "The body has no triangle that points could follow, outside of its joints and with an area; give the element another body.");
     std::vector<char> held(vertexCount, 0), freeTriangle(triangleCount, 0);
     for (const auto& face : input.faces)
         for (const auto v : face.vertices) held[static_cast<std::size_t>(v)] = 1;
@@ -152,6 +144,12 @@ Result<EmbeddedMapping> EmbeddedMapping::build(const Input& input) {
     });
     for (const auto& part : parts)
         if (part.offset != Vec3::Zero()) out.jointParts_.push_back(part);
+    for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t c = 0; c < 3; ++c) {
+            const auto& place = out.places_[i];
+            const double weight = place.weight[static_cast<Eigen::Index>(c)];
+            if (held[static_cast<std::size_t>(place.corner[c])] && weight > 0.0) out.heldParts_.push_back({static_cast<std::int32_t>(i), place.corner[c], weight});
+        }
 
     // Only what points need of the surface is kept.
     std::vector<std::int32_t> vertexIndex(vertexCount, -1), triangleIndex(triangleCount, -1);
@@ -250,7 +248,7 @@ Eigen::MatrixXd EmbeddedMapping::apply(const Eigen::MatrixXd& displacement, int 
 }
 
 std::size_t EmbeddedMapping::bytes() const {
-    return sizeof(Place) * places_.size() + sizeof(JointPart) * jointParts_.size() + sizeof(Triangle) * triangles_.size() +
+    return sizeof(Place) * places_.size() + sizeof(JointPart) * jointParts_.size() + sizeof(HeldPart) * heldParts_.size() + sizeof(Triangle) * triangles_.size() +
            sizeof(std::int32_t) * (vertices_.size() + around_.size() + firstAround_.size());
 }
 

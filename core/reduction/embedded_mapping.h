@@ -30,11 +30,11 @@ namespace imomushi {
 /// c_i = b_i ( 1/2 (1 - h) (p - x_i) + (1 - w) (x - p) ).
 ///
 /// p is the nearest point of the surface that is seen; where a normal is given, that of triangles that face its way if it is at most kReach times as far and not
-/// deeper than kDeep: the right side of a thin wall. Points deep inside follow the nearest surface with its gradient, whichever way it faces. A face
-/// inside a joint is followed by points that it is nearest to by far (kInside): insides that reach over the joint.
+/// deeper than kDeep: the right side of a thin wall. Points deep inside follow the nearest surface with its gradient, whichever way it faces. Faces
+/// inside joints are not seen.
 class EmbeddedMapping {
 public:
-    static constexpr double kReach = 3.0, kInside = 0.5;
+    static constexpr double kReach = 3.0;
     static constexpr double kDeep = 0.05;  ///< diagonals of the body
     static constexpr double kBand = 2.0;
 
@@ -48,7 +48,7 @@ public:
         double nu = 0.45;                       ///< 0...0.5
         int threads = 1;                        ///< changes no byte
     };
-    /// Errors: "bad-value" (sizes, numbers, or a body without area).
+    /// Errors: "bad-value" (sizes, numbers, or a body without a surface that is seen).
     static Result<EmbeddedMapping> build(const Input& input);
 
     [[nodiscard]] std::size_t size() const { return places_.size(); }  ///< #P
@@ -61,6 +61,13 @@ public:
     };
     /// Ascending by point; of points without such a part: none.
     [[nodiscard]] const std::vector<JointPart>& jointParts() const { return jointParts_; }
+
+    /// b_i of a corner that a joint face holds.
+    struct HeldPart {
+        std::int32_t point = 0, vertex = 0;  ///< of the body
+        double weight = 0.0;
+    };
+    [[nodiscard]] const std::vector<HeldPart>& heldParts() const { return heldParts_; }  ///< ascending by point
 
     /// u(x) without w (L - 1) (x - p), 3 #P x g. displacement: 3 * #body vertices x g, xyz per vertex, held ones included.
     [[nodiscard]] Eigen::MatrixXd apply(const Eigen::MatrixXd& displacement, int threads) const;
@@ -94,6 +101,7 @@ private:
     };
     std::vector<Place> places_;
     std::vector<JointPart> jointParts_;
+    std::vector<HeldPart> heldParts_;
     std::vector<Triangle> triangles_;      // free ones around corners of places
     std::vector<std::int32_t> vertices_;   // corners of places
     std::vector<std::int32_t> around_;     // per entry of vertices_: indices into triangles_

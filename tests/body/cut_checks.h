@@ -23,13 +23,23 @@ namespace imomushi {
 inline double degrees(double radians) { return radians * 180.0 / std::numbers::pi; }
 
 inline bool sameBytes(const BodyPiece& a, const BodyPiece& b) {
-    return a.body.vertices.rows() == b.body.vertices.rows() && a.body.triangles.rows() == b.body.triangles.rows() && a.body.vertices == b.body.vertices && a.body.triangles == b.body.triangles &&
-           a.source == b.source && a.sourceTriangle == b.sourceTriangle;
+    return a.body.vertices.rows() == b.body.vertices.rows() && a.body.triangles.rows() == b.body.triangles.rows() && a.body.vertices == b.body.vertices &&
+           a.body.triangles == b.body.triangles && a.source == b.source && a.sourceTriangle == b.sourceTriangle;
 }
 
 /// What every accepted set of cuts must keep, and the smallest angle of its caps in degrees.
 inline double checkPieces(const TriangleMesh& body, std::span<const CutPlane> cuts, const std::vector<BodyPiece>& pieces) {
     const double size = diagonalOf(body.vertices), whole = enclosedVolume(body.vertices, body.triangles);
+    std::vector<double> shortest(static_cast<std::size_t>(body.vertices.rows()), HUGE_VAL);  // edge at each vertex
+    bool degenerateBefore = false;
+    for (std::int32_t f = 0; f < body.triangles.rows(); ++f) {
+        degenerateBefore = degenerateBefore || degenerate(body, f);
+        for (int k = 0; k < 3; ++k) {
+            const std::int32_t a = body.triangles(f, k), b = body.triangles(f, (k + 1) % 3);
+            const double length = (body.vertices.row(a) - body.vertices.row(b)).norm();
+            for (const std::int32_t v : {a, b}) shortest[static_cast<std::size_t>(v)] = std::min(shortest[static_cast<std::size_t>(v)], length);
+        }
+    }
     double volume = 0.0, smallest = 180.0;
     std::map<std::pair<int, bool>, std::pair<const BodyPiece*, const BodyPiece::Cap*>> caps;
     for (const BodyPiece& piece : pieces) {
@@ -38,10 +48,15 @@ inline double checkPieces(const TriangleMesh& body, std::span<const CutPlane> cu
         volume += enclosedVolume(piece.body.vertices, piece.body.triangles);
         REQUIRE(piece.source.size() == static_cast<std::size_t>(piece.body.vertices.rows()));
         REQUIRE(piece.sourceTriangle.size() == static_cast<std::size_t>(piece.body.triangles.rows()));
-        double moved = 0.0;
+        double moved = 0.0;  // in edges
         for (std::size_t v = 0; v < piece.source.size(); ++v)
-            if (piece.source[v] >= 0) moved = std::max(moved, (piece.body.vertices.row(static_cast<Eigen::Index>(v)) - body.vertices.row(piece.source[v])).norm());
-        CHECK(moved <= 0.05 * size);
+            if (const std::int32_t from = piece.source[v]; from >= 0)
+                moved = std::max(
+                    moved, (piece.body.vertices.row(static_cast<Eigen::Index>(v)) - body.vertices.row(from)).norm() / shortest[static_cast<std::size_t>(from)]);
+        CHECK(moved <= 2.5 * kSnap * (1.0 + 1e-9));
+        if (!degenerateBefore)
+            for (std::int32_t f = 0; f < piece.body.triangles.rows(); ++f)
+                if (degenerate(piece.body, f)) FAIL_CHECK("triangle " << f << " on " << piece.sourceTriangle[static_cast<std::size_t>(f)] << " is flat");
         for (const BodyPiece::Cap& cap : piece.caps) {
             CHECK(caps.insert({{cap.cut, cap.front}, {&piece, &cap}}).second);
             smallest = std::min(smallest, degrees(cap.smallestAngle));

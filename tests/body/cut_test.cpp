@@ -152,7 +152,8 @@ TEST_CASE("cut: a plane exactly through vertices, edges and triangles of a box")
         int named = 0;
         for (const std::int32_t v : pieces[0].caps[0].vertices) named += pieces[0].source[static_cast<std::size_t>(v)] >= 0;
         CHECK(named == 8);
-        const std::size_t ofBody = static_cast<std::size_t>(std::count_if(pieces[0].sourceTriangle.begin(), pieces[0].sourceTriangle.end(), [](std::int32_t t) { return t >= 0; }));
+        const std::size_t ofBody =
+            static_cast<std::size_t>(std::count_if(pieces[0].sourceTriangle.begin(), pieces[0].sourceTriangle.end(), [](std::int32_t t) { return t >= 0; }));
         CHECK(ofBody == 24);
     }
     SUBCASE("through opposite edges") {
@@ -214,7 +215,8 @@ TEST_CASE("cut: a ring needs two cuts, and one cut through the middle of a lying
 
 TEST_CASE("cut: only the section at the origin is cut, the rest of the plane is not") {
     // Two legs under a beam.
-    const TriangleMesh body = shapes::surfaceOf(shapes::block({0, 0, 3}, {5, 1, 4}) + shapes::block({0, 0, 0}, {1, 1, 3}) + shapes::block({4, 0, 0}, {5, 1, 3}), 0.25);
+    const TriangleMesh body =
+        shapes::surfaceOf(shapes::block({0, 0, 3}, {5, 1, 4}) + shapes::block({0, 0, 0}, {1, 1, 3}) + shapes::block({4, 0, 0}, {5, 1, 3}), 0.25);
     for (const double x : {0.1, 1.2, -7.0, 30.0}) {
         const auto pieces = accepted(body, {{Vec3(x, 0.1, 0.3), Vec3(0, 0.1, 1)}});
         REQUIRE(pieces.size() == 2);
@@ -262,7 +264,9 @@ TEST_CASE("cut: a plane that misses the body says where it would hit it") {
 
 TEST_CASE("cut: a section that is pinched to a point is refused") {
     // Two cubes that share an edge's worth of a third one below: cut at its top, the squares meet in a corner.
-    const TriangleMesh body = shapes::surfaceOf(shapes::block({0, 0, 0}, {2, 2, 1}) + shapes::block({0, 0, 1}, {1, 1, 3}) + shapes::block({1, 1, 1}, {2, 2, 2}) + shapes::block({0, 1, 1}, {1, 2, 2}), 1.0);
+    const TriangleMesh body = shapes::surfaceOf(
+        shapes::block({0, 0, 0}, {2, 2, 1}) + shapes::block({0, 0, 1}, {1, 1, 3}) + shapes::block({1, 1, 1}, {2, 2, 2}) + shapes::block({0, 1, 1}, {1, 2, 2}),
+        1.0);
     CHECK(accepted(body, {{Vec3(0.5, 0.5, 2.0), Vec3(0, 0, 1)}}).size() == 2);
     // A saddle exactly in the plane.
     TriangleMesh saddle = shapes::box(Vec3(-1, -1, -1), Vec3(1, 1, 1), 2, 2, 2).mesh;
@@ -271,6 +275,24 @@ TEST_CASE("cut: a section that is pinched to a point is refused") {
     const CutRefusal refusal = refused(saddle, {{Vec3(0.5, 0, 1), Vec3(0, 0, 1)}});
     CHECK(refusal.code == "section-touches-itself");
     CHECK(refusal.nearest.has_value());
+}
+
+TEST_CASE("cut: at any scale and far from the origin the cut is the same") {
+    const Cuts cuts{{Vec3(0, 0, 1.5), Vec3(0, 0.1, 1)}, {Vec3(0, 0, 2.5), Vec3(0.1, 0, 1)}};  // the second through vertices, up to rounding
+    const auto plain = accepted(limb(), cuts);
+    for (const double scale : {1e-4, 1e4})
+        for (const double far : {0.0, 1e3}) {
+            TriangleMesh body = limb();
+            const Vec3 shift = scale * far * Vec3(1, -2, 3);
+            body.vertices = ((scale * body.vertices).rowwise() + shift.transpose()).eval();
+            Cuts moved = cuts;
+            for (CutPlane& cut : moved) cut.origin = scale * cut.origin + shift;
+            const auto pieces = accepted(body, moved);
+            REQUIRE(pieces.size() == plain.size());
+            for (std::size_t p = 0; p < pieces.size(); ++p) {
+                CHECK(volumeOf(pieces[p]) / (scale * scale * scale) == doctest::Approx(volumeOf(plain[p])).epsilon(1e-6));
+            }
+        }
 }
 
 TEST_CASE("cut: what is no plane and no body is refused") {

@@ -151,6 +151,25 @@ TEST_CASE("character from OBJ: seams split render vertices, never vertices; mate
     CHECK(render.materials[0].baseColorTexture == 0);
 }
 
+TEST_CASE("character: a file that repeats a normal for each corner has one render vertex per vertex") {
+    std::string obj;
+    const TriangleMesh ball = shapes::sphere(1.0, 2).mesh;
+    for (Eigen::Index v = 0; v < ball.vertices.rows(); ++v) obj += "v " + std::to_string(ball.vertices(v, 0)) + " " + std::to_string(ball.vertices(v, 1)) + " " + std::to_string(ball.vertices(v, 2)) + "\n";
+    for (Eigen::Index i = 0; i < ball.triangles.size(); ++i) {
+        const auto n = ball.vertices.row(ball.triangles.data()[i]);
+        obj += "vn " + std::to_string(n[0]) + " " + std::to_string(n[1]) + " " + std::to_string(n[2]) + "\n";
+    }
+    for (Eigen::Index i = 0; i < ball.triangles.size(); ++i) obj += (i % 3 ? " " : "\nf ") + std::to_string(ball.triangles.data()[i] + 1) + "//" + std::to_string(i + 1);
+    const auto file = characterOf("a.obj", obj + "\n");
+    CAPTURE(said(file));
+    REQUIRE(file);
+    checkSound(*file);
+    const RenderMesh& render = file->renderModel.mesh.renderMesh;
+    REQUIRE(static_cast<Eigen::Index>(render.bodyVertex.size()) == ball.vertices.rows());
+    for (Eigen::Index r = 0; r < render.normals.rows(); ++r)
+        CHECK((render.normals.row(r).cast<double>() - ball.vertices.row(render.bodyVertex[static_cast<std::size_t>(r)])).norm() < 1e-5);
+}
+
 TEST_CASE("character, write-mesh, character: vertices and triangles come back bit for bit, unused, degenerate and duplicate ones too") {
     const TestFolder folder;
     std::string obj = "v 9 9 9\n" + objOf(shapes::sphere(0.1, 2).mesh) + "v -1e-17 3e22 0.1\nf 1 2 2\nf 3 4 5\nf 3 4 5\nf 4 3 5\n";
@@ -299,10 +318,38 @@ TEST_CASE("character from GLB: a skin in its bind pose keeps the file's bits tho
     CHECK((result.row(3) - turned(3)).norm() < 2e-5);
 }
 
+TEST_CASE("character from DAE: nodes depth first, a vertex per corner of a polygon, transformations, unit and axis applied") {
+    const auto geometry = [](const std::string& id, const std::string& numbers, const std::string& polygons) {
+        return "<geometry id=\"" + id + "\" name=\"" + id + "\"><mesh><source id=\"" + id + "p\"><float_array id=\"" + id + "a\" count=\"12\">" + numbers +
+               "</float_array><technique_common><accessor source=\"#" + id + "a\" count=\"4\" stride=\"3\"><param name=\"X\" type=\"float\"/><param name=\"Y\" type=\"float\"/><param name=\"Z\" type=\"float\"/>"
+               "</accessor></technique_common></source><vertices id=\"" + id + "v\"><input semantic=\"POSITION\" source=\"#" + id + "p\"/></vertices><polylist count=\"2\"><input semantic=\"VERTEX\" source=\"#" +
+               id + "v\" offset=\"0\"/>" + polygons + "</polylist></mesh></geometry>";
+    };
+    const std::string dae = R"(<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset><unit name="centimeter" meter="0.01"/><up_axis>Z_UP</up_axis></asset>
+<library_geometries>)" + geometry("g", "0 0 0 1 0 0 1 1 0 0 1 0", "<vcount>4 3</vcount><p>0 1 2 3 0 2 1</p>") + geometry("h", "0 0 0 0 0 1 0 1 0 9 9 9", "<vcount>3 3</vcount><p>0 1 2 0 1 2</p>") +
+                            R"(</library_geometries><library_visual_scenes><visual_scene id="s"><node id="a" name="腕"><translate>100 0 0</translate><instance_geometry url="#g"/>
+<node id="b" name="手"><translate>0 0 50</translate><instance_geometry url="#h"/></node></node><node id="c" name="足"><instance_geometry url="#h"/></node></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#s"/></scene></COLLADA>)";
+    const TestFolder folder;
+    const auto file = character(folder.write("a.dae", dae));
+    CAPTURE(said(file));
+    REQUIRE(file);
+    checkSound(*file);
+    CHECK(file->metresPerUnit == 0.01);
+    CHECK(file->zUpConverted);
+    CHECK(file->renderModel.parts == std::vector<std::string>{"腕", "手", "足"});
+    const Points expected = points({{1, 0, 0}, {1.01, 0, 0}, {1.01, 0, -0.01}, {1, 0, -0.01}, {1, 0, 0}, {1.01, 0, -0.01}, {1.01, 0, 0},  // a quad and a triangle
+                                    {1, 0.5, 0}, {1, 0.51, 0}, {1, 0.5, -0.01}, {1, 0.5, 0}, {1, 0.51, 0}, {1, 0.5, -0.01},
+                                    {0, 0, 0}, {0, 0.01, 0}, {0, 0, -0.01}, {0, 0, 0}, {0, 0.01, 0}, {0, 0, -0.01}});
+    REQUIRE(file->renderModel.mesh.body.vertices.rows() == expected.rows());
+    CHECK((file->renderModel.mesh.body.vertices - expected).cwiseAbs().maxCoeff() < 1e-6);  // single precision of the matrices
+    CHECK(file->renderModel.part == std::vector<std::int32_t>{0, 0, 0, 1, 1, 2, 2});
+}
+
 TEST_CASE("character: unit and up axis change each coordinate by itself") {
     const TestFolder folder;
     ImportRequest request;
-    request.path = folder.write("a.obj", "v 0.1 0.2 0.3\nv 1.7 2 3\nv 4 5 6\nv 0.7 0.7 1e9\nf 1 2 4\n");
+    request.path = folder.write("a.obj", "v 0.1 0.2 0.3\nv 1.7 2 3\nv 4 5 6\nv 0.7 0.7 1e3\nf 1 2 4\n");
     request.unit = Unit::Millimetre;
     request.up = UpAxis::Z;
     const auto file = character(request);
@@ -311,7 +358,7 @@ TEST_CASE("character: unit and up axis change each coordinate by itself") {
     CHECK(file->metresPerUnit == 1e-3);
     CHECK(file->zUpConverted);
     CHECK(sameBits(file->renderModel.mesh.body.vertices,
-                   points({{0.1 * 1e-3, 0.3 * 1e-3, -(0.2 * 1e-3)}, {1.7 * 1e-3, 3 * 1e-3, -(2 * 1e-3)}, {4 * 1e-3, 6 * 1e-3, -(5 * 1e-3)}, {0.7 * 1e-3, 1e9 * 1e-3, -(0.7 * 1e-3)}})));
+                   points({{0.1 * 1e-3, 0.3 * 1e-3, -(0.2 * 1e-3)}, {1.7 * 1e-3, 3 * 1e-3, -(2 * 1e-3)}, {4 * 1e-3, 6 * 1e-3, -(5 * 1e-3)}, {0.7 * 1e-3, 1e3 * 1e-3, -(0.7 * 1e-3)}})));
 }
 
 TEST_CASE("character: what is no surface at all is refused, what no triangle uses is not") {

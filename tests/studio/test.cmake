@@ -8,6 +8,7 @@ if(IMOMUSHI_STUDIO)
     target_link_libraries(test_studio PRIVATE imomushi_studio imomushi_doctest Qt6::Test)
     target_precompile_headers(test_studio REUSE_FROM imomushi_precompiled_studio_tests)
     target_compile_definitions(test_studio PRIVATE
+        IMOMUSHI_SHARED_MESHES="${IMOMUSHI_SHARED_MESHES}"
         IMOMUSHI_TEST_DATA="${CMAKE_CURRENT_SOURCE_DIR}/data"
         IMOMUSHI_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
         IMOMUSHI_LUPDATE="$<TARGET_FILE:Qt6::lupdate>")

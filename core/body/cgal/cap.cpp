@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -23,13 +22,11 @@ namespace {
 using Vec2 = Eigen::Vector2d;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kWanted = 25.0 * kDegree;  // triangles of smaller angles are refined where that needs no point on a loop
-constexpr double kEnough = 10.0 * kDegree;  // below, points on loops are worth what they cost: more vertices of the body
-constexpr double kSplitWanted = 15.0 * kDegree;  // what those aim at; Ruppert's method ends for angles up to 20.7 degrees
-constexpr double kApart = 0.6;   // added points keep this part of the shortest side of their triangle from all others
-constexpr int kPasses = 40;      // each at least halves the worst sides; what is left then is left
-constexpr std::size_t kMost = 12;  // points added per point of the loops, and
-constexpr std::size_t kMostSmall = 4000;  // for small loops, before refinement gives up (thin walls, nearly touching loops)
+constexpr double kWanted = 15.0 * kDegree;  // smallest angle that is aimed at; Ruppert's method ends for angles up to 20.7 degrees
+constexpr double kLargest = 1.5;            // longest side of a triangle, of the spacing wanted, unless that takes more
+constexpr double kMostTriangles = 3.0;      // triangles than this per point of the loops: in wide regions they grow inward
+/// Points in all, per point of the loops and for small loops, before refinement gives up (walls of no thickness, loops that nearly touch).
+constexpr std::size_t kMost = 12, kMostSmall = 4000;
 
 /// The number of a vertex, -1: the mesher made it.
 struct Number {
@@ -59,15 +56,19 @@ std::array<Vec2, 3> cornersOf(Cdt::Face_handle f) { return {placeOf(f->vertex(0)
 
 class Region {
 public:
-    Region(const std::vector<std::vector<Vec2>>& loops, double spacing) : spacing_(spacing) {
+    Region(const std::vector<std::vector<Vec2>>& loops, double spacing) {
+        double twiceArea = 0.0;
         for (const auto& loop : loops) {
             const std::size_t begin = points_.size();
             for (std::size_t i = 0; i < loop.size(); ++i) {
+                twiceArea += cross(loop[i] - loops[0][0], loop[(i + 1) % loop.size()] - loops[0][0]);
                 points_.push_back(loop[i]);
                 next_.push_back(i + 1 < loop.size() ? static_cast<int>(begin + i + 1) : static_cast<int>(begin));
             }
         }
         given_ = points_.size();
+        const double equilateral = std::sqrt(3.0) / 4.0;
+        longest_ = std::max(kLargest * spacing, std::sqrt(0.5 * std::abs(twiceArea) / (equilateral * kMostTriangles * static_cast<double>(given_))));
     }
 
     /// False where loops touch or cross.
@@ -88,39 +89,28 @@ public:
             int k = 0;
             if (!cdt_.is_edge(at[i], at[static_cast<std::size_t>(next_[i])], f, k) || !f->is_constrained(k)) return false;
         }
+        mark();
         return true;
     }
 
-    /// Adds points inside only.
-    void fill() {
-        for (int pass = 0; pass < kPasses; ++pass) {
-            mark();
-            std::vector<Place> places;
-            for (auto f = cdt_.finite_faces_begin(); f != cdt_.finite_faces_end(); ++f)
-                if (f->is_in_domain()) addPlace(cornersOf(f), places);
-            std::stable_sort(places.begin(), places.end(), [](const Place& a, const Place& b) { return a.radius > b.radius; });
-            bool any = false;
-            for (const Place& place : places)
-                for (const Vec2& p : {place.centre, place.nearer})
-                    if (points_.size() < most() && free(p, place.apart)) {
-                        insert(p)->info().value = static_cast<int>(points_.size());
-                        points_.push_back(p);
-                        any = true;
-                        break;
-                    }
-            if (!any) break;
+    /// Whether the triangles are good as they are.
+    [[nodiscard]] bool good() const {
+        for (auto f = cdt_.finite_faces_begin(); f != cdt_.finite_faces_end(); ++f) {
+            if (!f->is_in_domain()) continue;
+            const std::array<Vec2, 3> p = cornersOf(f);
+            const double longest = std::sqrt(std::max({(p[1] - p[0]).squaredNorm(), (p[2] - p[1]).squaredNorm(), (p[0] - p[2]).squaredNorm()}));
+            if (smallestAngleOf(p) < kWanted || longest > longest_) return false;
         }
-        mark();
+        return true;
     }
 
-    /// Ruppert's refinement, which splits sides of loops too. False where it would need too many points.
+    /// Ruppert's refinement, which splits sides of loops where they are too long for what is near. False where it would need too many points.
     bool refine() {
-        mark();
-        const double s = std::sin(kSplitWanted);
-        CGAL::Delaunay_mesher_2<Cdt, Criteria> mesher(cdt_, Criteria(s * s, 1.5 * spacing_));
+        const double s = std::sin(kWanted);
+        CGAL::Delaunay_mesher_2<Cdt, Criteria> mesher(cdt_, Criteria(s * s, longest_));
         mesher.init(true);
         while (!mesher.is_refinement_done()) {
-            if (cdt_.number_of_vertices() > most()) return false;
+            if (cdt_.number_of_vertices() > kMost * given_ + kMostSmall) return false;
             mesher.step_by_step_refine_mesh();
         }
         for (auto v = cdt_.finite_vertices_begin(); v != cdt_.finite_vertices_end(); ++v)
@@ -154,44 +144,7 @@ public:
     }
 
 private:
-    /// Where a point would make a triangle better: its circumcentre, or nearer to its shortest side.
-    struct Place {
-        Vec2 centre, nearer;
-        double radius = 0.0, apart = 0.0;
-    };
-
-    [[nodiscard]] std::size_t most() const { return kMost * given_ + kMostSmall; }
-
     Cdt::Vertex_handle insert(const Vec2& p) { return cdt_.insert(Cdt::Point(p.x(), p.y())); }
-
-    void addPlace(const std::array<Vec2, 3>& p, std::vector<Place>& places) const {
-        std::array<double, 3> length{};  // of the side opposite to each corner
-        for (std::size_t k = 0; k < 3; ++k) length[k] = (p[(k + 2) % 3] - p[(k + 1) % 3]).norm();
-        const bool large = *std::max_element(length.begin(), length.end()) > 1.5 * spacing_;
-        if (smallestAngleOf(p) >= kWanted && !large) return;
-        const Vec2 b = p[1] - p[0], c = p[2] - p[0];
-        const double twice = cross(b, c), longest = *std::max_element(length.begin(), length.end());
-        if (!(std::abs(twice) > 1e-12 * longest * longest)) return;
-        Place place;
-        place.centre = p[0] + Vec2(c.y() * b.squaredNorm() - b.y() * c.squaredNorm(), b.x() * c.squaredNorm() - c.x() * b.squaredNorm()) / (2.0 * twice);
-        place.radius = (place.centre - p[0]).norm();
-        const auto apex = static_cast<std::size_t>(std::min_element(length.begin(), length.end()) - length.begin());
-        const Vec2 from = p[(apex + 1) % 3], to = p[(apex + 2) % 3], middle = 0.5 * (from + to);
-        const Vec2 across = Vec2(from.y() - to.y(), to.x() - from.x()) / length[apex];
-        // Off-centre (Üngör 2004): the new triangle on the shortest side just has the wanted angle.
-        place.nearer = middle + across * std::min(0.5 * length[apex] / std::tan(0.5 * kWanted), across.dot(place.centre - middle));
-        place.apart = kApart * length[apex];
-        places.push_back(place);
-    }
-
-    /// No point nearer than `apart`, and outside of the circles about the sides of the loops, hence seen from its triangle.
-    [[nodiscard]] bool free(const Vec2& p, double apart) const {
-        for (const Vec2& q : points_)
-            if ((q - p).squaredNorm() < apart * apart) return false;
-        for (std::size_t i = 0; i < given_; ++i)
-            if ((points_[i] - p).dot(points_[static_cast<std::size_t>(next_[i])] - p) <= 0.0) return false;
-        return true;
-    }
 
     /// Tells triangles inside from those outside and in holes: each loop is one more wall to pass.
     void mark() {
@@ -246,7 +199,7 @@ private:
         return result;
     }
 
-    double spacing_;
+    double longest_ = 0.0;  // side of a triangle
     std::vector<Vec2> points_;
     std::vector<int> next_;
     std::size_t given_ = 0;
@@ -257,15 +210,13 @@ private:
 
 std::optional<PlaneRegion> meshRegion(const std::vector<std::vector<Vec2>>& loops, double spacing) {
     const FloatingPointGuard guard;
-    Region inside(loops, spacing);
-    if (!inside.triangulate()) return std::nullopt;
-    inside.fill();
-    PlaneRegion result = inside.result();
-    if (result.smallestAngle >= kEnough || result.triangles.rows() == 0) return result;
-    Region split(loops, spacing);
-    if (!split.triangulate() || !split.refine()) return result;
-    PlaneRegion better = split.result();
-    return better.smallestAngle > result.smallestAngle ? better : result;
+    Region region(loops, spacing);
+    if (!region.triangulate()) return std::nullopt;
+    if (region.good()) return region.result();
+    PlaneRegion plain = region.result();
+    if (plain.triangles.rows() == 0 || !region.refine()) return plain;
+    PlaneRegion refined = region.result();
+    return refined.smallestAngle >= plain.smallestAngle ? refined : plain;
 }
 
 }  // namespace imomushi

@@ -22,46 +22,45 @@ constexpr std::size_t kLook = 64;  ///< gates between looks whether it was cance
 struct Cancelled {};
 struct TooLarge {};
 
-/// CGAL's wrap with an alpha that changes from place to place: each gate is judged by that where the flood fill has just come to.
+/// CGAL's wrap, which knows what alpha is from place to place.
 class GradedWrap : public Wrapper {
 public:
-    using Wrapper::Wrapper;
-    void setAlpha(double alpha) {
-        m_alpha = alpha;
-        m_sq_alpha = alpha * alpha;
-    }
+    GradedWrap(const Oracle& oracle, const WrapSetting& setting) : Wrapper(oracle), setting_(setting) {}
+    [[nodiscard]] double alpha(const Vec3& at) const { return setting_.alpha(at); }
+
+private:
+    const WrapSetting& setting_;
 };
 
-struct Guide : CGAL::Alpha_wraps_3::internal::Wrapping_default_visitor {
-    GradedWrap* wrap = nullptr;
+/// Ends a wrap that nobody wants any more or that becomes too large.
+struct Watch : CGAL::Alpha_wraps_3::internal::Wrapping_default_visitor {
     const WrapSetting* setting = nullptr;
     const Progress* progress = nullptr;
     std::size_t steps = 0;
 
-    template <class AnyPoint>
-    void goTo(const AnyPoint& p) {
-        wrap->setAlpha(setting->alpha(Vec3(p.x(), p.y(), p.z())));
-    }
-    template <class W, class Gate>
-    void before_facet_treatment(const W& w, const Gate& gate) {
+    template <class AnyWrap, class Gate>
+    void before_facet_treatment(const AnyWrap& wrap, const Gate&) {
         if (++steps % kLook == 0 && progress->cancelled()) throw Cancelled{};
-        if (w.triangulation().number_of_vertices() > setting->mostVertices) throw TooLarge{};
-        const auto& facet = gate.facet();
-        double at[3] = {0.0, 0.0, 0.0};
-        for (int k = 1; k < 4; ++k) {
-            const auto& p = facet.first->vertex((facet.second + k) & 3)->point();
-            at[0] += p.x() / 3.0, at[1] += p.y() / 3.0, at[2] += p.z() / 3.0;
-        }
-        goTo(Point(at[0], at[1], at[2]));
-    }
-    template <class W, class AnyPoint>
-    void before_Steiner_point_insertion(const W&, const AnyPoint& p) {
-        goTo(p);
+        if (wrap.triangulation().number_of_vertices() > setting->mostVertices) throw TooLarge{};
     }
 };
 
 }  // namespace
+}  // namespace imomushi
 
+// Whether the ball fits through a facet, asked with the alpha of that place. CGAL 5.5 asks with one alpha for all.
+template <>
+bool imomushi::Wrapper::is_traversable(const Facet& f) const {
+    imomushi::Vec3 middle = imomushi::Vec3::Zero();
+    for (int k = 1; k < 4; ++k) {
+        const auto& p = m_dt.point(f.first, (f.second + k) & 3);
+        middle += imomushi::Vec3(p.x(), p.y(), p.z()) / 3.0;
+    }
+    const double alpha = static_cast<const imomushi::GradedWrap*>(this)->alpha(middle);
+    return CGAL::Alpha_wraps_3::internal::less_squared_radius_of_min_empty_sphere(alpha * alpha, f, m_dt);
+}
+
+namespace imomushi {
 Result<TriangleMesh> wrapTriangles(const TriangleMesh& mesh, const WrapSetting& setting, const Progress& progress) {
     const FloatingPointGuard guard;
     std::vector<Point> points;
@@ -76,10 +75,10 @@ Result<TriangleMesh> wrapTriangles(const TriangleMesh& mesh, const WrapSetting& 
     try {
         Oracle oracle(setting.coarsest, Kernel());
         oracle.add_triangle_soup(points, faces);
-        GradedWrap wrap(oracle);
-        Guide guide;
-        guide.wrap = &wrap, guide.setting = &setting, guide.progress = &progress;
-        wrap(setting.coarsest, setting.offset, surface, CGAL::parameters::visitor(std::ref(guide)));
+        GradedWrap wrap(oracle, setting);
+        Watch watch;
+        watch.setting = &setting, watch.progress = &progress;
+        wrap(setting.coarsest, setting.offset, surface, CGAL::parameters::visitor(std::ref(watch)));
     } catch (const Cancelled&) {
         return fail(kCancelled, "Cancelled.");
     } catch (const TooLarge&) {

@@ -11,6 +11,9 @@ namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 
+/// Vertices of a polygon up to which all of its triangulations are compared where Delaunay has none: cubic, a tenth of a second for these.
+constexpr Eigen::Index kLargestCubic = 300;
+
 struct Corners {
     std::array<std::int32_t, 3> at{};
     Corners(int a, int b, int c) : at{a, b, c} {}
@@ -26,7 +29,8 @@ std::vector<std::array<std::int32_t, 3>> triangulateHole(const Points& polygon) 
     try {
         CGAL::Polygon_mesh_processing::triangulate_hole_polyline(
             points, std::back_inserter(triangles),
-            CGAL::parameters::use_delaunay_triangulation(true).use_2d_constrained_delaunay_triangulation(true));
+            CGAL::parameters::use_delaunay_triangulation(true).use_2d_constrained_delaunay_triangulation(true).do_not_use_cubic_algorithm(
+                polygon.rows() > kLargestCubic));
     } catch (const std::exception&) {  // CGAL's preconditions, on polygons that cross themselves
         triangles.clear();
     }
