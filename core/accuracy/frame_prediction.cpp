@@ -10,7 +10,7 @@ namespace imomushi {
 
 namespace {
 
-constexpr double kSeconds = 0.1;
+constexpr double kPredictionSeconds = 0.1;
 
 }  // namespace
 
@@ -23,7 +23,7 @@ Result<double> predictFrame(const CharacterInput& input, const Progress& progres
     Pose pose = restPose(input.skeleton);
     double at = 0.0;
     // As frames are measured in a study.
-    const double ms = quietSpreads(kSeconds,
+    const double ms = quietSpreads(kPredictionSeconds,
                                    {[&] {
                                        motion.move(at += 0.013);
                                        character->solvePose(motion.goals, pose);

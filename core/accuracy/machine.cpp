@@ -3,25 +3,23 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <fstream>
 #include <mutex>
 #include <numeric>
 #include <thread>
 #include <vector>
 
+#include "core/base/clock.h"
 #include "core/base/parallel.h"
 
 namespace imomushi {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
 
-constexpr double kSeconds = 0.5, kMin = 0.1;  // less does not last as long as a precompute
-constexpr int kRounds = 20'000;  // of a block of work: some tenths of a millisecond, much less than a time slice of the scheduler
+constexpr double kRateSeconds = 0.5, kMin = 0.1;  // less does not last as long as a precompute
+constexpr int kWorkRounds = 20'000;  // of a block of work: some tenths of a millisecond, much less than a time slice of the scheduler
 
-double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 }  // namespace
 
@@ -45,12 +43,12 @@ double machineShare(int threads) {
         std::array<double, 16> x{};
         volatile double sum = 0.0;  // keeps the work where it is timed
         double done = 0.0, best = 1e9;
-        while (since(begin) < kSeconds) {
+        while (secondsSince(begin) < kRateSeconds) {
             const auto start = Clock::now();
-            for (int round = 0; round < kRounds; ++round)
+            for (int round = 0; round < kWorkRounds; ++round)
                 for (double& value : x) value = 0.999 * value + 1.0;
             sum = std::accumulate(x.begin(), x.end(), 0.0);
-            best = std::min(best, since(start));
+            best = std::min(best, secondsSince(start));
             ++done;
         }
         (void)sum;
@@ -63,7 +61,7 @@ double machineShare(int threads) {
         for (int i = 1; i < threads; ++i) others.emplace_back(work);
         work();
     }
-    return std::clamp(blocks * fastest / (threads * since(begin)), kMin, 1.0);
+    return std::clamp(blocks * fastest / (threads * secondsSince(begin)), kMin, 1.0);
 }
 
 }  // namespace imomushi

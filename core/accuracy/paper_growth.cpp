@@ -2,11 +2,11 @@
 #include "core/accuracy/paper_growth.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <functional>
 
 #include "core/accuracy/synthetic_response.h"
+#include "core/base/clock.h"
 #include "core/character/character_effects.h"
 #include "core/comparison/paper_caterpillar.h"
 #include "core/comparison/previous_model.h"
@@ -18,14 +18,12 @@ namespace imomushi {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
 constexpr double kFrameMs = 1000.0 / 60.0;
 constexpr double kSecondsOfSize = 1.0;
-constexpr int kRounds = 100;
+constexpr int kGrowthRounds = 100;
 
-tl::unexpected<Error> cancelled() { return fail(kCancelled, "The comparison was cancelled."); }
+tl::unexpected<Error> growthCancelled() { return fail(kCancelled, "The comparison was cancelled."); }
 
-double since(Clock::time_point from) { return std::chrono::duration<double>(Clock::now() - from).count(); }
 
 int verticesOf(const CharacterInput& input) {
     int count = 0;
@@ -40,8 +38,8 @@ Result<Growth> grow(int step, double power, double seconds, const Progress& prog
     Growth out;
     int fits = 0, fails = 0;
     for (int around = 24; progress.cancelled() || fails == 0 || fails - fits > std::max(step, fits / 50);) {
-        if (progress.cancelled()) return cancelled();
-        if (!out.points.empty() && since(start) > seconds) break;
+        if (progress.cancelled()) return growthCancelled();
+        if (!out.points.empty() && secondsSince(start) > seconds) break;
         const auto point = measure(around);
         if (!point) return tl::unexpected(point.error());
         out.points.push_back(*point);
@@ -54,7 +52,7 @@ Result<Growth> grow(int step, double power, double seconds, const Progress& prog
             // A little beyond what should still fit.
             around = std::clamp(static_cast<int>(1.08 * around * std::pow(kFrameMs / point->frameMs, 1.0 / power)), around + step, 4 * around) / step * step;
         if (around <= fits) break;
-        progress.report("measure", std::min(0.95, since(start) / seconds));
+        progress.report("measure", std::min(0.95, secondsSince(start) / seconds));
     }
     out.bounded = fails > 0;
     std::sort(out.points.begin(), out.points.end(), [](const auto& a, const auto& b) { return a.vertices < b.vertices; });
@@ -74,7 +72,7 @@ Result<Growth> growProposed(int threads, double seconds, const Progress& progres
         TestMotion motion(skeleton);
         Pose pose = restPose(skeleton);
         double at = 0.0;
-        const auto ms = mediansInTurn(kRounds, kSecondsOfSize, {[&] {
+        const auto ms = mediansInTurn(kGrowthRounds, kSecondsOfSize, {[&] {
                                           motion.move(at += 0.013);
                                           character->solvePose(motion.goals, pose);
                                           character->update(pose);
@@ -99,7 +97,7 @@ Result<Growth> growPrevious(double seconds, const Progress& progress) {
         Pose pose = restPose(skeleton);
         double at = 0.0, overhead = 0.0;
         int count = 0;
-        const auto ms = mediansInTurn(kRounds, kSecondsOfSize, {[&] {
+        const auto ms = mediansInTurn(kGrowthRounds, kSecondsOfSize, {[&] {
                                           motion.move(at += 0.013);
                                           (void)model->frame(motion.goals, pose);
                                           overhead += model->overheadMs();
@@ -130,7 +128,7 @@ Result<std::vector<Divergence>> previousDivergence(const ComparedModels& models,
     std::vector<Divergence> out;
     for (const double stiffness : kStiffness) {
         for (int power = 0, stable = 0; power < kPowers && stable < 2; ++power) {
-            if (progress.cancelled()) return cancelled();
+            if (progress.cancelled()) return growthCancelled();
             progress.report("measure", static_cast<double>(out.size()) / (4.0 * kPowers));
             Divergence one;
             one.shearModulus = stiffness;

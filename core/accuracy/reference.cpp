@@ -5,12 +5,12 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <optional>
 #include <span>
 
 #include "core/accuracy/machine.h"
+#include "core/base/clock.h"
 #include "core/character/character_effects.h"
 #include "core/comparison/model_table.h"
 #include "core/comparison/previous_model.h"
@@ -23,16 +23,14 @@ namespace imomushi {
 namespace {
 
 using Kind = SolverMeshSetting::Kind;
-using Clock = std::chrono::steady_clock;
 
-double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 /// Rim layers and bubble functions leave a tenth of the error of the plain mesh (solved_body.h: measured on 24 bodies, 0.3 to 2.5 times the estimate).
 constexpr double kErrorLeft = 0.1;
 /// Motions of joint faces that are smooth.
 const BasisChoice kSmooth(BasisKind::Modes, BasisChoice::kMaxModes);
 
-tl::unexpected<Error> cancelled() { return fail(kCancelled, "The study was cancelled."); }
+tl::unexpected<Error> referenceCancelled() { return fail(kCancelled, "The study was cancelled."); }
 
 std::vector<ResponseInput> asked(const std::vector<ResponseInput>& elements, const BasisChoice& basis, Kind mesh) {
     auto out = elements;
@@ -152,7 +150,7 @@ Result<SolvedElements> solveElements(const std::vector<ResponseInput>& elements,
         out.responses.push_back(nullptr);
         out.seconds.push_back(0.0);
         if (elements[e].faces.empty()) continue;
-        if (progress.cancelled()) return cancelled();
+        if (progress.cancelled()) return referenceCancelled();
         const auto start = Clock::now();
         Result<ElementResponse> built;
         bool carried = false;
@@ -165,7 +163,7 @@ Result<SolvedElements> solveElements(const std::vector<ResponseInput>& elements,
         }
         if (!built) return tl::unexpected(built.error());
         out.responses.back() = std::make_shared<const ElementResponse>(std::move(*built));
-        out.seconds.back() = since(start);
+        out.seconds.back() = secondsSince(start);
     }
     out.peakBytes = estimateElements(elements).bytes;
     return out;
@@ -337,7 +335,7 @@ Result<FullSolution> FullSolution::build(const ReferenceInput& input, const Prog
     for (std::size_t e = 0; e < smooth->responses.size(); ++e) soft.elements[e].response = smooth->responses[e];
     auto equilibrium = Character::build(std::move(soft));
     if (!equilibrium) return tl::unexpected(equilibrium.error());
-    return FullSolution(std::make_unique<State>(State{std::move(plain), solverMeshName({*finest, 0}), std::move(how), relative, since(start), seenVertices(input.character),
+    return FullSolution(std::make_unique<State>(State{std::move(plain), solverMeshName({*finest, 0}), std::move(how), relative, secondsSince(start), seenVertices(input.character),
                                                       std::move(full->responses), std::move(smooth->responses), std::move(*fine), std::move(coarse), std::move(*equilibrium)}));
 }
 
@@ -351,14 +349,14 @@ Result<Reference> FullSolution::in(const std::vector<StandardPose>& poses, const
     ErrorSum coarser, faces;
     for (std::size_t i = 0; i < poses.size(); ++i) {
         progress.report("solve", static_cast<double>(i) / static_cast<double>(poses.size()));
-        if (progress.cancelled()) return cancelled();
+        if (progress.cancelled()) return referenceCancelled();
         if (auto ok = s.addPose(poses[i].pose, out, coarser, faces, progress); !ok) return tl::unexpected(ok.error());
     }
     out.relative = s.coarse ? kErrorLeft * coarser.error().relative : s.relative;
     out.percent = s.coarse ? kErrorLeft * coarser.error().percent : -1.0;
     out.faceRelative = faces.error().relative;
     out.facePercent = faces.error().percent;
-    out.seconds = s.seconds + since(start);
+    out.seconds = s.seconds + secondsSince(start);
     out.solutionSeconds = s.seconds;
     return out;
 }

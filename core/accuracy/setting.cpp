@@ -11,7 +11,7 @@ namespace {
 
 using Kind = SolverMeshSetting::Kind;
 
-std::string number(double value) {
+std::string numberText(double value) {
     char text[32];
     std::snprintf(text, sizeof text, "%g", value);
     return text;
@@ -19,11 +19,11 @@ std::string number(double value) {
 
 std::string meshName(const MeshChoice& mesh) {
     if (mesh.own) return "own meshes";
-    const std::string tail = mesh.tolerance == SolverMeshSetting::kUsualTolerance ? "" : " @ " + number(mesh.tolerance);
+    const std::string tail = mesh.tolerance == SolverMeshSetting::kUsualTolerance ? "" : " @ " + numberText(mesh.tolerance);
     switch (mesh.kind) {
         case Kind::AsIs: return "as-is" + tail;
-        case Kind::Refined: return "refined x " + number(mesh.factor) + tail;
-        case Kind::Decimated: return "decimated x " + number(mesh.factor) + tail;
+        case Kind::Refined: return "refined x " + numberText(mesh.factor) + tail;
+        case Kind::Decimated: return "decimated x " + numberText(mesh.factor) + tail;
         case Kind::Default: return "default" + tail;
         case Kind::Best: return "best" + tail;
     }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <map>
 
@@ -11,6 +10,7 @@
 #include "core/accuracy/study_frames.h"
 #include "core/accuracy/study_store.h"
 #include "core/accuracy/synthetic_response.h"
+#include "core/base/clock.h"
 #include "core/character/character_effects.h"
 #include "core/comparison/model_table.h"
 #include "core/comparison/previous_model.h"
@@ -20,7 +20,6 @@ namespace imomushi {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
 
 constexpr double kSeconds = 1.2;       // of one measurement of frames
 constexpr double kQuickSeconds = 0.3;  // the same in a study of a few seconds
@@ -34,7 +33,6 @@ constexpr const char* kNoMemory = "no-memory";
 constexpr std::size_t kKeptBytes = std::size_t{512} << 20;
 
 tl::unexpected<Error> cancelled() { return fail(kCancelled, "The study was cancelled."); }
-double since(Clock::time_point from) { return std::chrono::duration<double>(Clock::now() - from).count(); }
 
 std::vector<ResponseInput> solvedAs(const StudyInput& input, const AccuracySetting& setting) {
     auto out = input.reference.elements;
@@ -107,7 +105,7 @@ public:
             if (!waiting(p)) continue;
             if (progress_.cancelled()) return cancelled();
             const double cost = std::max(0.0, p.predictedSeconds);
-            if (&p != &study_.points.front() && input_.seconds > 0.0 && since(start_) + cost > input_.seconds) continue;  // stays waiting
+            if (&p != &study_.points.front() && input_.seconds > 0.0 && secondsSince(start_) + cost > input_.seconds) continue;  // stays waiting
             const auto part = progress_.part(0.4 + 0.55 * done / all, 0.4 + 0.55 * (done + cost + 1.0) / all);
             part.report("measure", 0.0);
             if (auto ok = measure(p, part); !ok) {
@@ -130,7 +128,7 @@ private:
 
     void tell() {
         study_.markDominated();
-        study_.seconds = spentBefore_ + since(start_);
+        study_.seconds = spentBefore_ + secondsSince(start_);
         store_.save(study_);
         if (listener_) listener_(study_);
     }

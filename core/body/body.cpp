@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/base/finite.h"
+#include "core/base/index.h"
 #include "core/body/mended_body.h"
 #include "core/body/prepared_surface.h"
 #include "core/body/wrapped_body.h"
@@ -18,6 +19,7 @@
 
 namespace imomushi {
 namespace {
+
 
 Result<void> checkSetting(const BodySetting& setting) {
     if (setting.detail != 0.0 && !(isFinite(setting.detail) && setting.detail >= kFinestDetail && setting.detail <= kCoarsestDetail))

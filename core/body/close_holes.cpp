@@ -4,6 +4,7 @@
 #include <unordered_set>
 
 #include "core/body/prepared_surface.h"
+#include "core/base/index.h"
 #include "core/mesh/cgal/fill_hole.h"
 #include "core/mesh/edge_key.h"
 
@@ -12,6 +13,7 @@ namespace {
 
 /// Largest caps relative to the surface that they close, as in capHoles(): a sheet would be closed by its own mirror image, 1.
 constexpr double kLargestCap = 0.75;
+
 
 double capArea(const Points& points, const std::vector<std::array<std::int32_t, 3>>& cap) {
     double area = 0.0;

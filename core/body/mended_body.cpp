@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/index.h"
 #include "core/base/union_find.h"
 #include "core/body/cgal/rays.h"
 #include "core/body/cgal/unite.h"
@@ -27,6 +28,7 @@ constexpr double kSmall = 0.02;
 constexpr double kApart = 0.1;
 /// Open parts of less area than this, over that of all, are left out wherever they are: whiskers, feathers.
 constexpr double kLittleArea = 0.01;
+
 
 /// Of some triangles, ascending.
 std::vector<std::int32_t> verticesOf(const TriangleMesh& mesh, const std::vector<std::int32_t>& triangles) {
@@ -180,7 +182,7 @@ bool openPiecesFollow(const TriangleMesh& mesh, double diagonal, const Sorted& s
 }
 
 /// The sets of bodies that touch each other, directly or by others.
-UnionFind touching(const std::vector<TriangleMesh>& bodies, const Progress& progress) {
+UnionFind touchingBodies(const std::vector<TriangleMesh>& bodies, const Progress& progress) {
     std::vector<Bounds> box;
     for (const TriangleMesh& b : bodies) box.push_back(boundsOf(b.vertices));
     UnionFind groups(bodies.size());
@@ -257,7 +259,7 @@ Result<MendedSurface> mendedBody(const PreparedSurface& surface, const Progress&
         bodies.push_back(taken(mesh, shell.triangles, shell.volume < 0.0));
         shellOf.push_back(i);
     }
-    UnionFind sets = touching(bodies, progress);
+    UnionFind sets = touchingBodies(bodies, progress);
     std::map<std::int32_t, std::vector<std::size_t>> groups;
     for (std::size_t b = 0; b < bodies.size(); ++b) groups[sets.find(static_cast<std::int32_t>(b))].push_back(b);
     const auto volumeOf = [&](const std::vector<std::size_t>& group) {

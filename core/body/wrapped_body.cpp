@@ -20,7 +20,7 @@ namespace imomushi {
 namespace {
 
 // Lengths in diagonals.
-constexpr int kSamples = 6000;           ///< a patch of a 75th of the size of a body has one
+constexpr int kAreaSamples = 6000;           ///< a patch of a 75th of the size of a body has one
 constexpr double kCoarsest = 1.0 / 80.0;   ///< alpha where nothing asks for less
 constexpr double kFinest = 1.0 / 500.0;    ///< alpha in gaps: seconds
 constexpr double kFinestLimb = 1.0 / 300.0;  ///< alpha on thin limbs and fins
@@ -205,7 +205,7 @@ Result<WrappedSurface> wrappedBody(const TriangleMesh& mesh, double detail, doub
     unit.vertices = (mesh.vertices.rowwise() - middle.transpose()) / diagonal;
     progress.report("gaps", 0.0);
     const RayTree rays(unit);
-    const std::vector<SurfaceSample> samples = studySurface(unit, rays, kSamples, kReach, progress);
+    const std::vector<SurfaceSample> samples = studySurface(unit, rays, kAreaSamples, kReach, progress);
     if (progress.cancelled()) return fail(kCancelled, "Cancelled.");
     if (samples.empty()) return fail("no-volume", "The mesh has no area: choose another file.");
     const std::vector<Vec3> deep = deepPlaces(unit, samples, progress);

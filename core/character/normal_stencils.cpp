@@ -23,7 +23,7 @@ constexpr std::size_t kMaxEdges = 8;
 // Larger parts of the third edge magnify noise of positions.
 constexpr double kMaxPart = 2.0;
 // Heights over the tangent plane that are none, relative to the edges.
-constexpr double kFlat = 1e-9;
+constexpr double kFlatCorner = 1e-9;
 // Tangents at a sine below this say little about their plane.
 constexpr double kMinSine = 0.15;
 // What a pair of tangents costs: the middles beside that of the ring, over their lengths; the cosine between them; their tilt.
@@ -96,7 +96,7 @@ private:
         }
         Vec3 t = at(s.a) - at(s.b), u = at(s.d) - at(s.c);
         const double ht = t.dot(normal), hu = u.dot(normal), most = std::max(std::abs(ht), std::abs(hu));
-        if (most > kFlat * (t.norm() + u.norm()) && most <= kMaxPart * std::abs(height)) {
+        if (most > kFlatCorner * (t.norm() + u.norm()) && most <= kMaxPart * std::abs(height)) {
             s.part[0] = static_cast<float>(ht / height);
             s.part[1] = static_cast<float>(hu / height);
             t += ht / height * (middle - at(s.c));

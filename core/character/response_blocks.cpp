@@ -21,7 +21,7 @@ constexpr double kNoModeOfFloat = 2e-7, kNoModeOfSixteenBits = 1e-5;
 // More columns (of a full basis) are kept as they are: modes would save little and take long to find.
 constexpr Eigen::Index kMaxColumnsForModes = 128;
 // An element whose free vertices are flatter than this part of their extent has no affine motion across it.
-constexpr double kFlat = 1e-5;
+constexpr double kFlatBlock = 1e-5;
 // The error is measured with columns alone, as many of them at most, and with all together in several patterns of signs.
 constexpr Eigen::Index kMaxColumnsAlone = 64;
 constexpr int kSignPatterns = 4;
@@ -72,7 +72,7 @@ Eigen::MatrixXd ResponseBlocks::findModes(const Points& rest, const Eigen::Matri
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(x.transpose() * x);
     Eigen::Vector3d inverse = Eigen::Vector3d::Zero();
     for (int i = 0; i < 3; ++i)
-        if (axes.eigenvalues()[i] > kFlat * kFlat * axes.eigenvalues()[2]) inverse[i] = 1.0 / axes.eigenvalues()[i];
+        if (axes.eigenvalues()[i] > kFlatBlock * kFlatBlock * axes.eigenvalues()[2]) inverse[i] = 1.0 / axes.eigenvalues()[i];
     const Eigen::Matrix3d solve = axes.eigenvectors() * inverse.asDiagonal() * axes.eigenvectors().transpose();
     for (Eigen::Index c = 0; c < columns; ++c) {
         Eigen::Map<Points> u(modes.col(c).data(), points, 3);

@@ -5,10 +5,10 @@
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
+#include "core/base/clock.h"
 #include "core/base/finite.h"
 #include "core/mesh/topology.h"
 #include "core/mesh/triangle_tree.h"
@@ -19,7 +19,6 @@ namespace imomushi {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
 
 /// Length of a ramp in diameters of the body at the joint: shorter ramps pinch in a bend, longer ones bend much of the limb.
 constexpr double kRampDiameters = 1.12;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/comparison/timing.h"
+#include "core/base/clock.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cstddef>
 #include <utility>
 
@@ -10,14 +10,12 @@ namespace imomushi {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
 
 constexpr int kMinRounds = 5, kWarmRounds = 2;
 /// Rounds of a stretch: short against a disturbance of the machine, and enough for a median.
 constexpr std::size_t kStretch = 15;
 constexpr std::size_t kQuietShare = 4;  // one stretch in so many counts
 
-double since(Clock::time_point from) { return std::chrono::duration<double>(Clock::now() - from).count(); }
 
 /// Times of all rounds, ms. At least a few, then for as long as `more` wants; none where nobody wants the result.
 std::vector<std::vector<double>> timesInTurn(const std::vector<std::function<void()>>& loops, const Progress& progress, const std::function<bool(int rounds)>& more) {
@@ -27,7 +25,7 @@ std::vector<std::vector<double>> timesInTurn(const std::vector<std::function<voi
             loops[i]();
             const auto start = Clock::now();
             loops[i]();
-            if (r >= kWarmRounds) times[i].push_back(1e3 * since(start));
+            if (r >= kWarmRounds) times[i].push_back(1e3 * secondsSince(start));
         }
     return times;
 }
@@ -43,13 +41,13 @@ Spread spreadOf(std::vector<double> times) {
 std::vector<Spread> spreadsInTurn(int rounds, double seconds, const std::vector<std::function<void()>>& loops, const Progress& progress) {
     const auto begin = Clock::now();
     std::vector<Spread> out;
-    for (auto& times : timesInTurn(loops, progress, [&](int done) { return done < rounds && since(begin) < seconds; })) out.push_back(spreadOf(std::move(times)));
+    for (auto& times : timesInTurn(loops, progress, [&](int done) { return done < rounds && secondsSince(begin) < seconds; })) out.push_back(spreadOf(std::move(times)));
     return out;
 }
 
 std::vector<Spread> quietSpreads(double seconds, const std::vector<std::function<void()>>& loops, const Progress& progress) {
     const auto begin = Clock::now();
-    const auto times = timesInTurn(loops, progress, [&](int) { return since(begin) < seconds; });
+    const auto times = timesInTurn(loops, progress, [&](int) { return secondsSince(begin) < seconds; });
     const std::size_t stretches = std::max<std::size_t>(1, times[0].size() / kStretch);
     const auto stretch = [&](std::size_t loop, std::size_t s) {
         const auto first = times[loop].begin() + static_cast<std::ptrdiff_t>(std::min(s * kStretch, times[loop].size()));

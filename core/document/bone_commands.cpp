@@ -10,7 +10,7 @@ namespace imomushi {
 
 namespace {
 
-constexpr double kLargestRoll = 1e6;  // radians: more turns than anybody counts, and still exact to 1e-10
+constexpr double kLargestBoneRoll = 1e6;  // radians: more turns than anybody counts, and still exact to 1e-10
 
 /// "element/face", "bone/end" or [x,y,z]. `self`: the bone that is being placed; its own ends are no place for it.
 Result<Bone::Place> placeFrom(const Document& document, const Json& value, const char* key, PartId self) {
@@ -74,7 +74,7 @@ Result<void> readBone(const Document& document, const Json& arguments, Bone& bon
         }
     }
     if (const Json* value = find(arguments, "roll")) {
-        const auto roll = numberWithin(*value, "roll", -kLargestRoll, kLargestRoll);
+        const auto roll = numberWithin(*value, "roll", -kLargestBoneRoll, kLargestBoneRoll);
         if (!roll) return tl::unexpected(roll.error());
         bone.roll = *roll;
     }

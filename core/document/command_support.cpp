@@ -98,6 +98,15 @@ Result<FaceRef> handleNamed(const Document& document, std::string_view name) {
     return fail("no-such-handle", "There is no handle \"" + std::string(name) + "\"; " + listNames(names) + ".");
 }
 
+const JointFace& faceOf(const Document& document, const FaceRef& ref) {
+    const Element& element = *document.elements.at(ref.element);
+    return element.faces[static_cast<std::size_t>(element.faceIndex(ref.face))];
+}
+
+Json json(const FaceFrame& frame) {
+    return Json{{"origin", json(frame.origin)}, {"x", json(frame.axes.col(0))}, {"y", json(frame.axes.col(1))}, {"z", json(frame.axes.col(2))}};
+}
+
 Result<std::shared_ptr<const Take>> takeOf(const Document& document, std::string_view name) {
     return partNamed(document.takes, name, "no-such-take", "take");
 }

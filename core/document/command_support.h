@@ -73,6 +73,11 @@ Result<FaceRef> handleNamed(const Document& document, std::string_view name);
 /// Removes a joint face, or a handle, from everything that knows it; bones that ended at it stay where they are.
 void removeFace(Document& document, const FaceRef& face);
 
+/// A joint face that is there.
+const JointFace& faceOf(const Document& document, const FaceRef& ref);
+/// {"origin", "x", "y", "z"}.
+Json json(const FaceFrame& frame);
+
 /// The take of that name. Errors: "no-such-take" with the names there are.
 Result<std::shared_ptr<const Take>> takeOf(const Document& document, std::string_view name);
 

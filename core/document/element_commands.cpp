@@ -33,10 +33,6 @@ Result<std::vector<std::int32_t>> indicesFrom(const Json& value, Eigen::Index co
     return indices;
 }
 
-Json frameJson(const FaceFrame& frame) {
-    return Json{{"origin", json(frame.origin)}, {"x", json(frame.axes.col(0))}, {"y", json(frame.axes.col(1))}, {"z", json(frame.axes.col(2))}};
-}
-
 Result<Json> addJointFace(DocumentEdit& edit, const Json& arguments, const Progress&) {
     Document& document = edit.document;
     const auto element = elementOf(document, text(arguments, "element"));
@@ -84,18 +80,13 @@ Result<Json> addJointFace(DocumentEdit& edit, const Json& arguments, const Progr
     answer["vertices"] = face->vertices.size();
     answer["triangles"] = face->triangles.size();
     answer["indices"] = face->vertices;
-    answer["frame"] = frameJson(face->frame);
+    answer["frame"] = json(face->frame);
     answer["planarity_error"] = face->planarityError;
     answer["flat"] = face->flat();
     answer["area"] = face->area;
     answer["size"] = face->size;
     exchangePart(document.elements, (*element)->id, [&](Element& changed) { changed.faces.push_back(std::move(*face)); });
     return answer;
-}
-
-const JointFace& faceOf(const Document& document, const FaceRef& ref) {
-    const Element& element = *document.elements.at(ref.element);
-    return element.faces[static_cast<std::size_t>(element.faceIndex(ref.face))];
 }
 
 Result<Json> join(DocumentEdit& edit, const Json& arguments, const Progress&) {

@@ -28,7 +28,7 @@ ExportOptions options(bool split, bool quantised, double fps) {
 }
 
 template <class List>
-std::string namesOf(const List& list) {
+std::string listed(const List& list) {
     std::string names;
     for (const auto& item : list) names += std::string(names.empty() ? "\"" : ", \"") + std::get<0>(item) + "\"";
     return names;
@@ -118,7 +118,7 @@ Result<ExportPlan> planExport(Session& session, const Json& arguments) {
         plan.options = preset->options;
     }
     const auto layout = std::find_if(kLayouts.begin(), kLayouts.end(), [&](const auto& l) { return text(arguments, "layout") == l.first; });
-    if (layout == kLayouts.end()) return fail("bad-value", "\"layout\" must be one of " + namesOf(kLayouts) + ".");
+    if (layout == kLayouts.end()) return fail("bad-value", "\"layout\" must be one of " + listed(kLayouts) + ".");
     plan.options.layout = layout->second;
     if (const Json* fps = find(arguments, "fps")) {
         const auto given = numberWithin(*fps, "fps", 0.0, kFastest);

@@ -10,7 +10,7 @@ namespace imomushi {
 
 namespace {
 
-constexpr const char* kSuffix = ".imomushi";
+constexpr const char* kProjectSuffix = ".imomushi";
 
 const char* stateText(ResponseState state) {
     switch (state) {
@@ -117,7 +117,7 @@ Result<Json> save(SessionAccess& access, const Json& arguments, const Progress&)
         path = *given;
     }
     if (path.empty()) return fail("missing-key", "The project was never saved: give \"save\" a \"path\" that ends in .imomushi.");
-    if (path.extension() != kSuffix) return fail("bad-value", "\"path\" must end in .imomushi.");
+    if (path.extension() != kProjectSuffix) return fail("bad-value", "\"path\" must end in .imomushi.");
     if (auto saved = saveProject(path, access.session.project()); !saved) return tl::unexpected(saved.error());
     if (!arguments.value("copy", false)) access.markSaved(path);
     std::error_code error;

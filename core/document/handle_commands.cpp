@@ -16,24 +16,15 @@ namespace {
 
 /// A point this near to the surface lies on it, parts of the diagonal: as typed with few digits.
 constexpr double kOnSurface = 1e-3;
-constexpr double kLongestGlide = 1e6;  // s
+constexpr double kLongestHandleGlide = 1e6;  // s
 /// A quaternion shorter than this has no direction that rounding leaves it.
 constexpr double kShortestQuaternion = 1e-6;
-
-const JointFace& faceOf(const Document& document, const FaceRef& handle) {
-    const Element& element = *document.elements.at(handle.element);
-    return element.faces[static_cast<std::size_t>(element.faceIndex(handle.face))];
-}
 
 Json json(const Eigen::Quaterniond& turn) { return Json::array({turn.x(), turn.y(), turn.z(), turn.w()}); }
 using imomushi::json;
 
-Json frameJson(const FaceFrame& frame) {
-    return Json{{"origin", json(frame.origin)}, {"x", json(Vec3(frame.axes.col(0)))}, {"y", json(Vec3(frame.axes.col(1)))}, {"z", json(Vec3(frame.axes.col(2)))}};
-}
-
 Json faceJson(const JointFace& face) {
-    return Json{{"vertices", face.vertices.size()}, {"triangles", face.triangles.size()}, {"frame", frameJson(face.frame)}, {"planarity_error", face.planarityError},
+    return Json{{"vertices", face.vertices.size()}, {"triangles", face.triangles.size()}, {"frame", json(face.frame)}, {"planarity_error", face.planarityError},
                 {"flat", face.flat()},              {"area", face.area},                  {"size", face.size}};
 }
 
@@ -237,7 +228,7 @@ Result<Json> dragHandle(DocumentEdit& edit, const FaceRef& handle, const Json& a
         made.target.turn = *turn;
     }
     if (const Json* given = find(arguments, "seconds")) {
-        const auto seconds = numberWithin(*given, "seconds", 0.0, kLongestGlide);
+        const auto seconds = numberWithin(*given, "seconds", 0.0, kLongestHandleGlide);
         if (!seconds) return tl::unexpected(seconds.error());
         made.seconds = *seconds;
     }

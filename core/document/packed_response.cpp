@@ -14,7 +14,7 @@ namespace {
 /// "IMOR": SQLite's application id of a packed response. Its version changes with the tables.
 constexpr std::int64_t kApplicationId = 0x494d4f52, kPackVersion = 1;
 
-constexpr std::array<const char*, 2> kTables = {"responses", "touch_responses"};
+constexpr std::array<const char*, 2> kPackedTables = {"responses", "touch_responses"};
 
 }  // namespace
 
@@ -29,7 +29,7 @@ Result<std::vector<std::byte>> packResponse(const ElementResponse& response) {
         createTouchTable(db);
         const StoredResponse one{{}, {}, std::shared_ptr<const ElementResponse>(std::shared_ptr<void>(), &response)};
         writeResponses(db, {&one, 1});
-        RowWriter(db, "INSERT INTO info VALUES (?)").row(db.digest(kTables));
+        RowWriter(db, "INSERT INTO info VALUES (?)").row(db.digest(kPackedTables));
         db.run("COMMIT");
         return db.file();
     } catch (const DatabaseError& error) {
@@ -42,7 +42,7 @@ Result<ElementResponse> unpackResponse(std::span<const std::byte> bytes, const T
         Database db(bytes);
         require(db.number("PRAGMA application_id") == kApplicationId && db.number("PRAGMA user_version") == kPackVersion, "it has another format");
         RowReader info(db, "SELECT digest FROM info");
-        require(info.next() && info.text() == db.digest(kTables), "its content does not match its digest");
+        require(info.next() && info.text() == db.digest(kPackedTables), "its content does not match its digest");
         auto rows = readResponses(db, true);
         require(rows.size() == 1, "it does not hold one response");
         ElementResponse response = std::move(*rows.begin()->second.response);

@@ -200,7 +200,7 @@ Result<Json> showRest(LiveCharacter& live, const Json&, Json answer) {
     return answer;
 }
 
-Result<Json> touch(DocumentEdit& edit, const Json& arguments, const Progress&) {
+Result<Json> putFinger(DocumentEdit& edit, const Json& arguments, const Progress&) {
     const auto element = elementOf(edit.document, text(arguments, "element"));
     if (!element) return tl::unexpected(element.error());
     const PartId id = (*element)->id;
@@ -356,7 +356,7 @@ void addPoseCommands(CommandRegistry& registry) {
                         {"point", Type::Vector3, true, "Where on its surface, metres, in the rest pose; also names the finger afterwards."},
                         {"to", Type::Any, true, "Where that point is pushed, metres, in the world; null lifts the finger."},
                         {"radius", Type::Number, false, "Of the finger tip, metres (as small as the patches allow)."}},
-                       touch, showTouch);
+                       putFinger, showTouch);
     registry.addChange("rest", "The rest pose: all dragged endpoints and handles released, pins back at rest, all velocities zero.", {}, rest, showRest);
     registry.addAction("step",
                        "Performs frames: glides, poses, deformation.",

@@ -11,7 +11,7 @@ namespace imomushi {
 
 namespace {
 
-constexpr const char* kTables = R"(
+constexpr const char* kCharacterTables = R"(
 CREATE TABLE characters (id INTEGER PRIMARY KEY, name TEXT, mesh INTEGER, part BLOB, vertices BLOB, triangles BLOB, body_vertices BLOB, how INTEGER,
     distance_rms REAL, distance_largest REAL, volume_error REAL, gap_area REAL, gap_widest REAL, gap_narrowest REAL, gap_places BLOB, detail REAL, components INTEGER);
 CREATE TABLE character_parts (character INTEGER, position INTEGER, name TEXT, PRIMARY KEY (character, position));
@@ -126,7 +126,7 @@ void readPieces(Database& db, Document& document) {
 
 }  // namespace
 
-void createCharacterTables(Database& db) { db.run(kTables); }
+void createCharacterTables(Database& db) { db.run(kCharacterTables); }
 
 void writeCharacters(Database& db, const Document& document, const MeshIds& meshes) {
     RowWriter characters(db, "INSERT INTO characters VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)"), parts(db, "INSERT INTO character_parts VALUES (?,?,?)"),

@@ -8,7 +8,7 @@ namespace imomushi {
 
 namespace {
 
-constexpr const char* kTables = R"(
+constexpr const char* kEffectTables = R"(
 CREATE TABLE effects (effect TEXT PRIMARY KEY, enabled INTEGER);
 CREATE TABLE effect_elements (effect TEXT, element INTEGER, PRIMARY KEY (effect, element));
 CREATE TABLE effect_settings (effect TEXT, property TEXT, x REAL, y REAL, z REAL, PRIMARY KEY (effect, property));
@@ -16,7 +16,7 @@ CREATE TABLE effect_settings (effect TEXT, property TEXT, x REAL, y REAL, z REAL
 
 }  // namespace
 
-void createEffectTables(Database& db) { db.run(kTables); }
+void createEffectTables(Database& db) { db.run(kEffectTables); }
 
 void writeEffects(Database& db, const Document& document) {
     RowWriter effects(db, "INSERT INTO effects VALUES (?,?)"), elements(db, "INSERT INTO effect_elements VALUES (?,?)"),

@@ -11,7 +11,7 @@ namespace imomushi {
 
 namespace {
 
-constexpr const char* kTables = R"(
+constexpr const char* kElementTables = R"(
 CREATE TABLE meshes (id INTEGER PRIMARY KEY, vertices BLOB, triangles BLOB, render_body_vertices BLOB, render_triangles BLOB,
     normals BLOB, tex_coords BLOB, colors BLOB, triangle_materials BLOB);
 CREATE TABLE materials (mesh INTEGER, position INTEGER, name TEXT, base_color BLOB, metallic REAL, roughness REAL, texture INTEGER,
@@ -60,7 +60,7 @@ MeshIssue readIssue(RowReader& row, const TriangleMesh& mesh) {
     return issue;
 }
 
-void createElementTables(Database& db) { db.run(kTables); }
+void createElementTables(Database& db) { db.run(kElementTables); }
 
 void writeElements(Database& db, const Document& document, const MeshIds& meshIds) {
     RowWriter elements(db, "INSERT INTO elements VALUES (?,?,?,?,?,?,?,?,?,?,?)");

@@ -8,7 +8,7 @@ namespace imomushi {
 
 namespace {
 
-constexpr const char* kTables = R"(
+constexpr const char* kHandleTables = R"(
 CREATE TABLE handles (element INTEGER, position INTEGER, face TEXT, point BLOB, radius REAL, bone INTEGER, at_end INTEGER, PRIMARY KEY (element, position));
 CREATE TABLE handle_goals (element INTEGER, face TEXT, held INTEGER, pinned INTEGER, at BLOB, turn BLOB, from_at BLOB, from_turn BLOB, seconds REAL,
     elapsed REAL, PRIMARY KEY (element, face));
@@ -27,7 +27,7 @@ Eigen::Quaterniond readTurn(RowReader& row) {
 
 }  // namespace
 
-void createHandleTables(Database& db) { db.run(kTables); }
+void createHandleTables(Database& db) { db.run(kHandleTables); }
 
 void writeHandles(Database& db, const Document& document) {
     RowWriter handles(db, "INSERT INTO handles VALUES (?,?,?,?,?,?,?)");

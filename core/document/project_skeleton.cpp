@@ -12,7 +12,7 @@ namespace imomushi {
 
 namespace {
 
-constexpr const char* kTables = R"(
+constexpr const char* kSkeletonTables = R"(
 CREATE TABLE joints (id INTEGER PRIMARY KEY);
 CREATE TABLE joint_faces (joint INTEGER, position INTEGER, element INTEGER, face TEXT, PRIMARY KEY (joint, position));
 CREATE TABLE bones (id INTEGER PRIMARY KEY, name TEXT, element INTEGER, parent INTEGER, roll REAL, min_stretch REAL, max_stretch REAL,
@@ -47,7 +47,7 @@ Bone::Place readPlace(RowReader& rows) {
 
 }  // namespace
 
-void createSkeletonTables(Database& db) { db.run(kTables); }
+void createSkeletonTables(Database& db) { db.run(kSkeletonTables); }
 
 void writeSkeleton(Database& db, const Document& document) {
     RowWriter joints(db, "INSERT INTO joints VALUES (?)");

@@ -11,7 +11,7 @@ namespace imomushi {
 
 namespace {
 
-constexpr const char* kTables = R"(
+constexpr const char* kTakeTables = R"(
 CREATE TABLE takes (id INTEGER PRIMARY KEY, name TEXT, times BLOB, bones BLOB, points INTEGER, pose_first BLOB, pose_varying BLOB, pose_values BLOB,
     elements BLOB, element_sizes BLOB, joints INTEGER, warping INTEGER, nodes INTEGER, shape_first BLOB, shape_varying BLOB, shape_values BLOB);
 CREATE TABLE take_targets (take INTEGER, position INTEGER, time REAL, bone INTEGER, at_end INTEGER, held INTEGER, pinned INTEGER, target BLOB, roll REAL,
@@ -37,7 +37,7 @@ FrameNumbers readFrames(RowReader& rows, std::size_t width, std::size_t frames, 
 
 }  // namespace
 
-void createTakeTables(Database& db) { db.run(kTables); }
+void createTakeTables(Database& db) { db.run(kTakeTables); }
 
 void writeTakes(Database& db, const Document& document) {
     RowWriter takes(db, "INSERT INTO takes VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)"), targets(db, "INSERT INTO take_targets VALUES (?,?,?,?,?,?,?,?,?)");

@@ -16,12 +16,12 @@ namespace imomushi {
 
 namespace {
 
-constexpr const char* kSuffix = ".response";
+constexpr const char* kResponseSuffix = ".response";
 
 /// The key that a file name says, where it says one.
 std::optional<ContentKey> keyNamed(const std::filesystem::path& file) {
     const std::string name = file.stem().string();
-    if (file.extension() != kSuffix || name.size() != 32 || name.find_first_not_of("0123456789abcdef") != std::string::npos) return std::nullopt;
+    if (file.extension() != kResponseSuffix || name.size() != 32 || name.find_first_not_of("0123456789abcdef") != std::string::npos) return std::nullopt;
     return ContentKey{std::stoull(name.substr(0, 16), nullptr, 16), std::stoull(name.substr(16), nullptr, 16)};
 }
 
@@ -68,7 +68,7 @@ ResponseFolder::~ResponseFolder() {
     writer_.join();
 }
 
-std::filesystem::path ResponseFolder::pathOf(const ContentKey& key) const { return folder_ / (key.hex() + kSuffix); }
+std::filesystem::path ResponseFolder::pathOf(const ContentKey& key) const { return folder_ / (key.hex() + kResponseSuffix); }
 
 std::shared_ptr<const ElementResponse> ResponseFolder::read(const ContentKey& key, const TriangleMesh& body, std::span<const JointFace> faces) {
     const std::lock_guard lock(mutex_);

@@ -16,7 +16,7 @@ using Eigen::Matrix3d;
 namespace {
 
 // Of a bone's kinematic length: a shorter one has no direction. The potential keeps bones far longer.
-constexpr double kCollapsed = 1e-2;
+constexpr double kCollapsedSpring = 1e-2;
 // 1 + cosine of the angle to the kinematic direction: below it the rotation of least angle is not unique.
 constexpr double kOpposite = 1e-6;
 // The same where Newton's matrix is assembled, as the exact stiffness is unbounded there.
@@ -205,8 +205,8 @@ void BoneSprings::arms(const std::vector<Vec3>& x, const BoneTargets& targets) c
         const Vec3 along = x[skeleton_.bones[b].end] - x[skeleton_.bones[b].start];
         const double length = along.norm();
         Arm& arm = arms_[b];
-        arm.length = std::max(length, kCollapsed * targets.length[b]);
-        arm.direction = length > kCollapsed * targets.length[b] ? Vec3(along / length) : targets.direction[b];
+        arm.length = std::max(length, kCollapsedSpring * targets.length[b]);
+        arm.direction = length > kCollapsedSpring * targets.length[b] ? Vec3(along / length) : targets.direction[b];
     }
 }
 

@@ -17,12 +17,12 @@ constexpr double kRigid = 1e-8;          // of the largest eigenvalue: below it 
 constexpr double kAsymmetry = 1e-6;      // of the largest entry
 constexpr double kNegative = 1e-6;       // of the largest eigenvalue
 constexpr double kRestAmplitude = 1e-6;  // of a parameter's unit
-constexpr double kFarthest = 1e12;       // larger parameters and forces are refused: squares stay finite
+constexpr double kLargestParameter = 1e12;       // larger parameters and forces are refused: squares stay finite
 
 bool usable(const Eigen::VectorXd& v, Eigen::Index size) {
     if (v.size() != size) return false;
     for (Eigen::Index i = 0; i < size; ++i)
-        if (!std::isfinite(v[i]) || std::abs(v[i]) > kFarthest) return false;
+        if (!std::isfinite(v[i]) || std::abs(v[i]) > kLargestParameter) return false;
     return true;
 }
 

@@ -13,7 +13,7 @@ namespace imomushi {
 namespace {
 
 /// Rows of right-hand sides done by one thread at a time.
-constexpr std::size_t kRowGrain = 16;
+constexpr std::size_t kNodeGrain = 16;
 
 }  // namespace
 
@@ -197,7 +197,7 @@ Eigen::MatrixXd BoundaryEquation::rightHandSides(const Eigen::MatrixXd& held, in
     for (std::int32_t j = 0; j < heldCount_; ++j) heldNodes[static_cast<std::size_t>(j)] = freeCount_ + bubbleCount_ + j;
     const Gathered columns = gather(heldNodes, Wanted::Displacements);
     Eigen::MatrixXd out(3 * nodes(), held.cols());
-    parallelFor(threads, static_cast<std::size_t>(nodes()), kRowGrain, [&](std::size_t begin, std::size_t end) {
+    parallelFor(threads, static_cast<std::size_t>(nodes()), kNodeGrain, [&](std::size_t begin, std::size_t end) {
         if (progress.cancelled()) return;
         std::vector<double> h;
         Eigen::MatrixXd row(3, held.rows());
@@ -224,7 +224,7 @@ Eigen::MatrixXd BoundaryEquation::rightHandSides(const Eigen::MatrixXd& held, in
 
 Eigen::MatrixXd BoundaryEquation::loads(int threads, const Progress& progress) const {
     Eigen::MatrixXd out(3 * nodes(), kLoads);
-    parallelFor(threads, static_cast<std::size_t>(nodes()), kRowGrain, [&](std::size_t begin, std::size_t end) {
+    parallelFor(threads, static_cast<std::size_t>(nodes()), kNodeGrain, [&](std::size_t begin, std::size_t end) {
         if (progress.cancelled()) return;
         for (auto node = static_cast<std::int32_t>(begin); node < static_cast<std::int32_t>(end); ++node) {
             const LoadBlocks plain = sumLoads(all_.plain, position(node), nu_), curved = sumLoads(all_.curved, position(node), nu_),
@@ -271,7 +271,7 @@ Eigen::MatrixXd BoundaryEquation::tractionLoads(const Eigen::MatrixXd& sizes, in
     const TriangleBatch batch(mesh_, which, columns);
 
     Eigen::MatrixXd out(3 * nodes(), 3 * sizes.cols());
-    parallelFor(threads, static_cast<std::size_t>(nodes()), kRowGrain, [&](std::size_t begin, std::size_t end) {
+    parallelFor(threads, static_cast<std::size_t>(nodes()), kNodeGrain, [&](std::size_t begin, std::size_t end) {
         if (progress.cancelled()) return;
         std::array<double, 9> unread{};
         std::vector<double> g;

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <mutex>
@@ -15,6 +14,7 @@
 #include <string>
 #include <thread>
 
+#include "core/base/clock.h"
 #include "core/base/finite.h"
 #include "core/base/parallel.h"
 #include "core/elasticity/boundary_input.h"
@@ -26,9 +26,7 @@
 namespace imomushi {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 
-double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 /// Collocation points that a thread assembles between two looks at Progress::cancelled().
 constexpr std::size_t kRowGrain = 4;

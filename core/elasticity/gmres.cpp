@@ -22,7 +22,7 @@ constexpr std::int32_t kSteps = 25;
 constexpr double kStepGain = 1e-4;
 constexpr int kRestarts = 20;
 /// A restart that gains less than this factor has met the limit of single precision or of the preconditioner.
-constexpr double kWorthwhile = 0.7;
+constexpr double kWorthwhileRestart = 0.7;
 
 }  // namespace
 
@@ -155,7 +155,7 @@ bool gmres(const HierarchicalMatrix& matrix, const HodlrFactorisation& precondit
         for (std::int32_t c = 0; c < k; ++c)
             if (rightNorm[c] > 0.0) reached = std::max(reached, nextResidual.col(c).norm() / rightNorm[c]);
         if (!(reached < worst)) break;
-        const bool gains = reached < kWorthwhile * worst;
+        const bool gains = reached < kWorthwhileRestart * worst;
         x.swap(next);
         residual.swap(nextResidual);
         worst = reached;

@@ -153,7 +153,7 @@ double threadSeconds() {
 }
 
 Error notFinite() { return {"bad-value", "The mesh gives integrals that are not finite; repair its degenerate triangles."}; }
-Error wasCancelled() { return {kCancelled, "The precompute was cancelled."}; }
+Error assemblyCancelled() { return {kCancelled, "The precompute was cancelled."}; }
 
 }  // namespace
 
@@ -208,7 +208,7 @@ Result<HierarchicalMatrix> HierarchicalMatrix::build(const BlockSource& source, 
                 if (std::this_thread::get_id() == builder) progress.report("assemble", sum / work);
             }
         });
-        if (progress.cancelled()) return tl::make_unexpected(wasCancelled());
+        if (progress.cancelled()) return tl::make_unexpected(assemblyCancelled());
         if (bad) return tl::make_unexpected(notFinite());
         if (stop) throw std::bad_alloc();
         out.bytes_ = bytes;
@@ -251,7 +251,7 @@ Result<HierarchicalMatrix::Estimate> HierarchicalMatrix::estimate(const BlockSou
             const Outcome outcome =
                 buildBlock(source, tree, kind[(2 * i + 1) * kind.size() / (2 * sampled)], rowError, progress, block);
             if (outcome == Outcome::notFinite) return tl::make_unexpected(notFinite());
-            if (outcome == Outcome::cancelled) return tl::make_unexpected(wasCancelled());
+            if (outcome == Outcome::cancelled) return tl::make_unexpected(assemblyCancelled());
             bytes += static_cast<double>(bytesOf(block));
             ranks += std::max(block.rank, 0);
         }

@@ -4,12 +4,12 @@
 #include <cblas.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <new>
 #include <string>
 #include <vector>
 
+#include "core/base/clock.h"
 #include "core/base/finite.h"
 #include "core/base/parallel.h"
 #include "core/elasticity/dense_lu.h"
@@ -20,12 +20,10 @@ namespace imomushi {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
 
-double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 /// A correction that gains less than this factor has met the limit of double precision.
-constexpr double kWorthwhile = 0.7;
+constexpr double kWorthwhileRefinement = 0.7;
 /// Exact entries are computed in blocks of so many nodes.
 constexpr std::int32_t kResidualRows = 64, kResidualColumns = 1024;
 /// GMRES goes on to this share of the hierarchical matrix's own error; beyond, only the next correction gains.
@@ -199,7 +197,7 @@ Result<void> HierarchicalSolver::solve(Eigen::MatrixXd& x, double goal, const Pr
             for (std::int32_t c = 0; c < k; ++c)
                 if (rightNorm[c] > 0.0) left = std::max(left, nextResidual.col(c).norm() / rightNorm[c]);
             if (!(left < worst)) break;
-            const bool gains = left < kWorthwhile * worst;
+            const bool gains = left < kWorthwhileRefinement * worst;
             worst = left;
             solution.swap(next);
             residual.swap(nextResidual);

@@ -2,13 +2,13 @@
 #include "core/elasticity/machine_rates.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <mutex>
 #include <vector>
 
+#include "core/base/clock.h"
 #include "core/elasticity/dense_lu.h"
 #include "core/elasticity/kernels.h"
 
@@ -16,13 +16,11 @@ namespace imomushi {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
 
 /// What disturbs a machine lasts about a second; after so many looks one of them was quiet.
 constexpr double kPause = 1.0;  // s
 constexpr int kLooks = 5;
 
-double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 template <class Work>
 double fastest(int rounds, Work work) {

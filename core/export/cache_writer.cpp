@@ -108,9 +108,9 @@ std::vector<std::filesystem::path> placesOf(const std::filesystem::path& path, c
     return places;
 }
 
-class Writer {
+class CacheFile {
 public:
-    Writer(Motion& motion, const ExportScene& scene, ExportReport& report)
+    CacheFile(Motion& motion, const ExportScene& scene, ExportReport& report)
         : motion_(motion), input_(scene.character), report_(report), body_(wholeBody(input_)), vertices_(static_cast<std::size_t>(body_.vertices.rows())) {
         report.vertices = static_cast<int>(vertices_);
         report.triangles = static_cast<int>(body_.triangles.rows());
@@ -240,7 +240,7 @@ Result<void> writeCache(Motion& motion, const ExportScene& scene, const std::fil
     const bool sequence = suffix == ".obj" || suffix == ".ply";
     if (!sequence && suffix != ".pc2" && suffix != ".mdd")
         return fail("unknown-format", "\"" + path.string() + "\" is no cache: its name must end in .pc2, .mdd, .obj or .ply.");
-    Writer writer(motion, scene, report);
+    CacheFile writer(motion, scene, report);
     const auto places = placesOf(path, scene);
     const double count = static_cast<double>(places.size());
     for (std::size_t c = 0; c < places.size(); ++c) {

@@ -29,7 +29,7 @@ namespace imomushi {
 namespace {
 
 constexpr std::size_t kFrames = 10;                                // of each clip
-constexpr std::size_t kPiece = 1024, kBetweenReports = 32 * kPiece;  // vertices
+constexpr std::size_t kCheckPiece = 1024, kVerticesBetweenReports = 32 * kCheckPiece;  // vertices
 
 /// Thrown and caught in this file: what was read back differs from what was written.
 struct Unreadable {
@@ -241,19 +241,19 @@ Result<ExportError> compare(const tinygltf::Model& model, const GltfContent& con
                 std::any_of(mesh.joints.begin(), mesh.joints.end(), [&](float j) { return !(j < joints); }))
                 throw Unreadable{"a joint is missing"};
         }
-        for (std::size_t begun = 0; begun < body.size(); begun += kBetweenReports) {
+        for (std::size_t begun = 0; begun < body.size(); begun += kVerticesBetweenReports) {
             if (progress.cancelled()) return fail(kCancelled, "The export was cancelled.");
             progress.report("check", static_cast<double>(done + begun) / static_cast<double>(vertices));
-            const std::size_t here = std::min(kBetweenReports, body.size() - begun);
-            std::vector<std::pair<double, double>> missed((here + kPiece - 1) / kPiece);
-            parallelFor(hardwareThreads(), here, kPiece, [&](std::size_t begin, std::size_t end) {
+            const std::size_t here = std::min(kVerticesBetweenReports, body.size() - begun);
+            std::vector<std::pair<double, double>> missed((here + kCheckPiece - 1) / kCheckPiece);
+            parallelFor(hardwareThreads(), here, kCheckPiece, [&](std::size_t begin, std::size_t end) {
                 if (progress.cancelled()) return;
                 const std::span vertexes(body.data() + begun + begin, end - begin);
                 const auto first = 3 * (begun + begin), size = 3 * (end - begin);
                 Eigen::MatrixXd goal;
                 goals->at(e, vertexes, goal);
                 Eigen::VectorXd at(static_cast<Eigen::Index>(size));
-                auto& miss = missed[begin / kPiece];
+                auto& miss = missed[begin / kCheckPiece];
                 for (std::size_t k = 0; k < played.size(); ++k) {
                     const auto part = [&](const std::vector<float>& numbers) { return Eigen::Map<const Eigen::VectorXf>(numbers.data() + first, at.size()).cast<double>(); };
                     at = part(mesh.positions);

@@ -19,9 +19,9 @@ using Target = GltfFile::Target;
 
 Json vector(const Vec3& v) { return Json::array({static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())}); }
 
-class Writer {
+class SceneWriter {
 public:
-    Writer(const GltfContent& content, ExportReport& report, const Progress& progress)
+    SceneWriter(const GltfContent& content, ExportReport& report, const Progress& progress)
         : content_(content), scene_(content.scene), options_(content.options), report_(report), progress_(progress) {}
 
     Result<std::string> write() {
@@ -342,7 +342,7 @@ private:
 }  // namespace
 
 Result<std::string> writeGltf(const GltfContent& content, ExportReport& report, const Progress& progress) {
-    return Writer(content, report, progress).write();
+    return SceneWriter(content, report, progress).write();
 }
 
 }  // namespace imomushi

@@ -14,7 +14,7 @@ namespace imomushi {
 namespace {
 
 constexpr char kMagic[4] = {'i', 'm', 'o', '1'};
-constexpr std::uint64_t kMaxItems = std::uint64_t{1} << 30;
+constexpr std::uint64_t kMaxMessageItems = std::uint64_t{1} << 30;
 
 class Writer {
 public:
@@ -62,7 +62,7 @@ public:
     /// How many items of `size` bytes follow.
     std::size_t count(std::size_t size) {
         const auto n = value<std::uint64_t>();
-        if (!good_ || n > kMaxItems || n > rest_.size() / size) {
+        if (!good_ || n > kMaxMessageItems || n > rest_.size() / size) {
             good_ = false;
             return 0;
         }

@@ -18,7 +18,7 @@
 namespace imomushi {
 namespace {
 
-constexpr int kDeepest = 1000;  // nodes within nodes
+constexpr int kDeepestNode = 1000;  // nodes within nodes
 
 using Matrix = Eigen::Matrix4d;
 
@@ -152,7 +152,7 @@ private:
     }
 
     Result<void> node(const aiNode& at, const Matrix& parent, int depth) {
-        if (depth > kDeepest) return badFile(file_, 0, "its nodes are nested too deeply: flatten the scene.");
+        if (depth > kDeepestNode) return badFile(file_, 0, "its nodes are nested too deeply: flatten the scene.");
         const Matrix world = parent * matrix(at.mTransformation);
         for (unsigned i = 0; i < at.mNumMeshes; ++i) {
             if (at.mMeshes[i] >= ai_->mNumMeshes) return badFile(file_, 0, "a node refers to a mesh that does not exist: export it again.");

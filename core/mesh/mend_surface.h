@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/index.h"
 #include "core/mesh/mend.h"
 #include "core/mesh/topology.h"
 
@@ -40,9 +41,6 @@ struct MendSurface {
     /// Removes faces with the same vertex twice.
     void dropCollapsed();
 };
-
-/// A vertex or triangle as an index.
-inline std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// Tells of vertices without a face and takes the box of the others. First of all steps: welding tolerances follow the box.
 void dropUnused(MendSurface& s);

@@ -11,6 +11,7 @@
 #include <queue>
 #include <utility>
 
+#include "core/base/index.h"
 #include "core/mesh/cgal/intersections.h"
 #include "core/mesh/topology.h"
 #include "core/mesh/vertex_corners.h"
@@ -27,7 +28,6 @@ constexpr int kTries = 12;
 /// A cap is a fan around its middle: each of its triangles must face the cap's way (cosine).
 constexpr double kFanFacing = 0.25;
 
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// Per vertex, m: along edges from the nearest joint face (Dijkstra).
 std::vector<double> distancesFrom(const TriangleMesh& body, std::span<const JointFace> faces, const VertexCorners& around) {

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/base/finite.h"
+#include "core/base/index.h"
 #include "core/mesh/bounds.h"
 #include "core/mesh/cgal/intersections.h"
 #include "core/reduction/edge_collapse.h"
@@ -18,7 +19,6 @@ namespace imomushi {
 namespace {
 
 using Index = std::int32_t;
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 /// How often the edges of triangles that intersect others are halved. After that they are shorter than 1/4000 of what they were.
 constexpr int kRounds = 12;

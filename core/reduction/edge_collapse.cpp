@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/reduction/edge_collapse.h"
+#include "core/base/index.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
@@ -15,7 +16,6 @@ namespace imomushi {
 namespace {
 
 using Index = std::int32_t;
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 /// Distance from the body counts this times as much as length: on a sphere both weigh the same where an edge is a quarter of the radius. Less
 /// changes how stiff thin bodies are (measured on a fin: 1.7 % at 10, 0.2 % at 30), more takes the vertices from flat parts.
@@ -32,7 +32,7 @@ constexpr double kPoor = 0.2;
 constexpr double kTurn = 0.5;
 
 /// A rim is straight at a vertex that is no farther than this from the line between its neighbours, in diagonals of the body: single precision.
-constexpr double kStraight = 1e-7;
+constexpr double kStraightLine = 1e-7;
 
 /// Weight of staying in the middle of an edge against the distance from planes: decides only along the surface.
 constexpr double kMiddle = 1e-3;
@@ -206,7 +206,7 @@ private:
     [[nodiscard]] bool straight(Index v, const std::array<Index, 2>& ends) const {
         const Vec3 along = point(ends[1]) - point(ends[0]), arm = point(v) - point(ends[0]);
         const double squared = along.squaredNorm(), share = arm.dot(along);
-        double tolerance = kStraight;
+        double tolerance = kStraightLine;
         eachLeaving(v, [&](Index h) {
             if (label(h) >= 0) tolerance = std::max(tolerance, tolerance_[at(label(h))]);
         });

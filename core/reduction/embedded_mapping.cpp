@@ -17,7 +17,7 @@ namespace imomushi {
 namespace {
 
 /// Points per piece of work: some milliseconds.
-constexpr std::size_t kGrain = 2048;
+constexpr std::size_t kPointGrain = 2048;
 /// A triangle that was squashed or blown up by more than this factor of its area gets no thicker or thinner.
 constexpr double kMostArea = 8.0;
 
@@ -113,7 +113,7 @@ Result<EmbeddedMapping> EmbeddedMapping::build(const Input& input) {
 
     std::vector<TriangleTree::Hit> hits(count);
     std::vector<JointPart> parts(count);  // of all points; offset 0: none
-    parallelFor(input.threads, count, kGrain, [&](std::size_t begin, std::size_t end) {
+    parallelFor(input.threads, count, kPointGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const auto row = static_cast<Eigen::Index>(input.place.empty() ? i : static_cast<std::size_t>(input.place[i]));
             const Vec3 normal = input.normals && input.normals->rows() > 0 ? Vec3(input.normals->row(row).transpose()) : Vec3(Vec3::Zero());

@@ -150,7 +150,7 @@ std::vector<std::int32_t> labelsOf(const TriangleMesh& body, std::span<const Joi
 constexpr double kSharp = std::numbers::pi / 6.0;
 
 /// Away from a singular edge the wanted size may be this times the distance from it.
-constexpr double kGrading = 0.6;
+constexpr double kSizeGrading = 0.6;
 
 /// The edges at which displacement is singular: rims of faces, and free edges that are sharp and re-entrant. As triangles without area.
 TriangleMesh singularEdges(const TriangleMesh& body, const std::vector<std::int32_t>& labels) {
@@ -240,7 +240,7 @@ Result<SolverMesh> refinedSolverMesh(const TriangleMesh& body, std::span<const J
     std::vector<double> wanted;  // per vertex, relative to the size elsewhere
     const auto addWanted = [&](std::int32_t v) {
         double relative = 1.0;
-        if (nearestEdge) relative = kGrading * std::sqrt(nearestEdge->nearest(mesh.point(v)).squaredDistance) / uniform;
+        if (nearestEdge) relative = kSizeGrading * std::sqrt(nearestEdge->nearest(mesh.point(v)).squaredDistance) / uniform;
         wanted.push_back(std::clamp(relative, kFinestRefined, 1.0));
     };
     for (std::int32_t v = 0; v < mesh.vertices(); ++v) addWanted(v);

@@ -27,7 +27,7 @@ CharacterInput chain(const BasisChoice& basis, bool tips = true) {
     return input;
 }
 
-double gap(const Character& c) {
+double seamGap(const Character& c) {
     double worst = 0;
     for (const auto& joint : c.input().joints)
         for (const auto& [v, w] : joint.welded) {
@@ -47,7 +47,7 @@ TEST_CASE("smooth joints: at rest nothing moves, and every basis closes its seam
         for (int e = 0; e < 4; ++e) CHECK((c.positions(e) - c.input().elements[e].mesh->body.vertices).cwiseAbs().maxCoeff() < 1e-9);
         for (const auto& pose : full_joints::standardPoses(4, Vec3::UnitZ())) {
             c.update(full_joints::poseOf(c.input().skeleton, pose));
-            CHECK(gap(c) == 0.0);
+            CHECK(seamGap(c) == 0.0);
             for (int e = 0; e < 4; ++e) CHECK(c.positions(e).allFinite());
         }
     }
@@ -86,7 +86,7 @@ TEST_CASE("smooth joints: extreme drags and stiffness ratios stay finite, and no
             for (auto& p : pose.points) p = 4.0 * Vec3(d(random), d(random), d(random));
             for (auto& q : pose.frames) q = Eigen::Quaterniond(d(random), d(random), d(random), d(random) + 1.5).normalized();
             c.update(pose);
-            CHECK(gap(c) == 0.0);
+            CHECK(seamGap(c) == 0.0);
             for (const auto& joint : c.input().joints) {
                 const auto& f = joint.faces[0];
                 const auto& face = c.input().elements[f.element].faces[f.face];
@@ -170,7 +170,7 @@ TEST_CASE("smooth joints: faces that are not flat stay closed, and rest at rest"
     for (int e = 0; e < 3; ++e) CHECK((c.positions(e) - c.input().elements[e].mesh->body.vertices).cwiseAbs().maxCoeff() < 1e-9);
     for (const auto& pose : full_joints::standardPoses(3, Vec3::UnitZ())) {
         c.update(full_joints::poseOf(c.input().skeleton, pose));
-        CHECK(gap(c) == 0.0);
+        CHECK(seamGap(c) == 0.0);
         for (int e = 0; e < 3; ++e) CHECK(c.positions(e).allFinite());
     }
 }

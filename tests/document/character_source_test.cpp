@@ -416,7 +416,7 @@ TEST_CASE("append: a character comes whole, beside another of the same names, an
 namespace {
 
 /// A command on characters out of small numbers: some are possible, some are not.
-Json commandFrom(unsigned kind, unsigned a, unsigned b) {
+Json characterCommand(unsigned kind, unsigned a, unsigned b) {
     const auto pick = [](unsigned n, std::initializer_list<const char*> names) { return *(names.begin() + n % names.size()); };
     const double z = 0.25 + 0.71 * (b % 17);
     const Json plane = {{"origin", {0.1, 0, z}}, {"normal", {0.3 * (static_cast<int>(a % 3) - 1), 0.1 * (b % 3), b % 5 ? 1 : -1}}};
@@ -475,7 +475,7 @@ TEST_CASE("characters: any commands leave closed pieces, undo leads back to the 
         std::vector<std::string> contents{w.content()};
         for (unsigned commands = 1 + random() % 8; commands > 0; --commands) {
             const auto kind = static_cast<unsigned>(random()), a = static_cast<unsigned>(random()), b = static_cast<unsigned>(random());
-            const Json command = commandFrom(kind, a, b);
+            const Json command = characterCommand(kind, a, b);
             CAPTURE(command.dump());
             const bool answered = w.session.execute(command).has_value();
             ++(answered ? done : refused);

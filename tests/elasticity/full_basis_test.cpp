@@ -13,7 +13,7 @@ using namespace imomushi;
 
 namespace {
 
-ResponseInput inputOf(const shapes::Body& body, BasisKind basis, double nu = 0.4, const char* solverMesh = "default") {
+ResponseInput fullInput(const shapes::Body& body, BasisKind basis, double nu = 0.4, const char* solverMesh = "default") {
     auto mesh = std::make_shared<ElementMesh>();
     mesh->body = body.mesh;
     ResponseInput input;
@@ -65,7 +65,7 @@ Eigen::MatrixXd rigidMotions(const ResponseInput& input, const ElementResponse& 
 TEST_CASE("full basis: what the affine basis says is part of it, to rounding") {
     for (const char* mesh : {"as-is", "default", "refined:400"}) {
         CAPTURE(mesh);
-        const ResponseInput input = inputOf(oblique(), BasisKind::Full, 0.4, mesh), reduced = inputOf(oblique(), BasisKind::Affine, 0.4, mesh);
+        const ResponseInput input = fullInput(oblique(), BasisKind::Full, 0.4, mesh), reduced = fullInput(oblique(), BasisKind::Affine, 0.4, mesh);
         const auto full = buildResponse(input, {}), affine = buildResponse(reduced, {});
         REQUIRE(full);
         REQUIRE(affine);
@@ -82,7 +82,7 @@ TEST_CASE("full basis: what the affine basis says is part of it, to rounding") {
 }
 
 TEST_CASE("full basis: the stiffness is symmetric, without negative energy, and zero on exactly the rigid motions") {
-    const ResponseInput input = inputOf(oblique(), BasisKind::Full);
+    const ResponseInput input = fullInput(oblique(), BasisKind::Full);
     const auto full = buildResponse(input, {});
     REQUIRE(full);
     const Eigen::MatrixXd& K = full->stiffness;
@@ -97,7 +97,7 @@ TEST_CASE("full basis: the stiffness is symmetric, without negative energy, and 
 }
 
 TEST_CASE("full basis: the tractions balance, and are those of a bar under tension") {
-    const ResponseInput input = inputOf(shapes::bar(3), BasisKind::Full, 0.3);
+    const ResponseInput input = fullInput(shapes::bar(3), BasisKind::Full, 0.3);
     const auto full = buildResponse(input, {});
     REQUIRE(full);
     const Eigen::MatrixXd& T = full->tractions;
@@ -138,7 +138,7 @@ TEST_CASE("full basis: the tractions balance, and are those of a bar under tensi
 }
 
 TEST_CASE("full basis: its response is that of the full solution") {
-    const ResponseInput input = inputOf(oblique(), BasisKind::Full, 0.45, "refined:300");
+    const ResponseInput input = fullInput(oblique(), BasisKind::Full, 0.45, "refined:300");
     const auto full = buildResponse(input, {});
     REQUIRE(full);
     std::srand(5);
@@ -159,7 +159,7 @@ TEST_CASE("full basis: its response is that of the full solution") {
 
 TEST_CASE("body loads: a response has them when they are asked for, and is the same otherwise") {
     for (const BasisKind basis : {BasisKind::Paper, BasisKind::Affine, BasisKind::Full}) {
-        ResponseInput input = inputOf(oblique(), basis, 0.4, "as-is");
+        ResponseInput input = fullInput(oblique(), basis, 0.4, "as-is");
         const auto without = buildResponse(input, {});
         const ContentKey key = responseKey(input);
         input.loads = true;
@@ -181,7 +181,7 @@ TEST_CASE("body loads: a response has them when they are asked for, and is the s
 TEST_CASE("body loads: the faces carry exactly the weight and its moment, and the pressure on the open part") {
     auto body = oblique();
     body.ends.pop_back();
-    ResponseInput input = inputOf(body, BasisKind::Full);
+    ResponseInput input = fullInput(body, BasisKind::Full);
     input.loads = true;
     const auto full = buildResponse(input, {});
     REQUIRE(full);
@@ -212,7 +212,7 @@ TEST_CASE("body loads: the faces carry exactly the weight and its moment, and th
 TEST_CASE("body loads: what the faces carry is what moving them would do against the load") {
     // Reciprocity: forces on the joint parameters are minus the work of the load on the response of each parameter, as far as the
     // discretisation goes: the work is summed here over the body's coarse triangles.
-    ResponseInput input = inputOf(oblique(18, 10), BasisKind::Affine);
+    ResponseInput input = fullInput(oblique(18, 10), BasisKind::Affine);
     input.loads = true;
     const auto response = buildResponse(input, {});
     REQUIRE(response);
@@ -246,7 +246,7 @@ TEST_CASE("body loads: what the faces carry is what moving them would do against
 }
 
 TEST_CASE("full basis: estimates know its columns") {
-    const auto full = estimateResponse(inputOf(oblique(), BasisKind::Full)), affine = estimateResponse(inputOf(oblique(), BasisKind::Affine));
+    const auto full = estimateResponse(fullInput(oblique(), BasisKind::Full)), affine = estimateResponse(fullInput(oblique(), BasisKind::Affine));
     CHECK(full.columns > affine.columns);
     CHECK(full.bytes > affine.bytes);
     CHECK(full.seconds > affine.seconds);

@@ -12,7 +12,7 @@ using namespace imomushi;
 
 namespace {
 
-ResponseInput inputOf(const shapes::Body& body, BasisKind basis = BasisKind::Affine, double nu = 0.4) {
+ResponseInput reducedInput(const shapes::Body& body, BasisKind basis = BasisKind::Affine, double nu = 0.4) {
     auto mesh = std::make_shared<ElementMesh>();
     mesh->body = body.mesh;
     ResponseInput input;
@@ -59,7 +59,7 @@ Eigen::Matrix3d spin(const Vec3& w) {
     return m;
 }
 
-shapes::Body oblique() {
+shapes::Body obliquePrism() {
     // Not along an axis and not at the origin.
     const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
     return shapes::moved(shapes::cylinder(0.5, 2.0, 18, 10), turn, Vec3(3, -1, 2));
@@ -68,8 +68,8 @@ shapes::Body oblique() {
 }  // namespace
 
 TEST_CASE("reduced element: a rigid motion of all joint faces gives the same rigid motion and costs no energy") {
-    for (const auto& body : {oblique(), shapes::bar(3)}) {
-        const ResponseInput input = inputOf(body);
+    for (const auto& body : {obliquePrism(), shapes::bar(3)}) {
+        const ResponseInput input = reducedInput(body);
         const auto response = buildResponse(input, {});
         REQUIRE(response);
         const double scale = response->stiffness.norm();
@@ -86,7 +86,7 @@ TEST_CASE("reduced element: a rigid motion of all joint faces gives the same rig
 
 TEST_CASE("reduced element: stretching the ends of a bar has the energy of uniaxial tension") {
     for (const double nu : {0.0, 0.3, 0.49}) {
-        const ResponseInput input = inputOf(shapes::bar(3), BasisKind::Paper, nu);
+        const ResponseInput input = reducedInput(shapes::bar(3), BasisKind::Paper, nu);
         const auto response = buildResponse(input, {});
         REQUIRE(response);
         const Eigen::Matrix3d gradient = Vec3(-nu, -nu, 1.0).asDiagonal();
@@ -99,7 +99,7 @@ TEST_CASE("reduced element: stretching the ends of a bar has the energy of uniax
 
 TEST_CASE("reduced element: the stiffness is symmetric and without negative energy, and says how far it was from it") {
     for (const BasisKind basis : {BasisKind::Paper, BasisKind::Affine}) {
-        const auto response = buildResponse(inputOf(oblique(), basis), {});
+        const auto response = buildResponse(reducedInput(obliquePrism(), basis), {});
         REQUIRE(response);
         const Eigen::MatrixXd& K = response->stiffness;
         REQUIRE(K.rows() == response->columns());
@@ -121,7 +121,7 @@ TEST_CASE("reduced element: the stiffness is symmetric and without negative ener
 }
 
 TEST_CASE("reduced element: its answer is that of the full solution for the same face displacements") {
-    const ResponseInput input = inputOf(oblique());
+    const ResponseInput input = reducedInput(obliquePrism());
     const auto response = buildResponse(input, {});
     REQUIRE(response);
     const Eigen::VectorXd v = Eigen::VectorXd::LinSpaced(response->columns(), -0.2, 0.3);
@@ -152,13 +152,13 @@ TEST_CASE("reduced element: its answer is that of the full solution for the same
 TEST_CASE("reduced element: one without joint faces has no columns, one with a single face follows it") {
     shapes::Body body = shapes::bar(2);
     body.ends.pop_back();
-    const ResponseInput single = inputOf(body);
+    const ResponseInput single = reducedInput(body);
     const auto one = buildResponse(single, {});
     REQUIRE(one);
     CHECK(one->columns() == 9);
     CHECK(missed(single, *one, spin(Vec3(0.3, -0.2, 0.5)), Vec3(1, 2, 3)) <= 1e-12);
     body.ends.clear();
-    const auto none = buildResponse(inputOf(body), {});
+    const auto none = buildResponse(reducedInput(body), {});
     REQUIRE(none);
     CHECK(none->columns() == 0);
     CHECK(none->freeVertices.size() == static_cast<std::size_t>(body.mesh.vertices.rows()));
@@ -167,7 +167,7 @@ TEST_CASE("reduced element: one without joint faces has no columns, one with a s
 }
 
 TEST_CASE("reduced element: the bytes do not depend on the number of threads, and the key not either") {
-    ResponseInput input = inputOf(oblique());
+    ResponseInput input = reducedInput(obliquePrism());
     const auto one = buildResponse(input, {});
     const ContentKey key = responseKey(input);
     input.threads = 2;
@@ -178,7 +178,7 @@ TEST_CASE("reduced element: the bytes do not depend on the number of threads, an
 }
 
 TEST_CASE("reduced element: the key notices everything that matters") {
-    const ResponseInput input = inputOf(oblique());
+    const ResponseInput input = reducedInput(obliquePrism());
     const ContentKey key = responseKey(input);
     ResponseInput other = input;
     other.nu = 0.41;
@@ -203,7 +203,7 @@ TEST_CASE("reduced element: the key notices everything that matters") {
 }
 
 TEST_CASE("reduced element: what cannot be precomputed is refused, and cancelling is an answer") {
-    ResponseInput input = inputOf(shapes::bar(2));
+    ResponseInput input = reducedInput(shapes::bar(2));
     std::stop_source stop;
     stop.request_stop();
     CHECK(buildResponse(input, Progress({}, stop.get_token())).error().code == kCancelled);
@@ -215,7 +215,7 @@ TEST_CASE("reduced element: what cannot be precomputed is refused, and cancellin
 
 TEST_CASE("reduced element: the estimate is positive and grows with the mesh") {
     // The large one first: what is known of the machine only becomes better.
-    const auto large = estimateResponse(inputOf(shapes::bar(8))), small = estimateResponse(inputOf(shapes::bar(3)));
+    const auto large = estimateResponse(reducedInput(shapes::bar(8))), small = estimateResponse(reducedInput(shapes::bar(3)));
     CHECK(small.columns == 18);
     CHECK(small.seconds > 0.0);
     CHECK(large.seconds > small.seconds);

@@ -17,7 +17,7 @@ using namespace imomushi;
 
 namespace {
 
-ResponseInput inputOf(const shapes::Body& body, const char* solverMesh, BasisKind basis = BasisKind::Affine) {
+ResponseInput settingInput(const shapes::Body& body, const char* solverMesh, BasisKind basis = BasisKind::Affine) {
     auto mesh = std::make_shared<ElementMesh>();
     mesh->body = body.mesh;
     ResponseInput input;
@@ -75,7 +75,7 @@ TEST_CASE("joint stiffness: symmetric, without negative energy, and zero for the
                                                            {"bar with one face", oneFace()}};
     for (const auto& [name, body] : bodies) {
         CAPTURE(name);
-        const ResponseInput input = inputOf(body, "default");
+        const ResponseInput input = settingInput(body, "default");
         const auto response = buildResponse(input, {});
         REQUIRE(response);
         const Eigen::MatrixXd& K = response->stiffness;
@@ -111,7 +111,7 @@ TEST_CASE("element: its bytes are the same for 1, 2 and 5 threads, by default an
     const shapes::Body body = shapes::cylinder(0.5, 2.0, 16, 10);
     for (const std::string solverMesh : {"default", "decimated:120"}) {
         CAPTURE(solverMesh);
-        ResponseInput input = inputOf(body, solverMesh.c_str(), BasisKind::Paper);
+        ResponseInput input = settingInput(body, solverMesh.c_str(), BasisKind::Paper);
         const auto one = buildResponse(input, {});
         REQUIRE(one);
         for (const int threads : {2, 5}) {
@@ -128,7 +128,7 @@ TEST_CASE("element: its bytes are the same for 1, 2 and 5 threads, by default an
 TEST_CASE("element: cancelling at any stage of the precompute gives no answer but that") {
     const shapes::Body body = shapes::cylinder(0.5, 2.0, 16, 10);
     for (const std::string solverMesh : {"default", "decimated:120"}) {
-        const ResponseInput input = inputOf(body, solverMesh.c_str(), BasisKind::Paper);
+        const ResponseInput input = settingInput(body, solverMesh.c_str(), BasisKind::Paper);
         int reports = 0;
         std::vector<std::string> stages;
         std::vector<int> first;

@@ -13,17 +13,12 @@
 #include "core/mesh/health.h"
 #include "core/mesh/topology.h"
 #include "core/reduction/decimation.h"
+#include "tests/reduction/faces.h"
 #include "tests/support/shapes.h"
 
 using namespace imomushi;
 
 namespace {
-
-std::vector<JointFace> facesOf(const shapes::Body& body) {
-    std::vector<JointFace> faces;
-    for (const auto& end : body.ends) faces.push_back(jointFaceByVertices(body.mesh, end.vertices).value());
-    return faces;
-}
 
 int euler(const TriangleMesh& mesh) {
     return static_cast<int>(mesh.vertices.rows()) - EdgeTable(mesh.triangles).size() + static_cast<int>(mesh.triangles.rows());

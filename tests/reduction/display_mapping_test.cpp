@@ -13,6 +13,7 @@
 #include "core/reduction/decimation.h"
 #include "core/reduction/display_mapping.h"
 #include "core/reduction/element_response.h"
+#include "tests/reduction/faces.h"
 #include "tests/support/shapes.h"
 
 using namespace imomushi;
@@ -20,12 +21,6 @@ using namespace imomushi;
 namespace {
 
 using Field = std::function<Vec3(const Vec3&)>;
-
-std::vector<JointFace> facesOf(const shapes::Body& body) {
-    std::vector<JointFace> faces;
-    for (const auto& end : body.ends) faces.push_back(jointFaceByVertices(body.mesh, end.vertices).value());
-    return faces;
-}
 
 std::vector<char> held(const shapes::Body& body) {
     std::vector<char> out(static_cast<std::size_t>(body.mesh.vertices.rows()), 0);

@@ -8,17 +8,12 @@
 
 #include "core/mesh/health.h"
 #include "core/reduction/solved_body.h"
+#include "tests/reduction/faces.h"
 #include "tests/support/shapes.h"
 
 using namespace imomushi;
 
 namespace {
-
-std::vector<JointFace> facesOf(const shapes::Body& body) {
-    std::vector<JointFace> faces;
-    for (const auto& end : body.ends) faces.push_back(jointFaceByVertices(body.mesh, end.vertices).value());
-    return faces;
-}
 
 double faceArea(const SolverMesh& mesh, std::size_t f) {
     double area = 0.0;

@@ -8,6 +8,7 @@
 
 #include "core/mesh/health.h"
 #include "core/reduction/solver_mesh.h"
+#include "tests/reduction/faces.h"
 #include "tests/support/shapes.h"
 
 using namespace imomushi;
@@ -74,12 +75,6 @@ Facts facts(const TriangleMesh& mesh) {
 }  // namespace
 
 namespace {
-
-std::vector<JointFace> facesOf(const shapes::Body& body) {
-    std::vector<JointFace> faces;
-    for (const auto& end : body.ends) faces.push_back(jointFaceByVertices(body.mesh, end.vertices).value());
-    return faces;
-}
 
 /// Every vertex after the first `own` lies where it says.
 void checkOrigins(const SolverMesh& mesh, int own) {

@@ -15,7 +15,7 @@ using Eigen::Vector3f;
 
 // Of shaders/element_frame.glsl: vectors that fit into 16 KiB, the least size of a uniform block that OpenGL promises, after shape, placement and size.
 constexpr int kMaxVectors = 1000, kHeader = 7;
-enum Unit { kResponse = 0, kIntegerResponse = 1, kShapes = 2 };
+enum ResponseUnit { kResponse = 0, kIntegerResponse = 1, kShapes = 2 };
 
 /// Vectors of four that hold n numbers.
 int vectorsFor(int n) { return (n + 3) / 4; }

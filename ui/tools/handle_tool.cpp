@@ -19,12 +19,6 @@ constexpr double kStep = 1.2;
 /// From about a twentieth of the size by default to the largest that there is.
 constexpr int kLeast = -16, kMost = 12;
 
-std::optional<RayHit> surfaceUnder(Session& session, const PointerEvent& e) {
-    const auto hits = rayHits(session, e.rayOrigin, e.rayDirection);
-    const auto first = std::find_if(hits.begin(), hits.end(), [](const RayHit& hit) { return hit.entering; });
-    return first == hits.end() ? std::nullopt : std::optional(*first);
-}
-
 }  // namespace
 
 const Element* HandleTool::element() const {

@@ -174,6 +174,12 @@ std::vector<RayHit> rayHits(Session& session, const Vec3& rayOrigin, const Vec3&
     return hits;
 }
 
+std::optional<RayHit> surfaceUnder(Session& session, const PointerEvent& e) {
+    const auto hits = rayHits(session, e.rayOrigin, e.rayDirection);
+    const auto first = std::find_if(hits.begin(), hits.end(), [](const RayHit& hit) { return hit.entering; });
+    return first == hits.end() ? std::nullopt : std::optional(*first);
+}
+
 const JointFace* faceOfTriangle(const Element& element, std::int32_t triangle) {
     for (const JointFace& face : element.faces)
         if (std::binary_search(face.triangles.begin(), face.triangles.end(), triangle)) return &face;

@@ -32,6 +32,9 @@ struct RayHit {
 /// All crossings with what is seen of visible, unlocked elements, nearest first. rayDirection must be a unit vector.
 std::vector<RayHit> rayHits(Session& session, const Vec3& rayOrigin, const Vec3& rayDirection);
 
+/// The surface under the pointer, seen from outside; none: there is none.
+std::optional<RayHit> surfaceUnder(Session& session, const PointerEvent& e);
+
 /// The joint face of an element that a triangle belongs to; null: none.
 const JointFace* faceOfTriangle(const Element& element, std::int32_t triangle);
 

@@ -17,12 +17,6 @@ constexpr double kPokePixels = 12.0, kNotchPixels = 6.0;
 /// Fingers are not pulled farther out of the surface than this: pushing in again should not take long.
 constexpr double kOutsidePixels = 6.0;
 
-std::optional<RayHit> surfaceUnder(Session& session, const PointerEvent& e) {
-    const auto hits = rayHits(session, e.rayOrigin, e.rayDirection);
-    const auto first = std::find_if(hits.begin(), hits.end(), [](const RayHit& hit) { return hit.entering; });
-    return first == hits.end() ? std::nullopt : std::optional(*first);
-}
-
 }  // namespace
 
 void TouchTool::begin() {
