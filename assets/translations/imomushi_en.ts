@@ -96,4 +96,24 @@
             </translation>
         </message>
     </context>
+    <context>
+        <name>BodyTexts</name>
+        <message numerus="yes">
+            <source>%n gap(s) closed, %1 % of the surface</source>
+            <translation>
+                <numerusform>%n gap closed, %1 % of the surface</numerusform>
+                <numerusform>%n gaps closed, %1 % of the surface</numerusform>
+            </translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::WholeCharacterForm</name>
+        <message numerus="yes">
+            <source>%n more in the list of issues</source>
+            <translation>
+                <numerusform>%n more in the list of issues</numerusform>
+                <numerusform>%n more in the list of issues</numerusform>
+            </translation>
+        </message>
+    </context>
 </TS>

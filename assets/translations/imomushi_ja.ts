@@ -247,6 +247,10 @@
             <source>Ha&amp;ndle</source>
             <translation>ハンドル(&amp;N)</translation>
         </message>
+        <message>
+            <source>Show b&amp;odies</source>
+            <translation>ボディを表示(&amp;O)</translation>
+        </message>
     </context>
     <context>
         <name>EffectTexts</name>
@@ -1022,6 +1026,22 @@
             <source>Faces with more than three corners were split.</source>
             <translation>角が 4 つ以上の面を三角形に分けました。</translation>
         </message>
+        <message>
+            <source>Overlapping parts were united in the body.</source>
+            <translation>重なっている部分をボディの中でまとめました。</translation>
+        </message>
+        <message>
+            <source>Parts inside of others were left out of the body; the flesh around carries them.</source>
+            <translation>ほかの部分の内側にある部分をボディから外しました。まわりの肉が運びます。</translation>
+        </message>
+        <message>
+            <source>Small parts were left out of the body, which carries them.</source>
+            <translation>小さな部分をボディから外しました。ボディが運びます。</translation>
+        </message>
+        <message>
+            <source>Open parts were left out of the body, which carries them.</source>
+            <translation>開いた部分をボディから外しました。ボディが運びます。</translation>
+        </message>
     </context>
     <context>
         <name>Stages</name>
@@ -1080,6 +1100,22 @@
         <message>
             <source>Converting</source>
             <translation>変換中</translation>
+        </message>
+        <message>
+            <source>Looking for gaps</source>
+            <translation>すき間を調べています</translation>
+        </message>
+        <message>
+            <source>Wrapping</source>
+            <translation>包んでいます</translation>
+        </message>
+        <message>
+            <source>Coarsening</source>
+            <translation>粗くしています</translation>
+        </message>
+        <message>
+            <source>Cutting</source>
+            <translation>切断しています</translation>
         </message>
     </context>
     <context>
@@ -1382,6 +1418,42 @@
             <source>Drag a handle or the end of a bone</source>
             <translation>ハンドルかボーンの端をドラッグ</translation>
         </message>
+        <message>
+            <source>Move it to the nearest place that works</source>
+            <translation>切れる最も近い場所へ動かす</translation>
+        </message>
+        <message>
+            <source>Drag the plane: move the cut · Drag its arrow: turn · Delete: remove</source>
+            <translation>平面をドラッグ：切断面を移動 · 矢印をドラッグ：向き · Delete：削除</translation>
+        </message>
+        <message>
+            <source>Release: cut here · Shift: fine · Ctrl: axes · X, Y, Z: turn · Esc: cancel</source>
+            <translation>離す：ここで切る · Shift：細かく · Ctrl：軸に合わせる · X、Y、Z：向き · Esc：取り消し</translation>
+        </message>
+        <message>
+            <source>Esc: cancel</source>
+            <translation>Esc：取り消し</translation>
+        </message>
+        <message>
+            <source>The nearest place that works is %1 away.</source>
+            <translation>切れる最も近い場所は %1 先です。</translation>
+        </message>
+        <message>
+            <source>Cut there</source>
+            <translation>そこで切る</translation>
+        </message>
+        <message>
+            <source>Cut “%1” from “%2” and joined them.</source>
+            <translation>「%1」を「%2」から切り離し、結合しました。</translation>
+        </message>
+        <message>
+            <source>Enter or click: cut here · ← →: move · X, Y, Z: turn · Esc: cancel</source>
+            <translation>Enter またはクリック：ここで切る · ← →：移動 · X、Y、Z：向き · Esc：取り消し</translation>
+        </message>
+        <message>
+            <source>Click: cut across · Shift+click: plane · ↑: a patch of the surface instead</source>
+            <translation>クリック：輪切りにする · Shift+クリック：平面 · ↑：代わりに表面の一部を面にする</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::Autosave</name>
@@ -1554,6 +1626,10 @@
             <source>%1 copy</source>
             <translation>%1 のコピー</translation>
         </message>
+        <message>
+            <source>Imported “%1” as a whole character. Its body: %2.</source>
+            <translation>「%1」をキャラクター全体として読み込みました。ボディ：%2。</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::HistoryModel</name>
@@ -1620,10 +1696,6 @@
             <translation>読み込み中</translation>
         </message>
         <message>
-            <source>This mesh cannot be used as it is: it is not a closed surface.</source>
-            <translation>このメッシュは閉じた面ではないため、そのままでは使えません。</translation>
-        </message>
-        <message>
             <source>%1 of %2 bodies can be used; the others are left out.</source>
             <translation>%2 個のうち %1 個を使えます。残りは除かれます。</translation>
         </message>
@@ -1650,6 +1722,78 @@
             <translation>
                 <numerusform>離れた部分 %n 個</numerusform>
             </translation>
+        </message>
+        <message>
+            <source>Whole character</source>
+            <translation>キャラクター全体</translation>
+        </message>
+        <message>
+            <source>Any mesh. It stays as it is; a body moves it.</source>
+            <translation>どんなメッシュでも。見た目はそのまま、ボディが動かします。</translation>
+        </message>
+        <message>
+            <source>Elements</source>
+            <translation>要素</translation>
+        </message>
+        <message>
+            <source>Closed surfaces, each soft by itself.</source>
+            <translation>閉じた面。それぞれが柔らかい要素になります。</translation>
+        </message>
+        <message>
+            <source>Body</source>
+            <translation>ボディ</translation>
+        </message>
+        <message>
+            <source>Automatic</source>
+            <translation>自動</translation>
+        </message>
+        <message>
+            <source>Exact: the mesh itself</source>
+            <translation>そのまま：メッシュ自身</translation>
+        </message>
+        <message>
+            <source>Mended: holes closed, parts united</source>
+            <translation>修復：穴を閉じ、部分をまとめる</translation>
+        </message>
+        <message>
+            <source>Wrapped: a new surface around it</source>
+            <translation>包み直し：まわりに新しい面を張る</translation>
+        </message>
+        <message>
+            <source>Detail of a wrap</source>
+            <translation>包む細かさ</translation>
+        </message>
+        <message>
+            <source>Coarse</source>
+            <translation>粗い</translation>
+        </message>
+        <message>
+            <source>Medium</source>
+            <translation>普通</translation>
+        </message>
+        <message>
+            <source>Fine</source>
+            <translation>細かい</translation>
+        </message>
+        <message>
+            <source>Very fine</source>
+            <translation>とても細かい</translation>
+        </message>
+        <message>
+            <source>Gaps narrower than twice this part of the diagonal are closed: 1/30, 1/60, 1/120, 1/250.</source>
+            <translation>対角線に対するこの割合（1/30、1/60、1/120、1/250）の 2 倍より狭いすき間は閉じられます。</translation>
+        </message>
+        <message>
+            <source>The body is being made…</source>
+            <translation>ボディを作っています…</translation>
+        </message>
+        <message>
+            <source>This mesh cannot be used as an element: it is not a closed surface. Import it as a whole character.</source>
+            <translation>このメッシュは閉じた面ではないため、要素にはできません。キャラクター全体として読み込んでください。</translation>
+        </message>
+        <message>
+            <source>Ready to import. The body is %1.</source>
+            <translation>読み込めます。ボディ：%1。</translation>
         </message>
     </context>
     <context>
@@ -2238,6 +2382,10 @@
             <source>Has no joint face yet: it cannot deform.</source>
             <translation>関節面がまだないため変形できません。</translation>
         </message>
+        <message>
+            <source>The body closes a gap here: both sides move as one.</source>
+            <translation>ボディがここのすき間を閉じています。両側は一緒に動きます。</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::IssuesPanel</name>
@@ -2305,6 +2453,10 @@
         <message>
             <source>Joined %1 and %2</source>
             <translation>%1 と %2 をつなぎました</translation>
+        </message>
+        <message>
+            <source>Place bones</source>
+            <translation>ボーンを置く</translation>
         </message>
     </context>
     <context>
@@ -2588,6 +2740,10 @@
         <message>
             <source>Not locked: click to lock</source>
             <translation>ロックなし：クリックでロック</translation>
+        </message>
+        <message>
+            <source>Scene</source>
+            <translation>シーン</translation>
         </message>
     </context>
     <context>
@@ -3691,6 +3847,199 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         <message>
             <source>unknown</source>
             <translation>不明</translation>
+        </message>
+    </context>
+    <context>
+        <name>BodyTexts</name>
+        <message>
+            <source>exact</source>
+            <translation>そのまま</translation>
+        </message>
+        <message>
+            <source>mended</source>
+            <translation>修復</translation>
+        </message>
+        <message>
+            <source>wrapped</source>
+            <translation>包み直し</translation>
+        </message>
+        <message>
+            <source>automatic</source>
+            <translation>自動</translation>
+        </message>
+        <message>
+            <source>%1 % of the diagonal</source>
+            <translation>対角線の %1 %</translation>
+        </message>
+        <message>
+            <source>Body: %1 vertices, %2 triangles</source>
+            <translation>ボディ：頂点 %1、三角形 %2</translation>
+        </message>
+        <message>
+            <source>Distance %1, largest %2</source>
+            <translation>距離 %1、最大 %2</translation>
+        </message>
+        <message>
+            <source>Volume error %1 %</source>
+            <translation>体積の誤差 %1 %</translation>
+        </message>
+        <message numerus="yes">
+            <source>%n gap(s) closed, %1 % of the surface</source>
+            <translation>
+                <numerusform>%n か所のすき間を閉じました（表面の %1 %）</numerusform>
+            </translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::CutForm</name>
+        <message>
+            <source>Cut</source>
+            <translation>切断面</translation>
+        </message>
+        <message>
+            <source>Character</source>
+            <translation>キャラクター</translation>
+        </message>
+        <message>
+            <source>Behind it</source>
+            <translation>後ろ側</translation>
+        </message>
+        <message>
+            <source>In front</source>
+            <translation>前側</translation>
+        </message>
+        <message>
+            <source>Take the cut out</source>
+            <translation>切断面を取り除く</translation>
+        </message>
+        <message>
+            <source>%1 · out of date</source>
+            <translation>%1 · 古くなっています</translation>
+        </message>
+        <message>
+            <source>%1 · not precomputed</source>
+            <translation>%1 · 前計算なし</translation>
+        </message>
+        <message>
+            <source>Origin at rest</source>
+            <translation>原点（静止時）</translation>
+        </message>
+        <message>
+            <source>Normal at rest</source>
+            <translation>法線（静止時）</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::WholeCharacterForm</name>
+        <message>
+            <source>Character</source>
+            <translation>キャラクター</translation>
+        </message>
+        <message>
+            <source>Contents</source>
+            <translation>内容</translation>
+        </message>
+        <message>
+            <source>Parts</source>
+            <translation>部分</translation>
+        </message>
+        <message>
+            <source>Vertices</source>
+            <translation>頂点</translation>
+        </message>
+        <message>
+            <source>Triangles</source>
+            <translation>三角形</translation>
+        </message>
+        <message>
+            <source>Elements</source>
+            <translation>要素</translation>
+        </message>
+        <message>
+            <source>Cuts</source>
+            <translation>切断面</translation>
+        </message>
+        <message>
+            <source>none</source>
+            <translation>なし</translation>
+        </message>
+        <message>
+            <source>Body</source>
+            <translation>ボディ</translation>
+        </message>
+        <message>
+            <source>Made</source>
+            <translation>作り方</translation>
+        </message>
+        <message>
+            <source>%1 (%2)</source>
+            <translation>%1（%2）</translation>
+        </message>
+        <message>
+            <source>Distance</source>
+            <translation>距離</translation>
+        </message>
+        <message>
+            <source>Largest distance</source>
+            <translation>最大の距離</translation>
+        </message>
+        <message>
+            <source>Volume error</source>
+            <translation>体積の誤差</translation>
+        </message>
+        <message>
+            <source>unknown: the mesh encloses none</source>
+            <translation>不明：メッシュが体積を囲んでいません</translation>
+        </message>
+        <message>
+            <source>%1 %</source>
+            <translation>%1 %</translation>
+        </message>
+        <message>
+            <source>Detail</source>
+            <translation>細かさ</translation>
+        </message>
+        <message>
+            <source>Separate surfaces</source>
+            <translation>離れた面</translation>
+        </message>
+        <message>
+            <source>Gaps that the body closes</source>
+            <translation>ボディが閉じるすき間</translation>
+        </message>
+        <message>
+            <source>Walls</source>
+            <translation>壁</translation>
+        </message>
+        <message>
+            <source>%1 % of the surface</source>
+            <translation>表面の %1 %</translation>
+        </message>
+        <message>
+            <source>Width</source>
+            <translation>幅</translation>
+        </message>
+        <message>
+            <source>%1 to %2</source>
+            <translation>%1 ～ %2</translation>
+        </message>
+        <message>
+            <source>Show</source>
+            <translation>表示</translation>
+        </message>
+        <message>
+            <source>Place %1</source>
+            <translation>場所 %1</translation>
+        </message>
+        <message>
+            <source>More</source>
+            <translation>ほか</translation>
+        </message>
+        <message numerus="yes">
+            <source>%n more in the list of issues</source>
+            <translation>
+                <numerusform>ほか %n 件は問題の一覧にあります</numerusform>
+            </translation>
         </message>
     </context>
 </TS>

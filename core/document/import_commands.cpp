@@ -154,7 +154,7 @@ Result<Json> importCharacterCommand(DocumentEdit& edit, const Json& arguments, c
     auto imported = edit.importCharacter(*request, progress.part(0.0, 0.3));
     if (!imported) return tl::unexpected(imported.error());
     if (imported->renderModel.mesh.body.triangles.rows() == 0) return fail("empty-mesh", "\"" + request->path.string() + "\" holds no surface.");
-    auto body = makeBody(imported->renderModel.mesh.body, imported->renderModel.part, setting, progress.part(0.3, 1.0));
+    auto body = edit.makeBody(imported->renderModel, setting, progress.part(0.3, 1.0));
     if (!body) return tl::unexpected(body.error());
 
     CharacterSource character;

@@ -28,6 +28,8 @@ std::string subjectOf(const Json& arguments) {
     return {};
 }
 
+Result<Body> makeBodyOf(const RenderModel& model, const BodySetting& setting, const Progress& progress) { return makeBody(model.mesh.body, model.part, setting, progress); }
+
 }  // namespace
 
 Session::Session(const CommandRegistry& registry, std::shared_ptr<ResponseStore> store)
@@ -35,7 +37,8 @@ Session::Session(const CommandRegistry& registry, std::shared_ptr<ResponseStore>
       responses_(history_.document(), store ? std::move(store) : std::make_shared<ResponseStore>()),
       live_(std::make_unique<LiveCharacter>(history_, responses_)),
       importer_(importFile),
-      characterImporter_(importCharacter) {}
+      characterImporter_(importCharacter),
+      bodyMaker_(makeBodyOf) {}
 
 Session::~Session() = default;
 
@@ -79,7 +82,7 @@ Result<Json> Session::perform(const Command& command, const Json& arguments, con
     Result<Json> answer;
     try {
         if (command.changesDocument()) {
-            DocumentEdit edit(history_.edit(), *live_, responses_, importer_, characterImporter_);
+            DocumentEdit edit(history_.edit(), *live_, responses_, importer_, characterImporter_, bodyMaker_);
             answer = command.change(edit, arguments, progress);
             if (!answer) return answer;
             for (const auto& [element, response] : edit.brought()) responses_.bring(element, response);
@@ -174,6 +177,8 @@ void Session::setImporter(std::function<Result<ImportResult>(const ImportRequest
 void Session::setCharacterImporter(std::function<Result<CharacterFile>(const ImportRequest&, const Progress&)> importer) {
     characterImporter_ = importer ? std::move(importer) : importCharacter;
 }
+
+void Session::setBodyMaker(std::function<Result<Body>(const RenderModel&, const BodySetting&, const Progress&)> maker) { bodyMaker_ = maker ? std::move(maker) : makeBodyOf; }
 
 Project Session::project() {
     responses_.refresh();

@@ -106,6 +106,8 @@ public:
     void setImporter(std::function<Result<ImportResult>(const ImportRequest&, const Progress&)> importer);
     /// The same for importCharacter().
     void setCharacterImporter(std::function<Result<CharacterFile>(const ImportRequest&, const Progress&)> importer);
+    /// Replaces makeBody() of imported characters, which the studio calls in the background. Empty: makeBody() again.
+    void setBodyMaker(std::function<Result<Body>(const RenderModel&, const BodySetting&, const Progress&)> maker);
     /// What "save" writes, and an autosave: the document as it is now with the responses that its elements have. Copies no mesh and no response.
     [[nodiscard]] Project project();
 
@@ -124,6 +126,7 @@ private:
     std::function<void(const Change&)> listener_;
     std::function<Result<ImportResult>(const ImportRequest&, const Progress&)> importer_;
     std::function<Result<CharacterFile>(const ImportRequest&, const Progress&)> characterImporter_;
+    std::function<Result<Body>(const RenderModel&, const BodySetting&, const Progress&)> bodyMaker_;
     Change told_;  // by the command that runs, besides the parts of the document
     bool historyMoved_ = false;  // by the action that runs: undo, redo, another document, a take
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/dialogs/import_dialog.h"
 
+#include <QButtonGroup>
 #include <QCheckBox>
 #include <QComboBox>
 #include <QDialogButtonBox>
@@ -16,16 +17,28 @@
 #include <algorithm>
 
 #include "ui/dialogs/mesh_preview.h"
+#include "ui/jobs/character_job.h"
 #include "ui/jobs/import_job.h"
+#include "ui/models/body_texts.h"
 #include "ui/models/commands.h"
 #include "ui/models/texts.h"
 #include "ui/widgets/appearance.h"
+#include "ui/widgets/choice_card.h"
 #include "ui/widgets/dialog_form.h"
 
 namespace imomushi {
 namespace {
 constexpr const char* kUnits[] = {"", "mm", "cm", "m"};
 constexpr const char* kAxes[] = {"", "y", "z"};
+constexpr BodyKind kBodies[] = {BodyKind::Auto, BodyKind::Exact, BodyKind::Mended, BodyKind::Wrapped};
+constexpr double kDetails[] = {0.0, 1.0 / 30.0, 1.0 / 60.0, 1.0 / 120.0, 1.0 / 250.0};  // of the diagonal, 0: chosen from the mesh
+
+/// The file is one element as it is, and nothing is to be said about it.
+bool isOneElement(const ImportResult& r) {
+    if (r.bodies.size() != 1 || !r.bodies[0].closed || r.bodies[0].components != 1) return false;
+    const auto calm = [](const MeshIssue& issue) { return issue.fixed || issue.severity == Severity::Info; };
+    return std::all_of(r.bodies[0].issues.begin(), r.bodies[0].issues.end(), calm) && std::all_of(r.issues.begin(), r.issues.end(), calm);
+}
 }  // namespace
 
 QStringList meshSuffixes() {
@@ -36,12 +49,34 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
     setWindowTitle(tr("Import %1").arg(QFileInfo(path).fileName()));
     setObjectName(QStringLiteral("importDialog"));
     job_ = new ImportJob(this);
+    character_ = new CharacterJob(this);
+    wholeCard_ = new ChoiceCard(tr("Whole character"), tr("Any mesh. It stays as it is; a body moves it."), this);
+    wholeCard_->setObjectName(QStringLiteral("wholeCharacter"));
+    elementsCard_ = new ChoiceCard(tr("Elements"), tr("Closed surfaces, each soft by itself."), this);
+    elementsCard_->setObjectName(QStringLiteral("elements"));
+    auto* kinds = new QButtonGroup(this);
+    for (ChoiceCard* card : {wholeCard_, elementsCard_}) {
+        card->setCheckable(true);
+        kinds->addButton(card);
+    }
+    elementsCard_->setChecked(true);
     preview_ = new MeshPreview(this);
     unit_ = new QComboBox(this);
     unit_->addItems({tr("As in the file"), tr("Millimetres"), tr("Centimetres"), tr("Metres")});
     up_ = new QComboBox(this);
     up_->addItems({tr("As in the file"), tr("Y is up"), tr("Z is up")});
     split_ = new QCheckBox(tr("One element per separate part"), this);
+    bodyLabel_ = new QLabel(tr("Body"), this);
+    body_ = new QComboBox(this);
+    body_->setObjectName(QStringLiteral("body"));
+    body_->addItems({tr("Automatic"), tr("Exact: the mesh itself"), tr("Mended: holes closed, parts united"), tr("Wrapped: a new surface around it")});
+    body_->setAccessibleName(bodyLabel_->text());
+    detailLabel_ = new QLabel(tr("Detail of a wrap"), this);
+    detail_ = new QComboBox(this);
+    detail_->setObjectName(QStringLiteral("detail"));
+    detail_->addItems({tr("Automatic"), tr("Coarse"), tr("Medium"), tr("Fine"), tr("Very fine")});
+    detail_->setAccessibleName(detailLabel_->text());
+    detail_->setToolTip(tr("Gaps narrower than twice this part of the diagonal are closed: 1/30, 1/60, 1/120, 1/250."));
     facts_ = new QLabel(this);
     facts_->setTextFormat(Qt::PlainText);
     verdict_ = new QLabel(this);
@@ -68,6 +103,11 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
     form->add(tr("Unit"), unit_);
     form->add(tr("Up axis"), up_);
     form->add(split_);
+    for (auto [label, field] : {std::pair{bodyLabel_, body_}, {detailLabel_, detail_}}) {
+        label->setProperty("role", "muted");
+        label->setBuddy(field);
+        form->addRow(label, field);
+    }
 
     auto* buttons = new QDialogButtonBox(QDialogButtonBox::Cancel, this);
     import_ = buttons->addButton(tr("Import"), QDialogButtonBox::AcceptRole);
@@ -89,6 +129,11 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
     title->setProperty("role", "title");
     title->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
     right->addWidget(title);
+    auto* cards = new QHBoxLayout;
+    cards->setSpacing(px(8));
+    cards->addWidget(wholeCard_, 1);
+    cards->addWidget(elementsCard_, 1);
+    right->addLayout(cards);
     right->addLayout(form);
     auto* rule = new QFrame(this);
     rule->setObjectName(QStringLiteral("rule"));
@@ -111,22 +156,27 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
     layout->setSpacing(px(16));
     layout->addLayout(columns, 1);
     layout->addLayout(foot);
-    resize(px(860), px(520));
+    resize(px(960), px(600));
 
-    connect(unit_, &QComboBox::activated, this, &ImportDialog::read);
-    connect(up_, &QComboBox::activated, this, &ImportDialog::read);
+    for (QComboBox* box : {unit_, up_, body_, detail_}) connect(box, &QComboBox::activated, this, &ImportDialog::read);
     connect(split_, &QCheckBox::toggled, this, &ImportDialog::read);
-    connect(job_, &BackgroundJob::progressed, this, [this] {
-        progress_->setValue(int(1000.0 * job_->fraction()));
-        stage_->setText(progressText());
+    connect(kinds, &QButtonGroup::idClicked, this, [this] {
+        chosenByHand_ = true;
+        choose(wholeCard_->isChecked());
     });
-    connect(job_, &BackgroundJob::finished, this, [this](bool completed) {
-        if (completed) showResult();
-    });
-    read();
+    for (BackgroundJob* job : {static_cast<BackgroundJob*>(job_), static_cast<BackgroundJob*>(character_)}) {
+        connect(job, &BackgroundJob::progressed, this, [this, job] {
+            progress_->setValue(int(1000.0 * job->fraction()));
+            stage_->setText(job->stage().isEmpty() ? tr("Reading") : job->stage());
+        });
+        connect(job, &BackgroundJob::finished, this, [this](bool completed) {
+            if (completed) showResult();
+        });
+    }
+    choose(false);
 }
 
-QString ImportDialog::progressText() const { return job_->stage().isEmpty() ? tr("Reading") : job_->stage(); }
+bool ImportDialog::whole() const { return wholeCard_->isChecked(); }
 
 ImportRequest ImportDialog::chosen() const {
     ImportRequest request;
@@ -137,34 +187,67 @@ ImportRequest ImportDialog::chosen() const {
     return request;
 }
 
+BodySetting ImportDialog::body() const { return {kBodies[std::size_t(body_->currentIndex())], kDetails[std::size_t(detail_->currentIndex())]}; }
+
+void ImportDialog::choose(bool whole) {
+    (whole ? wholeCard_ : elementsCard_)->setChecked(true);
+    split_->setVisible(!whole);
+    for (QWidget* field : std::initializer_list<QWidget*>{bodyLabel_, body_, detailLabel_, detail_}) field->setVisible(whole);
+    read();
+}
+
 void ImportDialog::read() {
     import_->setEnabled(false);
+    const bool wraps = kBodies[std::size_t(body_->currentIndex())] == BodyKind::Auto || kBodies[std::size_t(body_->currentIndex())] == BodyKind::Wrapped;
+    detailLabel_->setEnabled(wraps);
+    detail_->setEnabled(wraps);
     progress_->setValue(0);
     progress_->setVisible(true);
     stage_->setVisible(true);
     stage_->setText(tr("Reading"));
-    job_->start(chosen());
+    job_->cancel();
+    character_->cancel();
+    if (whole()) {
+        say(tr("The body is being made…"), "muted");
+        facts_->clear();
+        issues_->clear();
+        character_->start(chosen(), body());
+    } else {
+        job_->start(chosen());
+    }
+}
+
+void ImportDialog::say(const QString& text, const char* role) {
+    verdict_->setText(text);
+    verdict_->setProperty("role", role);
+    verdict_->style()->unpolish(verdict_);
+    verdict_->style()->polish(verdict_);
+}
+
+void ImportDialog::addIssue(const MeshIssue& issue) {
+    const bool calm = issue.fixed || issue.severity == Severity::Info;
+    const QString icon = issue.fixed ? QStringLiteral("check") : calm ? QStringLiteral("info") : issue.severity == Severity::Error ? QStringLiteral("error") : QStringLiteral("warning");
+    const auto role = issue.fixed ? Appearance::Role::Good : calm ? Appearance::Role::Info : issue.severity == Severity::Error ? Appearance::Role::Error : Appearance::Role::Warning;
+    issues_->addItem(new QListWidgetItem(themedIcon(icon, role), issueText(issue.code, issue.count, issue.text)));
 }
 
 void ImportDialog::showResult() {
+    if (!whole()) {
+        // What is not one clean closed surface is a whole character, unless somebody said otherwise.
+        const auto outcome = job_->result();
+        if (!chosenByHand_ && *outcome && !isOneElement(**outcome)) return choose(true);
+    }
     progress_->setVisible(false);
     stage_->setVisible(false);
-    const auto outcome = job_->result();
-    preview_->show(*outcome);
     issues_->clear();
     facts_->clear();
-    const auto add = [this](const MeshIssue& issue) {
-        const bool calm = issue.fixed || issue.severity == Severity::Info;
-        const QString icon = issue.fixed ? QStringLiteral("check") : calm ? QStringLiteral("info") : issue.severity == Severity::Error ? QStringLiteral("error") : QStringLiteral("warning");
-        const auto role = issue.fixed ? Appearance::Role::Good : calm ? Appearance::Role::Info : issue.severity == Severity::Error ? Appearance::Role::Error : Appearance::Role::Warning;
-        issues_->addItem(new QListWidgetItem(themedIcon(icon, role), issueText(issue.code, issue.count, issue.text)));
-    };
-    const auto say = [this](const QString& text, const char* role) {
-        verdict_->setText(text);
-        verdict_->setProperty("role", role);
-        verdict_->style()->unpolish(verdict_);
-        verdict_->style()->polish(verdict_);
-    };
+    whole() ? showCharacter() : showElements();
+    if (import_->isEnabled()) import_->setFocus();
+}
+
+void ImportDialog::showElements() {
+    const auto outcome = job_->result();
+    preview_->show(*outcome);
     if (!*outcome) {
         say(errorText(outcome->error()), "error");
         return;
@@ -184,7 +267,7 @@ void ImportDialog::showResult() {
     }
     const int bodies = int(r.bodies.size());
     if (usable == 0) {
-        say(tr("This mesh cannot be used as it is: it is not a closed surface."), "error");
+        say(tr("This mesh cannot be used as an element: it is not a closed surface. Import it as a whole character."), "error");
     } else if (usable < bodies) {
         say(tr("%1 of %2 bodies can be used; the others are left out.").arg(usable).arg(bodies), "warning");
     } else {
@@ -199,11 +282,42 @@ void ImportDialog::showResult() {
         if (parts > 1) lines << tr("%n separate part(s)", nullptr, parts);
         facts_->setText(lines.join(u'\n'));
     }
-    for (const MeshIssue& issue : r.issues) add(issue);
+    for (const MeshIssue& issue : r.issues) addIssue(issue);
     for (const ImportedBody& body : r.bodies)
-        for (const MeshIssue& issue : body.issues) add(issue);
+        for (const MeshIssue& issue : body.issues) addIssue(issue);
     import_->setEnabled(usable > 0);
-    if (usable > 0) import_->setFocus();
+}
+
+void ImportDialog::showCharacter() {
+    const PreparedCharacter& made = *character_->result();
+    if (!*made.file) {
+        preview_->show(Result<ImportResult>(tl::unexpected(made.file->error())));
+        return say(errorText(made.file->error()), "error");
+    }
+    const CharacterFile& file = **made.file;
+    const Body* body = *made.body ? &**made.body : nullptr;
+    preview_->show(file, body);
+    if (body) say(tr("Ready to import. The body is %1.").arg(bodyKindText(body->report.how)), "good");
+    else say(errorText(made.body->error()), "error");
+    const QLocale locale;
+    const TriangleMesh& mesh = file.renderModel.mesh.body;
+    Vec3 low = Vec3::Constant(1e300), high = -low;
+    for (Eigen::Index i = 0; i < mesh.triangles.size(); ++i) {
+        const Vec3 p = mesh.vertices.row(mesh.triangles.data()[i]);
+        low = low.cwiseMin(p);
+        high = high.cwiseMax(p);
+    }
+    const Vec3 size = high - low;
+    QStringList lines;
+    lines << tr("Size  %1 × %2 × %3").arg(lengthText(size.x()), lengthText(size.y()), lengthText(size.z()));
+    lines << tr("%1 vertices, %2 triangles").arg(locale.toString(qlonglong(mesh.vertices.rows())), locale.toString(qlonglong(mesh.triangles.rows())));
+    if (file.renderModel.parts.size() > 1) lines << tr("%n separate part(s)", nullptr, int(file.renderModel.parts.size()));
+    if (body) lines << bodyLines(*body);
+    facts_->setText(lines.join(u'\n'));
+    for (const MeshIssue& issue : file.issues) addIssue(issue);
+    if (body)
+        for (const MeshIssue& issue : body->report.issues) addIssue(issue);
+    import_->setEnabled(body != nullptr);
 }
 
 Json ImportDialog::command() const {
@@ -211,11 +325,17 @@ Json ImportDialog::command() const {
     import.path = path_.toStdString();
     if (unit_->currentIndex() > 0) import.unit = kUnits[unit_->currentIndex()];
     if (up_->currentIndex() > 0) import.up = kAxes[up_->currentIndex()];
+    if (whole()) {
+        const BodySetting setting = body();
+        return commands::importCharacter(import, setting.how == BodyKind::Auto ? std::string() : std::string(nameOf(setting.how)), setting.detail > 0.0 ? std::optional(setting.detail) : std::nullopt);
+    }
     import.split = split_->isChecked();
     return commands::importElement(import);
 }
 
 const ImportRequest& ImportDialog::request() const { return job_->request(); }
+
+std::shared_ptr<const PreparedCharacter> ImportDialog::preparedCharacter() const { return whole() ? character_->result() : nullptr; }
 
 std::shared_ptr<const Result<ImportResult>> ImportDialog::prepared() const { return job_->result(); }
 

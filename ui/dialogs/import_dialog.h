@@ -4,6 +4,7 @@
 #include <QDialog>
 #include <memory>
 
+#include "core/body/body.h"
 #include "core/document/command.h"
 #include "core/io/import.h"
 
@@ -16,31 +17,51 @@ class QPushButton;
 
 namespace imomushi {
 
+class CharacterJob;
+class ChoiceCard;
 class ImportJob;
 class MeshPreview;
+struct PreparedCharacter;
 
-/// Asks how a mesh file is to be read, and shows what it would become. The file is read in the background, again after each choice.
+/// Asks how a mesh file is to be read, and shows what it would become: elements, or one whole character with a body that moves it, which is the first choice for what is not one
+/// clean closed surface. The file is read, and the body made, in the background, again after each choice.
 class ImportDialog : public QDialog {
     Q_OBJECT
 public:
     explicit ImportDialog(const QString& path, QWidget* parent = nullptr);
 
-    [[nodiscard]] Json command() const;  ///< import-element with what was chosen
+    [[nodiscard]] Json command() const;  ///< import-element or import-character with what was chosen
     [[nodiscard]] const ImportRequest& request() const;
     [[nodiscard]] std::shared_ptr<const Result<ImportResult>> prepared() const;
+    /// Null: it is to become elements.
+    [[nodiscard]] std::shared_ptr<const PreparedCharacter> preparedCharacter() const;
 
 private:
     void read();
+    void choose(bool whole);
+    [[nodiscard]] bool whole() const;
     void showResult();
-    [[nodiscard]] QString progressText() const;
+    void showElements();
+    void showCharacter();
+    void say(const QString& text, const char* role);
+    void addIssue(const MeshIssue& issue);
+    [[nodiscard]] BodySetting body() const;
     [[nodiscard]] ImportRequest chosen() const;
 
     QString path_;
     ImportJob* job_;
+    CharacterJob* character_;
+    ChoiceCard* wholeCard_;
+    ChoiceCard* elementsCard_;
+    bool chosenByHand_ = false;
     MeshPreview* preview_;
     QComboBox* unit_;
     QComboBox* up_;
     QCheckBox* split_;
+    QLabel* bodyLabel_;
+    QComboBox* body_;
+    QLabel* detailLabel_;
+    QComboBox* detail_;
     QLabel* facts_;
     QLabel* verdict_;
     QListWidget* issues_;

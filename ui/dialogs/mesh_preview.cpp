@@ -20,33 +20,62 @@ MeshPreview::MeshPreview(QWidget* parent) : TurntableView(parent) {
     setAccessibleName(tr("Preview of the mesh"));
 }
 
-void MeshPreview::show(const Result<ImportResult>& result) {
+double MeshPreview::place(const Eigen::AlignedBox3d& box) {
     scene_.bodies.clear();
+    scene_.markers.clear();
     positions_.clear();
     invalidate();
-    if (!result) return;
-    Eigen::AlignedBox3d box;
-    for (const ImportedBody& body : result->bodies) {
-        const Bounds bounds = boundsOf(body.mesh.body.vertices);
-        if (body.mesh.body.vertices.rows() > 0) box.extend(Eigen::AlignedBox3d(bounds.low, bounds.high));
-    }
     const double radius = box.isEmpty() ? 0.0 : 0.5 * box.diagonal().norm();
-    if (!(radius > 0.0) || !std::isfinite(radius)) return;
+    if (!(radius > 0.0) || !std::isfinite(radius)) return 0.0;
     // Files may hold any size anywhere, single precision not: by a power of ten, so that the lines of the grid stay powers of ten of a metre.
     const double scale = std::pow(10.0, -std::floor(std::log10(radius)));
-    const Vec3 centre = box.center();
-    scene_.ground = scale * (box.min().y() - centre.y());
+    scene_.ground = scale * (box.min().y() - box.center().y());
+    return scale;
+}
+
+const float* MeshPreview::placed(const Points& v, double scale, const Vec3& centre) {
+    std::vector<float>& positions = positions_.emplace_back(std::size_t(v.size()));
+    Eigen::Map<Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(positions.data(), v.rows(), 3) = (scale * (v.rowwise() - centre.transpose())).cast<float>();
+    return positions.data();
+}
+
+void MeshPreview::show(const Result<ImportResult>& result) {
+    Eigen::AlignedBox3d box;
+    if (result)
+        for (const ImportedBody& body : result->bodies)
+            if (body.mesh.body.vertices.rows() > 0) {
+                const Bounds bounds = boundsOf(body.mesh.body.vertices);
+                box.extend(Eigen::AlignedBox3d(bounds.low, bounds.high));
+            }
+    const double scale = place(box);
+    if (scale == 0.0) return;
     for (const ImportedBody& body : result->bodies) {
-        const Points& v = body.mesh.body.vertices;
-        std::vector<float>& positions = positions_.emplace_back(std::size_t(v.size()));
-        Eigen::Map<Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(positions.data(), v.rows(), 3) =
-            (scale * (v.rowwise() - centre.transpose())).cast<float>();
         render::Body& drawn = scene_.bodies.emplace_back();
         drawn.id = scene_.bodies.size();
         drawn.mesh = std::make_shared<const ElementMesh>(ElementMesh{body.mesh.body, {}});  // its render mesh would hide what the colour says
-        drawn.positions = positions.data();
+        drawn.positions = placed(body.mesh.body.vertices, scale, box.center());
         drawn.color = linearColor(themeColor(body.closed ? Appearance::Role::Accent : Appearance::Role::Warning));
         drawn.twoSided = !body.closed;
+    }
+}
+
+void MeshPreview::show(const CharacterFile& file, const Body* body) {
+    const ElementMesh& mesh = file.renderModel.mesh;
+    Eigen::AlignedBox3d box;
+    for (Eigen::Index i = 0; i < mesh.body.triangles.size(); ++i) box.extend(Vec3(mesh.body.vertices.row(mesh.body.triangles.data()[i])));  // other vertices may be anywhere
+    const double scale = place(box);
+    if (scale == 0.0) return;
+    render::Body& drawn = scene_.bodies.emplace_back();
+    drawn.id = 1;
+    drawn.mesh = std::make_shared<const ElementMesh>(mesh);
+    drawn.positions = placed(mesh.body.vertices, scale, box.center());
+    drawn.color = linearColor(themeColor(Appearance::Role::Accent));
+    drawn.twoSided = true;
+    if (!body) return;
+    for (const Vec3& gap : body->report.gaps.places) {
+        render::Marker& marker = scene_.markers.emplace_back();
+        marker.shape = render::Marker::Shape::HeldPoint;
+        marker.from = marker.to = scale * (gap - box.center());
     }
 }
 

@@ -1,27 +1,35 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <Eigen/Geometry>
 #include <memory>
 #include <vector>
 
-#include "core/io/import.h"
+#include "core/body/body.h"
+#include "core/io/character_file.h"
 #include "ui/viewport/turntable_view.h"
 
 namespace imomushi {
 
 /// A small shaded picture of bodies that are not in the document yet, standing on the ground; dragging turns it. Those that cannot become elements have the
-/// colour of a warning.
+/// colour of a warning. Or of a whole character, as it looks.
 class MeshPreview : public TurntableView {
     Q_OBJECT
 public:
     explicit MeshPreview(QWidget* parent = nullptr);
     void show(const Result<ImportResult>& result);
+    /// A whole character with the gaps that its body closes; null: it has no body yet.
+    void show(const CharacterFile& file, const Body* body);
 
 protected:
     void drawPictures() override;
     void paint(QPainter& painter) override;
 
 private:
+    /// Puts something of this box into the middle of the view and says by what it is scaled; 0: it cannot be shown.
+    double place(const Eigen::AlignedBox3d& box);
+    /// Body vertices as they are drawn.
+    const float* placed(const Points& vertices, double scale, const Vec3& centre);
     std::vector<std::vector<float>> positions_;  ///< per body, of scene_
     QImage picture_;
 };

@@ -19,12 +19,22 @@ void IssueModel::rebuild() {
         const QString name = QString::fromStdString(element->name);
         for (const MeshIssue& issue : element->issues) {
             const Severity severity = issue.fixed ? Severity::Info : issue.severity;
-            lines.push_back({id, severity, issue.fixed, issueText(issue.code, issue.count, issue.text), issue.fixed ? tr("%1 · mended").arg(name) : name, issue.fixed ? std::vector<std::int32_t>() : issue.triangles});
+            lines.push_back({id, 0, severity, issue.fixed, issueText(issue.code, issue.count, issue.text), issue.fixed ? tr("%1 · mended").arg(name) : name, issue.fixed ? std::vector<std::int32_t>() : issue.triangles, {}});
         }
-        if (element->faces.empty()) lines.push_back({id, Severity::Info, false, tr("Has no joint face yet: it cannot deform."), name, {}});
+        if (element->faces.empty()) lines.push_back({id, 0, Severity::Info, false, tr("Has no joint face yet: it cannot deform."), name, {}, {}});
+    }
+    for (const auto& [id, character] : document_.document().characters) {
+        const QString name = QString::fromStdString(character->name);
+        for (const MeshIssue& issue : character->issues) {
+            const Severity severity = issue.fixed ? Severity::Info : issue.severity;
+            lines.push_back({0, id, severity, issue.fixed, issueText(issue.code, issue.count, issue.text), issue.fixed ? tr("%1 · mended").arg(name) : name, issue.triangles, {}});
+        }
+        const BodyReport& report = character->body->report;
+        for (const Vec3& place : report.gaps.places)
+            lines.push_back({0, id, Severity::Warning, false, tr("The body closes a gap here: both sides move as one."), name, {}, place});
     }
     std::stable_sort(lines.begin(), lines.end(), [](const Line& a, const Line& b) { return a.severity > b.severity; });
-    const auto same = [](const Line& a, const Line& b) { return a.element == b.element && a.severity == b.severity && a.title == b.title && a.detail == b.detail; };
+    const auto same = [](const Line& a, const Line& b) { return a.element == b.element && a.character == b.character && a.point == b.point && a.severity == b.severity && a.title == b.title && a.detail == b.detail; };
     if (std::equal(lines.begin(), lines.end(), lines_.begin(), lines_.end(), same)) return;
     beginResetModel();
     lines_ = std::move(lines);
@@ -50,6 +60,10 @@ QVariant IssueModel::data(const QModelIndex& index, int role) const {
 }
 
 PartId IssueModel::element(const QModelIndex& index) const { return index.isValid() ? lines_[std::size_t(index.row())].element : 0; }
+
+PartId IssueModel::character(const QModelIndex& index) const { return index.isValid() ? lines_[std::size_t(index.row())].character : 0; }
+
+std::optional<Vec3> IssueModel::point(const QModelIndex& index) const { return index.isValid() ? lines_[std::size_t(index.row())].point : std::nullopt; }
 
 std::vector<std::int32_t> IssueModel::triangles(const QModelIndex& index) const {
     return index.isValid() ? lines_[std::size_t(index.row())].triangles : std::vector<std::int32_t>();

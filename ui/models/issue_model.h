@@ -2,6 +2,7 @@
 #pragma once
 
 #include <QAbstractListModel>
+#include <optional>
 #include <vector>
 
 #include "ui/models/studio_document.h"
@@ -17,19 +18,23 @@ public:
 
     [[nodiscard]] int rowCount(const QModelIndex& parent = {}) const override;
     [[nodiscard]] QVariant data(const QModelIndex& index, int role) const override;
-    [[nodiscard]] PartId element(const QModelIndex& index) const;
-    /// Where it is on the mesh: body triangles, empty when it has no place.
+    [[nodiscard]] PartId element(const QModelIndex& index) const;    ///< 0: it is not of an element
+    [[nodiscard]] PartId character(const QModelIndex& index) const;  ///< 0: it is not of a whole character
+    /// Where it is on the mesh: body triangles, or triangles of the character's render mesh, empty when it has no place.
     [[nodiscard]] std::vector<std::int32_t> triangles(const QModelIndex& index) const;
+    /// A place of a character at rest, m; none: triangles say where, if anything does.
+    [[nodiscard]] std::optional<Vec3> point(const QModelIndex& index) const;
     [[nodiscard]] int worth() const;  ///< how many are warnings or errors
     void rebuild();
 
 private:
     struct Line {
-        PartId element = 0;
+        PartId element = 0, character = 0;
         Severity severity = Severity::Info;
         bool fixed = false;
         QString title, detail;
         std::vector<std::int32_t> triangles;
+        std::optional<Vec3> point;
     };
     StudioDocument& document_;
     std::vector<Line> lines_;

@@ -63,10 +63,17 @@ void OutlinerModel::rebuild() {
     const Document& d = document_.document();
     auto root = std::make_unique<Node>();
     Node& character = root->add(Kind::Character, 0);
-    for (const auto& [id, element] : d.elements) {
-        Node& node = character.add(Kind::Element, id);
-        for (const JointFace& face : element->faces) node.add(Kind::Face, id, face.name);
+    const auto addElement = [](Node& to, const Element& element) {
+        Node& node = to.add(Kind::Element, element.id);
+        for (const JointFace& face : element.faces) node.add(Kind::Face, element.id, face.name);
+    };
+    for (const auto& [id, source] : d.characters) {
+        Node& whole = character.add(Kind::Whole, id);
+        for (const PartId element : d.elementsOf(id)) addElement(whole, *d.elements.at(element));
+        for (const Cut& cut : source->cuts) whole.add(Kind::Cut, cut.id);
     }
+    for (const auto& [id, element] : d.elements)
+        if (!element->piece) addElement(character, *element);
     if (!d.bones.empty()) {
         Node& bones = character.add(Kind::Bones, 0);
         // As they hang in the character, where parents that nobody gave are found from the joint points.
@@ -132,6 +139,8 @@ std::optional<SelectionItem> OutlinerModel::item(const QModelIndex& index) const
         case Kind::Element: return SelectionItem{SelectionItem::Kind::Element, n.part, {}, false};
         case Kind::Face: return SelectionItem{SelectionItem::Kind::Face, n.part, n.face, false};
         case Kind::Bone: return SelectionItem{SelectionItem::Kind::Bone, n.part, {}, false};
+        case Kind::Whole: return SelectionItem{SelectionItem::Kind::Character, n.part, {}, false};
+        case Kind::Cut: return SelectionItem{SelectionItem::Kind::Cut, n.part, {}, false};
         case Kind::Character:
         case Kind::Bones: break;
     }
@@ -186,20 +195,24 @@ QVariant OutlinerModel::data(const QModelIndex& index, int role) const {
     const auto e = n.kind == Kind::Element || n.kind == Kind::Face ? element(n) : nullptr;
     if ((n.kind == Kind::Element || n.kind == Kind::Face) && !e) return {};
     if (n.kind == Kind::Bone && !d.bones.contains(n.part)) return {};
+    const QString whole = n.kind == Kind::Whole || n.kind == Kind::Cut ? QString::fromStdString(pathOf(d, *item(index))) : QString();
+    if ((n.kind == Kind::Whole || n.kind == Kind::Cut) && whole.isEmpty()) return {};
 
     switch (index.column()) {
         case Name:
             if (role == Qt::DisplayRole || role == Qt::EditRole || role == Qt::AccessibleTextRole) {
                 switch (n.kind) {
-                    case Kind::Character: return tr("Character");
+                    case Kind::Character: return d.characters.empty() ? tr("Character") : tr("Scene");
                     case Kind::Bones: return tr("Bones");
                     case Kind::Element: return QString::fromStdString(e->name);
                     case Kind::Face: return QString::fromStdString(n.face);
                     case Kind::Bone: return QString::fromStdString(d.bones.at(n.part)->name);
+                    case Kind::Whole:
+                    case Kind::Cut: return whole;
                 }
             }
             if (role == IconRole) {
-                static constexpr const char* kIcons[] = {"character", "element", "face", "bones", "bone"};
+                static constexpr const char* kIcons[] = {"character", "element", "face", "bones", "bone", "character", "cut"};
                 if (n.kind == Kind::Face && e->handleOf(n.face)) return QStringLiteral("handle");
                 return QString::fromLatin1(kIcons[int(n.kind)]);
             }
@@ -249,6 +262,7 @@ bool OutlinerModel::setData(const QModelIndex& index, const QVariant& value, int
     if (n.kind == Kind::Element && element(n)) target = element(n)->name;
     if (n.kind == Kind::Face && element(n)) target = element(n)->name + "/" + n.face;
     if (n.kind == Kind::Bone && d.bones.contains(n.part)) target = d.bones.at(n.part)->name;
+    if (n.kind == Kind::Whole || n.kind == Kind::Cut) target = pathOf(d, *item(index));
     if (target.empty() || name.empty() || name == data(index, Qt::EditRole).toString().toStdString()) return false;
     return document_.execute(commands::rename(target, name)).has_value();
 }

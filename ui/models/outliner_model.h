@@ -9,13 +9,13 @@
 
 namespace imomushi {
 
-/// The document as a tree: character > elements > joint faces, and the bones as they hang on each other. A bone that is dropped on another hangs on it then, a joint
+/// The document as a tree: elements > joint faces, whole characters > their elements and cuts, and the bones as they hang on each other. A bone that is dropped on another hangs on it then, a joint
 /// face that is dropped on another is joined with it.
 class OutlinerModel : public QAbstractItemModel {
     Q_OBJECT
 public:
     enum Column { Name, State, Visible, Locked, kColumns };
-    enum class Kind { Character, Element, Face, Bones, Bone };
+    enum class Kind { Character, Element, Face, Bones, Bone, Whole, Cut };
     enum Roles {
         KindRole = Qt::UserRole,  ///< int of Kind
         IconRole,                 ///< QString: name of a line icon; empty: none

@@ -22,6 +22,19 @@ const Bone* boneOf(const Document& document, const SelectionItem& item) {
     return of ? partIn(document.bones, item.part) : nullptr;
 }
 
+const CharacterSource* characterOf(const Document& document, const SelectionItem& item) {
+    if (item.kind == SelectionItem::Kind::Character) return partIn(document.characters, item.part);
+    if (item.kind == SelectionItem::Kind::Cut)
+        for (const auto& [id, character] : document.characters)
+            if (character->cutIndex(item.part) >= 0) return character.get();
+    return nullptr;
+}
+
+const Cut* cutOf(const Document& document, const SelectionItem& item) {
+    const CharacterSource* character = item.kind == SelectionItem::Kind::Cut ? characterOf(document, item) : nullptr;
+    return character ? &character->cuts[std::size_t(character->cutIndex(item.part))] : nullptr;
+}
+
 std::string pathOf(const Document& document, const EndpointRef& end) {
     const Bone* bone = partIn(document.bones, end.bone);
     return bone ? bone->name + (end.atEnd ? "/end" : "/start") : std::string();
@@ -40,6 +53,14 @@ std::string pathOf(const Document& document, const SelectionItem& item) {
         case SelectionItem::Kind::Face: return pathOf(document, FaceRef{item.part, item.face});
         case SelectionItem::Kind::Bone: return bone ? bone->name : std::string();
         case SelectionItem::Kind::Endpoint: return pathOf(document, EndpointRef{item.part, item.atEnd});
+        case SelectionItem::Kind::Character: {
+            const CharacterSource* character = characterOf(document, item);
+            return character ? character->name : std::string();
+        }
+        case SelectionItem::Kind::Cut: {
+            const Cut* cut = cutOf(document, item);
+            return cut ? cut->name : std::string();
+        }
     }
     return {};
 }

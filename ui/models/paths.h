@@ -11,6 +11,10 @@ namespace imomushi {
 const Element* elementOf(const Document& document, const SelectionItem& item);  ///< of Element and Face
 const Bone* boneOf(const Document& document, const SelectionItem& item);        ///< of Bone and Endpoint
 
+/// The character that is selected, or whose cut is; and that cut.
+const CharacterSource* characterOf(const Document& document, const SelectionItem& item);
+const Cut* cutOf(const Document& document, const SelectionItem& item);
+
 /// How commands call a thing: "bone/start", "element/face", or its own name; empty where it is gone.
 std::string pathOf(const Document& document, const EndpointRef& end);
 std::string pathOf(const Document& document, const FaceRef& face);

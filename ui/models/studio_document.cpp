@@ -4,6 +4,7 @@
 #include <QElapsedTimer>
 #include <algorithm>
 
+#include "ui/models/paths.h"
 #include "ui/models/texts.h"
 
 namespace imomushi {
@@ -52,6 +53,10 @@ bool StudioDocument::exists(const SelectionItem& item) const {
         case SelectionItem::Kind::Bone:
         case SelectionItem::Kind::Endpoint:
             return d.bones.contains(item.part);
+        case SelectionItem::Kind::Character:
+            return d.characters.contains(item.part);
+        case SelectionItem::Kind::Cut:
+            return cutOf(d, item) != nullptr;
     }
     return false;
 }

@@ -12,10 +12,10 @@
 
 namespace imomushi {
 
-/// One thing that can be selected: an element, one of its faces, a bone or one of a bone's endpoints.
+/// One thing that can be selected: an element, one of its faces, a bone, one of a bone's endpoints, a whole character or one of its cuts.
 struct SelectionItem {
-    enum class Kind { Element, Face, Bone, Endpoint } kind = Kind::Element;
-    PartId part = 0;       ///< element (Element, Face) or bone (Bone, Endpoint)
+    enum class Kind { Element, Face, Bone, Endpoint, Character, Cut } kind = Kind::Element;
+    PartId part = 0;       ///< element (Element, Face), bone (Bone, Endpoint), character or cut
     std::string face;      ///< Face only
     bool atEnd = false;    ///< Endpoint only
     bool operator==(const SelectionItem&) const = default;
@@ -63,6 +63,7 @@ Q_SIGNALS:
     void frameStepped();       ///< stepFrame() is done
     /// Something that was tried needs this command first; it is worth one click.
     void offered(const QString& text, const QString& label, const imomushi::Json& command);
+    void madeCut(const QString& message);  ///< a tool cut an element; bones are what comes next
     void failed(const QString& message);  ///< a command was refused: one translated sentence
 
 private:

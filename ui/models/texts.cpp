@@ -190,6 +190,10 @@ const std::map<std::string, const char*> kIssues = {
     {"tiny", QT_TRANSLATE_NOOP("Issues", "The mesh is very small. Check its unit.")},
     {"far-from-origin", QT_TRANSLATE_NOOP("Issues", "The mesh lies far from the origin.")},
     {"not-triangles", QT_TRANSLATE_NOOP("Issues", "Faces with more than three corners were split.")},
+    {"united", QT_TRANSLATE_NOOP("Issues", "Overlapping parts were united in the body.")},
+    {"inside", QT_TRANSLATE_NOOP("Issues", "Parts inside of others were left out of the body; the flesh around carries them.")},
+    {"small-part", QT_TRANSLATE_NOOP("Issues", "Small parts were left out of the body, which carries them.")},
+    {"open-part", QT_TRANSLATE_NOOP("Issues", "Open parts were left out of the body, which carries them.")},
 };
 
 const std::map<std::string, const char*> kStages = {
@@ -208,6 +212,10 @@ const std::map<std::string, const char*> kStages = {
     {"write", QT_TRANSLATE_NOOP("Stages", "Writing")},
     {"save", QT_TRANSLATE_NOOP("Stages", "Saving")},
     {"convert", QT_TRANSLATE_NOOP("Stages", "Converting")},
+    {"gaps", QT_TRANSLATE_NOOP("Stages", "Looking for gaps")},
+    {"wrap", QT_TRANSLATE_NOOP("Stages", "Wrapping")},
+    {"coarsen", QT_TRANSLATE_NOOP("Stages", "Coarsening")},
+    {"cut", QT_TRANSLATE_NOOP("Stages", "Cutting")},
 };
 
 }  // namespace
@@ -239,7 +247,7 @@ QString stepText(const std::string& command, const std::string& subject) {
     if (name.isEmpty()) name = QString::fromStdString(command);
     QString what = QString::fromStdString(subject);
     if (const auto effect = effectNamed(subject)) what = effectTitle(*effect);
-    if (command == "import-element") what = what.section(u'/', -1);  // the file, not its folders
+    if (command == "import-element" || command == "import-character") what = what.section(u'/', -1);  // the file, not its folders
     return what.isEmpty() ? name : Texts::tr("%1: %2", "undo step: what was done, to what").arg(name, what);
 }
 

@@ -38,6 +38,11 @@ IssuesPanel::IssuesPanel(StudioDocument& document, QWidget* parent) : QWidget(pa
     layout->addWidget(list_);
     layout->addWidget(empty_, 1);
     const auto choose = [this, &document](const QModelIndex& index) {
+        if (const PartId character = model_->character(index)) {
+            document.select({{SelectionItem::Kind::Character, character, {}, false}});
+            Q_EMIT placeWanted(character, model_->triangles(index), model_->point(index));
+            return;
+        }
         const PartId element = model_->element(index);
         if (!element) return;
         document.select({{SelectionItem::Kind::Element, element, {}, false}});
@@ -46,10 +51,14 @@ IssuesPanel::IssuesPanel(StudioDocument& document, QWidget* parent) : QWidget(pa
     connect(list_, &QListView::clicked, this, choose);
     connect(list_, &QListView::activated, this, [this, choose](const QModelIndex& index) {
         choose(index);
-        Q_EMIT frameWanted();
+        const bool place = model_->character(index) && (model_->point(index) || !model_->triangles(index).empty());
+        place ? Q_EMIT placeFrameWanted() : Q_EMIT frameWanted();
     });
     connect(model_, &QAbstractItemModel::modelReset, this, &IssuesPanel::update);
-    connect(&document, &StudioDocument::selectionChanged, this, [this] { Q_EMIT markWanted(0, {}); });
+    connect(&document, &StudioDocument::selectionChanged, this, [this] {
+        Q_EMIT markWanted(0, {});
+        Q_EMIT placeWanted(0, {}, std::nullopt);
+    });
     update();
 }
 

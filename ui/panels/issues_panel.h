@@ -2,6 +2,7 @@
 #pragma once
 
 #include <QWidget>
+#include <optional>
 #include <vector>
 
 #include "ui/models/issue_model.h"
@@ -23,6 +24,9 @@ signals:
     void frameWanted();  ///< a line was double-clicked
     /// Triangles of an element are to be pointed out in the view; none: what was pointed out is over.
     void markWanted(PartId element, const std::vector<std::int32_t>& triangles);
+    /// The same of a place of a whole character: triangles of its render mesh, or a point (m, at rest).
+    void placeWanted(PartId character, const std::vector<std::int32_t>& triangles, const std::optional<Vec3>& point);
+    void placeFrameWanted();
 
 protected:
     void changeEvent(QEvent* event) override;

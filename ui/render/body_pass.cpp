@@ -26,7 +26,7 @@ void BodyPass::drawLit(const Body& body, const GpuBody& gpu) const {
             base = m.baseColor.head<3>();
             metallic = m.metallic;
             roughness = m.roughness;
-            if (m.baseColorTexture >= 0 && m.baseColorTexture < static_cast<int>(gpu.textures.size())) texture = gpu.textures[m.baseColorTexture];
+            if (m.baseColorTexture >= 0 && m.baseColorTexture < static_cast<int>(gpu.textures->size())) texture = (*gpu.textures)[static_cast<std::size_t>(m.baseColorTexture)];
         }
         lit_.set("baseColor", base);
         lit_.set("metallic", metallic);

@@ -29,8 +29,21 @@ TextureName makeTexture(const Texture& texture) {
 
 }  // namespace
 
+std::shared_ptr<const std::vector<TextureName>> BodyStore::texturesOf(const std::shared_ptr<const ElementMesh>& source) const {
+    for (const auto& [key, known] : bodies_)
+        if (known.textureSource == source) return known.textures;
+    auto made = std::make_shared<std::vector<TextureName>>();
+    for (const Texture& t : source->renderMesh.textures) made->push_back(makeTexture(t));
+    glBindTexture(GL_TEXTURE_2D, 0);
+    return made;
+}
+
 void BodyStore::create(const Body& body, GpuBody& gpu) {
+    const auto& source = body.textures ? body.textures : body.mesh;
+    auto textures = texturesOf(source);
     gpu = GpuBody();
+    gpu.textureSource = source;
+    gpu.textures = std::move(textures);
     gpu.mesh = body.mesh;
     gpu.covered = body.coveredTriangles;
     gpu.geometry = std::make_unique<BodyGeometry>(*body.mesh, body.coveredTriangles.get());
@@ -68,8 +81,6 @@ void BodyStore::create(const Body& body, GpuBody& gpu) {
     glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(g.indices().size() * sizeof(std::uint32_t)), g.indices().data(), GL_STATIC_DRAW);
     gpu.highlight = makeBuffer();
     glBindVertexArray(0);
-    for (const Texture& t : surface.textures) gpu.textures.push_back(makeTexture(t));
-    glBindTexture(GL_TEXTURE_2D, 0);
 }
 
 void BodyStore::upload(const Body& body, GpuBody& gpu) {

@@ -25,7 +25,8 @@ struct GpuBody {
     Buffer vertices, attributes, indices, highlight;
     std::vector<std::int32_t> highlightedTriangles;
     std::vector<std::uint32_t> highlightedIndices;
-    std::vector<TextureName> textures;  ///< 0: could not be decoded
+    std::shared_ptr<const ElementMesh> textureSource;
+    std::shared_ptr<const std::vector<TextureName>> textures;  ///< 0: could not be decoded
     std::vector<float> staging;
     std::uint64_t revision = 0;
     const float* positions = nullptr;
@@ -55,7 +56,9 @@ public:
     [[nodiscard]] const GpuDeformer& deformer() const { return deformer_; }
 
 private:
-    static void create(const Body& body, GpuBody& gpu);
+    void create(const Body& body, GpuBody& gpu);
+    /// Those of a body, which another one may have made.
+    [[nodiscard]] std::shared_ptr<const std::vector<TextureName>> texturesOf(const std::shared_ptr<const ElementMesh>& source) const;
     static void upload(const Body& body, GpuBody& gpu);
     static void uploadHighlight(const std::vector<std::int32_t>* triangles, GpuBody& gpu);
     static void uploadAll(const Scene& scene, const std::vector<GpuBody*>& drawn);

@@ -20,6 +20,8 @@ constexpr std::uint64_t kDetailMask = 0xffff, kPartMask = (std::uint64_t(1) << (
 
 // A face this much smaller than what it is joined to hides less than all of it (relative area): the larger one stays drawn.
 constexpr double kSameArea = 0.98;
+// Of bodies under render meshes, where they are shown.
+constexpr float kBodyOpacity = 0.6f;
 // Arrows of a handle are this many times as long as its disc is wide in half.
 constexpr double kHandleAxis = 1.6;
 
@@ -36,7 +38,7 @@ std::uint64_t sceneId(const ScenePart& part) {
 
 std::optional<ScenePart> scenePart(std::uint64_t id) {
     const std::uint64_t kind = id >> kKindShift, part = id >> kPartShift & kPartMask, detail = id & kDetailMask;
-    if (kind < 1 || kind > 4 || part == 0) return std::nullopt;
+    if (kind < 1 || kind > 7 || part == 0) return std::nullopt;
     ScenePart answer{static_cast<ScenePart::Kind>(kind - 1), part, -1, false};
     if (answer.kind == ScenePart::Kind::Face) answer.face = static_cast<int>(detail);
     if (answer.kind == ScenePart::Kind::Endpoint) answer.atEnd = detail != 0;
@@ -71,6 +73,7 @@ void DocumentScene::update(Session& session, const SceneOptions& options, render
     scene.seams.clear();
     scene.markers.clear();
     std::erase_if(parts_, [&](const auto& entry) { return !document.elements.contains(entry.first); });
+    std::erase_if(characters_, [&](const auto& entry) { return !document.characters.contains(entry.first); });
 
     // Joined faces that lie inside: both elements are shown, and the neighbour's face is as large.
     std::map<PartId, std::vector<int>> coveredFaces;
@@ -97,56 +100,68 @@ void DocumentScene::update(Session& session, const SceneOptions& options, render
     for (int i = 0; character && i < static_cast<int>(character->input().elements.size()); ++i)
         (void)character->deformExternally(i, scene.deformInput && options.gpu->deforms(i));
     scene.ground = 0.0;
+    for (auto& [id, p] : parts_) p.shown = nullptr;
     for (const auto& [id, element] : document.elements) {
         if (!element->visible || !element->mesh) continue;
         ElementParts& p = parts(element, coveredFaces[id]);
-        scene.ground = std::min(scene.ground, p.lowest);
-        render::Body body;
-        body.id = sceneId({ScenePart::Kind::Element, id, -1, false});
-        body.mesh = element->mesh;
-        body.coveredTriangles = p.covered;
-        body.color = element->color;
-        body.opacity = options.bodyOpacity;
-        body.pickable = !element->locked;
-        body.selected = contains(options.selected, body.id);
-        body.hovered = options.hovered == body.id;
-        body.outdated = session.responseState(id) == Session::ResponseState::Stale;
-        body.positions = p.restPositions.data();
-        const int index = character ? session.elementIndex(id) : -1;
-        const DeformInput::Element* made = index >= 0 && scene.deformInput ? &scene.deformInput->elements[static_cast<std::size_t>(index)] : nullptr;
-        ContentHasher content;
-        if (made && made->vertices == element->mesh->body.vertices.rows()) {
-            body.deformElement = index;
-            body.positions = options.faces || (options.bones && !element->handles.empty()) ? character->surface(index).positions : nullptr;  // for their outlines
-            content.number(scene.deformInput->id);
-            content.number(made->frame.revision);
-            body.revision = content.key().low;
-            scene.bodies.push_back(std::move(body));
-            continue;
-        }
-        if (index >= 0) {
-            const Character::Surface surface = character->surface(index);
-            if (surface.positions && surface.vertices == element->mesh->body.vertices.rows()) {
-                body.positions = surface.positions;
-                body.normals = surface.normals;
-            }
-        }
-        // A character that was built anew counts its revisions from the start, so the content itself is the revision.
-        content.array(std::span(body.positions, p.restPositions.size()));
-        body.revision = content.key().low;
-        scene.bodies.push_back(std::move(body));
+        const bool outlined = options.faces || (options.bones && !element->handles.empty());
+        if (element->piece && !options.bodies && !outlined) continue;
+        if (!element->piece) scene.ground = std::min(scene.ground, p.lowest);
+        addBody(session, *element, p, options, scene);
+        if (outlined && !scene.bodies.back().positions) scene.bodies.back().positions = character->surface(session.elementIndex(id)).positions;
+        p.shown = scene.bodies.back().positions;
+        if (element->piece && !options.bodies) scene.bodies.pop_back();
     }
+    addRenderMeshes(session, options, scene);
     scene.solidGround = document.effects.has(EffectKind::Ground);
     if (scene.solidGround) scene.ground = document.effects.number(EffectKind::Ground, "height");
     addSeams(document, scene);
     if (options.faces || options.bones) addFaces(document, options, scene);
     if (options.bones) addBones(session, options, scene);
     if (options.bones) addHandles(session, options, scene);
+    addCuts(session, options, scene);
+}
+
+void DocumentScene::addBody(Session& session, const Element& element, ElementParts& p, const SceneOptions& options, render::Scene& scene) const {
+    render::Body& body = scene.bodies.emplace_back();
+    const std::uint64_t item = sceneId({ScenePart::Kind::Element, element.id, -1, false});
+    body.id = element.piece ? sceneId({ScenePart::Kind::Body, element.id, -1, false}) : item;
+    body.mesh = element.mesh;
+    body.coveredTriangles = p.covered;
+    body.color = element.color;
+    body.opacity = element.piece ? kBodyOpacity : options.bodyOpacity;
+    body.pickable = !element.locked && !element.piece;
+    body.selected = contains(options.selected, item) && !element.piece;
+    body.hovered = options.hovered == item && !element.piece;
+    body.outdated = session.responseState(element.id) == Session::ResponseState::Stale;
+    body.positions = p.restPositions.data();
+    Character* character = session.character();
+    const int index = character ? session.elementIndex(element.id) : -1;
+    const DeformInput::Element* made = index >= 0 && scene.deformInput && !element.piece ? &scene.deformInput->elements[static_cast<std::size_t>(index)] : nullptr;
+    ContentHasher content;
+    if (made && made->vertices == element.mesh->body.vertices.rows()) {
+        body.deformElement = index;
+        body.positions = nullptr;
+        content.number(scene.deformInput->id);
+        content.number(made->frame.revision);
+        body.revision = content.key().low;
+        return;
+    }
+    if (index >= 0) {
+        const Character::Surface surface = character->surface(index);
+        if (surface.positions && surface.vertices == element.mesh->body.vertices.rows()) {
+            body.positions = surface.positions;
+            body.normals = surface.normals;
+        }
+    }
+    // A character that was built anew counts its revisions from the start, so the content itself is the revision.
+    content.array(std::span(body.positions, p.restPositions.size()));
+    body.revision = content.key().low;
 }
 
 void DocumentScene::addSeams(const Document& document, render::Scene& scene) {
     const auto bodyOf = [&](PartId element) {
-        const std::uint64_t id = sceneId({ScenePart::Kind::Element, element, -1, false});
+        const std::uint64_t id = sceneId({document.elements.at(element)->piece ? ScenePart::Kind::Body : ScenePart::Kind::Element, element, -1, false});
         for (std::size_t i = 0; i < scene.bodies.size(); ++i)
             if (scene.bodies[i].id == id) return static_cast<int>(i);
         return -1;
@@ -175,23 +190,22 @@ void DocumentScene::addSeams(const Document& document, render::Scene& scene) {
 void DocumentScene::addFaces(const Document& document, const SceneOptions& options, render::Scene& scene) {
     // Of joined faces, which lie on each other, the first is shown and the others when they are selected.
     std::vector<FaceRef> hidden;
-    for (const auto& [id, joint] : document.joints) hidden.insert(hidden.end(), joint->faces.begin() + (joint->faces.empty() ? 0 : 1), joint->faces.end());
-    for (const render::Body& body : scene.bodies) {
-        const auto part = scenePart(body.id);
-        const ElementParts& p = parts_.at(part->part);
+    for (const auto& [joined, joint] : document.joints) hidden.insert(hidden.end(), joint->faces.begin() + (joint->faces.empty() ? 0 : 1), joint->faces.end());
+    for (const auto& [id, p] : parts_) {
+        if (!p.shown) continue;
         for (int f = 0; f < static_cast<int>(p.rims.size()); ++f) {
             render::Marker marker;
             marker.shape = render::Marker::Shape::FaceOutline;
-            marker.id = sceneId({ScenePart::Kind::Face, part->part, f, false});
+            marker.id = sceneId({ScenePart::Kind::Face, id, f, false});
             marker.selected = contains(options.selected, marker.id);
             marker.hovered = options.hovered == marker.id;
-            const FaceRef ref{part->part, p.element->faces[f].name};
+            const FaceRef ref{id, p.element->faces[f].name};
             if (p.element->handleOf(ref.face) ? !options.bones : !options.faces) continue;
             if (!marker.selected && !marker.hovered && std::find(hidden.begin(), hidden.end(), ref) != hidden.end()) continue;
             if (p.element->locked) marker.id = 0;
             for (const auto& loop : p.rims[f]) {
                 marker.outline.clear();
-                for (const std::int32_t v : loop) marker.outline.push_back(Eigen::Map<const Eigen::Vector3f>(body.positions + 3 * v).cast<double>());
+                for (const std::int32_t v : loop) marker.outline.push_back(Eigen::Map<const Eigen::Vector3f>(p.shown + 3 * v).cast<double>());
                 if (!marker.outline.empty()) marker.from = marker.to = marker.outline.front();
                 scene.markers.push_back(marker);
             }

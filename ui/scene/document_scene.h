@@ -10,13 +10,14 @@
 
 #include "core/document/session.h"
 #include "ui/render/scene_renderer.h"
+#include "ui/scene/seen_mesh.h"
 
 namespace imomushi {
 
-/// What a body or marker of a scene stands for.
+/// What a body or marker of a scene stands for. An element is what is seen of it: its own mesh, or the part of a character's render mesh that follows it.
 struct ScenePart {
-    enum class Kind { Element, Face, Bone, Endpoint } kind = Kind::Element;
-    PartId part = 0;       ///< element (Element, Face) or bone (Bone, Endpoint)
+    enum class Kind { Element, Face, Bone, Endpoint, Body, Cut, Character } kind = Kind::Element;
+    PartId part = 0;       ///< element (Element, Face, Body: under a render mesh), bone (Bone, Endpoint), cut or character
     int face = -1;         ///< Face: index into Element::faces
     bool atEnd = false;    ///< Endpoint only
     bool operator==(const ScenePart&) const = default;
@@ -26,11 +27,21 @@ struct ScenePart {
 std::uint64_t sceneId(const ScenePart& part);
 std::optional<ScenePart> scenePart(std::uint64_t id);
 
+/// Triangles of a character's render mesh, or a point near it at rest (m).
+struct MarkedPlace {
+    PartId character = 0;
+    std::vector<std::int32_t> triangles;
+    std::optional<Vec3> point;
+};
+
 /// What to show beside the bodies.
 struct SceneOptions {
     bool bones = false;         ///< bones with their joint points, held and pinned points; handles with theirs
     bool faces = false;         ///< outlines of joint faces
+    bool bodies = false;        ///< bodies under render meshes, which are translucent then
     float bodyOpacity = 1.0f;   ///< < 1: x-ray
+    /// A place to point out on the render mesh of a character; null: none.
+    const MarkedPlace* marked = nullptr;
     std::vector<std::uint64_t> selected;  ///< scene ids
     std::uint64_t hovered = 0;
     /// The renderer that will draw the scene, with its context current: its GPU deforms what it can. Null: the processor deforms all, which gives the same
@@ -55,6 +66,17 @@ private:
         std::shared_ptr<const std::vector<std::int32_t>> covered;
         double lowest = 0.0;  ///< m, at rest
         std::vector<float> restPositions;  ///< #body vertices x 3, shown while the character cannot be built
+        const float* shown = nullptr;      ///< #body vertices x 3 of this frame; null: nobody asked, or it is hidden
+    };
+    /// The same of a character.
+    struct CharacterParts {
+        std::shared_ptr<const RenderModel> model;
+        std::shared_ptr<const EmbeddedMesh> embedded;
+        std::vector<PartId> elements;
+        std::vector<RenderPart> parts;
+        std::vector<std::vector<float>> positions, normals;  ///< per part
+        std::vector<std::vector<std::int32_t>> marked;       ///< per part, triangles
+        double lowest = 0.0;                                 ///< m, at rest
     };
     /// Vertices of two joined faces that are one point, until one of the elements is replaced.
     struct Weld {
@@ -62,11 +84,18 @@ private:
         std::shared_ptr<const std::vector<std::pair<std::int32_t, std::int32_t>>> vertices;
     };
     ElementParts& parts(const std::shared_ptr<const Element>& element, const std::vector<int>& coveredFaces);
+    /// Adds the body of an element as it is shown now, drawn from `scene.deformInput` where that may be.
+    void addBody(Session& session, const Element& element, ElementParts& p, const SceneOptions& options, render::Scene& scene) const;
     void addSeams(const Document& document, render::Scene& scene);
+    // document_scene_characters.cpp
+    void addRenderMeshes(Session& session, const SceneOptions& options, render::Scene& scene);
+    void addMarked(const SeenMesh& seen, CharacterParts& of, const MarkedPlace& marked, std::size_t firstBody, const std::vector<std::size_t>& partOf, render::Scene& scene);
+    void addCuts(Session& session, const SceneOptions& options, render::Scene& scene);
     void addBones(Session& session, const SceneOptions& options, render::Scene& scene) const;
     void addFaces(const Document& document, const SceneOptions& options, render::Scene& scene);
     static void addHandles(Session& session, const SceneOptions& options, render::Scene& scene);
     std::map<PartId, ElementParts> parts_;
+    std::map<PartId, CharacterParts> characters_;
     std::map<std::pair<FaceRef, FaceRef>, Weld> welds_;
 };
 

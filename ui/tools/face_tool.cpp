@@ -12,6 +12,8 @@
 #include "ui/models/gesture.h"
 #include "ui/models/paths.h"
 #include "ui/models/texts.h"
+#include "ui/scene/posed_body.h"
+#include "ui/tools/select_tool.h"
 #include "ui/tools/tool_texts.h"
 
 namespace imomushi {
@@ -135,18 +137,33 @@ void FaceTool::clearPreview() {
     face_.reset();
     existing_.clear();
     refusal_.clear();
+    cut_.reset();
+    section_.reset();
 }
 
-void FaceTool::preview(PartId id, std::int32_t triangle) {
-    look(id);
+SectionFinder& FaceTool::sections(const std::shared_ptr<const Element>& element) {
+    if (sectioned_ != element->mesh) {
+        sectioned_ = element->mesh;
+        sections_ = std::make_unique<SectionFinder>(sectioned_, sectioned_->body);
+    }
+    return *sections_;
+}
+
+void FaceTool::preview(const RayHit& hit) {
+    look(hit.element);
     const Element* of = element();
     if (!of) return;
-    seed_ = triangle;
-    if (const JointFace* face = faceOfTriangle(*of, triangle)) {
+    seed_ = hit.triangle;
+    seedRest_ = hit.rest;
+    if (const JointFace* face = faceOfTriangle(*of, hit.triangle)) {
         existing_ = face->name;
         return;
     }
-    setPreview(*of, jointFaceBySeed(of->mesh->body, triangle, kAngle, tolerance(*of)));
+    auto face = jointFaceBySeed(of->mesh->body, hit.triangle, kAngle, tolerance(*of));
+    // A tolerance that was asked for means a patch, wherever it is.
+    if (widened_ == 0 && !(face && sections(seen_).isFacet(*face)))
+        if (const auto plane = sections(seen_).across(hit.rest, normalOf(of->mesh->body, hit.triangle))) return previewCut(*plane);
+    setPreview(*of, std::move(face));
 }
 
 void FaceTool::previewPlane() {
@@ -156,7 +173,19 @@ void FaceTool::previewPlane() {
         plane_.reset();
         return;
     }
-    setPreview(*of, jointFaceByPlane(of->mesh->body, plane_->origin, plane_->normal, tolerance(*of)));
+    auto face = jointFaceByPlane(of->mesh->body, plane_->origin, plane_->normal, tolerance(*of));
+    if (!face && face.error().code == "no-patch" && sections(seen_).at({plane_->origin, plane_->normal})) return previewCut({plane_->origin, plane_->normal});
+    setPreview(*of, std::move(face));
+}
+
+void FaceTool::previewCut(const CutPlane& plane) {
+    auto section = sections(seen_).at(plane);
+    if (!section) {
+        refusal_ = errorText(section.error());
+        return;
+    }
+    cut_ = plane;
+    section_ = std::move(*section);
 }
 
 void FaceTool::setPreview(const Element& of, Result<JointFace> face) {
@@ -172,20 +201,37 @@ void FaceTool::setPreview(const Element& of, Result<JointFace> face) {
 void FaceTool::placePlane(const RayHit& hit) {
     const auto found = document_.document().elements.find(hit.element);
     if (found == document_.document().elements.end()) return;
+    const TriangleMesh& body = found->second->mesh->body;
     Plane plane;
     plane.element = hit.element;
     plane.origin = hit.rest;
-    plane.normal = normalOf(found->second->mesh->body, hit.triangle);
-    plane.shownOrigin = hit.point;
+    plane.normal = normalOf(body, hit.triangle);
+    // On a flat region the plane lies in it, anywhere else it crosses the flesh.
+    const auto patch = jointFaceBySeed(body, hit.triangle, kAngle, tolerance(*found->second));
+    if (!patch || !sections(found->second).isFacet(*patch))
+        if (const auto across = sections(found->second).across(hit.rest, plane.normal)) {
+            plane.origin = across->origin;
+            plane.normal = across->normal;
+        }
     Session& session = document_.session();
     const int index = session.elementIndex(hit.element);
     Character* character = session.character();
-    plane.shownNormal = character && index >= 0 ? Vec3(character->frame(index).linear() * plane.normal) : plane.normal;
+    const Eigen::Quaterniond turn = character && index >= 0 ? Eigen::Quaterniond(character->frame(index).linear()) : Eigen::Quaterniond::Identity();
+    plane.shownOrigin = hit.point + turn * (plane.origin - hit.rest);
+    plane.shownNormal = turn * plane.normal;
     plane_ = plane;
 }
 
 void FaceTool::press(const PointerEvent& e) {
-    if (e.button != Qt::LeftButton) return;
+    if (e.button != Qt::LeftButton || drag_.busy()) return;
+    if (!plane_ && !(e.modifiers & Qt::ShiftModifier)) {
+        if (drag_.press(e)) return clearPreview();
+        if (const auto item = pickCut(document_.session(), e)) {
+            document_.select({*item});
+            drag_.press(e);
+            return;
+        }
+    }
     if (e.modifiers & Qt::ShiftModifier) {
         const auto hits = rayHits(document_.session(), e.rayOrigin, e.rayDirection);
         if (hits.empty()) return;
@@ -211,7 +257,15 @@ void FaceTool::press(const PointerEvent& e) {
 }
 
 void FaceTool::move(const PointerEvent& e) {
+    if (drag_.busy()) return drag_.move(e);
     if (plane_ && !plane_->dragging) return;
+    overCut_ = !plane_ && drag_.over(e);
+    if (!plane_)
+        if (const auto item = pickCut(document_.session(), e); item || overCut_) {
+            clearPreview();
+            document_.setHovered(overCut_ ? document_.selection().front() : *item);
+            return;
+        }
     auto hits = rayHits(document_.session(), e.rayOrigin, e.rayDirection);
     if (plane_) {
         if (hits.empty()) return;
@@ -228,14 +282,16 @@ void FaceTool::move(const PointerEvent& e) {
         return;
     }
     const RayHit& hit = hits.front();
-    if (!element() || hit.element != element_ || hit.triangle != seed_) preview(hit.element, hit.triangle);
+    // A cut follows the pointer within a triangle, too.
+    if (!element() || hit.element != element_ || hit.triangle != seed_ || (cut_ && hit.rest != seedRest_)) preview(hit);
     if (!existing_.empty())
         document_.setHovered(SelectionItem{SelectionItem::Kind::Face, element_, existing_, false});
     else
         document_.setHovered(std::nullopt);
 }
 
-void FaceTool::release(const PointerEvent&) {
+void FaceTool::release(const PointerEvent& e) {
+    if (drag_.busy()) return drag_.release(e);
     if (plane_) plane_->dragging = false;
 }
 
@@ -245,7 +301,7 @@ bool FaceTool::widen(int steps) {
     if (plane_)
         previewPlane();
     else if (widened_ != before && seed_ >= 0)
-        preview(PartId(element_), std::int32_t(seed_));
+        preview({.element = PartId(element_), .triangle = std::int32_t(seed_), .rest = Vec3(seedRest_)});
     return true;
 }
 
@@ -266,8 +322,14 @@ void FaceTool::movePlane(double steps) {
 }
 
 bool FaceTool::key(int key, Qt::KeyboardModifiers modifiers) {
+    if (drag_.busy()) return drag_.key(key);
+    if ((key == Qt::Key_Delete || key == Qt::Key_Backspace) && !plane_) return removeSelection(document_);
     if (key == Qt::Key_Up || key == Qt::Key_Plus) return seed_ >= 0 || plane_ ? widen(1) : false;
     if (key == Qt::Key_Down || key == Qt::Key_Minus) return seed_ >= 0 || plane_ ? widen(-1) : false;
+    if (cut_ && !plane_ && (key == Qt::Key_Return || key == Qt::Key_Enter)) {
+        create();
+        return true;
+    }
     if (!plane_) return false;
     const double pace = (modifiers & Qt::ShiftModifier) ? 0.1 : 1.0;
     switch (key) {
@@ -293,13 +355,14 @@ bool FaceTool::key(int key, Qt::KeyboardModifiers modifiers) {
 }
 
 bool FaceTool::wants(int key) const {
+    if (drag_.busy()) return key == Qt::Key_X || key == Qt::Key_Y || key == Qt::Key_Z;
     switch (key) {
         case Qt::Key_Up:
         case Qt::Key_Down:
         case Qt::Key_Plus:
         case Qt::Key_Minus: return plane_ || seed_ >= 0;
         case Qt::Key_Return:
-        case Qt::Key_Enter:
+        case Qt::Key_Enter: return plane_ || cut_;
         case Qt::Key_Left:
         case Qt::Key_Right:
         case Qt::Key_PageUp:
@@ -314,6 +377,7 @@ bool FaceTool::wants(int key) const {
 void FaceTool::create() {
     if (plane_) previewPlane();
     const Element* of = element();
+    if (of && cut_) return cut();
     if (!of || !face_ || !refusal_.isEmpty()) {
         if (!refusal_.isEmpty()) Q_EMIT document_.failed(refusal_);
         return;
@@ -330,12 +394,43 @@ void FaceTool::create() {
     document_.select({SelectionItem{SelectionItem::Kind::Face, id, name, false}});
 }
 
+void FaceTool::cut() {
+    const CutPlane plane = *cut_;
+    const PartId id = element_;
+    const std::string name = element()->name;
+    const auto done = document_.execute(commands::cut(name, plane.origin, plane.normal), true);
+    if (!done) {
+        QString reason = errorText(done.error());
+        const auto nearest = nearestCut(document_.document(), id, 0, plane);
+        if (!nearest) {
+            Q_EMIT document_.failed(reason);
+            return;
+        }
+        reason += QLatin1Char(' ') + ToolTexts::tr("The nearest place that works is %1 away.").arg(lengthText((nearest->origin - plane.origin).norm()));
+        Q_EMIT document_.offered(reason, ToolTexts::tr("Cut there"), commands::cut(name, nearest->origin, nearest->normal));
+        return;
+    }
+    plane_.reset();
+    clearPreview();
+    const Json& elements = done->at("elements");
+    const std::string made = done->at("cut").get<std::string>();
+    if (const CharacterSource* character = document_.document().characterOfCut(made))
+        document_.select({SelectionItem{SelectionItem::Kind::Cut, character->cuts[std::size_t(character->cutIndex(made))].id, {}, false}});
+    Q_EMIT document_.madeCut(ToolTexts::tr("Cut “%1” from “%2” and joined them.").arg(QString::fromStdString(elements[1].get<std::string>()), QString::fromStdString(elements[0].get<std::string>())));
+}
+
 void FaceTool::cancel() {
+    drag_.cancel();
     plane_.reset();
     clearPreview();
 }
 
 QString FaceTool::hint() const {
+    if (drag_.busy() || overCut_) return drag_.hint();
+    if (cut_) {
+        if (plane_) return ToolTexts::tr("Enter or click: cut here · ← →: move · X, Y, Z: turn · Esc: cancel");
+        return ToolTexts::tr("Click: cut across · Shift+click: plane · ↑: a patch of the surface instead");
+    }
     if (plane_) {
         const Element* of = element();
         const QString width = of ? lengthText(tolerance(*of)) : QString();
@@ -353,9 +448,21 @@ QString FaceTool::hint() const {
 }
 
 void FaceTool::decorate(render::Scene& scene) const {
+    drag_.decorate(scene);
     const Element* of = element();
+    if (cut_ && section_ && of) {
+        const PosedBody body(document_.session(), element_, *of);
+        for (std::vector<Vec3>& loop : sections_->placed(*section_, [&](std::int32_t v) { return body.at(v); })) {
+            render::Marker rim;
+            rim.shape = render::Marker::Shape::FaceOutline;
+            rim.from = rim.to = loop.front();
+            rim.outline = std::move(loop);
+            rim.hovered = true;
+            scene.markers.push_back(std::move(rim));
+        }
+    }
     if (face_ && of) {
-        if (render::Body* body = bodyOf(scene, element_)) body->highlightedTriangles = &face_->triangles;
+        if (render::Body* body = bodyOf(scene, *of)) body->highlightedTriangles = &face_->triangles;
         // The rim shows through bodies: regions are also chosen where elements touch.
         for (std::vector<Vec3>& loop : rimOf(document_.session(), element_, face_->triangles)) {
             render::Marker rim;

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <memory>
 #include <optional>
 
+#include "ui/tools/cut_drag.h"
+#include "ui/tools/cut_preview.h"
 #include "ui/tools/picking.h"
 #include "ui/tools/tool.h"
 
@@ -10,10 +13,11 @@ namespace imomushi {
 
 /// Makes joint faces: a click takes the flat region under the pointer; Shift places a plane and Enter takes what lies in it. Ctrl looks behind the
 /// surface in front, to where two elements touch. A face that meets one of a neighbour (or a flat region of its own shape there) is joined
-/// to it in the same undo step.
+/// to it in the same undo step. Where the flesh has no flat region, a click cuts it across, and Enter where the plane lies; cuts that are there are selected by
+/// their rims, and dragged.
 class FaceTool : public Tool {
 public:
-    using Tool::Tool;
+    explicit FaceTool(StudioDocument& document) : Tool(document), drag_(document) {}
     void press(const PointerEvent& e) override;
     void move(const PointerEvent& e) override;
     void release(const PointerEvent& e) override;
@@ -24,7 +28,8 @@ public:
     bool key(int key, Qt::KeyboardModifiers modifiers) override;
     [[nodiscard]] bool wants(int key) const override;
     void cancel() override;
-    [[nodiscard]] bool pending() const override { return plane_.has_value(); }
+    [[nodiscard]] bool busy() const override { return drag_.busy(); }
+    [[nodiscard]] bool pending() const override { return plane_.has_value() || drag_.busy(); }
     [[nodiscard]] QString hint() const override;
     void decorate(render::Scene& scene) const override;
 
@@ -37,8 +42,12 @@ private:
     };
 
     void look(PartId element);
-    void preview(PartId element, std::int32_t triangle);
+    void preview(const RayHit& hit);
     void previewPlane();
+    /// Shows where the flesh would be cut, or why not.
+    void previewCut(const CutPlane& plane);
+    void cut();
+    [[nodiscard]] SectionFinder& sections(const std::shared_ptr<const Element>& element);
     /// Shows `face`, or why there is none.
     void setPreview(const Element& of, Result<JointFace> face);
     void clearPreview();
@@ -52,10 +61,17 @@ private:
     PartId element_ = 0;              ///< of the preview
     std::shared_ptr<const Element> seen_;  ///< that element when the preview was made: a changed one needs a new preview
     std::int32_t seed_ = -1;          ///< triangle under the pointer
+    Vec3 seedRest_ = Vec3::Zero();    ///< the point there, at rest, m
     std::optional<JointFace> face_;   ///< what a click (Enter) would make
     std::string existing_;            ///< the joint face under the pointer, or the one that is in the way
     QString refusal_;                 ///< why a click makes nothing here
     std::optional<Plane> plane_;
+    std::optional<CutPlane> cut_;     ///< at rest, what a click (Enter) would cut; none: it makes a face
+    std::optional<SectionFinder::Outline> section_;  ///< of cut_
+    std::shared_ptr<const ElementMesh> sectioned_;
+    std::unique_ptr<SectionFinder> sections_;        ///< of sectioned_
+    bool overCut_ = false;            ///< the pointer is over the plane of the selected cut
+    CutDrag drag_;
     int widened_ = 0;                 ///< tolerance = kTolerance * 2^widened of the diagonal
 };
 

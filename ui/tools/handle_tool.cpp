@@ -138,7 +138,7 @@ void HandleTool::decorate(render::Scene& scene) const {
     if (busy()) return pose_.decorate(scene);
     const Element* of = element();
     if (!face_ || !of) return;
-    if (render::Body* body = bodyOf(scene, of->id)) body->highlightedTriangles = &face_->triangles;
+    if (render::Body* body = bodyOf(scene, *of)) body->highlightedTriangles = &face_->triangles;
     for (std::vector<Vec3>& loop : rimOf(document_.session(), of->id, face_->triangles)) {
         render::Marker rim;
         rim.shape = render::Marker::Shape::FaceOutline;

@@ -5,12 +5,18 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <memory>
+#include <set>
 
 #include "core/document/character_input.h"
+#include "core/mesh/triangle_tree.h"
 #include "ui/models/paths.h"
+#include "ui/scene/cut_frame.h"
 #include "ui/scene/document_scene.h"
+#include "ui/scene/posed_body.h"
 #include "ui/scene/rim.h"
-#include "ui/tools/posed_body.h"
+#include "ui/scene/seen_mesh.h"
 
 namespace imomushi {
 namespace {
@@ -60,39 +66,110 @@ bool touches(const QRectF& box, const std::optional<Eigen::Vector2d>& a, const s
 
 }  // namespace
 
-std::vector<RayHit> rayHits(Session& session, const Vec3& rayOrigin, const Vec3& rayDirection) {
-    std::vector<RayHit> hits;
-    for (const auto& [id, element] : session.document().elements) {
-        if (!element->visible || element->locked) continue;
-        const PosedBody body(session, id, *element);
-        const Triangles& triangles = element->mesh->body.triangles;
-        for (std::int32_t t = 0; t < triangles.rows(); ++t) {
-            // Moeller and Trumbore, two-sided.
-            const Vec3 a = body.at(triangles(t, 0));
-            const Vec3 ab = body.at(triangles(t, 1)) - a, ac = body.at(triangles(t, 2)) - a;
-            const Vec3 p = rayDirection.cross(ac);
-            const double determinant = ab.dot(p);
-            if (determinant == 0.0) continue;
-            const Vec3 s = rayOrigin - a;
-            const double u = s.dot(p) / determinant;
-            if (!(u >= 0.0 && u <= 1.0)) continue;
-            const Vec3 q = s.cross(ab);
-            const double v = rayDirection.dot(q) / determinant;
-            if (!(v >= 0.0 && u + v <= 1.0)) continue;
-            const double distance = ac.dot(q) / determinant;
-            if (!(distance > 0.0)) continue;
-            RayHit hit;
-            hit.element = id;
-            hit.triangle = t;
-            hit.distance = distance;
-            hit.entering = determinant > 0.0;
-            hit.point = rayOrigin + distance * rayDirection;
-            hit.normal = ab.cross(ac).normalized();
-            const auto corner = [&](int c) -> Vec3 { return element->mesh->body.vertices.row(triangles(t, c)); };
-            hit.rest = (1.0 - u - v) * corner(0) + u * corner(1) + v * corner(2);
+namespace {
+
+/// Where a ray crosses a triangle.
+struct Crossing {
+    double distance = 0.0;  ///< m
+    bool entering = true;
+    Vec3 weight = Vec3::Zero();  ///< barycentric
+};
+
+/// Moeller and Trumbore, two-sided. None: it passes by, or the triangle is behind.
+std::optional<Crossing> crossing(const Vec3& origin, const Vec3& direction, const Vec3& a, const Vec3& b, const Vec3& c) {
+    const Vec3 ab = b - a, ac = c - a, p = direction.cross(ac);
+    const double determinant = ab.dot(p);
+    if (determinant == 0.0) return std::nullopt;
+    const Vec3 s = origin - a;
+    const double u = s.dot(p) / determinant;
+    if (!(u >= 0.0 && u <= 1.0)) return std::nullopt;
+    const Vec3 q = s.cross(ab);
+    const double v = direction.dot(q) / determinant;
+    if (!(v >= 0.0 && u + v <= 1.0)) return std::nullopt;
+    const double distance = ac.dot(q) / determinant;
+    if (!(distance > 0.0)) return std::nullopt;
+    return Crossing{distance, determinant > 0.0, Vec3(1.0 - u - v, u, v)};
+}
+
+Vec3 weighted(const Vec3& weight, const Vec3& a, const Vec3& b, const Vec3& c) { return weight[0] * a + weight[1] * b + weight[2] * c; }
+
+/// What a crossing with the render mesh is on the body of the element: the nearest point of its skin, on the side that the render triangle faces if that is about
+/// as near.
+RayHit onBody(Session& session, const Element& element, const TriangleTree& tree, const Vec3& rest, const Vec3& restNormal) {
+    constexpr double kFacing = 2.0;  // times as far at most
+    const TriangleMesh& mesh = element.mesh->body;
+    auto near = tree.nearest(rest);
+    if (restNormal.squaredNorm() > 0.0) {
+        const auto facing = tree.nearestFacing(rest, restNormal);
+        if (facing.triangle >= 0 && facing.squaredDistance <= kFacing * kFacing * near.squaredDistance) near = facing;
+    }
+    const PosedBody body(session, element.id, element);
+    const auto corner = [&](int c) { return mesh.triangles(near.triangle, c); };
+    RayHit hit;
+    hit.element = element.id;
+    hit.triangle = near.triangle;
+    hit.rest = weighted(near.barycentric, mesh.vertices.row(corner(0)), mesh.vertices.row(corner(1)), mesh.vertices.row(corner(2)));
+    const Vec3 a = body.at(corner(0)), b = body.at(corner(1)), c = body.at(corner(2));
+    hit.point = weighted(near.barycentric, a, b, c);
+    hit.normal = (b - a).cross(c - a).stableNormalized();
+    return hit;
+}
+
+/// The skin of an element: what cuts left of the body. None: nothing.
+std::unique_ptr<TriangleTree> skinOf(const Element& element) {
+    const TriangleMesh& mesh = element.mesh->body;
+    std::vector<std::int32_t> skin;
+    for (std::int32_t t = 0; t < mesh.triangles.rows(); ++t)
+        if (element.piece->origin->triangles[std::size_t(t)] >= 0) skin.push_back(t);
+    return skin.empty() ? nullptr : std::make_unique<TriangleTree>(mesh, std::move(skin));
+}
+
+void addSeenHits(Session& session, const Vec3& origin, const Vec3& direction, std::vector<RayHit>& hits) {
+    const auto& elements = session.document().elements;
+    std::map<PartId, std::unique_ptr<TriangleTree>> skins;
+    for (const SeenMesh& seen : seenMeshes(session)) {
+        const TriangleMesh& mesh = seen.model().mesh.body;
+        for (std::int32_t t = 0; t < mesh.triangles.rows(); ++t) {
+            const auto crossed = crossing(origin, direction, seen.at(mesh.triangles(t, 0)), seen.at(mesh.triangles(t, 1)), seen.at(mesh.triangles(t, 2)));
+            if (!crossed) continue;
+            const auto element = elements.find(seen.elementOf(t));
+            if (element == elements.end() || !element->second->visible || element->second->locked) continue;
+            const Vec3 a = mesh.vertices.row(mesh.triangles(t, 0)), b = mesh.vertices.row(mesh.triangles(t, 1)), c = mesh.vertices.row(mesh.triangles(t, 2));
+            auto [skin, isNew] = skins.try_emplace(element->first);
+            if (isNew) skin->second = skinOf(*element->second);
+            if (!skin->second) continue;
+            RayHit hit = onBody(session, *element->second, *skin->second, weighted(crossed->weight, a, b, c), (b - a).cross(c - a));
+            hit.distance = crossed->distance;
+            hit.entering = hit.normal.dot(direction) < 0.0;  // triangles of a file may face any way
             hits.push_back(hit);
         }
     }
+}
+
+}  // namespace
+
+std::vector<RayHit> rayHits(Session& session, const Vec3& rayOrigin, const Vec3& rayDirection) {
+    std::vector<RayHit> hits;
+    for (const auto& [id, element] : session.document().elements) {
+        if (!element->visible || element->locked || element->piece) continue;
+        const PosedBody body(session, id, *element);
+        const TriangleMesh& mesh = element->mesh->body;
+        for (std::int32_t t = 0; t < mesh.triangles.rows(); ++t) {
+            const Vec3 a = body.at(mesh.triangles(t, 0)), b = body.at(mesh.triangles(t, 1)), c = body.at(mesh.triangles(t, 2));
+            const auto crossed = crossing(rayOrigin, rayDirection, a, b, c);
+            if (!crossed) continue;
+            RayHit hit;
+            hit.element = id;
+            hit.triangle = t;
+            hit.distance = crossed->distance;
+            hit.entering = crossed->entering;
+            hit.point = rayOrigin + crossed->distance * rayDirection;
+            hit.normal = (b - a).cross(c - a).normalized();
+            hit.rest = weighted(crossed->weight, mesh.vertices.row(mesh.triangles(t, 0)), mesh.vertices.row(mesh.triangles(t, 1)), mesh.vertices.row(mesh.triangles(t, 2)));
+            hits.push_back(hit);
+        }
+    }
+    addSeenHits(session, rayOrigin, rayDirection, hits);
     std::stable_sort(hits.begin(), hits.end(), [](const RayHit& a, const RayHit& b) { return a.distance < b.distance; });
     return hits;
 }
@@ -272,6 +349,30 @@ std::optional<SelectionItem> pickItem(Session& session, const PointerEvent& e) {
     return SelectionItem{SelectionItem::Kind::Element, hit.element, {}, false};
 }
 
+std::optional<SelectionItem> pickCut(Session& session, const PointerEvent& e) {
+    struct Near {
+        double pixels, depth, reach;
+        PartId cut;
+    };
+    std::vector<Near> near;
+    for (const auto& [id, character] : session.document().characters)
+        for (const Cut& cut : character->cuts) {
+            const auto frame = cutFrame(session, cut.id);
+            if (!frame) continue;
+            for (const auto& loop : frame->rim)
+                for (std::size_t i = 0; i < loop.size(); ++i) {
+                    const Vec3 at = nearestOnSegment(e, loop[i], loop[(i + 1) % loop.size()]);
+                    if (const double pixels = pixelsTo(e, at); pixels < kBonePixels) near.push_back({pixels, (at - e.rayOrigin).dot(e.rayDirection), frame->reach, cut.id});
+                }
+        }
+    if (near.empty()) return std::nullopt;
+    // The rim lies on the surface: what is a little behind that is in front all the same.
+    if (const auto hits = rayHits(session, e.rayOrigin, e.rayDirection); !hits.empty())
+        std::erase_if(near, [&](const Near& n) { return n.depth > hits.front().distance + 0.5 * n.reach; });
+    const auto best = std::min_element(near.begin(), near.end(), [](const Near& a, const Near& b) { return a.pixels < b.pixels; });
+    return best == near.end() ? std::nullopt : std::optional(SelectionItem{SelectionItem::Kind::Cut, best->cut, {}, false});
+}
+
 std::vector<SelectionItem> itemsWithin(Session& session, const PointerEvent& view, const QRectF& box) {
     std::vector<SelectionItem> items;
     if (view.bonesVisible)
@@ -279,19 +380,24 @@ std::vector<SelectionItem> itemsWithin(Session& session, const PointerEvent& vie
             const auto from = endpointPosition(session, {id, false}), to = endpointPosition(session, {id, true});
             if (from && to && touches(box, view.onScreen(*from), view.onScreen(*to))) items.push_back({SelectionItem::Kind::Bone, id, {}, false});
         }
-    for (const auto& [id, element] : session.document().elements) {
-        if (!element->visible || element->locked) continue;
-        const PosedBody body(session, id, *element);
-        std::vector<std::optional<Eigen::Vector2d>> seen(std::size_t(element->mesh->body.vertices.rows()));
-        for (std::size_t v = 0; v < seen.size(); ++v) seen[v] = view.onScreen(body.at(std::int32_t(v)));
-        const Triangles& triangles = element->mesh->body.triangles;
-        for (std::int32_t t = 0; t < triangles.rows(); ++t) {
-            const auto corner = [&](int c) { return seen[std::size_t(triangles(t, c))]; };
-            if (!touches(box, corner(0), corner(1)) && !touches(box, corner(1), corner(2)) && !touches(box, corner(2), corner(0))) continue;
-            items.push_back({SelectionItem::Kind::Element, id, {}, false});
-            break;
+    std::set<PartId> touched;
+    const auto touch = [&](const TriangleMesh& mesh, const auto& at, const auto& elementOf) {
+        std::vector<std::optional<Eigen::Vector2d>> seen(std::size_t(mesh.vertices.rows()));
+        for (std::size_t v = 0; v < seen.size(); ++v) seen[v] = view.onScreen(at(std::int32_t(v)));
+        for (std::int32_t t = 0; t < mesh.triangles.rows(); ++t) {
+            const auto corner = [&](int c) { return seen[std::size_t(mesh.triangles(t, c))]; };
+            if (touches(box, corner(0), corner(1)) || touches(box, corner(1), corner(2)) || touches(box, corner(2), corner(0))) touched.insert(elementOf(t));
         }
+    };
+    for (const auto& [id, element] : session.document().elements) {
+        if (!element->visible || element->locked || element->piece) continue;
+        const PosedBody body(session, id, *element);
+        touch(element->mesh->body, [&](std::int32_t v) { return body.at(v); }, [id = id](std::int32_t) { return id; });
     }
+    for (const SeenMesh& seen : seenMeshes(session))
+        touch(seen.model().mesh.body, [&](std::int32_t v) { return seen.at(v); }, [&](std::int32_t t) { return seen.elementOf(t); });
+    for (const auto& [id, element] : session.document().elements)
+        if (element->visible && !element->locked && touched.contains(id)) items.push_back({SelectionItem::Kind::Element, id, {}, false});
     return items;
 }
 
@@ -303,6 +409,8 @@ std::uint64_t sceneIdOf(const Document& document, const SelectionItem& item) {
         case SelectionItem::Kind::Element: part.kind = ScenePart::Kind::Element; break;
         case SelectionItem::Kind::Bone: part.kind = ScenePart::Kind::Bone; break;
         case SelectionItem::Kind::Endpoint: part.kind = ScenePart::Kind::Endpoint; break;
+        case SelectionItem::Kind::Character: part.kind = ScenePart::Kind::Character; break;
+        case SelectionItem::Kind::Cut: part.kind = ScenePart::Kind::Cut; break;
         case SelectionItem::Kind::Face: {
             part.kind = ScenePart::Kind::Face;
             const auto element = document.elements.find(item.part);
@@ -320,11 +428,30 @@ std::vector<Vec3> pointsOf(Session& session, const std::vector<SelectionItem>& i
     const auto addEnd = [&](const EndpointRef& end) {
         if (const auto at = endpointPosition(session, end)) points.push_back(*at);
     };
+    const auto meshes = d.characters.empty() ? std::vector<SeenMesh>() : seenMeshes(session);
+    const auto addSeen = [&](const SeenMesh& seen, const auto& wanted) {
+        const Triangles& triangles = seen.model().mesh.body.triangles;  // a file may have vertices that nothing uses
+        for (Eigen::Index i = 0; i < triangles.size(); ++i)
+            if (const std::int32_t v = triangles.data()[i]; wanted(v)) points.push_back(seen.at(v));
+    };
     for (const SelectionItem& item : items) {
         const auto element = d.elements.find(item.part);
         switch (item.kind) {
+            case SelectionItem::Kind::Character:
+                for (const SeenMesh& seen : meshes)
+                    if (seen.source->id == item.part) addSeen(seen, [](std::int32_t) { return true; });
+                break;
+            case SelectionItem::Kind::Cut:
+                if (const auto frame = cutFrame(session, item.part)) {
+                    for (const auto& loop : frame->rim) points.insert(points.end(), loop.begin(), loop.end());
+                    points.push_back(frame->centre + frame->reach * frame->normal);
+                }
+                break;
             case SelectionItem::Kind::Element:
-                if (element != d.elements.end()) {
+                if (element != d.elements.end() && element->second->piece) {
+                    for (const SeenMesh& seen : meshes)
+                        if (seen.source->id == element->second->piece->character) addSeen(seen, [&](std::int32_t v) { return seen.elementOfVertex(v) == item.part; });
+                } else if (element != d.elements.end()) {
                     const PosedBody body(session, item.part, *element->second);
                     for (std::int32_t v = 0; v < body.rest->vertices.rows(); ++v) points.push_back(body.at(v));
                 }
@@ -345,10 +472,9 @@ std::vector<Vec3> pointsOf(Session& session, const std::vector<SelectionItem>& i
     return points;
 }
 
-render::Body* bodyOf(render::Scene& scene, PartId element) {
-    const std::uint64_t id = sceneId({ScenePart::Kind::Element, element, -1, false});
+render::Body* bodyOf(render::Scene& scene, const Element& element) {
     for (render::Body& body : scene.bodies)
-        if (body.id == id) return &body;
+        if (body.mesh == element.mesh) return &body;
     return nullptr;
 }
 

@@ -17,7 +17,8 @@ inline constexpr double kFaceCentrePixels = 14.0;
 /// A press that moves less than this before its release is a click, logical pixels.
 inline constexpr double kDragPixels = 3.0;
 
-/// A crossing of a ray with the surface of an element as it is posed now.
+/// A crossing of a ray with what is seen of an element, as it is posed now. Where that is the render mesh of a character, all but `distance` is of the point of the
+/// element's body that is nearest to the crossing, caps of cuts left out: what tools do there, they do to the body.
 struct RayHit {
     PartId element = 0;
     std::int32_t triangle = -1;  ///< of the body
@@ -28,7 +29,7 @@ struct RayHit {
     Vec3 rest = Vec3::Zero();    ///< the same surface point at rest
 };
 
-/// All crossings with visible, unlocked elements, nearest first. rayDirection must be a unit vector.
+/// All crossings with what is seen of visible, unlocked elements, nearest first. rayDirection must be a unit vector.
 std::vector<RayHit> rayHits(Session& session, const Vec3& rayOrigin, const Vec3& rayDirection);
 
 /// The surface under the pointer, seen from outside; none: there is none.
@@ -82,6 +83,9 @@ EndpointRef holdingEndpoint(Session& session, const EndpointRef& end);
 /// What lies under the pointer: bones and their ends, drawn over everything, come before bodies; a triangle of a joint face is the face.
 std::optional<SelectionItem> pickItem(Session& session, const PointerEvent& e);
 
+/// The cut whose rim is under the pointer and not behind a body.
+std::optional<SelectionItem> pickCut(Session& session, const PointerEvent& e);
+
 /// Everything that a box over the viewport touches: bones, where they are shown, and then visible, unlocked elements.
 std::vector<SelectionItem> itemsWithin(Session& session, const PointerEvent& view, const QRectF& box);
 
@@ -91,7 +95,7 @@ std::uint64_t sceneIdOf(const Document& document, const SelectionItem& item);
 /// Points that a view of these parts must show: body vertices and ends of bones, m, world, posed.
 std::vector<Vec3> pointsOf(Session& session, const std::vector<SelectionItem>& items);
 
-/// The body of an element in a scene that is being put together; null: it is hidden.
-render::Body* bodyOf(render::Scene& scene, PartId element);
+/// The body of an element in a scene that is being put together; null: it is hidden, or under a render mesh.
+render::Body* bodyOf(render::Scene& scene, const Element& element);
 
 }  // namespace imomushi

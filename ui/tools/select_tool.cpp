@@ -35,12 +35,20 @@ void selectByClick(StudioDocument& document, const std::optional<SelectionItem>&
 }
 
 bool removeSelection(StudioDocument& document) {
-    // Bones before the faces they end at, faces before their elements: each name is looked up while it still exists.
+    // Bones before the faces they end at, faces before cuts and their elements, these before their characters: each name is looked up while it still exists.
     std::vector<SelectionItem> items = document.selection();
     for (SelectionItem& item : items)
         if (item.kind == SelectionItem::Kind::Endpoint) item = {SelectionItem::Kind::Bone, item.part, {}, false};
     const auto rank = [](const SelectionItem& item) {
-        return item.kind == SelectionItem::Kind::Bone ? 0 : item.kind == SelectionItem::Kind::Face ? 1 : 2;
+        switch (item.kind) {
+            case SelectionItem::Kind::Bone:
+            case SelectionItem::Kind::Endpoint: return 0;
+            case SelectionItem::Kind::Face: return 1;
+            case SelectionItem::Kind::Cut: return 2;
+            case SelectionItem::Kind::Element: return 3;
+            case SelectionItem::Kind::Character: break;
+        }
+        return 4;
     };
     std::stable_sort(items.begin(), items.end(), [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
     if (items.empty()) return false;
@@ -52,6 +60,14 @@ bool removeSelection(StudioDocument& document) {
             const auto bone = d.bones.find(item.part);
             if (bone == d.bones.end()) continue;
             command = commands::removeBone(bone->second->name);
+        } else if (item.kind == SelectionItem::Kind::Cut) {
+            const Cut* cut = cutOf(d, item);
+            if (!cut) continue;
+            command = commands::removeCut(cut->name);
+        } else if (item.kind == SelectionItem::Kind::Character) {
+            const CharacterSource* character = characterOf(d, item);
+            if (!character) continue;
+            command = commands::removeElement(character->name);
         } else {
             const auto element = d.elements.find(item.part);
             if (element == d.elements.end()) continue;
@@ -72,6 +88,7 @@ void SelectTool::press(const PointerEvent& e) {
     if (e.button != Qt::LeftButton || busy()) return;
     const auto item = pickItem(document_.session(), e);
     if (item && isGrip(document_, *item) && !(e.modifiers & Qt::ShiftModifier)) return pose_.press(e);
+    if (!(e.modifiers & Qt::ShiftModifier) && cut_.press(e)) return;
     auto before = document_.selection();
     selectByClick(document_, item, e.modifiers);
     if (!item) drag_ = Drag{{e.x, e.y}, {e.x, e.y}, std::move(before), document_.selection()};
@@ -85,18 +102,30 @@ void SelectTool::move(const PointerEvent& e) {
             for (const SelectionItem& item : itemsWithin(document_.session(), e, *area))
                 if (std::find(items.begin(), items.end(), item) == items.end()) items.push_back(item);
         document_.select(std::move(items));
-    } else if (busy())
+    } else if (cut_.busy()) {
+        cut_.move(e);
+    } else if (busy()) {
         pose_.move(e);
-    else if (e.buttons == Qt::NoButton)
-        document_.setHovered(pickItem(document_.session(), e));
+    } else if (e.buttons == Qt::NoButton) {
+        const auto item = pickItem(document_.session(), e);
+        overCut_ = !(item && isGrip(document_, *item)) && cut_.over(e);
+        document_.setHovered(overCut_ ? document_.selection().front() : item);
+    }
 }
 
 void SelectTool::release(const PointerEvent& e) {
+    if (cut_.busy()) {
+        const bool clicked = e.button == Qt::LeftButton && !cut_.moved();
+        cut_.release(e);
+        if (clicked) selectByClick(document_, pickItem(document_.session(), e), e.modifiers);
+        return;
+    }
     if (!drag_) return pose_.release(e);
     if (e.button == Qt::LeftButton) drag_.reset();
 }
 
 void SelectTool::cancel() {
+    cut_.cancel();
     if (!drag_) return pose_.cancel();
     document_.select(std::move(drag_->before));
     drag_.reset();
@@ -109,6 +138,7 @@ std::optional<QRectF> SelectTool::box() const {
 
 bool SelectTool::key(int key, Qt::KeyboardModifiers modifiers) {
     if (drag_) return true;
+    if (cut_.busy()) return cut_.key(key);
     if (busy()) return pose_.key(key, modifiers);
     if (key != Qt::Key_Delete && key != Qt::Key_Backspace) return false;
     return removeSelection(document_);
@@ -116,6 +146,7 @@ bool SelectTool::key(int key, Qt::KeyboardModifiers modifiers) {
 
 QString SelectTool::hint() const {
     if (drag_) return ToolTexts::tr("Release: select what the box touches · Esc: cancel");
+    if (cut_.busy() || overCut_) return cut_.hint();
     if (busy()) return pose_.hint();
     if (document_.hovered() && isGrip(document_, *document_.hovered()))
         return ToolTexts::tr("Click: select · Drag: pose");

@@ -1,26 +1,30 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "ui/tools/cut_drag.h"
 #include "ui/tools/pose_tool.h"
 
 namespace imomushi {
 
 /// Click selects, Shift+click adds or takes away, a click on nothing clears; Delete removes what is selected. A drag that begins on nothing selects all that its box
-/// touches, with Shift beside what was selected. Ends of bones can be dragged as with the pose tool.
+/// touches, with Shift beside what was selected. Ends of bones can be dragged as with the pose tool, and the plane of the selected cut.
 class SelectTool : public Tool {
 public:
-    explicit SelectTool(StudioDocument& document) : Tool(document), pose_(document) {}
+    explicit SelectTool(StudioDocument& document) : Tool(document), pose_(document), cut_(document) {}
     void press(const PointerEvent& e) override;
     void move(const PointerEvent& e) override;
     void release(const PointerEvent& e) override;
     bool wheel(double notches, const PointerEvent& e) override { return pose_.wheel(notches, e); }
     bool key(int key, Qt::KeyboardModifiers modifiers) override;
-    [[nodiscard]] bool wants(int key) const override { return busy() && pose_.wants(key); }
+    [[nodiscard]] bool wants(int key) const override { return cut_.busy() ? key == Qt::Key_X || key == Qt::Key_Y || key == Qt::Key_Z : busy() && pose_.wants(key); }
     void keyReleased(int key) override { pose_.keyReleased(key); }
     void cancel() override;
-    [[nodiscard]] bool busy() const override { return drag_ || pose_.busy(); }
+    [[nodiscard]] bool busy() const override { return drag_ || cut_.busy() || pose_.busy(); }
     [[nodiscard]] QString hint() const override;
-    void decorate(render::Scene& scene) const override { pose_.decorate(scene); }
+    void decorate(render::Scene& scene) const override {
+        pose_.decorate(scene);
+        cut_.decorate(scene);
+    }
     [[nodiscard]] std::optional<QRectF> box() const override;
 
 private:
@@ -30,6 +34,8 @@ private:
         std::vector<SelectionItem> before, kept;  // selected before it, and whatever it touches
     };
     PoseTool pose_;
+    CutDrag cut_;
+    bool overCut_ = false;  // the pointer is over the plane of the selected cut
     std::optional<Drag> drag_;
 };
 

@@ -6,6 +6,7 @@
 #include <QPainter>
 #include <cmath>
 
+#include "core/mesh/bounds.h"
 #include "ui/models/texts.h"
 #include "ui/tools/picking.h"
 #include "ui/viewport/view_overlay.h"
@@ -16,6 +17,7 @@ namespace {
 /// A tool that says more than this leaves no room for how the view is moved.
 constexpr int kLongHint = 72;
 constexpr float kXrayOpacity = 0.45f;
+constexpr double kMarkedShare = 0.06;  // of the diagonal, around a place that is framed
 
 }  // namespace
 
@@ -142,6 +144,31 @@ void ViewportWidget::setBonesVisible(bool on) { switchOption(bones_, on); }
 void ViewportWidget::setGridVisible(bool on) { switchOption(grid_, on); }
 void ViewportWidget::setXray(bool on) { switchOption(xray_, on); }
 
+void ViewportWidget::setBodiesVisible(bool on) { switchOption(bodies_, on); }
+
+void ViewportWidget::setMarked(std::optional<MarkedPlace> place) {
+    marked_ = std::move(place);
+    redraw();
+}
+
+void ViewportWidget::frameMarked() {
+    if (!marked_) return;
+    std::vector<Vec3> points;
+    const auto character = document_.document().characters.find(marked_->character);
+    if (character == document_.document().characters.end()) return;
+    const TriangleMesh& mesh = character->second->model->mesh.body;
+    const double around = kMarkedShare * diagonalOf(mesh.vertices);
+    const auto add = [&](const Vec3& p) {
+        for (int k = 0; k < 8; ++k) points.push_back(p + around * Vec3(k & 1 ? 1.0 : -1.0, k & 2 ? 1.0 : -1.0, k & 4 ? 1.0 : -1.0));
+    };
+    if (marked_->point) add(*marked_->point);
+    for (const std::int32_t t : marked_->triangles)
+        if (t >= 0 && t < mesh.triangles.rows()) add(mesh.vertices.row(mesh.triangles(t, 0)));
+    if (points.empty()) return;
+    camera_.frame(points, isVisible());
+    animate();
+}
+
 void ViewportWidget::setHighlightedTriangles(PartId element, std::vector<std::int32_t> triangles) {
     highlightedElement_ = element;
     highlighted_ = std::move(triangles);
@@ -173,6 +200,7 @@ void ViewportWidget::structureChanged() {
     if (empty_ && !empty) frameAll(false);
     empty_ = empty;
     if (!document_.document().elements.contains(highlightedElement_)) setHighlightedTriangles(0, {});
+    if (marked_ && !document_.document().characters.contains(marked_->character)) setMarked(std::nullopt);
     poseChanged();
     updateHint();
 }
@@ -215,7 +243,9 @@ SceneOptions ViewportWidget::sceneOptions() const {
     SceneOptions options;
     options.bones = bones_ || kind_ == ToolKind::Bone || kind_ == ToolKind::Handle || kind_ == ToolKind::Pose;
     options.faces = kind_ == ToolKind::Face || kind_ == ToolKind::Bone;
+    options.bodies = bodies_;
     options.bodyOpacity = xray_ ? kXrayOpacity : 1.0f;
+    options.marked = marked_ ? &*marked_ : nullptr;
     for (const SelectionItem& item : document_.selection())
         if (const std::uint64_t id = sceneIdOf(d, item)) options.selected.push_back(id);
     if (document_.hovered()) options.hovered = sceneIdOf(d, *document_.hovered());
@@ -234,8 +264,8 @@ void ViewportWidget::paint() {
     scene_.grid = grid_;
     scene_.darkTheme = dark();
     scene_.pixelRatio = float(devicePixelRatioF());
-    if (!highlighted_.empty())
-        if (render::Body* body = bodyOf(scene_, highlightedElement_)) body->highlightedTriangles = &highlighted_;
+    if (const auto element = document_.document().elements.find(highlightedElement_); !highlighted_.empty() && element != document_.document().elements.end())
+        if (render::Body* body = bodyOf(scene_, *element->second)) body->highlightedTriangles = &highlighted_;
     tool_->decorate(scene_);
     renderer.draw(scene_, canvas_->defaultFramebufferObject(), int(std::lround(width() * devicePixelRatioF())),
                   int(std::lround(height() * devicePixelRatioF())));

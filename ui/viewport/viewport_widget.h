@@ -54,8 +54,13 @@ public:
     [[nodiscard]] bool gridVisible() const { return grid_; }
     void setXray(bool on);
     [[nodiscard]] bool xray() const { return xray_; }
+    void setBodiesVisible(bool on);
+    [[nodiscard]] bool bodiesVisible() const { return bodies_; }
     /// Triangles of an element to highlight (the places of a mesh issue); empty: none.
     void setHighlightedTriangles(PartId element, std::vector<std::int32_t> triangles);
+    /// A place of a character to point out; none: nothing.
+    void setMarked(std::optional<MarkedPlace> place);
+    void frameMarked();
 
     /// Takes back what is unfinished (Esc).
     void cancel();
@@ -77,7 +82,7 @@ Q_SIGNALS:
     /// cpuMs: solving, updating and drawing of one frame (about ten times a second while frames are drawn); fps: 0 while nothing moves.
     void frameMeasured(double cpuMs, double fps, int vertices, double uploadMs);
     void toolChanged(imomushi::ToolKind kind);
-    /// Projection, bones, grid or x-ray were switched, by whom ever.
+    /// Projection, bones, grid, bodies or x-ray were switched, by whom ever.
     void viewChanged();
 
 protected:
@@ -126,10 +131,11 @@ private:
     DeformOn deformOn_ = DeformOn::Automatic;
     bool swallowMenu_ = false;
 
-    bool bones_ = true, grid_ = true, xray_ = false;
+    bool bones_ = true, grid_ = true, bodies_ = false, xray_ = false;
     bool empty_ = true;           ///< there were no elements: the first that comes is framed
     PartId highlightedElement_ = 0;
     std::vector<std::int32_t> highlighted_;
+    std::optional<MarkedPlace> marked_;
 
     GlCanvas* canvas_ = nullptr;  ///< null: there is no OpenGL 3.3
     DocumentScene documentScene_;

@@ -41,7 +41,7 @@ void ActionStates::update() {
     const Session& session = document_.session();
     const auto& selection = document_.selection();
     const auto count = [&](auto... kinds) { return std::count_if(selection.begin(), selection.end(), [&](const SelectionItem& i) { return ((i.kind == kinds) || ...); }); };
-    a["delete"]->setEnabled(count(Kind::Element, Kind::Face, Kind::Bone) > 0);
+    a["delete"]->setEnabled(count(Kind::Element, Kind::Face, Kind::Bone, Kind::Character, Kind::Cut) > 0);
     a["rename"]->setEnabled(selection.size() == 1 && selection.front().kind != Kind::Endpoint);
     a["hide"]->setEnabled(count(Kind::Element) > 0);
     a["join"]->setEnabled(count(Kind::Face) == 2);

@@ -13,7 +13,10 @@
 
 #include "ui/dialogs/import_dialog.h"
 #include "ui/dialogs/recovery_dialog.h"
+#include "ui/jobs/character_job.h"
+#include "ui/models/body_texts.h"
 #include "ui/models/commands.h"
+#include "ui/models/paths.h"
 #include "ui/models/texts.h"
 
 namespace imomushi {
@@ -33,6 +36,7 @@ QString pathOf(const Session& session) { return QString::fromStdString(session.p
 struct FileFlow::Prepared {
     ImportRequest request;
     std::shared_ptr<const Result<ImportResult>> result;
+    std::shared_ptr<const PreparedCharacter> character;
 };
 
 FileFlow::FileFlow(StudioDocument& document, QWidget* window)
@@ -43,9 +47,23 @@ FileFlow::FileFlow(StudioDocument& document, QWidget* window)
         if (prepared->result && r.path == request.path && r.unit == request.unit && r.up == request.up && r.split == request.split) return *prepared->result;
         return importFile(request, progress);
     });
+    document.session().setCharacterImporter([prepared = prepared_](const ImportRequest& request, const Progress& progress) -> Result<CharacterFile> {
+        const PreparedCharacter* made = prepared->character.get();
+        return made && made->file && sameFile(made->request, request) ? *made->file : importCharacter(request, progress);
+    });
+    // Asked for right after the file, by the same command.
+    document.session().setBodyMaker([prepared = prepared_](const RenderModel& model, const BodySetting& setting, const Progress& progress) -> Result<Body> {
+        const PreparedCharacter* made = prepared->character.get();
+        if (made && made->body && made->setting.how == setting.how && made->setting.detail == setting.detail) return *made->body;
+        return makeBody(model.mesh.body, model.part, setting, progress);
+    });
 }
 
-FileFlow::~FileFlow() { document_.session().setImporter({}); }
+FileFlow::~FileFlow() {
+    document_.session().setImporter({});
+    document_.session().setCharacterImporter({});
+    document_.session().setBodyMaker({});
+}
 
 QString FileFlow::folder() const {
     const QString own = pathOf(document_.session());
@@ -153,7 +171,9 @@ void FileFlow::writeMesh() {
     const auto& selection = document_.selection();
     if (selection.size() == 1 && selection.front().kind == SelectionItem::Kind::Element)
         element = document_.document().elements.at(selection.front().part)->name;
-    if (document_.execute(commands::writeMesh(path.toStdString(), element))) Q_EMIT said(tr("Wrote “%1”").arg(QFileInfo(path).fileName()));
+    const CharacterSource* character = selection.size() == 1 ? characterOf(document_.document(), selection.front()) : nullptr;
+    const Json command = character ? commands::writeCharacterMesh(path.toStdString(), character->name) : commands::writeMesh(path.toStdString(), element);
+    if (document_.execute(command)) Q_EMIT said(tr("Wrote “%1”").arg(QFileInfo(path).fileName()));
 }
 
 void FileFlow::askImport() {
@@ -179,16 +199,24 @@ void FileFlow::nextImport() {
     connect(dialog, &QDialog::finished, this, [this, dialog](int answer) {
         importing_ = false;
         if (answer == QDialog::Accepted) {
-            *prepared_ = {dialog->request(), dialog->prepared()};
+            *prepared_ = {dialog->request(), dialog->prepared(), dialog->preparedCharacter()};
             const auto done = document_.execute(dialog->command());
             *prepared_ = {};
             if (done) {
                 const Json& elements = done->at("elements");
+                const Document& d = document_.document();
                 std::vector<SelectionItem> items;
-                for (const Json& element : elements)
-                    if (const Element* e = document_.document().elementNamed(element.at("name").get<std::string>())) items.push_back({SelectionItem::Kind::Element, e->id, {}, false});
-                document_.select(std::move(items));
+                if (done->contains("characters")) {
+                    for (const Json& character : done->at("characters"))
+                        if (const CharacterSource* c = d.characterNamed(character.at("name").get<std::string>())) items.push_back({SelectionItem::Kind::Character, c->id, {}, false});
+                } else {
+                    for (const Json& element : elements)
+                        if (const Element* e = d.elementNamed(element.at("name").get<std::string>())) items.push_back({SelectionItem::Kind::Element, e->id, {}, false});
+                }
+                document_.select(items);
                 Q_EMIT imported(int(elements.size()));
+                if (const CharacterSource* c = items.empty() ? nullptr : characterOf(d, items.front()))
+                    Q_EMIT said(tr("Imported “%1” as a whole character. Its body: %2.").arg(QString::fromStdString(c->name), bodyKindText(c->body->report.how)));
             }
         }
         nextImport();

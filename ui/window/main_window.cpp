@@ -148,6 +148,7 @@ void MainWindow::connectDocument() {
     const auto warning = [this](const QString& text) { messages().say(text, MessageBar::Tone::Warning); };
     connect(&document_, &StudioDocument::failed, this, warning);
     connect(&document_, &StudioDocument::frameStepped, this, &MainWindow::warn);
+    connect(&document_, &StudioDocument::madeCut, this, [this](const QString& text) { messages().offer(text, tr("Place bones"), [this] { setTool(ToolKind::Bone); }); });
     connect(&document_, &StudioDocument::offered, this, [this](const QString& text, const QString& label, const Json& command) {
         messages().offer(text, label, [this, command] {
             if (command == commands::precompute()) return startPrecompute();
@@ -222,6 +223,15 @@ void MainWindow::connectPanels() {
     connect(status_, &StatusStrip::precomputeWanted, this, &MainWindow::startPrecompute);
     connect(&docks_->issues(), &IssuesPanel::frameWanted, viewport_, [this] { viewport_->frameSelection(); });
     connect(&docks_->issues(), &IssuesPanel::markWanted, viewport_, &ViewportWidget::setHighlightedTriangles);
+    const auto mark = [this](PartId character, const std::vector<std::int32_t>& triangles, const std::optional<Vec3>& point) {
+        viewport_->setMarked(character ? std::optional(MarkedPlace{character, triangles, point}) : std::nullopt);
+    };
+    connect(&docks_->issues(), &IssuesPanel::placeWanted, this, mark);
+    connect(&docks_->issues(), &IssuesPanel::placeFrameWanted, viewport_, &ViewportWidget::frameMarked);
+    connect(&inspector(), &InspectorPanel::placeWanted, this, [this, mark](PartId character, const Vec3& point) {
+        mark(character, {}, point);
+        viewport_->frameMarked();
+    });
 }
 
 void MainWindow::connectView() {

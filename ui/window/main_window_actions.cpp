@@ -137,11 +137,13 @@ void MainWindow::connectViewActions() {
     onToggle("orthographic", [this](bool checked) { viewport_->setOrthographic(checked); });
     onToggle("bones", [this](bool checked) { viewport_->setBonesVisible(checked); });
     onToggle("grid", [this](bool checked) { viewport_->setGridVisible(checked); });
+    onToggle("bodies", [this](bool checked) { viewport_->setBodiesVisible(checked); });
     onToggle("xray", [this](bool checked) { viewport_->setXray(checked); });
     const auto follow = [this, &a] {
         a["orthographic"]->setChecked(viewport_->orthographic());
         a["bones"]->setChecked(viewport_->bonesVisible());
         a["grid"]->setChecked(viewport_->gridVisible());
+        a["bodies"]->setChecked(viewport_->bodiesVisible());
         a["xray"]->setChecked(viewport_->xray());
     };
     connect(viewport_, &ViewportWidget::viewChanged, this, follow);

@@ -48,7 +48,7 @@ void StudioMenus::buildMenus(const QList<QAction*>& panels) {
     fill(*addMenu(nullptr, QT_TR_NOOP("&Perform")), {"record", "count-in", "", "play", "take-back", "take-forward", "loop", "leave-take", "", "mark-in", "mark-out", "mark-none", "trim-take", "",
                                                      "rename-take", "duplicate-take", "remove-take"});
     QMenu* view = addMenu(nullptr, QT_TR_NOOP("&View"));
-    fill(*view, {"frame-all", "frame-selection", "", "view-front", "view-right", "view-top", "orthographic", "", "bones", "grid", "xray", "", "hide", "show-all", ""});
+    fill(*view, {"frame-all", "frame-selection", "", "view-front", "view-right", "view-top", "orthographic", "", "bones", "grid", "bodies", "xray", "", "hide", "show-all", ""});
     addMenu(view, QT_TR_NOOP("&Panels"))->addActions(panels);
     fill(*addMenu(view, QT_TR_NOOP("&Theme")), {"theme-dark", "theme-light", "theme-contrast"});
     fill(*addMenu(view, QT_TR_NOOP("&Language")), {"language-en", "language-ja"});

@@ -35,6 +35,7 @@ public:
 signals:
     void rowsChanged();  ///< what is shown is no longer made of the same rows
     void precomputeWanted();
+    void placeWanted(imomushi::PartId character, const imomushi::Vec3& point);
 
 protected:
     using Get = std::function<std::optional<double>(const SelectionItem&)>;

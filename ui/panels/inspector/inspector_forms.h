@@ -41,6 +41,28 @@ public:
     FaceForm(StudioDocument& document, const SelectionItem& item, QWidget* parent);
 };
 
+/// A whole character: how its body was made and how far that is from what is seen, and its cuts.
+class WholeCharacterForm : public InspectorForm {
+    Q_OBJECT
+public:
+    WholeCharacterForm(StudioDocument& document, const SelectionItem& item, QWidget* parent);
+
+private:
+    void addBody(const CharacterSource& character);
+    void addGaps(const CharacterSource& character);
+};
+
+/// A cut: its plane, and what lies beside it.
+class CutForm : public InspectorForm {
+    Q_OBJECT
+public:
+    CutForm(StudioDocument& document, const SelectionItem& item, QWidget* parent);
+
+private:
+    void addPlane(const SelectionItem& item);
+    [[nodiscard]] QString beside(const SelectionItem& item, bool front) const;
+};
+
 /// A handle: its disc, what carries it, and where it is held.
 class HandleForm : public InspectorForm {
     Q_OBJECT

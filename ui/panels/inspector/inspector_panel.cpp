@@ -79,6 +79,7 @@ void InspectorPanel::rebuild() {
         updateSoon();
     });
     connect(form_, &InspectorForm::precomputeWanted, this, &InspectorPanel::precomputeWanted);
+    connect(form_, &InspectorForm::placeWanted, this, &InspectorPanel::placeWanted);
     setWidget(form_);
     form_->refresh();
     verticalScrollBar()->setValue(scrolled);
@@ -88,7 +89,7 @@ InspectorForm* InspectorPanel::makeForm() {
     // What is alike is edited together: the kind of the last one selected leads.
     InspectorForm::Items alike;
     for (const SelectionItem& item : shown_)
-        if (item.kind == shown_.back().kind && (elementOf(document_.document(), item) || boneOf(document_.document(), item))) alike.push_back(item);
+        if (item.kind == shown_.back().kind && (elementOf(document_.document(), item) || boneOf(document_.document(), item) || characterOf(document_.document(), item))) alike.push_back(item);
     if (alike.empty()) return new CharacterForm(document_, viewport());
     switch (alike.back().kind) {
         case Kind::Element: return new ElementForm(document_, alike, viewport());
@@ -96,6 +97,8 @@ InspectorForm* InspectorPanel::makeForm() {
             if (handleOf(document_.document(), alike.back())) return new HandleForm(document_, alike.back(), viewport());
             return new FaceForm(document_, alike.back(), viewport());
         case Kind::Bone: return new BoneForm(document_, alike, viewport());
+        case Kind::Character: return new WholeCharacterForm(document_, alike.back(), viewport());
+        case Kind::Cut: return new CutForm(document_, alike.back(), viewport());
         case Kind::Endpoint: break;
     }
     return new EndpointForm(document_, alike.back(), viewport());

@@ -19,6 +19,8 @@ public:
 
 signals:
     void precomputeWanted();
+    /// A place of a character (m, at rest) is to be shown.
+    void placeWanted(imomushi::PartId character, const imomushi::Vec3& point);
 
 protected:
     void changeEvent(QEvent* event) override;

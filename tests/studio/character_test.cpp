@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <QComboBox>
+#include <QFile>
+#include <QTextStream>
+
+#include "tests/studio/window.h"
+#include "tests/support/shapes.h"
+#include "ui/models/issue_model.h"
+#include "ui/panels/inspector/inspector_panel.h"
+#include "ui/panels/outliner_panel.h"
+#include "ui/scene/cut_frame.h"
+
+using namespace imomushi;
+
+namespace {
+
+/// A tube of 6 m along x, of radius 0.5, open at both ends: no element can be made of it.
+QString writeTube(const QString& path) {
+    const TriangleMesh mesh = shapes::cylinder(0.5, 6.0, 24, 30).mesh;
+    const double low = mesh.vertices.col(2).minCoeff(), high = mesh.vertices.col(2).maxCoeff();
+    QFile file(path);
+    REQUIRE(file.open(QIODevice::WriteOnly));
+    QTextStream out(&file);
+    for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) out << "v " << mesh.vertices(v, 2) << ' ' << mesh.vertices(v, 1) << ' ' << -mesh.vertices(v, 0) << '\n';
+    for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) {
+        const auto all = [&](double z) {
+            for (int k = 0; k < 3; ++k)
+                if (mesh.vertices(mesh.triangles(t, k), 2) != z) return false;
+            return true;
+        };
+        if (!all(low) && !all(high)) out << "f " << mesh.triangles(t, 0) + 1 << ' ' << mesh.triangles(t, 1) + 1 << ' ' << mesh.triangles(t, 2) + 1 << '\n';
+    }
+    return path;
+}
+
+}  // namespace
+
+TEST_CASE("studio: an open mesh comes in as a whole character, is cut by a click, and bends when it is dragged") {
+    Window w;
+    w.import(writeTube(w.folder.filePath(QStringLiteral("tube.obj"))));
+    REQUIRE(w.now().characters.size() == 1);
+    REQUIRE(w.now().elements.size() == 1);
+    const auto character = [&]() -> const CharacterSource& { return *w.now().characters.begin()->second; };
+    CHECK(character().body->report.how == BodyKind::Mended);
+    CHECK(w.document().selection() == std::vector{SelectionItem{SelectionItem::Kind::Character, character().id, {}, false}});
+    w.shoot("character-imported");
+
+    // A click of the face tool cuts the tube across; both pieces are joined.
+    w.trigger("tool-face");
+    w.look(Vec3(0.3, 0.4, 1.0));
+    const int before = w.document().session().position();
+    w.click(w.onScreen(Vec3(0.8, 0.2, 0.458)));
+    REQUIRE(character().cuts.size() == 1);
+    CHECK(w.document().session().position() == before + 1);
+    CHECK(w.now().elements.size() == 2);
+    CHECK(w.now().joints.size() == 1);
+    CHECK(w.window().messages().isVisible());
+    w.shoot("character-cut");
+    w.trigger("undo");
+    CHECK(character().cuts.empty());
+    w.trigger("redo");
+    REQUIRE(character().cuts.size() == 1);
+    const SelectionItem cut{SelectionItem::Kind::Cut, character().cuts[0].id, {}, false};
+    w.document().select({cut});
+    w.settle();
+    w.shoot("character-cut-selected");
+
+    // Its plane is dragged with the mouse.
+    const auto frame = cutFrame(w.document().session(), cut.part);
+    REQUIRE(frame.has_value());
+    const double was = character().cuts[0].plane.origin.x();
+    const Vec3 grip = frame->centre + 0.6 * frame->reach * Vec3::UnitY();
+    const QPoint from = w.onScreen(grip), to = w.onScreen(grip + 0.5 * Vec3::UnitX());
+    QTest::mouseMove(&w.view(), from);
+    w.settle();
+    QTest::mousePress(&w.view(), Qt::LeftButton, {}, from);
+    for (int i = 1; i <= 5; ++i) {
+        QTest::mouseMove(&w.view(), from + (to - from) * i / 5);
+        w.settle();
+    }
+    w.shoot("character-cut-dragging");
+    QTest::mouseRelease(&w.view(), Qt::LeftButton, {}, to);
+    w.settle();
+    CHECK(w.document().session().position() == before + 2);
+    CHECK(std::abs(character().cuts[0].plane.origin.x() - was - 0.5) < 0.1);
+
+    // Bones from end to end through the cut, precompute, drag.
+    std::array<std::string, 2> names;
+    for (const auto& [id, element] : w.now().elements) names[element->piece->sides[0].front ? 1 : 0] = element->name;
+    const std::string face = names[0] + "/" + w.now().elementNamed(names[0])->faces[0].name;
+    w.run({{"do", "add-bone"}, {"name", "trunk"}, {"element", names[0]}, {"from", {-2.9, 0, 0}}, {"to", face}});
+    w.run({{"do", "add-bone"}, {"name", "tip"}, {"element", names[1]}, {"from", "trunk/end"}, {"to", {2.9, 0, 0}}});
+    w.run({{"do", "pin"}, {"endpoint", "trunk/start"}});
+    w.window().actions()["precompute"]->trigger();
+    waitFor([&] { return !w.window().precomputeJob().running(); });
+    for (const auto& [id, element] : w.now().elements) CHECK(w.document().session().responseState(id) == Session::ResponseState::Fresh);
+    w.trigger("tool-pose");
+    w.look(Vec3(0.3, 0.4, 1.0));
+    const EndpointRef tip{w.now().boneNamed("tip")->id, true};
+    const QPoint start = w.view().onScreen(tip)->toPoint();
+    QTest::mouseMove(&w.view(), start);
+    w.settle();
+    QTest::mousePress(&w.view(), Qt::LeftButton, {}, start);
+    for (int i = 1; i <= 10; ++i) {
+        QTest::mouseMove(&w.view(), start + QPoint(-8 * i, -16 * i));
+        w.settle();
+    }
+    QTest::mouseRelease(&w.view(), Qt::LeftButton, {}, start + QPoint(-80, -160));
+    w.settle();
+    w.shoot("character-dragged");
+    const Points now = w.document().session().renderPositionsOf(character().id);
+    const Points& rest = character().model->mesh.body.vertices;
+    CHECK(now.allFinite());
+    CHECK((now - rest).rowwise().norm().maxCoeff() > 0.5);
+    CHECK(now.rows() == rest.rows());
+
+    // The outliner has the cut under its character; Delete takes it out, and what hung on it.
+    w.document().select({cut});
+    w.settle();
+    w.trigger("delete");
+    CHECK(character().cuts.empty());
+    CHECK(w.now().elements.size() == 1);
+}
+
+TEST_CASE("studio: the import dialog offers what fits the file first, and the artist may choose otherwise") {
+    Window w;
+    const QString clean = QStringLiteral(IMOMUSHI_TEST_DATA "/reference/a_cylinder_coarse.obj");
+    const QString open = writeTube(w.folder.filePath(QStringLiteral("tube.obj")));
+    for (const auto& [path, whole] : {std::pair{clean, false}, std::pair{open, true}}) {
+        ImportDialog dialog(path, &w.window());
+        dialog.open();
+        auto* button = dialog.findChild<QPushButton*>(QStringLiteral("importButton"));
+        waitFor([&] { return button->isEnabled(); });
+        auto* card = dialog.findChild<QAbstractButton*>(QStringLiteral("wholeCharacter"));
+        CHECK(card->isChecked() == whole);
+        CHECK(dialog.command().at("do") == (whole ? "import-character" : "import-element"));
+        CHECK(cutOff(dialog) == "");
+        if (whole) continue;
+        // A clean mesh as a whole character, with a body that is wrapped on purpose.
+        card->click();
+        waitFor([&] { return button->isEnabled(); });
+        auto* body = dialog.findChild<QComboBox*>(QStringLiteral("body"));
+        body->setCurrentIndex(3);
+        Q_EMIT body->activated(3);
+        CHECK(!button->isEnabled());
+        waitFor([&] { return button->isEnabled(); });
+        CHECK(dialog.command().at("do") == "import-character");
+        CHECK(dialog.command().at("body") == "wrapped");
+        CHECK(cutOff(dialog) == "");
+        dialog.reject();
+    }
+}
+
+TEST_CASE("studio: the outliner lists cuts under their character, the inspector has forms of both, and a gap that is closed can be looked at") {
+    Window w;
+    w.import(writeTube(w.folder.filePath(QStringLiteral("tube.obj"))));
+    const PartId id = w.now().characters.begin()->first;
+    w.run({{"do", "cut"}, {"element", w.now().characters.begin()->second->name}, {"plane", {{"origin", {0.8, 0, 0}}, {"normal", {1, 0, 0}}}}, {"name", "waist"}});
+    const SelectionItem whole{SelectionItem::Kind::Character, id, {}, false}, cut{SelectionItem::Kind::Cut, w.now().characters.begin()->second->cuts[0].id, {}, false};
+    const auto shows = [&](const char* text) {
+        for (const QLabel* label : w.window().inspector().findChildren<QLabel*>())
+            if (label->isVisible() && label->text() == QLatin1String(text)) return true;
+        return false;
+    };
+    w.document().select({cut});
+    w.settle();
+    CHECK(shows("waist"));
+    CHECK(shows("Origin at rest"));
+    CHECK(cutOff(w.window().inspector()) == "");
+    w.shoot("cut-inspector");
+    w.document().select({whole});
+    w.settle();
+    CHECK(shows("mended"));
+    CHECK(cutOff(w.window().inspector()) == "");
+    w.shoot("character-inspector");
+
+    OutlinerModel model(w.document());
+    const QModelIndex at = model.indexOf(cut);
+    REQUIRE(at.isValid());
+    CHECK(model.item(at.parent()) == whole);
+    CHECK(at.data().toString() == QStringLiteral("waist"));
+    CHECK(model.setData(at, QStringLiteral("belt"), Qt::EditRole));
+    CHECK(w.now().characters.begin()->second->cuts[0].name == "belt");
+
+    w.view().setMarked(MarkedPlace{id, {0}, Vec3(0, 0.5, 0)});
+    w.view().frameMarked();
+    w.cameraStands();
+    CHECK(w.view().onScreen(Vec3(0, 0.5, 0)).has_value());
+    w.trigger("bodies");
+    CHECK(w.view().bodiesVisible());
+    w.shoot("bodies");
+}

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <QLocale>
+#include <QPushButton>
+#include <algorithm>
+
+#include "core/mesh/bounds.h"
+#include "ui/models/body_texts.h"
+#include "ui/models/paths.h"
+#include "ui/models/texts.h"
+#include "ui/panels/inspector/inspector_forms.h"
+#include "ui/widgets/appearance.h"
+
+namespace imomushi {
+namespace {
+
+/// Gaps that get a row of their own; the list of issues has all.
+constexpr std::size_t kGapRows = 6;
+
+}  // namespace
+
+WholeCharacterForm::WholeCharacterForm(StudioDocument& document, const SelectionItem& item, QWidget* parent) : InspectorForm(document, parent) {
+    addHeading(QStringLiteral("character"), [this, item] { return title(item); }, tr("Character"));
+    addSection();
+    addName(item);
+    const CharacterSource* character = characterOf(now(), item);
+    if (!character) return;
+    addBody(*character);
+    addGaps(*character);
+    addSection(tr("Contents"));
+    const auto count = [](qlonglong n) { return QLocale().toString(n); };
+    const TriangleMesh& mesh = character->model->mesh.body;
+    addFact(tr("Parts"), [count, n = character->model->parts.size()] { return count(qlonglong(n)); });
+    addFact(tr("Vertices"), [count, n = mesh.vertices.rows()] { return count(n); });
+    addFact(tr("Triangles"), [count, n = mesh.triangles.rows()] { return count(n); });
+    addFact(tr("Elements"), [this, count, id = character->id] { return count(qlonglong(now().elementsOf(id).size())); });
+    addFact(tr("Cuts"), [this, item] {
+        const CharacterSource* c = characterOf(now(), item);
+        QStringList names;
+        for (std::size_t i = 0; c && i < c->cuts.size(); ++i) names << QString::fromStdString(c->cuts[i].name);
+        return names.isEmpty() ? tr("none") : names.join(QStringLiteral(", "));
+    });
+}
+
+void WholeCharacterForm::addBody(const CharacterSource& character) {
+    const Body& body = *character.body;
+    const BodyReport& report = body.report;
+    const double diagonal = diagonalOf(character.model->mesh.body.vertices);
+    addSection(tr("Body"));
+    addFact(tr("Made"), [how = report.how] { return bodyKindText(how); });
+    addFact(tr("Vertices"), [n = body.mesh.vertices.rows()] { return QLocale().toString(qlonglong(n)); });
+    const auto distance = [diagonal](double share) { return share == 0.0 ? tr("none") : tr("%1 (%2)").arg(lengthText(share * diagonal), diagonalShareText(share)); };
+    addFact(tr("Distance"), [distance, d = report.distanceRms] { return distance(d); });
+    addFact(tr("Largest distance"), [distance, d = report.distanceLargest] { return distance(d); });
+    addFact(tr("Volume error"), [e = report.volumeError] { return e < 0.0 ? tr("unknown: the mesh encloses none") : tr("%1 %").arg(QLocale().toString(100.0 * e, 'g', 2)); });
+    if (report.detail > 0.0) addFact(tr("Detail"), [d = report.detail] { return diagonalShareText(d); });
+    if (report.components > 1) addFact(tr("Separate surfaces"), [n = report.components] { return QLocale().toString(n); });
+}
+
+void WholeCharacterForm::addGaps(const CharacterSource& character) {
+    const ClosedGaps& gaps = character.body->report.gaps;
+    if (gaps.places.empty()) return;
+    addSection(tr("Gaps that the body closes"));
+    addFact(tr("Walls"), [a = gaps.area] { return tr("%1 % of the surface").arg(QLocale().toString(100.0 * a, 'g', 2)); });
+    addFact(tr("Width"), [g = gaps] { return tr("%1 to %2").arg(diagonalShareText(g.narrowest), diagonalShareText(g.widest)); });
+    for (std::size_t i = 0; i < std::min(gaps.places.size(), kGapRows); ++i) {
+        auto* show = new QPushButton(themedIcon(QStringLiteral("frame")), tr("Show"), this);
+        addRow(tr("Place %1").arg(i + 1), show);
+        connect(show, &QPushButton::clicked, this, [this, id = character.id, place = gaps.places[i]] { Q_EMIT placeWanted(id, place); });
+    }
+    if (gaps.places.size() > kGapRows) addFact(tr("More"), [n = gaps.places.size() - kGapRows] { return tr("%n more in the list of issues", nullptr, int(n)); });
+}
+
+}  // namespace imomushi

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/tools/cut_drag.h"
+
+#include <cmath>
+#include <limits>
+
+#include "ui/models/commands.h"
+#include "ui/models/paths.h"
+#include "ui/models/texts.h"
+#include "ui/tools/picking.h"
+#include "ui/tools/tool_texts.h"
+
+namespace imomushi {
+namespace {
+
+/// With Ctrl, normals this near to an axis of the world are that axis.
+constexpr double kSnapCosine = 0.94;  // 20 degrees
+
+/// How far along a line (unit direction) the pointer's ray comes nearest to it; none: it looks along the line.
+std::optional<double> alongLine(const PointerEvent& e, const Vec3& point, const Vec3& direction) {
+    const double across = direction.dot(e.rayDirection), square = 1.0 - across * across;
+    if (square < 1e-3) return std::nullopt;
+    const Vec3 w = e.rayOrigin - point;
+    return (w.dot(direction) - across * w.dot(e.rayDirection)) / square;
+}
+
+}  // namespace
+
+std::optional<CutDrag::Grip> CutDrag::grip(const PointerEvent& e) const {
+    if (document_.selection().size() != 1) return std::nullopt;
+    const SelectionItem& item = document_.selection().front();
+    if (!cutOf(document_.document(), item)) return std::nullopt;
+    const auto frame = cutFrame(document_.session(), item.part);
+    if (!frame) return std::nullopt;
+    const auto tip = e.onScreen(frame->centre + frame->reach * frame->normal);
+    if (tip && (*tip - Eigen::Vector2d(e.x, e.y)).norm() <= kEndpointPixels) return Grip{item.part, true, *frame};
+    // The square around the section, as it is drawn; seen from its edge, whatever is near to the line that it is then.
+    const Vec3 far = Vec3::Constant(std::numeric_limits<double>::infinity());
+    const Vec3 under = e.onPlane(frame->centre, frame->normal, far);
+    if (under.allFinite() && (under - frame->centre).norm() <= frame->reach) return Grip{item.part, false, *frame};
+    for (const auto& loop : frame->rim)
+        for (const Vec3& p : loop)
+            if (const auto at = e.onScreen(p); at && (*at - Eigen::Vector2d(e.x, e.y)).norm() <= kBonePixels) return Grip{item.part, false, *frame};
+    return std::nullopt;
+}
+
+bool CutDrag::press(const PointerEvent& e) {
+    if (drag_ || e.button != Qt::LeftButton) return false;
+    auto taken = grip(e);
+    if (!taken) return false;
+    const auto& character = *characterOf(document_.document(), {SelectionItem::Kind::Cut, taken->cut, {}, false});
+    Drag drag;
+    drag.centre = taken->frame.centre;
+    drag.normal = taken->frame.normal;
+    const Vec3 tip = drag.centre + taken->frame.reach * drag.normal;
+    drag.held = taken->turns ? e.onPlane(tip, e.viewForward, tip) : Vec3(drag.centre + alongLine(e, drag.centre, drag.normal).value_or(0.0) * drag.normal);
+    drag.pressed = {e.x, e.y};
+    drag.grip = std::move(*taken);
+    drag.sections = std::make_unique<SectionFinder>(character.body, character.body->mesh);
+    drag_ = std::move(drag);
+    return true;
+}
+
+void CutDrag::move(const PointerEvent& e) {
+    if (!drag_) return;
+    Drag& drag = *drag_;
+    if (!drag.moved && (Eigen::Vector2d(e.x, e.y) - drag.pressed).norm() < kDragPixels) return;
+    drag.moved = true;
+    const CutFrame& frame = drag.grip.frame;
+    if (drag.grip.turns) {
+        const Vec3 under = e.onPlane(drag.held, e.viewForward, drag.held);
+        const Vec3 tip = drag.centre + frame.reach * drag.normal + e.pace() * (under - drag.held);
+        drag.held = under;
+        if ((tip - drag.centre).norm() > 1e-3 * frame.reach) drag.normal = (tip - drag.centre).normalized();
+        if (e.modifiers & Qt::ControlModifier)
+            for (int axis = 0; axis < 3; ++axis)
+                if (std::abs(drag.normal[axis]) > kSnapCosine) drag.normal = std::copysign(1.0, drag.normal[axis]) * Vec3::Unit(axis);
+    } else if (const auto along = alongLine(e, frame.centre, frame.normal)) {
+        drag.along += e.pace() * (*along - (drag.held - frame.centre).dot(frame.normal));
+        drag.held = frame.centre + *along * frame.normal;
+        drag.centre = frame.centre + drag.along * frame.normal;
+    }
+    preview();
+}
+
+CutPlane CutDrag::plane() const {
+    const CutFrame& frame = drag_->grip.frame;
+    return {frame.atRest(drag_->centre), frame.turn.inverse() * drag_->normal};
+}
+
+void CutDrag::preview() {
+    drag_->outline.clear();
+    drag_->refusal.clear();
+    const CutFrame& frame = drag_->grip.frame;
+    const auto outline = drag_->sections->at(plane());
+    if (!outline) {
+        drag_->refusal = errorText(outline.error());
+        return;
+    }
+    const TriangleMesh& body = drag_->sections->body();
+    drag_->outline = drag_->sections->placed(*outline, [&](std::int32_t v) { return Vec3(frame.centre + frame.turn * (body.vertices.row(v).transpose() - frame.restCentre)); });
+}
+
+void CutDrag::release(const PointerEvent& e) {
+    if (!drag_ || e.button != Qt::LeftButton) return;
+    const CutPlane to = plane();
+    const Grip grip = drag_->grip;
+    const bool moved = drag_->moved;
+    drag_.reset();
+    const Cut* cut = cutOf(document_.document(), {SelectionItem::Kind::Cut, grip.cut, {}, false});
+    if (!moved || !cut) return;
+    const std::string name = cut->name;
+    const auto done = document_.execute(commands::moveCut(name, to.origin, to.normal), true);
+    if (done) return;
+    const QString reason = errorText(done.error());
+    if (const auto nearest = nearestCut(document_.document(), grip.frame.elements[0], grip.cut, to))
+        Q_EMIT document_.offered(reason, ToolTexts::tr("Move it to the nearest place that works"), commands::moveCut(name, nearest->origin, nearest->normal));
+    else
+        Q_EMIT document_.failed(reason);
+}
+
+bool CutDrag::key(int key) {
+    if (!drag_ || (key != Qt::Key_X && key != Qt::Key_Y && key != Qt::Key_Z)) return false;
+    const Vec3 axis = Vec3::Unit(key - Qt::Key_X);
+    drag_->normal = axis.dot(drag_->normal) < 0.0 ? Vec3(-axis) : axis;
+    drag_->moved = true;
+    preview();
+    return true;
+}
+
+QString CutDrag::hint() const {
+    if (!drag_) return ToolTexts::tr("Drag the plane: move the cut · Drag its arrow: turn · Delete: remove");
+    const QString keys = ToolTexts::tr("Release: cut here · Shift: fine · Ctrl: axes · X, Y, Z: turn · Esc: cancel");
+    return drag_->refusal.isEmpty() ? keys : drag_->refusal + QStringLiteral(" · ") + ToolTexts::tr("Esc: cancel");
+}
+
+void CutDrag::decorate(render::Scene& scene) const {
+    if (!drag_ || !drag_->moved) return;
+    render::Marker plane;
+    plane.shape = render::Marker::Shape::PlaneGizmo;
+    plane.from = drag_->centre;
+    plane.to = drag_->centre + drag_->grip.frame.reach * drag_->normal;
+    plane.hovered = true;
+    scene.markers.push_back(std::move(plane));
+    for (const auto& loop : drag_->outline) {
+        render::Marker rim;
+        rim.shape = render::Marker::Shape::FaceOutline;
+        rim.outline = loop;
+        rim.from = rim.to = loop.front();
+        rim.hovered = true;
+        scene.markers.push_back(std::move(rim));
+    }
+}
+
+}  // namespace imomushi

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "ui/scene/cut_frame.h"
+#include "ui/tools/cut_preview.h"
+#include "ui/tools/tool.h"
+
+namespace imomushi {
+
+/// Moves and turns the selected cut: its plane slides along its normal, the tip of its arrow turns it. The section under way is shown; the cut itself moves when the
+/// button is let go, in one undo step.
+class CutDrag {
+public:
+    explicit CutDrag(StudioDocument& document) : document_(document) {}
+    /// True: it took hold of the plane of the selected cut.
+    bool press(const PointerEvent& e);
+    void move(const PointerEvent& e);
+    void release(const PointerEvent& e);
+    void cancel() { drag_.reset(); }
+    [[nodiscard]] bool busy() const { return drag_.has_value(); }
+    [[nodiscard]] bool moved() const { return drag_ && drag_->moved; }
+    /// X, Y, Z turn the plane that is dragged to an axis. True: used.
+    bool key(int key);
+    /// The pointer is over what can be dragged.
+    [[nodiscard]] bool over(const PointerEvent& e) const { return grip(e).has_value(); }
+    [[nodiscard]] QString hint() const;
+    void decorate(render::Scene& scene) const;
+
+private:
+    struct Grip {
+        PartId cut = 0;
+        bool turns = false;
+        CutFrame frame;
+    };
+    struct Drag {
+        Grip grip;
+        std::unique_ptr<SectionFinder> sections;
+        Vec3 centre = Vec3::Zero(), normal = Vec3::UnitX();  ///< of the plane under way, world
+        Vec3 held = Vec3::Zero();                            ///< where the pointer was at the last move, m, world
+        double along = 0.0;                                  ///< that the plane was moved, m
+        bool moved = false;
+        Eigen::Vector2d pressed = Eigen::Vector2d::Zero();   ///< logical pixels
+        std::vector<std::vector<Vec3>> outline;              ///< of the section, world
+        QString refusal;
+    };
+    [[nodiscard]] std::optional<Grip> grip(const PointerEvent& e) const;
+    [[nodiscard]] CutPlane plane() const;  ///< under way, at rest
+    void preview();
+
+    StudioDocument& document_;
+    std::optional<Drag> drag_;
+};
+
+}  // namespace imomushi
