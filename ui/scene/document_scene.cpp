@@ -25,8 +25,6 @@ constexpr float kBodyOpacity = 0.6f;
 // Arrows of a handle are this many times as long as its disc is wide in half.
 constexpr double kHandleAxis = 1.6;
 
-bool contains(const std::vector<std::uint64_t>& ids, std::uint64_t id) { return std::find(ids.begin(), ids.end(), id) != ids.end(); }
-
 }  // namespace
 
 std::uint64_t sceneId(const ScenePart& part) {
@@ -131,7 +129,7 @@ void DocumentScene::addBody(Session& session, const Element& element, ElementPar
     body.color = element.color;
     body.opacity = element.piece ? kBodyOpacity : options.bodyOpacity;
     body.pickable = !element.locked && !element.piece;
-    body.selected = contains(options.selected, item) && !element.piece;
+    body.selected = options.isSelected(item) && !element.piece;
     body.hovered = options.hovered == item && !element.piece;
     body.outdated = session.responseState(element.id) == Session::ResponseState::Stale;
     body.positions = p.restPositions.data();
@@ -197,7 +195,7 @@ void DocumentScene::addFaces(const Document& document, const SceneOptions& optio
             render::Marker marker;
             marker.shape = render::Marker::Shape::FaceOutline;
             marker.id = sceneId({ScenePart::Kind::Face, id, f, false});
-            marker.selected = contains(options.selected, marker.id);
+            marker.selected = options.isSelected(marker.id);
             marker.hovered = options.hovered == marker.id;
             const FaceRef ref{id, p.element->faces[f].name};
             if (p.element->handleOf(ref.face) ? !options.bones : !options.faces) continue;
@@ -239,7 +237,7 @@ void DocumentScene::addBones(Session& session, const SceneOptions& options, rend
         marker.id = sceneId({ScenePart::Kind::Bone, id, -1, false});
         marker.from = *from;
         marker.to = *to;
-        marker.selected = contains(options.selected, marker.id);
+        marker.selected = options.isSelected(marker.id);
         marker.hovered = options.hovered == marker.id;
         scene.markers.push_back(marker);
         for (const bool atEnd : {false, true}) {
@@ -252,7 +250,7 @@ void DocumentScene::addBones(Session& session, const SceneOptions& options, rend
             if (atEnd && !point.representative.atEnd) point.representative = end;
             point.marker.from = point.marker.to = atEnd ? *to : *from;
             const std::uint64_t own = sceneId({ScenePart::Kind::Endpoint, id, -1, atEnd});
-            point.marker.selected = point.marker.selected || contains(options.selected, own);
+            point.marker.selected = point.marker.selected || options.isSelected(own);
             point.marker.hovered = point.marker.hovered || options.hovered == own;
             if (const auto held = document.goals.find(end); held != document.goals.end())
                 point.marker.shape = held->second.pinned ? render::Marker::Shape::PinnedPoint : render::Marker::Shape::HeldPoint;
@@ -278,7 +276,7 @@ void DocumentScene::addHandles(Session& session, const SceneOptions& options, re
                 point.shape = goal->second.pinned ? render::Marker::Shape::PinnedPoint : render::Marker::Shape::HeldPoint;
             point.id = sceneId({ScenePart::Kind::Face, id, face, false});
             point.from = point.to = pose->at;
-            point.selected = contains(options.selected, point.id);
+            point.selected = options.isSelected(point.id);
             point.hovered = options.hovered == point.id;
             if (point.selected || point.hovered) {
                 const JointFace& of = element->faces[static_cast<std::size_t>(face)];

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -43,6 +44,7 @@ struct SceneOptions {
     /// A place to point out on the render mesh of a character; null: none.
     const MarkedPlace* marked = nullptr;
     std::vector<std::uint64_t> selected;  ///< scene ids
+    [[nodiscard]] bool isSelected(std::uint64_t id) const { return std::find(selected.begin(), selected.end(), id) != selected.end(); }
     std::uint64_t hovered = 0;
     /// The renderer that will draw the scene, with its context current: its GPU deforms what it can. Null: the processor deforms all, which gives the same
     /// bytes on every machine.
