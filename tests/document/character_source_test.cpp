@@ -76,7 +76,7 @@ TEST_CASE("characters: parts that overlap and meshes that are open get a body, t
         Workbench w;
         const Json answer = w.good({{"do", "import-character"}, {"path", name}});
         CHECK(answer["body"]["how"] != "exact");
-        CHECK(answer["body"]["distance"]["largest"].get<double>() < 0.1);
+        CHECK(answer["body"]["distance"]["largest"].get<double>() < 0.25);  // what lies inside the other ball is up to a radius off
         CHECK(answer["body"]["seconds"].get<double>() >= 0.0);
         const Element& body = *w.session.document().elements.begin()->second;
         CHECK(body.mesh->connectivity().facts().outward);
