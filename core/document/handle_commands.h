@@ -6,11 +6,11 @@
 
 namespace imomushi {
 
-/// Makes a handle of a disc about the place of the surface nearest to `point`. Errors: those of jointFaceByDisc(), "bad-point" (too far from the surface), "shared-rim" (it
+/// The face of a handle: the disc about the place of the surface nearest to `point`. Errors: those of jointFaceByDisc(), "bad-point" (too far from the surface), "shared-rim" (it
 /// overlaps another face), "no-free-vertex".
 Result<JointFace> handleFace(const Element& element, const Vec3& point, double radius, std::string_view instead = {});
 
-/// What a handle has at most: parts of the diagonal of its element. Unless one says, its radius is the default.
+/// Radii as parts of the diagonal of the element: unless one is given, and the largest.
 inline constexpr double kDefaultHandleRadius = 0.05, kLargestHandleRadius = 0.5;
 
 /// Forgets a handle of a face that goes; the face stays.

@@ -22,7 +22,7 @@ struct HandleBench : Workbench {
     }
     Vec3 place(const std::string& handle) {
         const Json at = good({{"do", "measure"}, {"what", "position"}, {"endpoint", handle}})["value"];
-        return {at[0], at[1], at[2]};
+        return Vec3(at[0].get<double>(), at[1].get<double>(), at[2].get<double>());
     }
     /// Where its middle is at rest.
     Vec3 rest(const std::string& handle) {
