@@ -27,7 +27,7 @@ constexpr double kSingle = 2e-6;
 // entry of a mode, and modes add up by chance. Int16: 2^-16, and as much again for weights of 16 bits, times the modes that add up.
 double allowed(ResponseFormat format) { return format == ResponseFormat::Float ? kSingle : format == ResponseFormat::Half ? 6e-4 : 1.5e-4; }
 
-Eigen::VectorXd randomVector(std::mt19937& random, Eigen::Index n) {
+Eigen::VectorXd randomNumbers(std::mt19937& random, Eigen::Index n) {
     std::uniform_real_distribution<double> d(-1.0, 1.0);
     Eigen::VectorXd out(n);
     for (Eigen::Index i = 0; i < n; ++i) out[i] = d(random);
@@ -53,12 +53,12 @@ struct Made {
     Made(int points, int columns, double size = 1.0) : vertices(points, 3) {
         std::mt19937 random(static_cast<unsigned>(points + columns));
         for (int i = 0; i < points; ++i) {
-            vertices.row(i) = size * randomVector(random, 3).transpose();
+            vertices.row(i) = size * randomNumbers(random, 3).transpose();
             if (i % 7 != 3 && (i < 40 || i > 75)) free.push_back(i);
         }
         response.resize(3 * static_cast<Eigen::Index>(free.size()), columns);
         for (int c = 0; c < columns; ++c) {
-            const Eigen::VectorXd k = 2.0 * randomVector(random, 9);
+            const Eigen::VectorXd k = 2.0 * randomNumbers(random, 9);
             for (std::size_t i = 0; i < free.size(); ++i) {
                 const Vec3 p = vertices.row(free[i]).transpose() / size;
                 for (int axis = 0; axis < 3; ++axis) response(3 * static_cast<Eigen::Index>(i) + axis, c) = std::pow(10.0, c % 5 - 2) * std::sin(k.segment<3>(3 * axis).dot(p) + c);
@@ -74,7 +74,7 @@ struct Made {
     }
     // v that moves the body by about its size.
     [[nodiscard]] Eigen::VectorXd pose(std::mt19937& random) const {
-        Eigen::VectorXd v = randomVector(random, response.cols());
+        Eigen::VectorXd v = randomNumbers(random, response.cols());
         return v * (vertices.cwiseAbs().maxCoeff() / (response * v).cwiseAbs().maxCoeff());
     }
 };
@@ -188,7 +188,7 @@ TEST_CASE("engine: affine motions of a whole element take no modes, flat element
         if (flat) made.vertices.col(2).setConstant(0.5);
         std::mt19937 random(3);
         for (Eigen::Index c = 0; c < 12; ++c) {
-            const Eigen::VectorXd m = randomVector(random, 12);
+            const Eigen::VectorXd m = randomNumbers(random, 12);
             for (std::size_t i = 0; i < made.free.size(); ++i)
                 made.response.block<3, 1>(3 * static_cast<Eigen::Index>(i), c) =
                     Eigen::Map<const Eigen::Matrix3d>(m.data()) * made.vertices.row(made.free[i]).transpose() + m.tail<3>();

@@ -69,7 +69,7 @@ Eigen::Quaterniond randomTurn(std::mt19937& random) {
     return Eigen::Quaterniond(w, x, y, z).normalized();
 }
 
-bool finite(const Character& c) {
+bool finiteSurface(const Character& c) {
     const auto s = c.surface(0);
     return allFinite(s.positions, static_cast<std::size_t>(3 * s.vertices)) && allFinite(s.normals, static_cast<std::size_t>(3 * s.vertices)) &&
            allFinite(c.positions(0)) && allFinite(c.jointParameters(0));
@@ -140,7 +140,7 @@ TEST_CASE("handles: thirty that are thrown about stay finite, and so do refused 
             REQUIRE(c.setHandle(h, {size * Vec3(x, y, z), randomTurn(random), true}));
         }
         c.update({}, 1.0 / 60.0);
-        CHECK(finite(c));
+        CHECK(finiteSurface(c));
     }
     const HandlePose before = c.handlePose(3);
     CHECK(!c.setHandle(3, {Vec3(std::numeric_limits<double>::quiet_NaN(), 0, 0), Eigen::Quaterniond::Identity(), true}));
@@ -150,7 +150,7 @@ TEST_CASE("handles: thirty that are thrown about stay finite, and so do refused 
     // All at one place, and turned against each other: no rotation is better than another.
     for (int h = 0; h < 30; ++h) REQUIRE(c.setHandle(h, {Vec3::Zero(), Eigen::Quaterniond(Eigen::AngleAxisd(h % 2 ? std::numbers::pi : 0.0, Vec3::UnitX())), true}));
     c.update({});
-    CHECK(finite(c));
+    CHECK(finiteSurface(c));
 }
 
 TEST_CASE("handles: the frame of the body follows a handle that is pulled across it without a jump") {
@@ -238,7 +238,7 @@ TEST_CASE("handles: every effect works on a body that has nothing but handles, a
         for (int i = 1; i <= 30; ++i) {
             c.setHandle(0, {originOf(c, 0) + Vec3(0, 0, 0.02 * i), Eigen::Quaterniond(Eigen::AngleAxisd(0.05 * i, Vec3::UnitY())), true});
             c.update({}, 1.0 / 60.0);
-            CHECK(finite(c));
+            CHECK(finiteSurface(c));
         }
     }
 }

@@ -19,7 +19,7 @@ int count(const render::Scene& scene, Marker::Shape shape) {
     return static_cast<int>(std::count_if(scene.markers.begin(), scene.markers.end(), [&](const Marker& m) { return m.shape == shape; }));
 }
 
-const Marker* with(const render::Scene& scene, std::uint64_t id) {
+const Marker* markerWith(const render::Scene& scene, std::uint64_t id) {
     const auto at = std::find_if(scene.markers.begin(), scene.markers.end(), [&](const Marker& m) { return m.id == id; });
     return at == scene.markers.end() ? nullptr : &*at;
 }
@@ -104,25 +104,25 @@ TEST_CASE("bones show as bones, ends that are one joint point as one point, held
     CHECK(count(scene, Marker::Shape::Bone) == 2);
     CHECK(count(scene, Marker::Shape::PinnedPoint) == 1);
     CHECK(count(scene, Marker::Shape::JointPoint) == 2);
-    const Marker* bone = with(scene, sceneId({ScenePart::Kind::Bone, b, -1, false}));
+    const Marker* bone = markerWith(scene, sceneId({ScenePart::Kind::Bone, b, -1, false}));
     REQUIRE(bone);
     CHECK((bone->from - Vec3(0, 0, 3)).norm() < 1e-6);
     CHECK((bone->to - Vec3(0, 0, 6)).norm() < 1e-6);
     // The point between the bones answers for the end of the first.
-    CHECK(with(scene, sceneId({ScenePart::Kind::Endpoint, a, -1, true})));
-    CHECK(!with(scene, sceneId({ScenePart::Kind::Endpoint, b, -1, false})));
+    CHECK(markerWith(scene, sceneId({ScenePart::Kind::Endpoint, a, -1, true})));
+    CHECK(!markerWith(scene, sceneId({ScenePart::Kind::Endpoint, b, -1, false})));
 
     const auto before = scene.bodies[1].revision;
     bench.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {1.5, 0.0, 5.0}}});
     options.selected = {sceneId({ScenePart::Kind::Endpoint, b, -1, true}), scene.bodies[1].id};
     options.hovered = sceneId({ScenePart::Kind::Bone, a, -1, false});
     view.update(bench.session, options, scene);
-    const Marker* end = with(scene, sceneId({ScenePart::Kind::Endpoint, b, -1, true}));
+    const Marker* end = markerWith(scene, sceneId({ScenePart::Kind::Endpoint, b, -1, true}));
     REQUIRE(end);
     CHECK(end->shape == Marker::Shape::HeldPoint);
     CHECK(end->selected);
     CHECK((end->from - Vec3(1.5, 0, 5)).norm() < 0.05);
-    CHECK(with(scene, options.hovered)->hovered);
+    CHECK(markerWith(scene, options.hovered)->hovered);
     CHECK(scene.bodies[1].selected);
     CHECK(!scene.bodies[0].selected);
     CHECK(scene.bodies[1].revision != before);
