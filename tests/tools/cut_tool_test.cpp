@@ -17,6 +17,7 @@ namespace {
 TriangleMesh limb() {
     TriangleMesh mesh = shapes::cylinder(0.5, 6.0, 32, 40).mesh;
     mesh.vertices = Points(mesh.vertices * (Eigen::Matrix3d() << 0, 0, -1, 0, 1, 0, 1, 0, 0).finished());  // z -> x
+    mesh.vertices.col(0).array() -= 3.0;
     return mesh;
 }
 
