@@ -248,8 +248,8 @@
             <translation>ハンドル(&amp;N)</translation>
         </message>
         <message>
-            <source>Show b&amp;odies</source>
-            <translation>ボディを表示(&amp;O)</translation>
+            <source>Show bo&amp;dies</source>
+            <translation>ボディを表示(&amp;D)</translation>
         </message>
     </context>
     <context>
