@@ -248,8 +248,8 @@
             <translation>ハンドル(&amp;N)</translation>
         </message>
         <message>
-            <source>Show b&amp;odies</source>
-            <translation>ボディを表示(&amp;O)</translation>
+            <source>Show bo&amp;dies</source>
+            <translation>ボディを表示(&amp;D)</translation>
         </message>
     </context>
     <context>
@@ -1729,7 +1729,7 @@
         </message>
         <message>
             <source>Any mesh. It stays as it is; a body moves it.</source>
-            <translation>どんなメッシュでも。見た目はそのまま、ボディが動かします。</translation>
+            <translation>どんなメッシュも可。ボディが動かします。</translation>
         </message>
         <message>
             <source>Elements</source>
@@ -1737,7 +1737,7 @@
         </message>
         <message>
             <source>Closed surfaces, each soft by itself.</source>
-            <translation>閉じた面。それぞれが柔らかい要素になります。</translation>
+            <translation>閉じた面。それぞれが柔らかくなります。</translation>
         </message>
         <message>
             <source>Body</source>

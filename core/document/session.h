@@ -126,9 +126,9 @@ private:
     std::function<void(const Change&)> listener_;
     std::function<Result<ImportResult>(const ImportRequest&, const Progress&)> importer_;
     std::function<Result<CharacterFile>(const ImportRequest&, const Progress&)> characterImporter_;
-    std::function<Result<Body>(const RenderModel&, const BodySetting&, const Progress&)> bodyMaker_;
     Change told_;  // by the command that runs, besides the parts of the document
     bool historyMoved_ = false;  // by the action that runs: undo, redo, another document, a take
+    std::function<Result<Body>(const RenderModel&, const BodySetting&, const Progress&)> bodyMaker_;
 };
 
 }  // namespace imomushi

@@ -21,7 +21,7 @@ QString writeTube(const QString& path) {
     QFile file(path);
     REQUIRE(file.open(QIODevice::WriteOnly));
     QTextStream out(&file);
-    for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) out << "v " << mesh.vertices(v, 2) << ' ' << mesh.vertices(v, 1) << ' ' << -mesh.vertices(v, 0) << '\n';
+    for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) out << "v " << mesh.vertices(v, 2) - 3.0 << ' ' << mesh.vertices(v, 1) << ' ' << -mesh.vertices(v, 0) << '\n';
     for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) {
         const auto all = [&](double z) {
             for (int k = 0; k < 3; ++k)

@@ -17,6 +17,7 @@ namespace {
 TriangleMesh limb() {
     TriangleMesh mesh = shapes::cylinder(0.5, 6.0, 32, 40).mesh;
     mesh.vertices = Points(mesh.vertices * (Eigen::Matrix3d() << 0, 0, -1, 0, 1, 0, 1, 0, 0).finished());  // z -> x
+    mesh.vertices.col(0).array() -= 3.0;
     return mesh;
 }
 
@@ -37,8 +38,8 @@ void addWorm(ToolStage& stage) {
 
 const CharacterSource& worm(ToolStage& stage) { return *stage.now().characters.begin()->second; }
 
-/// A place on the front of the limb.
-Vec3 onLimb(double x) { return {x, 0.0, 0.5}; }
+/// A place on the front of the limb, beside the edges of its triangles.
+Vec3 onLimb(double x) { return {x, 0.03, 0.498}; }
 
 SelectionItem cutItem(ToolStage& stage, std::size_t i = 0) { return {Kind::Cut, worm(stage).cuts.at(i).id, {}, false}; }
 
@@ -48,7 +49,7 @@ TEST_CASE("cuts: the section finder crosses a limb on the shortest way round, wi
     const auto mesh = std::make_shared<const TriangleMesh>(limb());
     const SectionFinder finder(mesh, *mesh);
     for (const double x : {-2.0, 1.3, 2.2}) {
-        const auto plane = finder.across(onLimb(x), Vec3::UnitZ());
+        const auto plane = finder.across(Vec3(x, 0.0, 0.5), Vec3::UnitZ());
         REQUIRE(plane.has_value());
         CHECK(std::abs(plane->normal.x()) > std::cos(3.0 * 3.14159265 / 180.0));  // refined to two degrees
         CHECK(plane->normal.x() * x > 0.0);
@@ -58,7 +59,7 @@ TEST_CASE("cuts: the section finder crosses a limb on the shortest way round, wi
         CHECK(outline->length == doctest::Approx(3.14159265).epsilon(0.02));
         const auto placed = finder.placed(*outline, [&](std::int32_t v) { return Vec3(mesh->vertices.row(v)); });
         REQUIRE(placed.size() == 1);
-        for (const Vec3& p : placed[0]) CHECK(std::abs((p - plane->origin).dot(plane->normal)) < 1e-6);
+        for (const Vec3& p : placed[0]) CHECK(std::abs((p - plane->origin).dot(plane->normal)) < 5e-3);  // vertices this near are snapped onto the plane (kSnap)
     }
     CHECK(!finder.at({Vec3(20, 0, 0), Vec3::UnitX()}).has_value());
 }
@@ -105,12 +106,13 @@ TEST_CASE("cuts: the flat end of a limb becomes a joint face as before, and an a
     stage.click(tool, Vec3(3.0, 0.1, 0.1));
     CHECK(worm(stage).cuts.empty());
     CHECK(stage.element("worm body").faces.size() == 1);
+    stage.run({{"do", "undo"}});
     stage.look(ViewAxis::Front);
     stage.hover(tool, onLimb(0.3));
     CHECK(tool.key(Qt::Key_Up, {}));
     stage.click(tool, onLimb(0.3));
     CHECK(worm(stage).cuts.empty());
-    CHECK(stage.element("worm body").faces.size() == 2);
+    CHECK(stage.element("worm body").faces.size() == 1);
 }
 
 TEST_CASE("cuts: a plane that is placed on flesh crosses it; keys move and turn it, Enter cuts, Esc does not") {
@@ -169,13 +171,13 @@ TEST_CASE("cuts: the plane of the selected cut slides along its normal with the 
         std::unique_ptr<Tool> tool = makeTool(inFaceTool ? ToolKind::Face : ToolKind::Select, stage.document());
         const int before = stage.steps();
         const double from = worm(stage).cuts[0].plane.origin.x();
-        stage.press(*tool, Vec3(from, 0.45, 0.0));
+        stage.press(*tool, Vec3(from, 0.49, 0.0));
         CHECK(tool->busy());
-        stage.pull(*tool, Vec3(from + 0.3, 0.45, 0.0));
-        stage.pull(*tool, Vec3(from + 0.5, 0.45, 0.0));
+        stage.pull(*tool, Vec3(from + 0.3, 0.49, 0.0));
+        stage.pull(*tool, Vec3(from + 0.5, 0.49, 0.0));
         CHECK(worm(stage).cuts[0].plane.origin.x() == from);
         CHECK(stage.steps() == before);
-        stage.letGo(*tool, Vec3(from + 0.5, 0.45, 0.0));
+        stage.letGo(*tool, Vec3(from + 0.5, 0.49, 0.0));
         CHECK(!tool->busy());
         CHECK(stage.steps() == before + 1);
         CHECK(worm(stage).cuts[0].plane.origin.x() == doctest::Approx(from + 0.5).epsilon(1e-3));
@@ -183,8 +185,8 @@ TEST_CASE("cuts: the plane of the selected cut slides along its normal with the 
         stage.run({{"do", "undo"}});
         CHECK(worm(stage).cuts[0].plane.origin.x() == from);
         // Given up, nothing happens.
-        stage.press(*tool, Vec3(from, 0.45, 0.0));
-        stage.pull(*tool, Vec3(from + 0.5, 0.45, 0.0));
+        stage.press(*tool, Vec3(from, 0.49, 0.0));
+        stage.pull(*tool, Vec3(from + 0.5, 0.49, 0.0));
         tool->cancel();
         CHECK(!tool->busy());
         CHECK(worm(stage).cuts[0].plane.origin.x() == from);

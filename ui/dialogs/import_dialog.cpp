@@ -70,6 +70,8 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
     body_ = new QComboBox(this);
     body_->setObjectName(QStringLiteral("body"));
     body_->addItems({tr("Automatic"), tr("Exact: the mesh itself"), tr("Mended: holes closed, parts united"), tr("Wrapped: a new surface around it")});
+    body_->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);  // long names are cut, not the picture
+    body_->setMinimumContentsLength(12);
     body_->setAccessibleName(bodyLabel_->text());
     detailLabel_ = new QLabel(tr("Detail of a wrap"), this);
     detail_ = new QComboBox(this);
@@ -143,8 +145,8 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
     right->addWidget(issues_, 1);
     auto* columns = new QHBoxLayout;
     columns->setSpacing(px(20));
-    columns->addWidget(preview_, 3);
-    columns->addLayout(right, 2);
+    columns->addWidget(preview_, 4);
+    columns->addLayout(right, 3);
     auto* foot = new QHBoxLayout;
     foot->setSpacing(px(12));
     progress_->setFixedWidth(px(160));

@@ -159,7 +159,9 @@ void DocumentScene::addBody(Session& session, const Element& element, ElementPar
 
 void DocumentScene::addSeams(const Document& document, render::Scene& scene) {
     const auto bodyOf = [&](PartId element) {
-        const std::uint64_t id = sceneId({document.elements.at(element)->piece ? ScenePart::Kind::Body : ScenePart::Kind::Element, element, -1, false});
+        const auto of = document.elements.find(element);
+        const bool underRenderMesh = of != document.elements.end() && of->second->piece;
+        const std::uint64_t id = sceneId({underRenderMesh ? ScenePart::Kind::Body : ScenePart::Kind::Element, element, -1, false});
         for (std::size_t i = 0; i < scene.bodies.size(); ++i)
             if (scene.bodies[i].id == id) return static_cast<int>(i);
         return -1;

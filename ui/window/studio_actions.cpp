@@ -66,7 +66,7 @@ constexpr Row kRows[] = {
     {"orthographic", "", QT_TRANSLATE_NOOP("Actions", "&Orthographic"), "", true},
     {"bones", "bones", QT_TRANSLATE_NOOP("Actions", "Show &bones"), "Alt+B", true},
     {"grid", "grid", QT_TRANSLATE_NOOP("Actions", "Show &ground"), "Alt+G", true},
-    {"bodies", "", QT_TRANSLATE_NOOP("Actions", "Show b&odies"), "", true},
+    {"bodies", "", QT_TRANSLATE_NOOP("Actions", "Show bo&dies"), "", true},
     {"xray", "", QT_TRANSLATE_NOOP("Actions", "&See through bodies"), "Alt+X", true},
     {"full-screen", "", QT_TRANSLATE_NOOP("Actions", "F&ull screen"), "F11", true},
     {"theme-dark", "", QT_TRANSLATE_NOOP("Actions", "&Dark"), "", true},
