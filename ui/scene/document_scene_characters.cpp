@@ -14,7 +14,7 @@ namespace {
 // Of render meshes, where the bodies under them are shown.
 constexpr float kSeenThrough = 0.3f;
 
-bool contains(const std::vector<std::uint64_t>& ids, std::uint64_t id) { return std::find(ids.begin(), ids.end(), id) != ids.end(); }
+bool isAmong(const std::vector<std::uint64_t>& ids, std::uint64_t id) { return std::find(ids.begin(), ids.end(), id) != ids.end(); }
 
 void gather(const float* from, const std::vector<std::int32_t>& which, std::vector<float>& to) {
     to.resize(3 * which.size());
@@ -54,7 +54,7 @@ void DocumentScene::addRenderMeshes(Session& session, const SceneOptions& option
             body.color = element->second->color;
             body.opacity = options.bodies ? std::min(options.bodyOpacity, kSeenThrough) : options.bodyOpacity;
             body.pickable = !element->second->locked;
-            body.selected = contains(options.selected, body.id) || contains(options.selected, sceneId({ScenePart::Kind::Character, seen.source->id, -1, false}));
+            body.selected = isAmong(options.selected, body.id) || isAmong(options.selected, sceneId({ScenePart::Kind::Character, seen.source->id, -1, false}));
             body.hovered = options.hovered == body.id;
             body.outdated = session.responseState(part.element) == Session::ResponseState::Stale;
             if (seen.surface.positions) {
@@ -98,7 +98,7 @@ void DocumentScene::addCuts(Session& session, const SceneOptions& options, rende
     for (const auto& [id, character] : session.document().characters)
         for (const Cut& cut : character->cuts) {
             const std::uint64_t item = sceneId({ScenePart::Kind::Cut, cut.id, -1, false});
-            const bool selected = contains(options.selected, item), hovered = options.hovered == item;
+            const bool selected = isAmong(options.selected, item), hovered = options.hovered == item;
             if (!selected && !hovered) continue;
             const auto frame = cutFrame(session, cut.id);
             if (!frame) continue;
