@@ -24,13 +24,14 @@ TriangleMesh limb() {
 /// The limb as a whole character "worm" with the element "worm body".
 void addWorm(ToolStage& stage) {
     stage.session().setCharacterImporter([](const ImportRequest&, const Progress&) -> Result<CharacterFile> {
+        const TriangleMesh mesh = limb();
         CharacterFile file;
         file.format = "obj";
-        file.renderModel.mesh.body = limb();
-        file.renderModel.part.assign(std::size_t(limb().triangles.rows()), 0);
+        file.renderModel.mesh.body = mesh;
+        file.renderModel.part.assign(std::size_t(mesh.triangles.rows()), 0);
         file.renderModel.parts = {"worm"};
-        file.renderModel.mesh.renderMesh.triangles = limb().triangles;
-        for (std::int32_t v = 0; v < limb().vertices.rows(); ++v) file.renderModel.mesh.renderMesh.bodyVertex.push_back(v);
+        file.renderModel.mesh.renderMesh.triangles = mesh.triangles;
+        for (std::int32_t v = 0; v < mesh.vertices.rows(); ++v) file.renderModel.mesh.renderMesh.bodyVertex.push_back(v);
         return file;
     });
     stage.run({{"do", "import-character"}, {"path", "worm.obj"}, {"name", "worm"}});
