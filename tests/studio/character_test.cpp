@@ -134,6 +134,7 @@ TEST_CASE("studio: the import dialog offers what fits the file first, and the ar
         auto* card = dialog.findChild<QAbstractButton*>(QStringLiteral("wholeCharacter"));
         CHECK(card->isChecked() == whole);
         CHECK(dialog.command().at("do") == (whole ? "import-character" : "import-element"));
+        w.settle();
         CHECK(cutOff(dialog) == "");
         if (whole) continue;
         // A clean mesh as a whole character, with a body that is wrapped on purpose.
@@ -146,6 +147,7 @@ TEST_CASE("studio: the import dialog offers what fits the file first, and the ar
         waitFor([&] { return button->isEnabled(); });
         CHECK(dialog.command().at("do") == "import-character");
         CHECK(dialog.command().at("body") == "wrapped");
+        w.settle();
         CHECK(cutOff(dialog) == "");
         dialog.reject();
     }
