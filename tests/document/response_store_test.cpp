@@ -135,7 +135,7 @@ TEST_CASE("response folder: projects share it, and a session that finds its resp
         w.buildChain();
         w.good({{"do", "precompute"}});
     }
-    CHECK(filesIn(folder.path()).size() == 2);
+    CHECK(filesIn(folder.path()).size() == 1);  // B has the shape of A: its response is carried over, which is quicker than to read it
     Workbench w(std::make_shared<ResponseStore>(kRoom, folder.path()));
     w.buildChain();
     const PartId a = w.session.document().elementNamed("A")->id;

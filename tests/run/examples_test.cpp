@@ -189,6 +189,9 @@ TEST_CASE("examples: every choice that the help of a key offers is taken") {
     const std::map<std::string, std::string> tries = {
         {"import-element unit", R"({"do":"import-element","path":"rest.obj","name":"as-%","unit":"%"})"},
         {"import-element up", R"({"do":"import-element","path":"rest.obj","name":"up-%","up":"%"})"},
+        {"import-character unit", R"({"do":"import-character","path":"rest.obj","name":"character-as-%","unit":"%"})"},
+        {"import-character up", R"({"do":"import-character","path":"rest.obj","name":"character-up-%","up":"%"})"},
+        {"import-character body", R"({"do":"import-character","path":"rest.obj","name":"character-%","body":"%","detail":0.02})"},
         {"enable effect", R"({"do":"enable","effect":"%"})"},
         {"disable effect", R"({"do":"disable","effect":"%"})"},
         {"deform-element model", R"({"do":"deform-element","element":"head","faces":{},"model":"%"})"},
@@ -199,7 +202,7 @@ TEST_CASE("examples: every choice that the help of a key offers is taken") {
         {"write-mesh state", R"({"do":"write-mesh","path":"%.obj","state":"%"})"},
         {"render theme", R"({"do":"render","path":"%.png","width":64,"height":36,"theme":"%"})"},
     };
-    const std::set<std::string> named = {"set target", "add-joint-face plane", "deform-element faces", "export pose", "accuracy pose"};  // quotes of other things
+    const std::set<std::string> named = {"set target", "add-joint-face plane", "cut plane", "move-cut plane", "deform-element faces", "export pose", "accuracy pose"};  // quotes of other things
     std::string lines = "{\"do\":\"write-mesh\",\"path\":\"rest.obj\",\"element\":\"head\",\"state\":\"rest\"}\n", command;
     std::size_t tried = 0;
     const std::regex key("^    (?:\\[([a-z_-]+)\\]|([a-z_-]+)) +(?:a text|any value|an object)\\. (.*)$");

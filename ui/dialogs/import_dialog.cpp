@@ -36,7 +36,7 @@ constexpr double kDetails[] = {0.0, 1.0 / 30.0, 1.0 / 60.0, 1.0 / 120.0, 1.0 / 2
 /// The file is one element as it is, and nothing is to be said about it: a hole that was capped is somebody's mouth or sleeve.
 bool isOneElement(const ImportResult& r) {
     if (r.bodies.size() != 1 || !r.bodies[0].closed || r.bodies[0].components != 1) return false;
-    const auto calm = [](const MeshIssue& issue) { return issue.severity == Severity::Info || (issue.fixed && issue.code != "open"); };
+    const auto calm = [](const MeshIssue& issue) { return issue.code != "open" && (issue.fixed || issue.severity == Severity::Info); };
     return std::all_of(r.bodies[0].issues.begin(), r.bodies[0].issues.end(), calm) && std::all_of(r.issues.begin(), r.issues.end(), calm);
 }
 }  // namespace

@@ -2,7 +2,6 @@
 #include "ui/tools/cut_drag.h"
 
 #include <cmath>
-#include <limits>
 
 #include "ui/models/commands.h"
 #include "ui/models/paths.h"
@@ -35,9 +34,8 @@ std::optional<CutDrag::Grip> CutDrag::grip(const PointerEvent& e) const {
     const auto tip = e.onScreen(frame->centre + frame->reach * frame->normal);
     if (tip && (*tip - Eigen::Vector2d(e.x, e.y)).norm() <= kEndpointPixels) return Grip{item.part, true, *frame};
     // The square around the section, as it is drawn; seen from its edge, whatever is near to the line that it is then.
-    const Vec3 far = Vec3::Constant(std::numeric_limits<double>::infinity());
-    const Vec3 under = e.onPlane(frame->centre, frame->normal, far);
-    if (under.allFinite() && (under - frame->centre).norm() <= frame->reach) return Grip{item.part, false, *frame};
+    const Vec3 beside = frame->centre + 2.0 * frame->reach * frame->normal;
+    if ((e.onPlane(frame->centre, frame->normal, beside) - frame->centre).norm() <= frame->reach) return Grip{item.part, false, *frame};
     for (const auto& loop : frame->rim)
         for (const Vec3& p : loop)
             if (const auto at = e.onScreen(p); at && (*at - Eigen::Vector2d(e.x, e.y)).norm() <= kBonePixels) return Grip{item.part, false, *frame};
