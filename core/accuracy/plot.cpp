@@ -150,21 +150,21 @@ std::string ScatterPlot::svg() const {
     for (const auto& p : points)
         if (shown(p.x, p.y) && p.present && !p.front) mark(p);
     // Names of the front, where they cover neither each other nor the frame.
-    struct Box {
+    struct Area {
         double x0, y0, x1, y1;
     };
-    std::vector<Box> taken;
+    std::vector<Area> taken;
     for (const auto& p : points)
         if (shown(p.x, p.y)) taken.push_back({page.px(p.x) - 6.0, page.py(p.y) - 6.0, page.px(p.x) + 6.0, page.py(p.y) + 6.0});
-    const auto fits = [&](const Box& b) {
+    const auto fits = [&](const Area& b) {
         return b.x0 > kLeft && b.x1 < kWidth - kRight && b.y0 > kTop && b.y1 < kHeight - kBottom &&
-               std::none_of(taken.begin(), taken.end(), [&](const Box& o) { return o.x0 < b.x1 && b.x0 < o.x1 && o.y0 < b.y1 && b.y0 < o.y1; });
+               std::none_of(taken.begin(), taken.end(), [&](const Area& o) { return o.x0 < b.x1 && b.x0 < o.x1 && o.y0 < b.y1 && b.y0 < o.y1; });
     };
     for (const auto& p : points) {
         if (!shown(p.x, p.y) || !p.label || p.name.empty()) continue;
         const double x = page.px(p.x), y = page.py(p.y), width = 6.1 * static_cast<double>(p.name.size());
         for (const auto& [dx, dy] : {std::pair{10.0, -8.0}, {10.0, 16.0}, {-10.0 - width, 16.0}, {-10.0 - width, -8.0}, {10.0, -24.0}, {10.0, 32.0}, {-10.0 - width, 32.0}, {-10.0 - width, -24.0}}) {
-            const Box box{x + dx, y + dy - 11.0, x + dx + width, y + dy + 3.0};
+            const Area box{x + dx, y + dy - 11.0, x + dx + width, y + dy + 3.0};
             if (!fits(box)) continue;
             page.out += textAt(x + dx, y + dy, p.name, p.present ? kPresent : kInk, 11.0, "start");
             taken.push_back(box);

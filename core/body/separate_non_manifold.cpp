@@ -139,7 +139,7 @@ std::int32_t cornerAt(const MendSurface& s, std::int32_t f, std::int32_t v) {
 /// triangle that runs backward along it and ends at one that runs forward; pairs nest like brackets, the closest first.
 std::vector<std::pair<std::int32_t, std::int32_t>> pairsAt(const MendSurface& s, std::span<const EdgeUse> uses) {
     if (uses.size() == 2) return {{uses[0].triangle, uses[1].triangle}};
-    struct Side {
+    struct EdgeSide {
         double angle;
         bool forward;
         std::int32_t triangle;
@@ -147,12 +147,12 @@ std::vector<std::pair<std::int32_t, std::int32_t>> pairsAt(const MendSurface& s,
     const Vec3 from = s.points.row(uses[0].low);
     const Vec3 axis = (s.points.row(uses[0].high).transpose() - from).normalized();
     const Vec3 x = axis.unitOrthogonal(), y = axis.cross(x);
-    std::vector<Side> sides;
+    std::vector<EdgeSide> sides;
     for (const EdgeUse& use : uses) {
         const Vec3 tip = s.points.row(s.faces[at(use.triangle)].v[static_cast<std::size_t>((use.corner + 2) % 3)]).transpose() - from;
         sides.push_back({std::atan2(tip.dot(y), tip.dot(x)), use.forward, use.triangle});
     }
-    std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) { return std::tie(a.angle, a.forward, a.triangle) < std::tie(b.angle, b.forward, b.triangle); });
+    std::sort(sides.begin(), sides.end(), [](const EdgeSide& a, const EdgeSide& b) { return std::tie(a.angle, a.forward, a.triangle) < std::tie(b.angle, b.forward, b.triangle); });
     std::vector<std::pair<std::int32_t, std::int32_t>> pairs;
     for (bool found = true; found && sides.size() > 1;) {
         found = false;
