@@ -28,7 +28,7 @@ if [ "$what" = all ]; then
 elif [ -z "$tests" ]; then
     options+=(-DIMOMUSHI_TESTS=OFF)  # the program alone needs none of the test libraries
 fi
-# A new build folder is built whole.
+# In a new build folder everything is compiled, several files at once.
 [ -e "$build/CMakeCache.txt" ] || options+=(-DIMOMUSHI_UNITY=ON)
 if [ ! -e "$build/build.ninja" ] || [ ${#options[@]} -gt 0 ]; then
     cmake -S "$root" -B "$build" -G Ninja "${options[@]}"

@@ -8,14 +8,14 @@
 
 namespace imomushi {
 
-/// Makes elements soft at once after their handles changed: solved on a coarse mesh in the background, about a tenth of a second. The answer stands in, as one that is out
-/// of date, until the element is precomputed as its settings say. Not while an element is larger than kLargest, nor with as many columns that it would take long.
+/// Makes elements soft soon after their handles changed: solved on a coarse body in the background (some seconds: strips and bubbles make its 400 vertices five times as
+/// many nodes). The answer is used, as one that is out of date, until the element is precomputed as its settings say. Elements larger than kLargest wait for that.
 class DraftJob : public BackgroundJob {
     Q_OBJECT
 public:
     explicit DraftJob(StudioDocument& document, QObject* parent = nullptr);
 
-    /// Vertices of the mesh that is solved, and of the body up to which one is made.
+    /// Vertices of the decimated body, and of the body up to which one is made.
     static constexpr int kVertices = 400, kLargest = 100'000;
 
 signals:
