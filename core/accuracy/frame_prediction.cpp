@@ -2,7 +2,7 @@
 #include "core/accuracy/frame_prediction.h"
 
 #include "core/accuracy/synthetic_response.h"
-#include "core/character/character_effects.h"
+#include "core/character/touch_job.h"
 #include "core/comparison/test_motion.h"
 #include "core/comparison/timing.h"
 

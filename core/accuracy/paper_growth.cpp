@@ -7,7 +7,7 @@
 
 #include "core/accuracy/synthetic_response.h"
 #include "core/base/clock.h"
-#include "core/character/character_effects.h"
+#include "core/character/previous_model_job.h"
 #include "core/comparison/paper_caterpillar.h"
 #include "core/comparison/previous_model.h"
 #include "core/comparison/test_motion.h"

@@ -11,7 +11,7 @@
 
 #include "core/accuracy/machine.h"
 #include "core/base/clock.h"
-#include "core/character/character_effects.h"
+#include "core/character/smooth_joints_job.h"
 #include "core/comparison/model_table.h"
 #include "core/comparison/previous_model.h"
 #include "core/mesh/bounds.h"

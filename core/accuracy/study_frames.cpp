@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
-#include "core/character/character_effects.h"
+#include "core/character/touch_job.h"
 
 namespace imomushi {
 

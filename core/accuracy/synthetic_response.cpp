@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "core/character/character_effects.h"
+#include "core/character/body_loads_job.h"
 
 namespace imomushi {
 

@@ -10,6 +10,8 @@ namespace imomushi {
 ///   writes  ElementFrame::local, work
 struct BendWarpEffect : EffectOf<BendWarpEffect> {
     static constexpr std::string_view kName = "bend-warp";
+    static constexpr auto kTitle = IMOMUSHI_TEXT("Effects", "Bend warp");
+    static constexpr auto kHelp = IMOMUSHI_TEXT("Effects", "Strong bends and twists keep their volume and do not fold.");
     void ask(ElementTables& tables) const override;
     [[nodiscard]] Result<void> addJob(Frame& frame, FrameJobs& jobs) const override;
 };

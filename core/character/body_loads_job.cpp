@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/base/finite.h"
 #include "core/character/frame.h"
 
 namespace imomushi {
@@ -22,17 +21,6 @@ void askFor(std::vector<int>& loads, std::initializer_list<int> columns) {
 }
 
 }  // namespace
-
-Result<void> GravityEffect::validate() const {
-    if (!allFinite(acceleration) || !std::isfinite(inertia)) return fail("bad-value", "Gravity and inertia must be numbers.");
-    if (!(shearModulus > 0.0)) return fail("bad-value", "The shear modulus of gravity must be larger than 0 Pa.");
-    return {};
-}
-
-Result<void> InflateEffect::validate() const {
-    if (!std::isfinite(pressure) || !std::isfinite(breath) || !std::isfinite(breathHertz)) return fail("bad-value", "Pressure and breath must be numbers.");
-    return {};
-}
 
 void GravityEffect::ask(ElementTables& tables) const { askFor(tables.loads, {0, 1, 2}); }
 void InflateEffect::ask(ElementTables& tables) const { askFor(tables.loads, {kPressureColumn}); }

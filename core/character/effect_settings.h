@@ -1,13 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <concepts>
 #include <memory>
+#include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "core/base/result.h"
+
+/// Marks an English text that people see. The studio translates it in this context (lupdate takes the name for QT_TRANSLATE_NOOP); core shows it as it is.
+#define IMOMUSHI_TEXT(context, text) text
 
 namespace imomushi {
 
@@ -29,17 +35,53 @@ struct EffectSettings {
     /// The name under which statistics tell its time; that of the document.
     [[nodiscard]] virtual std::string_view name() const = 0;
     /// Which rule the numbers break. Errors: "bad-value".
-    [[nodiscard]] virtual Result<void> validate() const { return {}; }
+    [[nodiscard]] virtual Result<void> validate() const = 0;
     /// Adds the tables and columns that it needs of an element on which it acts (element_runtime.h).
     virtual void ask(ElementTables&) const {}
     /// Adds its job to those of a frame whose joints and elements are built; none where it has nothing to do. Errors: "bad-value".
-    [[nodiscard]] virtual Result<void> addJob(Frame& frame, FrameJobs& jobs) const = 0;
+    [[nodiscard]] virtual Result<void> addJob(Frame&, FrameJobs&) const { return {}; }
 };
 
-/// `T` derives from this and has `static constexpr std::string_view kName`.
+/// A number of an effect, or a vector of three within the same range, as commands, files and the studio know it.
+struct EffectProperty {
+    std::string_view name;  ///< of commands and files
+    std::string_view unit;  ///< "Hz", "s", "m", "m/s^2", "Pa"; empty: a ratio
+    double low = 0.0, high = 1.0;
+    const char *title, *help;  ///< IMOMUSHI_TEXT("Effects", ...): a name for people, and one sentence
+    bool whole = false;        ///< whole numbers
+    bool rebuilds = false;     ///< the response depends on it: the character is built anew; other numbers change while it moves
+    int size = 1;              ///< 1 or 3
+    double* (*at)(EffectSettings&) = nullptr;  ///< the first of its numbers in the settings of its effect
+};
+
+/// `T` derives from this and has `kName`, and for people `kTitle` and `kHelp`, one sentence: IMOMUSHI_TEXT("Effects", ...). Where it has numbers, they are its
+/// members; their values at first are the defaults, and `static constexpr auto properties()` lists them once for all: an array of number<&T::member>(...).
 template <class T>
 struct EffectOf : EffectSettings {
     [[nodiscard]] std::string_view name() const final { return T::kName; }
+    [[nodiscard]] Result<void> validate() const override {
+        T copy = static_cast<const T&>(*this);
+        for (const EffectProperty& p : T::properties())
+            for (int i = 0; i < p.size; ++i)
+                if (const double x = p.at(copy)[i]; !(x >= p.low && x <= p.high))
+                    return fail("bad-value", "\"" + std::string(p.name) + "\" of the effect \"" + std::string(T::kName) + "\" is out of its range.");
+        return {};
+    }
+    static constexpr std::array<EffectProperty, 0> properties() { return {}; }
+
+protected:
+    /// The property of a member, a double or a Vec3.
+    template <auto Member>
+    static constexpr EffectProperty number(std::string_view name, std::string_view unit, double low, double high, const char* title, const char* help,
+                                           bool whole = false, bool rebuilds = false) {
+        constexpr bool one = std::is_same_v<std::remove_cvref_t<decltype(std::declval<T&>().*Member)>, double>;
+        return {name, unit, low, high, title, help, whole, rebuilds, one ? 1 : 3, [](EffectSettings& settings) -> double* {
+                    if constexpr (one)
+                        return &(static_cast<T&>(settings).*Member);
+                    else
+                        return (static_cast<T&>(settings).*Member).data();
+                }};
+    }
 };
 
 /// The same settings as those of effect `T`, null: they are of another effect.

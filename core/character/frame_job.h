@@ -71,6 +71,24 @@ private:
     double ms_ = 0.0;
 };
 
+/// The job of effect `T` alone, which keeps its numbers.
+template <class T>
+class EffectJob : public FrameJob {
+public:
+    void tune(const EffectSettings& settings) final {
+        if (const T* asked = settingsAs<T>(settings); asked && take(*asked)) settings_ = *asked;
+    }
+
+protected:
+    EffectJob(T settings, std::vector<Stage> stages) : FrameJob(T::kName, std::move(stages)), settings_(std::move(settings)) {}
+    /// New numbers, before settings() has them. False: they are refused, and the old ones stay.
+    virtual bool take(const T&) { return true; }
+    [[nodiscard]] const T& settings() const { return settings_; }
+
+private:
+    T settings_;
+};
+
 /// The jobs of a character, by stage.
 class FrameJobs {
 public:

@@ -204,7 +204,7 @@ void JigglingJoint::step(double seconds, Place& wanted) {
     inPlane_ = axes_ * inPlane * axes_.transpose();
 }
 
-class JointDynamicsJob final : public FrameJob {
+class JointDynamicsJob final : public EffectJob<JointDynamicsEffect> {
 public:
     static Result<JointDynamicsJob> build(const CharacterInput& input, const JointDynamicsEffect& settings) {
         JointDynamicsJob made(settings);
@@ -226,22 +226,20 @@ public:
         }
     }
 
-    void tune(const EffectSettings& settings) override {
-        const auto* asked = settingsAs<JointDynamicsEffect>(settings);
-        if (!asked || (settings_.hertz == asked->hertz && settings_.damping == asked->damping)) return;
-        bool taken = true;  // refused numbers leave a joint as it is
-        for (auto& joint : joints_)
-            if (joint) taken = joint->set(*asked).has_value() && taken;
-        if (taken) settings_ = *asked;
-    }
-
     [[nodiscard]] bool resting(const Frame&) const override {
         return std::all_of(joints_.begin(), joints_.end(), [](const auto& joint) { return !joint || joint->resting(); });
     }
 
 private:
-    explicit JointDynamicsJob(JointDynamicsEffect settings)
-        : FrameJob(JointDynamicsEffect::kName, {Stage::Joints, Stage::JointMaps}), settings_(std::move(settings)) {}
+    explicit JointDynamicsJob(const JointDynamicsEffect& settings) : EffectJob(settings, {Stage::Joints, Stage::JointMaps}) {}
+
+    bool take(const JointDynamicsEffect& asked) override {
+        if (settings().hertz == asked.hertz && settings().damping == asked.damping) return true;
+        bool taken = true;  // refused numbers leave a joint as it is
+        for (auto& joint : joints_)
+            if (joint) taken = joint->set(asked).has_value() && taken;
+        return taken;
+    }
 
     static void move(JigglingJoint& joint, const Frame& frame, JointFrame& out) {
         Place place{out.rotation, out.at, out.stretch};
@@ -260,7 +258,6 @@ private:
         out.map.shift = out.at - out.map.linear * out.restPlace;
     }
 
-    JointDynamicsEffect settings_;
     std::vector<std::optional<JigglingJoint>> joints_;  // of the character; nothing: it does not jiggle
 };
 

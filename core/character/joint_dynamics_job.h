@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
+
 #include "core/character/effect_settings.h"
 
 namespace imomushi {
@@ -12,11 +14,21 @@ namespace imomushi {
 ///   writes  JointFrame::turn, rotation, at; map (its stretch in the plane; not with smooth joints)
 struct JointDynamicsEffect : EffectOf<JointDynamicsEffect> {
     static constexpr std::string_view kName = "joint-dynamics";
-    double hertz = 4.0;    ///< of the softest way in which a joint jiggles, 0.01 ... 1000
-    double damping = 0.2;  ///< ratio, 0 ... 10
+    static constexpr auto kTitle = IMOMUSHI_TEXT("Effects", "Joint dynamics");
+    static constexpr auto kHelp = IMOMUSHI_TEXT("Effects", "Joints jiggle softly after each move.");
+    double hertz = 4.0;    ///< of the softest way in which a joint jiggles
+    double damping = 0.2;  ///< ratio
 
     JointDynamicsEffect() = default;
     JointDynamicsEffect(double hertz_, double damping_) : hertz(hertz_), damping(damping_) {}
+    static constexpr auto properties() {
+        return std::array{
+            number<&JointDynamicsEffect::hertz>("hertz", "Hz", 0.01, 1000.0, IMOMUSHI_TEXT("Effects", "Jiggle"),
+                   IMOMUSHI_TEXT("Effects", "How fast the softest part of a joint jiggles.")),
+            number<&JointDynamicsEffect::damping>("damping", "", 0.0, 10.0, IMOMUSHI_TEXT("Effects", "Damping"),
+                   IMOMUSHI_TEXT("Effects", "Damping ratio. 0: it never stops; 1: no jiggle.")),
+        };
+    }
     [[nodiscard]] Result<void> addJob(Frame& frame, FrameJobs& jobs) const override;
 };
 

@@ -20,14 +20,12 @@ namespace {
 constexpr double kStill = 1e-7;  // sizes per second: slower vertices rest
 constexpr double kMinArea = 1e-3;  // of the mean: a vertex without a triangle of its own still has a mass
 
-class PreviousModelJob final : public FrameJob {
+class PreviousModelJob final : public EffectJob<PreviousModelEffect> {
 public:
     /// Errors: "bad-value": an element with joint faces has no response of basis "full"; numbers out of range.
     static Result<PreviousModelJob> build(const CharacterInput& input, const PreviousModelEffect& settings);
 
     void run(Stage stage, Frame& frame) override;
-    /// It stops where numbers change.
-    void tune(const EffectSettings& settings) override;
     [[nodiscard]] bool resting(const Frame&) const override { return dynamics_.velocity().cwiseAbs().maxCoeff() <= kStill * input_.size; }
 
     /// Tells held vertices their nodes.
@@ -47,12 +45,13 @@ private:
         Matrix3d rotation = Matrix3d::Identity();  // of its frame, rest to world
         Eigen::VectorXd wanted, v, traction;       // wanted: v as its bones have it
     };
-    PreviousModelJob(ExplicitJointDynamics dynamics, PreviousModelEffect settings)
-        : FrameJob(PreviousModelEffect::kName, {Stage::FaceOffsets}), settings_(std::move(settings)), dynamics_(std::move(dynamics)) {}
+    PreviousModelJob(ExplicitJointDynamics dynamics, const PreviousModelEffect& settings)
+        : EffectJob(settings, {Stage::FaceOffsets}), dynamics_(std::move(dynamics)) {}
+    /// It stops where numbers change.
+    bool take(const PreviousModelEffect& asked) override;
     void pull(const Eigen::VectorXd& displacement, Eigen::VectorXd& force);
     static void place(const Element& element, const std::vector<Matrix3d>& rotation, const Eigen::VectorXd& displacement, Eigen::VectorXd& v);
 
-    PreviousModelEffect settings_;
     ExplicitJointDynamics::Input input_;
     ExplicitJointDynamics dynamics_;
     std::vector<Matrix3d> rotation_;  // per joint, rest to world
@@ -150,17 +149,16 @@ Result<PreviousModelJob> PreviousModelJob::build(const CharacterInput& input, co
     return out;
 }
 
-void PreviousModelJob::tune(const EffectSettings& settings) {
-    const auto* asked = settingsAs<PreviousModelEffect>(settings);
-    if (!asked || (settings_.step == asked->step && settings_.damping == asked->damping && settings_.shearModulus == asked->shearModulus)) return;
+bool PreviousModelJob::take(const PreviousModelEffect& asked) {
+    if (settings().step == asked.step && settings().damping == asked.damping && settings().shearModulus == asked.shearModulus) return true;
     auto changed = input_;
-    changed.damping = asked->damping;
-    changed.seconds = asked->step;
+    changed.damping = asked.damping;
+    changed.seconds = asked.step;
     auto dynamics = ExplicitJointDynamics::build(changed);
-    if (!dynamics) return;  // refused numbers leave it as it is
+    if (!dynamics) return false;
     input_ = std::move(changed);
     dynamics_ = std::move(*dynamics);
-    settings_ = *asked;
+    return true;
 }
 
 void PreviousModelJob::run(Stage, Frame& frame) {
@@ -197,7 +195,7 @@ void PreviousModelJob::pull(const Eigen::VectorXd& displacement, Eigen::VectorXd
             const auto& h = e.held[i];
             const Vec3 pulled = e.traction.segment<3>(3 * static_cast<Eigen::Index>(i));
             force.segment<3>(3 * static_cast<Eigen::Index>(h.node)) -=
-                settings_.shearModulus * e.stiffness * h.area * (rotation_[static_cast<std::size_t>(h.joint)].transpose() * (e.rotation * pulled));
+                settings().shearModulus * e.stiffness * h.area * (rotation_[static_cast<std::size_t>(h.joint)].transpose() * (e.rotation * pulled));
         }
     }
 }

@@ -11,6 +11,8 @@ namespace imomushi {
 ///   writes  JointFrame::map, warping, part; ElementFrame::v
 struct SmoothJointsEffect : EffectOf<SmoothJointsEffect> {
     static constexpr std::string_view kName = "smooth-joints";
+    static constexpr auto kTitle = IMOMUSHI_TEXT("Effects", "Smooth joints");
+    static constexpr auto kHelp = IMOMUSHI_TEXT("Effects", "Joints take the shape of least energy: bends without a crease.");
     [[nodiscard]] Result<void> addJob(Frame& frame, FrameJobs& jobs) const override;
 };
 

@@ -17,8 +17,8 @@ Result<void> TouchEffect::addJob(Frame& frame, FrameJobs& jobs) const {
     return {};
 }
 
-Result<TouchJob> TouchJob::build(Frame& frame, const TouchSettings& settings) {
-    TouchJob made;
+Result<TouchJob> TouchJob::build(Frame& frame, const TouchEffect& settings) {
+    TouchJob made(settings);
     for (std::size_t e = 0; e < frame.elements.size(); ++e) {
         auto& of = frame.elements[e];
         if (!of.runtime->touch) continue;
@@ -104,9 +104,10 @@ void TouchJob::liftFinger(int element, int finger) {
         if (e.index == element) e.contact.lift(finger);
 }
 
-void TouchJob::tune(const EffectSettings& settings) {
-    if (const auto* asked = settingsAs<TouchEffect>(settings))
-        for (auto& e : elements_) (void)e.contact.set(*asked);  // refused numbers leave it as it is
+bool TouchJob::take(const TouchEffect& settings) {
+    bool taken = true;  // refused numbers leave it as it is
+    for (auto& e : elements_) taken = e.contact.set(settings).has_value() && taken;
+    return taken;
 }
 
 bool TouchJob::resting(const Frame& frame) const {

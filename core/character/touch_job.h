@@ -17,7 +17,20 @@ struct ElementFrame;
 /// Fingers press dents into elements (core/touch/touch_contact.h).
 struct TouchEffect : EffectOf<TouchEffect>, TouchSettings {
     static constexpr std::string_view kName = "touch";
-    [[nodiscard]] Result<void> validate() const override { return checkTouchSettings(*this); }
+    static constexpr auto kTitle = IMOMUSHI_TEXT("Effects", "Touch");
+    static constexpr auto kHelp = IMOMUSHI_TEXT("Effects", "Fingers press dents into the surface (touch tool, T).");
+    double patches = 48.0;  ///< of the surface of each element, on which fingers act: columns of its response
+
+    static constexpr auto properties() {
+        return std::array{
+            number<&TouchEffect::patches>("patches", "", 8.0, 256.0, IMOMUSHI_TEXT("Effects", "Patches"),
+                   IMOMUSHI_TEXT("Effects", "How many patches of a surface fingers act on. More of them make finer dents, and a longer precompute."), true, true),
+            number<&TouchEffect::friction>("friction", "", 0.0, 10.0, IMOMUSHI_TEXT("Effects", "Friction"),
+                   IMOMUSHI_TEXT("Effects", "Coulomb’s coefficient between a finger and the surface. 0: it only pushes straight in.")),
+            number<&TouchEffect::releaseSeconds>("release", "s", 0.0, 10.0, IMOMUSHI_TEXT("Effects", "Release"),
+                   IMOMUSHI_TEXT("Effects", "In this time a dent goes back after its finger lifts.")),
+        };
+    }
     void ask(ElementTables& tables) const override;
     [[nodiscard]] Result<void> addJob(Frame& frame, FrameJobs& jobs) const override;
 };
@@ -25,22 +38,22 @@ struct TouchEffect : EffectOf<TouchEffect>, TouchSettings {
 /// Contact of fingers with the surfaces that the pose alone leaves.
 ///   reads   ElementFrame::frame, local; patchForces while a shape is shown again (Frame::replaying)
 ///   writes  ElementFrame::wantsLocal, patchForces, dented, positions
-class TouchJob final : public FrameJob {
+class TouchJob final : public EffectJob<TouchEffect> {
 public:
     /// Errors: "bad-value" (settings).
-    static Result<TouchJob> build(Frame& frame, const TouchSettings& settings);
+    static Result<TouchJob> build(Frame& frame, const TouchEffect& settings);
 
     /// See Character::setFinger() and liftFinger().
     bool setFinger(int element, int finger, const Vec3& rest, const Vec3& target, double radius);
     void liftFinger(int element, int finger);
 
     void run(Stage stage, Frame& frame) override;
-    void tune(const EffectSettings& settings) override;
     [[nodiscard]] bool resting(const Frame& frame) const override;
     [[nodiscard]] std::size_t bytes() const override;
 
 private:
-    TouchJob() : FrameJob(TouchEffect::kName, {Stage::Weights, Stage::Dents}) {}
+    explicit TouchJob(const TouchEffect& settings) : EffectJob(settings, {Stage::Weights, Stage::Dents}) {}
+    bool take(const TouchEffect& settings) override;
     struct Finger {
         Vec3 rest, target;  // m, rest and world
         double radius = 0.0;

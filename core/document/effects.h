@@ -26,18 +26,6 @@ using PartId = std::uint64_t;
 enum class EffectKind { BoneDynamics, SmoothJoints, BendWarp, JointDynamics, PreviousModel, Gravity, Inflate, Touch, Ground, kCount };
 inline constexpr std::size_t kEffects = static_cast<std::size_t>(EffectKind::kCount);
 
-/// A setting of an effect: one number, or a vector of three within the same range.
-struct EffectProperty {
-    std::string_view name;
-    std::string_view unit;  ///< "Hz", "s", "m", "m/s^2", "Pa"; empty: a ratio
-    double low = 0.0, high = 1.0;
-    std::array<double, 3> initial = {0.0, 0.0, 0.0};
-    int size = 1;           ///< 1 or 3
-    std::string_view help;  ///< English, one clause
-    bool whole = false;     ///< whole numbers
-    bool rebuilds = false;  ///< the response depends on it: the character is built anew; other numbers change while it moves
-};
-
 struct Effect {
     bool enabled = false;
     std::set<PartId> elements;   ///< on these alone; empty: on all
@@ -48,6 +36,7 @@ struct Effect {
 /// The effects of a document with their settings, which stay while an effect is off.
 class Effects {
 public:
+    /// All off, with the values that they have at first.
     Effects();
 
     [[nodiscard]] const Effect& operator[](EffectKind kind) const { return all_[static_cast<std::size_t>(kind)]; }
@@ -59,6 +48,13 @@ public:
     /// The value of a property that exists.
     [[nodiscard]] double number(EffectKind kind, std::string_view property) const;
     [[nodiscard]] Vec3 vector(EffectKind kind, std::string_view property) const;
+    /// All numbers of an effect, as those who act on them know them.
+    [[nodiscard]] std::shared_ptr<EffectSettings> settings(EffectKind kind) const;
+    /// `T`: the settings of `kind`.
+    template <class T>
+    [[nodiscard]] T settings(EffectKind kind) const {
+        return *settingsAs<T>(*settings(kind));
+    }
     /// Where the values of a property begin in Effect::values, -1: there is no such property.
     static int place(EffectKind kind, std::string_view property);
 
@@ -84,12 +80,7 @@ enum class EffectScope {
 
 /// One effect: all that the document, its commands and the studio know of it. A function that is null has nothing to say.
 struct EffectDescriptor {
-    EffectKind kind;
-    std::string_view name;  ///< of commands and files; elements and bones cannot have it, so that one name says what a command means
     EffectScope scope = EffectScope::Character;
-    std::span<const EffectProperty> properties = {};  ///< in the order of Effect::values
-    /// What the character is built with (core/character); null: it acts on bones.
-    std::shared_ptr<EffectSettings> (*settings)(const Effects&) = nullptr;
     /// What it asks of the response of each element that it acts on, and how many columns these are.
     void (*ask)(const Effects&, EffectColumns&) = nullptr;
     int (*columns)(const Effects&) = nullptr;
@@ -99,6 +90,13 @@ struct EffectDescriptor {
     /// Predicted cost of a frame besides its columns, in pairs of a collocation point and a triangle, whose time is measured on every machine (machineRates()).
     /// Predictions are replaced by what is measured once frames pass. Null, for effects on bones: a few frames are tried out.
     double (*pairs)(const Document&) = nullptr;
+
+    // What its settings say of it (effect_settings.h).
+    EffectKind kind = EffectKind::kCount;
+    std::string_view name;  ///< of commands and files; elements and bones cannot have it, so that one name says what a command means
+    const char *title = "", *help = "";
+    std::span<const EffectProperty> properties = {};          ///< in the order of Effect::values
+    std::shared_ptr<EffectSettings> (*settings)() = nullptr;  ///< with the values that it has at first
 };
 
 /// By kind.

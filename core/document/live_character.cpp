@@ -325,7 +325,7 @@ void LiveCharacter::measureEffects() {
     if (performance_) measured(performance_->isDynamic() ? EffectKind::BoneDynamics : EffectKind::Ground, performance_->milliseconds());
     // An effect that is on but waits for a precompute takes no time.
     for (std::size_t k = 0; k < kEffects; ++k)
-        if (const auto kind = static_cast<EffectKind>(k); document().effects.has(kind) && effectDescriptor(kind).settings) measured(kind, 0.0);
+        if (const auto kind = static_cast<EffectKind>(k); document().effects.has(kind) && effectDescriptor(kind).scope != EffectScope::Bones) measured(kind, 0.0);
     for (const auto& [effect, milliseconds] : character_->stats().effects) measured(*effectNamed(effect), milliseconds);
 }
 

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "core/document/bone_effects.h"
 #include "core/mesh/topology.h"
 
 namespace imomushi {
@@ -100,18 +101,17 @@ double Performance::predict(const Document& document, const CharacterPlan& plan)
 
 std::optional<BoneDynamicsSettings::Ground> Performance::groundOf(const Effects& effects) const {
     if (!effects.has(EffectKind::Ground)) return std::nullopt;
-    return BoneDynamicsSettings::Ground{Vec3(0.0, effects.number(EffectKind::Ground, "height"), 0.0), Vec3::UnitY(),
-                                        effects.number(EffectKind::Ground, "friction"), clearance_};
+    const auto plane = effects.settings<GroundEffect>(EffectKind::Ground);
+    return BoneDynamicsSettings::Ground{Vec3(0.0, plane.height, 0.0), Vec3::UnitY(), plane.friction, clearance_};
 }
 
 BoneDynamicsSettings Performance::settingsOf(const Effects& effects) const {
-    const auto number = [&](const char* property) { return effects.number(EffectKind::BoneDynamics, property); };
+    const auto asked = effects.settings<BoneDynamicsEffect>(EffectKind::BoneDynamics);
     BoneDynamicsSettings settings;
-    settings.springs = {{number("stretch-hertz"), number("stretch-damping"), number("swing-hertz"), number("swing-damping"), number("roll-hertz"),
-                         number("roll-damping")}};
+    settings.springs = {{asked.stretchHertz, asked.stretchDamping, asked.swingHertz, asked.swingDamping, asked.rollHertz, asked.rollDamping}};
     settings.ground = groundOf(effects);
     // Whatever rests on the ground must be free to fall on it.
-    settings.returnHertz = settings.ground ? 0.0 : number("return-hertz");
+    settings.returnHertz = settings.ground ? 0.0 : asked.returnHertz;
     if (effects.has(EffectKind::Gravity)) settings.gravity = effects.vector(EffectKind::Gravity, "acceleration");
     return settings;
 }

@@ -11,7 +11,7 @@
 #include "core/accuracy/study_json.h"
 #include "core/base/atomic_file.h"
 #include "core/base/parallel.h"
-#include "core/character/character_effects.h"
+#include "core/character/smooth_joints_job.h"
 #include "core/character/standard_poses.h"
 #include "core/comparison/paper_caterpillar.h"
 #include "core/comparison/skin.h"

@@ -13,11 +13,11 @@
 #include <string>
 #include <vector>
 
+#include "core/character/smooth_joints_job.h"
 #include "core/document/command_support.h"
 #include "core/document/seam.h"
 #include "core/document/session.h"
 #include "core/mesh/topology.h"
-#include "core/character/character_effects.h"
 #include "tests/character/full_joints.h"
 
 using namespace imomushi;

@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/character/character_effects.h"
 #include "core/character/character.h"
+#include "core/character/smooth_joints_job.h"
 #include "core/mesh/topology.h"
 
 /// What smooth joints are measured against: all degrees of freedom of all joint faces in equilibrium, with the same rigid part of every joint. For

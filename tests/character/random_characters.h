@@ -6,7 +6,11 @@
 #include <cmath>
 #include <random>
 
-#include "core/character/character_effects.h"
+#include "core/character/bend_warp_job.h"
+#include "core/character/body_loads_job.h"
+#include "core/character/joint_dynamics_job.h"
+#include "core/character/smooth_joints_job.h"
+#include "core/character/touch_job.h"
 #include "tests/character/caterpillar.h"
 
 /// Caterpillars of any kind: number and size of elements, bases, formats, effects, rims that do not match.

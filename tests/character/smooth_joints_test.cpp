@@ -5,9 +5,9 @@
 #include <random>
 #include <string>
 
-#include "core/character/character_effects.h"
 #include "core/character/character.h"
 #include "core/character/joint_equilibrium.h"
+#include "core/character/smooth_joints_job.h"
 #include "tests/character/caterpillar.h"
 #include "tests/character/full_joints.h"
 #include "tests/support/allocations.h"

@@ -207,8 +207,8 @@ TEST_CASE("effects: every effect and every setting has its words in the studio")
         CHECK(effectHelp(effect).endsWith(u'.'));
         for (const EffectProperty& property : effectProperties(effect)) {
             CAPTURE(std::string(property.name));
-            CHECK(effectPropertyTitle(effect, property) != QString::fromUtf8(property.name.data(), qsizetype(property.name.size())));
-            CHECK(effectPropertyHelp(effect, property).endsWith(u'.'));
+            CHECK(effectPropertyTitle(property) != QString::fromUtf8(property.name.data(), qsizetype(property.name.size())));
+            CHECK(effectPropertyHelp(property).endsWith(u'.'));
         }
     }
 }

@@ -57,7 +57,8 @@ TEST_CASE("translations: Japanese has every text of the studio, finished, and no
     REQUIRE(QFile::copy(kept, fresh));
     QProcess lupdate;
     lupdate.start(QStringLiteral(IMOMUSHI_LUPDATE), {QStringLiteral("-silent"), QStringLiteral("-no-obsolete"), QStringLiteral("-locations"), QStringLiteral("none"), QStringLiteral("-extensions"),
-                                                    QStringLiteral("cpp,h"), QStringLiteral("-I"), QStringLiteral(IMOMUSHI_SOURCE_DIR), QStringLiteral(IMOMUSHI_SOURCE_DIR "/ui"), QStringLiteral("-ts"), fresh});
+                                                    QStringLiteral("cpp,h"), QStringLiteral("-I"), QStringLiteral(IMOMUSHI_SOURCE_DIR), QStringLiteral(IMOMUSHI_SOURCE_DIR "/ui"), QStringLiteral(IMOMUSHI_SOURCE_DIR "/core"),
+                                                    QStringLiteral("-tr-function-alias"), QStringLiteral("QT_TRANSLATE_NOOP+=IMOMUSHI_TEXT"), QStringLiteral("-ts"), fresh});
     REQUIRE(lupdate.waitForFinished(60000));
     REQUIRE(lupdate.exitCode() == 0);
     const Messages ours = read(kept), needed = read(fresh);

@@ -10,13 +10,11 @@
 
 namespace imomushi {
 
-/// What an effect is called, and what it does in one sentence, translated; its name in English where there is no translation.
+/// What an effect and a setting of it are called, and what they do in one sentence, translated.
 QString effectTitle(EffectKind effect);
 QString effectHelp(EffectKind effect);
-
-/// The same of a setting of an effect; in English from core where there is no translation.
-QString effectPropertyTitle(EffectKind effect, const EffectProperty& property);
-QString effectPropertyHelp(EffectKind effect, const EffectProperty& property);
+QString effectPropertyTitle(const EffectProperty& property);
+QString effectPropertyHelp(const EffectProperty& property);
 
 /// What frames have to say, by FrameWarning.
 struct WarningText {

@@ -28,13 +28,15 @@ constexpr int kTellMs = 350;
 constexpr int kEstimateMs = 250;
 
 /// How a setting is shown and dragged: times below a second in ms, steps of a twentieth of the default's power of ten.
-NumberField::Spec specOf(const EffectProperty& property, int part) {
+NumberField::Spec specOf(EffectKind effect, const EffectProperty& property, int part) {
+    static const Effects atFirst;
+    const double* standard = atFirst[effect].values.data() + Effects::place(effect, property.name);
     NumberField::Spec spec;
     spec.low = property.low;
     spec.high = property.high;
-    spec.standard = property.initial[std::size_t(part)];
+    spec.standard = standard[part];
     double size = 0.0;
-    for (const double value : property.initial) size = std::max(size, std::abs(value));
+    for (int i = 0; i < property.size; ++i) size = std::max(size, std::abs(standard[i]));
     if (size == 0.0) size = 0.2;
     if (property.unit == "s" && size < 1.0) {
         spec.factor = 1000.0;
@@ -265,15 +267,15 @@ void EffectsPanel::buildSettings(EffectKind effect) {
 
 void EffectsPanel::addNumber(Row& r, QGridLayout& grid, EffectKind effect, const EffectProperty& property, int part) {
     static constexpr const char* kAxes[] = {"X", "Y", "Z"};
-    QString title = effectPropertyTitle(effect, property);
+    QString title = effectPropertyTitle(property);
     if (property.size > 1) title += QStringLiteral(" %1").arg(QLatin1String(kAxes[part]));
     auto* label = new QLabel(title, r.settings);
     label->setProperty("role", "muted");
-    auto* field = new NumberField(specOf(property, part), r.settings);
+    auto* field = new NumberField(specOf(effect, property, part), r.settings);
     field->setObjectName(QString::fromUtf8(property.name.data(), qsizetype(property.name.size())));
     field->setAccessibleName(title);
-    label->setToolTip(effectPropertyHelp(effect, property));
-    field->setAccessibleDescription(effectPropertyHelp(effect, property));
+    label->setToolTip(effectPropertyHelp(property));
+    field->setAccessibleDescription(effectPropertyHelp(property));
     field->setSizePolicy(QSizePolicy::Ignored, field->sizePolicy().verticalPolicy());
     label->setBuddy(field);
     const int line = grid.rowCount();

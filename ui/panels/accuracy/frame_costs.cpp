@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/character/character_effects.h"
+#include "core/character/smooth_joints_job.h"
 #include "ui/models/effect_texts.h"
 #include "ui/widgets/appearance.h"
 
