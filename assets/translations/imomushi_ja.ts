@@ -251,6 +251,10 @@
             <source>Show bo&amp;dies</source>
             <translation>ボディを表示(&amp;D)</translation>
         </message>
+        <message>
+            <source>Soft at &amp;once</source>
+            <translation>すぐに柔らかく(&amp;O)</translation>
+        </message>
     </context>
     <context>
         <name>EffectTexts</name>
@@ -2183,6 +2187,10 @@
             <source>about %1, %2</source>
             <translation>約 %1、%2</translation>
         </message>
+        <message>
+            <source>Draft</source>
+            <translation>下書き</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::EndpointForm</name>
@@ -2744,6 +2752,10 @@
         <message>
             <source>Scene</source>
             <translation>シーン</translation>
+        </message>
+        <message>
+            <source>Draft: precompute for a better answer</source>
+            <translation>下書き：事前計算でより正確になります</translation>
         </message>
     </context>
     <context>
@@ -3396,6 +3408,10 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         <message>
             <source>%1, tolerance %2</source>
             <translation>%1、許容差%2</translation>
+        </message>
+        <message>
+            <source>draft mesh</source>
+            <translation>下書きのメッシュ</translation>
         </message>
     </context>
     <context>

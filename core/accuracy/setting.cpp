@@ -26,6 +26,7 @@ std::string meshName(const MeshChoice& mesh) {
         case Kind::Decimated: return "decimated x " + numberText(mesh.factor) + tail;
         case Kind::Default: return "default" + tail;
         case Kind::Best: return "best" + tail;
+        case Kind::Draft: return "draft" + tail;
     }
     return {};
 }

@@ -63,12 +63,18 @@ ResponseInput DocumentResponses::inputOf(PartId element) const {
     return input;
 }
 
+ResponseInput DocumentResponses::inputOfDraft(PartId element) const {
+    ResponseInput input = inputOf(element);
+    input.solverMesh = {SolverMeshSetting::Kind::Draft, 0};
+    return input;
+}
+
 DocumentResponses::Asked& DocumentResponses::asked(PartId element) const {
     const auto& part = document_.elements.at(element);
     Asked& known = asked_[element];
     if (const Wish wish = wishOf(element); known.element != part || !(known.wish == wish)) {
         ResponseInput input = inputOf(element);
-        known = {part, wish, responseKey(input), {}, {}, {}};
+        known = {part, wish, responseKey(input), {}, {}, {}, {}};
         input.nu = 0.0;
         input.loads = false;
         input.touch = 0;
@@ -162,6 +168,14 @@ ResponseState DocumentResponses::stateOf(PartId element) const {
     if (!document_.elements.contains(element)) return ResponseState::None;
     if (freshOf(element)) return ResponseState::Fresh;
     return last_.contains(element) ? ResponseState::Stale : ResponseState::None;
+}
+
+bool DocumentResponses::isDraft(PartId element) const {
+    const auto last = last_.find(element);
+    if (last == last_.end() || stateOf(element) != ResponseState::Stale || !fittingOf(element)) return false;
+    auto& key = asked(element).draft;
+    if (!key) key = responseKey(inputOfDraft(element));
+    return last->second.key == *key;
 }
 
 // ---- what it costs -----------------------------------------------------------------------------------------------------

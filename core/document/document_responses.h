@@ -46,6 +46,8 @@ public:
     // ---- what is asked for
     /// What a precompute of this element takes as input.
     [[nodiscard]] ResponseInput inputOf(PartId element) const;
+    /// The same on the solver mesh "draft".
+    [[nodiscard]] ResponseInput inputOfDraft(PartId element) const;
     [[nodiscard]] const ContentKey& keyOf(PartId element) const { return asked(element).key; }
     /// The key without nu and what effects ask for: a response of the same shape still fits the element.
     [[nodiscard]] const ContentKey& shapeOf(PartId element) const { return asked(element).shape; }
@@ -55,9 +57,11 @@ public:
     // ---- what is there
     /// The response of the element as it is now, null: none.
     [[nodiscard]] std::shared_ptr<const ElementResponse> freshOf(PartId element) const;
-    /// The fresh one, or the last one of another nu while it still fits. Null: none.
+    /// The fresh one, or the last one of another nu while it still fits, or a draft. Null: none.
     [[nodiscard]] std::shared_ptr<const ElementResponse> fittingOf(PartId element) const;
     [[nodiscard]] ResponseState stateOf(PartId element) const;
+    /// The fitting one is a draft (inputOfDraft()), not what the element's settings ask for.
+    [[nodiscard]] bool isDraft(PartId element) const;
 
     // ---- what it costs
     /// Known already or not; where it is shared, without what it is shared from.
@@ -70,7 +74,7 @@ public:
     Result<std::shared_ptr<const ElementResponse>> compute(PartId element, const Progress& progress);
     /// Takes in a response that was computed from inputOf(), or carried over from a congruent element.
     void insert(const ContentKey& key, std::shared_ptr<const ElementResponse> response, bool carried);
-    /// Takes in a response that came with an element from a project file.
+    /// Takes in a response that came with an element from a project file, or a draft.
     void bring(PartId element, const StoredResponse& response);
 
     // ---- the project
@@ -99,6 +103,7 @@ private:
         std::shared_ptr<const Element> element;
         Wish wish;
         ContentKey key, shape;
+        std::optional<ContentKey> draft;              ///< key of inputOfDraft()
         std::optional<ContentKey> parts;              ///< of all that congruent elements have in common but coordinates
         std::weak_ptr<const ElementResponse> fitting; ///< the last response that was found to fit
     };

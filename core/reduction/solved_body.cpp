@@ -146,6 +146,9 @@ Result<SolverMesh> refinedWhereCoarse(const TriangleMesh& body, std::span<const 
     return refinedSolverMesh(body, faces, fewest);
 }
 
+/// Decimation would save less than it takes.
+bool asItIsForDraft(const TriangleMesh& body) { return body.vertices.rows() <= 2 * SolverMeshSetting::kDraftVertices; }
+
 SolvedBody withExtremeWalls(const TriangleMesh& body, std::span<const JointFace> faces) {
     SolvedBody out = onItself(plainSolverMesh(body, faces), body, faces);
     out.extremeWalls = true;
@@ -196,6 +199,10 @@ Result<SolvedBody> solvedBody(const TriangleMesh& body, std::span<const JointFac
     switch (setting.kind) {
         case SolverMeshSetting::Kind::AsIs:
             break;
+        case SolverMeshSetting::Kind::Draft:
+            if (asItIsForDraft(body)) break;
+            if (auto small = onDecimated(body, faces, SolverMeshSetting::kDraftVertices, progress); small || progress.cancelled()) return small;
+            break;
         case SolverMeshSetting::Kind::Refined: {
             auto fine = refinedSolverMesh(body, faces, setting.count);
             if (!fine) return tl::make_unexpected(fine.error());
@@ -224,7 +231,11 @@ Result<SolvedBody> solvedBody(const TriangleMesh& body, std::span<const JointFac
 
 SolvedSize solvedSize(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting) {
     const auto vertices = static_cast<int>(body.vertices.rows());
-    if (setting.kind == SolverMeshSetting::Kind::AsIs) return {vertices, static_cast<int>(body.triangles.rows()), vertices / 3};
+    if (setting.kind == SolverMeshSetting::Kind::Draft && !asItIsForDraft(body)) {
+        constexpr int kCount = SolverMeshSetting::kDraftVertices;
+        return {kCount, 2 * kCount, kCount / 3};
+    }
+    if (setting.kind == SolverMeshSetting::Kind::AsIs || setting.kind == SolverMeshSetting::Kind::Draft) return {vertices, static_cast<int>(body.triangles.rows()), vertices / 3};
     if (setting.kind == SolverMeshSetting::Kind::Refined) {
         const int count = std::max(vertices, setting.count);
         return {count, 2 * count, std::max(count / 3, std::min(vertices, count))};

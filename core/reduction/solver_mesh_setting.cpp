@@ -12,7 +12,7 @@ namespace {
 using Kind = SolverMeshSetting::Kind;
 
 /// Names that stand alone, and names that a count follows.
-constexpr std::array<std::pair<std::string_view, Kind>, 3> kPlain{{{"as-is", Kind::AsIs}, {"default", Kind::Default}, {"best", Kind::Best}}};
+constexpr std::array<std::pair<std::string_view, Kind>, 4> kPlain{{{"as-is", Kind::AsIs}, {"default", Kind::Default}, {"best", Kind::Best}, {"draft", Kind::Draft}}};
 constexpr std::array<std::pair<std::string_view, Kind>, 2> kCounted{{{"refined", Kind::Refined}, {"decimated", Kind::Decimated}}};
 
 }  // namespace
@@ -52,7 +52,7 @@ Result<SolverMeshSetting> parseSolverMesh(std::string_view text) {
         return SolverMeshSetting{kind, count};
     }
     return fail("bad-value", "There is no solver mesh \"" + std::string(text) +
-                                 "\"; choose \"as-is\", \"refined:N\", \"decimated:N\", \"default\" or \"best\".");
+                                 "\"; choose \"as-is\", \"refined:N\", \"decimated:N\", \"default\", \"best\" or \"draft\".");
 }
 
 std::string solverMeshName(const SolverMeshSetting& setting) {

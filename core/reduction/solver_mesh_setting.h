@@ -15,7 +15,8 @@ struct SolverMeshSetting {
         Refined,    ///< the body bisected to `count` vertices
         Decimated,  ///< a closed surface of about `count` vertices near the body; responses are mapped to the body
         Default,    ///< what serves most characters: accurate as far as that is cheap
-        Best        ///< the most accurate there is, whatever it costs
+        Best,       ///< the most accurate there is, whatever it costs
+        Draft       ///< kDraftVertices, or the body where that is hardly larger: soft in a fraction of a second, until a better answer is there
     };
     Kind kind = Kind::Default;
     int count = 0;  ///< vertices, kFewest...kMax where the kind is Refined or Decimated, 0 otherwise
@@ -25,11 +26,12 @@ struct SolverMeshSetting {
 
     static constexpr double kUsualTolerance = 1e-5, kFinest = 1e-6, kCoarsest = 1e-2;
     static constexpr int kFewest = 4;         ///< a tetrahedron
+    static constexpr int kDraftVertices = 400;
     static constexpr int kMax = 10'000'000;  ///< beyond any memory that could solve it
     bool operator==(const SolverMeshSetting&) const = default;
 };
 
-/// "as-is", "refined:N", "decimated:N", "default", "best"; N in decimal digits; with "@T" after it the tolerance T ("best@0.001"). Errors: "bad-value".
+/// "as-is", "refined:N", "decimated:N", "default", "best", "draft"; N in decimal digits; with "@T" after it the tolerance T ("best@0.001"). Errors: "bad-value".
 Result<SolverMeshSetting> parseSolverMesh(std::string_view text);
 
 /// What parseSolverMesh() reads back to the same setting.

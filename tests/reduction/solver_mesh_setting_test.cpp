@@ -25,7 +25,7 @@ TEST_CASE("solver mesh setting: every name is read and written back") {
         const SolverMeshSetting setting{refined ? Kind::Refined : Kind::Decimated, count, std::clamp(tolerance, SolverMeshSetting::kFinest, SolverMeshSetting::kCoarsest)};
         RC_ASSERT(parseSolverMesh(solverMeshName(setting)).value() == setting);
     }));
-    for (const Kind kind : {Kind::AsIs, Kind::Default, Kind::Best}) CHECK(parseSolverMesh(solverMeshName({kind, 0})).value().kind == kind);
+    for (const Kind kind : {Kind::AsIs, Kind::Default, Kind::Best, Kind::Draft}) CHECK(parseSolverMesh(solverMeshName({kind, 0})).value().kind == kind);
 }
 
 TEST_CASE("solver mesh setting: what is no setting is refused with what to write instead") {

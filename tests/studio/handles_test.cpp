@@ -27,6 +27,7 @@ Vec3 farthest(const Element& element, const Vec3& direction) {
 
 TEST_CASE("studio: four clicks on a body are four handles, soft at once, and one is dragged, pinned and looked at") {
     Window w;
+    w.trigger("soft-at-once");
     w.import(body());
     REQUIRE(w.now().elements.size() == 1);
     const PartId id = w.now().elements.begin()->first;

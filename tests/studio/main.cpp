@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <QApplication>
+#include <QSettings>
 #include <cstring>
 
 #include "core/io/import.h"
@@ -17,6 +18,7 @@ int main(int argc, char** argv) {
     imomushi::ownHome();
     QApplication application(argc, argv);
     imomushi::prepareStudio();
+    QSettings().setValue(QStringLiteral("precompute/soft-at-once"), false);  // cases that are about it turn it on
     imomushi::Appearance::instance().setLanguage(QStringLiteral("en"));
     const int status = doctest::Context(argc, argv).run();
     imomushi::SharedStudio::instance().close();

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/jobs/draft_job.h"
 
-#include <algorithm>
-
 namespace imomushi {
 
 struct DraftJob::Work {
@@ -16,35 +14,39 @@ DraftJob::DraftJob(StudioDocument& document, QObject* parent) : BackgroundJob(pa
     connect(&document, &StudioDocument::structureChanged, this, &DraftJob::follow);
 }
 
-void DraftJob::follow(const DocumentChange& change) {
-    const auto& elements = document_.document().elements;
-    bool wanted = false;
-    for (const auto& [id, was] : change.elements) {
-        const auto now = elements.find(id);
-        // Elements that come with their handles come with their responses, or were never precomputed by choice.
-        if (!was || now == elements.end() || was->handles == now->second->handles) continue;
-        if (std::find(waiting_.begin(), waiting_.end(), id) == waiting_.end()) waiting_.push_back(id);
-        if (work_ && work_->element == id && running()) cancel();
-        wanted = true;
+void DraftJob::setEnabled(bool on) {
+    enabled_ = on;
+    if (on) follow();
+    else cancel();
+}
+
+void DraftJob::follow() {
+    if (!enabled_) return;
+    const auto& responses = document_.session().responses();
+    waiting_.clear();
+    for (const auto& [id, element] : document_.document().elements)
+        if (!element->faces.empty() && element->mesh->body.vertices.rows() <= kLargest && !responses.fittingOf(id) && !failed_.contains(responses.shapeOf(id)))
+            waiting_.push_back(id);
+    if (running()) {
+        const bool wanted = document_.document().elements.contains(work_->element) && responses.shapeOf(work_->element) == work_->shape;
+        if (wanted) return;
+        cancel();
     }
-    if (wanted && !running()) next();
+    if (waiting_.empty()) return;
+    Q_EMIT drafting();
+    next();
 }
 
 void DraftJob::next() {
     Session& session = document_.session();
     while (!waiting_.empty()) {
         const PartId id = waiting_.front();
-        waiting_.erase(waiting_.begin());
-        const auto element = document_.document().elements.find(id);
-        if (element == document_.document().elements.end() || element->second->faces.empty()) continue;
-        if (session.responseState(id) == Session::ResponseState::Fresh || session.responses().fittingOf(id)) continue;
-        const auto vertices = element->second->mesh->body.vertices.rows();
-        if (vertices > kLargest) continue;
+        waiting_.pop_front();
+        if (!document_.document().elements.contains(id) || session.responses().fittingOf(id)) continue;
         auto work = std::make_shared<Work>();
         work->element = id;
-        work->input = session.responseInput(id);
+        work->input = session.responses().inputOfDraft(id);
         work->shape = session.responses().shapeOf(id);
-        work->input.solverMesh = vertices > 2 * kVertices ? SolverMeshSetting{SolverMeshSetting::Kind::Decimated, kVertices} : SolverMeshSetting{SolverMeshSetting::Kind::AsIs};
         work_ = work;
         launch(
             [work](const Progress& progress) {
@@ -53,8 +55,9 @@ void DraftJob::next() {
             },
             [this, work] {
                 Session& of = document_.session();
-                if (work->response && document_.document().elements.contains(work->element) && of.responses().shapeOf(work->element) == work->shape &&
-                    of.responseState(work->element) != Session::ResponseState::Fresh) {
+                if (!work->response) failed_.insert(work->shape);
+                const bool same = document_.document().elements.contains(work->element) && of.responses().shapeOf(work->element) == work->shape;
+                if (work->response && same && !of.responses().fittingOf(work->element)) {
                     of.responses().bring(work->element, {work->key, work->shape, work->response});
                     Q_EMIT document_.responsesChanged();
                     Q_EMIT document_.poseChanged();

@@ -232,7 +232,8 @@ QVariant OutlinerModel::data(const QModelIndex& index, int role) const {
             if (role == Qt::ToolTipRole || role == Qt::AccessibleTextRole) {
                 switch (state) {
                     case Session::ResponseState::Fresh: return tr("Precomputed");
-                    case Session::ResponseState::Stale: return tr("Out of date: precompute again");
+                    case Session::ResponseState::Stale:
+                        return document_.session().responses().isDraft(n.part) ? tr("Draft: precompute for a better answer") : tr("Out of date: precompute again");
                     case Session::ResponseState::None: return tr("Not precomputed yet");
                 }
             }

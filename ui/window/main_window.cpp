@@ -168,7 +168,6 @@ void MainWindow::connectFiles() {
     connect(files_, &FileFlow::said, this, [this](const QString& text) { messages().say(text, MessageBar::Tone::Good); });
     connect(files_, &FileFlow::opened, this, [this] {
         precompute_->cancel();
-        drafts_->cancel();
         showStart(false);
         viewport_->frameAll(false);
         keepPicture();
@@ -201,9 +200,16 @@ void MainWindow::connectPrecompute() {
         status_->setBusy({});
         const int kept = precompute_->kept();
         if (kept > 0) files_->autosave().saveSoon();
+        if (std::exchange(byItself_, false)) {  // nobody asked: only failures are told
+            if (std::exchange(draftedMeanwhile_, false) && completed) followDrafts();
+            return;
+        }
         if (!completed) messages().say(kept > 0 ? tr("Precompute cancelled; %n element(s) were done and are kept.", nullptr, kept) : tr("Precompute cancelled"), MessageBar::Tone::Info);
         else if (!precomputeFailed_) messages().say(tr("Precomputed. Drag a joint point with the drag tool (D)."), MessageBar::Tone::Good);
         if (std::exchange(draftedMeanwhile_, false) && completed) followDrafts();
+    });
+    connect(drafts_, &DraftJob::drafting, this, [this] {
+        if (byItself_) precompute_->cancel();  // it would hold the draft up
     });
     connect(drafts_, &DraftJob::drafted, this, &MainWindow::followDrafts);
 }
@@ -212,7 +218,7 @@ void MainWindow::followDrafts() {
     draftedMeanwhile_ = precompute_->running();
     if (draftedMeanwhile_ || precompute_->estimate().seconds > kSoon) return;
     precomputeFailed_ = false;
-    precompute_->start();
+    byItself_ = precompute_->start();
     states_->update();
 }
 

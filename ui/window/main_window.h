@@ -129,6 +129,7 @@ private:
     QPointer<ExportDialog> export_;
     std::map<FrameWarning, QElapsedTimer> warned_;  ///< since each was last said
     bool precomputeFailed_ = false;
+    bool byItself_ = false;          // the precompute that runs follows drafts: nobody asked for it
     bool draftedMeanwhile_ = false;  // while it precomputed: there is more to do
     bool shown_ = false;
 };

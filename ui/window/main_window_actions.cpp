@@ -89,6 +89,13 @@ void MainWindow::connectEditActions() {
             if (tool == kind) (*actions_)[id]->setChecked(true);
     });
     on("precompute", [this] { startPrecompute(); });
+    const QString softAtOnce = QStringLiteral("precompute/soft-at-once");
+    onToggle("soft-at-once", [this, softAtOnce](bool checked) {
+        drafts_->setEnabled(checked);
+        QSettings().setValue(softAtOnce, checked);
+    });
+    drafts_->setEnabled(QSettings().value(softAtOnce, true).toBool());
+    (*actions_)["soft-at-once"]->setChecked(drafts_->enabled());
     onSettled("join", [this] { join(); });
     onSettled("pin", [this] { togglePins(document_); });
     onSettled("release", [this] { document_.execute(commands::releaseAll()); });
@@ -169,7 +176,7 @@ void MainWindow::setTool(ToolKind tool) {
 
 void MainWindow::startPrecompute() {
     settle();
-    precomputeFailed_ = false;
+    precomputeFailed_ = byItself_ = false;
     if (!precompute_->start()) messages().say(tr("Everything is precomputed already."), MessageBar::Tone::Info);
     states_->update();
 }

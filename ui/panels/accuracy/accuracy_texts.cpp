@@ -31,6 +31,8 @@ QString settingText(const AccuracySetting& s) {
         mesh = QCoreApplication::translate("imomushi::settingText", "decimated × %1").arg(s.mesh.factor);
     else if (s.mesh.kind == Kind::Best)
         mesh = QCoreApplication::translate("imomushi::settingText", "best mesh");
+    else if (s.mesh.kind == Kind::Draft)
+        mesh = QCoreApplication::translate("imomushi::settingText", "draft mesh");
     else
         mesh = QCoreApplication::translate("imomushi::settingText", "default mesh");
     if (!s.mesh.own && s.mesh.tolerance != SolverMeshSetting::kUsualTolerance)

@@ -51,7 +51,7 @@ void ElementForm::addSolverMesh(const Items& items) {
         executeTogether(document_, wanted);
     };
     addChoice<MeshKind>(tr("Solver mesh"),
-                        {{tr("Default"), MeshKind::Default}, {tr("Best"), MeshKind::Best}, {tr("As it is"), MeshKind::AsIs}, {tr("Refined"), MeshKind::Refined}, {tr("Decimated"), MeshKind::Decimated}},
+                        {{tr("Default"), MeshKind::Default}, {tr("Best"), MeshKind::Best}, {tr("As it is"), MeshKind::AsIs}, {tr("Refined"), MeshKind::Refined}, {tr("Decimated"), MeshKind::Decimated}, {tr("Draft"), MeshKind::Draft}},
                         [common]() -> std::optional<MeshKind> {
                             const auto setting = common();
                             return setting ? std::optional(setting->kind) : std::nullopt;
@@ -136,7 +136,7 @@ void ElementForm::addPrecompute(const SelectionItem& item) {
         if (!hasFaces(item)) return tr("needs a joint face");
         switch (document_.session().responseState(item.part)) {
             case Session::ResponseState::Fresh: return tr("Up to date");
-            case Session::ResponseState::Stale: return tr("Out of date");
+            case Session::ResponseState::Stale: return document_.session().responses().isDraft(item.part) ? tr("Draft") : tr("Out of date");
             case Session::ResponseState::None: break;
         }
         return tr("Not yet");
