@@ -4,7 +4,7 @@
 #include <array>
 #include <concepts>
 #include <memory>
-#include <string>
+#include <span>
 #include <string_view>
 #include <type_traits>
 #include <utility>
@@ -54,6 +54,9 @@ struct EffectProperty {
     double* (*at)(EffectSettings&) = nullptr;  ///< the first of its numbers in the settings of its effect
 };
 
+/// Each number lies within the range of its property. Errors: "bad-value".
+Result<void> checkNumbers(EffectSettings& settings, std::span<const EffectProperty> properties);
+
 /// `T` derives from this and has `kName`, and for people `kTitle` and `kHelp`, one sentence: IMOMUSHI_TEXT("Effects", ...). Where it has numbers, they are its
 /// members; their values at first are the defaults, and `static constexpr auto properties()` lists them once for all: an array of number<&T::member>(...).
 template <class T>
@@ -61,11 +64,8 @@ struct EffectOf : EffectSettings {
     [[nodiscard]] std::string_view name() const final { return T::kName; }
     [[nodiscard]] Result<void> validate() const override {
         T copy = static_cast<const T&>(*this);
-        for (const EffectProperty& p : T::properties())
-            for (int i = 0; i < p.size; ++i)
-                if (const double x = p.at(copy)[i]; !(x >= p.low && x <= p.high))
-                    return fail("bad-value", "\"" + std::string(p.name) + "\" of the effect \"" + std::string(T::kName) + "\" is out of its range.");
-        return {};
+        const auto properties = T::properties();
+        return checkNumbers(copy, properties);
     }
     static constexpr std::array<EffectProperty, 0> properties() { return {}; }
 

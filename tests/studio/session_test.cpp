@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <QElapsedTimer>
+#include <filesystem>
+#include <limits>
+
+#include "tests/studio/window.h"
+#include "ui/scene/cut_frame.h"
+
+using namespace imomushi;
+
+namespace {
+
+/// Third-party meshes are not kept with the project.
+const std::filesystem::path kPenguin = IMOMUSHI_SHARED_MESHES "/penguin.obj";
+
+/// A point of the body that is seen from `from`, nearest to `wanted` across that direction.
+Vec3 seen(const TriangleMesh& body, const Vec3& wanted, const Vec3& from) {
+    const Vec3 to = from.normalized();
+    Vec3 best = Vec3::Zero();
+    double least = std::numeric_limits<double>::infinity();
+    for (Eigen::Index t = 0; t < body.triangles.rows(); ++t) {
+        const auto corner = [&](int k) -> Vec3 { return body.vertices.row(body.triangles(t, k)).transpose(); };
+        if ((corner(1) - corner(0)).cross(corner(2) - corner(0)).dot(to) <= 0.0) continue;
+        const Vec3 at = (corner(0) + corner(1) + corner(2)) / 3.0, away = at - wanted;
+        // Among those behind each other the first one.
+        const double across = (away - away.dot(to) * to).norm() - 1e-3 * at.dot(to);
+        if (across < least) least = across, best = at;
+    }
+    return best;
+}
+
+}  // namespace
+
+TEST_CASE("studio: a whole penguin is cut into head, wings and trunk by four clicks, gets bones by clicks, and each part is dragged") {
+    if (!std::filesystem::exists(kPenguin)) {
+        MESSAGE("skipped: there is no " << kPenguin.string());
+        return;
+    }
+    Window w;
+    w.trigger("soft-at-once");
+    QElapsedTimer clock;
+    clock.start();
+    w.import(QString::fromStdString(kPenguin.string()));
+    if (w.now().characters.empty()) FAIL("the penguin came in as an element of its own");
+    const auto character = [&]() -> const CharacterSource& { return *w.now().characters.begin()->second; };
+    const TriangleMesh& whole = character().body->mesh;
+    const Vec3 low = whole.vertices.colwise().minCoeff(), high = whole.vertices.colwise().maxCoeff(), size = high - low;
+    const auto at = [&](double x, double y) -> Vec3 { return low + Vec3(x * size.x(), y * size.y(), 0.5 * size.z()); };
+
+    // Cuts: a click each, seen from the front.
+    const Vec3 front(0.0, 0.1, 1.0);
+    w.trigger("tool-face");
+    w.look(front);
+    for (const Vec3& place : {at(0.5, 0.74), at(0.86, 0.55), at(0.14, 0.55)}) {
+        const std::size_t before = character().cuts.size();
+        w.click(w.onScreen(seen(whole, place, front)));
+        CHECK(character().cuts.size() == before + 1);
+    }
+    w.shoot("session-cut");
+    REQUIRE(w.now().elements.size() == 4);
+    // Soft at once: drafts, without being asked for.
+    const auto soft = [&] {
+        return std::all_of(w.now().elements.begin(), w.now().elements.end(), [&](const auto& e) { return w.document().session().responses().fittingOf(e.first) != nullptr; });
+    };
+    QElapsedTimer waiting;
+    waiting.start();
+    waitFor(soft);
+    MESSAGE("cut after " << 1e-3 * double(clock.elapsed()) << " s; soft " << 1e-3 * double(waiting.elapsed()) << " s after the last cut was seen");
+
+    // Bones: up the spine through the neck, and one in each wing from its shoulder.
+    const auto cutAt = [&](std::size_t i) { return w.onScreen(cutFrame(w.document().session(), character().cuts[i].id)->centre); };
+    w.trigger("tool-bone");
+    w.look(front);
+    w.click(w.onScreen(at(0.5, 0.2)));
+    w.click(cutAt(0));
+    w.click(w.onScreen(at(0.5, 0.93)));
+    QTest::keyClick(&w.view(), Qt::Key_Escape);
+    for (const auto& [cut, tip] : {std::pair{1, at(0.95, 0.4)}, std::pair{2, at(0.05, 0.4)}}) {
+        w.click(cutAt(std::size_t(cut)));
+        w.click(w.onScreen(tip));
+        QTest::keyClick(&w.view(), Qt::Key_Escape);
+    }
+    w.shoot("session-bones");
+    REQUIRE(w.now().bones.size() == 4);
+    for (const auto& [id, bone] : w.now().bones) CHECK(bone->element != 0);
+    // The foot of the spine stays.
+    const EndpointRef foot{w.now().bones.begin()->first, false};
+    w.document().select({{SelectionItem::Kind::Endpoint, foot.bone, {}, foot.atEnd}});
+    w.trigger("pin");
+    waitFor(soft);
+
+    // Each part is dragged by the mouse: wings up, the head aside.
+    w.trigger("tool-pose");
+    w.look(front);
+    const auto drag = [&](const EndpointRef& end, QPoint by) {
+        const QPoint from = w.view().onScreen(end)->toPoint();
+        QTest::mouseMove(&w.view(), from);
+        w.settle();
+        QTest::mousePress(&w.view(), Qt::LeftButton, {}, from);
+        for (int i = 1; i <= 10; ++i) {
+            QTest::mouseMove(&w.view(), from + by * i / 10);
+            w.settle();
+        }
+        QTest::mouseRelease(&w.view(), Qt::LeftButton, {}, from + by);
+        w.settle();
+        CHECK(w.now().goals.contains(end));
+        CHECK((*w.view().onScreen(end) - QPointF(from + by)).manhattanLength() < 30.0);
+    };
+    std::vector<PartId> bones;
+    for (const auto& [id, bone] : w.now().bones) bones.push_back(id);
+    drag({bones[1], true}, QPoint(-70, 20));
+    drag({bones[2], true}, QPoint(60, -170));
+    drag({bones[3], true}, QPoint(-60, -170));
+    w.shoot("session-dragged");
+    MESSAGE("dragged " << 1e-3 * double(clock.elapsed()) << " s after the file was dropped, with a pointer that does not hesitate");
+
+    // One continuous surface: vertices at one place stay together, and no edge over a cut is torn.
+    const Points now = w.document().session().renderPositionsOf(character().id);
+    const Points& rest = character().model->mesh.body.vertices;
+    REQUIRE(now.allFinite());
+    CHECK((now - rest).rowwise().norm().maxCoeff() > 0.2 * size.y());
+    const Json gap = *w.document().execute({{"do", "measure"}, {"what", "gap"}});
+    CHECK(gap["value"].get<double>() < 1e-6 * size.norm());
+    double longest = 0.0;
+    const Triangles& triangles = character().model->mesh.body.triangles;
+    for (Eigen::Index t = 0; t < triangles.rows(); ++t)
+        for (int k = 0; k < 3; ++k) {
+            const auto a = triangles(t, k), b = triangles(t, (k + 1) % 3);
+            if (const double was = (rest.row(a) - rest.row(b)).norm(); was > 0.0) longest = std::max(longest, (now.row(a) - now.row(b)).norm() / was);
+        }
+    MESSAGE("the most stretched edge is " << longest << " times as long as at rest");
+    CHECK(longest < 6.0);
+
+    // Better answers come by themselves, or by hand where they take long; nothing jumps far.
+    waitFor([&] { return !w.window().precomputeJob().running(); });
+    w.settle();
+    if (!std::all_of(w.now().elements.begin(), w.now().elements.end(), [&](const auto& e) { return w.document().session().responseState(e.first) == Session::ResponseState::Fresh; })) {
+        w.trigger("precompute");
+        waitFor([&] { return !w.window().precomputeJob().running(); });
+    }
+    w.settle();
+    const double jump = (w.document().session().renderPositionsOf(character().id) - now).rowwise().norm().maxCoeff();
+    MESSAGE("from drafts to default the surface moved by " << jump / size.norm() << " of the diagonal at most");
+    CHECK(jump < 0.05 * size.norm());
+    w.shoot("session-precomputed");
+}
