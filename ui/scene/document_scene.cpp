@@ -131,7 +131,7 @@ void DocumentScene::addBody(Session& session, const Element& element, ElementPar
     body.pickable = !element.locked && !element.piece;
     body.selected = options.isSelected(item) && !element.piece;
     body.hovered = options.hovered == item && !element.piece;
-    body.outdated = session.responseState(element.id) == Session::ResponseState::Stale;
+    body.outdated = session.responseState(element.id) == Session::ResponseState::Stale && !session.responses().isDraft(element.id);
     body.positions = p.restPositions.data();
     Character* character = session.character();
     const int index = character ? session.elementIndex(element.id) : -1;

@@ -54,7 +54,7 @@ void DocumentScene::addRenderMeshes(Session& session, const SceneOptions& option
             body.pickable = !element->second->locked;
             body.selected = options.isSelected(body.id) || options.isSelected(sceneId({ScenePart::Kind::Character, seen.source->id, -1, false}));
             body.hovered = options.hovered == body.id;
-            body.outdated = session.responseState(part.element) == Session::ResponseState::Stale;
+            body.outdated = session.responseState(part.element) == Session::ResponseState::Stale && !session.responses().isDraft(part.element);
             if (seen.surface.positions) {
                 gather(seen.surface.positions, part.vertices, of.positions[i]);
                 gather(seen.surface.normals, part.vertices, of.normals[i]);
