@@ -15,6 +15,7 @@ var rolls: Array[float] = []
 var rotations: Array[Quaternion] = []
 var skeleton: Skeleton3D
 var bodies := {}  # index of an element -> MeshInstance3D
+var parts := {}  # index of a part of a character -> MeshInstance3D
 # Smooth joints: numbers of a joint's table, unknowns in all, and where those of each joint begin (-1: it has none).
 var entries := 0
 var unknowns := 0
@@ -29,12 +30,18 @@ func _init(scene: Node, path: String) -> void:
 	var size := file.get_32()
 	file.seek(20)
 	var gltf: Dictionary = JSON.parse_string(file.get_buffer(size).get_string_from_utf8())
+	var part_names := {}
 	for node in gltf["nodes"]:
 		if node.get("extras", {}).has("imomushi"):
 			data = node["extras"]["imomushi"]
+		if node.get("extras", {}).has("part"):
+			part_names[String(node["name"]).validate_node_name()] = int(node["extras"]["part"])
 	assert(not data.is_empty(), "The file was not exported with the layout \"rigged\".")
 	skeleton = scene.find_children("*", "Skeleton3D", true, false)[0]
 	for body in scene.find_children("*", "MeshInstance3D", true, false):
+		if part_names.has(String(body.name)):
+			parts[part_names[String(body.name)]] = body
+			continue
 		for e in data["elements"].size():
 			if body.name == String(data["elements"][e]["name"]).validate_node_name():
 				bodies[e] = body
@@ -73,6 +80,7 @@ func update() -> void:
 		values.append(_measure(data["elements"][e], frames[e], joints))
 	if data.has("smooth"):
 		_relax(frames, joints, values)
+	var of_parts := {}  # elements with the same targets add up
 	for e in data["elements"].size():
 		var element: Dictionary = data["elements"][e]
 		var frame: Transform3D = frames[e]
@@ -84,6 +92,18 @@ func update() -> void:
 			var weights := _weigh(element, values[e])
 			for t in weights.size():
 				bodies[e].set_blend_shape_value(t, weights[t])
+		for moved in element.get("parts", []):
+			var weights := _weigh(element, values[e])
+			var part := int(moved[0])
+			if not of_parts.has(part):
+				of_parts[part] = {}
+			var all: Dictionary = of_parts[part]
+			for t in weights.size():
+				all[int(moved[1]) + t] = all.get(int(moved[1]) + t, 0.0) + weights[t]
+	for part in of_parts:
+		for t in of_parts[part]:
+			if parts.has(part):
+				parts[part].set_blend_shape_value(t, of_parts[part][t])
 
 
 static func _vector(a: Array, at := 0) -> Vector3:

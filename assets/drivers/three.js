@@ -95,10 +95,11 @@ function mean(rotations) {
 export class ImomushiDriver {
     constructor(scene) {
         this.data = null;
-        const nodes = new Map(), meshes = new Map();
+        const nodes = new Map(), meshes = new Map(), parts = new Map();
         scene.traverse((node) => {
             if (node.userData?.imomushi) this.data = node.userData.imomushi;
             if (node.userData?.element !== undefined) meshes.set(node.userData.element, node);
+            if (node.userData?.part !== undefined) parts.set(node.userData.part, node);
         });
         if (!this.data) throw new Error('The file was not exported with the layout "rigged".');
         scene.traverse((node) => {
@@ -106,6 +107,7 @@ export class ImomushiDriver {
         });
         this.frames = nodes;
         this.meshes = meshes;
+        this.parts = parts;
         if (this.data.smooth) this.prepareSmooth();
         this.rest();
     }
@@ -140,13 +142,21 @@ export class ImomushiDriver {
         const joints = this.data.joints.map((j) => this.placeJoint(j, frames));
         const values = this.data.elements.map((element, e) => this.measure(element, frames[e], joints));
         if (this.data.smooth) this.relax(frames, joints, values);
+        const ofParts = new Map();
+        const show = (node, weights) => node?.traverse((mesh) => mesh.morphTargetInfluences && weights.forEach((w, i) => (mesh.morphTargetInfluences[i] = w)));
         this.data.elements.forEach((element, e) => {
             const frame = frames[e], node = this.frames.get(e), place = add(times3(frame.linear, element.middle), frame.shift);
             node.position.set(...place);
             node.quaternion.set(...frame.rotation);
             const weights = this.weigh(element, values[e]);
-            this.meshes.get(e)?.traverse((mesh) => mesh.morphTargetInfluences && weights.forEach((w, i) => (mesh.morphTargetInfluences[i] = w)));
+            show(this.meshes.get(e), weights);
+            for (const [part, first] of element.parts ?? []) {
+                const all = ofParts.get(part) ?? [];
+                weights.forEach((w, i) => (all[first + i] = (all[first + i] ?? 0) + w));
+                ofParts.set(part, all);
+            }
         });
+        ofParts.forEach((weights, part) => show(this.parts.get(part), weights));
     }
 
     // Each bone hangs on its parent's by the least rotation.

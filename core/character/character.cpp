@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/character/character_state.h"
+#include "core/character/render_columns.h"
 
 namespace imomushi {
 
@@ -148,6 +149,16 @@ Points Character::renderPositions(int mesh) const {
 }
 
 const Points& Character::renderRestPositions(int mesh) const { return state_->renderMeshes->tables(mesh).rest; }
+
+Eigen::MatrixXd Character::renderColumns(int mesh, int element) const {
+    const auto& runtime = *state_->frame.elements[static_cast<std::size_t>(element)].runtime;
+    const Eigen::MatrixXd all = vertexColumns(runtime);
+    std::vector<Eigen::Index> rows;
+    for (const auto& vertex : state_->renderMeshes->tables(mesh).mesh->vertices)
+        if (vertex.element == element)
+            for (Eigen::Index k = 0; k < 3; ++k) rows.push_back(3 * elementVertex(vertex, runtime) + k);
+    return all(rows, Eigen::indexing::all);
+}
 
 const Eigen::VectorXd& Character::jointParameters(int element) const { return state_->frame.elements[element].v; }
 

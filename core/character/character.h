@@ -138,6 +138,8 @@ public:
     /// The same of a render mesh: #vertices x 3.
     [[nodiscard]] Points renderPositions(int mesh) const;
     [[nodiscard]] const Points& renderRestPositions(int mesh) const;  ///< #vertices x 3, m
+    /// Where the vertices of a render mesh that an element moves, in their order there, move in its axes per unit of its weights (ShapeLayout): vertexColumns().
+    [[nodiscard]] Eigen::MatrixXd renderColumns(int mesh, int element) const;
 
     /// Joint parameters v of an element as last updated (all faces, see ElementResponse), and the rigid motion of its frame.
     [[nodiscard]] const Eigen::VectorXd& jointParameters(int element) const;

@@ -162,6 +162,13 @@ Result<ExportPlan> planExport(Session& session, const Json& arguments) {
         if (!element.faces.empty() && !session.responses().fittingOf(id))
             plan.warnings.push_back({"not-precomputed", element.name, "\"" + element.name + "\" is not precomputed and follows its bones rigidly: precompute it first."});
     }
+    for (const PartId id : shown.characters) {
+        const CharacterSource& source = *document.characters.at(id);
+        ExportedMesh mesh{source.name, source.model, {}};
+        for (const PartId element : document.elementsOf(id)) mesh.elements.push_back(shown.elementIndex(element));
+        std::sort(mesh.elements.begin(), mesh.elements.end());
+        plan.scene.meshes.push_back(std::move(mesh));
+    }
     for (const PartId id : shown.bones) plan.scene.bones.push_back(document.bones.at(id)->name);
     plan.scene.points.resize(shown.input.skeleton.points.size());
     for (const auto& [end, point] : shown.points)
@@ -202,10 +209,20 @@ Result<Json> runExport(const ExportPlan& plan, const Progress& progress) {
     answer["keys"] = report->keys;
     answer["clips"] = Json::array();
     for (const auto& clip : report->clips) answer["clips"].push_back({{"name", clip.name}, {"frames", clip.frames}, {"seconds", clip.seconds}});
+    // The file's own mesh of a character, or the bodies of elements.
+    answer["written"] = Json::array();
+    for (const auto& told : report->written) {
+        Json item{{told.ownMesh ? "character" : "element", told.name}};
+        if (told.ownMesh) item["parts"] = told.parts;
+        item["vertices"] = told.vertices;
+        item["triangles"] = told.triangles;
+        answer["written"].push_back(std::move(item));
+    }
     answer["effects"] = Json::array();
     for (const EffectKind kind : plan.effects) answer["effects"].push_back(effectJson(plan, *report, kind));
     // By design, and as the file was read back.
     if (plan.options.layout == ExportLayout::Skinned) answer["skin"] = errorJson(report->skinned);
+    if (report->followed.largest > 0.0) answer["render_mesh"] = errorJson(report->followed);
     if (report->dropped.largest > 0.0) answer["dropped_targets"] = errorJson(report->dropped);
     if (report->quantised > 0.0) answer["quantised"] = Json{{"max_percent", 100.0 * report->quantised}};
     answer["check"] = errorJson(report->check);
@@ -222,17 +239,19 @@ void addExportCommands(CommandRegistry& registry) {
     for (const auto& preset : exportPresets()) presets += std::string(presets.empty() ? "\"" : "; \"") + preset.name + "\": " + preset.help;
     registry.addAction("export",
                        "Writes the character with its takes for other programs, reads the file back and compares it. Errors are distances over the bounding-box "
-                       "diagonal of the character. Metres, +Y up, times from 0.",
+                       "diagonal of the character. Metres, +Y up, times from 0. An imported character goes out as its file's own mesh: triangles, parts, materials, texture coordinates "
+                       "and vertices as there and in that order (\"write-mesh\" says which); other elements as their bodies. The answer says which in \"written\".",
                        {{"path", Type::Text, true, "A file that ends in .glb, or in .fbx, which needs Blender; for caches in .pc2, .mdd, .obj or .ply (a file per frame, numbered)."},
                         {"layout", Type::Text, true,
-                         "\"baked\": a node and morph targets per element; \"rigged\": the same in one skeleton, with what drives it live; \"skinned\": weights "
-                         "of four joints per vertex, no morph targets; \"cache\": all vertices in all frames."},
+                         "\"baked\": a node and morph targets per element (a character: a mesh per part, on a skin with a joint per element); \"rigged\": the same in one skeleton, with what drives it live; \"skinned\": weights "
+                         "of four joints per vertex, no morph targets; \"cache\": all vertices in all frames, to be put on the file that a character came from; several characters have a cache each, "
+                         "after their names."},
                         {"take", Type::Any, false, "The take, or a list of takes (all takes unless given). Caches and sequences of several go to a file or folder each, after their names."},
                         {"pose", Type::Any, false,
                          "true, or the name of a clip: what is shown now goes out too, as a clip of one frame (without takes it always does; \"take\": [] leaves them out)."},
                         {"fps", Type::Number, false, "Keys per second, up to 1000 (the frames of the take)."},
                         {"preset", Type::Text, false, presets + "."},
-                        {"targets", Type::Any, false, "Morph targets per element: a number (4 or 8 for phones), or \"all\". What is dropped is said."},
+                        {"targets", Type::Any, false, "Morph targets per element, or of a character together: a number (4 or 8 for phones), or \"all\". What is dropped is said."},
                         {"split", Type::Boolean, false, "A target for each sign of a weight, for programs that clamp weights to 0 ... 1 (false)."},
                         {"quantise", Type::Boolean, false, "16 bits per coordinate and weight, by KHR_mesh_quantization (false). What that rounds is said."},
                         {"normals", Type::Boolean, false, "Morph targets move normals too (false: engines find them, or leave them)."},

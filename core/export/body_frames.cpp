@@ -26,8 +26,10 @@ Result<BodyFrames> BodyFrames::build(Motion& motion, std::vector<const double*> 
             part.weights.col(k) = Eigen::Map<const Eigen::VectorXd>(numbers, layout.weights);
             touched = touched || (Eigen::Map<const Eigen::ArrayXd>(numbers + layout.weights, layout.forces) != 0.0).any();
         }
-        const Eigen::Index vertices = elements[e].mesh->body.vertices.rows();
-        if (touched || character.isWarped(index)) {
+        const bool ofMesh = motion.seen[e].mesh >= 0;
+        const Eigen::Index vertices = ofMesh ? static_cast<Eigen::Index>(motion.seen[e].vertices.size()) : elements[e].mesh->body.vertices.rows();
+        part.isWhole = ofMesh || touched || character.isWarped(index);
+        if (part.isWhole) {
             part.whole.resize(3 * vertices, frames);
             continue;
         }
@@ -42,14 +44,14 @@ Result<BodyFrames> BodyFrames::build(Motion& motion, std::vector<const double*> 
     for (Eigen::Index k = 0; k < frames; ++k) {
         if (progress.cancelled()) return fail(kCancelled, "The export was cancelled.");
         character.show(out.shapes_[static_cast<std::size_t>(k)]);
+        const std::vector<Points> ofMeshes = motion.meshPositions();
         for (std::size_t e = 0; e < elements.size(); ++e) {
             Part& part = out.parts_[e];
             const Eigen::Isometry3d back = out.frame(e, static_cast<std::size_t>(k)).inverse();
-            const bool whole = part.whole.size() > 0;
-            const Points at = whole ? character.positions(static_cast<int>(e)) : character.heldPositions(static_cast<int>(e));
+            const Points at = part.isWhole ? motion.seenPositions(e, ofMeshes) : character.heldPositions(static_cast<int>(e));
             for (Eigen::Index i = 0; i < at.rows(); ++i) {
                 const Vec3 local = back * Vec3(at.row(i).transpose());
-                if (whole)
+                if (part.isWhole)
                     part.whole.col(k).segment<3>(3 * i) = local.cast<float>();
                 else
                     part.held.col(k).segment<3>(3 * i) = local;
@@ -71,7 +73,7 @@ void BodyFrames::at(std::size_t element, std::span<const std::int32_t> vertices,
     const Part& part = parts_[element];
     const auto count = static_cast<Eigen::Index>(vertices.size()), frames = static_cast<Eigen::Index>(shapes_.size());
     out.resize(3 * count, frames);
-    if (part.whole.size() > 0) {
+    if (part.isWhole) {
         for (Eigen::Index i = 0; i < count; ++i)
             for (Eigen::Index k = 0; k < frames; ++k) out.col(k).segment<3>(3 * i) = part.whole.col(k).segment<3>(3 * vertices[static_cast<std::size_t>(i)]).cast<double>();
         return;

@@ -9,8 +9,8 @@
 
 namespace imomushi {
 
-/// Where the character has its vertices in several frames, each in the moving axes of its element. Vertices that are columns times weights come from one
-/// product for all frames, which reads the columns once; the others (large motions, fingers) are kept in single precision.
+/// Where the character has the vertices that go out (Motion::Seen) in several frames, each in the moving axes of its element. Body vertices that are columns times
+/// weights come from one product for all frames, which reads the columns once; the others (large motions, fingers, render meshes) are kept in single precision.
 class BodyFrames {
 public:
     /// `shapes` must outlive this; the character of `motion` shows them in turn. Errors: "cancelled".
@@ -29,7 +29,8 @@ private:
         Eigen::MatrixXd held;           // 3 #held x #frames
         std::vector<int> loads;         // columns of loads behind those of v
         Eigen::MatrixXd weights;        // #columns x #frames
-        Eigen::MatrixXf whole;          // 3 #vertices x #frames, where columns do not say it all
+        bool isWhole = false;           // columns do not say it all
+        Eigen::MatrixXf whole;          // 3 #vertices x #frames, of such
     };
     std::vector<const double*> shapes_;
     ShapeLayout layout_;

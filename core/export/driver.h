@@ -16,6 +16,9 @@ namespace imomushi {
 ///   elements  [{name, frame, middle, bones, anchorJoint, anchor, boneLength, faces: [{name, joint, origin, axes, basis, flat, column}], columns,
 ///             matrix}]: frame: name of its joint in the skeleton; weights of its morph targets = matrix (row by row, #targets x #columns) times v
 ///   joints    [{point, place, normal, tangent, shrink, led, faces: [{element, face, bone}]}]
+/// Elements under a mesh of the scene have no mesh of their own; they say which parts they move (nodes have their number in `extras.part`), and where their targets begin
+/// among those of the part:
+///   elements  parts: [[part, first]]: weights of the targets from `first` on = matrix times v; where several elements have the same targets, their sum
 /// With v as in eq. (5) of Watanabe et al. 2006 (FaceBasis), followed by body loads. Joints take the shape a = b = 1 + shrink * s.
 /// Body loads (gravity, inflate), where there are any, as they are in a body at rest; columns follow those of v:
 ///   gravity   of free fall, m/s^2

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/export/export.h"
 
-#include <algorithm>
-
 #include "core/base/atomic_file.h"
 #include "core/export/cache_writer.h"
 #include "core/export/fbx.h"
 #include "core/export/gltf_check.h"
 #include "core/export/gltf_writer.h"
+#include "core/export/normal_targets.h"
 
 namespace imomushi {
 
@@ -23,39 +22,6 @@ std::vector<double> plainShape(const ShapeLayout& layout) {
     for (int j = 0; j < layout.joints; ++j)
         for (const int at : {3, 4, 8, 12, 16}) one(layout.joint(j) + at);
     return shape;
-}
-
-/// How the normals of a surface move per unit of each target: linear, from triangles of the moved body.
-std::vector<std::vector<float>> normalTargets(const TriangleMesh& body, const RenderSurface& surface, const ElementMorphs& morphs) {
-    std::vector<std::vector<float>> out;
-    for (Eigen::Index t = 0; t < morphs.targets.cols(); ++t) {
-        // d(area vector) = e1 x de2 + de1 x e2, over the length of the vertex's own sum.
-        Points sum = Points::Zero(body.vertices.rows(), 3), change = sum;
-        for (Eigen::Index f = 0; f < body.triangles.rows(); ++f) {
-            const std::int32_t a = body.triangles(f, 0), b = body.triangles(f, 1), c = body.triangles(f, 2);
-            const auto rest = [&](std::int32_t v) -> Vec3 { return morphs.rest.row(v).transpose(); };
-            const auto moved = [&](std::int32_t v) -> Vec3 { return morphs.targets.col(t).segment<3>(3 * v).cast<double>(); };
-            const Vec3 e1 = rest(b) - rest(a), e2 = rest(c) - rest(a), d1 = moved(b) - moved(a), d2 = moved(c) - moved(a);
-            const Vec3 area = e1.cross(e2), d = e1.cross(d2) + d1.cross(e2);
-            for (const std::int32_t v : {a, b, c}) {
-                sum.row(v) += area.transpose();
-                change.row(v) += d.transpose();
-            }
-        }
-        auto& target = out.emplace_back(3 * surface.body.size());
-        for (std::size_t i = 0; i < surface.body.size(); ++i) {
-            const std::int32_t v = surface.body[i];
-            const double length = sum.row(v).norm();
-            Vec3 d = Vec3::Zero();
-            if (length > 0.0) {
-                const Vec3 n = sum.row(v).transpose() / length;
-                d = change.row(v).transpose() / length;
-                d -= n * n.dot(d);
-            }
-            for (int k = 0; k < 3; ++k) target[3 * i + static_cast<std::size_t>(k)] = static_cast<float>(d[k]);
-        }
-    }
-    return out;
 }
 
 }  // namespace
@@ -83,7 +49,9 @@ Result<ExportReport> exportScene(const ExportScene& scene, const ExportOptions& 
     // Normals are those of the positions that they go with: a skin begins with the body as loads leave it.
     motion->character.show(options.layout == ExportLayout::Skinned ? motion->restShape.data() : plainShape(motion->layout).data());
     for (std::size_t e = 0; e < scene.character.elements.size(); ++e)
-        content.surfaces.push_back(renderSurface(scene.character, static_cast<int>(e), motion->character.surface(static_cast<int>(e)).normals));
+        if (motion->seen[e].mesh < 0) content.surfaces.push_back(renderSurface(scene, static_cast<int>(e), motion->character.surface(static_cast<int>(e)).normals));
+    for (int m = 0; m < static_cast<int>(scene.meshes.size()); ++m)
+        for (auto& surface : partSurfaces(scene, *motion, m, motion->character.renderSurface(m).normals)) content.surfaces.push_back(std::move(surface));
     if (options.layout == ExportLayout::Skinned) {
         auto skin = fitSkin(*motion, scene, progress.part(0.1, 0.6));
         if (!skin) return tl::unexpected(skin.error());
@@ -96,11 +64,12 @@ Result<ExportReport> exportScene(const ExportScene& scene, const ExportOptions& 
         content.morphs = std::move(*morphs);
         report.warped = errors.warped;
         report.touched = errors.touched;
+        report.followed = errors.followed;
         report.dropped = errors.dropped;
         if (options.normals)
-            for (std::size_t e = 0; e < content.morphs.size(); ++e) {
+            for (const auto& surface : content.surfaces) {
                 if (progress.cancelled()) return fail(kCancelled, "The export was cancelled.");
-                content.normalTargets.push_back(normalTargets(scene.character.elements[e].mesh->body, content.surfaces[e], content.morphs[e]));
+                content.normalTargets.push_back(normalTargets(content, surface));
             }
     }
     auto bytes = writeGltf(content, report, progress.part(0.6, 0.8));

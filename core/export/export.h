@@ -10,6 +10,7 @@
 #include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/character/character.h"
+#include "core/mesh/render_model.h"
 
 namespace imomushi {
 
@@ -22,10 +23,18 @@ struct ExportClip {
     std::vector<Pose> poses;
 };
 
+/// What is seen of some elements instead of their bodies: the file's own mesh.
+struct ExportedMesh {
+    std::string name;
+    std::shared_ptr<const RenderModel> model;
+    std::vector<int> elements;  ///< that move it, ascending
+};
+
 /// What goes out, by indices of `character`.
 struct ExportScene {
     std::string name;
     CharacterInput character;
+    std::vector<ExportedMesh> meshes;                  ///< of character.renderMeshes
     std::vector<std::string> elements, bones, points;  ///< names of elements, bones, and joint points ("bone/end")
     std::vector<Eigen::Vector3f> colors;               ///< of elements whose meshes bring no colours, linear RGB
     std::vector<ExportClip> clips;                     ///< one at least
@@ -37,12 +46,15 @@ struct ExportScene {
 ///   Rigged   the same in one skeleton, an element to a joint, with what drives the weights in `extras` (driver.h)
 ///   Skinned  glTF without morph targets: linear blend skinning with fitted weights, four joints per vertex
 ///   Cache    positions of all vertices per frame: PC2, MDD, or a sequence of OBJ or PLY files
+/// Elements under a mesh of the scene go out as that mesh: its triangles, parts, materials, texture coordinates and vertices in the order of the file, split where the file
+/// splits them. In glTF it has a mesh per part with a primitive per material and, also in Baked, a skin with a joint per element: each vertex follows one, and the
+/// targets of an element move its vertices alone. What is more than columns of A' (parts beside joints that turn far, attached parts) is fitted like large motions.
 enum class ExportLayout { Baked, Rigged, Skinned, Cache };
 
 struct ExportOptions {
     ExportLayout layout = ExportLayout::Baked;
     double fps = 0.0;        ///< keys at this rate; 0: at the recorded times
-    int targets = 0;         ///< at most so many per element, the most important ones; 0: all
+    int targets = 0;         ///< at most so many per element or mesh of the scene, the most important ones; 0: all
     bool split = false;      ///< a target for each sign of a weight: weights stay within 0 ... 1
     bool quantised = false;  ///< KHR_mesh_quantization: 16 bits per coordinate and weight
     bool normals = false;    ///< morph targets move normals too
@@ -65,7 +77,7 @@ struct ExportReport {
     std::vector<std::filesystem::path> files;
     std::size_t bytes = 0;
     int vertices = 0, triangles = 0;
-    int targets = 0;        ///< of the element with the most
+    int targets = 0;        ///< of the mesh with the most
     std::size_t keys = 0;   ///< of all clips and elements
     struct Clip {
         std::string name;
@@ -73,9 +85,17 @@ struct ExportReport {
         double seconds = 0.0;
     };
     std::vector<Clip> clips;
-    /// What is lost by design, at the frames that it was measured on: large motions and fingers that fitted targets follow; targets that were dropped; a
-    /// skin instead of the elastic body.
-    ExportError warped, touched, dropped, skinned;
+    /// What the file has: an element with its body, or a mesh of the scene.
+    struct Written {
+        std::string name;
+        bool ownMesh = false;  ///< of the scene
+        int parts = 0;         ///< of a mesh of the scene
+        int vertices = 0, triangles = 0;
+    };
+    std::vector<Written> written;
+    /// What is lost by design, at the frames that it was measured on: large motions and fingers that fitted targets follow; what they leave of render vertices beside
+    /// joints and of attached parts; targets that were dropped; a skin instead of the elastic body.
+    ExportError warped, touched, followed, dropped, skinned;
     double quantised = 0.0;  ///< what whole numbers round vertices by at most, over the diagonal
     /// The file as it was read back against the character, at `checked` frames of the clips.
     ExportError check;

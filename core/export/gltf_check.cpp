@@ -36,9 +36,38 @@ struct Unreadable {
     std::string why;
 };
 
+/// The numbers of an accessor of zeros with few others, three per item, as real values.
+std::vector<float> sparseNumbersOf(const tinygltf::Model& model, const tinygltf::Accessor& a) {
+    std::vector<float> out(3 * a.count, 0.0f);
+    const bool whole = a.componentType == TINYGLTF_COMPONENT_TYPE_SHORT;
+    if (!a.sparse.isSparse || a.type != TINYGLTF_TYPE_VEC3 || a.sparse.indices.componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT || (!whole && a.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT))
+        throw Unreadable{"an accessor has another type"};
+    const auto bytes = [&](int view, std::size_t size) {
+        const auto& from = model.bufferViews.at(static_cast<std::size_t>(view));
+        const auto& data = model.buffers.at(static_cast<std::size_t>(from.buffer)).data;
+        if (from.byteOffset + size > data.size()) throw Unreadable{"an accessor leaves its buffer"};
+        return data.data() + from.byteOffset;
+    };
+    const auto count = static_cast<std::size_t>(a.sparse.count);
+    const unsigned char *items = bytes(a.sparse.indices.bufferView, 4 * count), *values = bytes(a.sparse.values.bufferView, (whole ? 6 : 12) * count);
+    for (std::size_t i = 0; i < 3 * count; ++i) {
+        std::uint32_t item = 0;
+        std::memcpy(&item, items + 4 * (i / 3), 4);
+        float& to = out.at(3 * static_cast<std::size_t>(item) + i % 3);
+        if (std::int16_t number = 0; whole) {
+            std::memcpy(&number, values + 2 * i, 2);
+            to = std::max(static_cast<float>(number) / 32767.0f, -1.0f);
+        } else {
+            std::memcpy(&to, values + 4 * i, 4);
+        }
+    }
+    return out;
+}
+
 /// The numbers of an accessor, as real values.
 std::vector<float> numbersOf(const tinygltf::Model& model, int index) {
     const auto& a = model.accessors.at(static_cast<std::size_t>(index));
+    if (a.bufferView < 0) return sparseNumbersOf(model, a);
     const auto& view = model.bufferViews.at(static_cast<std::size_t>(a.bufferView));
     const auto& data = model.buffers.at(static_cast<std::size_t>(view.buffer)).data;
     const auto width = static_cast<std::size_t>(tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(a.type)));
@@ -169,8 +198,12 @@ Result<ExportError> compare(const tinygltf::Model& model, const GltfContent& con
     std::vector<ReadMesh> meshes(content.surfaces.size());
     for (std::size_t n = 0; n < model.nodes.size(); ++n) {
         const auto& node = model.nodes[n];
-        if (node.mesh < 0 || !node.extras.IsObject() || !node.extras.Has(kElementExtra)) continue;
-        auto& out = meshes.at(static_cast<std::size_t>(node.extras.Get(kElementExtra).GetNumberAsInt()));
+        if (node.mesh < 0 || !node.extras.IsObject() || !(node.extras.Has(kElementExtra) || node.extras.Has(kPartExtra))) continue;
+        // Parts follow the surfaces of elements.
+        const bool part = node.extras.Has(kPartExtra);
+        const int number = node.extras.Get(part ? kPartExtra : kElementExtra).GetNumberAsInt();
+        const auto surface = std::find_if(content.surfaces.begin(), content.surfaces.end(), [&](const RenderSurface& s) { return part ? s.element < 0 : s.element == number; });
+        auto& out = meshes.at(static_cast<std::size_t>(surface - content.surfaces.begin() + (part ? number : 0)));
         const auto& primitive = model.meshes.at(static_cast<std::size_t>(node.mesh)).primitives.at(0);
         out.node = static_cast<int>(n);
         out.skin = node.skin;
@@ -206,7 +239,7 @@ Result<ExportError> compare(const tinygltf::Model& model, const GltfContent& con
             for (std::size_t e = 0; e < meshes.size(); ++e) {
                 auto& moved = to.moved.emplace_back();
                 if (meshes[e].node < 0) {
-                    if (!content.surfaces[e].body.empty()) throw Unreadable{"an element is missing"};
+                    if (content.surfaces[e].vertices() > 0) throw Unreadable{"an element is missing"};
                     to.weights.emplace_back();
                     continue;
                 }
@@ -227,31 +260,38 @@ Result<ExportError> compare(const tinygltf::Model& model, const GltfContent& con
 
     double largest = 0.0, squares = 0.0, points = 0.0;
     std::size_t vertices = 0, done = 0;
-    for (const auto& surface : content.surfaces) vertices += surface.body.size();
+    for (const auto& surface : content.surfaces) vertices += surface.vertices();
     for (std::size_t e = 0; e < meshes.size(); ++e) {
         const ReadMesh& mesh = meshes[e];
-        const auto& body = content.surfaces[e].body;
-        if (body.empty()) continue;
-        if (mesh.positions.size() != 3 * body.size()) throw Unreadable{"an element is missing"};
+        const RenderSurface& surface = content.surfaces[e];
+        const auto& rows = surface.rows;
+        if (rows.empty()) continue;
+        if (mesh.positions.size() != 3 * rows.size()) throw Unreadable{"an element is missing"};
         for (const auto& target : mesh.targets)
             if (target.size() != mesh.positions.size()) throw Unreadable{"a target is of another mesh"};
         if (mesh.skin >= 0) {
             const auto joints = static_cast<float>(played.empty() ? 0 : played[0].moved[e].size());
-            if (mesh.joints.size() != 4 * body.size() || mesh.weights.size() != 4 * body.size() ||
+            if (mesh.joints.size() != 4 * rows.size() || mesh.weights.size() != 4 * rows.size() ||
                 std::any_of(mesh.joints.begin(), mesh.joints.end(), [&](float j) { return !(j < joints); }))
                 throw Unreadable{"a joint is missing"};
         }
-        for (std::size_t begun = 0; begun < body.size(); begun += kVerticesBetweenReports) {
+        for (std::size_t begun = 0; begun < rows.size(); begun += kVerticesBetweenReports) {
             if (progress.cancelled()) return fail(kCancelled, "The export was cancelled.");
             progress.report("check", static_cast<double>(done + begun) / static_cast<double>(vertices));
-            const std::size_t here = std::min(kVerticesBetweenReports, body.size() - begun);
+            const std::size_t here = std::min(kVerticesBetweenReports, rows.size() - begun);
             std::vector<std::pair<double, double>> missed((here + kCheckPiece - 1) / kCheckPiece);
             parallelFor(hardwareThreads(), here, kCheckPiece, [&](std::size_t begin, std::size_t end) {
                 if (progress.cancelled()) return;
-                const std::span vertexes(body.data() + begun + begin, end - begin);
-                const auto first = 3 * (begun + begin), size = 3 * (end - begin);
-                Eigen::MatrixXd goal;
-                goals->at(e, vertexes, goal);
+                const std::size_t count = end - begin, first = 3 * (begun + begin), size = 3 * count;
+                Eigen::MatrixXd goal(static_cast<Eigen::Index>(size), static_cast<Eigen::Index>(played.size()));
+                std::vector<std::size_t> mover(count);
+                for (std::size_t v = 0; v < count; ++v) mover[v] = static_cast<std::size_t>(surface.elements[begun + begin + v]);
+                for (std::size_t from = 0, to = 0; from < count; from = to) {
+                    while (to < count && mover[to] == mover[from]) ++to;
+                    Eigen::MatrixXd some;
+                    goals->at(mover[from], {rows.data() + begun + begin + from, to - from}, some);
+                    goal.middleRows(static_cast<Eigen::Index>(3 * from), some.rows()) = some;
+                }
                 Eigen::VectorXd at(static_cast<Eigen::Index>(size));
                 auto& miss = missed[begin / kCheckPiece];
                 for (std::size_t k = 0; k < played.size(); ++k) {
@@ -260,8 +300,9 @@ Result<ExportError> compare(const tinygltf::Model& model, const GltfContent& con
                     for (std::size_t t = 0; t < mesh.targets.size(); ++t)
                         if (const double w = played[k].weights[e][t]; w != 0.0) at += w * part(mesh.targets[t]);
                     const auto& moved = played[k].moved[e];
-                    const Eigen::Isometry3d frame = goals->frame(e, k);
-                    for (std::size_t v = 0; v < vertexes.size(); ++v) {
+                    Eigen::Isometry3d frame = goals->frame(mover[0], k);
+                    for (std::size_t v = 0; v < count; ++v) {
+                        if (v > 0 && mover[v] != mover[v - 1]) frame = goals->frame(mover[v], k);
                         const Vec3 local = at.segment<3>(3 * static_cast<Eigen::Index>(v));
                         const auto place = [&](std::size_t j) -> Vec3 { return moved[j].leftCols<3>() * local + moved[j].col(3); };
                         Vec3 p = Vec3::Zero();
@@ -276,8 +317,8 @@ Result<ExportError> compare(const tinygltf::Model& model, const GltfContent& con
             });
             for (const auto& [most, sum] : missed) largest = std::max(largest, most), squares += sum;
         }
-        done += body.size();
-        points += static_cast<double>(body.size() * played.size());
+        done += rows.size();
+        points += static_cast<double>(rows.size() * played.size());
     }
     if (progress.cancelled()) return fail(kCancelled, "The export was cancelled.");
     return ExportError{std::sqrt(largest) / motion.diagonal, std::sqrt(squares / std::max(points, 1.0)) / motion.diagonal};

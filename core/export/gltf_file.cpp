@@ -23,26 +23,29 @@ int GltfFile::view(const void* bytes, std::size_t size, Target target, int strid
 }
 
 template <class T>
+void GltfFile::addBounds(Json& item, const T* numbers, std::size_t count, int width, std::size_t step) {
+    Json low = Json::array(), high = Json::array();
+    for (int k = 0; k < width; ++k) {
+        T least = numbers[k], most = numbers[k];
+        for (std::size_t i = 1; i < count; ++i) {
+            const T value = numbers[i * step + static_cast<std::size_t>(k)];
+            least = std::min(least, value);
+            most = std::max(most, value);
+        }
+        low.push_back(least);
+        high.push_back(most);
+    }
+    item["min"] = std::move(low);
+    item["max"] = std::move(high);
+}
+
+template <class T>
 int GltfFile::describe(const T* numbers, std::size_t count, int width, int type, bool normalised, Target target, bool bounds, int stride) {
     static const char* const kTypes[] = {"", "SCALAR", "VEC2", "VEC3", "VEC4"};
     const auto step = stride > 0 ? static_cast<std::size_t>(stride) / sizeof(T) : static_cast<std::size_t>(width);
     Json item{{"bufferView", view(numbers, count * step * sizeof(T), target, stride)}, {"componentType", type}, {"count", count}, {"type", width == 16 ? "MAT4" : kTypes[width]}};
     if (normalised) item["normalized"] = true;
-    if (bounds) {
-        Json low = Json::array(), high = Json::array();
-        for (int k = 0; k < width; ++k) {
-            T least = numbers[k], most = numbers[k];
-            for (std::size_t i = 1; i < count; ++i) {
-                const T value = numbers[i * step + static_cast<std::size_t>(k)];
-                least = std::min(least, value);
-                most = std::max(most, value);
-            }
-            low.push_back(least);
-            high.push_back(most);
-        }
-        item["min"] = std::move(low);
-        item["max"] = std::move(high);
-    }
+    if (bounds) addBounds(item, numbers, count, width, step);
     return add("accessors", std::move(item));
 }
 
@@ -63,6 +66,37 @@ int GltfFile::quantised(const std::vector<float>& numbers, float unit, bool wide
     for (std::size_t i = 0; i < count; ++i)
         for (std::size_t k = 0; k < 3; ++k) out[4 * i + k] = static_cast<std::int8_t>(whole(3 * i + k, 127.0f));
     return describe(out.data(), count, 3, kByte, true, Target::Vertices, false, 4);
+}
+
+int GltfFile::mostlyZero(const std::vector<float>& numbers, float unit) {
+    const std::size_t count = numbers.size() / 3;
+    std::vector<std::uint32_t> items;
+    for (std::size_t i = 0; i < count; ++i)
+        if (numbers[3 * i] != 0.0f || numbers[3 * i + 1] != 0.0f || numbers[3 * i + 2] != 0.0f) items.push_back(static_cast<std::uint32_t>(i));
+    if (items.empty()) items.push_back(0);
+    // An index takes as much as a number.
+    if (4 * items.size() > 3 * count) return unit > 0.0f ? quantised(numbers, unit, true) : accessor(numbers, 3, Target::Vertices, true);
+    std::vector<float> values;
+    std::vector<std::int16_t> whole;
+    for (const std::uint32_t i : items)
+        for (std::size_t k = 0; k < 3; ++k) {
+            values.push_back(numbers[3 * i + k]);
+            if (unit > 0.0f) whole.push_back(static_cast<std::int16_t>(std::clamp(std::round(numbers[3 * i + k] / unit * 32767.0f), -32767.0f, 32767.0f)));
+        }
+    Json item{{"componentType", unit > 0.0f ? kShort : kFloat}, {"count", count}, {"type", "VEC3"}};
+    if (unit > 0.0f) item["normalized"] = true;
+    // All that is not said is 0.
+    values.resize(values.size() + 3, 0.0f);
+    whole.resize(whole.size() + 3, 0);
+    const std::size_t bounded = items.size() + (items.size() < count ? 1 : 0);
+    if (unit > 0.0f)
+        addBounds(item, whole.data(), bounded, 3, 3);
+    else
+        addBounds(item, values.data(), bounded, 3, 3);
+    const int where = view(items.data(), 4 * items.size(), Target::None);
+    const int what = unit > 0.0f ? view(whole.data(), 6 * items.size(), Target::None) : view(values.data(), 12 * items.size(), Target::None);
+    item["sparse"] = {{"count", items.size()}, {"indices", {{"bufferView", where}, {"componentType", kUnsignedInt}}}, {"values", {{"bufferView", what}}}};
+    return add("accessors", std::move(item));
 }
 
 int GltfFile::indices(const std::vector<std::uint32_t>& triangles, std::size_t vertices) {

@@ -24,6 +24,8 @@ public:
     int accessor(const std::vector<float>& numbers, int width, Target target, bool bounds);
     /// Three numbers per item as normalised integers, over `unit`, padded to four bytes: KHR_mesh_quantization. wide: 16 bits, else 8.
     int quantised(const std::vector<float>& numbers, float unit, bool wide);
+    /// Three numbers per item, many of which are 0: only the others are written, where that is shorter. With a unit as quantised() with 16 bits, else as accessor() with bounds.
+    int mostlyZero(const std::vector<float>& numbers, float unit);
     int indices(const std::vector<std::uint32_t>& triangles, std::size_t vertices);
     /// Four per item; `narrow`: in a byte each.
     int joints(const std::vector<std::uint16_t>& numbers, bool narrow);
@@ -34,6 +36,8 @@ public:
     [[nodiscard]] std::string glb();
 
 private:
+    template <class T>
+    static void addBounds(Json& item, const T* numbers, std::size_t count, int width, std::size_t step);
     template <class T>
     int describe(const T* numbers, std::size_t count, int width, int type, bool normalised, Target target, bool bounds, int stride);
     std::string binary_;

@@ -3,12 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
+#include <set>
 
 #include "core/export/driver.h"
 #include "core/export/gltf_file.h"
 #include "core/export/key_reduction.h"
+#include "core/mesh/bounds.h"
 
 namespace imomushi {
 
@@ -32,19 +33,21 @@ public:
         }
         file_.root["scene"] = 0;
         const std::size_t count = content_.surfaces.size();
-        const bool skinned = options_.layout != ExportLayout::Baked;
         chooseUnits();
-        if (skinned) addSkeleton();
+        movingNodes_.assign(scene_.elements.size(), -1);
+        jointOf_.assign(scene_.elements.size(), 0);
+        if (options_.layout != ExportLayout::Baked || !scene_.meshes.empty()) addSkeleton();
         Json roots = Json::array(), children = Json::array();
-        if (skinned) roots.push_back(root_);
-        for (std::size_t e = 0; e < count; ++e) {
+        if (root_ >= 0) roots.push_back(root_);
+        for (std::size_t s = 0; s < count; ++s) {
             if (progress_.cancelled()) return fail(kCancelled, "The export was cancelled.");
-            progress_.report("write", 0.7 * static_cast<double>(e) / static_cast<double>(count));
-            const int node = addElement(e);
-            elementNodes_.push_back(node);
-            (skinned ? roots : children).push_back(node);
+            progress_.report("write", 0.7 * static_cast<double>(s) / static_cast<double>(count));
+            const int node = addSurface(s);
+            surfaceNodes_.push_back(node);
+            (skinned(content_.surfaces[s]) ? roots : children).push_back(node);
+            if (const int e = content_.surfaces[s].element; options_.layout == ExportLayout::Baked && e >= 0) movingNodes_[static_cast<std::size_t>(e)] = node;
         }
-        if (!skinned) {
+        if (root_ < 0 || !children.empty()) {
             Json node{{"name", scene_.name}};
             if (!children.empty()) node["children"] = std::move(children);
             roots.push_back(file_.add("nodes", std::move(node)));
@@ -60,6 +63,7 @@ public:
 
 private:
     [[nodiscard]] bool rigid() const { return options_.layout != ExportLayout::Skinned; }
+    [[nodiscard]] bool skinned(const RenderSurface& surface) const { return options_.layout != ExportLayout::Baked || surface.element < 0; }
 
     /// What positions in the file are multiplied by and shifted from: by the node (baked), by its joint alone (rigged), by all joints alike (skinned).
     struct Unit {
@@ -67,36 +71,59 @@ private:
         float size = 1.0f;           // m
         bool whole = false;          // whole numbers, of -1 ... 1
     };
-    [[nodiscard]] Points positionsOf(std::size_t e) const {
-        const Vec3 from = rigid() ? Vec3(units_[e].middle - content_.morphs[e].middle) : units_[e].middle;
-        return (rigid() ? content_.morphs[e].rest : content_.skin.bind[e]).rowwise() - from.transpose();
+    [[nodiscard]] std::vector<float> positionsOf(const RenderSurface& surface) const {
+        std::vector<float> out(3 * surface.vertices());
+        for (std::size_t i = 0; i < surface.vertices(); ++i) {
+            const auto e = static_cast<std::size_t>(surface.elements[i]);
+            const Vec3 from = rigid() ? Vec3(units_[e].middle - content_.morphs[e].middle) : units_[e].middle;
+            const Points& at = rigid() ? content_.morphs[e].rest : content_.skin.bind[e];
+            for (int k = 0; k < 3; ++k) out[3 * i + static_cast<std::size_t>(k)] = static_cast<float>(at(surface.rows[i], k) - from[k]);
+        }
+        return out;
     }
     void chooseUnits() {
-        units_.resize(content_.surfaces.size());
-        for (std::size_t e = 0; rigid() && e < units_.size(); ++e)
-            if (options_.quantised || options_.layout == ExportLayout::Baked) units_[e].middle = content_.morphs[e].middle;
-        if (!options_.quantised) return;
-        Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-        for (std::size_t e = 0; !rigid() && e < units_.size(); ++e)
-            for (const std::int32_t v : content_.surfaces[e].body) {
-                const Vec3 p = content_.skin.bind[e].row(v).transpose();
-                low = low.cwiseMin(p);
-                high = high.cwiseMax(p);
+        units_.resize(scene_.elements.size());
+        std::vector<std::vector<std::size_t>> alike;  // elements that have one unit
+        if (rigid()) {
+            for (const auto& surface : content_.surfaces)
+                if (surface.element >= 0) alike.push_back({static_cast<std::size_t>(surface.element)});
+            for (const auto& mesh : scene_.meshes) alike.emplace_back(mesh.elements.begin(), mesh.elements.end());
+        } else {
+            alike.emplace_back();
+            for (std::size_t e = 0; e < units_.size(); ++e) alike[0].push_back(e);
+        }
+        std::vector<Bounds> bounds(units_.size());
+        std::vector<double> reach(units_.size(), 0.0);  // from the middle of the element
+        std::vector<char> any(units_.size(), 0);
+        for (const auto& surface : content_.surfaces)
+            for (std::size_t i = 0; i < surface.vertices(); ++i) {
+                const auto e = static_cast<std::size_t>(surface.elements[i]);
+                const Vec3 p = (rigid() ? content_.morphs[e].rest : content_.skin.bind[e]).row(surface.rows[i]).transpose();
+                reach[e] = std::max(reach[e], p.cwiseAbs().maxCoeff());
+                const Vec3 at = rigid() ? Vec3(p + content_.morphs[e].middle) : p;
+                bounds[e] = any[e] ? Bounds{bounds[e].low.cwiseMin(at), bounds[e].high.cwiseMax(at)} : Bounds{at, at};
+                any[e] = 1;
             }
-        for (std::size_t e = 0; e < units_.size(); ++e) {
-            Unit& unit = units_[e];
-            if (content_.surfaces[e].body.empty()) continue;
-            double most = 0.5 * (high - low).maxCoeff();
-            if (rigid()) {
-                most = 0.0;
-                for (const std::int32_t v : content_.surfaces[e].body) most = std::max(most, content_.morphs[e].rest.row(v).cwiseAbs().maxCoeff());
-            } else {
-                unit.middle = 0.5 * (low + high);
+        for (const auto& group : alike) {
+            Unit unit;
+            const bool alone = rigid() && group.size() == 1 && content_.motion.seen[group[0]].mesh < 0;
+            if (alone && (options_.quantised || options_.layout == ExportLayout::Baked)) unit.middle = content_.morphs[group[0]].middle;
+            bool drawn = false;
+            Bounds whole;
+            for (const std::size_t e : group)
+                if (any[e]) {
+                    whole = drawn ? Bounds{whole.low.cwiseMin(bounds[e].low), whole.high.cwiseMax(bounds[e].high)} : bounds[e];
+                    drawn = true;
+                }
+            if (options_.quantised && drawn) {
+                if (!alone) unit.middle = 0.5 * (whole.low + whole.high);
+                const double most = alone ? reach[group[0]] : 0.5 * (whole.high - whole.low).maxCoeff();
+                // A little more than the farthest: it must not round beyond the range.
+                unit.size = static_cast<float>(most * (1.0 + 1e-6));
+                unit.whole = unit.size > 0.0f;
+                if (!unit.whole) unit.size = 1.0f;
             }
-            // A little more than the farthest: it must not round beyond the range.
-            unit.size = static_cast<float>(most * (1.0 + 1e-6));
-            unit.whole = unit.size > 0.0f;
-            if (!unit.whole) unit.size = 1.0f;
+            for (const std::size_t e : group) units_[e] = unit;
         }
     }
 
@@ -110,7 +137,12 @@ private:
                 inverse.push_back(i == 15 ? 1.0f : i % 5 == 0 ? unit.size : i >= 12 ? static_cast<float>(unit.middle[i - 12] - origin[i - 12]) : 0.0f);
         };
         if (rigid()) {
-            for (std::size_t e = 0; e < content_.morphs.size(); ++e) addJoint(scene_.elements[e] + " frame", content_.morphs[e].middle, units_[e]);
+            for (std::size_t e = 0; e < content_.morphs.size(); ++e) {
+                if (options_.layout == ExportLayout::Baked && content_.motion.seen[e].mesh < 0) continue;
+                jointOf_[e] = static_cast<std::uint16_t>(jointNodes_.size());
+                addJoint(scene_.elements[e] + " frame", content_.morphs[e].middle, units_[e]);
+                movingNodes_[e] = jointNodes_.back();
+            }
         } else {
             const auto drawn = std::find_if(units_.begin(), units_.end(), [](const Unit& unit) { return unit.whole; });
             for (const auto& joint : content_.skin.joints) addJoint(joint.name + " frame", joint.origin, drawn == units_.end() ? Unit{} : *drawn);
@@ -121,22 +153,21 @@ private:
         file_.add("skins", {{"name", scene_.name}, {"joints", joints}, {"skeleton", root_}, {"inverseBindMatrices", file_.accessor(inverse, 16, Target::None, false)}});
     }
 
-    int addMaterial(std::size_t e, int material) {
-        const ElementMesh& mesh = *scene_.character.elements[e].mesh;
+    int addMaterial(const RenderSurface& surface, int material) {
         Material m;
-        if (material >= 0 && material < static_cast<int>(mesh.renderMesh.materials.size())) {
-            m = mesh.renderMesh.materials[static_cast<std::size_t>(material)];
+        if (material >= 0 && material < static_cast<int>(surface.look->materials.size())) {
+            m = surface.look->materials[static_cast<std::size_t>(material)];
         } else {
-            m.name = scene_.elements[e];
-            m.baseColor << scene_.colors[e], 1.0f;
-            if (content_.surfaces[e].colors.rows() > 0) m.baseColor.setOnes();
+            m.name = surface.materialName;
+            m.baseColor << surface.color, 1.0f;
+            if (surface.colors.rows() > 0) m.baseColor.setOnes();
         }
         Json color = Json::array();
         for (int i = 0; i < 4; ++i) color.push_back(std::clamp(m.baseColor[i], 0.0f, 1.0f));
-        Json surface{{"baseColorFactor", std::move(color)}, {"metallicFactor", std::clamp(m.metallic, 0.0f, 1.0f)}, {"roughnessFactor", std::clamp(m.roughness, 0.0f, 1.0f)}};
-        if (m.baseColorTexture >= 0 && content_.surfaces[e].texCoords.rows() > 0)
-            if (const int texture = addTexture(mesh.renderMesh.textures[static_cast<std::size_t>(m.baseColorTexture)]); texture >= 0) surface["baseColorTexture"] = {{"index", texture}};
-        Json out{{"name", m.name}, {"pbrMetallicRoughness", std::move(surface)}};
+        Json shading{{"baseColorFactor", std::move(color)}, {"metallicFactor", std::clamp(m.metallic, 0.0f, 1.0f)}, {"roughnessFactor", std::clamp(m.roughness, 0.0f, 1.0f)}};
+        if (m.baseColorTexture >= 0 && surface.texCoords.rows() > 0)
+            if (const int texture = addTexture(surface.look->textures[static_cast<std::size_t>(m.baseColorTexture)]); texture >= 0) shading["baseColorTexture"] = {{"index", texture}};
+        Json out{{"name", m.name}, {"pbrMetallicRoughness", std::move(shading)}};
         if (m.baseColor[3] < 1.0f) out["alphaMode"] = "BLEND";
         // Elements that were imported together share their materials.
         const std::string key = out.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -159,22 +190,19 @@ private:
         return textures_[key] = file_.add("textures", {{"name", texture.name}, {"sampler", 0}, {"source", image}});
     }
 
-    int addElement(std::size_t e) {
-        const RenderSurface& surface = content_.surfaces[e];
-        const std::size_t vertices = surface.body.size();
-        Json node{{"name", scene_.elements[e]}, {"extras", {{kElementExtra, e}}}};
-        const bool morphs = rigid();
+    int addSurface(std::size_t s) {
+        const RenderSurface& surface = content_.surfaces[s];
+        const std::size_t vertices = surface.vertices();
+        const bool ofMesh = surface.element < 0;
+        Json node{{"name", ofMesh ? onlyName(surface.name) : surface.name}, {"extras", {{ofMesh ? kPartExtra : kElementExtra, ofMesh ? parts_++ : surface.element}}}};
         auto& factors = factor_.emplace_back();
-        const Unit& unit = units_[e];
-        const bool baked = options_.layout == ExportLayout::Baked;
+        const Unit unit = !ofMesh ? units_[static_cast<std::size_t>(surface.element)] : vertices > 0 ? units_[static_cast<std::size_t>(surface.elements.front())] : Unit{};
+        const bool skin = skinned(surface);
         if (surface.parts.empty()) {
-            if (baked) node["translation"] = vector(unit.middle);
+            if (!skin) node["translation"] = vector(unit.middle);
             return file_.add("nodes", std::move(node));
         }
-        const Points at = positionsOf(e);
-        std::vector<float> positions(3 * vertices);
-        for (std::size_t i = 0; i < vertices; ++i)
-            for (int k = 0; k < 3; ++k) positions[3 * i + static_cast<std::size_t>(k)] = static_cast<float>(at(surface.body[i], k));
+        const std::vector<float> positions = positionsOf(surface);
         const float most = unit.size;
         const bool small = unit.whole;
         Json attributes{{"POSITION", small ? file_.quantised(positions, most, true) : file_.accessor(positions, 3, Target::Vertices, true)}};
@@ -184,64 +212,114 @@ private:
             attributes["TEXCOORD_0"] = file_.accessor({surface.texCoords.data(), surface.texCoords.data() + surface.texCoords.size()}, 2, Target::Vertices, false);
         if (surface.colors.rows() > 0)
             attributes["COLOR_0"] = file_.accessor({surface.colors.data(), surface.colors.data() + surface.colors.size()}, 4, Target::Vertices, false);
-        if (!baked) addInfluences(e, attributes);
+        if (skin) addInfluences(surface, attributes);
 
         Json targets = Json::array(), names = Json::array(), zeros = Json::array();
-        if (morphs) {
-            const ElementMorphs& m = content_.morphs[e];
-            for (Eigen::Index t = 0; t < m.targets.cols(); ++t) {
-                std::vector<float> moved(3 * vertices);
+        if (rigid()) {
+            const auto movers = content_.movers(surface);
+            const Eigen::Index count = content_.targets(movers);
+            for (Eigen::Index t = 0; t < count; ++t) {
+                const std::vector<float> moved = targetOf(surface, movers, t);
                 float reach = 0.0f;
-                for (std::size_t i = 0; i < vertices; ++i)
-                    for (int k = 0; k < 3; ++k) {
-                        const float x = m.targets(3 * surface.body[i] + k, t);
-                        moved[3 * i + static_cast<std::size_t>(k)] = x;
-                        reach = std::max(reach, std::abs(x));
-                    }
+                for (const float x : moved) reach = std::max(reach, std::abs(x));
                 // A target that fills the range of its integers rounds least.
                 const float factor = small && reach > 0.0f && reach <= most ? most / reach : 1.0f;
                 factors.push_back(factor);
-                for (float& x : moved) x *= factor;
-                Json target{{"POSITION", small && reach <= most ? file_.quantised(moved, most, true) : file_.accessor(scaledBy(moved, small ? 1.0f / most : 1.0f), 3, Target::Vertices, true)}};
-                if (!content_.normalTargets.empty()) target["NORMAL"] = file_.accessor(scaledBy(content_.normalTargets[e][static_cast<std::size_t>(t)], factor), 3, Target::Vertices, false);
+                Json target{{"POSITION", addTarget(scaledBy(moved, factor), small && reach <= most ? most : 0.0f, small ? 1.0f / most : 1.0f, ofMesh)}};
+                if (!content_.normalTargets.empty()) target["NORMAL"] = file_.accessor(scaledBy(content_.normalTargets[s][static_cast<std::size_t>(t)], factor), 3, Target::Vertices, false);
                 targets.push_back(std::move(target));
-                names.push_back(m.names[static_cast<std::size_t>(t)]);
+                names.push_back(targetName(surface, movers, t));
                 zeros.push_back(0.0);
             }
-            report_.targets = std::max(report_.targets, static_cast<int>(m.targets.cols()));
+            report_.targets = std::max(report_.targets, static_cast<int>(count));
             double weighed = 0.0;
-            for (const auto& track : m.tracks)
-                for (Eigen::Index key = 0; small && key < track.weights.cols(); ++key) {
-                    double sum = 0.0;
-                    for (Eigen::Index t = 0; t < track.weights.rows(); ++t) sum += std::abs(track.weights(t, key)) / factors[static_cast<std::size_t>(t)];
-                    weighed = std::max(weighed, sum);
-                }
+            for (const auto& mover : movers)
+                for (const auto& track : content_.morphs[static_cast<std::size_t>(mover.element)].tracks)
+                    for (Eigen::Index key = 0; small && key < track.weights.cols(); ++key) {
+                        double sum = 0.0;
+                        for (Eigen::Index t = 0; t < track.weights.rows(); ++t) sum += std::abs(track.weights(t, key)) / factors[static_cast<std::size_t>(mover.first + t)];
+                        weighed = std::max(weighed, sum);
+                    }
             if (small) rounded(most, 1.0 + weighed, 0.0);
         } else if (small) {
             // Four weights round by a step each, and take a vertex no farther than its joints are apart: a diagonal.
             rounded(most, 1.0, 4.0 / 65535.0);
         }
         Json primitives = Json::array();
+        int triangles = 0;
         for (const auto& part : surface.parts) {
-            Json primitive{{"attributes", attributes}, {"indices", file_.indices(part.triangles, vertices)}, {"material", addMaterial(e, part.material)}};
+            Json primitive{{"attributes", attributes}, {"indices", file_.indices(part.triangles, vertices)}, {"material", addMaterial(surface, part.material)}};
             if (!targets.empty()) primitive["targets"] = targets;
             primitives.push_back(std::move(primitive));
-            report_.triangles += static_cast<int>(part.triangles.size() / 3);
+            triangles += static_cast<int>(part.triangles.size() / 3);
         }
-        report_.vertices += static_cast<int>(vertices);
-        Json mesh{{"name", scene_.elements[e]}, {"primitives", std::move(primitives)}};
+        Json mesh{{"name", surface.name}, {"primitives", std::move(primitives)}};
         if (!names.empty()) {
             mesh["weights"] = std::move(zeros);
             mesh["extras"] = {{"targetNames", std::move(names)}};
         }
         node["mesh"] = file_.add("meshes", std::move(mesh));
-        if (baked) {
+        if (skin) {
+            node["skin"] = 0;
+        } else {
             node["translation"] = vector(unit.middle);
             if (small) node["scale"] = {most, most, most};
-        } else {
-            node["skin"] = 0;
         }
+        tell(surface, triangles);
         return file_.add("nodes", std::move(node));
+    }
+
+    /// Most programs want each object to have a name of its own; meshes of parts keep theirs.
+    std::string onlyName(const std::string& wish) {
+        if (names_.empty()) names_.insert(scene_.elements.begin(), scene_.elements.end());
+        std::string name = wish;
+        for (int n = 2; !names_.insert(name).second; ++n) name = wish + " " + std::to_string(n);
+        return name;
+    }
+
+    void tell(const RenderSurface& surface, int triangles) {
+        const int vertices = static_cast<int>(surface.vertices());
+        report_.vertices += vertices;
+        report_.triangles += triangles;
+        const bool ofMesh = surface.element < 0;
+        const std::string& name = ofMesh ? scene_.meshes[static_cast<std::size_t>(surface.mesh)].name : surface.name;
+        // Parts of a mesh come one after the other.
+        if (!ofMesh || toldMesh_ != surface.mesh) report_.written.push_back({name, ofMesh, 0, 0, 0});
+        toldMesh_ = surface.mesh;
+        auto& told = report_.written.back();
+        told.parts += ofMesh ? 1 : 0;
+        told.vertices += vertices;
+        told.triangles += triangles;
+    }
+
+    /// What a unit of a target moves each vertex by, 3 per vertex, m.
+    [[nodiscard]] std::vector<float> targetOf(const RenderSurface& surface, const std::vector<GltfContent::Mover>& movers, Eigen::Index target) const {
+        std::vector<float> out(3 * surface.vertices(), 0.0f);
+        std::vector<Eigen::Index> column(scene_.elements.size(), -1);
+        for (const auto& mover : movers) {
+            const auto e = static_cast<std::size_t>(mover.element);
+            if (target >= mover.first && target < mover.first + content_.morphs[e].targets.cols()) column[e] = target - mover.first;
+        }
+        for (std::size_t i = 0; i < surface.vertices(); ++i) {
+            const auto e = static_cast<std::size_t>(surface.elements[i]);
+            for (int k = 0; column[e] >= 0 && k < 3; ++k) out[3 * i + static_cast<std::size_t>(k)] = content_.morphs[e].targets(3 * surface.rows[i] + k, column[e]);
+        }
+        return out;
+    }
+    /// Several elements may call theirs alike.
+    [[nodiscard]] std::string targetName(const RenderSurface& surface, const std::vector<GltfContent::Mover>& movers, Eigen::Index target) const {
+        for (const auto& mover : movers) {
+            const ElementMorphs& m = content_.morphs[static_cast<std::size_t>(mover.element)];
+            if (target < mover.first || target >= mover.first + m.targets.cols()) continue;
+            const std::string& name = m.names[static_cast<std::size_t>(target - mover.first)];
+            return surface.element >= 0 || m.shared ? name : scene_.elements[static_cast<std::size_t>(mover.element)] + " " + name;
+        }
+        return {};
+    }
+    /// whole: its unit, 0: in single precision and times `size`.
+    int addTarget(const std::vector<float>& moved, float whole, float size, bool ofMesh) {
+        if (ofMesh) return file_.mostlyZero(whole > 0.0f ? moved : scaledBy(moved, size), whole);
+        return whole > 0.0f ? file_.quantised(moved, whole, true) : file_.accessor(scaledBy(moved, size), 3, Target::Vertices, true);
     }
 
     /// So many half steps of 16 bits along three axes, and a part of the diagonal.
@@ -254,17 +332,18 @@ private:
         return numbers;
     }
 
-    void addInfluences(std::size_t e, Json& attributes) {
-        const auto& body = content_.surfaces[e].body;
-        std::vector<std::uint16_t> joints(4 * body.size(), 0);
-        std::vector<float> weights(4 * body.size(), 0.0f);
-        for (std::size_t i = 0; i < body.size(); ++i) {
+    void addInfluences(const RenderSurface& surface, Json& attributes) {
+        const std::size_t vertices = surface.vertices();
+        std::vector<std::uint16_t> joints(4 * vertices, 0);
+        std::vector<float> weights(4 * vertices, 0.0f);
+        for (std::size_t i = 0; i < vertices; ++i) {
+            const auto e = static_cast<std::size_t>(surface.elements[i]);
             if (rigid()) {
-                joints[4 * i] = static_cast<std::uint16_t>(e);
+                joints[4 * i] = jointOf_[e];
                 weights[4 * i] = 1.0f;
                 continue;
             }
-            const auto& v = content_.skin.elements[e][static_cast<std::size_t>(body[i])];
+            const auto& v = content_.skin.elements[e][static_cast<std::size_t>(surface.rows[i])];
             for (std::size_t k = 0; k < FittedSkin::kMax; ++k) {
                 joints[4 * i + k] = v.weight[k] > 0.0f ? static_cast<std::uint16_t>(v.joint[k]) : std::uint16_t{0};
                 weights[4 * i + k] = v.weight[k];
@@ -307,21 +386,53 @@ private:
                 report_.keys += all.size();
             }
         }
-        for (std::size_t e = 0; rigid() && e < content_.morphs.size(); ++e) {
-            const ElementMorphs& m = content_.morphs[e];
-            const auto& track = m.tracks[c];
-            const auto keys = neededKeys(m, track, std::max(options_.tolerance, kAlways) * content_.motion.diagonal);
-            report_.keys += keys.size();
-            rigidMotion(options_.layout == ExportLayout::Baked ? elementNodes_[e] : jointNodes_[e], keys, track.rotations, track.places);
-            if (m.targets.cols() == 0 || content_.surfaces[e].parts.empty()) continue;
-            std::vector<float> weights;
-            for (const std::size_t k : keys)
-                for (Eigen::Index t = 0; t < m.targets.cols(); ++t)
-                    weights.push_back(static_cast<float>(track.weights(t, static_cast<Eigen::Index>(k)) / factor_[e][static_cast<std::size_t>(t)]));
-            channel(elementNodes_[e], "weights", keys, weights, 1);
+        const double tolerance = std::max(options_.tolerance, kAlways) * content_.motion.diagonal;
+        const auto needed = [&](std::size_t e) { return neededKeys(content_.morphs[e], content_.morphs[e].tracks[c], tolerance); };
+        // All elements under a mesh have the keys of its weights.
+        std::vector<std::vector<std::size_t>> keysOfMesh;
+        for (const auto& mesh : scene_.meshes) {
+            std::set<std::size_t> all;
+            for (const int e : mesh.elements)
+                if (rigid())
+                    for (const std::size_t k : needed(static_cast<std::size_t>(e))) all.insert(k);
+            keysOfMesh.emplace_back(all.begin(), all.end());
         }
+        const auto surfaceOf = [&](std::size_t e) {
+            return std::find_if(content_.surfaces.begin(), content_.surfaces.end(), [e](const RenderSurface& surface) { return surface.element == static_cast<int>(e); }) - content_.surfaces.begin();
+        };
+        for (std::size_t e = 0; rigid() && e < content_.morphs.size(); ++e) {
+            const auto& track = content_.morphs[e].tracks[c];
+            const int mesh = content_.motion.seen[e].mesh;
+            const auto keys = mesh < 0 ? needed(e) : keysOfMesh[static_cast<std::size_t>(mesh)];
+            report_.keys += keys.size();
+            rigidMotion(movingNodes_[e], keys, track.rotations, track.places);
+            if (mesh < 0) weigh(static_cast<std::size_t>(surfaceOf(e)), c, keys, channel);
+        }
+        for (std::size_t s = 0; rigid() && s < content_.surfaces.size(); ++s)
+            if (const int mesh = content_.surfaces[s].mesh; mesh >= 0) weigh(s, c, keysOfMesh[static_cast<std::size_t>(mesh)], channel);
         if (channels.empty()) return;
         file_.add("animations", {{"name", scene_.clips[c].name}, {"samplers", std::move(samplers)}, {"channels", std::move(channels)}});
+    }
+
+    template <class Channel>
+    void weigh(std::size_t s, std::size_t c, const std::vector<std::size_t>& keys, const Channel& channel) {
+        const RenderSurface& surface = content_.surfaces[s];
+        const auto movers = content_.movers(surface);
+        const Eigen::Index count = content_.targets(movers);
+        if (count == 0 || surface.parts.empty()) return;
+        std::vector<float> weights;
+        for (const std::size_t k : keys) {
+            const std::size_t first = weights.size();
+            weights.resize(first + static_cast<std::size_t>(count));
+            for (const auto& mover : movers) {
+                const auto& track = content_.morphs[static_cast<std::size_t>(mover.element)].tracks[c];
+                for (Eigen::Index t = 0; t < track.weights.rows(); ++t) {
+                    const auto at = static_cast<std::size_t>(mover.first + t);
+                    weights[first + at] = static_cast<float>(track.weights(t, static_cast<Eigen::Index>(k)) / factor_[s][at]);
+                }
+            }
+        }
+        channel(surfaceNodes_[s], "weights", keys, weights, 1);
     }
 
     static constexpr double kAlways = 1e-9;  // of the diagonal: smaller motions are lost in single precision, so their keys are always left out
@@ -332,14 +443,31 @@ private:
     ExportReport& report_;
     const Progress& progress_;
     GltfFile file_;
-    int root_ = -1;
-    std::vector<int> elementNodes_, jointNodes_;
+    int root_ = -1, parts_ = 0, toldMesh_ = -1;
+    std::vector<int> surfaceNodes_, jointNodes_;
+    std::vector<int> movingNodes_;            // per element: of its frame
+    std::vector<std::uint16_t> jointOf_;      // per element: that of its frame, among those of the skeleton
     std::vector<Unit> units_;                 // per element
-    std::vector<std::vector<float>> factor_;  // per element, per target: what its weights are divided by
+    std::vector<std::vector<float>> factor_;  // per surface, per target: what its weights are divided by
+    std::set<std::string> names_;             // of nodes of elements and parts
     std::map<std::string, int> materials_, textures_;
 };
 
 }  // namespace
+
+std::vector<GltfContent::Mover> GltfContent::movers(const RenderSurface& surface) const {
+    std::vector<Mover> out;
+    if (surface.element >= 0) return {{surface.element, 0}};
+    for (const int e : std::set<int>(surface.elements.begin(), surface.elements.end())) {
+        const ElementMorphs& before = morphs[static_cast<std::size_t>(out.empty() ? e : out.back().element)];
+        out.push_back({e, out.empty() || before.shared ? 0 : out.back().first + before.targets.cols()});
+    }
+    return out;
+}
+
+Eigen::Index GltfContent::targets(const std::vector<Mover>& movers) const {
+    return movers.empty() ? 0 : movers.back().first + morphs[static_cast<std::size_t>(movers.back().element)].targets.cols();
+}
 
 Result<std::string> writeGltf(const GltfContent& content, ExportReport& report, const Progress& progress) {
     return SceneWriter(content, report, progress).write();

@@ -14,17 +14,26 @@ struct GltfContent {
     const ExportScene& scene;
     const ExportOptions& options;
     const Motion& motion;
-    std::vector<RenderSurface> surfaces;
+    std::vector<RenderSurface> surfaces;  ///< of elements, then parts of meshes of the scene
     std::vector<ElementMorphs> morphs;
-    /// Per element, per target: how normals move per unit of weight, 3 per vertex of the surface; empty: they do not.
+    /// Per surface, per target: how normals move per unit of weight, 3 per vertex of the surface; empty: they do not.
     std::vector<std::vector<std::vector<float>>> normalTargets;
     FittedSkin skin;
+
+    /// The elements that move vertices of a surface, and where the targets of each begin among those of the surface.
+    struct Mover {
+        int element = 0;
+        Eigen::Index first = 0;
+    };
+    [[nodiscard]] std::vector<Mover> movers(const RenderSurface& surface) const;
+    /// How many targets these are.
+    [[nodiscard]] Eigen::Index targets(const std::vector<Mover>& movers) const;
 };
 
 /// The bytes of a .glb file. Adds to `report`: keys, targets, warnings. Errors: "too-large", "cancelled".
 Result<std::string> writeGltf(const GltfContent& content, ExportReport& report, const Progress& progress);
 
-/// Nodes of elements in the written file have their index here, so that files can be read back whatever elements are called.
-inline constexpr const char* kElementExtra = "element";
+/// Nodes of elements in the written file have their index here, so that files can be read back whatever elements are called; those of parts theirs among all parts.
+inline constexpr const char *kElementExtra = "element", *kPartExtra = "part";
 
 }  // namespace imomushi

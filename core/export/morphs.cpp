@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace imomushi {
 
@@ -67,7 +68,7 @@ public:
         for (std::size_t s = 0; s < sample_.size(); ++s) {
             if (progress_.cancelled()) return fail(kCancelled, "The export was cancelled.");
             progress_.report("fit", 0.3 * static_cast<double>(s) / static_cast<double>(sample_.size()));
-            motion_.character.show(shape(sample_[s]).data());
+            show(sample_[s]);
             for (std::size_t e = 0; e < count; ++e) all[e].residuals.col(static_cast<Eigen::Index>(s)) = residual(e, all[e], sample_[s]);
         }
         for (std::size_t e = 0; e < count; ++e) {
@@ -80,7 +81,7 @@ public:
                 for (std::size_t f = 0; f < motion_.clips[c].times.size(); ++f) {
                     if (progress_.cancelled()) return fail(kCancelled, "The export was cancelled.");
                     progress_.report("fit", 0.7 + 0.2 * static_cast<double>(first_[c] + f) / static_cast<double>(keys_));
-                    motion_.character.show(shape({c, f}).data());
+                    show({c, f});
                     for (std::size_t e = 0; e < count; ++e) {
                         Work& w = all[e];
                         if (w.fitted.cols() == 0) continue;
@@ -98,16 +99,29 @@ public:
                     known.largest = std::max(known.largest, left.largest);
                     known.rms = std::max(known.rms, left.rms);
                 };
-                if (motion_.character.isWarped(static_cast<int>(e))) worse(errors.warped);
+                if (w.warped) worse(errors.warped);
                 if (w.touched) worse(errors.touched);
+                if (w.whole && !w.warped && !w.touched && left.largest > kRounding) worse(errors.followed);
             }
         }
         std::vector<ElementMorphs> out(count);
-        for (std::size_t e = 0; e < count; ++e) {
-            if (progress_.cancelled()) return fail(kCancelled, "The export was cancelled.");
-            progress_.report("fit", 0.9 + 0.1 * static_cast<double>(e) / static_cast<double>(count));
-            finish(e, all[e], out[e], errors);
-            all[e] = {};
+        std::vector<std::size_t> alone;
+        for (std::size_t e = 0; e < count; ++e)
+            if (motion_.seen[e].mesh < 0) alone.push_back(e);
+        std::size_t done = 0;
+        const auto finished = [&](std::span<const std::size_t> group) {
+            if (progress_.cancelled()) return false;
+            progress_.report("fit", 0.9 + 0.1 * static_cast<double>(done) / static_cast<double>(count));
+            finish(group, all, out, errors);
+            for (const std::size_t e : group) all[e] = {};
+            done += group.size();
+            return true;
+        };
+        for (const std::size_t& e : alone)
+            if (!finished({&e, 1})) return fail(kCancelled, "The export was cancelled.");
+        for (const auto& mesh : scene_.meshes) {
+            const std::vector<std::size_t> group(mesh.elements.begin(), mesh.elements.end());
+            if (!finished(group)) return fail(kCancelled, "The export was cancelled.");
         }
         return out;
     }
@@ -119,7 +133,7 @@ private:
         Vec3 middle = Vec3::Zero();
         std::vector<std::int32_t> held;
         bool whole = false;                 // residuals are of all vertices, not of held ones alone
-        bool touched = false;
+        bool touched = false, warped = false;
         MatrixXd columns;                   // 3 #V x #columns
         MatrixXd heldColumns;               // their rows of held vertices, where residuals are of these alone
         MatrixXd weights;                   // #columns x #keys
@@ -128,7 +142,17 @@ private:
         double largest = 0.0, squares = 0.0;  // of what they leave over, m^2
     };
 
+    /// What goes out of an element before it is scaled.
+    struct Draft {
+        MatrixXd targets, weights, matrix;  // 3 #V x #targets; #targets x #keys; #targets x #columns
+        std::vector<std::string> names;
+    };
+
     [[nodiscard]] const std::vector<double>& shape(const Key& key) const { return motion_.clips[key.first].shapes[key.second]; }
+    void show(const Key& key) {
+        motion_.character.show(shape(key).data());
+        meshes_ = motion_.meshPositions();
+    }
     [[nodiscard]] Eigen::Map<const VectorXd> weightsOf(std::size_t e, const Key& key) const {
         return {shape(key).data() + motion_.layout.element(e) + ShapeLayout::kFrame, motion_.layout.elements[e].weights};
     }
@@ -136,14 +160,17 @@ private:
     void begin(std::size_t e, Work& w) {
         const auto& given = scene_.character.elements[e];
         const int index = static_cast<int>(e);
-        w.rest = motion_.character.restPositions(index);
+        const int mesh = motion_.seen[e].mesh;
+        w.rest = motion_.seenAtRest(e);
         const Points& body = given.mesh->body.vertices;
         if (body.rows() > 0) w.middle = 0.5 * (body.colwise().minCoeff() + body.colwise().maxCoeff()).transpose();
-        w.held = motion_.character.heldVertices(index);
+        if (mesh < 0) w.held = motion_.character.heldVertices(index);
         const auto& layout = motion_.layout.elements[e];
         const auto loads = motion_.character.loadColumns(index);
         w.columns = MatrixXd::Zero(3 * w.rest.rows(), layout.weights);
-        if (given.response && layout.weights > 0) {
+        if (given.response && layout.weights > 0 && mesh >= 0) {
+            w.columns = motion_.character.renderColumns(mesh, index);
+        } else if (given.response && layout.weights > 0) {
             const auto& r = *given.response;
             for (std::size_t i = 0; i < r.freeVertices.size(); ++i) {
                 const Eigen::Index to = 3 * r.freeVertices[i], from = 3 * static_cast<Eigen::Index>(i);
@@ -166,7 +193,8 @@ private:
                 const Eigen::Map<const VectorXd> forces(weightsOf(e, {c, f}).data() + layout.weights, layout.forces);
                 w.touched = w.touched || (forces.array() != 0.0).any();
             }
-        w.whole = w.touched || motion_.character.isWarped(index);
+        w.warped = motion_.character.isWarped(index);
+        w.whole = mesh >= 0 || w.touched || w.warped;
         if (!w.whole) {
             w.heldColumns.resize(3 * static_cast<Eigen::Index>(w.held.size()), w.columns.cols());
             for (std::size_t i = 0; i < w.held.size(); ++i) w.heldColumns.middleRows<3>(3 * static_cast<Eigen::Index>(i)) = w.columns.middleRows<3>(3 * w.held[i]);
@@ -178,7 +206,7 @@ private:
     [[nodiscard]] VectorXd residual(std::size_t e, const Work& w, const Key& key) const {
         const int index = static_cast<int>(e);
         const Eigen::Isometry3d frame = motion_.character.frame(index);
-        const Points at = w.whole ? motion_.character.positions(index) : motion_.character.heldPositions(index);
+        const Points at = w.whole ? motion_.seenPositions(e, meshes_) : motion_.character.heldPositions(index);
         VectorXd out(3 * at.rows());
         const Vec3 shift = frame * w.middle;
         if (w.whole) {
@@ -203,7 +231,7 @@ private:
             const double most = gram.eigenvalues().tail<1>()[0];
             MatrixXd modes(w.residuals.rows(), std::min<Eigen::Index>(kMaxFitted, w.residuals.cols()));
             Eigen::Index count = 0;
-            for (; count < modes.cols() && left.largest > (w.whole ? kFitted : kRounding); ++count) {
+            for (; count < modes.cols() && left.largest > (w.warped || w.touched ? kFitted : kRounding); ++count) {
                 const Eigen::Index k = w.residuals.cols() - 1 - count;
                 if (!(gram.eigenvalues()[k] > 1e-15 * most)) break;
                 modes.col(count).noalias() = w.residuals * gram.eigenvectors().col(k);
@@ -224,82 +252,120 @@ private:
         return {std::sqrt(largest) / motion_.diagonal, std::sqrt(squares / count) / motion_.diagonal};
     }
 
-    void finish(std::size_t e, Work& w, ElementMorphs& out, MorphErrors& errors) const {
+    /// The elements of a group are under one mesh, or it is one element.
+    void finish(std::span<const std::size_t> group, std::vector<Work>& all, std::vector<ElementMorphs>& out, MorphErrors& errors) const {
+        std::vector<Draft> drafts;
+        Eigen::Index columns = 0;
+        for (const std::size_t e : group) columns += drafts.emplace_back(draftOf(e, all[e])).targets.cols();
+        const Eigen::Index most = options_.targets > 0 ? options_.targets : group.size() > 1 ? kMaxOfMesh : kMaxTargets;
+        if (columns > most) {
+            reduce(most, drafts, errors);
+            scale(group, drafts, all, out);
+            for (const std::size_t e : group) out[e].shared = group.size() > 1;
+            return;
+        }
+        for (std::size_t i = 0; i < group.size(); ++i) scale(group.subspan(i, 1), {&drafts[i], 1}, all, out);
+    }
+
+    [[nodiscard]] Draft draftOf(std::size_t e, Work& w) const {
         const Eigen::Index columns = w.columns.cols(), fitted = w.fitted.cols(), keys = static_cast<Eigen::Index>(keys_);
-        MatrixXd targets(w.columns.rows(), columns + fitted), weights(columns + fitted, keys), matrix = MatrixXd::Zero(columns + fitted, columns);
-        targets.leftCols(columns) = w.columns;
+        Draft out{MatrixXd(w.columns.rows(), columns + fitted), MatrixXd(columns + fitted, keys), MatrixXd::Zero(columns + fitted, columns), {}};
+        out.targets.leftCols(columns) = w.columns;
         w.columns.resize(0, 0);
-        weights.topRows(columns) = w.weights;
-        matrix.topLeftCorner(columns, columns).setIdentity();
+        out.weights.topRows(columns) = w.weights;
+        out.matrix.topLeftCorner(columns, columns).setIdentity();
         out.names = columnNames(scene_.character.elements[e], motion_.character.loadColumns(static_cast<int>(e)));
         if (fitted > 0) {
-            weights.bottomRows(fitted) = w.fittedWeights;
-            targets.rightCols(fitted).setZero();
+            out.weights.bottomRows(fitted) = w.fittedWeights;
+            out.targets.rightCols(fitted).setZero();
             if (w.whole)
-                targets.rightCols(fitted) = w.fitted;
+                out.targets.rightCols(fitted) = w.fitted;
             else
                 for (std::size_t i = 0; i < w.held.size(); ++i)
-                    targets.block(3 * w.held[i], columns, 3, fitted) = w.fitted.middleRows<3>(3 * static_cast<Eigen::Index>(i));
+                    out.targets.block(3 * w.held[i], columns, 3, fitted) = w.fitted.middleRows<3>(3 * static_cast<Eigen::Index>(i));
         }
         for (Eigen::Index i = 0; i < fitted; ++i) out.names.push_back("fitted " + std::to_string(i + 1));
+        return out;
+    }
 
-        const Eigen::Index most = options_.targets > 0 ? options_.targets : kMaxTargets;
-        if (targets.cols() > most) reduce(most, targets, weights, matrix, out.names, errors);
-
-        // Scales targets so that weights stay within -1 ... 1, and drops those that move nothing.
+    /// Scales targets so that weights stay within -1 ... 1, and drops those that move nothing. All elements of `group` have the same targets.
+    void scale(std::span<const std::size_t> group, std::span<Draft> drafts, std::vector<Work>& all, std::vector<ElementMorphs>& out) const {
+        const Eigen::Index targets = drafts[0].targets.cols(), keys = static_cast<Eigen::Index>(keys_);
         std::vector<Eigen::Index> used;
-        VectorXd scale = VectorXd::Zero(targets.cols());
-        out.reach.resize(targets.cols());
-        for (Eigen::Index c = 0; c < targets.cols(); ++c) {
-            double largest = 0.0, squares = 0.0;
-            measure(targets.col(c), largest, squares);
-            out.reach[c] = std::sqrt(largest);
-            scale[c] = weights.row(c).cwiseAbs().maxCoeff();
+        VectorXd scale = VectorXd::Zero(targets), reach(targets);
+        for (Eigen::Index c = 0; c < targets; ++c) {
+            double largest = 0.0, squares = 0.0, driven = 0.0, size = 0.0;
+            for (std::size_t i = 0; i < group.size(); ++i) {
+                measure(drafts[i].targets.col(c), largest, squares);
+                if (drafts[i].matrix.cols() > 0) driven = std::max(driven, drafts[i].matrix.row(c).cwiseAbs().maxCoeff());
+                if (const Points& rest = all[group[i]].rest; rest.rows() > 0) size = std::max(size, 2.0 * rest.rowwise().norm().maxCoeff());
+            }
+            reach[c] = std::sqrt(largest);
+            scale[c] = drafts[0].weights.row(c).cwiseAbs().maxCoeff();
             // Other poses of a live character may move a vertex by half the size of its element.
-            const double size = 2.0 * w.rest.rowwise().norm().maxCoeff();
-            if (live_ && out.reach[c] > 0.0 && matrix.row(c).cwiseAbs().maxCoeff() > 0.0) scale[c] = std::max(scale[c], 0.5 * size / out.reach[c]);
-            if (scale[c] * out.reach[c] > (live_ ? 0.0 : 1e-9 * motion_.diagonal)) used.push_back(c);
+            if (live_ && reach[c] > 0.0 && driven > 0.0) scale[c] = std::max(scale[c], 0.5 * size / reach[c]);
+            if (scale[c] * reach[c] > (live_ ? 0.0 : 1e-9 * motion_.diagonal)) used.push_back(c);
         }
         const auto count = static_cast<Eigen::Index>(used.size());
-        out.targets.resize(targets.rows(), count);
-        out.matrix.resize(count, columns);
-        MatrixXd kept(count, keys);
-        VectorXd reach(count);
-        std::vector<std::string> names;
-        for (Eigen::Index i = 0; i < count; ++i) {
-            const Eigen::Index c = used[static_cast<std::size_t>(i)];
-            out.targets.col(i) = (scale[c] * targets.col(c)).cast<float>();
-            out.matrix.row(i) = matrix.row(c) / scale[c];
-            kept.row(i) = weights.row(c) / scale[c];
-            reach[i] = scale[c] * out.reach[c];
-            names.push_back(out.names[static_cast<std::size_t>(c)]);
+        for (std::size_t i = 0; i < group.size(); ++i) {
+            ElementMorphs& to = out[group[i]];
+            Draft& draft = drafts[i];
+            to.targets.resize(draft.targets.rows(), count);
+            to.matrix.resize(count, draft.matrix.cols());
+            to.reach.resize(count);
+            MatrixXd kept(count, keys);
+            for (Eigen::Index k = 0; k < count; ++k) {
+                const Eigen::Index c = used[static_cast<std::size_t>(k)];
+                to.targets.col(k) = (scale[c] * draft.targets.col(c)).cast<float>();
+                to.matrix.row(k) = draft.matrix.row(c) / scale[c];
+                kept.row(k) = draft.weights.row(c) / scale[c];
+                to.reach[k] = scale[c] * reach[c];
+                to.names.push_back(draft.names[static_cast<std::size_t>(c)]);
+            }
+            draft = {};
+            to.middle = all[group[i]].middle;
+            to.rest = std::move(all[group[i]].rest);
+            if (options_.split) splitSigns(to, kept);
+            addTracks(group[i], kept, to);
         }
-        out.reach = reach;
-        out.names = std::move(names);
-        out.middle = w.middle;
-        out.rest = std::move(w.rest);
-        if (options_.split) splitSigns(out, kept);
+    }
+
+    void addTracks(std::size_t e, const MatrixXd& weights, ElementMorphs& out) const {
         for (std::size_t c = 0; c < motion_.clips.size(); ++c) {
             const auto frames = static_cast<Eigen::Index>(motion_.clips[c].times.size());
             auto& track = out.tracks.emplace_back();
             track.times = motion_.clips[c].times;
             track.rotations.resize(4, frames);
             track.places.resize(3, frames);
-            track.weights = kept.middleCols(static_cast<Eigen::Index>(first_[c]), frames);
+            track.weights = weights.middleCols(static_cast<Eigen::Index>(first_[c]), frames);
             for (Eigen::Index f = 0; f < frames; ++f) {
                 const double* numbers = shape({c, static_cast<std::size_t>(f)}).data() + motion_.layout.element(e);
                 const Eigen::Map<const Eigen::Quaterniond> rotation(numbers);
                 track.rotations.col(f) = rotation.coeffs();
                 if (f > 0 && track.rotations.col(f).dot(track.rotations.col(f - 1)) < 0.0) track.rotations.col(f) *= -1.0;
-                track.places.col(f) = rotation.toRotationMatrix() * w.middle + Eigen::Map<const Vec3>(numbers + 4);
+                track.places.col(f) = rotation.toRotationMatrix() * out.middle + Eigen::Map<const Vec3>(numbers + 4);
             }
         }
     }
 
-    /// The `most` combinations of targets that keep most of what the clips do, in the mean square of vertices.
-    void reduce(Eigen::Index most, MatrixXd& targets, MatrixXd& weights, MatrixXd& matrix, std::vector<std::string>& names,
-                MorphErrors& errors) const {
-        const Eigen::SelfAdjointEigenSolver<MatrixXd> metric(targets.transpose() * targets);
+    /// The `most` combinations of the targets of all drafts that keep most of what the clips do, in the mean square of vertices.
+    void reduce(Eigen::Index most, std::span<Draft> drafts, MorphErrors& errors) const {
+        std::vector<Eigen::Index> first{0};
+        Eigen::Index rows = 0, size = 0;
+        for (const Draft& d : drafts) {
+            first.push_back(first.back() + d.targets.cols());
+            rows += d.targets.rows();
+            size += d.targets.size();
+        }
+        const Eigen::Index all = first.back();
+        // Targets of different elements move different vertices.
+        MatrixXd products = MatrixXd::Zero(all, all), weights(all, static_cast<Eigen::Index>(keys_));
+        for (std::size_t i = 0; i < drafts.size(); ++i) {
+            const Eigen::Index count = drafts[i].targets.cols();
+            products.block(first[i], first[i], count, count) = drafts[i].targets.transpose() * drafts[i].targets;
+            weights.middleRows(first[i], count) = drafts[i].weights;
+        }
+        const Eigen::SelfAdjointEigenSolver<MatrixXd> metric(products);
         const VectorXd root = metric.eigenvalues().cwiseMax(0.0).cwiseSqrt();
         const double floor = 1e-9 * root.maxCoeff();
         const VectorXd inverse = root.unaryExpr([&](double r) { return r > floor ? 1.0 / r : 0.0; });
@@ -311,22 +377,31 @@ private:
         const VectorXd unit = toEven.colwise().squaredNorm().transpose();
         spread += 1e-9 * std::max(spread.trace(), 1e-300) / std::max(unit.sum(), 1e-300) * (toEven * toEven.transpose());
         const Eigen::SelfAdjointEigenSolver<MatrixXd> principal(spread);
-        const Eigen::Index count = std::min(most, targets.cols());
+        const Eigen::Index count = std::min(most, all);
         const MatrixXd axes = principal.eigenvectors().rightCols(count).rowwise().reverse();
         const MatrixXd pick = fromEven * axes, weigh = axes.transpose() * toEven;
 
         const MatrixXd lost = weights - pick * (weigh * weights);
         double largest = 0.0, squares = 0.0;
-        const auto keys = motion_.sample(Motion::affordable(targets.size()));
-        for (const auto& key : keys) measure(targets * lost.col(static_cast<Eigen::Index>(first_[key.first] + key.second)), largest, squares);
-        const double points = std::max(1.0, static_cast<double>(targets.rows()) / 3.0 * static_cast<double>(keys.size()));
+        const auto keys = motion_.sample(Motion::affordable(size));
+        for (const auto& key : keys)
+            for (std::size_t i = 0; i < drafts.size(); ++i) {
+                const VectorXd left = lost.col(static_cast<Eigen::Index>(first_[key.first] + key.second)).segment(first[i], drafts[i].targets.cols());
+                measure(drafts[i].targets * left, largest, squares);
+            }
+        const double points = std::max(1.0, static_cast<double>(rows) / 3.0 * static_cast<double>(keys.size()));
         errors.dropped.largest = std::max(errors.dropped.largest, std::sqrt(largest) / motion_.diagonal);
         errors.dropped.rms = std::max(errors.dropped.rms, std::sqrt(squares / points) / motion_.diagonal);
-        targets = (targets * pick).eval();
         weights = (weigh * weights).eval();
-        matrix = (weigh * matrix).eval();
-        names.clear();
-        for (Eigen::Index i = 0; i < count; ++i) names.push_back("shape " + std::to_string(i + 1));
+        for (std::size_t i = 0; i < drafts.size(); ++i) {
+            Draft& d = drafts[i];
+            const Eigen::Index own = d.targets.cols();
+            d.targets = (d.targets * pick.middleRows(first[i], own)).eval();
+            d.matrix = (weigh.middleCols(first[i], own) * d.matrix).eval();
+            d.weights = weights;
+            d.names.clear();
+            for (Eigen::Index k = 0; k < count; ++k) d.names.push_back("shape " + std::to_string(k + 1));
+        }
     }
 
     static void splitSigns(ElementMorphs& out, MatrixXd& weights) {
@@ -360,6 +435,7 @@ private:
     std::vector<std::size_t> first_;  // key of each clip
     std::size_t keys_ = 0;
     std::vector<Key> sample_;
+    std::vector<Points> meshes_;      // of the scene, as shown
 };
 
 }  // namespace

@@ -68,6 +68,16 @@ Result<Motion> Motion::build(const ExportScene& scene, double fps, const Progres
         character.deformExternally(static_cast<int>(e), true);
     }
     if (const double d = (high - low).norm(); d > 0.0) motion.diagonal = d;
+    motion.seen.resize(scene.character.elements.size());
+    for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+        for (const int e : scene.meshes[m].elements) motion.seen[static_cast<std::size_t>(e)].mesh = static_cast<int>(m);
+        auto& vertices = motion.meshVertices.emplace_back();
+        for (const auto& vertex : scene.character.renderMeshes[m]->vertices) {
+            auto& own = motion.seen[static_cast<std::size_t>(vertex.element)].vertices;
+            vertices.push_back({vertex.element, static_cast<std::int32_t>(own.size())});
+            own.push_back(static_cast<std::int32_t>(vertices.size() - 1));
+        }
+    }
 
     for (const ExportClip& clip : scene.clips) {
         if (clip.times.empty()) return fail("bad-value", "The clip \"" + clip.name + "\" has no frames.");
@@ -102,6 +112,22 @@ Result<Motion> Motion::build(const ExportScene& scene, double fps, const Progres
         motion.clips.push_back(std::move(out));
     }
     return motion;
+}
+
+std::vector<Points> Motion::meshPositions() const {
+    std::vector<Points> out;
+    for (std::size_t m = 0; m < meshVertices.size(); ++m) out.push_back(character.renderPositions(static_cast<int>(m)));
+    return out;
+}
+
+Points Motion::seenPositions(std::size_t element, const std::vector<Points>& ofMeshes) const {
+    const Seen& own = seen[element];
+    return own.mesh < 0 ? character.positions(static_cast<int>(element)) : Points(ofMeshes[static_cast<std::size_t>(own.mesh)](own.vertices, Eigen::indexing::all));
+}
+
+Points Motion::seenAtRest(std::size_t element) const {
+    const Seen& own = seen[element];
+    return own.mesh < 0 ? character.restPositions(static_cast<int>(element)) : Points(character.renderRestPositions(own.mesh)(own.vertices, Eigen::indexing::all));
 }
 
 double framesPerSecond(const Motion& motion) {

@@ -23,6 +23,22 @@ public:
     double diagonal = 1.0;  ///< m, of the bounding box at rest; never 0
     std::vector<double> restShape;
 
+    /// What goes out of an element: the vertices of its body or, where a mesh of the scene is seen instead, those of the mesh that it moves.
+    struct Seen {
+        int mesh = -1;                       ///< -1: the body
+        std::vector<std::int32_t> vertices;  ///< of the mesh, ascending
+    };
+    std::vector<Seen> seen;  ///< per element
+    struct MeshVertex {
+        std::int32_t element = 0, row = 0;  ///< row: in Seen::vertices
+    };
+    std::vector<std::vector<MeshVertex>> meshVertices;  ///< per mesh of the scene, per vertex
+    /// Where they are in the shape that the character shows, #vertices x 3 per mesh of the scene, m, world.
+    [[nodiscard]] std::vector<Points> meshPositions() const;
+    /// The same of those that an element moves, or at rest.
+    [[nodiscard]] Points seenPositions(std::size_t element, const std::vector<Points>& ofMeshes) const;
+    [[nodiscard]] Points seenAtRest(std::size_t element) const;
+
     /// Frames that can be measured in about a second, with so many products each; 48 at least.
     static std::size_t affordable(Eigen::Index products);
     /// Some keys of all clips, evenly spread, `most` at most: clip and frame.

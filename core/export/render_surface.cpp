@@ -11,9 +11,15 @@ namespace {
 // A normal of the file that differs from the smooth one by more than this marks a sharp edge of the artist: it is kept.
 constexpr float kSmooth = 0.7f;  // cosine
 
+Eigen::RowVector3f unit(const Eigen::Vector3f& normal) {
+    const float length = normal.norm();
+    return length > 1e-6f ? Eigen::RowVector3f((normal / length).transpose()) : Eigen::RowVector3f(0.0f, 1.0f, 0.0f);
+}
+
 }  // namespace
 
-RenderSurface renderSurface(const CharacterInput& input, int element, const float* normals) {
+RenderSurface renderSurface(const ExportScene& scene, int element, const float* normals) {
+    const CharacterInput& input = scene.character;
     const auto& given = input.elements[static_cast<std::size_t>(element)];
     const ElementMesh& mesh = *given.mesh;
     const RenderMesh& render = mesh.renderMesh;
@@ -31,6 +37,10 @@ RenderSurface renderSurface(const CharacterInput& input, int element, const floa
                hasColors = hasRenderMesh && render.colors.rows() == count, hasMaterials = hasRenderMesh && static_cast<Eigen::Index>(render.material.size()) == faces;
 
     RenderSurface out;
+    out.element = element;
+    out.name = out.materialName = scene.elements[static_cast<std::size_t>(element)];
+    out.look = &render;
+    out.color = scene.colors[static_cast<std::size_t>(element)];
     std::vector<std::int32_t> from, known(static_cast<std::size_t>(hasRenderMesh ? count : mesh.body.vertices.rows()), -1);
     std::map<int, std::vector<std::uint32_t>> parts;
     for (Eigen::Index t = 0; t < faces; ++t) {
@@ -42,29 +52,94 @@ RenderSurface renderSurface(const CharacterInput& input, int element, const floa
             if (number < 0) {
                 number = static_cast<std::int32_t>(from.size());
                 from.push_back(v);
-                out.body.push_back(hasRenderMesh ? render.bodyVertex[static_cast<std::size_t>(v)] : v);
+                out.rows.push_back(hasRenderMesh ? render.bodyVertex[static_cast<std::size_t>(v)] : v);
             }
             part.push_back(static_cast<std::uint32_t>(number));
         }
     }
+    out.elements.assign(out.rows.size(), element);
     for (auto& [material, triangles] : parts) out.parts.push_back({material, std::move(triangles)});
     const auto vertices = static_cast<Eigen::Index>(from.size());
     out.normals.resize(vertices, 3);
     if (hasTexCoords) out.texCoords.resize(vertices, 2);
     if (hasColors) out.colors.resize(vertices, 4);
     for (Eigen::Index i = 0; i < vertices; ++i) {
-        const std::int32_t v = from[static_cast<std::size_t>(i)], b = out.body[static_cast<std::size_t>(i)];
+        const std::int32_t v = from[static_cast<std::size_t>(i)], b = out.rows[static_cast<std::size_t>(i)];
         Eigen::Vector3f normal(normals[3 * b], normals[3 * b + 1], normals[3 * b + 2]);
         if (hasNormals) {
             const Eigen::Vector3f own = render.normals.row(v).transpose();
             const bool seam = joined[static_cast<std::size_t>(b)] && own.dot(normal) > kSmooth * own.norm();
             if (!seam && own.norm() > 1e-6f) normal = own;
         }
-        const float length = normal.norm();
-        out.normals.row(i) = length > 1e-6f ? (normal / length).transpose() : Eigen::RowVector3f(0.0f, 1.0f, 0.0f);
+        out.normals.row(i) = unit(normal);
         if (hasTexCoords) out.texCoords.row(i) = render.texCoords.row(v);
         if (hasColors) out.colors.row(i) = render.colors.row(v).cwiseMax(0.0f).cwiseMin(1.0f);
     }
+    return out;
+}
+
+std::vector<RenderSurface> partSurfaces(const ExportScene& scene, const Motion& motion, int mesh, const float* normals) {
+    const auto index = static_cast<std::size_t>(mesh);
+    const RenderModel& model = *scene.meshes[index].model;
+    const RenderMesh& render = model.mesh.renderMesh;
+    const TriangleMesh& file = model.mesh.body;
+    const auto faces = file.triangles.rows();
+    const bool split = render.triangles.rows() == faces && !render.bodyVertex.empty();
+    const Triangles& triangles = split ? render.triangles : file.triangles;
+    const auto count = split ? static_cast<Eigen::Index>(render.bodyVertex.size()) : file.vertices.rows();
+    const bool hasNormals = split && render.normals.rows() == count, hasTexCoords = split && render.texCoords.rows() == count, hasColors = split && render.colors.rows() == count,
+               hasMaterials = split && static_cast<Eigen::Index>(render.material.size()) == faces;
+
+    // Which vertices each part has: those of its triangles, and those of none behind them.
+    const std::size_t parts = model.parts.size();
+    std::vector<std::vector<std::int32_t>> has(parts);
+    for (Eigen::Index t = 0; t < faces; ++t)
+        for (int c = 0; c < 3; ++c) has[static_cast<std::size_t>(model.part[static_cast<std::size_t>(t)])].push_back(triangles(t, c));
+    std::vector<std::int32_t> last(static_cast<std::size_t>(count), -1);
+    for (std::size_t p = 0; p < parts; ++p)
+        for (const auto v : has[p]) last[static_cast<std::size_t>(v)] = static_cast<std::int32_t>(p);
+    for (std::size_t v = 0; v < last.size(); ++v) {
+        if (last[v] >= 0) continue;
+        last[v] = v > 0 ? last[v - 1] : 0;
+        has[static_cast<std::size_t>(last[v])].push_back(static_cast<std::int32_t>(v));
+    }
+
+    std::vector<RenderSurface> out(parts);
+    for (std::size_t p = 0; p < parts; ++p) {
+        RenderSurface& to = out[p];
+        to.name = model.parts[p];
+        to.mesh = mesh;
+        to.look = &render;
+        to.materialName = scene.meshes[index].name;
+        to.color = scene.meshes[index].elements.empty() ? to.color : scene.colors[static_cast<std::size_t>(scene.meshes[index].elements.front())];
+        auto& own = has[p];
+        std::sort(own.begin(), own.end());
+        own.erase(std::unique(own.begin(), own.end()), own.end());
+        const auto vertices = static_cast<Eigen::Index>(own.size());
+        to.normals.resize(vertices, 3);
+        if (hasTexCoords) to.texCoords.resize(vertices, 2);
+        if (hasColors) to.colors.resize(vertices, 4);
+        for (Eigen::Index i = 0; i < vertices; ++i) {
+            const std::int32_t v = own[static_cast<std::size_t>(i)], b = split ? render.bodyVertex[static_cast<std::size_t>(v)] : v;
+            const auto& moved = motion.meshVertices[index][static_cast<std::size_t>(b)];
+            to.elements.push_back(moved.element);
+            to.rows.push_back(moved.row);
+            to.seen.push_back(b);
+            Eigen::Vector3f normal(normals[3 * b], normals[3 * b + 1], normals[3 * b + 2]);
+            if (hasNormals && render.normals.row(v).norm() > 1e-6f) normal = render.normals.row(v).transpose();
+            to.normals.row(i) = unit(normal);
+            if (hasTexCoords) to.texCoords.row(i) = render.texCoords.row(v);
+            if (hasColors) to.colors.row(i) = render.colors.row(v).cwiseMax(0.0f).cwiseMin(1.0f);
+        }
+    }
+    std::vector<std::map<int, std::vector<std::uint32_t>>> lists(parts);
+    for (Eigen::Index t = 0; t < faces; ++t) {
+        const auto p = static_cast<std::size_t>(model.part[static_cast<std::size_t>(t)]);
+        auto& list = lists[p][hasMaterials ? render.material[static_cast<std::size_t>(t)] : split && render.materials.size() == 1 ? 0 : -1];
+        for (int c = 0; c < 3; ++c) list.push_back(static_cast<std::uint32_t>(std::lower_bound(has[p].begin(), has[p].end(), triangles(t, c)) - has[p].begin()));
+    }
+    for (std::size_t p = 0; p < parts; ++p)
+        for (auto& [material, list] : lists[p]) out[p].parts.push_back({material, std::move(list)});
     return out;
 }
 

@@ -9,9 +9,19 @@
 
 namespace imomushi {
 
-/// The render mesh of an element: attributes and materials of the imported file, without the triangles inside joints.
+/// What is drawn as one mesh, with attributes and materials of the imported file: the render mesh of an element without the triangles inside joints, or a part of a
+/// mesh of the scene.
 struct RenderSurface {
-    std::vector<std::int32_t> body;  ///< per vertex: its body vertex
+    std::string name;
+    int element = -1;                    ///< -1: a part of `mesh`
+    int mesh = -1;                       ///< of the scene
+    const RenderMesh* look = nullptr;    ///< materials and textures
+    std::string materialName;            ///< where there is none in the file; and
+    Eigen::Vector3f color = Eigen::Vector3f::Ones();  ///< linear RGB
+    std::vector<std::int32_t> elements;  ///< per vertex: the one that moves it
+    std::vector<std::int32_t> rows;      ///< per vertex: which of those that go out of its element (Motion::Seen)
+    std::vector<std::int32_t> seen;      ///< of a part, per vertex: its vertex of the mesh of the scene
+    [[nodiscard]] std::size_t vertices() const { return rows.size(); }
     Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> normals;    ///< unit, at rest, smooth across joints
     Eigen::Matrix<float, Eigen::Dynamic, 2, Eigen::RowMajor> texCoords;  ///< no rows: none
     Eigen::Matrix<float, Eigen::Dynamic, 4, Eigen::RowMajor> colors;     ///< no rows: none
@@ -23,6 +33,10 @@ struct RenderSurface {
 };
 
 /// `normals`: of body vertices in the positions that are written (Character::surface()), x 3.
-RenderSurface renderSurface(const CharacterInput& input, int element, const float* normals);
+RenderSurface renderSurface(const ExportScene& scene, int element, const float* normals);
+
+/// The parts of a mesh of the scene, in the order of the file; each has its vertices in the order of the file, those that no triangle uses with the one before them.
+/// `normals`: of vertices of the mesh (Character::renderSurface()), for files without.
+std::vector<RenderSurface> partSurfaces(const ExportScene& scene, const Motion& motion, int mesh, const float* normals);
 
 }  // namespace imomushi

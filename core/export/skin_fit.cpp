@@ -174,6 +174,41 @@ FittedSkin::Vertex vertexOf(const SmallVector& w, const std::vector<int>& follow
     return out;
 }
 
+/// What goes out of all elements, one after another.
+struct SeenSurface {
+    Points vertices;                 // at rest, m
+    std::vector<int> first;          // per element, one more
+    std::vector<std::int32_t> same;  // per vertex: the lowest of those welded to it, itself included
+};
+
+/// Vertices of meshes of the scene are whole: each is of one element.
+SeenSurface seenSurface(const Motion& motion, const CharacterInput& input) {
+    const WeldedSurface bodies = weldedSurface(input, false);
+    if (motion.meshVertices.empty()) return {bodies.vertices, bodies.first, bodies.same};
+    SeenSurface out;
+    std::vector<Points> rest;
+    std::vector<std::int32_t> lowest(bodies.same.size(), -1);
+    out.first.push_back(0);
+    for (std::size_t e = 0; e < motion.seen.size(); ++e) {
+        const bool ofMesh = motion.seen[e].mesh >= 0;
+        rest.push_back(ofMesh ? motion.seenAtRest(e) : Points(bodies.vertices.middleRows(bodies.first[e], bodies.first[e + 1] - bodies.first[e])));
+        for (int i = 0; i < static_cast<int>(rest.back().rows()); ++i) {
+            const std::int32_t v = out.first[e] + i;
+            if (ofMesh) {
+                out.same.push_back(v);
+                continue;
+            }
+            auto& known = lowest[static_cast<std::size_t>(bodies.same[static_cast<std::size_t>(bodies.first[e] + i)])];
+            if (known < 0) known = v;
+            out.same.push_back(known);
+        }
+        out.first.push_back(out.first[e] + static_cast<int>(rest.back().rows()));
+    }
+    out.vertices.resize(out.first.back(), 3);
+    for (std::size_t e = 0; e < rest.size(); ++e) out.vertices.middleRows(out.first[e], rest[e].rows()) = rest[e];
+    return out;
+}
+
 }  // namespace
 
 Result<FittedSkin> fitSkin(Motion& motion, const ExportScene& scene, const Progress& progress) {
@@ -188,9 +223,14 @@ Result<FittedSkin> fitSkin(Motion& motion, const ExportScene& scene, const Progr
         skin.joints.push_back({scene.elements[e], v.rows() > 0 ? Vec3(0.5 * (v.colwise().minCoeff() + v.colwise().maxCoeff()).transpose()) : Vec3(Vec3::Zero())});
     }
     std::vector<int> jointOf(joints, -1);
+    std::vector<char> handle(joints, 0);  // of elements under meshes
+    for (const auto& h : input.handles) {
+        const auto j = static_cast<std::size_t>(h.joint);
+        handle[j] = motion.seen[static_cast<std::size_t>(input.joints[j].faces[0].element)].mesh >= 0;
+    }
     for (std::size_t j = 0; j < joints; ++j) {
         const auto& joint = input.joints[j];
-        if (joint.faces.size() < 2) continue;
+        if (joint.faces.size() < 2 && !handle[j]) continue;
         jointOf[j] = static_cast<int>(skin.joints.size());
         const auto& f = joint.faces[0];
         const auto& face = input.elements[static_cast<std::size_t>(f.element)].faces[static_cast<std::size_t>(f.face)];
@@ -248,7 +288,7 @@ Result<FittedSkin> fitSkin(Motion& motion, const ExportScene& scene, const Progr
                 if (std::find(list.begin(), list.end(), f.element) == list.end()) list.push_back(f.element);
         }
     }
-    const WeldedSurface body = weldedSurface(input, false);
+    const SeenSurface body = seenSurface(motion, input);
     const auto vertices = static_cast<std::size_t>(body.vertices.rows());
     std::vector<int> elementOf(vertices);
     for (std::size_t e = 0; e < elements; ++e)

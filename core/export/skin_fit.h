@@ -12,7 +12,7 @@
 namespace imomushi {
 
 /// Linear blend skinning that is as near to the elastic body as its poses allow. Joints of the skin: the frame of each element, each plane where
-/// elements meet, and, where body loads act, a load joint per element: the rigid motion that best fits its deformation by the loads.
+/// elements meet, handles of elements under a mesh of the scene, and, where body loads act, a load joint per element: the rigid motion that best fits its deformation by the loads.
 struct FittedSkin {
     static constexpr int kMax = 4;
     struct Vertex {
@@ -28,8 +28,8 @@ struct FittedSkin {
         Eigen::Matrix3Xd places;     ///< m
     };
     std::vector<Joint> joints;
-    std::vector<std::vector<Vertex>> elements;  ///< per element, per body vertex
-    /// Per element: where the skin has its body vertices when no joint has moved, m. Settled: body loads deform the character at rest, and this is what suits
+    std::vector<std::vector<Vertex>> elements;  ///< per element, per vertex that goes out (Motion::Seen)
+    /// Per element: where the skin has these when no joint has moved, m. Settled: body loads deform the character at rest, and this is what suits
     /// the clips best; else its rest positions.
     std::vector<Points> bind;
     bool settled = false;

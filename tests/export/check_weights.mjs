@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Poses an exported file by the reference driver, without drawing it:
 //   node check_weights.mjs FILE.glb POSE.json DRIVER.js
-// POSE.json: {points, rolls, rotations, weights: per element}. Prints the largest difference of a weight.
+// POSE.json: {points, rolls, rotations, weights: per element, parts: weights per part of a character}. Prints the largest difference of a weight.
 import fs from 'node:fs';
 
 const [path, posePath, driverPath] = process.argv.slice(2);
@@ -33,8 +33,7 @@ const driver = new ImomushiDriver(scene);
 driver.setPose(pose.points, pose.rolls, pose.rotations);
 driver.update();
 let most = 0;
-pose.weights.forEach((weights, e) => {
-    const shown = driver.meshes.get(e).morphTargetInfluences;
-    weights.forEach((w, i) => (most = Math.max(most, Math.abs(w - shown[i]))));
-});
+const compare = (weights, shown) => weights.forEach((w, i) => (most = Math.max(most, Math.abs(w - shown.morphTargetInfluences[i]))));
+pose.weights.forEach((weights, e) => compare(weights, driver.meshes.get(e)));
+(pose.parts ?? []).forEach((weights, part) => compare(weights, driver.parts.get(part)));
 console.log(most);

@@ -1,0 +1,432 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Characters of files go out as their files' own meshes.
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <map>
+
+#include "core/io/build_result.h"
+#include "tests/document/workbench.h"
+#include "tests/export/read_glb.h"
+#include "tests/support/obj.h"
+
+using namespace imomushi;
+
+namespace {
+
+// Single precision of positions, targets, weights and rotations, each rounded by half a bit: over the diagonal.
+constexpr double kRounding = 4e-7;
+const char* const kTake = "踊り";
+
+/// A bar of 12 m with an eye over it: texture coordinates that jump along a seam, two materials in the trunk, one of them with a texture, a vertex that no triangle uses.
+CharacterFile wormFile() {
+    TriangleMesh eye = shapes::sphere(0.2, 2).mesh;
+    eye.vertices.rowwise() += Vec3(0.1, 0.62, 6.4).transpose();
+    TriangleMesh trunk = Workbench::longBar();
+    trunk.vertices.conservativeResize(trunk.vertices.rows() + 1, 3);
+    trunk.vertices.bottomRows(1) << 0.1, 0.2, 5.0;
+    CharacterFile file = Workbench::characterOf({trunk, eye}, {"からだ", "目"});
+    RenderModel& model = file.renderModel;
+    RenderMesh& render = model.mesh.renderMesh;
+    const TriangleMesh& body = model.mesh.body;
+    render.bodyVertex.clear();
+    std::map<std::pair<std::int32_t, bool>, std::int32_t> known;
+    std::vector<float> uv;
+    for (Eigen::Index t = 0; t < body.triangles.rows(); ++t) {
+        const bool above = body.vertices(body.triangles(t, 0), 1) + body.vertices(body.triangles(t, 1), 1) + body.vertices(body.triangles(t, 2), 1) > 0.0;
+        render.material.push_back(model.part[static_cast<std::size_t>(t)] == 1 ? 2 : above ? 1 : 0);
+        for (int c = 0; c < 3; ++c) {
+            const std::int32_t v = body.triangles(t, c);
+            const auto [at, isNew] = known.emplace(std::pair(v, above), static_cast<std::int32_t>(known.size()));
+            render.triangles(t, c) = at->second;
+            if (!isNew) continue;
+            render.bodyVertex.push_back(v);
+            uv.push_back(static_cast<float>(body.vertices(v, 2) / 12.0));
+            uv.push_back(static_cast<float>(0.25 + 0.2 * body.vertices(v, 0)) + (above ? 0.5f : 0.0f));
+        }
+    }
+    render.texCoords = Eigen::Map<Eigen::Matrix<float, Eigen::Dynamic, 2, Eigen::RowMajor>>(uv.data(), static_cast<Eigen::Index>(uv.size() / 2), 2);
+    for (const char* name : {"腹", "背", "eye white"}) render.materials.push_back({.name = name});
+    render.materials[0].baseColor << 1.0f, 0.5f, 0.25f, 1.0f;
+    render.materials[1].baseColorTexture = 0;
+    render.textures.push_back({"skin", "image/png", {0x89, 'P', 'N', 'G'}});
+    return file;
+}
+
+struct Worm : Workbench {
+    explicit Worm(const char* basis = "affine", std::initializer_list<const char*> effects = {}) {
+        session.setCharacterImporter([](const ImportRequest& request, const Progress& progress) -> Result<CharacterFile> {
+            return request.path == "worm" ? wormFile() : characterFile(request, progress);
+        });
+        good({{"do", "import-character"}, {"path", "worm"}, {"name", "芋虫"}, {"body", "wrapped"}, {"detail", 0.03}});
+        good({{"do", "set"}, {"target", "character"}, {"property", "basis"}, {"value", basis}});
+        for (const char* effect : effects) good({{"do", "enable"}, {"effect", effect}});
+        cut("芋虫 body", 4.1, "low", "middle");
+        cut("middle", 8.3, "middle", "high");
+        for (const char* element : {"low", "middle", "high"}) good({{"do", "set"}, {"target", element}, {"property", "solver-mesh"}, {"value", "as-is"}});
+        good({{"do", "add-bone"}, {"name", "a"}, {"element", "low"}, {"from", {0, 0, 0.5}}, {"to", "low/low cut"}});
+        good({{"do", "add-bone"}, {"name", "b"}, {"from", "a/end"}, {"to", "middle/middle cut"}});
+        good({{"do", "add-bone"}, {"name", "c"}, {"element", "high"}, {"from", "b/end"}, {"to", {0, 0, 11.5}}});
+    }
+    void cut(const char* element, double z, const char* behind, const char* before) {
+        good({{"do", "cut"}, {"element", element}, {"plane", {{"origin", {0, 0, z}}, {"normal", {0, 0, 1}}}}, {"names", {behind, before}}, {"name", std::string(behind) + " cut"}});
+    }
+    void perform() {
+        good({{"do", "precompute"}});
+        good({{"do", "record"}, {"take", kTake}, {"action", "start"}});
+        good({{"do", "drag"}, {"endpoint", "c/end"}, {"to", {3.0, 1.0, 10.5}}, {"roll", 0.3}, {"seconds", 0.3}});
+        good({{"do", "step"}, {"frames", 20}});
+        good({{"do", "record"}, {"take", kTake}, {"action", "stop"}});
+    }
+    [[nodiscard]] const CharacterSource& source() const { return *session.document().characters.begin()->second; }
+    /// The character's own vertices at a time of the take.
+    Points live(double time) {
+        const auto& times = session.document().takeNamed(kTake)->times;
+        const auto at = std::min_element(times.begin(), times.end(), [&](double a, double b) { return std::abs(a - time) < std::abs(b - time); });
+        good({{"do", "play"}, {"take", kTake}, {"time", *at}});
+        return session.renderPositionsOf(source().id);
+    }
+    [[nodiscard]] double diagonal() const {
+        const Points& v = source().model->mesh.body.vertices;
+        return (v.colwise().maxCoeff() - v.colwise().minCoeff()).norm();
+    }
+    Json write(Json arguments, const char* name) {
+        arguments["do"] = "export";
+        arguments["path"] = at(name).string();
+        return good(arguments);
+    }
+    static std::filesystem::path at(const char* name) { return folder() / name; }
+};
+
+double checked(const Json& answer) { return answer["check"]["max_percent"].get<double>() / 100.0; }
+
+/// Render vertices of a part in the order of the file: those of its triangles, and those of none behind them.
+std::vector<std::int32_t> verticesOf(const RenderModel& model, std::int32_t part) {
+    std::vector<std::int32_t> out;
+    for (std::int32_t r = 0; r < static_cast<std::int32_t>(model.mesh.renderMesh.bodyVertex.size()); ++r)
+        for (Eigen::Index i = 0; i < model.mesh.renderMesh.triangles.size(); ++i)
+            if (model.mesh.renderMesh.triangles.data()[i] == r && model.part[static_cast<std::size_t>(i / 3)] == part) {
+                out.push_back(r);
+                break;
+            }
+    return out;
+}
+
+/// The farthest that a part of a file is from the live character, over some keys of its clip, in diagonals.
+double farthest(Worm& w, const ReadGlb& file, int node, const std::vector<std::int32_t>& vertices) {
+    const auto times = file.times(node, 0);
+    REQUIRE(times.size() > 5);
+    double most = 0.0;
+    for (std::size_t k = 0; k < times.size(); k += times.size() / 4) {
+        const Points live = w.live(times[k]), there = file.positions(node, 0, times[k]);
+        REQUIRE(there.rows() == static_cast<Eigen::Index>(vertices.size()));
+        for (Eigen::Index i = 0; i < there.rows(); ++i)
+            most = std::max(most, (there.row(i) - live.row(w.source().model->mesh.renderMesh.bodyVertex[static_cast<std::size_t>(vertices[static_cast<std::size_t>(i)])])).norm());
+    }
+    return most / w.diagonal();
+}
+
+std::string printed(const std::string& command) {
+    std::string out;
+    if (FILE* pipe = ::popen(command.c_str(), "r")) {
+        std::array<char, 256> buffer{};
+        while (std::fgets(buffer.data(), static_cast<int>(buffer.size()), pipe)) out += buffer.data();
+        ::pclose(pipe);
+    }
+    return out;
+}
+
+RenderModel readModel(const std::filesystem::path& path) {
+    const std::string bytes = readFile(path);
+    auto scene = readScene({path, bytes}, SceneUse::Character);
+    REQUIRE_MESSAGE(scene.has_value(), scene.error().message);
+    auto file = buildCharacter(std::move(*scene), {.path = path}, {});
+    REQUIRE_MESSAGE(file.has_value(), file.error().message);
+    return std::move(file->renderModel);
+}
+
+}  // namespace
+
+TEST_CASE("characters: glTF has the file's own parts, materials, texture coordinates, triangles and vertices in order") {
+    Worm w;
+    w.perform();
+    for (const char* layout : {"baked", "rigged", "skinned"}) {
+        CAPTURE(layout);
+        const Json answer = w.write({{"layout", layout}}, "worm.glb");
+        const RenderModel& model = *w.source().model;
+        const RenderMesh& render = model.mesh.renderMesh;
+        CHECK(answer["written"] == Json::array({{{"character", "芋虫"}, {"parts", 2}, {"vertices", render.bodyVertex.size()}, {"triangles", render.triangles.rows()}}}));
+        const ReadGlb file(Worm::at("worm.glb"));
+        CHECK(file.root["meshes"].size() == 2);
+        CHECK(file.root["skins"].size() == 1);
+        CHECK(file.nodeNamed("middle frame") >= 0);
+        CHECK(file.nodeNamed("middle") < 0);
+        for (std::int32_t part = 0; part < 2; ++part) {
+            const int node = file.nodeNamed(model.parts[static_cast<std::size_t>(part)]);
+            REQUIRE(node >= 0);
+            const auto vertices = verticesOf(model, part);
+            const auto& primitives = file.meshOf(node)["primitives"];
+            CHECK(file.meshOf(node)["name"] == model.parts[static_cast<std::size_t>(part)]);
+            REQUIRE(primitives.size() == (part == 0 ? 2 : 1));
+            const auto uv = file.attribute(node, "TEXCOORD_0");
+            REQUIRE(uv.size() == 2 * vertices.size());
+            for (std::size_t i = 0; i < uv.size(); ++i) CHECK(uv[i] == static_cast<double>(render.texCoords(vertices[i / 2], static_cast<Eigen::Index>(i % 2))));
+            for (const auto& primitive : primitives) {
+                const auto& material = file.root["materials"][primitive["material"].get<std::size_t>()];
+                std::int32_t wanted = 0;
+                while (material["name"] != render.materials[static_cast<std::size_t>(wanted)].name) ++wanted;
+                CHECK(material["pbrMetallicRoughness"].contains("baseColorTexture") == (wanted == 1));
+                std::vector<double> corners;
+                for (Eigen::Index t = 0; t < render.triangles.rows(); ++t)
+                    for (int c = 0; model.part[static_cast<std::size_t>(t)] == part && render.material[static_cast<std::size_t>(t)] == wanted && c < 3; ++c)
+                        corners.push_back(static_cast<double>(std::lower_bound(vertices.begin(), vertices.end(), render.triangles(t, c)) - vertices.begin()));
+                CHECK(file.numbers(primitive["indices"]) == corners);
+            }
+            const double off = farthest(w, file, node, vertices);
+            if (std::string(layout) == "skinned")
+                CHECK(off <= answer["skin"]["max_percent"].get<double>() / 100.0 + kRounding);
+            else
+                CHECK(off < kRounding);
+        }
+        CHECK(checked(answer) <= (answer.contains("skin") ? answer["skin"]["max_percent"].get<double>() / 100.0 : 0.0) + kRounding);
+        if (std::string(layout) == "skinned") CHECK(checked(answer) < 0.03);
+        // And again as a character, as it lies in the file.
+        const RenderModel back = readModel(Worm::at("worm.glb"));
+        CHECK(back.parts == model.parts);
+        CHECK(back.mesh.renderMesh.texCoords.rows() == render.texCoords.rows());
+        for (std::size_t r = 0; r < render.bodyVertex.size(); ++r)
+            CHECK((back.mesh.body.vertices.row(static_cast<Eigen::Index>(r)) - model.mesh.body.vertices.row(render.bodyVertex[r])).norm() < kRounding * w.diagonal());
+    }
+}
+
+TEST_CASE("characters: caches have the vertices of the file in its order, and the object beside them is the file's own mesh") {
+    Worm w;
+    w.perform();
+    const RenderModel& model = *w.source().model;
+    const auto count = static_cast<std::size_t>(model.mesh.body.vertices.rows());
+    for (const char* name : {"worm.pc2", "worm.mdd"}) {
+        const Json answer = w.write({{"layout", "cache"}}, name);
+        CHECK(answer["vertices"] == count);
+        CHECK(checked(answer) < kRounding);
+        CHECK(answer["written"][0]["character"] == "芋虫");
+    }
+    const std::string cache = readFile(Worm::at("worm.pc2"));
+    const auto& times = w.session.document().takeNamed(kTake)->times;
+    REQUIRE(cache.size() == 32 + 12 * count * times.size());
+    for (std::size_t k = 0; k < times.size(); k += 5) {
+        std::vector<float> numbers(3 * count);
+        std::memcpy(numbers.data(), cache.data() + 32 + 12 * count * k, 12 * count);
+        const Points there = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(numbers.data(), static_cast<Eigen::Index>(count), 3).cast<double>();
+        CHECK((there - w.live(times[k])).rowwise().norm().maxCoeff() < kRounding * w.diagonal());
+    }
+    const RenderModel back = readModel(Worm::at("worm.obj"));
+    CHECK(back.mesh.body.vertices == model.mesh.body.vertices);
+    CHECK(back.mesh.body.triangles == model.mesh.body.triangles);
+    CHECK(back.mesh.renderMesh.bodyVertex == model.mesh.renderMesh.bodyVertex);
+    CHECK(back.mesh.renderMesh.triangles == model.mesh.renderMesh.triangles);
+    CHECK(back.mesh.renderMesh.texCoords.isApprox(model.mesh.renderMesh.texCoords, 1e-6f));
+    CHECK(back.mesh.renderMesh.material == model.mesh.renderMesh.material);
+    CHECK(back.mesh.renderMesh.textures.size() == 1);
+    CHECK(back.parts == model.parts);
+
+    w.write({{"layout", "cache"}}, "walk.obj");
+    const RenderModel last = readModel(Worm::at("walk_0011.obj"));
+    CHECK((last.mesh.body.vertices - w.live(times[10])).cwiseAbs().maxCoeff() < 1e-12);
+    CHECK(last.mesh.renderMesh.normals.rows() == last.mesh.renderMesh.texCoords.rows());
+    CHECK(std::filesystem::exists(Worm::at("walk.mtl")));
+    CHECK(std::filesystem::exists(Worm::at("walk_1.png")));
+    w.write({{"layout", "cache"}}, "walk.ply");
+    CHECK(std::filesystem::exists(Worm::at("walk_0021.ply")));
+}
+
+TEST_CASE("characters: what cannot be said by columns is fitted, and the error that is told is that of the file") {
+    struct Case {
+        const char* basis;
+        std::initializer_list<const char*> effects;
+    };
+    for (const Case& of : {Case{"paper", {}}, Case{"modes:6", {"smooth-joints", "gravity", "inflate"}}, Case{"affine", {"bend-warp"}}}) {
+        CAPTURE(of.basis);
+        Worm w(of.basis, of.effects);
+        w.perform();
+        const Json answer = w.write({{"layout", "baked"}}, "worm.glb");
+        double told = 0.0;
+        for (const Json& effect : answer["effects"])
+            if (effect.contains("error")) told = std::max(told, effect["error"]["max_percent"].get<double>() / 100.0);
+        if (answer.contains("render_mesh")) told = std::max(told, answer["render_mesh"]["max_percent"].get<double>() / 100.0);
+        CHECK(checked(answer) <= told + kRounding);
+        CHECK(told < 1e-3);
+        const ReadGlb file(Worm::at("worm.glb"));
+        CHECK(farthest(w, file, file.nodeNamed("からだ"), verticesOf(*w.source().model, 0)) <= told + kRounding);
+    }
+}
+
+TEST_CASE("characters: few targets are those of the whole character, and lose what is told") {
+    Worm w;
+    w.perform();
+    double last = 1.0;
+    for (const int targets : {2, 4, 8}) {
+        const Json answer = w.write({{"layout", "rigged"}, {"targets", targets}}, "worm.glb");
+        CHECK(answer["targets"] == targets);
+        CHECK(checked(answer) <= answer["dropped_targets"]["max_percent"].get<double>() / 100.0 + kRounding);
+        CHECK(checked(answer) < last);
+        last = checked(answer);
+        const ReadGlb file(Worm::at("worm.glb"));
+        CHECK(file.meshOf(file.nodeNamed("からだ"))["extras"]["targetNames"][0] == "shape 1");
+    }
+}
+
+TEST_CASE("characters: sixteen bits, split targets and normals that move") {
+    Worm w;
+    w.perform();
+    for (const char* layout : {"baked", "rigged", "skinned"}) {
+        CAPTURE(layout);
+        const double skin = std::string(layout) == "skinned" ? w.write({{"layout", layout}}, "worm.glb")["skin"]["max_percent"].get<double>() / 100.0 : 0.0;
+        const Json answer = w.write({{"layout", layout}, {"quantise", true}}, "worm.glb");
+        const double told = answer["quantised"]["max_percent"].get<double>() / 100.0;
+        CHECK(checked(answer) <= skin + told + kRounding);
+        CHECK(told < 1e-3);
+        const ReadGlb file(Worm::at("worm.glb"));
+        CHECK(farthest(w, file, file.nodeNamed("目"), verticesOf(*w.source().model, 1)) <= skin + told + kRounding);
+    }
+    CHECK(checked(w.write({{"layout", "baked"}, {"split", true}}, "worm.glb")) < kRounding);
+    CHECK(checked(w.write({{"layout", "baked"}, {"normals", true}}, "worm.glb")) < kRounding);
+    // A target that shears a bar turns the normals of its sides: the difference of normals over a small weight.
+    const ReadGlb file(Worm::at("worm.glb"));
+    const int node = file.nodeNamed("からだ");
+    const auto& targets = file.meshOf(node)["primitives"][0]["targets"];
+    const auto rest = file.attribute(node, "NORMAL");
+    double most = 0.0;
+    for (const auto& target : targets) {
+        const auto moved = file.numbers(target["NORMAL"]);
+        REQUIRE(moved.size() == rest.size());
+        for (std::size_t i = 0; i < moved.size(); i += 3) {
+            most = std::max(most, std::abs(moved[i]));
+            CHECK(std::abs(moved[i] * rest[i] + moved[i + 1] * rest[i + 1] + moved[i + 2] * rest[i + 2]) < 1e-4 * (1.0 + std::abs(moved[i]) + std::abs(moved[i + 1]) + std::abs(moved[i + 2])));
+        }
+    }
+    CHECK(most > 0.01);
+}
+
+TEST_CASE("characters: elements without one are written as before beside them, and each character has a cache of its own") {
+    Worm w;
+    w.good({{"do", "import-element"}, {"path", "bar9"}, {"name", "block"}});
+    w.good({{"do", "import-character"}, {"path", "ball"}, {"name", "ball: 1?"}});
+    w.perform();
+    const Json answer = w.write({{"layout", "baked"}}, "all.glb");
+    REQUIRE(answer["written"].size() == 3);
+    CHECK(answer["written"][0] == Json{{"element", "block"}, {"vertices", w.session.document().elementNamed("block")->mesh->body.vertices.rows()},
+                                       {"triangles", w.session.document().elementNamed("block")->mesh->body.triangles.rows()}});
+    CHECK(checked(answer) < kRounding);
+    const ReadGlb file(Worm::at("all.glb"));
+    CHECK(!file.root["nodes"][static_cast<std::size_t>(file.nodeNamed("block"))].contains("skin"));
+    CHECK(file.nodeNamed("ball") >= 0);
+    for (const char* layout : {"rigged", "skinned"}) {
+        const Json other = w.write({{"layout", layout}}, "all.glb");
+        CHECK(checked(other) <= (other.contains("skin") ? other["skin"]["max_percent"].get<double>() / 100.0 : 0.0) + kRounding);
+    }
+    const Json caches = w.write({{"layout", "cache"}}, "all.pc2");
+    CHECK(checked(caches) < kRounding);
+    CHECK(caches["files"] == 8);  // three caches, their objects, materials and a texture
+    for (const char* name : {"all.pc2", "all.obj", "all_芋虫.pc2", "all_芋虫.obj", "all_ball_ 1_.pc2", "all_ball_ 1_.obj"}) CHECK(std::filesystem::exists(Worm::at(name)));
+    const auto frames = w.session.document().takeNamed(kTake)->times.size();
+    CHECK(std::filesystem::file_size(Worm::at("all_芋虫.pc2")) == 32 + 12 * frames * static_cast<std::size_t>(w.source().model->mesh.body.vertices.rows()));
+    CHECK(readObj(Worm::at("all.obj").string()).vertices == w.session.document().elementNamed("block")->mesh->body.vertices);
+}
+
+TEST_CASE("characters: two exports of one take are the same bytes") {
+    Worm w;
+    w.perform();
+    for (const char* layout : {"baked", "rigged", "skinned"}) {
+        w.write({{"layout", layout}, {"normals", true}}, "worm.glb");
+        const std::string once = readFile(Worm::at("worm.glb"));
+        w.write({{"layout", layout}, {"normals", true}}, "worm.glb");
+        CHECK(readFile(Worm::at("worm.glb")) == once);
+    }
+}
+
+TEST_CASE("characters: another program opens them") {
+    if (printed("assimp version 2>/dev/null").empty()) {
+        MESSAGE("skipped: the command assimp is not installed");
+        return;
+    }
+    Worm w;
+    w.perform();
+    for (const char* layout : {"baked", "rigged", "skinned"}) {
+        w.write({{"layout", layout}}, "worm.glb");
+        const std::string told = printed("assimp info '" + Worm::at("worm.glb").string() + "' 2>&1");
+        CAPTURE(told);
+        CHECK(told.find("ERROR") == std::string::npos);
+        CHECK(told.find("Meshes:             3") != std::string::npos);  // a mesh per primitive
+        CHECK(told.find("Materials:          3") != std::string::npos);
+        CHECK(told.find("Animations:         1") != std::string::npos);
+    }
+}
+
+TEST_CASE("characters: a penguin with handles, and one that is cut, go out vertex by vertex") {
+    const std::filesystem::path path = std::filesystem::path(IMOMUSHI_SHARED_MESHES) / "penguin.obj";
+    if (!std::filesystem::exists(path)) {
+        MESSAGE("skipped: no " << path.string());
+        return;
+    }
+    for (const bool cut : {false, true}) {
+        CAPTURE(cut);
+        Workbench w;
+        w.session.setCharacterImporter([&](const ImportRequest&, const Progress&) -> Result<CharacterFile> {
+            CharacterFile file;
+            file.renderModel = readModel(path);
+            return file;
+        });
+        w.good({{"do", "import-character"}, {"path", path.string()}, {"name", "penguin"}});
+        if (cut) {
+            const auto plane = [](Json origin, Json normal) { return Json{{"origin", std::move(origin)}, {"normal", std::move(normal)}}; };
+            w.good({{"do", "cut"}, {"element", "penguin"}, {"plane", plane({-0.6, 0.2, -0.05}, {-1, -0.6, 0})}, {"names", {"trunk", "wing"}}, {"name", "shoulder"}});
+            w.good({{"do", "cut"}, {"element", "trunk"}, {"plane", plane({0, 0.68, 0}, {0, 1, 0})}, {"names", {"trunk", "head"}}, {"name", "neck"}});
+            w.good({{"do", "add-bone"}, {"name", "spine"}, {"from", {0, -0.6, 0}}, {"to", "trunk/neck"}});
+            w.good({{"do", "add-bone"}, {"name", "nod"}, {"from", "spine/end"}, {"to", {0, 1.0, 0}}, {"element", "head"}});
+            w.good({{"do", "add-bone"}, {"name", "flap"}, {"from", "trunk/shoulder"}, {"to", {-0.9, -0.2, -0.1}}, {"element", "wing"}});
+        } else {
+            const auto& v = w.session.document().characters.begin()->second->model->mesh.body.vertices;
+            Eigen::Index top = 0, wing = 0, foot = 0;
+            v.col(1).maxCoeff(&top);
+            v.col(0).minCoeff(&wing);
+            v.col(1).minCoeff(&foot);
+            for (const auto& [name, i] : {std::pair("head", top), std::pair("wing", wing), std::pair("foot", foot)})
+                w.good({{"do", "handle"}, {"element", "penguin body"}, {"name", name}, {"point", {v(i, 0), v(i, 1), v(i, 2)}}, {"radius", 0.2}});
+        }
+        for (const auto& [id, element] : w.session.document().elements) w.good({{"do", "set"}, {"target", element->name}, {"property", "solver-mesh"}, {"value", "decimated:400"}});
+        w.good({{"do", "precompute"}});
+        w.good({{"do", "record"}, {"take", kTake}, {"action", "start"}});
+        const std::string end = cut ? "flap/end" : "wing";
+        const Json from = w.good({{"do", "measure"}, {"what", "position"}, {"endpoint", end}})["value"];
+        w.good({{"do", "drag"}, {"endpoint", end}, {"to", {from[0].get<double>() - 0.1, from[1].get<double>() + 0.3, from[2].get<double>()}}, {"seconds", 0.2}});
+        w.good({{"do", "step"}, {"frames", 14}});
+        w.good({{"do", "record"}, {"take", kTake}, {"action", "stop"}});
+        const auto source = w.session.document().characters.begin()->second;
+        const Points& rest = source->model->mesh.body.vertices;
+        const double diagonal = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm();
+        for (const char* layout : {"baked", "rigged", "skinned"}) {
+            CAPTURE(layout);
+            const auto out = Workbench::folder() / "penguin.glb";
+            const Json answer = w.good({{"do", "export"}, {"layout", layout}, {"path", out.string()}});
+            double told = answer.contains("skin") ? answer["skin"]["max_percent"].get<double>() / 100.0 : 0.0;
+            if (answer.contains("render_mesh")) told = answer["render_mesh"]["max_percent"].get<double>() / 100.0;
+            MESSAGE((cut ? "cut penguin, " : "penguin with handles, ") << layout << ": " << answer["vertices"] << " vertices, " << answer["targets"] << " targets, " << answer["bytes"]
+                                                                       << " bytes, told " << told << ", read back " << checked(answer));
+            CHECK(answer["vertices"] == rest.rows());
+            CHECK(checked(answer) <= told + kRounding);
+            const ReadGlb file(out);
+            const int node = file.nodeNamed(source->model->parts[0]);
+            const auto times = file.times(node, 0);
+            for (std::size_t k = 0; k < times.size(); k += 6) {
+                const auto& recorded = w.session.document().takeNamed(kTake)->times;
+                const double time = *std::min_element(recorded.begin(), recorded.end(), [&](double a, double b) { return std::abs(a - times[k]) < std::abs(b - times[k]); });
+                w.good({{"do", "play"}, {"take", kTake}, {"time", time}});
+                const Points live = w.session.renderPositionsOf(source->id);
+                if (k > 0) CHECK((live - rest).rowwise().norm().maxCoeff() > 0.05);
+                CHECK((file.positions(node, 0, times[k]) - live).rowwise().norm().maxCoeff() <= (told + kRounding) * diagonal);
+            }
+        }
+    }
+}
