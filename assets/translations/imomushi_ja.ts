@@ -963,6 +963,10 @@
             <source>The section touches or crosses itself. Move or turn the plane a little.</source>
             <translation>断面が自分自身に触れているか、交わっています。平面を少し動かすか、回してください。</translation>
         </message>
+        <message>
+            <source>A joint face lies where the body becomes another. Remove it first.</source>
+            <translation>ボディが変わる場所にジョイント面があります。先に取り除いてください。</translation>
+        </message>
     </context>
     <context>
         <name>Issues</name>
@@ -981,10 +985,6 @@
         <message>
             <source>Parts of the surface touch at a single vertex.</source>
             <translation>面の一部が 1 つの頂点だけで接しています。</translation>
-        </message>
-        <message>
-            <source>The surface faced inward.</source>
-            <translation>面が内側を向いていました。</translation>
         </message>
         <message>
             <source>Neighbouring triangles face different ways.</source>
@@ -1045,6 +1045,70 @@
         <message>
             <source>Open parts were left out of the body, which carries them.</source>
             <translation>開いた部分をボディから外しました。ボディが運びます。</translation>
+        </message>
+        <message>
+            <source>Vertices lie at the same place and are not one.</source>
+            <translation>同じ位置にある頂点がつながっていません。</translation>
+        </message>
+        <message>
+            <source>The surface faces inward.</source>
+            <translation>面が内側を向いています。</translation>
+        </message>
+        <message>
+            <source>Parts that touch no others were left out of the body, which carries them.</source>
+            <translation>ほかに触れない部品はボディから除きました。ボディが運びます。</translation>
+        </message>
+        <message>
+            <source>Walls inside of the flesh were left out of the body.</source>
+            <translation>肉の内側の壁はボディから除きました。</translation>
+        </message>
+        <message>
+            <source>A new surface around everything was made.</source>
+            <translation>全体を包む新しい面を作りました。</translation>
+        </message>
+        <message>
+            <source>The body closes gaps: what lies on their two sides moves as one.</source>
+            <translation>ボディがすき間を閉じています。両側は一体で動きます。</translation>
+        </message>
+        <message>
+            <source>The body is extremely thin. Give it more thickness.</source>
+            <translation>ボディが極端に薄いです。厚みを付けてください。</translation>
+        </message>
+        <message>
+            <source>The surface has only one side.</source>
+            <translation>面に表裏がありません。</translation>
+        </message>
+        <message>
+            <source>Holes were closed.</source>
+            <translation>穴を閉じました。</translation>
+        </message>
+        <message>
+            <source>Surfaces that met in one edge were separated.</source>
+            <translation>1 つの辺で接していた面を分けました。</translation>
+        </message>
+        <message>
+            <source>Surfaces that touched in a vertex were separated.</source>
+            <translation>頂点で接していた面を分けました。</translation>
+        </message>
+        <message>
+            <source>A surface that faced inward was turned.</source>
+            <translation>内側を向いていた面を裏返しました。</translation>
+        </message>
+        <message>
+            <source>Triangles that faced against their neighbours were turned.</source>
+            <translation>隣と逆を向いていた三角形を裏返しました。</translation>
+        </message>
+        <message>
+            <source>Triangles without area were removed.</source>
+            <translation>面積のない三角形を取り除きました。</translation>
+        </message>
+        <message>
+            <source>Copies of triangles were removed.</source>
+            <translation>重複した三角形を取り除きました。</translation>
+        </message>
+        <message>
+            <source>Vertices of no triangle were left out.</source>
+            <translation>どの三角形にも属さない頂点を除きました。</translation>
         </message>
     </context>
     <context>
@@ -1799,6 +1863,10 @@
             <source>Ready to import. The body is %1.</source>
             <translation>読み込めます。ボディ：%1。</translation>
         </message>
+        <message>
+            <source>Unmended: its issues are mended one by one</source>
+            <translation>未修復：問題を一つずつ修復</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::InspectorPanel</name>
@@ -2394,6 +2462,10 @@
             <source>The body closes a gap here: both sides move as one.</source>
             <translation>ボディがここのすき間を閉じています。両側は一緒に動きます。</translation>
         </message>
+        <message>
+            <source>Wrap finer</source>
+            <translation>細かく包み直す</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::IssuesPanel</name>
@@ -2404,6 +2476,10 @@
         <message>
             <source>Issues</source>
             <translation>問題</translation>
+        </message>
+        <message>
+            <source>Repair all</source>
+            <translation>すべて修復</translation>
         </message>
     </context>
     <context>
@@ -2465,6 +2541,14 @@
         <message>
             <source>Place bones</source>
             <translation>ボーンを置く</translation>
+        </message>
+        <message>
+            <source>Mending %1</source>
+            <translation>%1 を修復中</translation>
+        </message>
+        <message>
+            <source>Undo</source>
+            <translation>元に戻す</translation>
         </message>
     </context>
     <context>
@@ -2899,6 +2983,42 @@
         <message>
             <source>Recover</source>
             <translation>復旧</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::RepairFlow</name>
+        <message>
+            <source>Repair cancelled</source>
+            <translation>修復を取りやめました</translation>
+        </message>
+        <message>
+            <source>Nothing of “%1” could be mended.</source>
+            <translation>「%1」に修復できるものはありませんでした。</translation>
+        </message>
+        <message>
+            <source>“%1”: %2 before, %3 after.</source>
+            <translation>「%1」：修復前 %2、修復後 %3。</translation>
+        </message>
+        <message numerus="yes">
+            <source>%n issue(s)</source>
+            <translation>
+                <numerusform>%n 件</numerusform>
+            </translation>
+        </message>
+        <message numerus="yes">
+            <source>%n</source>
+            <comment>issues that are left</comment>
+            <translation>
+                <numerusform>%n 件</numerusform>
+            </translation>
+        </message>
+        <message>
+            <source>none</source>
+            <translation>なし</translation>
+        </message>
+        <message>
+            <source>The body: %1.</source>
+            <translation>ボディ：%1。</translation>
         </message>
     </context>
     <context>
@@ -3904,6 +4024,36 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>
                 <numerusform>%n か所のすき間を閉じました（表面の %1 %）</numerusform>
             </translation>
+        </message>
+        <message>
+            <source>Weld</source>
+            <comment>vertices</comment>
+            <translation>結合</translation>
+        </message>
+        <message>
+            <source>Drop</source>
+            <comment>triangles without area, copies, unused vertices</comment>
+            <translation>除去</translation>
+        </message>
+        <message>
+            <source>Separate</source>
+            <comment>surfaces that touch</comment>
+            <translation>分離</translation>
+        </message>
+        <message>
+            <source>Orient</source>
+            <comment>triangles alike and outward</comment>
+            <translation>向きを揃える</translation>
+        </message>
+        <message>
+            <source>Fill</source>
+            <comment>holes</comment>
+            <translation>穴埋め</translation>
+        </message>
+        <message>
+            <source>Wrap</source>
+            <comment>a new surface around everything</comment>
+            <translation>包み直す</translation>
         </message>
     </context>
     <context>

@@ -13,6 +13,7 @@
 #include "core/base/index.h"
 #include "core/body/mended_body.h"
 #include "core/body/prepared_surface.h"
+#include "core/body/repair.h"
 #include "core/body/wrapped_body.h"
 #include "core/mesh/bounds.h"
 #include "core/mesh/triangle_tree.h"
@@ -27,14 +28,19 @@ Result<void> checkSetting(const BodySetting& setting) {
     return {};
 }
 
-/// What every body must be.
-bool sound(const TriangleMesh& mesh, int& components) {
-    if (!allFinite(mesh.vertices)) return false;
-    const MeshFacts facts = meshFacts(mesh);
-    components = facts.components;
+/// What every body must be. Where it crosses itself, that is said in its report, without the places.
+bool sound(Body& body) {
+    if (!allFinite(body.mesh.vertices)) return false;
+    const MeshFacts facts = meshFacts(body.mesh);
+    body.report.components = facts.components;
     if (!facts.closed || !facts.outward) return false;
-    const std::vector<MeshIssue> issues = checkMesh(mesh);
-    return std::none_of(issues.begin(), issues.end(), [](const MeshIssue& i) { return i.severity == Severity::Error; });
+    for (MeshIssue& issue : checkMesh(body.mesh)) {
+        if (issue.severity == Severity::Error) return false;
+        if (issue.code != "self-intersection") continue;
+        issue.triangles.clear();
+        body.report.issues.push_back(std::move(issue));
+    }
+    return true;
 }
 
 void measureDistance(const TriangleMesh& render, Body& body) {
@@ -67,7 +73,7 @@ Result<Mended> mend(const TriangleMesh& render, const PreparedSurface& prepared,
     if (!surface) return tl::unexpected(surface.error());
     Mended out;
     out.body.mesh = std::move(surface->mesh);
-    if (!sound(out.body.mesh, out.body.report.components))
+    if (!sound(out.body))
         return fail("not-mendable", "The mesh cannot be closed as it is: mending leaves flaws; choose a wrapped body, or close it in a modelling program.");
     out.body.bodyVertex.assign(prepared.vertexOf.size(), -1);
     for (std::size_t r = 0; r < prepared.vertexOf.size(); ++r)
@@ -75,7 +81,8 @@ Result<Mended> mend(const TriangleMesh& render, const PreparedSurface& prepared,
     out.exact = prepared.sameShape && surface->whole;
     for (Eigen::Index i = 0; out.exact && i < render.triangles.size(); ++i) out.exact = out.body.bodyVertex[at(render.triangles.data()[i])] >= 0;
     out.body.report.how = out.exact ? BodyKind::Exact : BodyKind::Mended;
-    out.body.report.issues = std::move(surface->issues);
+    auto& issues = out.body.report.issues;
+    issues.insert(issues.begin(), std::make_move_iterator(surface->issues.begin()), std::make_move_iterator(surface->issues.end()));
     // What a mesh with holes encloses is a guess.
     if (prepared.sameShape) out.body.report.volumeError = surface->volumeLeftOut / (surface->volumeLeftOut + meshFacts(out.body.mesh).volume);
     return out;
@@ -86,7 +93,7 @@ Result<Body> wrap(const PreparedSurface& prepared, double detail, double volume,
     if (!surface) return tl::unexpected(surface.error());
     Body body;
     body.mesh = std::move(surface->mesh);
-    if (!sound(body.mesh, body.report.components))
+    if (!sound(body))
         return fail("no-volume", "No closed surface with a volume can be made of this mesh: give it thickness or close it in a modelling program.");
     body.bodyVertex.assign(prepared.vertexOf.size(), -1);
     body.report.how = BodyKind::Wrapped;
@@ -109,6 +116,16 @@ Result<Body> wrap(const PreparedSurface& prepared, double detail, double volume,
 }
 
 }  // namespace
+
+MeshIssue wrappedIssue(const char* text) {
+    MeshIssue issue;
+    issue.severity = Severity::Info;
+    issue.code = "wrapped";
+    issue.text = text;
+    issue.count = 1;
+    issue.fixed = true;
+    return issue;
+}
 
 std::string_view nameOf(BodyKind how) {
     switch (how) {
@@ -141,9 +158,12 @@ Result<Body> makeBody(const TriangleMesh& render, std::span<const std::int32_t> 
     } else {
         body = wrap(prepared, setting.detail, mended ? meshFacts(mended->body.mesh).volume : 0.0, progress.part(0.2, 0.95));
         if (!body) return tl::unexpected(body.error());
+        if (setting.how == BodyKind::Auto) body->report.issues.push_back(wrappedIssue("The mesh cannot be closed by mending: a new surface around everything was made."));
     }
     BodyReport& report = body->report;
     report.issues.insert(report.issues.begin(), prepared.issues.begin(), prepared.issues.end());
+    if (!report.issues.empty())
+        if (const auto seen = examineSurface(render, part)) placeIssues(report.issues, seen->found);
     measureDistance(render, *body);
     report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return body;

@@ -24,6 +24,9 @@ struct PreparedSurface {
 /// Whether triangles can be computed with. `part`: #F or empty. Errors: "empty-mesh", "bad-index", "non-finite" (a vertex in use).
 Result<void> checkTriangles(const TriangleMesh& mesh, std::span<const std::int32_t> part);
 
+/// Says that a wrap was made.
+MeshIssue wrappedIssue(const char* text);
+
 /// The same triangles as a surface to mend; vertices that none uses become zero.
 RawSurface rawSurface(const TriangleMesh& mesh, std::span<const std::int32_t> part);
 
@@ -33,6 +36,9 @@ PreparedSurface prepareSurface(const TriangleMesh& render, std::span<const std::
 /// Pairs the triangles at edges that have more than two, so that each pair bounds flesh, and gives every fan of triangles around a vertex a vertex of its own. Triangles
 /// that hang on such an edge by one side, with nothing on another, and walls that divide flesh are dropped where they are few. Returns whether anything changed.
 bool separateNonManifold(MendSurface& s);
+
+/// Winds neighbours alike, turns surfaces outward and cavities inward.
+void orientSurface(MendSurface& s);
 
 /// Closes the holes that capHoles() leaves, which wants all of a surface to be closed and no new vertices: each by itself, around a new vertex where it must be.
 /// New faces have no render vertices (-1). For a surface that is manifold but for its holes.

@@ -45,7 +45,26 @@ void drop(MendSurface& s) {
     mendDegenerate(s);
 }
 
-void orient(MendSurface& s) {
+/// The surface again, without vertices that nothing uses.
+void extract(const MendSurface& s, Repaired& out) {
+    std::vector<std::int32_t> number(static_cast<std::size_t>(s.points.rows()), -1);
+    for (const MendFace& f : s.faces)
+        for (const std::int32_t v : f.v) number[at(v)] = 0;
+    std::vector<std::int32_t> used;
+    for (std::size_t v = 0; v < number.size(); ++v) {
+        if (number[v] < 0) continue;
+        number[v] = static_cast<std::int32_t>(used.size());
+        used.push_back(static_cast<std::int32_t>(v));
+    }
+    out.mesh.vertices = s.points(used, Eigen::all);
+    out.mesh.triangles = s.triangles();
+    for (Eigen::Index i = 0; i < out.mesh.triangles.size(); ++i) out.mesh.triangles.data()[i] = number[at(out.mesh.triangles.data()[i])];
+    for (const MendFace& f : s.faces) out.part.push_back(f.part);
+}
+
+}  // namespace
+
+void orientSurface(MendSurface& s) {
     windConsistently(s);
     const TriangleMesh mesh{s.points, s.triangles()};
     const EdgeTable edges(mesh.triangles);
@@ -65,25 +84,6 @@ void orient(MendSurface& s) {
     }
     if (turned > 0) s.say("inverted", counted(turned, "surface that faced inside out was", "surfaces that faced inside out were") + " turned.", turned);
 }
-
-/// The surface again, without vertices that nothing uses.
-void extract(const MendSurface& s, Repaired& out) {
-    std::vector<std::int32_t> number(static_cast<std::size_t>(s.points.rows()), -1);
-    for (const MendFace& f : s.faces)
-        for (const std::int32_t v : f.v) number[at(v)] = 0;
-    std::vector<std::int32_t> used;
-    for (std::size_t v = 0; v < number.size(); ++v) {
-        if (number[v] < 0) continue;
-        number[v] = static_cast<std::int32_t>(used.size());
-        used.push_back(static_cast<std::int32_t>(v));
-    }
-    out.mesh.vertices = s.points(used, Eigen::all);
-    out.mesh.triangles = s.triangles();
-    for (Eigen::Index i = 0; i < out.mesh.triangles.size(); ++i) out.mesh.triangles.data()[i] = number[at(out.mesh.triangles.data()[i])];
-    for (const MendFace& f : s.faces) out.part.push_back(f.part);
-}
-
-}  // namespace
 
 std::string_view nameOf(RepairAction action) {
     return std::find_if(kNames.begin(), kNames.end(), [&](const Named& n) { return n.action == action; })->name;
@@ -110,7 +110,7 @@ Result<Repaired> repairSurface(const TriangleMesh& mesh, std::span<const std::in
         case RepairAction::Weld: weldVertices(s); break;
         case RepairAction::Drop: drop(s); break;
         case RepairAction::Separate: separateNonManifold(s); break;
-        case RepairAction::Orient: orient(s); break;
+        case RepairAction::Orient: orientSurface(s); break;
         case RepairAction::Fill:
             capHoles(s);
             closeHoles(s);
@@ -126,13 +126,7 @@ Result<Repaired> repairSurface(const TriangleMesh& mesh, std::span<const std::in
         if (!wrap) return tl::unexpected(wrap.error());
         out.mesh = std::move(wrap->mesh);
         out.part.clear();
-        MeshIssue made;
-        made.severity = Severity::Info;
-        made.code = "wrapped";
-        made.text = "A new surface around everything was made.";
-        made.count = 1;
-        made.fixed = true;
-        out.done.push_back(std::move(made));
+        out.done.push_back(wrappedIssue("A new surface around everything was made."));
     }
     out.after = checkMesh(out.mesh);
     return out;

@@ -37,4 +37,19 @@ struct Repaired {
 /// or a wrap has none), "cancelled".
 Result<Repaired> repairSurface(const TriangleMesh& mesh, std::span<const std::int32_t> part, RepairAction action, const Progress& progress);
 
+/// What an artist is told of a surface of any kind.
+struct SurfaceReport {
+    std::vector<MeshIssue> found;  ///< on the surface as it is
+    std::vector<MeshIssue> done;   ///< what the steps mended (fixed)
+    std::vector<MeshIssue> left;   ///< after the steps
+};
+
+/// Looks at a surface as it is and after some steps of mending, which are done in the order of RepairAction; Wrap is none of them. Vertices at the same place are one
+/// issue ("unwelded"), and other issues are those of the welded surface. No issue is more than a warning, since a body can be made around anything. Places are triangles
+/// and vertices of `mesh`. `mesh`, `part`: as for repairSurface(). Errors: as repairSurface(), without "no-volume".
+Result<SurfaceReport> examineSurface(const TriangleMesh& mesh, std::span<const std::int32_t> part, std::span<const RepairAction> steps = {});
+
+/// Gives issues without places those that `found` has for the same code.
+void placeIssues(std::vector<MeshIssue>& issues, const std::vector<MeshIssue>& found);
+
 }  // namespace imomushi

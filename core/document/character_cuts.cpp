@@ -117,23 +117,28 @@ std::vector<std::optional<JointFace>> carriedTo(const TriangleMesh& body, const 
     return carried;
 }
 
-/// The faces that a piece takes over from elements; those of cuts that lie elsewhere now are its caps. `names`: under which, in the order of `faces`.
-Result<std::vector<JointFace>> facesOn(const Document& document, const BodyPiece& piece, const std::vector<Cut>& cuts, const std::vector<OldFace>& faces) {
+/// The faces that a piece takes over from elements; those of cuts that lie elsewhere now are its caps. `lost`: of any other that is not there.
+template <class Lost>
+Result<std::vector<JointFace>> facesOn(const BodyPiece& piece, const std::vector<Cut>& cuts, const std::vector<OldFace>& faces, Lost&& lost) {
     auto carried = carriedTo(piece.body, faces);
     std::vector<JointFace> out;
     for (std::size_t f = 0; f < faces.size(); ++f) {
-        if (!carried[f] && faces[f].cut != 0) {
-            auto cap = jointFaceByTriangles(piece.body, capOf(piece, cuts, faces[f].cut).triangles);
-            if (!cap) return tl::unexpected(cap.error());
-            cap->name = faces[f].face->name;
-            carried[f] = std::move(*cap);
+        if (!carried[f]) {
+            auto found = faces[f].cut != 0 ? jointFaceByTriangles(piece.body, capOf(piece, cuts, faces[f].cut).triangles) : lost(faces[f]);
+            if (!found) return tl::unexpected(found.error());
+            found->name = faces[f].face->name;
+            carried[f] = std::move(*found);
         }
-        if (!carried[f])
-            return fail("face-cut", "The cut would go through the joint face \"" + document.elements.at(faces[f].element)->name + "/" + faces[f].face->name +
-                                        "\": move the plane away from it, or remove the face first.");
         out.push_back(std::move(*carried[f]));
     }
     return out;
+}
+
+Result<std::vector<JointFace>> facesOn(const Document& document, const BodyPiece& piece, const std::vector<Cut>& cuts, const std::vector<OldFace>& faces) {
+    return facesOn(piece, cuts, faces, [&](const OldFace& face) -> Result<JointFace> {
+        return fail("face-cut", "The cut would go through the joint face \"" + document.elements.at(face.element)->name + "/" + face.face->name +
+                                    "\": move the plane away from it, or remove the face first.");
+    });
 }
 
 /// Faces that share a vertex cannot be moved one by one.
@@ -344,6 +349,46 @@ Result<MadeCut> addCut(Document& document, PartId characterId, PartId elementId,
     put(document, std::move(behind));
     put(document, std::move(front));
     return out;
+}
+
+Result<std::vector<PartId>> changeBody(Document& document, PartId characterId, std::shared_ptr<const Body> body, const Progress& progress) {
+    CharacterSource character = *document.characters.at(characterId);
+    character.body = std::move(body);
+    const auto pieces = piecesOf(character, 0, progress);
+    if (!pieces) return tl::unexpected(pieces.error());
+    std::vector<Element> changed, kept;
+    for (const PartId id : document.elementsOf(characterId)) {
+        Element element = *document.elements.at(id);
+        const BodyPiece* piece = pieceWith(*pieces, character.cuts, sidesOf(*element.piece));
+        if (!piece) return fail("cut-passes", "The cuts would divide the other body in another way: take out the cuts of \"" + element.name + "\" first.");
+        if (same(element, *piece)) {  // places in the whole body may be others
+            element.piece->origin = std::make_shared<const PieceOrigin>(PieceOrigin{piece->source, piece->sourceTriangle});
+            kept.push_back(std::move(element));
+            continue;
+        }
+        auto faces = facesOn(*piece, character.cuts, facesOf(element), [&](const OldFace& face) -> Result<JointFace> {
+            const auto handle = std::find_if(element.handles.begin(), element.handles.end(), [&](const Handle& h) { return h.face == face.face->name; });
+            if (handle == element.handles.end())
+                return fail("face-lost", "The joint face \"" + element.name + "/" + face.face->name + "\" lies where the body becomes another: remove the face first, and make it again afterwards.");
+            const SurfacePoint place = nearestOnSurface(piece->body, handle->point);
+            handle->point = place.point;
+            return jointFaceByDisc(piece->body, place.triangle, place.point, handle->radius);
+        });
+        if (!faces) return tl::unexpected(faces.error());
+        Element now = element;
+        takePiece(now, *piece, character.cuts);
+        now.faces = std::move(*faces);
+        if (auto ok = checkApart(now); !ok) return tl::unexpected(ok.error());
+        changed.push_back(std::move(now));
+    }
+    document.characters.insert_or_assign(characterId, std::make_shared<const CharacterSource>(std::move(character)));
+    for (Element& element : kept) document.elements.insert_or_assign(element.id, std::make_shared<const Element>(std::move(element)));
+    std::vector<PartId> ids;
+    for (Element& element : changed) {
+        ids.push_back(element.id);
+        put(document, std::move(element));
+    }
+    return ids;
 }
 
 Result<std::vector<PartId>> moveCut(Document& document, PartId characterId, PartId cut, const CutPlane& plane, const Progress& progress) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,10 @@ PartId makeCharacter(Document& document, PartId element, const std::string& name
 /// element `names[1]` (empty: named after the other). Bones that lie wholly in front run through that one from then on. `cut`: without an id; without a name it gets one. `element`: the one that is meant; 0: whichever the plane cuts.
 /// More errors: "other-element" (the section nearest to the origin belongs to another element than `element`).
 Result<MadeCut> addCut(Document& document, PartId character, PartId element, Cut cut, const std::array<std::string, 2>& names, const Progress& progress);
+
+/// Gives a character another body, which its cuts divide as they did the old one. Joint faces stay where their triangles do, those of cuts are the new caps, handles are
+/// discs of the new surface. Returns the elements that changed. More errors: "face-lost" (another joint face lies on what changed).
+Result<std::vector<PartId>> changeBody(Document& document, PartId character, std::shared_ptr<const Body> body, const Progress& progress);
 
 /// Gives a cut another plane, turned such that the same elements lie in front of it. Bones at its joint faces follow them. Returns the elements that changed, two or none.
 Result<std::vector<PartId>> moveCut(Document& document, PartId character, PartId cut, const CutPlane& plane, const Progress& progress);

@@ -130,6 +130,7 @@ Json placeJson(const Document& document, const Bone::Place& place) {
 void addCoreCommands(CommandRegistry& registry) {
     addFileCommands(registry);
     addImportCommands(registry);
+    addRepairCommands(registry);
     addAppendCommand(registry);
     addElementCommands(registry);
     addCutCommands(registry);

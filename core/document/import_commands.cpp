@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "core/document/character_cuts.h"
+#include "core/document/character_repair.h"
 #include "core/document/command_support.h"
 #include "core/document/document_edit.h"
 #include "core/document/names.h"
@@ -41,11 +43,6 @@ Result<Value> choice(const Json& arguments, const char* key, std::initializer_li
         known += std::string(known.empty() ? "\"" : ", \"") + name + "\"";
     }
     return fail("bad-value", std::string("\"") + key + "\" must be one of " + known + ".");
-}
-
-Json issueJson(const MeshIssue& issue) {
-    const char* severity = issue.severity == Severity::Info ? "info" : issue.severity == Severity::Warning ? "warning" : "error";
-    return Json{{"code", issue.code}, {"text", issue.text}, {"count", issue.count}, {"fixed", issue.fixed}, {"severity", severity}};
 }
 
 /// Keys that both commands share.
@@ -128,24 +125,15 @@ Result<Json> importElement(DocumentEdit& edit, const Json& arguments, const Prog
     return answer;
 }
 
-/// An issue of making a body, without its places where these are not of the render model.
-MeshIssue onModel(MeshIssue issue, const TriangleMesh& model) {
-    const auto within = [](const std::vector<std::int32_t>& places, Eigen::Index count) {
-        return std::all_of(places.begin(), places.end(), [&](std::int32_t i) { return i >= 0 && i < count; });
-    };
-    if (!within(issue.triangles, model.triangles.rows())) issue.triangles.clear();
-    if (!within(issue.vertices, model.vertices.rows())) issue.vertices.clear();
-    return issue;
-}
-
 Result<Json> importCharacterCommand(DocumentEdit& edit, const Json& arguments, const Progress& progress) {
     Document& document = edit.document;
     const auto request = requestFrom(document, arguments);
     if (!request) return tl::unexpected(request.error());
     BodySetting setting;
-    const auto how = choice<BodyKind>(arguments, "body", {{"auto", BodyKind::Auto}, {"exact", BodyKind::Exact}, {"mended", BodyKind::Mended}, {"wrapped", BodyKind::Wrapped}}, BodyKind::Auto);
+    using Kind = std::optional<BodyKind>;  // none: unmended
+    const auto how = choice<Kind>(arguments, "body", {{"auto", BodyKind::Auto}, {"exact", BodyKind::Exact}, {"mended", BodyKind::Mended}, {"wrapped", BodyKind::Wrapped}, {"unmended", Kind()}}, Kind(BodyKind::Auto));
     if (!how) return tl::unexpected(how.error());
-    setting.how = *how;
+    setting.how = how->value_or(BodyKind::Wrapped);
     if (const Json* value = find(arguments, "detail")) {
         const auto detail = numberWithin(*value, "detail", kFinestDetail, kCoarsestDetail);
         if (!detail) return tl::unexpected(detail.error());
@@ -154,6 +142,10 @@ Result<Json> importCharacterCommand(DocumentEdit& edit, const Json& arguments, c
     auto imported = edit.importCharacter(*request, progress.part(0.0, 0.3));
     if (!imported) return tl::unexpected(imported.error());
     if (imported->renderModel.mesh.body.triangles.rows() == 0) return fail("empty-mesh", "\"" + request->path.string() + "\" holds no surface.");
+    std::vector<MeshIssue> found;  // to be mended later, if anything is
+    if (!*how) found = mendableIssues(imported->renderModel);
+    if (!*how && found.empty()) setting.how = BodyKind::Auto;
+    if (!found.empty() && setting.detail == 0.0) setting.detail = kPassingDetail;
     auto body = edit.makeBody(imported->renderModel, setting, progress.part(0.3, 1.0));
     if (!body) return tl::unexpected(body.error());
 
@@ -161,8 +153,10 @@ Result<Json> importCharacterCommand(DocumentEdit& edit, const Json& arguments, c
     character.id = document.nextId++;
     const Json* name = find(arguments, "name");
     character.name = freeName(document, name ? name->get_ref<const std::string&>() : imported->renderModel.parts.size() == 1 ? imported->renderModel.parts[0] : request->path.stem().string());
-    character.issues = std::move(imported->issues);
-    for (const MeshIssue& issue : body->report.issues) character.issues.push_back(onModel(issue, imported->renderModel.mesh.body));
+    std::vector<MeshIssue> said = std::move(body->report.issues);
+    if (!found.empty()) std::erase_if(said, [](const MeshIssue& issue) { return issue.fixed; });  // a wrap alone mends nothing
+    said.insert(said.begin(), found.begin(), found.end());
+    character.issues = issuesWith(imported->issues, imported->renderModel, std::move(said));
     const double seconds = std::exchange(body->report.seconds, 0.0);  // the rest of the report is the same each time
     body->report.issues.clear();
     character.model = std::make_shared<const RenderModel>(std::move(imported->renderModel));
@@ -191,6 +185,11 @@ Result<Json> importCharacterCommand(DocumentEdit& edit, const Json& arguments, c
 }
 
 }  // namespace
+
+Json issueJson(const MeshIssue& issue) {
+    const char* severity = issue.severity == Severity::Info ? "info" : issue.severity == Severity::Warning ? "warning" : "error";
+    return Json{{"code", issue.code}, {"text", issue.text}, {"count", issue.count}, {"fixed", issue.fixed}, {"severity", severity}};
+}
 
 Json bodyJson(const Body& body) {
     const BodyReport& report = body.report;
@@ -245,7 +244,7 @@ void addImportCommands(CommandRegistry& registry) {
                         {"name", Type::Text, false, "A name that no element, bone, handle, character or cut has (from the file unless given)."},
                         {"unit", Type::Text, false, "\"mm\", \"cm\" or \"m\": the unit of the file (its own unless given; metres where it has none)."},
                         {"up", Type::Text, false, "\"y\" or \"z\": the axis of the file that points up (its own unless given; y where it has none)."},
-                        {"body", Type::Text, false, "\"exact\": the mesh itself, \"mended\": with holes closed and parts united, \"wrapped\": a new surface around it, \"auto\": the first that works (unless given)."},
+                        {"body", Type::Text, false, "\"exact\": the mesh itself, \"mended\": with holes closed and parts united, \"wrapped\": a new surface around it, \"auto\": the first that works (unless given); \"unmended\": wrapped, until \"repair\" has mended what is wrong with the mesh."},
                         {"detail", Type::Number, false, "Of a wrap, in diagonals of the mesh: gaps narrower than twice this are closed (0.001 to 0.2; chosen from the mesh unless given)."}},
                        importCharacterCommand);
 }

@@ -18,6 +18,7 @@ MendSurface::MendSurface(RawSurface raw) : points(std::move(raw.mesh.body.vertic
     faces.resize(static_cast<std::size_t>(corners.rows()));
     for (Eigen::Index f = 0; f < corners.rows(); ++f) {
         MendFace& face = faces[static_cast<std::size_t>(f)];
+        face.source = static_cast<std::int32_t>(f);
         for (int k = 0; k < 3; ++k) {
             face.v[static_cast<std::size_t>(k)] = corners(f, k);
             face.r[static_cast<std::size_t>(k)] = plain ? corners(f, k) : renderMesh.triangles(f, k);

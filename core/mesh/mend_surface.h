@@ -19,6 +19,7 @@ struct MendFace {
     std::array<std::int32_t, 3> r;  ///< render vertices
     std::int32_t material = -1;
     std::int32_t part = 0;
+    std::int32_t source = -1;  ///< the triangle of the file that it is, -1: of a cap
     bool turned = false;  ///< wound the other way than in the file
 
     void turn();

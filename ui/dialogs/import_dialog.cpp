@@ -16,6 +16,7 @@
 #include <QVBoxLayout>
 #include <algorithm>
 
+#include "core/document/character_repair.h"
 #include "ui/dialogs/mesh_preview.h"
 #include "ui/jobs/character_job.h"
 #include "ui/jobs/import_job.h"
@@ -30,7 +31,8 @@ namespace imomushi {
 namespace {
 constexpr const char* kUnits[] = {"", "mm", "cm", "m"};
 constexpr const char* kAxes[] = {"", "y", "z"};
-constexpr BodyKind kBodies[] = {BodyKind::Auto, BodyKind::Exact, BodyKind::Mended, BodyKind::Wrapped};
+constexpr BodyKind kBodies[] = {BodyKind::Auto, BodyKind::Exact, BodyKind::Mended, BodyKind::Wrapped, BodyKind::Wrapped};
+constexpr int kUnmended = 4;  // of these
 constexpr double kDetails[] = {0.0, 1.0 / 30.0, 1.0 / 60.0, 1.0 / 120.0, 1.0 / 250.0};  // of the diagonal, 0: chosen from the mesh
 
 /// The file is one element as it is, and nothing is to be said about it: a hole that was capped is somebody's mouth or sleeve.
@@ -69,7 +71,7 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
     bodyLabel_ = new QLabel(tr("Body"), this);
     body_ = new QComboBox(this);
     body_->setObjectName(QStringLiteral("body"));
-    body_->addItems({tr("Automatic"), tr("Exact: the mesh itself"), tr("Mended: holes closed, parts united"), tr("Wrapped: a new surface around it")});
+    body_->addItems({tr("Automatic"), tr("Exact: the mesh itself"), tr("Mended: holes closed, parts united"), tr("Wrapped: a new surface around it"), tr("Unmended: its issues are mended one by one")});
     body_->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);  // long names are cut, not the picture
     body_->setMinimumContentsLength(12);
     body_->setAccessibleName(bodyLabel_->text());
@@ -189,7 +191,12 @@ ImportRequest ImportDialog::chosen() const {
     return request;
 }
 
-BodySetting ImportDialog::body() const { return {kBodies[std::size_t(body_->currentIndex())], kDetails[std::size_t(detail_->currentIndex())]}; }
+bool ImportDialog::unmended() const { return body_->currentIndex() == kUnmended; }
+
+BodySetting ImportDialog::body() const {
+    const double detail = kDetails[std::size_t(detail_->currentIndex())];
+    return {kBodies[std::size_t(body_->currentIndex())], unmended() && detail == 0.0 ? kPassingDetail : detail};
+}
 
 void ImportDialog::choose(bool whole) {
     (whole ? wholeCard_ : elementsCard_)->setChecked(true);
@@ -230,7 +237,7 @@ void ImportDialog::addIssue(const MeshIssue& issue) {
     const bool calm = issue.fixed || issue.severity == Severity::Info;
     const QString icon = issue.fixed ? QStringLiteral("check") : calm ? QStringLiteral("info") : issue.severity == Severity::Error ? QStringLiteral("error") : QStringLiteral("warning");
     const auto role = issue.fixed ? Appearance::Role::Good : calm ? Appearance::Role::Info : issue.severity == Severity::Error ? Appearance::Role::Error : Appearance::Role::Warning;
-    issues_->addItem(new QListWidgetItem(themedIcon(icon, role), issueText(issue.code, issue.count, issue.text)));
+    issues_->addItem(new QListWidgetItem(themedIcon(icon, role), issueText(issue)));
 }
 
 void ImportDialog::showResult() {
@@ -318,7 +325,7 @@ void ImportDialog::showCharacter() {
     facts_->setText(lines.join(u'\n'));
     for (const MeshIssue& issue : file.issues) addIssue(issue);
     if (body)
-        for (const MeshIssue& issue : body->report.issues) addIssue(issue);
+        for (const MeshIssue& issue : unmended() ? mendableIssues(file.renderModel) : body->report.issues) addIssue(issue);
     import_->setEnabled(body != nullptr);
 }
 
@@ -328,8 +335,9 @@ Json ImportDialog::command() const {
     if (unit_->currentIndex() > 0) import.unit = kUnits[unit_->currentIndex()];
     if (up_->currentIndex() > 0) import.up = kAxes[up_->currentIndex()];
     if (whole()) {
-        const BodySetting setting = body();
-        return commands::importCharacter(import, setting.how == BodyKind::Auto ? std::string() : std::string(nameOf(setting.how)), setting.detail > 0.0 ? std::optional(setting.detail) : std::nullopt);
+        const BodyKind how = body().how;
+        const double detail = kDetails[std::size_t(detail_->currentIndex())];
+        return commands::importCharacter(import, unmended() ? "unmended" : how == BodyKind::Auto ? std::string() : std::string(nameOf(how)), detail > 0.0 ? std::optional(detail) : std::nullopt);
     }
     import.split = split_->isChecked();
     return commands::importElement(import);

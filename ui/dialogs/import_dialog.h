@@ -46,6 +46,7 @@ private:
     void say(const QString& text, const char* role);
     void addIssue(const MeshIssue& issue);
     [[nodiscard]] BodySetting body() const;
+    [[nodiscard]] bool unmended() const;
     [[nodiscard]] ImportRequest chosen() const;
 
     QString path_;

@@ -25,6 +25,18 @@ QString bodyKindText(BodyKind how) {
     return BodyTexts::tr("automatic");
 }
 
+QString repairText(RepairAction action) {
+    switch (action) {
+        case RepairAction::Weld: return BodyTexts::tr("Weld", "vertices");
+        case RepairAction::Drop: return BodyTexts::tr("Drop", "triangles without area, copies, unused vertices");
+        case RepairAction::Separate: return BodyTexts::tr("Separate", "surfaces that touch");
+        case RepairAction::Orient: return BodyTexts::tr("Orient", "triangles alike and outward");
+        case RepairAction::Fill: return BodyTexts::tr("Fill", "holes");
+        case RepairAction::Wrap: break;
+    }
+    return BodyTexts::tr("Wrap", "a new surface around everything");
+}
+
 QString diagonalShareText(double share) { return BodyTexts::tr("%1 % of the diagonal").arg(percent(share)); }
 
 QStringList bodyLines(const Body& body) {

@@ -4,11 +4,14 @@
 #include <QStringList>
 
 #include "core/body/body.h"
+#include "core/body/repair.h"
 
 namespace imomushi {
 
 /// "exact", "mended", "wrapped", translated.
 QString bodyKindText(BodyKind how);
+/// "Weld", "Fill", ...: what a button says that does it.
+QString repairText(RepairAction action);
 /// 0.0123 -> "1.2 % of the diagonal"
 QString diagonalShareText(double share);
 /// How a body was made and how far it is from what is seen, a line each.

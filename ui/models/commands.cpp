@@ -65,6 +65,13 @@ Json importCharacter(const Import& import, const std::string& body, std::optiona
     return command;
 }
 
+Json repair(const std::string& element, const std::vector<std::string>& actions, std::optional<double> detail) {
+    Json command = {{"do", "repair"}, {"element", element}};
+    if (!actions.empty()) command["actions"] = actions;
+    add(command, "detail", detail);
+    return command;
+}
+
 Json exportCharacter(const Export& choices) {
     Json command = {{"do", "export"}, {"path", choices.path}, {"layout", choices.layout}, {"preset", choices.preset}};
     if (choices.what == Export::What::OneTake) command["take"] = choices.take;

@@ -38,8 +38,11 @@ struct Import {
     bool split = false;    ///< an element for each separate part
 };
 Json importElement(const Import& import);
-/// `body`: "auto", "exact", "mended" or "wrapped", empty: auto. `detail`: of a wrap, in diagonals.
+/// `body`: "auto", "exact", "mended", "wrapped" or "unmended", empty: auto. `detail`: of a wrap, in diagonals.
 Json importCharacter(const Import& import, const std::string& body = {}, std::optional<double> detail = {});
+
+/// The body of an element or a character; what mends the issues there are, or these steps. `detail`: of a wrap, in diagonals.
+Json repair(const std::string& element, const std::vector<std::string>& actions = {}, std::optional<double> detail = {});
 
 struct Export {
     std::string path, layout, preset;

@@ -13,7 +13,7 @@ namespace imomushi {
 class IssueModel : public QAbstractListModel {
     Q_OBJECT
 public:
-    enum Roles { ElementRole = Qt::UserRole, IconRole, SeverityRole, DetailRole };
+    enum Roles { ElementRole = Qt::UserRole, IconRole, SeverityRole, DetailRole, RepairRole, RoomRole };  ///< RepairRole: what mends it; empty: nothing here does. RoomRole: for its button
     explicit IssueModel(StudioDocument& document, QObject* parent = nullptr);
 
     [[nodiscard]] int rowCount(const QModelIndex& parent = {}) const override;
@@ -24,8 +24,14 @@ public:
     [[nodiscard]] std::vector<std::int32_t> triangles(const QModelIndex& index) const;
     /// A place of a character at rest, m; none: triangles say where, if anything does.
     [[nodiscard]] std::optional<Vec3> point(const QModelIndex& index) const;
+    /// The command that mends it; none: nothing here does.
+    [[nodiscard]] std::optional<Json> repair(const QModelIndex& index) const;
+    /// Commands that mend all that can be mended.
+    [[nodiscard]] std::vector<Json> repairAll() const;
     [[nodiscard]] int worth() const;  ///< how many are warnings or errors
     void rebuild();
+    /// How wide the button of a line is; kept with the line, not with the document.
+    void setRoom(const QModelIndex& index, int pixels);
 
 private:
     struct Line {
@@ -33,9 +39,15 @@ private:
         Severity severity = Severity::Info;
         bool fixed = false;
         QString title, detail;
+        std::string subject;  ///< name of the element or character
         std::vector<std::int32_t> triangles;
         std::optional<Vec3> point;
+        QString repairText;
+        Json repair;        ///< null: none
+        int room = 0;       ///< of its button, pixels
     };
+    void addIssues(std::vector<Line>& lines, const Line& subject, const std::vector<MeshIssue>& issues) const;
+    void addGaps(std::vector<Line>& lines, const Line& subject, const CharacterSource& character) const;
     StudioDocument& document_;
     std::vector<Line> lines_;
 };

@@ -114,6 +114,7 @@ const std::map<std::string, const char*> kErrors = {
     {"cuts-touch", QT_TRANSLATE_NOOP("Errors", "Two cuts touch or come too near to each other. Move one of them away.")},
     {"does-not-separate", QT_TRANSLATE_NOOP("Errors", "The body still hangs together around the cut. Put it where it cuts something off.")},
     {"empty-piece", QT_TRANSLATE_NOOP("Errors", "One side of the cut would have no volume. Move the plane deeper into the body.")},
+    {"face-lost", QT_TRANSLATE_NOOP("Errors", "A joint face lies where the body becomes another. Remove it first.")},
     {"face-cut", QT_TRANSLATE_NOOP("Errors", "The cut would go through a joint face or touch it. Move the plane away, or remove the face first.")},
     {"no-section", QT_TRANSLATE_NOOP("Errors", "The plane does not cross the body. Move it into the body.")},
     {"no-such-character", QT_TRANSLATE_NOOP("Errors", "There is no character of that name.")},
@@ -174,11 +175,11 @@ const std::map<std::string, const char*> kSteps = {
 };
 
 const std::map<std::string, const char*> kIssues = {
-    {"unwelded", QT_TRANSLATE_NOOP("Issues", "Vertices at the same place were welded.")},
+    {"unwelded", QT_TRANSLATE_NOOP("Issues", "Vertices lie at the same place and are not one.")},
     {"open", QT_TRANSLATE_NOOP("Issues", "The surface has open edges. Close its holes.")},
     {"non-manifold-edge", QT_TRANSLATE_NOOP("Issues", "More than two triangles meet at an edge.")},
     {"non-manifold-vertex", QT_TRANSLATE_NOOP("Issues", "Parts of the surface touch at a single vertex.")},
-    {"inverted", QT_TRANSLATE_NOOP("Issues", "The surface faced inward.")},
+    {"inverted", QT_TRANSLATE_NOOP("Issues", "The surface faces inward.")},
     {"mixed-winding", QT_TRANSLATE_NOOP("Issues", "Neighbouring triangles face different ways.")},
     {"degenerate", QT_TRANSLATE_NOOP("Issues", "Some triangles have no area.")},
     {"duplicate-triangle", QT_TRANSLATE_NOOP("Issues", "Some triangles exist twice.")},
@@ -194,6 +195,24 @@ const std::map<std::string, const char*> kIssues = {
     {"inside", QT_TRANSLATE_NOOP("Issues", "Parts inside of others were left out of the body; the flesh around carries them.")},
     {"small-part", QT_TRANSLATE_NOOP("Issues", "Small parts were left out of the body, which carries them.")},
     {"open-part", QT_TRANSLATE_NOOP("Issues", "Open parts were left out of the body, which carries them.")},
+    {"apart", QT_TRANSLATE_NOOP("Issues", "Parts that touch no others were left out of the body, which carries them.")},
+    {"inner-wall", QT_TRANSLATE_NOOP("Issues", "Walls inside of the flesh were left out of the body.")},
+    {"wrapped", QT_TRANSLATE_NOOP("Issues", "A new surface around everything was made.")},
+    {"closed-gap", QT_TRANSLATE_NOOP("Issues", "The body closes gaps: what lies on their two sides moves as one.")},
+    {"flat", QT_TRANSLATE_NOOP("Issues", "The body is extremely thin. Give it more thickness.")},
+    {"non-orientable", QT_TRANSLATE_NOOP("Issues", "The surface has only one side.")},
+};
+
+const std::map<std::string, const char*> kMended = {
+    {"unwelded", QT_TRANSLATE_NOOP("Issues", "Vertices at the same place were welded.")},
+    {"open", QT_TRANSLATE_NOOP("Issues", "Holes were closed.")},
+    {"non-manifold-edge", QT_TRANSLATE_NOOP("Issues", "Surfaces that met in one edge were separated.")},
+    {"non-manifold-vertex", QT_TRANSLATE_NOOP("Issues", "Surfaces that touched in a vertex were separated.")},
+    {"inverted", QT_TRANSLATE_NOOP("Issues", "A surface that faced inward was turned.")},
+    {"mixed-winding", QT_TRANSLATE_NOOP("Issues", "Triangles that faced against their neighbours were turned.")},
+    {"degenerate", QT_TRANSLATE_NOOP("Issues", "Triangles without area were removed.")},
+    {"duplicate-triangle", QT_TRANSLATE_NOOP("Issues", "Copies of triangles were removed.")},
+    {"unused-vertex", QT_TRANSLATE_NOOP("Issues", "Vertices of no triangle were left out.")},
 };
 
 const std::map<std::string, const char*> kStages = {
@@ -251,10 +270,11 @@ QString stepText(const std::string& command, const std::string& subject) {
     return what.isEmpty() ? name : Texts::tr("%1: %2", "undo step: what was done, to what").arg(name, what);
 }
 
-QString issueText(const std::string& code, int count, const std::string& fallback) {
-    QString text = named(kIssues, "Issues", code);
-    if (text.isEmpty()) text = QString::fromStdString(fallback);
-    return count > 1 ? Texts::tr("%1 (%L2 places)", "mesh issue, number of places").arg(text).arg(count) : text;
+QString issueText(const MeshIssue& issue) {
+    QString text = issue.fixed ? named(kMended, "Issues", issue.code) : QString();
+    if (text.isEmpty()) text = named(kIssues, "Issues", issue.code);
+    if (text.isEmpty()) text = QString::fromStdString(issue.text);
+    return issue.count > 1 ? Texts::tr("%1 (%L2 places)", "mesh issue, number of places").arg(text).arg(issue.count) : text;
 }
 
 QString stageText(const std::string& stage) {

@@ -6,6 +6,7 @@
 
 #include "core/base/result.h"
 #include "core/document/command.h"
+#include "core/mesh/health.h"
 
 namespace imomushi {
 
@@ -18,8 +19,8 @@ QString warningText(const Json& warning);
 /// "add-bone" -> "Add bone", translated: names of undo steps. `subject`: what it was done to, may be empty.
 QString stepText(const std::string& command, const std::string& subject);
 
-/// A mesh issue by its code, translated, one sentence; `fallback` (English) where the code is unknown.
-QString issueText(const std::string& code, int count, const std::string& fallback);
+/// A mesh issue by its code, translated, one sentence; its own text (English) where the code is unknown.
+QString issueText(const MeshIssue& issue);
 
 /// A progress stage ("assemble", "factorise", ...) translated.
 QString stageText(const std::string& stage);

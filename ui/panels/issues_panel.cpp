@@ -2,8 +2,10 @@
 #include "ui/panels/issues_panel.h"
 
 #include <QEvent>
+#include <QHBoxLayout>
 #include <QLabel>
 #include <QListView>
+#include <QPushButton>
 #include <QVBoxLayout>
 
 #include "ui/widgets/line_delegate.h"
@@ -27,7 +29,7 @@ IssuesPanel::IssuesPanel(StudioDocument& document, QWidget* parent) : QWidget(pa
     list_ = new QListView(this);
     list_->setModel(model_);
     list_->setMouseTracking(true);
-    list_->setItemDelegate(new LineDelegate({IssueModel::IconRole, IssueModel::DetailRole, true}, styleBySeverity, list_));
+    list_->setItemDelegate(new LineDelegate({IssueModel::IconRole, IssueModel::DetailRole, true, IssueModel::RoomRole}, styleBySeverity, list_));
     empty_ = new QLabel(this);
     empty_->setProperty("role", "muted");
     empty_->setAlignment(Qt::AlignCenter);
@@ -37,6 +39,10 @@ IssuesPanel::IssuesPanel(StudioDocument& document, QWidget* parent) : QWidget(pa
     layout->setContentsMargins(8, 8, 6, 6);
     layout->addWidget(list_);
     layout->addWidget(empty_, 1);
+    all_ = new QPushButton(this);
+    all_->setObjectName(QStringLiteral("repairAll"));
+    layout->addWidget(all_);
+    connect(all_, &QPushButton::clicked, this, [this] { Q_EMIT repairWanted(model_->repairAll()); });
     const auto choose = [this, &document](const QModelIndex& index) {
         if (const PartId character = model_->character(index)) {
             document.select({{SelectionItem::Kind::Character, character, {}, false}});
@@ -68,7 +74,29 @@ void IssuesPanel::update() {
     empty_->setVisible(none);
     empty_->setText(tr("Nothing asks for attention."));
     list_->setAccessibleName(tr("Issues"));
+    all_->setText(tr("Repair all"));
+    all_->setVisible(!model_->repairAll().empty());
+    addButtons();
     Q_EMIT worthChanged();
+}
+
+void IssuesPanel::addButtons() {
+    for (int row = 0; row < model_->rowCount(); ++row) {
+        const QModelIndex index = model_->index(row);
+        const auto command = model_->repair(index);
+        if (!command) continue;
+        auto* place = new QWidget(list_);
+        auto* button = new QPushButton(index.data(IssueModel::RepairRole).toString(), place);
+        button->setProperty("small", true);
+        button->setAccessibleName(QStringLiteral("%1 — %2").arg(button->text(), index.data().toString()));
+        auto* line = new QHBoxLayout(place);
+        line->setContentsMargins(0, 0, px(8), 0);
+        line->addStretch(1);
+        line->addWidget(button);
+        model_->setRoom(index, button->sizeHint().width() + px(14));
+        list_->setIndexWidget(index, place);
+        connect(button, &QPushButton::clicked, this, [this, command] { Q_EMIT repairWanted({*command}); });
+    }
 }
 
 void IssuesPanel::changeEvent(QEvent* event) {

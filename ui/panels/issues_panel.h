@@ -9,10 +9,11 @@
 
 class QLabel;
 class QListView;
+class QPushButton;
 
 namespace imomushi {
 
-/// What asks for attention; a click selects the element it is about.
+/// What asks for attention; a click selects the element it is about and shows the place, a button at its end mends it.
 class IssuesPanel : public QWidget {
     Q_OBJECT
 public:
@@ -27,15 +28,18 @@ signals:
     /// The same of a place of a whole character: triangles of its render mesh, or a point (m, at rest).
     void placeWanted(PartId character, const std::vector<std::int32_t>& triangles, const std::optional<Vec3>& point);
     void placeFrameWanted();
+    void repairWanted(const std::vector<Json>& commands);
 
 protected:
     void changeEvent(QEvent* event) override;
 
 private:
     void update();
+    void addButtons();
     IssueModel* model_;
     QListView* list_;
     QLabel* empty_;
+    QPushButton* all_;
 };
 
 }  // namespace imomushi

@@ -9,11 +9,13 @@ namespace {
 constexpr int kIcon = 17, kGap = 7;
 }
 
+int LineDelegate::roomOf(const QModelIndex& index) const { return roles_.room < 0 ? 0 : index.data(roles_.room).toInt(); }
+
 QSize LineDelegate::sizeHint(const QStyleOptionViewItem& option, const QModelIndex& index) const {
     const int line = option.fontMetrics.height();
     const bool two = roles_.noteBelow && !index.data(roles_.note).toString().isEmpty();
     const int text = option.fontMetrics.horizontalAdvance(index.data(Qt::DisplayRole).toString());
-    return {px(kIcon + kGap + 8) + text, two ? 2 * line + px(16) : line + px(11)};
+    return {px(kIcon + kGap + 8) + text + roomOf(index), two ? 2 * line + px(16) : line + px(11)};
 }
 
 void LineDelegate::paint(QPainter* painter, const QStyleOptionViewItem& option, const QModelIndex& index) const {
@@ -44,7 +46,7 @@ void LineDelegate::paint(QPainter* painter, const QStyleOptionViewItem& option, 
     } else {
         rect.setLeft(rect.left() + px(8));
     }
-    rect.setRight(rect.right() - px(4));
+    rect.setRight(rect.right() - px(4) - roomOf(index));
     if (text.isEmpty()) return;
 
     const QString note = roles_.note < 0 ? QString() : index.data(roles_.note).toString();

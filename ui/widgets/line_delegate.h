@@ -16,6 +16,7 @@ public:
         int icon = -1;  ///< QString, name of a line icon
         int note = -1;  ///< QString
         bool noteBelow = false;
+        int room = -1;  ///< int, pixels kept free behind the text
     };
     struct IconStyle {
         Appearance::Role color = Appearance::Role::Muted;
@@ -30,6 +31,7 @@ public:
     void updateEditorGeometry(QWidget* editor, const QStyleOptionViewItem& option, const QModelIndex& index) const override;
 
 private:
+    [[nodiscard]] int roomOf(const QModelIndex& index) const;
     Roles roles_;
     IconStyles styles_;
 };

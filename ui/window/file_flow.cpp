@@ -14,6 +14,7 @@
 #include "ui/dialogs/import_dialog.h"
 #include "ui/dialogs/recovery_dialog.h"
 #include "ui/jobs/character_job.h"
+#include "ui/jobs/repair_job.h"
 #include "ui/models/body_texts.h"
 #include "ui/models/commands.h"
 #include "ui/models/paths.h"
@@ -32,11 +33,12 @@ QString pathOf(const Session& session) { return QString::fromStdString(session.p
 
 }  // namespace
 
-/// What the import dialog read already, for the command to take.
+/// What the import dialog read already, or a job made, for the command to take.
 struct FileFlow::Prepared {
     ImportRequest request;
     std::shared_ptr<const Result<ImportResult>> result;
     std::shared_ptr<const PreparedCharacter> character;
+    std::vector<MadeBody> bodies;
 };
 
 FileFlow::FileFlow(StudioDocument& document, QWidget* window)
@@ -55,6 +57,8 @@ FileFlow::FileFlow(StudioDocument& document, QWidget* window)
     document.session().setBodyMaker([prepared = prepared_](const RenderModel& model, const BodySetting& setting, const Progress& progress) -> Result<Body> {
         const PreparedCharacter* made = prepared->character.get();
         if (made && made->body && made->setting.how == setting.how && made->setting.detail == setting.detail) return *made->body;
+        for (const MadeBody& ready : prepared->bodies)
+            if (ready.isOf(model, setting)) return ready.body;
         return makeBody(model.mesh.body, model.part, setting, progress);
     });
 }
@@ -199,7 +203,7 @@ void FileFlow::nextImport() {
     connect(dialog, &QDialog::finished, this, [this, dialog](int answer) {
         importing_ = false;
         if (answer == QDialog::Accepted) {
-            *prepared_ = {dialog->request(), dialog->prepared(), dialog->preparedCharacter()};
+            *prepared_ = {dialog->request(), dialog->prepared(), dialog->preparedCharacter(), {}};
             const auto done = document_.execute(dialog->command());
             *prepared_ = {};
             if (done) {
@@ -222,6 +226,13 @@ void FileFlow::nextImport() {
         nextImport();
     });
     dialog->open();
+}
+
+Result<Json> FileFlow::executeWith(const std::vector<MadeBody>& bodies, const Json& command) {
+    prepared_->bodies = bodies;
+    auto answer = document_.execute(command);
+    *prepared_ = {};
+    return answer;
 }
 
 void FileFlow::drop(const QStringList& paths) {

@@ -5,6 +5,7 @@
 #include <QStringList>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "ui/jobs/autosave.h"
 #include "ui/models/recent_files.h"
@@ -13,6 +14,8 @@
 class QWidget;
 
 namespace imomushi {
+
+struct MadeBody;
 
 /// New, open, save, import: what asks, where files go, and what is remembered. All changes are commands of the document.
 class FileFlow : public QObject {
@@ -39,6 +42,8 @@ public:
     void import(const QStringList& paths);  ///< one dialog after another
     /// Projects are opened, meshes imported.
     void drop(const QStringList& paths);
+    /// Runs a command that may take bodies that were made for it.
+    Result<Json> executeWith(const std::vector<MadeBody>& bodies, const Json& command);
     /// True: go on (saved, or changes are given up).
     bool mayDiscard();
     /// Where files of this project are likely to be wanted.

@@ -34,6 +34,7 @@
 #include "ui/window/job_card.h"
 #include "ui/window/message_bar.h"
 #include "ui/window/overlays.h"
+#include "ui/window/repair_flow.h"
 #include "ui/window/start_page.h"
 #include "ui/window/status_strip.h"
 #include "ui/window/studio_actions.h"
@@ -57,6 +58,7 @@ MainWindow::MainWindow(const CommandRegistry& registry, std::shared_ptr<Response
     actions_ = new StudioActions(this);
     deck_ = new TakeDeck(document_, this);
     files_ = new FileFlow(document_, this);
+    repairs_ = new RepairFlow(document_, *files_, this);
     precompute_ = new PrecomputeJob(document_, this);
     drafts_ = new DraftJob(document_, this);
     costs_ = new FrameCostMeter(document_, this);
@@ -72,6 +74,7 @@ MainWindow::MainWindow(const CommandRegistry& registry, std::shared_ptr<Response
     connectDocument();
     connectFiles();
     connectPrecompute();
+    connectRepairs();
     connectPanels();
     connectView();
     connect(states_, &ActionStates::updated, this, &MainWindow::updateTitle);
@@ -97,6 +100,7 @@ MainWindow::~MainWindow() {
     delete deck_;
     delete precompute_;
     delete drafts_;
+    delete repairs_;
     delete files_;
     delete statusBar();
     document_.disconnect();
@@ -107,6 +111,7 @@ InspectorPanel& MainWindow::inspector() { return docks_->inspector(); }
 EffectsPanel& MainWindow::effects() { return docks_->effects(); }
 AccuracyPanel& MainWindow::accuracy() { return docks_->accuracy(); }
 TakesPanel& MainWindow::takes() { return docks_->takes(); }
+IssuesPanel& MainWindow::issues() { return docks_->issues(); }
 HistoryPanel& MainWindow::history() { return docks_->history(); }
 MessageBar& MainWindow::messages() { return overlays_->message(); }
 
@@ -168,6 +173,7 @@ void MainWindow::connectFiles() {
     connect(files_, &FileFlow::said, this, [this](const QString& text) { messages().say(text, MessageBar::Tone::Good); });
     connect(files_, &FileFlow::opened, this, [this] {
         precompute_->cancel();
+        repairs_->cancel();
         showStart(false);
         viewport_->frameAll(false);
         keepPicture();
@@ -214,6 +220,20 @@ void MainWindow::connectPrecompute() {
     connect(drafts_, &DraftJob::drafted, this, &MainWindow::followDrafts);
 }
 
+void MainWindow::connectRepairs() {
+    overlays_->job().follow(&repairs_->job(), [this] { return tr("Mending %1").arg(repairs_->subject()); });
+    connect(&issues(), &IssuesPanel::repairWanted, this, [this](const std::vector<Json>& commands) {
+        settle();
+        repairs_->start(commands);
+    });
+    connect(repairs_, &RepairFlow::unchanged, this, [this](const QString& text) { messages().say(text, MessageBar::Tone::Info); });
+    connect(repairs_, &RepairFlow::repaired, this, [this](const QString& text) {
+        messages().offer(text, tr("Undo"), [this, position = document_.session().position()] {
+            if (document_.session().position() == position) undo();
+        });
+    });
+}
+
 void MainWindow::followDrafts() {
     draftedMeanwhile_ = precompute_->running();
     if (draftedMeanwhile_ || precompute_->estimate().seconds > kSoon) return;
@@ -227,13 +247,13 @@ void MainWindow::connectPanels() {
     connect(&inspector(), &InspectorPanel::precomputeWanted, this, &MainWindow::startPrecompute);
     connect(&effects(), &EffectsPanel::precomputeWanted, this, &MainWindow::startPrecompute);
     connect(status_, &StatusStrip::precomputeWanted, this, &MainWindow::startPrecompute);
-    connect(&docks_->issues(), &IssuesPanel::frameWanted, viewport_, [this] { viewport_->frameSelection(); });
-    connect(&docks_->issues(), &IssuesPanel::markWanted, viewport_, &ViewportWidget::setHighlightedTriangles);
+    connect(&issues(), &IssuesPanel::frameWanted, viewport_, [this] { viewport_->frameSelection(); });
+    connect(&issues(), &IssuesPanel::markWanted, viewport_, &ViewportWidget::setHighlightedTriangles);
     const auto mark = [this](PartId character, const std::vector<std::int32_t>& triangles, const std::optional<Vec3>& point) {
         viewport_->setMarked(character ? std::optional(MarkedPlace{character, triangles, point}) : std::nullopt);
     };
-    connect(&docks_->issues(), &IssuesPanel::placeWanted, this, mark);
-    connect(&docks_->issues(), &IssuesPanel::placeFrameWanted, viewport_, &ViewportWidget::frameMarked);
+    connect(&issues(), &IssuesPanel::placeWanted, this, mark);
+    connect(&issues(), &IssuesPanel::placeFrameWanted, viewport_, &ViewportWidget::frameMarked);
     connect(&inspector(), &InspectorPanel::placeWanted, this, [this, mark](PartId character, const Vec3& point) {
         mark(character, {}, point);
         viewport_->frameMarked();

@@ -27,7 +27,9 @@ class HistoryPanel;
 class InspectorPanel;
 class MessageBar;
 class OutlinerPanel;
+class IssuesPanel;
 class Overlays;
+class RepairFlow;
 class StartPage;
 class StatusStrip;
 class StudioActions;
@@ -56,6 +58,8 @@ public:
     [[nodiscard]] HistoryPanel& history();
     [[nodiscard]] TakeDeck& deck() { return *deck_; }
     [[nodiscard]] PrecomputeJob& precomputeJob() { return *precompute_; }
+    [[nodiscard]] RepairFlow& repairs() { return *repairs_; }
+    [[nodiscard]] IssuesPanel& issues();
     [[nodiscard]] StatusStrip& status() { return *status_; }
     [[nodiscard]] MessageBar& messages();
     /// The start page is in front of the view.
@@ -78,6 +82,7 @@ private:
     void connectDocument();
     void connectFiles();
     void connectPrecompute();
+    void connectRepairs();
     /// What has a draft is precomputed as it is set, where that does not take long.
     void followDrafts();
     void connectPanels();
@@ -114,6 +119,7 @@ private:
     StudioActions* actions_;
     TakeDeck* deck_;
     FileFlow* files_;
+    RepairFlow* repairs_;
     PrecomputeJob* precompute_;
     DraftJob* drafts_;
     FrameCostMeter* costs_;
