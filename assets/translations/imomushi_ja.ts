@@ -966,6 +966,12 @@
         <message>
             <source>A joint face lies where the body becomes another. Remove it first.</source>
             <translation>ボディが変わる場所にジョイント面があります。先に取り除いてください。</translation>
+            <source>The character has no part of that name.</source>
+            <translation>その名前の部分はこのキャラクターにありません。</translation>
+        </message>
+        <message>
+            <source>The part is not rigid by itself. Let it follow rigidly before you turn it.</source>
+            <translation>この部分はそれだけでは剛体ではありません。回す前に剛体として従わせてください。</translation>
         </message>
     </context>
     <context>
@@ -1323,6 +1329,14 @@
         <message>
             <source>Remove cut</source>
             <translation>切断面を取り除く</translation>
+        </message>
+        <message>
+            <source>Attach part</source>
+            <translation>部分の取り付け</translation>
+        </message>
+        <message>
+            <source>Turn part</source>
+            <translation>部分の回転</translation>
         </message>
     </context>
     <context>
@@ -4206,6 +4220,62 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>
                 <numerusform>ほか %n 件は問題の一覧にあります</numerusform>
             </translation>
+        </message>
+        <message>
+            <source>How parts follow</source>
+            <translation>部分の従い方</translation>
+        </message>
+        <message>
+            <source>choose one</source>
+            <translation>選んでください</translation>
+        </message>
+        <message>
+            <source>Part</source>
+            <translation>部分</translation>
+        </message>
+        <message>
+            <source>Follows</source>
+            <translation>従い方</translation>
+        </message>
+        <message>
+            <source>by itself</source>
+            <translation>自動</translation>
+        </message>
+        <message>
+            <source>as flesh</source>
+            <translation>肉として</translation>
+        </message>
+        <message>
+            <source>rigidly</source>
+            <translation>剛体として</translation>
+        </message>
+        <message>
+            <source>nearest</source>
+            <translation>最も近いもの</translation>
+        </message>
+        <message>
+            <source>Element</source>
+            <translation>要素</translation>
+        </message>
+        <message>
+            <source>Pivot at rest</source>
+            <translation>静止時の回転中心</translation>
+        </message>
+        <message>
+            <source>Middle of the part</source>
+            <translation>部分の中心</translation>
+        </message>
+        <message>
+            <source>Place at</source>
+            <translation>置く場所</translation>
+        </message>
+        <message>
+            <source>Turn about the pivot</source>
+            <translation>中心まわりの回転</translation>
+        </message>
+        <message>
+            <source>About %1</source>
+            <translation>%1 軸まわり</translation>
         </message>
     </context>
 </TS>

@@ -19,6 +19,7 @@ void Character::State::update(const Pose& wanted, double seconds) {
         assign(wanted);
     else
         frame.warn(FrameWarning::PoseRefused);
+    for (auto& element : frame.elements) element.turns = element.askedTurns;
     for (std::size_t e = 0; e < frame.elements.size(); ++e) placeElement(e);
     for (std::size_t h = 0; h < frame.handles.size(); ++h) placeHandle(h);
     for (auto& element : frame.elements) fitElement(element);

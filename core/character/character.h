@@ -101,6 +101,9 @@ public:
     [[nodiscard]] HandlePose shownHandle(int handle) const;             ///< as it is shown, in the world
     /// Rest to world, of what carried it in the last update().
     [[nodiscard]] Eigen::Isometry3d handleCarrier(int handle) const;
+    /// How an attached part (of EmbeddedPoints::attached) is turned about its pivot in the next update(), from rest and in the axes of the rest pose: it turns with the
+    /// body besides. False: no rotation, or it was turned so already, and nothing changes.
+    bool setTurn(int element, int part, const Eigen::Quaterniond& turn);
     /// Forgets all motion: the next update() jumps to its pose, at rest.
     void stop();
 

@@ -82,7 +82,8 @@ Result<std::shared_ptr<const ElementRuntime>> Character::State::runtimeOf(std::s
     if (!given.response || given.response->loads.size() == 0) input.tables.loads.clear();
     if (auto found = known.find(input)) return found;
     auto embedded = known.findEmbedded(input);
-    return ElementRuntime::build(std::move(input), std::move(embedded));
+    const auto like = known.findLike(input);
+    return ElementRuntime::build(std::move(input), std::move(embedded), like.get());
 }
 
 void Character::State::buildJoint(std::size_t j, double contraction) {
@@ -123,6 +124,7 @@ void Character::State::buildElement(std::size_t e) {
     }
     out.shownWeights = out.weights();
     out.shownJoints.resize(given.faces.size());
+    if (given.embedded) out.askedTurns = out.turns = out.shownTurns = std::vector<Vec3>(given.embedded->attached.size(), Vec3::Zero());
     out.blocks = runtime.blocks;
     out.local = AlignedBuffer<float>(out.blocks.rest().size());
     const std::size_t padded = (runtime.vertices + kVertexBlock - 1) / kVertexBlock * kVertexBlock + kVertexBlock;

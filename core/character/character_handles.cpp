@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Joints whose pose is given, and elements that move with them.
+// Joints whose pose is given, elements that move with them, and turns of attached parts.
 #include <cmath>
 
 #include "core/base/finite.h"
+#include "core/base/rotation_vector.h"
 #include "core/character/character_state.h"
 
 namespace imomushi {
@@ -77,6 +78,15 @@ bool Character::setHandle(int handle, const HandlePose& pose) {
     HandlePose& to = state_->frame.handles[static_cast<std::size_t>(handle)].pose;
     to = pose;
     to.turn.normalize();
+    return true;
+}
+
+bool Character::setTurn(int element, int part, const Quaterniond& turn) {
+    if (!allFinite(turn.coeffs()) || turn.coeffs().cwiseAbs().maxCoeff() > 2.0 || std::abs(turn.norm() - 1.0) > kUnit) return false;
+    Vec3& to = state_->frame.elements[static_cast<std::size_t>(element)].askedTurns[static_cast<std::size_t>(part)];
+    const Vec3 asked = rotationVector(turn);
+    if (to == asked) return false;
+    to = asked;
     return true;
 }
 

@@ -2,6 +2,7 @@
 // The numbers between the two halves of a frame: what pose and effects decide, and vertices follow.
 #include <algorithm>
 
+#include "core/base/rotation_vector.h"
 #include "core/character/character_state.h"
 
 namespace imomushi {
@@ -30,6 +31,7 @@ ShapeLayout Character::shapeLayout() const {
     layout.joints = static_cast<int>(f.joints.size());
     layout.warping = f.warpingShapes;
     layout.nodes = static_cast<int>(f.offsets.size());
+    for (const auto& e : f.elements) layout.turns += static_cast<int>(e.turns.size());
     return layout;
 }
 
@@ -49,6 +51,8 @@ void Character::shape(double* to) const {
         to = put(to, j.warping.data(), j.warping.size());
     }
     for (const auto& offset : s.offsets) to = put(to, offset.data(), 3);
+    for (const auto& e : s.elements)
+        for (const auto& turn : e.turns) to = put(to, turn.data(), 3);
 }
 
 void Character::show(const double* from) {
@@ -80,6 +84,8 @@ void Character::show(const double* from) {
         take(j.warping.data(), j.warping.size());
     }
     for (auto& offset : s.offsets) take(offset.data(), 3);
+    for (auto& e : s.elements)
+        for (auto& turn : e.turns) take(turn.data(), 3);
     s.replaying = true;
     state_->showShape(start);
 }
@@ -122,6 +128,11 @@ void Character::between(const double* a, const double* b, double part, double* t
         }
     }
     mix(3 * static_cast<Eigen::Index>(s.offsets.size()));
+    for (const auto& e : s.elements)
+        for (std::size_t i = 0; i < e.turns.size(); ++i, a += 3, b += 3) {
+            const Vec3 mean = rotationVector(rotationOf(Eigen::Map<const Vec3>(a)).slerp(part, rotationOf(Eigen::Map<const Vec3>(b))));
+            to = put(to, mean.data(), 3);
+        }
 }
 
 void Character::keepExact(bool exact) { state_->frame.exact = exact; }

@@ -11,6 +11,7 @@ namespace imomushi {
 ///   per joint    rotation x y z w; the linear part of its map, rest to world, column by column, and the shift (m); the part of its shape that is shown;
 ///                its warping, world, 3 per shape (JointEquilibrium)
 ///   per node     the offset (m) of a face vertex of the previous model, in the rest axes of its joint
+///   per attached part  its turn about its pivot, a rotation vector in the axes of the rest pose (radians); by elements
 struct ShapeLayout {
     struct Element {
         int weights = 0;
@@ -21,6 +22,7 @@ struct ShapeLayout {
     int joints = 0;
     int warping = 0;  ///< shapes per joint
     int nodes = 0;
+    int turns = 0;
     bool operator==(const ShapeLayout&) const = default;
 
     static constexpr int kFrame = 7, kJoint = 17;
@@ -31,7 +33,7 @@ struct ShapeLayout {
     }
     [[nodiscard]] int jointSize() const { return kJoint + 3 * warping; }
     [[nodiscard]] int joint(int j) const { return element(elements.size()) + j * jointSize(); }
-    [[nodiscard]] int size() const { return joint(joints) + 3 * nodes; }
+    [[nodiscard]] int size() const { return joint(joints) + 3 * (nodes + turns); }
 };
 
 }  // namespace imomushi

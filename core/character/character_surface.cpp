@@ -27,6 +27,10 @@ void Character::State::decideWork(std::size_t e) {
         out.moved = out.moved || joints[out.jointOf[f]].warping != out.shownWarping[f];
         out.shownWarping[f] = joints[out.jointOf[f]].warping;
     }
+    if (out.turns != out.shownTurns) {
+        out.moved = true;
+        out.shownTurns = out.turns;
+    }
     bool sameShape =
         out.shown && ((out.weights() - out.shownWeights).cwiseAbs().cwiseProduct(runtime.columnSize).array() <= kSameShape * runtime.size).all();
     // The bend warp bends by more than v says where the basis loses twist.

@@ -18,10 +18,13 @@ bool sameFaces(const std::vector<JointFace>& a, const std::vector<JointFace>& b)
     });
 }
 
-bool same(const ElementRuntime::Input& a, const ElementRuntime::Input& b) {
-    return a.mesh == b.mesh && a.response == b.response && a.embedded == b.embedded && a.format == b.format && a.tables == b.tables &&
-           (!(a.tables.warp || a.embedded) || a.nu == b.nu) && a.covered == b.covered && sameFaces(a.faces, b.faces);
+/// But for embedded points.
+bool sameBody(const ElementRuntime::Input& a, const ElementRuntime::Input& b) {
+    return a.mesh == b.mesh && a.response == b.response && a.format == b.format && a.tables == b.tables && (!(a.tables.warp || a.embedded) || a.nu == b.nu) &&
+           a.covered == b.covered && sameFaces(a.faces, b.faces);
 }
+
+bool same(const ElementRuntime::Input& a, const ElementRuntime::Input& b) { return a.embedded == b.embedded && sameBody(a, b); }
 
 void findColumnSizes(ElementRuntime& out) {
     const auto& given = out.input;
@@ -153,7 +156,7 @@ Points EmbeddedTables::restOf(const EmbeddedPoints& points) const {
 
 std::size_t ElementRuntime::paddedVertices() const { return embedded ? padded(embedded->first + embedded->count) : padded(vertices); }
 
-Result<std::shared_ptr<const ElementRuntime>> ElementRuntime::build(Input input, std::shared_ptr<const EmbeddedTables> embedded) {
+Result<std::shared_ptr<const ElementRuntime>> ElementRuntime::build(Input input, std::shared_ptr<const EmbeddedTables> embedded, const ElementRuntime* like) {
     auto made = std::make_shared<ElementRuntime>();
     ElementRuntime& out = *made;
     out.input = std::move(input);
@@ -199,6 +202,13 @@ Result<std::shared_ptr<const ElementRuntime>> ElementRuntime::build(Input input,
     out.blocks = blocksOf(out);
     const std::span<const std::int32_t> blocks(out.blocks.first(), out.blocks.count());
     out.bodyBlocks = static_cast<std::size_t>(std::lower_bound(blocks.begin(), blocks.end(), static_cast<std::int32_t>(out.vertices)) - blocks.begin());
+    if (like) {
+        out.stencils = like->stencils;
+        out.warp = like->warp;
+        out.touch = like->touch;
+        out.touchBlocks = like->touchBlocks;
+        return std::shared_ptr<const ElementRuntime>(std::move(made));
+    }
     out.stencils = normalStencils(body.vertices, triangles, out.scale());
     const auto first = blocks.first(out.bodyBlocks);
     if (given.response && !given.faces.empty()) {
@@ -247,6 +257,12 @@ std::shared_ptr<const EmbeddedTables> ElementRuntimes::findEmbedded(const Elemen
         return i.embedded == input.embedded && i.nu == input.nu && i.covered == input.covered && sameFaces(i.faces, input.faces);
     });
     return found == end ? nullptr : found->second->embedded;
+}
+
+std::shared_ptr<const ElementRuntime> ElementRuntimes::findLike(const ElementRuntime::Input& input) const {
+    const auto [begin, end] = byMesh_.equal_range(input.mesh.get());
+    const auto found = std::find_if(begin, end, [&](const auto& known) { return known.second->input.embedded && input.embedded && sameBody(known.second->input, input); });
+    return found == end ? nullptr : found->second;
 }
 
 bool ElementRuntimes::knows(const std::shared_ptr<const ElementMesh>& mesh, const std::vector<JointFace>& faces,

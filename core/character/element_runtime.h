@@ -67,8 +67,8 @@ struct ElementRuntime {
     };
 
     /// Tables that the response has nothing for are left out. Errors: "bad-value" (the response belongs to another mesh or other faces).
-    /// embedded: tables of ElementRuntimes::findEmbedded(), or null.
-    static Result<std::shared_ptr<const ElementRuntime>> build(Input input, std::shared_ptr<const EmbeddedTables> embedded = nullptr);
+    /// embedded: tables of ElementRuntimes::findEmbedded(), or null. like: what ElementRuntimes::findLike() found, or null: tables of the body are taken over from it.
+    static Result<std::shared_ptr<const ElementRuntime>> build(Input input, std::shared_ptr<const EmbeddedTables> embedded = nullptr, const ElementRuntime* like = nullptr);
 
     [[nodiscard]] double scale() const { return size > 0.0 ? 1.0 / size : 1.0; }
     [[nodiscard]] int columns() const { return input.response ? input.response->columns() : 0; }  ///< of v
@@ -104,6 +104,8 @@ public:
     [[nodiscard]] std::shared_ptr<const ElementRuntime> find(const ElementRuntime::Input& input) const;
     /// The embedded tables of this input from a runtime with another response. Null: there is none.
     [[nodiscard]] std::shared_ptr<const EmbeddedTables> findEmbedded(const ElementRuntime::Input& input) const;
+    /// A runtime whose input differs in its embedded points alone. Null: there is none.
+    [[nodiscard]] std::shared_ptr<const ElementRuntime> findLike(const ElementRuntime::Input& input) const;
     /// One of this mesh, these faces and this response exists: they fit each other.
     [[nodiscard]] bool knows(const std::shared_ptr<const ElementMesh>& mesh, const std::vector<JointFace>& faces,
                              const std::shared_ptr<const ElementResponse>& response) const;

@@ -95,6 +95,9 @@ struct ElementFrame {
     /// Where a free vertex is in the element's frame, m, by `local` or what has its layout.
     [[nodiscard]] Vec3 localAt(std::int32_t vertex, const float* blocksOf) const;
 
+    // Of attached parts (EmbeddedPoints): rotation vectors about their pivots in the axes of the rest pose, radians. As asked for, as of this frame, and as shown last.
+    std::vector<Vec3> askedTurns, turns, shownTurns;
+
     // What was shown last.
     AffineMap shownFrame;
     Eigen::VectorXd shownWeights;

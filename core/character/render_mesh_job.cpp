@@ -4,6 +4,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 
+#include "core/base/rotation_vector.h"
 #include "core/character/frame.h"
 
 namespace imomushi {
@@ -19,24 +20,25 @@ Eigen::Map<Eigen::Vector3f> shownAt(ElementFrame& of, std::int32_t vertex) {
     return Eigen::Map<Eigen::Vector3f>(of.positions.data() + 3 * static_cast<std::ptrdiff_t>(vertex));
 }
 
-/// The rotation of a gradient: of all, the nearest to it.
-Eigen::Matrix3d rotationOf(const Eigen::Matrix3d& gradient) {
+/// Of all rotations the nearest to a gradient.
+Eigen::Matrix3d nearestRotation(const Eigen::Matrix3d& gradient) {
     const Eigen::JacobiSVD<Eigen::Matrix3d> svd(gradient, Eigen::ComputeFullU | Eigen::ComputeFullV);
     Eigen::Matrix3d u = svd.matrixU();
     if (u.determinant() * svd.matrixV().determinant() < 0.0) u.col(2) = -u.col(2);
     return u * svd.matrixV().transpose();
 }
 
-/// Where attached points are, by the four vertices of their part's frame: place(index of a point, where it is).
+/// Where attached points are, by the four vertices of their part's frame and its turn: place(index of a point, where it is).
 template <class At, class Place>
-void placeParts(const EmbeddedPoints& points, const EmbeddedTables& tables, const At& at, const Place& place) {
+void placeParts(const EmbeddedPoints& points, const EmbeddedTables& tables, const std::vector<Vec3>& turns, const At& at, const Place& place) {
     for (std::size_t a = 0; a < points.attached.size(); ++a) {
         const auto& part = points.attached[a];
         const std::size_t frame = tables.frameOf(a);
         const Vec3 pivot = at(frame);
         Eigen::Matrix3d gradient;
         for (std::size_t k = 0; k < 3; ++k) gradient.col(static_cast<Eigen::Index>(k)) = (at(frame + k + 1) - pivot) / tables.reach;
-        const Eigen::Matrix3d rotation = rotationOf(gradient);
+        Eigen::Matrix3d rotation = nearestRotation(gradient);
+        if (!turns[a].isZero(0.0)) rotation *= rotationOf(turns[a]).toRotationMatrix();
         for (const auto i : part.points) place(i, Vec3(pivot + rotation * (points.rest.row(i).transpose() - part.pivot)));
     }
 }
@@ -201,7 +203,7 @@ void RenderMeshJob::addJointParts(const Element& e, const Frame& frame, ElementF
 
 void RenderMeshJob::placeAttached(const Element& e, ElementFrame& of) {
     const auto first = static_cast<std::int32_t>(e.tables->first);
-    placeParts(*of.runtime->input.embedded, *e.tables, [&of](std::size_t i) -> Vec3 { return shownAt(of, static_cast<std::int32_t>(i)).cast<double>(); },
+    placeParts(*of.runtime->input.embedded, *e.tables, of.turns, [&of](std::size_t i) -> Vec3 { return shownAt(of, static_cast<std::int32_t>(i)).cast<double>(); },
                [&of, first](std::int32_t i, const Vec3& p) { shownAt(of, first + i) = p.cast<float>(); });
 }
 
@@ -251,9 +253,16 @@ Points RenderMeshJob::elementPositions(const Frame& frame, const Element& elemen
     const auto& given = runtime.input;
     const auto& tables = *element.tables;
     const auto count = static_cast<Eigen::Index>(tables.first + tables.count);
-    // What only a frame knows is as precise as it is shown.
-    if (runtime.warp || of.dented)
-        return Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(of.positions.data(), count, 3).cast<double>();
+    const auto placeAll = [&](Points& out) {
+        placeParts(*given.embedded, tables, of.turns, [&](std::size_t i) -> Vec3 { return out.row(static_cast<Eigen::Index>(i)).transpose(); },
+                   [&](std::int32_t i, const Vec3& p) { out.row(static_cast<Eigen::Index>(tables.first) + i) = p.transpose(); });
+    };
+    // What only a frame knows is as precise as it is shown; attached parts keep their shape all the same.
+    if (runtime.warp || of.dented) {
+        Points out = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(of.positions.data(), count, 3).cast<double>();
+        placeAll(out);
+        return out;
+    }
     const Points& body = given.mesh->body.vertices;
     Eigen::MatrixXd displacement = Eigen::MatrixXd::Zero(3 * body.rows(), 1);
     if (given.response && given.response->columns() > 0) {
@@ -279,8 +288,7 @@ Points RenderMeshJob::elementPositions(const Frame& frame, const Element& elemen
         const auto& part = tables.mapping.heldParts()[i];
         out.row(tables.rows[static_cast<std::size_t>(part.point)]) += part.weight * element.missing.row(element.heldOf[i]);
     }
-    placeParts(*given.embedded, tables, [&](std::size_t i) -> Vec3 { return out.row(static_cast<Eigen::Index>(i)).transpose(); },
-               [&](std::int32_t i, const Vec3& p) { out.row(static_cast<Eigen::Index>(tables.first) + i) = p.transpose(); });
+    placeAll(out);
     return out;
 }
 

@@ -70,6 +70,8 @@ CharacterSource moved(const CharacterSource& character, const Vec3& offset) {
     body.mesh.vertices.rowwise() += offset.transpose();
     for (Vec3& place : body.report.gaps.places) place += offset;
     for (Cut& cut : out.cuts) cut.plane.origin += offset;
+    for (auto& [part, attachment] : out.attachments)
+        if (attachment.pivot) *attachment.pivot += offset;
     out.model = std::make_shared<const RenderModel>(std::move(model));
     out.body = std::make_shared<const Body>(std::move(body));
     return out;
@@ -184,6 +186,8 @@ Result<Json> append(DocumentEdit& edit, const Json& arguments, const Progress&) 
         if (!wanted.contains(there.elementsOf(id).front())) continue;
         CharacterSource made = moved(*character, offset);
         made.id = guests.idOf(id);
+        for (auto& [part, attachment] : made.attachments)
+            attachment.element = wanted.contains(attachment.element) ? guests.idOf(attachment.element) : PartId(0);
         made.name = freeName(here, character->name);
         tellName(made.name, character->name);
         const PartId known = made.id;

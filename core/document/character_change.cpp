@@ -21,7 +21,9 @@ bool changesCharacter(const DocumentChange& change, const Document& after) {
     if (change.effects && !sameOnCharacter(*change.effects, after.effects)) return true;
     for (const auto& [id, was] : change.characters) {
         const auto is = after.characters.find(id);
-        if (!was || is == after.characters.end() || was->model != is->second->model || was->body != is->second->body) return true;
+        if (!was || is == after.characters.end() || was->model != is->second->model || was->body != is->second->body ||
+            was->attachments != is->second->attachments)
+            return true;
     }
     return std::any_of(change.elements.begin(), change.elements.end(), [&](const auto& part) {
         const Element& was = *part.second;

@@ -146,6 +146,7 @@ void addRenderMeshes(CharacterPlan& plan, const Document& document, EmbeddedMode
         const EmbeddedModel& model = models.of(document, *character);
         plan.characters.push_back(id);
         plan.input.renderMeshes.push_back(model.mesh);
+        for (const auto& rigid : model.rigid) plan.rigid.push_back({{id, rigid.part}, model.places[rigid.element], rigid.index});
         for (std::size_t e = 0; e < model.places.size(); ++e) plan.input.elements[static_cast<std::size_t>(model.places[e])].embedded = model.points[e];
     }
 }

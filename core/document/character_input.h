@@ -12,7 +12,7 @@ namespace imomushi {
 
 class EmbeddedModels;
 
-/// A document as a live character sees it, indices instead of names, and the way back. Responses are left null, and render meshes of characters out.
+/// A document as a live character sees it, indices instead of names, and the way back. Responses are left null, and render meshes of characters with their rigid parts out.
 struct CharacterPlan {
     CharacterInput input;
     std::vector<PartId> elements;         ///< of input.elements
@@ -21,6 +21,12 @@ struct CharacterPlan {
     std::vector<PartId> characters;       ///< of input.renderMeshes
     std::map<EndpointRef, int> points;    ///< joint point of each endpoint
     std::vector<FaceRef> handles;         ///< of input.handles
+    /// A rigid part of a character, and where it is: of EmbeddedPoints::attached of an element.
+    struct Rigid {
+        PartRef part;
+        int element = 0, index = 0;
+    };
+    std::vector<Rigid> rigid;
     std::vector<std::string> warnings;    ///< what the artist should know, one sentence each
 
     [[nodiscard]] int elementIndex(PartId element) const;

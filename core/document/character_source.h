@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,6 +24,15 @@ struct Cut {
     CutPlane plane;
 };
 
+/// How a part of what is seen follows the body, where the artist has chosen it.
+struct Attachment {
+    /// Flesh: each vertex follows the surface beside it. Rigid: the part keeps its shape and moves as the body does at its pivot.
+    enum class Mode { Flesh, Rigid } mode = Mode::Flesh;
+    std::optional<Vec3> pivot;  ///< m, at rest; of a rigid part, which turns about it. None: the middle of its box
+    PartId element = 0;         ///< that it follows; 0, or one that the character has no more: chosen from where it is
+    bool operator==(const Attachment&) const = default;
+};
+
 /// A whole character: what is seen of it, the closed body that moves that, and the cuts that make elements of the body. All cuts are applied together to the whole
 /// body, so that each can be moved or taken out at any time. A cut into two pieces per plane: a character of n cuts has n + 1 elements.
 struct CharacterSource {
@@ -31,6 +42,7 @@ struct CharacterSource {
     std::shared_ptr<const Body> body;
     std::vector<Cut> cuts;            ///< in order of creation
     std::vector<MeshIssue> issues;    ///< as found on import; places are those of the model
+    std::map<ModelPart, Attachment> attachments;  ///< what is not here follows as its part does, or by itself (embedModel())
 
     [[nodiscard]] int cutIndex(PartId cut) const;  ///< -1: no such cut
     [[nodiscard]] int cutIndex(std::string_view cut) const;

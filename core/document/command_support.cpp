@@ -37,6 +37,23 @@ Result<double> numberWithin(const Json& value, std::string_view name, double low
     return number;
 }
 
+Result<Eigen::Quaterniond> rotationFrom(const Json& value, std::string_view name) {
+    /// A quaternion shorter than this has no direction that rounding leaves it.
+    constexpr double kShortestQuaternion = 1e-6;
+    const std::string key = "\"" + std::string(name) + "\"";
+    const auto bad = [&key] { return fail("bad-type", key + " must be a quaternion [x,y,z,w], the turn from rest."); };
+    if (!value.is_array() || value.size() != 4) return bad();
+    Eigen::Quaterniond turn;
+    for (std::size_t i = 0; i < 4; ++i) {
+        if (!value[i].is_number()) return bad();
+        const double x = value[i].get<double>();
+        if (!(std::abs(x) <= kMaxCoordinate)) return bad();
+        turn.coeffs()[static_cast<Eigen::Index>(i)] = x;
+    }
+    if (!(turn.norm() >= kShortestQuaternion)) return fail("bad-value", key + " is zero: no turn is [0,0,0,1].");
+    return turn.normalized();
+}
+
 Result<std::filesystem::path> pathFrom(const Json& arguments) {
     const std::string& path = text(arguments, "path");
     if (path.empty() || path.find('\0') != std::string::npos) return fail("bad-value", "\"path\" is empty or holds a zero byte.");
@@ -135,6 +152,7 @@ void addCoreCommands(CommandRegistry& registry) {
     addElementCommands(registry);
     addCutCommands(registry);
     addHandleCommands(registry);
+    addAttachCommands(registry);
     addBoneCommands(registry);
     addPropertyCommands(registry);
     addEffectCommands(registry);

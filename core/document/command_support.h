@@ -95,6 +95,9 @@ Json issueJson(const MeshIssue& issue);
 /// A body and how it was made.
 Json bodyJson(const Body& body);
 
+/// [x,y,z,w] of any length, as a unit quaternion; `name`: of the key. Errors: "bad-type", "bad-value".
+Result<Eigen::Quaterniond> rotationFrom(const Json& value, std::string_view name);
+
 /// Replaces a part by a changed copy: exchangePart(document.elements, id, [&](Element& e) { e.nu = nu; }).
 template <class Parts, class Change>
 void exchangePart(Parts& parts, PartId id, Change&& change) {
@@ -119,6 +122,7 @@ void addAppendCommand(CommandRegistry& registry);     // append
 void addElementCommands(CommandRegistry& registry);   // add-joint-face, join, unjoin, remove-element, remove-joint-face
 void addCutCommands(CommandRegistry& registry);       // cut, move-cut, remove-cut
 void addHandleCommands(CommandRegistry& registry);    // handle, remove-handle
+void addAttachCommands(CommandRegistry& registry);    // attach, turn-part
 void addBoneCommands(CommandRegistry& registry);      // add-bone, edit-bone, remove-bone
 void addPropertyCommands(CommandRegistry& registry);  // set, rename
 void addEffectCommands(CommandRegistry& registry);    // enable, disable

@@ -70,6 +70,8 @@ HandlePose HandleGoal::now() const {
     return {from.at + done * (target.at - from.at), from.turn.slerp(done, target.turn).normalized(), target.held};
 }
 
+Eigen::Quaterniond TurnGoal::now() const { return elapsed < seconds ? from.slerp(elapsed / seconds, target).normalized() : target; }
+
 std::optional<FaceRef> Document::handle(std::string_view path) const {
     const auto [elementName, faceName] = split(path);
     for (const auto& [id, element] : elements) {

@@ -117,6 +117,25 @@ struct HandleGoal {
     [[nodiscard]] HandlePose now() const;
 };
 
+/// A part of what is seen of a character.
+struct PartRef {
+    PartId character = 0;
+    ModelPart part;
+    auto operator<=>(const PartRef&) const = default;
+};
+
+/// How a rigid part is turned about its pivot.
+struct TurnGoal {
+    Eigen::Quaterniond target = Eigen::Quaterniond::Identity();  ///< unit, from rest, in the axes of the rest pose: the body turns it besides
+    Eigen::Quaterniond from = Eigen::Quaterniond::Identity();    ///< glide: where it started,
+    double seconds = 0.0;     ///<        how long it takes (0: at once),
+    double elapsed = 0.0;     ///<        and how much of that has passed
+    bool operator==(const TurnGoal& o) const {
+        return target.coeffs() == o.target.coeffs() && from.coeffs() == o.from.coeffs() && seconds == o.seconds && elapsed == o.elapsed;
+    }
+    [[nodiscard]] Eigen::Quaterniond now() const;
+};
+
 /// A finger on an element.
 struct Touch {
     PartId element = 0;
@@ -146,6 +165,7 @@ struct Document {
     std::map<PartId, std::shared_ptr<const Take>> takes;
     std::map<EndpointRef, EndpointGoal> goals;  ///< targets of drags, and pins
     std::map<FaceRef, HandleGoal> handleGoals;  ///< of handles that are not at rest
+    std::map<PartRef, TurnGoal> turns; ///< of rigid parts that are turned
     std::vector<Touch> touches;        ///< fingers that are down
     Pose pose;                         ///< empty: at rest
     PartId nextId = 1;

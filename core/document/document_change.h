@@ -20,6 +20,7 @@ struct DocumentChange {
     std::map<PartId, std::shared_ptr<const CharacterSource>> characters;
     std::map<EndpointRef, std::optional<EndpointGoal>> goals;
     std::map<FaceRef, std::optional<HandleGoal>> handleGoals;
+    std::map<PartRef, std::optional<TurnGoal>> turns;
     std::optional<CharacterSettings> settings;
     std::optional<Effects> effects;
     std::map<PartId, std::shared_ptr<const Take>> takes;
@@ -29,7 +30,7 @@ struct DocumentChange {
     [[nodiscard]] bool empty() const;
     /// Elements, joints, bones, characters, settings, effects or takes differ.
     [[nodiscard]] bool structure() const;
-    /// Targets of endpoints or handles, fingers or the pose differ.
+    /// Targets of endpoints or handles, turns of parts, fingers or the pose differ.
     [[nodiscard]] bool posing() const;
 };
 

@@ -71,6 +71,8 @@ void DocumentHistory::advanceGlides(double seconds) {
         if (held.elapsed < held.seconds) held.elapsed = std::min(held.seconds, held.elapsed + seconds);
     for (auto& [handle, held] : document_.handleGoals)
         if (held.elapsed < held.seconds) held.elapsed = std::min(held.seconds, held.elapsed + seconds);
+    for (auto& [part, turn] : document_.turns)
+        if (turn.elapsed < turn.seconds) turn.elapsed = std::min(turn.seconds, turn.elapsed + seconds);
 }
 
 void DocumentHistory::exchangeEntry(int index) {

@@ -157,6 +157,11 @@ Result<Json> removeJointFace(DocumentEdit& edit, const Json& arguments, const Pr
     return Json::object();
 }
 
+void eraseCharacter(Document& document, PartId character) {
+    document.characters.erase(character);
+    std::erase_if(document.turns, [character](const auto& turn) { return turn.first.character == character; });
+}
+
 /// What an element or a whole character leaves behind is free: see dropElement().
 Result<Json> removeElement(DocumentEdit& edit, const Json& arguments, const Progress&) {
     Document& document = edit.document;
@@ -164,7 +169,7 @@ Result<Json> removeElement(DocumentEdit& edit, const Json& arguments, const Prog
     if (const CharacterSource* character = document.characterNamed(name)) {
         const PartId gone = character->id;
         for (const PartId element : document.elementsOf(gone)) dropElement(document, element);
-        document.characters.erase(gone);
+        eraseCharacter(document, gone);
         return Json::object();
     }
     const auto element = elementOf(document, name);
@@ -174,7 +179,7 @@ Result<Json> removeElement(DocumentEdit& edit, const Json& arguments, const Prog
         if (!character.cuts.empty())
             return fail("part-of-character", "The element \"" + name + "\" is a piece of the character \"" + character.name +
                                                  "\": take out the cut beside it with remove-cut, or remove the whole character by its name.");
-        document.characters.erase(character.id);
+        eraseCharacter(document, character.id);
     }
     dropElement(document, (*element)->id);
     return Json::object();

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/union_find.h"
+#include "core/document/attachments.h"
 #include "core/mesh/bounds.h"
 #include "core/mesh/topology.h"
 #include "core/mesh/triangle_tree.h"
@@ -26,7 +27,10 @@ bool sameRows(const Matrix& a, const Matrix& b) {
     return a.rows() == b.rows() && a == b;
 }
 
-bool same(const EmbeddedPoints& a, const EmbeddedPoints& b) { return sameRows(a.rest, b.rest) && sameRows(a.normals, b.normals) && a.bodyVertex == b.bodyVertex; }
+bool same(const EmbeddedPoints& a, const EmbeddedPoints& b) {
+    return sameRows(a.rest, b.rest) && sameRows(a.normals, b.normals) && a.bodyVertex == b.bodyVertex &&
+           std::equal(a.attached.begin(), a.attached.end(), b.attached.begin(), b.attached.end(), [](const auto& p, const auto& q) { return p.pivot == q.pivot && p.points == q.points; });
+}
 
 bool same(const EmbeddedMesh& a, const EmbeddedMesh& b) {
     return std::equal(a.vertices.begin(), a.vertices.end(), b.vertices.begin(), b.vertices.end(),
@@ -119,6 +123,23 @@ private:
     double deep_ = 0.0;  // m
 };
 
+/// What the artist chose, by vertices.
+struct Chosen {
+    ModelPart part;
+    const Attachment* attachment = nullptr;
+    std::vector<std::int32_t> vertices;  ///< none: shells of the part have their own
+    std::int32_t element = -1;           ///< of the character's, -1: not chosen
+};
+
+std::vector<Chosen> chosenParts(const CharacterSource& character, const std::vector<PartId>& elements) {
+    std::vector<Chosen> all;
+    for (const auto& [part, attachment] : character.attachments) {
+        const auto element = std::find(elements.begin(), elements.end(), attachment.element);
+        all.push_back({part, &attachment, attachedVertices(character, part), element == elements.end() ? -1 : static_cast<std::int32_t>(element - elements.begin())});
+    }
+    return all;
+}
+
 }  // namespace
 
 EmbeddedModel embedModel(const Document& document, const CharacterSource& character) {
@@ -166,6 +187,11 @@ EmbeddedModel embedModel(const Document& document, const CharacterSource& charac
         }
     }
 
+    const std::vector<Chosen> chosen = chosenParts(character, out.elements);
+    std::vector<char> told(count, 0);
+    for (const Chosen& c : chosen)
+        for (const std::int32_t v : c.vertices) told[at(v)] = 1;
+
     // Small parts follow one element.
     if (elements.size() > 1) {
         struct Part {
@@ -190,10 +216,25 @@ EmbeddedModel embedModel(const Document& document, const CharacterSource& charac
         for (std::size_t v = 0; v < count; ++v) {
             if (!used[v]) continue;
             const Part& part = all.at(parts.find(first[v]));
-            if (part.onBody || part.box.diagonal() >= small) continue;
+            if (told[v] || part.onBody || part.box.diagonal() >= small) continue;
             const auto most = std::max_element(part.votes.begin(), part.votes.end()) - part.votes.begin();
             if (part.box.diagonal() < kOfElement * sizes[static_cast<std::size_t>(most)]) vertices[v].element = static_cast<std::int32_t>(most);
         }
+    }
+
+    // Attached parts: rigid ones as a whole, others where they are to be.
+    for (const Chosen& c : chosen) {
+        std::int32_t element = c.element;
+        const bool rigid = c.attachment->mode == Attachment::Mode::Rigid;
+        if (c.vertices.empty() || (!rigid && element < 0)) continue;
+        if (element < 0) {
+            std::vector<std::size_t> votes(elements.size(), 0);
+            for (const std::int32_t v : c.vertices) votes[at(vertices[at(v)].element)] += static_cast<std::size_t>(used[at(v)]);
+            element = static_cast<std::int32_t>(std::max_element(votes.begin(), votes.end()) - votes.begin());
+        }
+        for (const std::int32_t v : c.vertices)
+            if (rigid || vertices[at(v)].element != element) vertices[at(v)] = {element, -1, false};
+        if (rigid) out.rigid.push_back({c.part, at(element), 0});
     }
 
     // Points of each element, in the order of the file.
@@ -217,6 +258,15 @@ EmbeddedModel embedModel(const Document& document, const CharacterSource& charac
             points->rest.row(static_cast<Eigen::Index>(i)) = model.vertices.row(list[i]);
             points->normals.row(static_cast<Eigen::Index>(i)) = normals.row(list[i]);
         }
+        const std::size_t element = out.points.size();
+        for (auto& rigid : out.rigid) {
+            if (rigid.element != element) continue;
+            const auto c = std::find_if(chosen.begin(), chosen.end(), [&rigid](const Chosen& known) { return known.part == rigid.part; });
+            rigid.index = static_cast<int>(points->attached.size());
+            auto& part = points->attached.emplace_back();
+            part.pivot = pivotOf(character, rigid.part);
+            for (const std::int32_t v : c->vertices) part.points.push_back(vertices[at(v)].index);
+        }
         out.points.push_back(std::move(points));
     }
     for (auto& vertex : vertices) vertex.element = out.places[at(vertex.element)];
@@ -228,7 +278,7 @@ EmbeddedModel embedModel(const Document& document, const CharacterSource& charac
 }
 
 const EmbeddedModel& EmbeddedModels::of(const Document& document, const CharacterSource& character) {
-    Known now{character.model, character.body, {}, {}, {}};
+    Known now{character.model, character.body, character.attachments, {}, {}, {}};
     const auto ids = document.elementsOf(character.id);
     std::vector<int> places;
     for (const PartId id : ids) {
@@ -239,7 +289,7 @@ const EmbeddedModel& EmbeddedModels::of(const Document& document, const Characte
     }
     const auto last = known_.find(character.id);
     const bool known = last != known_.end();
-    if (known && last->second.model == now.model && last->second.body == now.body && last->second.origins == now.origins && last->second.meshes == now.meshes &&
+    if (known && last->second.model == now.model && last->second.body == now.body && last->second.attachments == now.attachments && last->second.origins == now.origins && last->second.meshes == now.meshes &&
         last->second.embedded.elements == ids && last->second.embedded.places == places)
         return last->second.embedded;
     now.embedded = embedModel(document, character);

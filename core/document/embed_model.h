@@ -16,11 +16,20 @@ struct EmbeddedModel {
     std::vector<PartId> elements;              ///< of the character, ascending
     std::vector<int> places;                   ///< of these, among all elements of the document
     std::vector<std::shared_ptr<const EmbeddedPoints>> points;  ///< of these, null: it moves its body vertices alone
+    /// A part that keeps its shape: points[element]->attached[index].
+    struct Rigid {
+        ModelPart part;
+        std::size_t element = 0;
+        int index = 0;
+    };
+    std::vector<Rigid> rigid;  ///< ascending
 };
 
 /// Render vertices at a body vertex follow it. Others follow the element whose surface (without the caps of cuts) is nearest, preferring surface that faces the way of their normal;
 /// vertices at one place follow the same element. A part of the render mesh that hangs together, lies off the body and is small, beside the model (kSmallPart) and beside
-/// the element of most of its vertices, follows that one as a whole. Depends on model, body and pieces of the character alone.
+/// the element of most of its vertices, follows that one as a whole.
+/// Parts that the artist attached follow as they were told (Attachment), rigid ones the element of most of their vertices. Depends on model, body, attachments and pieces
+/// of the character alone.
 EmbeddedModel embedModel(const Document& document, const CharacterSource& character);
 
 /// Parts smaller than this, in diagonals of the model, are not torn apart at cuts: eyes, teeth, buttons.
@@ -35,6 +44,7 @@ private:
     struct Known {
         std::shared_ptr<const RenderModel> model;
         std::shared_ptr<const Body> body;
+        std::map<ModelPart, Attachment> attachments;
         std::vector<std::shared_ptr<const PieceOrigin>> origins;  // of its elements
         std::vector<std::shared_ptr<const ElementMesh>> meshes;   // of its elements
         EmbeddedModel embedded;

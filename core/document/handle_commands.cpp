@@ -17,8 +17,6 @@ namespace {
 /// A point this near to the surface lies on it, parts of the diagonal: as typed with few digits.
 constexpr double kOnSurface = 1e-3;
 constexpr double kLongestHandleGlide = 1e6;  // s
-/// A quaternion shorter than this has no direction that rounding leaves it.
-constexpr double kShortestQuaternion = 1e-6;
 
 Json json(const Eigen::Quaterniond& turn) { return Json::array({turn.x(), turn.y(), turn.z(), turn.w()}); }
 using imomushi::json;
@@ -26,21 +24,6 @@ using imomushi::json;
 Json faceJson(const JointFace& face) {
     return Json{{"vertices", face.vertices.size()}, {"triangles", face.triangles.size()}, {"frame", json(face.frame)}, {"planarity_error", face.planarityError},
                 {"flat", face.flat()},              {"area", face.area},                  {"size", face.size}};
-}
-
-/// [x,y,z,w] of any length.
-Result<Eigen::Quaterniond> rotationFrom(const Json& value) {
-    const auto bad = [] { return fail("bad-type", "\"rotation\" must be a quaternion [x,y,z,w], the turn from rest."); };
-    if (!value.is_array() || value.size() != 4) return bad();
-    Eigen::Quaterniond turn;
-    for (std::size_t i = 0; i < 4; ++i) {
-        if (!value[i].is_number()) return bad();
-        const double x = value[i].get<double>();
-        if (!(std::abs(x) <= kMaxCoordinate)) return bad();
-        turn.coeffs()[static_cast<Eigen::Index>(i)] = x;
-    }
-    if (!(turn.norm() >= kShortestQuaternion)) return fail("bad-value", "\"rotation\" is zero: no turn is [0,0,0,1].");
-    return turn.normalized();
 }
 
 Result<std::optional<EndpointRef>> boneFrom(const Document& document, const std::string& path) {
@@ -223,7 +206,7 @@ Result<Json> dragHandle(DocumentEdit& edit, const FaceRef& handle, const Json& a
     made.target.held = true;
     made.target.at = *vector3(arguments.at("to"));
     if (const Json* given = find(arguments, "rotation")) {
-        const auto turn = rotationFrom(*given);
+        const auto turn = rotationFrom(*given, "rotation");
         if (!turn) return tl::unexpected(turn.error());
         made.target.turn = *turn;
     }

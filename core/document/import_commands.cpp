@@ -3,6 +3,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/document/attachments.h"
 #include "core/document/character_cuts.h"
 #include "core/document/character_repair.h"
 #include "core/document/command_support.h"
@@ -13,25 +14,6 @@
 namespace imomushi {
 
 namespace {
-
-/// How many vertices of the file each part has. A vertex belongs to the first part that uses it, one that none uses to the part of the vertex before it.
-std::vector<std::size_t> verticesOfParts(const RenderModel& model) {
-    std::vector<std::size_t> counts(model.parts.size(), 0);
-    if (counts.empty()) return counts;
-    std::vector<std::int32_t> part(static_cast<std::size_t>(model.mesh.body.vertices.rows()), -1);
-    for (Eigen::Index t = 0; t < model.mesh.body.triangles.rows(); ++t)
-        for (int k = 0; k < 3; ++k) {
-            auto& of = part[static_cast<std::size_t>(model.mesh.body.triangles(t, k))];
-            const std::int32_t here = model.part.empty() ? 0 : model.part[static_cast<std::size_t>(t)];
-            of = of < 0 ? here : std::min(of, here);
-        }
-    std::int32_t last = 0;
-    for (const std::int32_t p : part) {
-        if (p >= 0) last = p;
-        ++counts[static_cast<std::size_t>(last)];
-    }
-    return counts;
-}
 
 template <class Value>
 Result<Value> choice(const Json& arguments, const char* key, std::initializer_list<std::pair<const char*, Value>> values, Value otherwise) {
@@ -206,9 +188,7 @@ Json bodyJson(const Body& body) {
 }
 
 Json characterJson(const Document& document, const CharacterSource& character) {
-    const auto vertices = verticesOfParts(*character.model);
-    Json parts = Json::array(), cuts = Json::array(), elements = Json::array();
-    for (std::size_t p = 0; p < vertices.size(); ++p) parts.push_back({{"name", character.model->parts[p]}, {"vertices", vertices[p]}});
+    Json cuts = Json::array(), elements = Json::array();
     for (const PartId id : document.elementsOf(character.id)) elements.push_back(document.elements.at(id)->name);
     for (const Cut& cut : character.cuts) {
         Json between = Json::array({nullptr, nullptr});
@@ -218,7 +198,7 @@ Json characterJson(const Document& document, const CharacterSource& character) {
         }
         cuts.push_back({{"name", cut.name}, {"origin", json(cut.plane.origin)}, {"normal", json(cut.plane.normal)}, {"elements", std::move(between)}});
     }
-    return Json{{"name", character.name}, {"parts", std::move(parts)}, {"body", bodyJson(*character.body)}, {"cuts", std::move(cuts)}, {"elements", std::move(elements)}};
+    return Json{{"name", character.name}, {"parts", partsJson(document, character)}, {"body", bodyJson(*character.body)}, {"cuts", std::move(cuts)}, {"elements", std::move(elements)}};
 }
 
 Json charactersJson(const Document& document) {

@@ -225,6 +225,7 @@ void LiveCharacter::showPose() {
     const Pose pose = posed();
     if (performance_ && !performance_->isDynamic()) performance_->reset(pose);
     applyHandles();
+    applyTurns();
     applyTouches();
     character_->update(performance_ ? performance_->pose() : pose);
 }
@@ -264,6 +265,15 @@ bool LiveCharacter::applyHandles() {
     return moved;
 }
 
+bool LiveCharacter::applyTurns() {
+    bool moved = false;
+    for (const CharacterPlan::Rigid& rigid : plan_.rigid) {
+        const auto goal = document().turns.find(rigid.part);
+        moved = character_->setTurn(rigid.element, rigid.index, goal == document().turns.end() ? Eigen::Quaterniond::Identity() : goal->second.now()) || moved;
+    }
+    return moved;
+}
+
 void LiveCharacter::applyTouches() {
     if (!document().effects.has(EffectKind::Touch)) return;
     for (std::size_t e = 0; e < plan_.elements.size(); ++e) {
@@ -288,7 +298,8 @@ bool LiveCharacter::moving() {
     const auto& held = document().goals;
     const auto& handles = document().handleGoals;
     const auto glides = [](const auto& h) { return h.second.elapsed < h.second.seconds; };
-    return std::any_of(held.begin(), held.end(), glides) || std::any_of(handles.begin(), handles.end(), glides);
+    const auto& turns = document().turns;
+    return std::any_of(held.begin(), held.end(), glides) || std::any_of(handles.begin(), handles.end(), glides) || std::any_of(turns.begin(), turns.end(), glides);
 }
 
 void LiveCharacter::stepFrame(double seconds) {
@@ -305,12 +316,12 @@ void LiveCharacter::stepFrame(double seconds) {
         settledGoals_ = goals_;
     }
     if (!positions_.empty()) positions_.clear();
-    const bool handled = applyHandles();
+    const bool handled = applyHandles(), turned = applyTurns();
     applyTouches();
     if (performance_) {
         performance_->step(seconds, ownPose(), goals_);
         character_->update(performance_->pose(), seconds);
-    } else if (handled || !document().pose.points.empty() || stirred_ || wasTake || !character_->resting()) {
+    } else if (handled || turned || !document().pose.points.empty() || stirred_ || wasTake || !character_->resting()) {
         character_->update(ownPose(), seconds);
     }
     measureEffects();

@@ -142,6 +142,8 @@ private:
     void collectGoals();
     /// Puts the handles of the character where the document has them. False: they were there.
     bool applyHandles();
+    /// Turns rigid parts as the document has them. False: they were turned so.
+    bool applyTurns();
     /// Puts the fingers of the character where the document has them.
     void applyTouches();
     void measureEffects();

@@ -184,6 +184,7 @@ Result<Json> rest(DocumentEdit& edit, const Json&, const Progress&) {
     Document& document = edit.document;
     document.pose = {};
     document.touches.clear();
+    document.turns.clear();
     restHandles(document);
     std::erase_if(document.goals, [](const auto& held) { return !held.second.pinned; });
     for (auto& [end, held] : document.goals) {
@@ -357,7 +358,7 @@ void addPoseCommands(CommandRegistry& registry) {
                         {"to", Type::Any, true, "Where that point is pushed, metres, in the world; null lifts the finger."},
                         {"radius", Type::Number, false, "Of the finger tip, metres (as small as the patches allow)."}},
                        putFinger, showTouch);
-    registry.addChange("rest", "The rest pose: all dragged endpoints and handles released, pins back at rest, all velocities zero.", {}, rest, showRest);
+    registry.addChange("rest", "The rest pose: all dragged endpoints and handles released, pins back at rest, parts not turned, all velocities zero.", {}, rest, showRest);
     registry.addAction("step",
                        "Performs frames: glides, poses, deformation.",
                        {{"frames", Type::Integer, true, "How many, from 1."}, {"dt", Type::Any, false, "Seconds from frame to frame (1/60), up to 10: a number, or one for each frame."}},

@@ -38,6 +38,7 @@ void createTables(Database& db, int version) {
     if (version < 6) return;
     createHandleTables(db);
     createCharacterTables(db);
+    if (version >= 7) createAttachmentTables(db);
 }
 
 /// Each response once, though elements share it.
@@ -86,11 +87,12 @@ Project readProject(Database& db, std::int64_t version) {
     readSkeleton(db, document);
     if (version >= 3) readProjectResponses(db, project, version >= 4);  // older ones are of older solvers
     if (version >= 4) readEffects(db, document);
-    if (version >= 5) readTakes(db, document);
+    if (version >= 5) readTakes(db, document, version >= 7 ? readTakeTurns(db) : std::map<PartId, int>());
     if (version >= 6) {
         readHandles(db, document);
         readCharacters(db, document, meshes);
     }
+    if (version >= 7) readAttachments(db, document);
     std::set<PartId> ids;
     const auto unique = [&](PartId part) { require(part < document.nextId && ids.insert(part).second, "an id is used twice"); };
     for (const auto& [part, element] : document.elements) unique(part);
@@ -121,8 +123,11 @@ Result<std::vector<std::byte>> readBytes(const std::filesystem::path& path) {
 }  // namespace
 
 int projectVersion(const Document& document) {
+    const bool attached = std::any_of(document.characters.begin(), document.characters.end(), [](const auto& part) { return !part.second->attachments.empty(); });
+    const bool turned = std::any_of(document.takes.begin(), document.takes.end(), [](const auto& part) { return part.second->layout.turns > 0; });
+    if (attached || turned) return kProjectVersion;
     const bool handles = std::any_of(document.elements.begin(), document.elements.end(), [](const auto& part) { return !part.second->handles.empty(); });
-    return handles || !document.characters.empty() ? kProjectVersion : 5;
+    return handles || !document.characters.empty() ? 6 : 5;
 }
 
 Result<void> saveProject(const std::filesystem::path& path, const Project& project) {
@@ -149,6 +154,7 @@ Result<void> saveProject(const std::filesystem::path& path, const Project& proje
             writeHandles(db, document);
             writeCharacters(db, document, meshes);
         }
+        if (version >= 7) writeAttachments(db, document);
         {
             const std::string digest = db.digest(projectTables(version));
             RowWriter info(db, "INSERT INTO info VALUES (?,?)");

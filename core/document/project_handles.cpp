@@ -14,18 +14,16 @@ CREATE TABLE handle_goals (element INTEGER, face TEXT, held INTEGER, pinned INTE
     elapsed REAL, PRIMARY KEY (element, face));
 )";
 
-/// A quaternion may be this far from a unit one, by rounding.
-constexpr double kUnit = 1e-6;
+}  // namespace
 
 Eigen::Quaterniond readTurn(RowReader& row) {
+    constexpr double kUnit = 1e-6;  // by rounding
     const auto q = row.array<double>(4);
-    require(q.size() == 4 && allCoordinates(q), "the turn of a handle is broken");
+    require(q.size() == 4 && allCoordinates(q), "a turn is broken");
     const Eigen::Quaterniond turn(q[3], q[0], q[1], q[2]);
-    require(std::abs(turn.norm() - 1.0) < kUnit, "the turn of a handle is no rotation");
+    require(std::abs(turn.norm() - 1.0) < kUnit, "a turn is no rotation");
     return turn;
 }
-
-}  // namespace
 
 void createHandleTables(Database& db) { db.run(kHandleTables); }
 

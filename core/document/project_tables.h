@@ -18,6 +18,9 @@ using ReadMeshes = std::map<std::int64_t, std::shared_ptr<ElementMesh>>;
 MeshIds writeMeshes(Database& db, const Document& document);
 ReadMeshes readMeshes(Database& db);
 
+/// A unit quaternion, up to rounding.
+Eigen::Quaterniond readTurn(RowReader& row);
+
 /// The columns of an issue from "severity" on. `mesh`: where it was found.
 MeshIssue readIssue(RowReader& row, const TriangleMesh& mesh);
 
@@ -41,9 +44,16 @@ void createHandleTables(Database& db);
 void writeHandles(Database& db, const Document& document);
 void readHandles(Database& db, Document& document);
 
+/// Attached parts of characters, how they are turned, and for how many takes have turns. Reads after the characters, and takes after their turns.
+void createAttachmentTables(Database& db);
+void writeAttachments(Database& db, const Document& document);
+void readAttachments(Database& db, Document& document);
+std::map<PartId, int> readTakeTurns(Database& db);
+
 void createTakeTables(Database& db);
 void writeTakes(Database& db, const Document& document);
-void readTakes(Database& db, Document& document);
+/// turns: ShapeLayout::turns of those that have any.
+void readTakes(Database& db, Document& document, const std::map<PartId, int>& turns);
 
 /// Reads after the elements.
 void createEffectTables(Database& db);

@@ -55,7 +55,7 @@ void writeTakes(Database& db, const Document& document) {
     }
 }
 
-void readTakes(Database& db, Document& document) {
+void readTakes(Database& db, Document& document, const std::map<PartId, int>& turns) {
     constexpr std::int64_t kMaxParts = 1'000'000;
     std::map<PartId, std::shared_ptr<Take>> read;
     RowReader rows(db, "SELECT * FROM takes ORDER BY id");
@@ -90,6 +90,7 @@ void readTakes(Database& db, Document& document) {
         take->layout.joints = static_cast<int>(rows.integer(0, kMaxParts));
         take->layout.warping = static_cast<int>(rows.integer(0, Warping::kMax));
         take->layout.nodes = static_cast<int>(rows.integer(0, kMaxParts));
+        if (const auto turned = turns.find(take->id); turned != turns.end()) take->layout.turns = turned->second;
         require(numbers + 64 * kMaxParts < std::numeric_limits<int>::max(), "a take is too large");
         rotations.clear();
         for (std::size_t e = 0, at = 0; e < take->layout.elements.size(); ++e) {

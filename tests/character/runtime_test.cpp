@@ -57,6 +57,38 @@ TEST_CASE("runtime: it is found again by what it was built from, and by nothing 
     CHECK(known.knows(input.elements[1].mesh, input.elements[1].faces, input.elements[1].response));
 }
 
+TEST_CASE("runtime: other embedded points change nothing of the body, whose tables are taken over") {
+    const CharacterInput input = caterpillar::make({});
+    ElementRuntimes known;
+    auto with = [&](double x, bool attached) {
+        auto of = inputOf(input, 1);
+        auto points = std::make_shared<EmbeddedPoints>();
+        points->rest = Points::Constant(4, 3, x);
+        if (attached) points->attached.push_back({Vec3::Constant(x), {0, 2}});
+        of.embedded = points;
+        of.tables.warp = true;
+        return of;
+    };
+    const auto made = ElementRuntime::build(with(0.5, false)).value();
+    known.add(made);
+    const auto other = with(0.5, true);
+    CHECK(known.find(other) == nullptr);
+    const auto like = known.findLike(other);
+    REQUIRE(like == made);
+    const auto taken = ElementRuntime::build(other, nullptr, like.get()).value(), fresh = ElementRuntime::build(other).value();
+    REQUIRE(made->warp);
+    CHECK(taken->warp == made->warp);
+    CHECK(fresh->warp != made->warp);
+    CHECK(taken->bodyBlocks == fresh->bodyBlocks);
+    CHECK(taken->embedded->parts == 1);
+    auto softer = with(0.5, true);
+    softer.format = ResponseFormat::Half;
+    CHECK(known.findLike(softer) == nullptr);
+    auto none = inputOf(input, 1);
+    none.tables.warp = true;
+    CHECK(known.findLike(none) == nullptr);
+}
+
 TEST_CASE("runtime: a character that takes over another's shows the bytes of one that is built anew") {
     std::mt19937 random(3);
     for (int kind = 0; kind < 12; ++kind) {

@@ -53,7 +53,7 @@ TEST_CASE("characters: a closed mesh is its own body, and its file's vertices co
     CHECK(answer["skeleton"] == Json::array());
     CHECK(answer["elements"] == Json::array({"ball body"}));
     const TriangleMesh file = shapes::sphere(1.0, 3).mesh;
-    CHECK(answer["parts"] == Json::array({{{"name", "ball"}, {"vertices", file.vertices.rows()}}}));
+    CHECK(answer["parts"] == Json::array({{{"name", "ball"}, {"vertices", file.vertices.rows()}, {"part", "ball"}, {"mode", "auto"}}}));
     const Json listed = w.good({{"do", "list"}})["characters"];
     REQUIRE(listed.size() == 1);
     CHECK(listed[0] == answer["characters"][0]);
@@ -422,7 +422,7 @@ Json characterCommand(unsigned kind, unsigned a, unsigned b) {
     const Json plane = {{"origin", {0.1, 0, z}}, {"normal", {0.3 * (static_cast<int>(a % 3) - 1), 0.1 * (b % 3), b % 5 ? 1 : -1}}};
     const char* element = pick(a, {"low", "middle", "high", "worm", "low 2", "middle 2"});
     const char* cut = pick(a, {"first", "second", "low 2 cut", "middle 2 cut"});
-    switch (kind % 14) {
+    switch (kind % 16) {
         case 0:
         case 1:
         case 2: return {{"do", "cut"}, {"element", element}, {"plane", plane}};
@@ -435,6 +435,13 @@ Json characterCommand(unsigned kind, unsigned a, unsigned b) {
         case 9: return {{"do", "rename"}, {"target", b % 2 ? element : cut}, {"name", pick(b, {"low", "first", "別名"})}};
         case 10: return {{"do", "drag"}, {"endpoint", pick(a, {"a/end", "b/end", "c/end"})}, {"to", {0.3 * z, 0, z}}};
         case 11: return {{"do", "remove-element"}, {"name", b % 7 ? "middle" : "worm"}};
+        case 13: {
+            Json attach{{"do", "attach"}, {"character", "worm"}, {"part", "trunk"}, {"mode", pick(a, {"rigid", "flesh", "auto"})}};
+            if (b % 2) attach["element"] = element;
+            if (b % 3 == 0) attach["pivot"] = {0, 0, z};
+            return attach;
+        }
+        case 14: return {{"do", "turn-part"}, {"character", "worm"}, {"part", "trunk"}, {"rotation", {0, 0.1 * (a % 5), 0, 1}}};
         case 12: return {{"do", "add-bone"}, {"name", "d"}, {"from", std::string(element) + "/" + cut}, {"to", {0, 3, z}}};
         default: return {{"do", "remove-bone"}, {"name", pick(b, {"a", "b", "c", "d"})}};
     }

@@ -192,6 +192,7 @@ TEST_CASE("examples: every choice that the help of a key offers is taken") {
         {"import-character unit", R"({"do":"import-character","path":"rest.obj","name":"character-as-%","unit":"%"})"},
         {"import-character up", R"({"do":"import-character","path":"rest.obj","name":"character-up-%","up":"%"})"},
         {"import-character body", R"({"do":"import-character","path":"rest.obj","name":"character-%","body":"%","detail":0.02})"},
+        {"attach mode", R"({"do":"attach","character":"character-auto","part":"rest","mode":"%"})"},
         {"enable effect", R"({"do":"enable","effect":"%"})"},
         {"disable effect", R"({"do":"disable","effect":"%"})"},
         {"deform-element model", R"({"do":"deform-element","element":"head","faces":{},"model":"%"})"},

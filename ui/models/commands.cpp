@@ -103,6 +103,16 @@ Json disable(EffectKind effect, const std::optional<std::string>& element) { ret
 
 Json removeElement(const std::string& name) { return {{"do", "remove-element"}, {"name", name}}; }
 
+Json attach(const Attach& choices) {
+    Json command = {{"do", "attach"}, {"character", choices.character}, {"part", choices.part}, {"mode", choices.mode}};
+    if (choices.pivotInMiddle)
+        command["pivot"] = nullptr;
+    else if (choices.pivot)
+        command["pivot"] = vector(*choices.pivot);
+    add(command, "element", choices.element);
+    return command;
+}
+
 Json addJointFace(const std::string& element, const std::string& name, const std::vector<std::int32_t>& vertices) {
     return {{"do", "add-joint-face"}, {"element", element}, {"name", name}, {"vertices", vertices}};
 }
@@ -154,6 +164,10 @@ Json drag(const std::string& endpoint, const Vec3& to, std::optional<double> rol
     Json command = {{"do", "drag"}, {"endpoint", endpoint}, {"to", vector(to)}};
     add(command, "roll", roll);
     return command;
+}
+
+Json turnPart(const std::string& character, const std::string& part, const Eigen::Quaterniond& turn) {
+    return {{"do", "turn-part"}, {"character", character}, {"part", part}, {"rotation", Json::array({turn.x(), turn.y(), turn.z(), turn.w()})}};
 }
 
 Json dragHandle(const std::string& handle, const Vec3& to, const Eigen::Quaterniond& turn) {

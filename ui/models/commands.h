@@ -111,6 +111,14 @@ Json cut(const std::string& element, const Vec3& origin, const Vec3& normal, con
          const std::optional<std::string>& name = {});
 Json moveCut(const std::string& cut, const Vec3& origin, const Vec3& normal);
 Json removeCut(const std::string& cut);
+struct Attach {
+    std::string character, part;
+    std::string mode;                     ///< "auto", "flesh" or "rigid"
+    std::optional<Vec3> pivot;            ///< m, at rest
+    bool pivotInMiddle = false;           ///< instead
+    std::optional<std::string> element;   ///< empty: the nearest
+};
+Json attach(const Attach& choices);
 Json addJointFace(const std::string& element, const std::string& name, const std::vector<std::int32_t>& vertices);
 /// Where a plane cuts the rest shape; m.
 Json addJointFace(const std::string& element, const std::string& name, const Vec3& origin, const Vec3& normal, double tolerance);
@@ -142,6 +150,8 @@ Json precompute(const std::vector<std::string>& elements);
 Json drag(const std::string& endpoint, const Vec3& to, std::optional<double> roll = {});  ///< m, radians
 /// `turn`: from rest.
 Json dragHandle(const std::string& handle, const Vec3& to, const Eigen::Quaterniond& turn);
+/// `turn`: from rest, in the axes of the rest pose.
+Json turnPart(const std::string& character, const std::string& part, const Eigen::Quaterniond& turn);
 /// Of an endpoint or a handle, as release().
 Json setPinned(const std::string& endpoint, bool pinned);
 Json release(const std::string& endpoint);

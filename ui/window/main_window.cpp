@@ -258,6 +258,7 @@ void MainWindow::connectPanels() {
         mark(character, {}, point);
         viewport_->frameMarked();
     });
+    connect(&inspector(), &InspectorPanel::partWanted, this, [mark](PartId character, const std::vector<std::int32_t>& triangles) { mark(character, triangles, std::nullopt); });
 }
 
 void MainWindow::connectView() {

@@ -36,6 +36,8 @@ signals:
     void rowsChanged();  ///< what is shown is no longer made of the same rows
     void precomputeWanted();
     void placeWanted(imomushi::PartId character, const imomushi::Vec3& point);
+    /// Triangles of what is seen of a character are to be pointed out; none: no more.
+    void partWanted(imomushi::PartId character, const std::vector<std::int32_t>& triangles);
 
 protected:
     using Get = std::function<std::optional<double>(const SelectionItem&)>;

@@ -41,7 +41,7 @@ public:
     FaceForm(StudioDocument& document, const SelectionItem& item, QWidget* parent);
 };
 
-/// A whole character: how its body was made and how far that is from what is seen, and its cuts.
+/// A whole character: how its body was made and how far that is from what is seen, its cuts, and how its parts follow.
 class WholeCharacterForm : public InspectorForm {
     Q_OBJECT
 public:
@@ -50,6 +50,14 @@ public:
 private:
     void addBody(const CharacterSource& character);
     void addGaps(const CharacterSource& character);
+    // character_parts_form.cpp
+    void addParts(const SelectionItem& item);
+    void addPivot(const SelectionItem& item, const std::function<commands::Attach(std::optional<std::string>)>& command);
+    void addTurn(const SelectionItem& item);
+
+    std::vector<ModelPart> parts_;
+    std::optional<ModelPart> chosen_;
+    std::vector<QGridLayout*> rigidRows_;  ///< for parts that are rigid by themselves
 };
 
 /// A cut: its plane, and what lies beside it.

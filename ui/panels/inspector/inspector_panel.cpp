@@ -4,6 +4,7 @@
 #include <QEvent>
 #include <QScrollBar>
 #include <QVBoxLayout>
+#include <utility>
 
 #include "ui/models/paths.h"
 #include "ui/panels/inspector/inspector_forms.h"
@@ -80,6 +81,11 @@ void InspectorPanel::rebuild() {
     });
     connect(form_, &InspectorForm::precomputeWanted, this, &InspectorPanel::precomputeWanted);
     connect(form_, &InspectorForm::placeWanted, this, &InspectorPanel::placeWanted);
+    if (std::exchange(partShown_, false)) Q_EMIT partWanted(0, {});
+    connect(form_, &InspectorForm::partWanted, this, [this](PartId character, const std::vector<std::int32_t>& triangles) {
+        partShown_ = !triangles.empty();
+        Q_EMIT partWanted(partShown_ ? character : 0, triangles);
+    });
     setWidget(form_);
     form_->refresh();
     verticalScrollBar()->setValue(scrolled);

@@ -21,6 +21,8 @@ signals:
     void precomputeWanted();
     /// A place of a character (m, at rest) is to be shown.
     void placeWanted(imomushi::PartId character, const imomushi::Vec3& point);
+    /// See InspectorForm.
+    void partWanted(imomushi::PartId character, const std::vector<std::int32_t>& triangles);
 
 protected:
     void changeEvent(QEvent* event) override;
@@ -36,6 +38,7 @@ private:
     InspectorForm* form_ = nullptr;
     bool built_ = false;      ///< the form is up to date in its rows, language and look
     bool scheduled_ = false;
+    bool partShown_ = false;  ///< a part of a character is pointed out
     QTimer live_;             ///< runs while frames move what is shown
 };
 

@@ -39,6 +39,7 @@ WholeCharacterForm::WholeCharacterForm(StudioDocument& document, const Selection
         for (std::size_t i = 0; c && i < c->cuts.size(); ++i) names << QString::fromStdString(c->cuts[i].name);
         return names.isEmpty() ? tr("none") : names.join(QStringLiteral(", "));
     });
+    addParts(item);
 }
 
 void WholeCharacterForm::addBody(const CharacterSource& character) {

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <limits>
+
+#include "core/document/attachments.h"
+#include "core/document/command_support.h"
+#include "core/document/project_rows.h"
+#include "core/document/project_tables.h"
+
+namespace imomushi {
+
+namespace {
+
+constexpr const char* kAttachmentTables = R"(
+CREATE TABLE attachments (character INTEGER, part INTEGER, shell INTEGER, mode INTEGER, pivot BLOB, element INTEGER, PRIMARY KEY (character, part, shell));
+CREATE TABLE part_turns (character INTEGER, part INTEGER, shell INTEGER, turn BLOB, from_turn BLOB, seconds REAL, elapsed REAL, PRIMARY KEY (character, part, shell));
+CREATE TABLE take_turns (take INTEGER PRIMARY KEY, turns INTEGER);
+)";
+
+PartRef readPart(RowReader& row, const Document& document) {
+    PartRef ref;
+    ref.character = readId(row);
+    ref.part.part = static_cast<std::int32_t>(row.integer(0, std::numeric_limits<std::int32_t>::max()));
+    ref.part.shell = static_cast<std::int32_t>(row.integer(-1, std::numeric_limits<std::int32_t>::max()));
+    const auto character = document.characters.find(ref.character);
+    require(character != document.characters.end() && character->second->model->namedParts().contains(ref.part), "an attached part is missing");
+    return ref;
+}
+
+}  // namespace
+
+void createAttachmentTables(Database& db) { db.run(kAttachmentTables); }
+
+void writeAttachments(Database& db, const Document& document) {
+    RowWriter attachments(db, "INSERT INTO attachments VALUES (?,?,?,?,?,?)");
+    for (const auto& [id, character] : document.characters)
+        for (const auto& [part, a] : character->attachments)
+            attachments.row(id, part.part, part.shell, static_cast<int>(a.mode), a.pivot ? std::vector<double>(a.pivot->begin(), a.pivot->end()) : std::vector<double>(),
+                            document.elements.contains(a.element) ? a.element : PartId(0));
+    RowWriter turns(db, "INSERT INTO part_turns VALUES (?,?,?,?,?,?,?)");
+    for (const auto& [ref, turn] : document.turns) {
+        const Eigen::Vector4d target = turn.target.coeffs(), from = turn.from.coeffs();
+        turns.row(ref.character, ref.part.part, ref.part.shell, target, from, turn.seconds, turn.elapsed);
+    }
+    RowWriter takes(db, "INSERT INTO take_turns VALUES (?,?)");
+    for (const auto& [id, take] : document.takes)
+        if (take->layout.turns > 0) takes.row(id, take->layout.turns);
+}
+
+void readAttachments(Database& db, Document& document) {
+    RowReader attachments(db, "SELECT * FROM attachments ORDER BY character, part, shell");
+    while (attachments.next()) {
+        const PartRef ref = readPart(attachments, document);
+        Attachment made;
+        made.mode = static_cast<Attachment::Mode>(attachments.integer(static_cast<int>(Attachment::Mode::Flesh), static_cast<int>(Attachment::Mode::Rigid)));
+        const auto pivot = attachments.array<double>(3);
+        require(pivot.empty() || (pivot.size() == 3 && allCoordinates(pivot)), "a pivot is out of range");
+        if (!pivot.empty()) made.pivot = Vec3(pivot[0], pivot[1], pivot[2]);
+        made.element = readIdOrNone(attachments);
+        const auto element = document.elements.find(made.element);
+        require(made.element == 0 || (element != document.elements.end() && element->second->piece && element->second->piece->character == ref.character),
+                "an attached part follows an element that is not of its character");
+        exchangePart(document.characters, ref.character, [&](CharacterSource& c) { c.attachments.emplace(ref.part, made); });
+    }
+    RowReader turns(db, "SELECT * FROM part_turns ORDER BY character, part, shell");
+    while (turns.next()) {
+        const PartRef ref = readPart(turns, document);
+        require(isRigid(*document.characters.at(ref.character), ref.part), "a part is turned that is not rigid");
+        TurnGoal goal;
+        goal.target = readTurn(turns);
+        goal.from = readTurn(turns);
+        goal.seconds = turns.real(0.0, 1e6);
+        goal.elapsed = turns.real(0.0, 1e6);
+        document.turns.emplace(ref, goal);
+    }
+}
+
+std::map<PartId, int> readTakeTurns(Database& db) {
+    constexpr std::int64_t kMostTurns = 1'000'000;
+    std::map<PartId, int> turns;
+    RowReader rows(db, "SELECT * FROM take_turns ORDER BY take");
+    while (rows.next()) {
+        const PartId take = readId(rows);
+        turns.emplace(take, static_cast<int>(rows.integer(1, kMostTurns)));
+    }
+    return turns;
+}
+
+}  // namespace imomushi

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Parts of a character in the inspector.
+#include <QComboBox>
+#include <QFile>
+#include <QScrollBar>
+#include <QTextStream>
+
+#include "core/base/rotation_vector.h"
+#include "core/document/attachments.h"
+#include "tests/studio/window.h"
+#include "tests/support/shapes.h"
+#include "ui/panels/inspector/inspector_panel.h"
+#include "ui/widgets/number_field.h"
+
+using namespace imomushi;
+
+namespace {
+
+/// A head of radius 1 m, and one object of two eyes that look out of it.
+QString writeHead(const QString& path) {
+    QFile file(path);
+    REQUIRE(file.open(QIODevice::WriteOnly));
+    QTextStream out(&file);
+    Eigen::Index first = 1;
+    const auto ball = [&](double radius, int level, const Vec3& at) {
+        const TriangleMesh mesh = shapes::sphere(radius, level).mesh;
+        for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) out << "v " << mesh.vertices(v, 0) + at.x() << ' ' << mesh.vertices(v, 1) + at.y() << ' ' << mesh.vertices(v, 2) + at.z() << '\n';
+        for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) out << "f " << mesh.triangles(t, 0) + first << ' ' << mesh.triangles(t, 1) + first << ' ' << mesh.triangles(t, 2) + first << '\n';
+        first += mesh.vertices.rows();
+    };
+    out << "o head\n";
+    ball(1.0, 3, Vec3::Zero());
+    out << "o eyes\n";
+    ball(0.2, 2, Vec3(-0.35, 0.3, 0.85));
+    ball(0.2, 2, Vec3(0.35, 0.3, 0.85));
+    return path;
+}
+
+template <class Field>
+Field* row(Window& w, const char* label) {
+    for (auto* field : w.window().inspector().findChildren<Field*>())
+        if (field->isVisible() && field->accessibleName() == QLatin1String(label)) return field;
+    return nullptr;
+}
+
+void choose(Window& w, const char* label, const QString& text) {
+    auto* box = row<QComboBox>(w, label);
+    REQUIRE(box);
+    REQUIRE(box->isEnabled());
+    const int index = box->findText(text);
+    REQUIRE(index >= 0);
+    box->setCurrentIndex(index);
+    Q_EMIT box->activated(index);
+    w.settle();
+}
+
+void type(Window& w, const char* label, const QString& number) {
+    auto* field = row<NumberField>(w, label);
+    REQUIRE(field);
+    REQUIRE(field->isEnabled());
+    w.window().inspector().ensureWidgetVisible(field);
+    QTest::mouseClick(field, Qt::LeftButton);
+    QTest::keyClick(field, Qt::Key_A, Qt::ControlModifier);
+    QTest::keyClicks(field, number);
+    QTest::keyClick(field, Qt::Key_Return);
+    w.settle();
+}
+
+}  // namespace
+
+TEST_CASE("studio: parts of a character are chosen in the inspector, attached, given a pivot and turned, each in one step") {
+    Window w;
+    w.import(writeHead(w.folder.filePath(QStringLiteral("head.obj"))));
+    REQUIRE(w.now().characters.size() == 1);
+    const auto character = [&]() -> const CharacterSource& { return *w.now().characters.begin()->second; };
+    const SelectionItem whole{SelectionItem::Kind::Character, character().id, {}, false};
+    w.document().select({whole});
+    w.settle();
+    w.look(Vec3(0.2, 0.2, 1.0));
+    auto* parts = row<QComboBox>(w, "Part");
+    REQUIRE(parts);
+    QStringList names;
+    for (int i = 1; i < parts->count(); ++i) names << parts->itemText(i);
+    CHECK(names == QStringList{QStringLiteral("head"), QStringLiteral("eyes"), QStringLiteral("eyes#1"), QStringLiteral("eyes#2")});
+    CHECK(!row<QComboBox>(w, "Follows")->isEnabled());
+    CHECK(!row<NumberField>(w, "About Y")->isEnabled());
+
+    const ModelPart left{1, 0};
+    choose(w, "Part", QStringLiteral("eyes#1"));
+    CHECK(row<QComboBox>(w, "Follows")->currentText() == QStringLiteral("by itself"));
+    CHECK(!row<QComboBox>(w, "Element")->isEnabled());
+    CHECK(!row<NumberField>(w, "About Y")->isEnabled());
+    w.window().inspector().ensureWidgetVisible(row<NumberField>(w, "About Z"));
+    w.shoot("part-chosen");
+
+    const int before = w.document().session().position();
+    choose(w, "Follows", QStringLiteral("rigidly"));
+    REQUIRE(character().attachments.contains(left));
+    CHECK(character().attachments.at(left).mode == Attachment::Mode::Rigid);
+    CHECK(w.document().session().position() == before + 1);
+    CHECK(row<NumberField>(w, "X")->value() == doctest::Approx(-0.35));
+    CHECK(row<NumberField>(w, "About Y")->value() == 0.0);
+
+    type(w, "Z", QStringLiteral("0.8"));
+    CHECK(pivotOf(character(), left).z() == doctest::Approx(0.8));
+    CHECK(pivotOf(character(), left).x() == doctest::Approx(-0.35));
+    CHECK(w.document().session().position() == before + 2);
+    for (auto* button : w.window().inspector().findChildren<QPushButton*>())
+        if (button->text() == QStringLiteral("Middle of the part")) QTest::mouseClick(button, Qt::LeftButton);
+    w.settle();
+    CHECK(!character().attachments.at(left).pivot);
+    CHECK(w.document().session().position() == before + 3);
+
+    type(w, "About Y", QStringLiteral("40"));
+    type(w, "About X", QStringLiteral("-20"));
+    CHECK(w.document().session().position() == before + 5);
+    const auto turn = w.now().turns.find({character().id, left});
+    REQUIRE(turn != w.now().turns.end());
+    const double degree = std::acos(-1.0) / 180.0;
+    CHECK((rotationVector(turn->second.target) - Vec3(-20.0 * degree, 40.0 * degree, 0.0)).norm() < 1e-9);
+    CHECK(cutOff(w.window().inspector()) == "");
+    w.shoot("part-turned");
+
+    choose(w, "Element", QString::fromStdString(w.now().elements.begin()->second->name));
+    CHECK(character().attachments.at(left).element == w.now().elements.begin()->first);
+    choose(w, "Follows", QStringLiteral("as flesh"));
+    CHECK(w.now().turns.empty());
+    CHECK(!row<NumberField>(w, "About Y")->isEnabled());
+    w.trigger("undo");
+    CHECK(w.now().turns.size() == 1);
+    CHECK(row<NumberField>(w, "About Y")->isEnabled());
+    w.trigger("rest");
+    CHECK(w.now().turns.empty());
+    CHECK(row<NumberField>(w, "About Y")->value() == 0.0);
+    w.document().select({});
+    w.settle();
+    w.shoot("part-left");
+}
