@@ -966,6 +966,8 @@
         <message>
             <source>A joint face lies where the body becomes another. Remove it first.</source>
             <translation>ボディが変わる場所にジョイント面があります。先に取り除いてください。</translation>
+        </message>
+        <message>
             <source>The character has no part of that name.</source>
             <translation>その名前の部分はこのキャラクターにありません。</translation>
         </message>
