@@ -58,6 +58,7 @@ void DraftJob::next() {
                 if (!work->response) failed_.insert(work->shape);
                 const bool same = document_.document().elements.contains(work->element) && of.responses().shapeOf(work->element) == work->shape;
                 if (work->response && same && !of.responses().fittingOf(work->element)) {
+                    Q_EMIT document_.responsesArriving();
                     of.responses().bring(work->element, {work->key, work->shape, work->response});
                     Q_EMIT document_.responsesChanged();
                     Q_EMIT document_.poseChanged();

@@ -121,7 +121,9 @@ void PrecomputeJob::keep(const Work& work, std::size_t count) {
         if (found != parts.end() && responseKey(document_.session().responseInput(item.element)) == item.key) elements.push_back(found->second->name);
     }
     kept_ = int(elements.size());
-    if (!elements.empty()) document_.execute(commands::precompute(elements));
+    if (elements.empty()) return;
+    Q_EMIT document_.responsesArriving();
+    document_.execute(commands::precompute(elements));
 }
 
 QString PrecomputeJob::element() const {

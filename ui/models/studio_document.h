@@ -55,6 +55,7 @@ Q_SIGNALS:
     /// Elements, faces, joints, bones, settings, effects or takes: the parts that changed, as they were. All parts where another document took the place of this one.
     void structureChanged(const imomushi::DocumentChange& change);
     void poseChanged();        ///< the character moved
+    void responsesArriving();  ///< they are about to change what is seen
     void responsesChanged();   ///< a precompute finished or went out of date
     void historyChanged();     ///< undo, redo, steps
     void fileChanged();        ///< path or saved state

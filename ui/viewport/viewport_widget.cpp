@@ -31,6 +31,7 @@ ViewportWidget::ViewportWidget(StudioDocument& document, QWidget* parent)
     connect(&clock_, &FrameClock::ticked, this, &ViewportWidget::redraw);
     connect(&document_, &StudioDocument::structureChanged, this, &ViewportWidget::structureChanged);
     connect(&document_, &StudioDocument::poseChanged, this, &ViewportWidget::poseChanged);
+    connect(&document_, &StudioDocument::responsesArriving, this, &ViewportWidget::keepShape);
     connect(&document_, &StudioDocument::responsesChanged, this, [this] {
         animate();
         updateHint();
@@ -252,14 +253,23 @@ SceneOptions ViewportWidget::sceneOptions() const {
     return options;
 }
 
+void ViewportWidget::keepShape() {
+    if (!canvas_ || !isVisible()) return;
+    render::Scene seen;
+    documentScene_.update(document_.session(), sceneOptions(), seen);
+    fade_.keep(seen);
+    fading_.invalidate();
+}
+
 void ViewportWidget::paint() {
     QElapsedTimer drawing;
     drawing.start();
     render::SceneRenderer& renderer = *canvas_->renderer();
     camera_.setViewport(width(), height());
     SceneOptions options = sceneOptions();
-    if (deformOn_ == DeformOn::Gpu || (deformOn_ == DeformOn::Automatic && !renderer.software())) options.gpu = &renderer;
+    if (!fade_.active() && (deformOn_ == DeformOn::Gpu || (deformOn_ == DeformOn::Automatic && !renderer.software()))) options.gpu = &renderer;
     documentScene_.update(document_.session(), options, scene_);
+    if (fade_.active()) fade_.apply(scene_, fading_.isValid() ? 1e-3 * double(fading_.restart()) : (fading_.start(), 0.0));
     scene_.camera = camera_.camera();
     scene_.grid = grid_;
     scene_.darkTheme = dark();
@@ -275,7 +285,8 @@ void ViewportWidget::paint() {
     painter.end();
 
     // Frames follow each other while something moves, by itself or by hand.
-    const bool running = clock_.running() || tool_->busy() || navigator_.active();
+    const bool running = clock_.running() || tool_->busy() || navigator_.active() || fade_.active();
+    if (fade_.active()) redraw();
     if (const auto frame = meter_.drawn(elapsedMs(drawing), running)) {
         int vertices = 0;
         for (const render::Body& body : scene_.bodies) vertices += int(body.mesh ? body.mesh->body.vertices.rows() : 0);

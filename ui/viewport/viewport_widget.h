@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <QElapsedTimer>
 #include <QImage>
 #include <QPointF>
 #include <QWidget>
@@ -9,6 +10,7 @@
 
 #include "ui/models/take_deck.h"
 #include "ui/scene/document_scene.h"
+#include "ui/scene/shape_fade.h"
 #include "ui/tools/tool.h"
 #include "ui/viewport/camera_controller.h"
 #include "ui/viewport/frame_clock.h"
@@ -105,6 +107,7 @@ private:
     // viewport_widget.cpp
     void paint();
     void redraw();
+    void keepShape();  ///< from which what is seen fades into what comes
     void animate();  ///< draws, and starts the clock where something moves
     [[nodiscard]] SceneOptions sceneOptions() const;
     [[nodiscard]] bool dark() const;
@@ -136,6 +139,8 @@ private:
     PartId highlightedElement_ = 0;
     std::vector<std::int32_t> highlighted_;
     std::optional<MarkedPlace> marked_;
+    ShapeFade fade_;
+    QElapsedTimer fading_;  ///< since the last frame of it
 
     GlCanvas* canvas_ = nullptr;  ///< null: there is no OpenGL 3.3
     DocumentScene documentScene_;
