@@ -88,11 +88,11 @@ void IssuesPanel::addButtons() {
         auto* place = new QWidget(list_);
         auto* button = new QPushButton(index.data(IssueModel::RepairRole).toString(), place);
         button->setProperty("small", true);
+        button->setToolTip(index.data(Qt::ToolTipRole).toString());
         button->setAccessibleName(QStringLiteral("%1 — %2").arg(button->text(), index.data().toString()));
         auto* line = new QHBoxLayout(place);
-        line->setContentsMargins(0, 0, px(8), 0);
-        line->addStretch(1);
-        line->addWidget(button);
+        line->setContentsMargins(0, 0, px(6), px(3));
+        line->addWidget(button, 1, Qt::AlignRight | Qt::AlignBottom);
         model_->setRoom(index, button->sizeHint().width() + px(14));
         list_->setIndexWidget(index, place);
         connect(button, &QPushButton::clicked, this, [this, command] { Q_EMIT repairWanted({*command}); });
