@@ -1880,7 +1880,7 @@
             <translation>読み込めます。ボディ：%1。</translation>
         </message>
         <message>
-            <source>Unmended: its issues are mended one by one</source>
+            <source>Unmended: mend issue by issue</source>
             <translation>未修復：問題を一つずつ修復</translation>
         </message>
     </context>

@@ -224,7 +224,7 @@ void addImportCommands(CommandRegistry& registry) {
                         {"name", Type::Text, false, "A name that no element, bone, handle, character or cut has (from the file unless given)."},
                         {"unit", Type::Text, false, "\"mm\", \"cm\" or \"m\": the unit of the file (its own unless given; metres where it has none)."},
                         {"up", Type::Text, false, "\"y\" or \"z\": the axis of the file that points up (its own unless given; y where it has none)."},
-                        {"body", Type::Text, false, "\"exact\": the mesh itself, \"mended\": with holes closed and parts united, \"wrapped\": a new surface around it, \"auto\": the first that works (unless given); \"unmended\": wrapped, until \"repair\" has mended what is wrong with the mesh."},
+                        {"body", Type::Text, false, "\"exact\": the mesh itself, \"mended\": with holes closed and parts united, \"wrapped\": a new surface around it, \"auto\": the first that works (unless given); \"unmended\": wrapped, until the command repair has mended what is wrong with the mesh."},
                         {"detail", Type::Number, false, "Of a wrap, in diagonals of the mesh: gaps narrower than twice this are closed (0.001 to 0.2; chosen from the mesh unless given)."}},
                        importCharacterCommand);
 }

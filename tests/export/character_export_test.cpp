@@ -11,13 +11,14 @@
 #include "tests/document/workbench.h"
 #include "tests/export/read_glb.h"
 #include "tests/support/obj.h"
+#include "tests/support/printed.h"
 
 using namespace imomushi;
 
 namespace {
 
 // Single precision of positions, targets, weights and rotations, each rounded by half a bit: over the diagonal.
-constexpr double kRounding = 4e-7;
+constexpr double kFileRounding = 4e-7;
 const char* const kTake = "踊り";
 
 /// A bar of 12 m with an eye over it: texture coordinates that jump along a seam, two materials in the trunk, one of them with a texture, a vertex that no triangle uses.
@@ -128,16 +129,6 @@ double farthest(Worm& w, const ReadGlb& file, int node, const std::vector<std::i
     return most / w.diagonal();
 }
 
-std::string printed(const std::string& command) {
-    std::string out;
-    if (FILE* pipe = ::popen(command.c_str(), "r")) {
-        std::array<char, 256> buffer{};
-        while (std::fgets(buffer.data(), static_cast<int>(buffer.size()), pipe)) out += buffer.data();
-        ::pclose(pipe);
-    }
-    return out;
-}
-
 RenderModel readModel(const std::filesystem::path& path) {
     const std::string bytes = readFile(path);
     auto scene = readScene({path, bytes}, SceneUse::Character);
@@ -186,18 +177,18 @@ TEST_CASE("characters: glTF has the file's own parts, materials, texture coordin
             }
             const double off = farthest(w, file, node, vertices);
             if (std::string(layout) == "skinned")
-                CHECK(off <= answer["skin"]["max_percent"].get<double>() / 100.0 + kRounding);
+                CHECK(off <= answer["skin"]["max_percent"].get<double>() / 100.0 + kFileRounding);
             else
-                CHECK(off < kRounding);
+                CHECK(off < kFileRounding);
         }
-        CHECK(checked(answer) <= (answer.contains("skin") ? answer["skin"]["max_percent"].get<double>() / 100.0 : 0.0) + kRounding);
+        CHECK(checked(answer) <= (answer.contains("skin") ? answer["skin"]["max_percent"].get<double>() / 100.0 : 0.0) + kFileRounding);
         if (std::string(layout) == "skinned") CHECK(checked(answer) < 0.03);
         // And again as a character, as it lies in the file.
         const RenderModel back = readModel(Worm::at("worm.glb"));
         CHECK(back.parts == model.parts);
         CHECK(back.mesh.renderMesh.texCoords.rows() == render.texCoords.rows());
         for (std::size_t r = 0; r < render.bodyVertex.size(); ++r)
-            CHECK((back.mesh.body.vertices.row(static_cast<Eigen::Index>(r)) - model.mesh.body.vertices.row(render.bodyVertex[r])).norm() < kRounding * w.diagonal());
+            CHECK((back.mesh.body.vertices.row(static_cast<Eigen::Index>(r)) - model.mesh.body.vertices.row(render.bodyVertex[r])).norm() < kFileRounding * w.diagonal());
     }
 }
 
@@ -209,7 +200,7 @@ TEST_CASE("characters: caches have the vertices of the file in its order, and th
     for (const char* name : {"worm.pc2", "worm.mdd"}) {
         const Json answer = w.write({{"layout", "cache"}}, name);
         CHECK(answer["vertices"] == count);
-        CHECK(checked(answer) < kRounding);
+        CHECK(checked(answer) < kFileRounding);
         CHECK(answer["written"][0]["character"] == "芋虫");
     }
     const std::string cache = readFile(Worm::at("worm.pc2"));
@@ -219,7 +210,7 @@ TEST_CASE("characters: caches have the vertices of the file in its order, and th
         std::vector<float> numbers(3 * count);
         std::memcpy(numbers.data(), cache.data() + 32 + 12 * count * k, 12 * count);
         const Points there = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(numbers.data(), static_cast<Eigen::Index>(count), 3).cast<double>();
-        CHECK((there - w.live(times[k])).rowwise().norm().maxCoeff() < kRounding * w.diagonal());
+        CHECK((there - w.live(times[k])).rowwise().norm().maxCoeff() < kFileRounding * w.diagonal());
     }
     const RenderModel back = readModel(Worm::at("worm.obj"));
     CHECK(back.mesh.body.vertices == model.mesh.body.vertices);
@@ -255,10 +246,10 @@ TEST_CASE("characters: what cannot be said by columns is fitted, and the error t
         for (const Json& effect : answer["effects"])
             if (effect.contains("error")) told = std::max(told, effect["error"]["max_percent"].get<double>() / 100.0);
         if (answer.contains("render_mesh")) told = std::max(told, answer["render_mesh"]["max_percent"].get<double>() / 100.0);
-        CHECK(checked(answer) <= told + kRounding);
+        CHECK(checked(answer) <= told + kFileRounding);
         CHECK(told < 1e-3);
         const ReadGlb file(Worm::at("worm.glb"));
-        CHECK(farthest(w, file, file.nodeNamed("からだ"), verticesOf(*w.source().model, 0)) <= told + kRounding);
+        CHECK(farthest(w, file, file.nodeNamed("からだ"), verticesOf(*w.source().model, 0)) <= told + kFileRounding);
     }
 }
 
@@ -269,7 +260,7 @@ TEST_CASE("characters: few targets are those of the whole character, and lose wh
     for (const int targets : {2, 4, 8}) {
         const Json answer = w.write({{"layout", "rigged"}, {"targets", targets}}, "worm.glb");
         CHECK(answer["targets"] == targets);
-        CHECK(checked(answer) <= answer["dropped_targets"]["max_percent"].get<double>() / 100.0 + kRounding);
+        CHECK(checked(answer) <= answer["dropped_targets"]["max_percent"].get<double>() / 100.0 + kFileRounding);
         CHECK(checked(answer) < last);
         last = checked(answer);
         const ReadGlb file(Worm::at("worm.glb"));
@@ -285,13 +276,13 @@ TEST_CASE("characters: sixteen bits, split targets and normals that move") {
         const double skin = std::string(layout) == "skinned" ? w.write({{"layout", layout}}, "worm.glb")["skin"]["max_percent"].get<double>() / 100.0 : 0.0;
         const Json answer = w.write({{"layout", layout}, {"quantise", true}}, "worm.glb");
         const double told = answer["quantised"]["max_percent"].get<double>() / 100.0;
-        CHECK(checked(answer) <= skin + told + kRounding);
+        CHECK(checked(answer) <= skin + told + kFileRounding);
         CHECK(told < 1e-3);
         const ReadGlb file(Worm::at("worm.glb"));
-        CHECK(farthest(w, file, file.nodeNamed("目"), verticesOf(*w.source().model, 1)) <= skin + told + kRounding);
+        CHECK(farthest(w, file, file.nodeNamed("目"), verticesOf(*w.source().model, 1)) <= skin + told + kFileRounding);
     }
-    CHECK(checked(w.write({{"layout", "baked"}, {"split", true}}, "worm.glb")) < kRounding);
-    CHECK(checked(w.write({{"layout", "baked"}, {"normals", true}}, "worm.glb")) < kRounding);
+    CHECK(checked(w.write({{"layout", "baked"}, {"split", true}}, "worm.glb")) < kFileRounding);
+    CHECK(checked(w.write({{"layout", "baked"}, {"normals", true}}, "worm.glb")) < kFileRounding);
     // A target that shears a bar turns the normals of its sides: the difference of normals over a small weight.
     const ReadGlb file(Worm::at("worm.glb"));
     const int node = file.nodeNamed("からだ");
@@ -318,16 +309,16 @@ TEST_CASE("characters: elements without one are written as before beside them, a
     REQUIRE(answer["written"].size() == 3);
     CHECK(answer["written"][0] == Json{{"element", "block"}, {"vertices", w.session.document().elementNamed("block")->mesh->body.vertices.rows()},
                                        {"triangles", w.session.document().elementNamed("block")->mesh->body.triangles.rows()}});
-    CHECK(checked(answer) < kRounding);
+    CHECK(checked(answer) < kFileRounding);
     const ReadGlb file(Worm::at("all.glb"));
     CHECK(!file.root["nodes"][static_cast<std::size_t>(file.nodeNamed("block"))].contains("skin"));
     CHECK(file.nodeNamed("ball") >= 0);
     for (const char* layout : {"rigged", "skinned"}) {
         const Json other = w.write({{"layout", layout}}, "all.glb");
-        CHECK(checked(other) <= (other.contains("skin") ? other["skin"]["max_percent"].get<double>() / 100.0 : 0.0) + kRounding);
+        CHECK(checked(other) <= (other.contains("skin") ? other["skin"]["max_percent"].get<double>() / 100.0 : 0.0) + kFileRounding);
     }
     const Json caches = w.write({{"layout", "cache"}}, "all.pc2");
-    CHECK(checked(caches) < kRounding);
+    CHECK(checked(caches) < kFileRounding);
     CHECK(caches["files"] == 8);  // three caches, their objects, materials and a texture
     for (const char* name : {"all.pc2", "all.obj", "all_芋虫.pc2", "all_芋虫.obj", "all_ball_ 1_.pc2", "all_ball_ 1_.obj"}) CHECK(std::filesystem::exists(Worm::at(name)));
     const auto frames = w.session.document().takeNamed(kTake)->times.size();
@@ -415,7 +406,7 @@ TEST_CASE("characters: a penguin with handles, and one that is cut, go out verte
             MESSAGE((cut ? "cut penguin, " : "penguin with handles, ") << layout << ": " << answer["vertices"] << " vertices, " << answer["targets"] << " targets, " << answer["bytes"]
                                                                        << " bytes, told " << told << ", read back " << checked(answer));
             CHECK(answer["vertices"] == rest.rows());
-            CHECK(checked(answer) <= told + kRounding);
+            CHECK(checked(answer) <= told + kFileRounding);
             const ReadGlb file(out);
             const int node = file.nodeNamed(source->model->parts[0]);
             const auto times = file.times(node, 0);
@@ -425,7 +416,7 @@ TEST_CASE("characters: a penguin with handles, and one that is cut, go out verte
                 w.good({{"do", "play"}, {"take", kTake}, {"time", time}});
                 const Points live = w.session.renderPositionsOf(source->id);
                 if (k > 0) CHECK((live - rest).rowwise().norm().maxCoeff() > 0.05);
-                CHECK((file.positions(node, 0, times[k]) - live).rowwise().norm().maxCoeff() <= (told + kRounding) * diagonal);
+                CHECK((file.positions(node, 0, times[k]) - live).rowwise().norm().maxCoeff() <= (told + kFileRounding) * diagonal);
             }
         }
     }

@@ -7,20 +7,11 @@
 
 #include "core/document/session.h"
 #include "tests/document/workbench.h"
+#include "tests/support/printed.h"
 
 using namespace imomushi;
 
 namespace {
-
-std::string printed(const std::string& command) {
-    std::string out;
-    if (FILE* pipe = ::popen(command.c_str(), "r")) {
-        std::array<char, 256> buffer{};
-        while (std::fgets(buffer.data(), static_cast<int>(buffer.size()), pipe)) out += buffer.data();
-        ::pclose(pipe);
-    }
-    return out;
-}
 
 Json skeletonData(const std::filesystem::path& glb) {
     const std::string bytes = readFile(glb);

@@ -8,6 +8,7 @@
 #include "tests/studio/window.h"
 #include "tests/support/shapes.h"
 #include "ui/models/issue_model.h"
+#include "ui/panels/inspector/inspector_panel.h"
 #include "ui/panels/issues_panel.h"
 #include "ui/window/repair_flow.h"
 #include "ui/window/studio_docks.h"
@@ -114,7 +115,10 @@ TEST_CASE("studio: a mesh comes in unmended, each of its issues shows its place 
     CHECK(character().body->report.how == BodyKind::Mended);
     CHECK(issues.model().worth() == 0);
     CHECK(!issues.all()->isVisible());
+    CHECK(issues.list.hasFocus());
     CHECK(w.document().session().position() == position + 2);
+    const auto labels = w.window().inspector().findChildren<QLabel*>();
+    CHECK(std::any_of(labels.begin(), labels.end(), [](const QLabel* label) { return label->isVisible() && label->text() == QStringLiteral("mended"); }));
     w.shoot("repair-after");
     CHECK(w.window().messages().isVisible());
     auto* undo = w.window().messages().findChild<QPushButton*>();

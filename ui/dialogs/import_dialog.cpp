@@ -71,7 +71,7 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
     bodyLabel_ = new QLabel(tr("Body"), this);
     body_ = new QComboBox(this);
     body_->setObjectName(QStringLiteral("body"));
-    body_->addItems({tr("Automatic"), tr("Exact: the mesh itself"), tr("Mended: holes closed, parts united"), tr("Wrapped: a new surface around it"), tr("Unmended: its issues are mended one by one")});
+    body_->addItems({tr("Automatic"), tr("Exact: the mesh itself"), tr("Mended: holes closed, parts united"), tr("Wrapped: a new surface around it"), tr("Unmended: mend issue by issue")});
     body_->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);  // long names are cut, not the picture
     body_->setMinimumContentsLength(12);
     body_->setAccessibleName(bodyLabel_->text());

@@ -42,7 +42,7 @@ IssuesPanel::IssuesPanel(StudioDocument& document, QWidget* parent) : QWidget(pa
     all_ = new QPushButton(this);
     all_->setObjectName(QStringLiteral("repairAll"));
     layout->addWidget(all_);
-    connect(all_, &QPushButton::clicked, this, [this] { Q_EMIT repairWanted(model_->repairAll()); });
+    connect(all_, &QPushButton::clicked, this, [this] { repair(model_->repairAll()); });
     const auto choose = [this, &document](const QModelIndex& index) {
         if (const PartId character = model_->character(index)) {
             document.select({{SelectionItem::Kind::Character, character, {}, false}});
@@ -80,6 +80,11 @@ void IssuesPanel::update() {
     Q_EMIT worthChanged();
 }
 
+void IssuesPanel::repair(const std::vector<Json>& commands) {
+    list_->setFocus();  // buttons come and go with what is mended
+    Q_EMIT repairWanted(commands);
+}
+
 void IssuesPanel::addButtons() {
     for (int row = 0; row < model_->rowCount(); ++row) {
         const QModelIndex index = model_->index(row);
@@ -88,14 +93,14 @@ void IssuesPanel::addButtons() {
         auto* place = new QWidget(list_);
         auto* button = new QPushButton(index.data(IssueModel::RepairRole).toString(), place);
         button->setProperty("small", true);
+        button->setToolTip(index.data(Qt::ToolTipRole).toString());
         button->setAccessibleName(QStringLiteral("%1 — %2").arg(button->text(), index.data().toString()));
         auto* line = new QHBoxLayout(place);
-        line->setContentsMargins(0, 0, px(8), 0);
-        line->addStretch(1);
-        line->addWidget(button);
+        line->setContentsMargins(0, 0, px(6), px(3));
+        line->addWidget(button, 1, Qt::AlignRight | Qt::AlignBottom);
         model_->setRoom(index, button->sizeHint().width() + px(14));
         list_->setIndexWidget(index, place);
-        connect(button, &QPushButton::clicked, this, [this, command] { Q_EMIT repairWanted({*command}); });
+        connect(button, &QPushButton::clicked, this, [this, command] { repair({*command}); });
     }
 }
 

@@ -36,6 +36,7 @@ protected:
 private:
     void update();
     void addButtons();
+    void repair(const std::vector<Json>& commands);
     IssueModel* model_;
     QListView* list_;
     QLabel* empty_;

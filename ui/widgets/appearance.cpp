@@ -157,6 +157,7 @@ QMessageBox { messagebox-text-interaction-flags: 5; }
 #qt_msgbox_label { font-weight: 600; padding: 12px 16px 2px 4px; }
 #qt_msgbox_informativelabel { color: @muted; padding: 0px 16px 10px 4px; }
 QPushButton { background: @field; border: 1px solid @fieldline; border-radius: 7px; padding: 6px 16px; min-height: 18px; }
+QPushButton[small="true"] { padding: 1px 10px; min-height: 16px; }
 QPushButton:hover { background: @hover; }
 QPushButton:pressed { background: @line; }
 QPushButton:focus { border-color: @accent; }

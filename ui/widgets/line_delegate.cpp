@@ -14,8 +14,9 @@ int LineDelegate::roomOf(const QModelIndex& index) const { return roles_.room < 
 QSize LineDelegate::sizeHint(const QStyleOptionViewItem& option, const QModelIndex& index) const {
     const int line = option.fontMetrics.height();
     const bool two = roles_.noteBelow && !index.data(roles_.note).toString().isEmpty();
-    const int text = option.fontMetrics.horizontalAdvance(index.data(Qt::DisplayRole).toString());
-    return {px(kIcon + kGap + 8) + text + roomOf(index), two ? 2 * line + px(16) : line + px(11)};
+    const int room = roomOf(index);
+    const int text = roles_.room < 0 ? option.fontMetrics.horizontalAdvance(index.data(Qt::DisplayRole).toString()) : room;
+    return {px(kIcon + kGap + 8) + text, two ? 2 * line + px(room > 0 ? 24 : 16) : line + px(11)};
 }
 
 void LineDelegate::paint(QPainter* painter, const QStyleOptionViewItem& option, const QModelIndex& index) const {
@@ -46,7 +47,7 @@ void LineDelegate::paint(QPainter* painter, const QStyleOptionViewItem& option, 
     } else {
         rect.setLeft(rect.left() + px(8));
     }
-    rect.setRight(rect.right() - px(4) - roomOf(index));
+    rect.setRight(rect.right() - px(4));
     if (text.isEmpty()) return;
 
     const QString note = roles_.note < 0 ? QString() : index.data(roles_.note).toString();
@@ -55,7 +56,7 @@ void LineDelegate::paint(QPainter* painter, const QStyleOptionViewItem& option, 
     if (!enabled) ink = themeColor(Appearance::Role::Muted);
     if (roles_.noteBelow && !note.isEmpty()) {
         const int line = option.fontMetrics.height();
-        const QRect top(rect.left(), rect.top() + px(7), rect.width(), line), below(rect.left(), top.bottom() + px(2), rect.width(), line);
+        const QRect top(rect.left(), rect.top() + px(7), rect.width(), line), below(rect.left(), top.bottom() + px(roomOf(index) > 0 ? 6 : 2), rect.width() - roomOf(index), line);
         painter->setPen(ink);
         painter->drawText(top, Qt::AlignLeft | Qt::AlignVCenter, option.fontMetrics.elidedText(text, Qt::ElideRight, top.width()));
         painter->setPen(themeColor(Appearance::Role::Muted));

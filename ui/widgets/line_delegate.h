@@ -16,7 +16,7 @@ public:
         int icon = -1;  ///< QString, name of a line icon
         int note = -1;  ///< QString
         bool noteBelow = false;
-        int room = -1;  ///< int, pixels kept free behind the text
+        int room = -1;  ///< int, pixels kept free behind a note below, for a button; lines are then cut to the width of the list
     };
     struct IconStyle {
         Appearance::Role color = Appearance::Role::Muted;

@@ -24,6 +24,10 @@ WholeCharacterForm::WholeCharacterForm(StudioDocument& document, const Selection
     addName(item);
     const CharacterSource* character = characterOf(now(), item);
     if (!character) return;
+    follow([this, item, made = character->body] {
+        const CharacterSource* c = characterOf(now(), item);
+        if (c && c->body != made) askForRows();
+    });
     addBody(*character);
     addGaps(*character);
     addSection(tr("Contents"));
