@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/base/rotation_vector.h"
+#include "core/character/character_effects.h"
 #include "tests/character/embedded.h"
 #include "tests/support/allocations.h"
 

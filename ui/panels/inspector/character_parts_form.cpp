@@ -28,7 +28,7 @@ std::vector<std::int32_t> trianglesOf(const RenderModel& model, const ModelPart&
     return triangles;
 }
 
-void setEnabled(QGridLayout* rows, bool on) {
+void enableRows(QGridLayout* rows, bool on) {
     for (int i = 0; i < rows->count(); ++i)
         if (QWidget* widget = rows->itemAt(i)->widget()) widget->setEnabled(on);
 }
@@ -94,11 +94,11 @@ void WholeCharacterForm::addParts(const SelectionItem& item) {
     addTurn(item);
     follow([this, item, ofPart, box, own] {
         const CharacterSource* c = characterOf(now(), item);
-        setEnabled(ofPart, chosen_.has_value());
+        enableRows(ofPart, chosen_.has_value());
         if (QWidget* element = ofPart->itemAtPosition(ofPart->rowCount() - 1, 1)->widget()) element->setEnabled(own() != nullptr);
         box->setEnabled(c != nullptr);
         const bool rigid = c && chosen_ && isRigid(*c, *chosen_);
-        for (QGridLayout* rows : rigidRows_) setEnabled(rows, rigid);
+        for (QGridLayout* rows : rigidRows_) enableRows(rows, rigid);
     });
 }
 
