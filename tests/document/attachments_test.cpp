@@ -37,9 +37,11 @@ void buildFace(Workbench& w) {
     setShapes(w);
     w.good({{"do", "import-character"}, {"path", "face"}, {"name", "worm"}, {"body", "mended"}});
     w.good({{"do", "rename"}, {"target", "worm body"}, {"name", "low"}});
+    w.addFace("low", "in", 0, -1);
+    w.addFace("low", "out", 12, 1);
     w.good({{"do", "cut"}, {"element", "low"}, {"plane", {{"origin", {0, 0, 6.35}}, {"normal", {0, 0, 1}}}}, {"names", {"low", "high"}}, {"name", "waist"}});
-    w.good({{"do", "add-bone"}, {"name", "a"}, {"from", {0, 0, 0.3}}, {"to", "low/waist"}});
-    w.good({{"do", "add-bone"}, {"name", "b"}, {"element", "high"}, {"from", "a/end"}, {"to", {0, 0, 11.7}}});
+    w.good({{"do", "add-bone"}, {"name", "a"}, {"from", "low/in"}, {"to", "low/waist"}});
+    w.good({{"do", "add-bone"}, {"name", "b"}, {"from", "a/end"}, {"to", "high/out"}});
     for (const char* element : {"low", "high"}) w.good({{"do", "set"}, {"target", element}, {"property", "solver-mesh"}, {"value", "as-is"}});
     w.good({{"do", "precompute"}});
     w.good({{"do", "pin"}, {"endpoint", "a/start"}});
