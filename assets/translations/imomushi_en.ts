@@ -68,10 +68,10 @@
             </translation>
         </message>
         <message numerus="yes">
-            <source>The %n most important of each element</source>
+            <source>The %n most important of each element or character</source>
             <translation>
-                <numerusform>The most important of each element</numerusform>
-                <numerusform>The %n most important of each element</numerusform>
+                <numerusform>The most important of each element or character</numerusform>
+                <numerusform>The %n most important of each element or character</numerusform>
             </translation>
         </message>
     </context>

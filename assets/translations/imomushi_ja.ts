@@ -3619,9 +3619,9 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>記録どおり</translation>
         </message>
         <message numerus="yes">
-            <source>The %n most important of each element</source>
+            <source>The %n most important of each element or character</source>
             <translation>
-                <numerusform>各要素の重要な %n 個</numerusform>
+                <numerusform>各要素またはキャラクターの重要な %n 個</numerusform>
             </translation>
         </message>
         <message>
@@ -3788,6 +3788,14 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         <message>
             <source>Read back and compared: largest deviation %1 of the diagonal</source>
             <translation>読み戻して比較：最大のずれは対角線の %1</translation>
+        </message>
+        <message>
+            <source>Written as the mesh of its file: %1</source>
+            <translation>元のファイルのメッシュとして書き出しました: %1</translation>
+        </message>
+        <message>
+            <source>Surface beside joints and attached parts: off by %1 at most</source>
+            <translation>関節のそばの表面と取り付けた部品：ずれは最大 %1</translation>
         </message>
         <message>
             <source>The skin is fitted: off by %1 at most</source>

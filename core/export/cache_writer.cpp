@@ -177,11 +177,11 @@ public:
         if (!path.parent_path().empty() && !std::filesystem::is_directory(path.parent_path(), error)) std::filesystem::create_directory(path.parent_path(), error);
         if (error) return fail("not-writable", "The folder " + path.parent_path().string() + " cannot be made: " + error.message() + ".");
         std::filesystem::path materials;
-        if (model_ && path.extension() == ".obj")
-            if (auto made = writeMaterials(path); made)
-                materials = *made;
-            else
-                return tl::unexpected(made.error());
+        if (model_ && path.extension() == ".obj") {
+            auto made = writeMaterials(path);
+            if (!made) return tl::unexpected(made.error());
+            materials = std::move(*made);
+        }
         for (std::size_t k = 0; k < clip.times.size(); ++k) {
             if (progress.cancelled()) return cancelled();
             progress.report("write", static_cast<double>(k) / static_cast<double>(clip.times.size()));

@@ -111,12 +111,11 @@ Json driverData(const GltfContent& content) {
         item["matrix"] = Json::array();
         for (Eigen::Index t = 0; t < matrix.rows(); ++t)
             for (Eigen::Index c = 0; c < matrix.cols(); ++c) item["matrix"].push_back(matrix(t, c));
-        int part = 0;
-        for (const RenderSurface& surface : content.surfaces) {
-            if (surface.element >= 0) continue;
+        for (int part = -1; const RenderSurface& surface : content.surfaces) {
+            if (surface.part == part) continue;
+            part = surface.part;
             for (const auto& mover : content.movers(surface))
                 if (mover.element == static_cast<int>(e)) item["parts"].push_back({part, mover.first});
-            ++part;
         }
         if (smooth && element.response) item["stiffness"] = rowByRow(element.stiffness * element.response->stiffness);
         if (Json loads = loadsOf(content, e); !loads.is_null()) item["loads"] = std::move(loads);

@@ -50,8 +50,10 @@ Result<ExportReport> exportScene(const ExportScene& scene, const ExportOptions& 
     motion->character.show(options.layout == ExportLayout::Skinned ? motion->restShape.data() : plainShape(motion->layout).data());
     for (std::size_t e = 0; e < scene.character.elements.size(); ++e)
         if (motion->seen[e].mesh < 0) content.surfaces.push_back(renderSurface(scene, static_cast<int>(e), motion->character.surface(static_cast<int>(e)).normals));
-    for (int m = 0; m < static_cast<int>(scene.meshes.size()); ++m)
-        for (auto& surface : partSurfaces(scene, *motion, m, motion->character.renderSurface(m).normals)) content.surfaces.push_back(std::move(surface));
+    for (int m = 0, parts = 0; m < static_cast<int>(scene.meshes.size()); ++m) {
+        for (auto& surface : partSurfaces(scene, *motion, m, parts, motion->character.renderSurface(m).normals)) content.surfaces.push_back(std::move(surface));
+        parts += static_cast<int>(scene.meshes[static_cast<std::size_t>(m)].model->parts.size());
+    }
     if (options.layout == ExportLayout::Skinned) {
         auto skin = fitSkin(*motion, scene, progress.part(0.1, 0.6));
         if (!skin) return tl::unexpected(skin.error());

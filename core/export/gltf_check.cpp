@@ -199,20 +199,23 @@ Result<ExportError> compare(const tinygltf::Model& model, const GltfContent& con
     for (std::size_t n = 0; n < model.nodes.size(); ++n) {
         const auto& node = model.nodes[n];
         if (node.mesh < 0 || !node.extras.IsObject() || !(node.extras.Has(kElementExtra) || node.extras.Has(kPartExtra))) continue;
-        // Parts follow the surfaces of elements.
         const bool part = node.extras.Has(kPartExtra);
         const int number = node.extras.Get(part ? kPartExtra : kElementExtra).GetNumberAsInt();
-        const auto surface = std::find_if(content.surfaces.begin(), content.surfaces.end(), [&](const RenderSurface& s) { return part ? s.element < 0 : s.element == number; });
-        auto& out = meshes.at(static_cast<std::size_t>(surface - content.surfaces.begin() + (part ? number : 0)));
-        const auto& primitive = model.meshes.at(static_cast<std::size_t>(node.mesh)).primitives.at(0);
-        out.node = static_cast<int>(n);
-        out.skin = node.skin;
-        out.positions = numbersOf(model, primitive.attributes.at("POSITION"));
-        if (node.skin >= 0) {
-            out.joints = numbersOf(model, primitive.attributes.at("JOINTS_0"));
-            out.weights = numbersOf(model, primitive.attributes.at("WEIGHTS_0"));
+        const auto& primitives = model.meshes.at(static_cast<std::size_t>(node.mesh)).primitives;
+        std::size_t next = 0;  // of a part each surface is a primitive
+        for (std::size_t s = 0; s < meshes.size(); ++s) {
+            if ((part ? content.surfaces[s].part : content.surfaces[s].element) != number) continue;
+            auto& out = meshes[s];
+            const auto& primitive = primitives.at(next++);
+            out.node = static_cast<int>(n);
+            out.skin = node.skin;
+            out.positions = numbersOf(model, primitive.attributes.at("POSITION"));
+            if (node.skin >= 0) {
+                out.joints = numbersOf(model, primitive.attributes.at("JOINTS_0"));
+                out.weights = numbersOf(model, primitive.attributes.at("WEIGHTS_0"));
+            }
+            for (const auto& target : primitive.targets) out.targets.push_back(numbersOf(model, target.at("POSITION")));
         }
-        for (const auto& target : primitive.targets) out.targets.push_back(numbersOf(model, target.at("POSITION")));
     }
     std::vector<Eigen::Affine3d> inverse;
     if (!model.skins.empty()) {

@@ -42,6 +42,10 @@ public:
         for (std::size_t s = 0; s < count; ++s) {
             if (progress_.cancelled()) return fail(kCancelled, "The export was cancelled.");
             progress_.report("write", 0.7 * static_cast<double>(s) / static_cast<double>(count));
+            if (!begins(s)) {
+                surfaceNodes_.push_back(surfaceNodes_.back());
+                continue;
+            }
             const int node = addSurface(s);
             surfaceNodes_.push_back(node);
             (skinned(content_.surfaces[s]) ? roots : children).push_back(node);
@@ -63,6 +67,8 @@ public:
 
 private:
     [[nodiscard]] bool rigid() const { return options_.layout != ExportLayout::Skinned; }
+    /// Its part has no surface before.
+    [[nodiscard]] bool begins(std::size_t s) const { return content_.surfaces[s].part < 0 || s == 0 || content_.surfaces[s - 1].part != content_.surfaces[s].part; }
     [[nodiscard]] bool skinned(const RenderSurface& surface) const { return options_.layout != ExportLayout::Baked || surface.element < 0; }
 
     /// What positions in the file are multiplied by and shifted from: by the node (baked), by its joint alone (rigged), by all joints alike (skinned).
@@ -190,72 +196,34 @@ private:
         return textures_[key] = file_.add("textures", {{"name", texture.name}, {"sampler", 0}, {"source", image}});
     }
 
+    /// A node with its mesh: a surface, or all of a part.
     int addSurface(std::size_t s) {
         const RenderSurface& surface = content_.surfaces[s];
-        const std::size_t vertices = surface.vertices();
         const bool ofMesh = surface.element < 0;
-        Json node{{"name", ofMesh ? onlyName(surface.name) : surface.name}, {"extras", {{ofMesh ? kPartExtra : kElementExtra, ofMesh ? parts_++ : surface.element}}}};
-        auto& factors = factor_.emplace_back();
-        const Unit unit = !ofMesh ? units_[static_cast<std::size_t>(surface.element)] : vertices > 0 ? units_[static_cast<std::size_t>(surface.elements.front())] : Unit{};
+        Json node{{"name", ofMesh ? onlyName(surface.name) : surface.name}, {"extras", {{ofMesh ? kPartExtra : kElementExtra, ofMesh ? surface.part : surface.element}}}};
+        const Unit unit = units_[static_cast<std::size_t>(ofMesh ? surface.movers.front() : surface.element)];
         const bool skin = skinned(surface);
+        factor_.resize(content_.surfaces.size());
         if (surface.parts.empty()) {
             if (!skin) node["translation"] = vector(unit.middle);
             return file_.add("nodes", std::move(node));
         }
-        const std::vector<float> positions = positionsOf(surface);
-        const float most = unit.size;
-        const bool small = unit.whole;
-        Json attributes{{"POSITION", small ? file_.quantised(positions, most, true) : file_.accessor(positions, 3, Target::Vertices, true)}};
-        const std::vector<float> normals(surface.normals.data(), surface.normals.data() + surface.normals.size());
-        attributes["NORMAL"] = small && content_.normalTargets.empty() ? file_.quantised(normals, 1.0f, false) : file_.accessor(normals, 3, Target::Vertices, false);
-        if (surface.texCoords.rows() > 0)
-            attributes["TEXCOORD_0"] = file_.accessor({surface.texCoords.data(), surface.texCoords.data() + surface.texCoords.size()}, 2, Target::Vertices, false);
-        if (surface.colors.rows() > 0)
-            attributes["COLOR_0"] = file_.accessor({surface.colors.data(), surface.colors.data() + surface.colors.size()}, 4, Target::Vertices, false);
-        if (skin) addInfluences(surface, attributes);
-
-        Json targets = Json::array(), names = Json::array(), zeros = Json::array();
-        if (rigid()) {
-            const auto movers = content_.movers(surface);
-            const Eigen::Index count = content_.targets(movers);
-            for (Eigen::Index t = 0; t < count; ++t) {
-                const std::vector<float> moved = targetOf(surface, movers, t);
-                float reach = 0.0f;
-                for (const float x : moved) reach = std::max(reach, std::abs(x));
-                // A target that fills the range of its integers rounds least.
-                const float factor = small && reach > 0.0f && reach <= most ? most / reach : 1.0f;
-                factors.push_back(factor);
-                Json target{{"POSITION", addTarget(scaledBy(moved, factor), small && reach <= most ? most : 0.0f, small ? 1.0f / most : 1.0f, ofMesh)}};
-                if (!content_.normalTargets.empty()) target["NORMAL"] = file_.accessor(scaledBy(content_.normalTargets[s][static_cast<std::size_t>(t)], factor), 3, Target::Vertices, false);
-                targets.push_back(std::move(target));
-                names.push_back(targetName(surface, movers, t));
-                zeros.push_back(0.0);
-            }
-            report_.targets = std::max(report_.targets, static_cast<int>(count));
-            double weighed = 0.0;
-            for (const auto& mover : movers)
-                for (const auto& track : content_.morphs[static_cast<std::size_t>(mover.element)].tracks)
-                    for (Eigen::Index key = 0; small && key < track.weights.cols(); ++key) {
-                        double sum = 0.0;
-                        for (Eigen::Index t = 0; t < track.weights.rows(); ++t) sum += std::abs(track.weights(t, key)) / factors[static_cast<std::size_t>(mover.first + t)];
-                        weighed = std::max(weighed, sum);
-                    }
-            if (small) rounded(most, 1.0 + weighed, 0.0);
-        } else if (small) {
-            // Four weights round by a step each, and take a vertex no farther than its joints are apart: a diagonal.
-            rounded(most, 1.0, 4.0 / 65535.0);
+        std::size_t end = s + 1;
+        while (end < content_.surfaces.size() && !begins(end)) ++end;
+        const auto movers = rigid() ? content_.movers(surface) : std::vector<GltfContent::Mover>();
+        const Eigen::Index count = content_.targets(movers);
+        const std::vector<float> factors = factorsOf(s, end, unit, count);
+        Json names = Json::array(), primitives = Json::array();
+        for (Eigen::Index t = 0; t < count; ++t) names.push_back(targetName(surface, movers, t));
+        for (std::size_t i = s; i < end; ++i) {
+            addPrimitives(i, unit, factors, primitives);
+            factor_[i] = factors;
         }
-        Json primitives = Json::array();
-        int triangles = 0;
-        for (const auto& part : surface.parts) {
-            Json primitive{{"attributes", attributes}, {"indices", file_.indices(part.triangles, vertices)}, {"material", addMaterial(surface, part.material)}};
-            if (!targets.empty()) primitive["targets"] = targets;
-            primitives.push_back(std::move(primitive));
-            triangles += static_cast<int>(part.triangles.size() / 3);
-        }
+        report_.targets = std::max(report_.targets, static_cast<int>(count));
+        if (unit.whole) tellRounding(movers, unit, factors);
         Json mesh{{"name", surface.name}, {"primitives", std::move(primitives)}};
         if (!names.empty()) {
-            mesh["weights"] = std::move(zeros);
+            mesh["weights"] = std::vector<double>(names.size(), 0.0);
             mesh["extras"] = {{"targetNames", std::move(names)}};
         }
         node["mesh"] = file_.add("meshes", std::move(mesh));
@@ -263,10 +231,69 @@ private:
             node["skin"] = 0;
         } else {
             node["translation"] = vector(unit.middle);
-            if (small) node["scale"] = {most, most, most};
+            if (unit.whole) node["scale"] = {unit.size, unit.size, unit.size};
         }
-        tell(surface, triangles);
         return file_.add("nodes", std::move(node));
+    }
+
+    /// A target that fills the range of its integers rounds least.
+    [[nodiscard]] std::vector<float> factorsOf(std::size_t begin, std::size_t end, const Unit& unit, Eigen::Index count) const {
+        std::vector<float> out;
+        for (Eigen::Index t = 0; t < count; ++t) {
+            float reach = 0.0f;
+            for (std::size_t i = begin; unit.whole && i < end; ++i)
+                for (const float x : targetOf(content_.surfaces[i], t)) reach = std::max(reach, std::abs(x));
+            out.push_back(unit.whole && reach > 0.0f && reach <= unit.size ? unit.size / reach : 1.0f);
+        }
+        return out;
+    }
+
+    void addPrimitives(std::size_t s, const Unit& unit, const std::vector<float>& factors, Json& primitives) {
+        const RenderSurface& surface = content_.surfaces[s];
+        const bool ofMesh = surface.element < 0, small = unit.whole;
+        const std::vector<float> positions = positionsOf(surface);
+        Json attributes{{"POSITION", small ? file_.quantised(positions, unit.size, true) : file_.accessor(positions, 3, Target::Vertices, true)}};
+        const std::vector<float> normals(surface.normals.data(), surface.normals.data() + surface.normals.size());
+        attributes["NORMAL"] = small && content_.normalTargets.empty() ? file_.quantised(normals, 1.0f, false) : file_.accessor(normals, 3, Target::Vertices, false);
+        if (surface.texCoords.rows() > 0)
+            attributes["TEXCOORD_0"] = file_.accessor({surface.texCoords.data(), surface.texCoords.data() + surface.texCoords.size()}, 2, Target::Vertices, false);
+        if (surface.colors.rows() > 0)
+            attributes["COLOR_0"] = file_.accessor({surface.colors.data(), surface.colors.data() + surface.colors.size()}, 4, Target::Vertices, false);
+        if (skinned(surface)) addInfluences(surface, attributes);
+        Json targets = Json::array();
+        for (std::size_t t = 0; t < factors.size(); ++t) {
+            std::vector<float> moved = targetOf(surface, static_cast<Eigen::Index>(t));
+            float reach = 0.0f;
+            for (float& x : moved) {
+                reach = std::max(reach, std::abs(x));
+                x *= factors[t];
+            }
+            Json target{{"POSITION", addTarget(moved, small && reach <= unit.size ? unit.size : 0.0f, small ? 1.0f / unit.size : 1.0f, ofMesh)}};
+            if (!content_.normalTargets.empty()) target["NORMAL"] = file_.accessor(scaledBy(content_.normalTargets[s][t], factors[t]), 3, Target::Vertices, false);
+            targets.push_back(std::move(target));
+        }
+        int triangles = 0;
+        for (const auto& part : surface.parts) {
+            Json primitive{{"attributes", attributes}, {"indices", file_.indices(part.triangles, surface.vertices())}, {"material", addMaterial(surface, part.material)}};
+            if (!targets.empty()) primitive["targets"] = targets;
+            primitives.push_back(std::move(primitive));
+            triangles += static_cast<int>(part.triangles.size() / 3);
+        }
+        tell(s, triangles);
+    }
+
+    void tellRounding(const std::vector<GltfContent::Mover>& movers, const Unit& unit, const std::vector<float>& factors) {
+        // Four weights round by a step each, and take a vertex no farther than its joints are apart: a diagonal.
+        if (!rigid()) return rounded(unit.size, 1.0, 4.0 / 65535.0);
+        double weighed = 0.0;
+        for (const auto& mover : movers)
+            for (const auto& track : content_.morphs[static_cast<std::size_t>(mover.element)].tracks)
+                for (Eigen::Index key = 0; key < track.weights.cols(); ++key) {
+                    double sum = 0.0;
+                    for (Eigen::Index t = 0; t < track.weights.rows(); ++t) sum += std::abs(track.weights(t, key)) / factors[static_cast<std::size_t>(mover.first + t)];
+                    weighed = std::max(weighed, sum);
+                }
+        rounded(unit.size, 1.0 + weighed, 0.0);
     }
 
     /// Most programs want each object to have a name of its own; meshes of parts keep theirs.
@@ -277,7 +304,8 @@ private:
         return name;
     }
 
-    void tell(const RenderSurface& surface, int triangles) {
+    void tell(std::size_t s, int triangles) {
+        const RenderSurface& surface = content_.surfaces[s];
         const int vertices = static_cast<int>(surface.vertices());
         report_.vertices += vertices;
         report_.triangles += triangles;
@@ -287,16 +315,16 @@ private:
         if (!ofMesh || toldMesh_ != surface.mesh) report_.written.push_back({name, ofMesh, 0, 0, 0});
         toldMesh_ = surface.mesh;
         auto& told = report_.written.back();
-        told.parts += ofMesh ? 1 : 0;
+        told.parts += ofMesh && begins(s) ? 1 : 0;
         told.vertices += vertices;
         told.triangles += triangles;
     }
 
     /// What a unit of a target moves each vertex by, 3 per vertex, m.
-    [[nodiscard]] std::vector<float> targetOf(const RenderSurface& surface, const std::vector<GltfContent::Mover>& movers, Eigen::Index target) const {
+    [[nodiscard]] std::vector<float> targetOf(const RenderSurface& surface, Eigen::Index target) const {
         std::vector<float> out(3 * surface.vertices(), 0.0f);
         std::vector<Eigen::Index> column(scene_.elements.size(), -1);
-        for (const auto& mover : movers) {
+        for (const auto& mover : content_.movers(surface)) {
             const auto e = static_cast<std::size_t>(mover.element);
             if (target >= mover.first && target < mover.first + content_.morphs[e].targets.cols()) column[e] = target - mover.first;
         }
@@ -409,7 +437,7 @@ private:
             if (mesh < 0) weigh(static_cast<std::size_t>(surfaceOf(e)), c, keys, channel);
         }
         for (std::size_t s = 0; rigid() && s < content_.surfaces.size(); ++s)
-            if (const int mesh = content_.surfaces[s].mesh; mesh >= 0) weigh(s, c, keysOfMesh[static_cast<std::size_t>(mesh)], channel);
+            if (const int mesh = content_.surfaces[s].mesh; mesh >= 0 && begins(s)) weigh(s, c, keysOfMesh[static_cast<std::size_t>(mesh)], channel);
         if (channels.empty()) return;
         file_.add("animations", {{"name", scene_.clips[c].name}, {"samplers", std::move(samplers)}, {"channels", std::move(channels)}});
     }
@@ -443,7 +471,7 @@ private:
     ExportReport& report_;
     const Progress& progress_;
     GltfFile file_;
-    int root_ = -1, parts_ = 0, toldMesh_ = -1;
+    int root_ = -1, toldMesh_ = -1;
     std::vector<int> surfaceNodes_, jointNodes_;
     std::vector<int> movingNodes_;            // per element: of its frame
     std::vector<std::uint16_t> jointOf_;      // per element: that of its frame, among those of the skeleton
@@ -458,9 +486,13 @@ private:
 std::vector<GltfContent::Mover> GltfContent::movers(const RenderSurface& surface) const {
     std::vector<Mover> out;
     if (surface.element >= 0) return {{surface.element, 0}};
-    for (const int e : std::set<int>(surface.elements.begin(), surface.elements.end())) {
-        const ElementMorphs& before = morphs[static_cast<std::size_t>(out.empty() ? e : out.back().element)];
-        out.push_back({e, out.empty() || before.shared ? 0 : out.back().first + before.targets.cols()});
+    // Weights of targets that are shared follow from all elements.
+    if (morphs[static_cast<std::size_t>(surface.movers.front())].shared) {
+        for (const int e : scene.meshes[static_cast<std::size_t>(surface.mesh)].elements) out.push_back({e, 0});
+        return out;
+    }
+    for (const int e : surface.movers) {
+        out.push_back({e, out.empty() ? 0 : targets(out)});
     }
     return out;
 }

@@ -14,13 +14,13 @@ struct GltfContent {
     const ExportScene& scene;
     const ExportOptions& options;
     const Motion& motion;
-    std::vector<RenderSurface> surfaces;  ///< of elements, then parts of meshes of the scene
+    std::vector<RenderSurface> surfaces;  ///< of elements, then of parts of meshes of the scene; those of a part are primitives of one mesh
     std::vector<ElementMorphs> morphs;
     /// Per surface, per target: how normals move per unit of weight, 3 per vertex of the surface; empty: they do not.
     std::vector<std::vector<std::vector<float>>> normalTargets;
     FittedSkin skin;
 
-    /// The elements that move vertices of a surface, and where the targets of each begin among those of the surface.
+    /// The elements that move vertices of a surface or of its part, and where the targets of each begin among those of the mesh.
     struct Mover {
         int element = 0;
         Eigen::Index first = 0;

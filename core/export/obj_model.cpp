@@ -110,7 +110,8 @@ Result<std::vector<std::filesystem::path>> writeObjMaterials(const std::filesyst
         const Material& material = render.materials[i];
         out += "newmtl " + names[i] + "\n";
         appendLine(out, "Kd", material.baseColor.head<3>());
-        appendLine(out, "d", Eigen::Matrix<float, 1, 1>(material.baseColor[3]));
+        for (const auto& [key, value] : {std::pair("d", material.baseColor[3]), std::pair("Pm", material.metallic), std::pair("Pr", material.roughness)})
+            appendLine(out, key, Eigen::Matrix<float, 1, 1>(value));
         if (material.baseColorTexture >= 0) out += "map_Kd " + textures[static_cast<std::size_t>(material.baseColorTexture)] + "\n";
     }
     if (auto written = writeFileAtomically(files.front(), out); !written) return tl::unexpected(written.error());

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 namespace imomushi {
 
@@ -78,7 +79,7 @@ RenderSurface renderSurface(const ExportScene& scene, int element, const float* 
     return out;
 }
 
-std::vector<RenderSurface> partSurfaces(const ExportScene& scene, const Motion& motion, int mesh, const float* normals) {
+std::vector<RenderSurface> partSurfaces(const ExportScene& scene, const Motion& motion, int mesh, int first, const float* normals) {
     const auto index = static_cast<std::size_t>(mesh);
     const RenderModel& model = *scene.meshes[index].model;
     const RenderMesh& render = model.mesh.renderMesh;
@@ -90,31 +91,47 @@ std::vector<RenderSurface> partSurfaces(const ExportScene& scene, const Motion& 
     const bool hasNormals = split && render.normals.rows() == count, hasTexCoords = split && render.texCoords.rows() == count, hasColors = split && render.colors.rows() == count,
                hasMaterials = split && static_cast<Eigen::Index>(render.material.size()) == faces;
 
-    // Which vertices each part has: those of its triangles, and those of none behind them.
-    const std::size_t parts = model.parts.size();
-    std::vector<std::vector<std::int32_t>> has(parts);
-    for (Eigen::Index t = 0; t < faces; ++t)
-        for (int c = 0; c < 3; ++c) has[static_cast<std::size_t>(model.part[static_cast<std::size_t>(t)])].push_back(triangles(t, c));
-    std::vector<std::int32_t> last(static_cast<std::size_t>(count), -1);
-    for (std::size_t p = 0; p < parts; ++p)
-        for (const auto v : has[p]) last[static_cast<std::size_t>(v)] = static_cast<std::int32_t>(p);
-    for (std::size_t v = 0; v < last.size(); ++v) {
+    // A sheet has what one material has of a part.
+    struct Sheet {
+        int part = 0, material = -1;
+        std::vector<std::int32_t> triangles, vertices;
+    };
+    std::vector<Sheet> sheets;
+    std::map<std::pair<int, int>, std::size_t> known;
+    for (Eigen::Index t = 0; t < faces; ++t) {
+        const int part = model.part[static_cast<std::size_t>(t)];
+        const int material = hasMaterials ? render.material[static_cast<std::size_t>(t)] : split && render.materials.size() == 1 ? 0 : -1;
+        const auto [at, isNew] = known.emplace(std::pair(part, material), sheets.size());
+        if (isNew) sheets.push_back({part, material, {}, {}});
+        sheets[at->second].triangles.push_back(static_cast<std::int32_t>(t));
+    }
+    std::stable_sort(sheets.begin(), sheets.end(), [](const Sheet& a, const Sheet& b) { return a.part < b.part; });
+    std::vector<std::int32_t> last(static_cast<std::size_t>(count), -1);  // the last sheet that has a vertex
+    for (std::size_t k = 0; k < sheets.size(); ++k)
+        for (const auto t : sheets[k].triangles)
+            for (int c = 0; c < 3; ++c) {
+                sheets[k].vertices.push_back(triangles(t, c));
+                last[static_cast<std::size_t>(triangles(t, c))] = static_cast<std::int32_t>(k);
+            }
+    for (std::size_t v = 0; !sheets.empty() && v < last.size(); ++v) {
         if (last[v] >= 0) continue;
         last[v] = v > 0 ? last[v - 1] : 0;
-        has[static_cast<std::size_t>(last[v])].push_back(static_cast<std::int32_t>(v));
+        sheets[static_cast<std::size_t>(last[v])].vertices.push_back(static_cast<std::int32_t>(v));
     }
 
-    std::vector<RenderSurface> out(parts);
-    for (std::size_t p = 0; p < parts; ++p) {
-        RenderSurface& to = out[p];
-        to.name = model.parts[p];
-        to.mesh = mesh;
-        to.look = &render;
-        to.materialName = scene.meshes[index].name;
-        to.color = scene.meshes[index].elements.empty() ? to.color : scene.colors[static_cast<std::size_t>(scene.meshes[index].elements.front())];
-        auto& own = has[p];
+    std::vector<RenderSurface> out;
+    std::vector<std::set<int>> movers(model.parts.size());
+    for (Sheet& sheet : sheets) {
+        auto& own = sheet.vertices;
         std::sort(own.begin(), own.end());
         own.erase(std::unique(own.begin(), own.end()), own.end());
+        RenderSurface& to = out.emplace_back();
+        to.name = model.parts[static_cast<std::size_t>(sheet.part)];
+        to.mesh = mesh;
+        to.part = first + sheet.part;
+        to.look = &render;
+        to.materialName = scene.meshes[index].name;
+        if (!scene.meshes[index].elements.empty()) to.color = scene.colors[static_cast<std::size_t>(scene.meshes[index].elements.front())];
         const auto vertices = static_cast<Eigen::Index>(own.size());
         to.normals.resize(vertices, 3);
         if (hasTexCoords) to.texCoords.resize(vertices, 2);
@@ -125,21 +142,22 @@ std::vector<RenderSurface> partSurfaces(const ExportScene& scene, const Motion& 
             to.elements.push_back(moved.element);
             to.rows.push_back(moved.row);
             to.seen.push_back(b);
+            movers[static_cast<std::size_t>(sheet.part)].insert(moved.element);
             Eigen::Vector3f normal(normals[3 * b], normals[3 * b + 1], normals[3 * b + 2]);
             if (hasNormals && render.normals.row(v).norm() > 1e-6f) normal = render.normals.row(v).transpose();
             to.normals.row(i) = unit(normal);
             if (hasTexCoords) to.texCoords.row(i) = render.texCoords.row(v);
             if (hasColors) to.colors.row(i) = render.colors.row(v).cwiseMax(0.0f).cwiseMin(1.0f);
         }
+        auto& part = to.parts.emplace_back();
+        part.material = sheet.material;
+        for (const auto t : sheet.triangles)
+            for (int c = 0; c < 3; ++c) part.triangles.push_back(static_cast<std::uint32_t>(std::lower_bound(own.begin(), own.end(), triangles(t, c)) - own.begin()));
     }
-    std::vector<std::map<int, std::vector<std::uint32_t>>> lists(parts);
-    for (Eigen::Index t = 0; t < faces; ++t) {
-        const auto p = static_cast<std::size_t>(model.part[static_cast<std::size_t>(t)]);
-        auto& list = lists[p][hasMaterials ? render.material[static_cast<std::size_t>(t)] : split && render.materials.size() == 1 ? 0 : -1];
-        for (int c = 0; c < 3; ++c) list.push_back(static_cast<std::uint32_t>(std::lower_bound(has[p].begin(), has[p].end(), triangles(t, c)) - has[p].begin()));
+    for (RenderSurface& surface : out) {
+        const auto& all = movers[static_cast<std::size_t>(surface.part - first)];
+        surface.movers.assign(all.begin(), all.end());
     }
-    for (std::size_t p = 0; p < parts; ++p)
-        for (auto& [material, list] : lists[p]) out[p].parts.push_back({material, std::move(list)});
     return out;
 }
 

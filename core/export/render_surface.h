@@ -9,12 +9,14 @@
 
 namespace imomushi {
 
-/// What is drawn as one mesh, with attributes and materials of the imported file: the render mesh of an element without the triangles inside joints, or a part of a
-/// mesh of the scene.
+/// What has vertices of its own in a file, with attributes and materials of the imported one: the render mesh of an element without the triangles inside joints, or what one
+/// material has of a part of a mesh of the scene.
 struct RenderSurface {
     std::string name;
-    int element = -1;                    ///< -1: a part of `mesh`
+    int element = -1;                    ///< -1: of a part
     int mesh = -1;                       ///< of the scene
+    int part = -1;                       ///< among those of all meshes; its surfaces follow each other
+    std::vector<int> movers;             ///< elements that move vertices of the part, ascending
     const RenderMesh* look = nullptr;    ///< materials and textures
     std::string materialName;            ///< where there is none in the file; and
     Eigen::Vector3f color = Eigen::Vector3f::Ones();  ///< linear RGB
@@ -35,8 +37,8 @@ struct RenderSurface {
 /// `normals`: of body vertices in the positions that are written (Character::surface()), x 3.
 RenderSurface renderSurface(const ExportScene& scene, int element, const float* normals);
 
-/// The parts of a mesh of the scene, in the order of the file; each has its vertices in the order of the file, those that no triangle uses with the one before them.
-/// `normals`: of vertices of the mesh (Character::renderSurface()), for files without.
-std::vector<RenderSurface> partSurfaces(const ExportScene& scene, const Motion& motion, int mesh, const float* normals);
+/// The parts of a mesh of the scene in the order of the file, and within them materials as they first appear: as in a glTF file. Each has its vertices in the order of the
+/// file, those that no triangle uses with the one before them. `first`: number of the first part. `normals`: of vertices of the mesh (Character::renderSurface()), for files without.
+std::vector<RenderSurface> partSurfaces(const ExportScene& scene, const Motion& motion, int mesh, int first, const float* normals);
 
 }  // namespace imomushi

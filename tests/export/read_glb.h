@@ -47,14 +47,15 @@ public:
         return out;
     }
 
-    [[nodiscard]] int nodeNamed(const std::string& name) const {
+    /// -1: there is none.
+    [[nodiscard]] int nodeNamed(const std::string& name, bool withMesh = false) const {
         for (std::size_t n = 0; n < root["nodes"].size(); ++n)
-            if (root["nodes"][n]["name"] == name) return static_cast<int>(n);
+            if (root["nodes"][n]["name"] == name && (!withMesh || root["nodes"][n].contains("mesh"))) return static_cast<int>(n);
         return -1;
     }
     [[nodiscard]] const Json& meshOf(int node) const { return root["meshes"][root["nodes"][static_cast<std::size_t>(node)]["mesh"].get<std::size_t>()]; }
-    /// Of a primitive, three per vertex or two.
-    [[nodiscard]] std::vector<double> attribute(int node, const char* name) const { return numbers(meshOf(node)["primitives"][0]["attributes"][name]); }
+    /// Of a primitive.
+    [[nodiscard]] std::vector<double> attribute(int node, const char* name, std::size_t primitive = 0) const { return numbers(meshOf(node)["primitives"][primitive]["attributes"][name]); }
 
     /// Times of the keys of a node's weights in a clip; of its first joint, where it has no weights.
     [[nodiscard]] std::vector<double> times(int node, std::size_t clip) const {
@@ -64,10 +65,10 @@ public:
         return {};
     }
 
-    /// Where the vertices of a skinned node are at a time, m.
-    [[nodiscard]] Points positions(int node, std::size_t clip, double time) const {
-        const Json& primitive = meshOf(node)["primitives"][0];
-        std::vector<double> at = attribute(node, "POSITION");
+    /// Where the vertices of a primitive of a skinned node are at a time, m.
+    [[nodiscard]] Points positions(int node, std::size_t clip, double time, std::size_t which = 0) const {
+        const Json& primitive = meshOf(node)["primitives"][which];
+        std::vector<double> at = attribute(node, "POSITION", which);
         if (primitive.contains("targets")) {
             const std::vector<double> weights = sampled(clip, node, "weights", time);
             for (std::size_t t = 0; t < primitive["targets"].size(); ++t) {
@@ -76,7 +77,7 @@ public:
             }
         }
         const Json& skin = root["skins"][0];
-        const std::vector<double> inverse = numbers(skin["inverseBindMatrices"]), joints = attribute(node, "JOINTS_0"), shares = attribute(node, "WEIGHTS_0");
+        const std::vector<double> inverse = numbers(skin["inverseBindMatrices"]), joints = attribute(node, "JOINTS_0", which), shares = attribute(node, "WEIGHTS_0", which);
         std::vector<Eigen::Affine3d> moved;
         for (std::size_t j = 0; j < skin["joints"].size(); ++j) {
             const int joint = skin["joints"][j];

@@ -139,7 +139,7 @@ QLayout* ExportDialog::makeOptions() {
     fps_ = new QComboBox(this);
     for (const double rate : kRates) fps_->addItem(rate > 0.0 ? tr("%1 per second").arg(rate) : tr("As recorded"));
     targets_ = new QComboBox(this);
-    for (const int count : kTargets) targets_->addItem(count > 0 ? tr("The %n most important of each element", nullptr, count) : tr("All"));
+    for (const int count : kTargets) targets_->addItem(count > 0 ? tr("The %n most important of each element or character", nullptr, count) : tr("All"));
     format_ = new QComboBox(this);
     split_ = new QCheckBox(tr("Weights within 0 and 1"), this);
     split_->setToolTip(tr("A target for each sign of a weight, for programs that clamp weights: twice as many targets"));

@@ -124,7 +124,12 @@ void ExportReportView::showAnswer(const Json& answer) {
     begin(files == 1 ? tr("Wrote %1, %2").arg(name, bytes) : tr("Wrote %n file(s) from %1 on, %2", nullptr, files).arg(name, bytes));
     const bool same = answer.at("check").at("max_percent").get<double>() / 100.0 <= kSame;
     add(same ? "check" : "info", same ? Role::Good : Role::Info, tr("Read back and compared: largest deviation %1 of the diagonal").arg(largest(answer.at("check"))));
+    QStringList characters;
+    for (const Json& told : answer.at("written"))
+        if (told.contains("character")) characters << QString::fromStdString(told["character"].get<std::string>());
+    if (!characters.isEmpty()) add("check", Role::Good, tr("Written as the mesh of its file: %1").arg(characters.join(tr(", "))));
     for (const Json& told : answer.at("effects")) addEffect(told);
+    if (answer.contains("render_mesh")) add("info", Role::Info, tr("Surface beside joints and attached parts: off by %1 at most").arg(largest(answer.at("render_mesh"))));
     if (answer.contains("skin")) add("info", Role::Info, tr("The skin is fitted: off by %1 at most").arg(largest(answer.at("skin"))));
     if (answer.contains("quantised")) add("info", Role::Info, tr("16 bits: off by %1 at most").arg(largest(answer.at("quantised"))));
     if (answer.contains("dropped_targets")) add("info", Role::Info, tr("Targets left out: off by %1 at most").arg(largest(answer.at("dropped_targets"))));
