@@ -228,7 +228,7 @@ TEST_CASE("precompute: what is known is not solved again, and undo switches to w
 
 TEST_CASE("precompute: of congruent elements the first is solved and the others take its response over, whichever is asked for") {
     Workbench w;
-    w.buildChain();
+    w.buildChain("default");
     const Json estimate = w.good({{"do", "estimate"}});
     CHECK(!estimate["elements"][0].contains("shared"));
     CHECK(estimate["elements"][1]["shared"] == "A");
@@ -256,7 +256,7 @@ TEST_CASE("precompute: of congruent elements the first is solved and the others 
         return all;
     };
     Workbench other;
-    other.buildChain();
+    other.buildChain("default");
     other.good({{"do", "precompute"}, {"elements", {"A"}}});
     other.good({{"do", "set"}, {"target", "B"}, {"property", "nu"}, {"value", 0.3}});
     CHECK(!other.good({{"do", "estimate"}})["elements"][1].contains("shared"));

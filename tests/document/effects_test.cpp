@@ -329,7 +329,7 @@ TEST_CASE("inflate: a body puffs up by its pressure, and breathes until it is tu
 
 TEST_CASE("touch: fingers press, never pull, are taken back by undo, and their dents go when they lift") {
     Workbench w;
-    w.buildChain();
+    w.buildChain("default");
     const Json side = {0.5, 0.0, 1.5}, in = {0.4, 0.0, 1.5}, out = {0.7, 0.0, 1.5};
     const auto touch = [](const Json& point, const Json& to) { return Json{{"do", "touch"}, {"element", "A"}, {"point", point}, {"to", to}}; };
     CHECK(w.code(touch(side, in)) == "not-enabled");

@@ -72,7 +72,7 @@ TEST_CASE("history: undoing everything gives the first document, redoing everyth
 
 TEST_CASE("history: every command that changes the document is one step, named after it") {
     Workbench w;
-    w.buildChain();
+    w.buildChain("default");
     CHECK(w.session.steps().size() == 9);
     CHECK(w.session.steps()[0].name == "import-element");
     CHECK(w.session.steps()[0].subject == "A");
@@ -146,7 +146,7 @@ TEST_CASE("modified: by the saved position, also after undo and after the saved 
 
 TEST_CASE("script: holds what was done, without what was undone, and makes the same document again") {
     Workbench w;
-    w.buildChain();
+    w.buildChain("default");
     w.good({{"do", "set"}, {"target", "A"}, {"property", "nu"}, {"value", 0.1}});
     w.good({{"do", "undo"}});
     w.good({{"do", "precompute"}});
@@ -210,7 +210,7 @@ TEST_CASE("listener: says what changed") {
         ++calls;
     });
     w.buildChain();
-    CHECK(calls == 9);
+    CHECK(calls == 11);
     CHECK(last.structure());
     REQUIRE(last.document.bones.size() == 1);  // that part alone, as it was
     CHECK(last.document.bones.begin()->second == nullptr);

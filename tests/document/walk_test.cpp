@@ -49,11 +49,16 @@ Walk walk(Session& session, int frames, double stepLength) {
         for (int e = 0; e < elements; ++e) {
             const auto surface = character.surface(e);
             auto& was = before[static_cast<std::size_t>(e)];
-            for (int i = 0; i < 3 * surface.vertices; ++i) result.finite = result.finite && std::isfinite(surface.positions[i]) && std::isfinite(surface.normals[i]);
-            for (std::size_t i = 0; i < was.size(); i += 3) {
-                const Eigen::Vector3f move(surface.positions[i] - was[i], surface.positions[i + 1] - was[i + 1], surface.positions[i + 2] - was[i + 2]);
-                result.largestMove = std::max(result.largestMove, static_cast<double>(move.norm()));
+            // Plain numbers, by pointers: twenty million vertices in a test that is not optimised.
+            const float *now = surface.positions, *end = now + 3 * surface.vertices, *last = was.empty() ? now : was.data(), *normal = surface.normals;
+            float largest = 0.0f, sum = 0.0f;
+            for (; now != end; now += 3, last += 3, normal += 3) {
+                const float x = now[0] - last[0], y = now[1] - last[1], z = now[2] - last[2], square = x * x + y * y + z * z;
+                if (square > largest) largest = square;
+                sum += square + normal[0] + normal[1] + normal[2];  // not finite as soon as one is not
             }
+            result.finite = result.finite && std::isfinite(sum);
+            result.largestMove = std::max(result.largestMove, std::sqrt(static_cast<double>(largest)));
             was.assign(surface.positions, surface.positions + 3 * surface.vertices);
         }
         if (frame % 50 == 0) result.largestGap = std::max(result.largestGap, run({{"do", "measure"}, {"what", "gap"}})["value"].get<double>());

@@ -121,10 +121,13 @@ public:
         return answer ? std::string("ok") : answer.error().code;
     }
 
-    /// Two bars along z, joined, a bone through each, and a tip face at the far end.
-    void buildChain() {
+    /// Two bars along z, joined, a bone through each, and a tip face at the far end. Solved as they are: most cases do not ask how good a response is, and
+    /// by default it takes a second or two.
+    void buildChain(const std::string& solverMesh = "as-is") {
         good({{"do", "import-element"}, {"path", "bar0"}, {"name", "A"}});
         good({{"do", "import-element"}, {"path", "bar1"}, {"name", "B"}});
+        for (const char* element : {"A", "B"})
+            if (solverMesh != "default") good({{"do", "set"}, {"target", element}, {"property", "solver-mesh"}, {"value", solverMesh}});
         addFace("A", "in", 0, -1);
         addFace("A", "out", 3, 1);
         addFace("B", "in", 3, -1);

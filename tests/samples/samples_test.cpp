@@ -201,10 +201,9 @@ TEST_CASE("caterpillar: in a random walk of 10,000 frames no vertex moves more t
     addCoreCommands(registry);
     Session session(registry);
     REQUIRE(session.execute({{"do", "open"}, {"path", (kSamples / "caterpillar.imomushi").string()}}).has_value());
-    using Surface = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
-    std::vector<Surface> before;
-    double worst = 0, reach = 0;
-    bool finite = true;
+    std::vector<std::vector<float>> before;
+    float largest = 0, sum = 0;  // of squared moves, m^2
+    double reach = 0;
     for (const Vec3& target : randomWalk()) {
         REQUIRE(session.execute(dragTo(target)).has_value());
         session.stepFrame(1.0 / 60);
@@ -213,16 +212,21 @@ TEST_CASE("caterpillar: in a random walk of 10,000 frames no vertex moves more t
         before.resize(std::size_t(elements));
         for (int e = 0; e < elements; ++e) {
             const auto surface = character.surface(e);
-            const Eigen::Map<const Surface> now(surface.positions, surface.vertices, 3);
-            finite = finite && now.allFinite();
-            if (before[e].rows() > 0) worst = std::max(worst, double((now - before[e]).rowwise().norm().maxCoeff()));
-            before[e] = now;
+            // Plain numbers, by pointers: twenty million vertices in a test that is not optimised.
+            const float *now = surface.positions, *end = now + 3 * surface.vertices, *was = before[e].empty() ? now : before[e].data();
+            for (; now != end; now += 3, was += 3) {
+                const float x = now[0] - was[0], y = now[1] - was[1], z = now[2] - was[2], square = x * x + y * y + z * z;
+                if (square > largest) largest = square;
+                sum += square;  // not finite as soon as one is not
+            }
+            before[e].assign(surface.positions, surface.positions + 3 * surface.vertices);
         }
         const Pose& pose = session.document().pose;
         reach = std::max(reach, (target - pose.points.at(session.pointIndex({session.document().boneNamed("head-bone")->id, true}))).norm());
     }
+    const double worst = std::sqrt(double(largest));
     MESSAGE("largest move of a vertex in one frame: " << worst / kDragStep << " drag steps; target at most " << reach << " m out of reach");
-    CHECK(finite);
+    CHECK(std::isfinite(sum));
     CHECK(worst <= 10 * kDragStep);
     CHECK(reach > kLength);
 }
