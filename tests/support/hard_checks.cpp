@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
+#include <memory>
+#include <utility>
 
 namespace imomushi {
 
@@ -67,6 +70,18 @@ Vec3 middleOf(const TriangleMesh& mesh) {
     return 0.5 * (mesh.vertices.colwise().minCoeff() + mesh.vertices.colwise().maxCoeff()).transpose();
 }
 
+/// Several cases are compared with the same plain body: it is solved once.
+Result<std::shared_ptr<const ElementResponse>> responseOf(const ResponseInput& input) {
+    static std::map<ContentKey, std::shared_ptr<const ElementResponse>> known;
+    auto& response = known[responseKey(input)];
+    if (!response) {
+        auto built = buildResponse(input, {});
+        if (!built) return tl::unexpected(built.error());
+        response = std::make_shared<const ElementResponse>(std::move(*built));
+    }
+    return response;
+}
+
 /// Largest miss of the linear field u = gradient (x - middle) + shift at the free vertices, over the largest |u| of the body.
 double linearError(const SolvedElement& s, const Eigen::Matrix3d& gradient, const Vec3& shift) {
     const Vec3 middle = middleOf(s.input.mesh->body);
@@ -110,9 +125,9 @@ HardCheck sameAs(std::string what, HardElement other, double bound, std::string 
         input.mesh = theirs->mesh;
         input.faces = theirs->faces;
         input.nu = theirs->nu;
-        const auto solved = buildResponse(input, {});
+        const auto solved = responseOf(input);
         if (!solved) return tl::unexpected(solved.error());
-        const SolvedElement o{input, *solved};
+        const SolvedElement o{input, **solved};
         const Points mine = freePoints(s), others = freePoints(o);
         std::vector<std::pair<Eigen::Index, Eigen::Index>> common;
         const double near = 1e-6 * sizeOf(other.mesh);

@@ -59,7 +59,7 @@ void OutlinePass::releaseMemory() { samples_ = {}, resolved_ = {}; }
 
 void OutlinePass::draw(const PassInput& in, unsigned target) {
     const auto part = outlinedPart(in);
-    if (!part || !samples_.resize(in.width, in.height, GL_RG8, 0, kSamples) || !resolved_.resize(in.width, in.height, GL_RG8, 0)) return;
+    if (!part || !samples_.resize(in.width, in.height, GL_RG8, 0, in.samples) || !resolved_.resize(in.width, in.height, GL_RG8, 0)) return;
 
     samples_.bind();
     glClear(GL_COLOR_BUFFER_BIT);

@@ -10,9 +10,6 @@
 
 namespace imomushi::render {
 
-/// Samples per pixel of pictures whose edges are smoothed.
-inline constexpr int kSamples = 4;
-
 /// The picture that is being drawn, as every pass reads it.
 struct PassInput {
     const Scene& scene;
@@ -20,6 +17,7 @@ struct PassInput {
     const std::vector<GpuBody*>& bodies;  ///< of scene.bodies; null: nothing to draw
     int width, height;                    ///< device pixels
     bool software;                        ///< OpenGL on the processor: cheaper shadows and occlusion
+    int samples;                          ///< per pixel of pictures whose edges are smoothed
 };
 
 /// All triangles of a body, with the program that is in use.

@@ -55,6 +55,8 @@ void resetState() {
     glUseProgram(0);
 }
 
+constexpr int kSamples = 4;
+
 class Renderer final : public SceneRenderer {
 public:
     Result<void> prepare();
@@ -68,6 +70,8 @@ public:
 
 private:
     /// Uploads what changed of the scene and the uniform block Frame.
+    /// Per pixel of pictures whose edges are smoothed.
+    [[nodiscard]] int samplesOf(const Scene& scene) const;
     PassInput update(const Scene& scene, int width, int height);
     void drawPicture(const PassInput& in);
     void compose(const PassInput& in, unsigned target) const;
@@ -108,6 +112,8 @@ bool Renderer::uploadCharacter(const DeformInput& deformInput) {
     return store_.deformer().upload(deformInput);
 }
 
+int Renderer::samplesOf(const Scene& scene) const { return software_ && scene.moving ? 1 : kSamples; }
+
 PassInput Renderer::update(const Scene& scene, int width, int height) {
     const auto start = std::chrono::steady_clock::now();
     store_.update(scene, drawn_);
@@ -116,7 +122,7 @@ PassInput Renderer::update(const Scene& scene, int width, int height) {
     glBindBuffer(GL_UNIFORM_BUFFER, frameBlock_);
     glBufferSubData(GL_UNIFORM_BUFFER, 0, sizeof frame_.block, &frame_.block);
     glBindBufferBase(GL_UNIFORM_BUFFER, 0, frameBlock_);
-    return {scene, frame_, drawn_, width, height, software_};
+    return {scene, frame_, drawn_, width, height, software_, samplesOf(scene)};
 }
 
 void Renderer::drawPicture(const PassInput& in) {
@@ -157,7 +163,7 @@ void Renderer::draw(const Scene& scene, unsigned target, int width, int height) 
     if (width < 1 || height < 1) return;
     const FloatingPointGuard guard;
     resetState();
-    const bool memory = samples_.resize(width, height, GL_SRGB8_ALPHA8, GL_DEPTH_COMPONENT24, kSamples) && picture_.resize(width, height, GL_SRGB8_ALPHA8, 0) &&
+    const bool memory = samples_.resize(width, height, GL_SRGB8_ALPHA8, GL_DEPTH_COMPONENT24, samplesOf(scene)) && picture_.resize(width, height, GL_SRGB8_ALPHA8, 0) &&
                         shadows_.resize(software_) && occlusion_.resize(width, height, software_);
     if (!memory) {
         // Nothing sensible can be shown without memory; the last picture stays.

@@ -17,6 +17,8 @@ namespace {
 /// A tool that says more than this leaves no room for how the view is moved.
 constexpr int kLongHint = 72;
 constexpr float kXrayOpacity = 0.45f;
+/// After the last of many frames the picture is drawn as one that stands still.
+constexpr int kStillMs = 150;
 constexpr double kMarkedShare = 0.06;  // of the diagonal, around a place that is framed
 
 }  // namespace
@@ -41,6 +43,9 @@ ViewportWidget::ViewportWidget(StudioDocument& document, QWidget* parent)
         updateHint();
     });
     connect(&document_, &StudioDocument::hoverChanged, this, &ViewportWidget::redraw);
+    still_.setSingleShot(true);
+    still_.setInterval(kStillMs);
+    connect(&still_, &QTimer::timeout, this, &ViewportWidget::redraw);
     empty_ = document_.document().elements.empty();
     hint_ = hint();
     const QString needed = tr("The 3D view needs OpenGL 3.3. Update the graphics driver, or start with LIBGL_ALWAYS_SOFTWARE=1.");
@@ -274,6 +279,8 @@ void ViewportWidget::paint() {
     scene_.grid = grid_;
     scene_.darkTheme = dark();
     scene_.pixelRatio = float(devicePixelRatioF());
+    // Frames follow each other while something moves, by itself or by hand.
+    scene_.moving = clock_.running() || tool_->busy() || navigator_.active() || fade_.active();
     if (const auto element = document_.document().elements.find(highlightedElement_); !highlighted_.empty() && element != document_.document().elements.end())
         if (render::Body* body = bodyOf(scene_, *element->second)) body->highlightedTriangles = &highlighted_;
     tool_->decorate(scene_);
@@ -284,10 +291,9 @@ void ViewportWidget::paint() {
     ViewOverlay{size(), dark(), palette().color(QPalette::Highlight), tool_->box(), deck_}.paint(painter, document_);
     painter.end();
 
-    // Frames follow each other while something moves, by itself or by hand.
-    const bool running = clock_.running() || tool_->busy() || navigator_.active() || fade_.active();
     if (fade_.active()) redraw();
-    if (const auto frame = meter_.drawn(elapsedMs(drawing), running)) {
+    if (scene_.moving && renderer.software()) still_.start();
+    if (const auto frame = meter_.drawn(elapsedMs(drawing), scene_.moving)) {
         int vertices = 0;
         for (const render::Body& body : scene_.bodies) vertices += int(body.mesh ? body.mesh->body.vertices.rows() : 0);
         Q_EMIT frameMeasured(frame->cpuMs, frame->fps, vertices, renderer.uploadMs());

@@ -4,6 +4,7 @@
 #include <QElapsedTimer>
 #include <QImage>
 #include <QPointF>
+#include <QTimer>
 #include <QWidget>
 #include <memory>
 #include <optional>
@@ -139,6 +140,7 @@ private:
     PartId highlightedElement_ = 0;
     std::vector<std::int32_t> highlighted_;
     std::optional<MarkedPlace> marked_;
+    QTimer still_;
     ShapeFade fade_;
     QElapsedTimer fading_;  ///< since the last frame of it
 
