@@ -162,6 +162,13 @@ Result<Body> makeBody(const TriangleMesh& render, std::span<const std::int32_t> 
     }
     BodyReport& report = body->report;
     report.issues.insert(report.issues.begin(), prepared.issues.begin(), prepared.issues.end());
+    if (report.how == BodyKind::Wrapped)
+        for (MeshIssue& issue : report.issues)
+            if (issue.code == "non-orientable") {
+                issue.severity = Severity::Info;
+                issue.text = "The surface has only one side, like a Moebius strip: a new surface was made around it.";
+                issue.fixed = true;
+            }
     if (!report.issues.empty())
         if (const auto seen = examineSurface(render, part)) placeIssues(report.issues, seen->found);
     measureDistance(render, *body);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/body/body.h"
 #include "tests/body/messes.h"
 #include "tests/support/shapes.h"
 
@@ -159,6 +160,11 @@ TEST_CASE("examine: collapsed and turned triangles, copies and unused vertices a
         strip.triangles.row(2 * i + 1) << b, c, d;
     }
     CHECK(withCode(examined(strip, {RepairAction::Orient}).left, "non-orientable") != nullptr);
+    const auto body = makeBody(strip, {}, {BodyKind::Auto, 0.05}, {});
+    REQUIRE_MESSAGE(body.has_value(), body.error().message);
+    CHECK(body->report.how == BodyKind::Wrapped);
+    REQUIRE(withCode(body->report.issues, "non-orientable") != nullptr);
+    CHECK(withCode(body->report.issues, "non-orientable")->fixed);  // by the wrap
     CHECK(examineSurface({}, {}).error().code == "empty-mesh");
 }
 
