@@ -76,6 +76,7 @@ struct Worm : Workbench {
     }
     void perform() {
         good({{"do", "precompute"}});
+        good({{"do", "pin"}, {"endpoint", "a/start"}});
         good({{"do", "record"}, {"take", kTake}, {"action", "start"}});
         good({{"do", "drag"}, {"endpoint", "c/end"}, {"to", {3.0, 1.0, 10.5}}, {"roll", 0.3}, {"seconds", 0.3}});
         good({{"do", "step"}, {"frames", 20}});
@@ -421,7 +422,7 @@ TEST_CASE("characters: a penguin with handles, and one that is cut, go out verte
             for (const auto& [name, i] : {std::pair("head", top), std::pair("wing", wing), std::pair("foot", foot)})
                 w.good({{"do", "handle"}, {"element", "penguin body"}, {"name", name}, {"point", {v(i, 0), v(i, 1), v(i, 2)}}, {"radius", 0.2}});
         }
-        for (const auto& [id, element] : w.session.document().elements) w.good({{"do", "set"}, {"target", element->name}, {"property", "solver-mesh"}, {"value", "decimated:400"}});
+        for (const auto& [id, element] : w.session.document().elements) w.good({{"do", "set"}, {"target", element->name}, {"property", "solver-mesh"}, {"value", "decimated:150"}});
         w.good({{"do", "precompute"}});
         w.good({{"do", "record"}, {"take", kTake}, {"action", "start"}});
         const std::string end = cut ? "flap/end" : "wing";
@@ -438,7 +439,7 @@ TEST_CASE("characters: a penguin with handles, and one that is cut, go out verte
             const Json answer = w.good({{"do", "export"}, {"layout", layout}, {"path", out.string()}});
             double told = answer.contains("skin") ? answer["skin"]["max_percent"].get<double>() / 100.0 : 0.0;
             if (answer.contains("render_mesh")) told = answer["render_mesh"]["max_percent"].get<double>() / 100.0;
-            MESSAGE((cut ? "cut penguin, " : "penguin with handles, ") << layout << ": " << answer["vertices"] << " vertices, " << answer["targets"] << " targets, " << answer["bytes"]
+            MESSAGE(std::string(cut ? "cut penguin, " : "penguin with handles, ") << std::string(layout) << ": " << answer["vertices"] << " vertices, " << answer["targets"] << " targets, " << answer["bytes"]
                                                                        << " bytes, told " << told << ", read back " << checked(answer));
             CHECK(answer["vertices"] == rest.rows());
             CHECK(checked(answer) <= told + kSingle);
