@@ -192,14 +192,17 @@ EmbeddedModel embedModel(const Document& document, const CharacterSource& charac
     for (const Chosen& c : chosen)
         for (const std::int32_t v : c.vertices) told[at(v)] = 1;
 
-    // Small parts follow one element.
-    if (elements.size() > 1) {
-        struct Part {
-            Bounds box;
-            bool any = false, onBody = false;
-            std::vector<std::size_t> votes;
-        };
-        std::map<std::int32_t, Part> all;
+    // Small parts follow one element, and are no flesh where the body was made without them.
+    struct Part {
+        Bounds box;
+        bool any = false, onBody = false;
+        std::vector<std::size_t> votes;
+        std::int32_t element = -1;           // it is rigid on this one
+        std::vector<std::int32_t> vertices;  // of a rigid one
+    };
+    std::map<std::int32_t, Part> all;
+    {
+        const bool leftOut = character.body->report.how != BodyKind::Wrapped;
         for (std::size_t v = 0; v < count; ++v) {
             if (!used[v]) continue;
             Part& part = all[parts.find(first[v])];
@@ -215,10 +218,14 @@ EmbeddedModel embedModel(const Document& document, const CharacterSource& charac
         for (const Element* element : elements) sizes.push_back(boundsOf(element->mesh->body.vertices).diagonal());
         for (std::size_t v = 0; v < count; ++v) {
             if (!used[v]) continue;
-            const Part& part = all.at(parts.find(first[v]));
+            Part& part = all.at(parts.find(first[v]));
             if (told[v] || part.onBody || part.box.diagonal() >= small) continue;
             const auto most = std::max_element(part.votes.begin(), part.votes.end()) - part.votes.begin();
-            if (part.box.diagonal() < kOfElement * sizes[static_cast<std::size_t>(most)]) vertices[v].element = static_cast<std::int32_t>(most);
+            if (part.box.diagonal() >= kOfElement * sizes[static_cast<std::size_t>(most)]) continue;
+            vertices[v].element = static_cast<std::int32_t>(most);
+            if (!leftOut) continue;
+            part.element = static_cast<std::int32_t>(most);
+            part.vertices.push_back(static_cast<std::int32_t>(v));
         }
     }
 
@@ -266,6 +273,12 @@ EmbeddedModel embedModel(const Document& document, const CharacterSource& charac
             auto& part = points->attached.emplace_back();
             part.pivot = pivotOf(character, rigid.part);
             for (const std::int32_t v : c->vertices) part.points.push_back(vertices[at(v)].index);
+        }
+        for (const auto& [key, small] : all) {
+            if (small.element != static_cast<std::int32_t>(element)) continue;
+            auto& part = points->attached.emplace_back();
+            part.pivot = 0.5 * (small.box.low + small.box.high);
+            for (const std::int32_t v : small.vertices) part.points.push_back(vertices[at(v)].index);
         }
         out.points.push_back(std::move(points));
     }

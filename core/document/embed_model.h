@@ -27,7 +27,7 @@ struct EmbeddedModel {
 
 /// Render vertices at a body vertex follow it. Others follow the element whose surface (without the caps of cuts) is nearest, preferring surface that faces the way of their normal;
 /// vertices at one place follow the same element. A part of the render mesh that hangs together, lies off the body and is small, beside the model (kSmallPart) and beside
-/// the element of most of its vertices, follows that one as a whole.
+/// the element of most of its vertices, follows that one as a whole: rigidly where the body was made without it, not by wrapping all.
 /// Parts that the artist attached follow as they were told (Attachment), rigid ones the element of most of their vertices. Depends on model, body, attachments and pieces
 /// of the character alone.
 EmbeddedModel embedModel(const Document& document, const CharacterSource& character);
