@@ -8,6 +8,7 @@
 #include <map>
 
 #include "core/io/build_result.h"
+#include "core/mesh/bounds.h"
 #include "tests/document/workbench.h"
 #include "tests/export/read_glb.h"
 #include "tests/support/obj.h"
@@ -90,9 +91,14 @@ struct Worm : Workbench {
         good({{"do", "play"}, {"take", kTake}, {"time", *at}});
         return session.renderPositionsOf(source().id);
     }
+    /// That errors are told over: of the bodies together, m.
     [[nodiscard]] double diagonal() const {
-        const Points& v = source().model->mesh.body.vertices;
-        return (v.colwise().maxCoeff() - v.colwise().minCoeff()).norm();
+        Bounds all;
+        for (const auto& [id, element] : session.document().elements) {
+            const Bounds box = boundsOf(element->mesh->body.vertices);
+            all = id == session.document().elements.begin()->first ? box : Bounds{all.low.cwiseMin(box.low), all.high.cwiseMax(box.high)};
+        }
+        return all.diagonal();
     }
     Json write(Json arguments, const char* name) {
         arguments["do"] = "export";
