@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "core/character/frame.h"
 
@@ -11,7 +10,6 @@ namespace imomushi {
 
 namespace {
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr Eigen::Index kGravityColumns = 3;
 constexpr int kPressureColumn = 3;  // of ElementResponse::loads
 
@@ -46,7 +44,10 @@ BodyLoadsJob::BodyLoadsJob(const Frame& frame) : FrameJob({}, {Stage::Loads}) {
 }
 
 void BodyLoadsJob::run(Stage, Frame& frame) {
-    if (inflate_) phase_ = !frame.stopped && inflate_->breath > 0.0 ? std::fmod(phase_ + kTurn * inflate_->breathHertz * frame.seconds, kTurn) : 0.0;
+    if (inflate_ && inflate_->breath > 0.0)
+        phase_.step(frame, inflate_->breathHertz);
+    else
+        phase_ = {};
     for (std::size_t e = 0; e < elements_.size(); ++e)
         if (elements_[e].gravity || elements_[e].inflated) load(frame, e);
 }
@@ -66,7 +67,7 @@ void BodyLoadsJob::load(Frame& frame, std::size_t e) {
         all.segment<kGravityColumns>(first) =
             softness * (out.frame.linear.transpose() * (gravity_->acceleration - gravity_->inertia * own.acceleration.value()));
     }
-    if (own.inflated) all[first + count - 1] = (inflate_->pressure + inflate_->breath * std::sin(phase_)) / given.stiffness;
+    if (own.inflated) all[first + count - 1] = (inflate_->pressure + inflate_->breath * std::sin(phase_.radians())) / given.stiffness;
     const double wanted = all.tail(count).cwiseAbs().dot(runtime.columnSize.tail(count)), most = kMaxLoaded * runtime.size;
     out.jointForces.setZero();
     if (wanted <= 0.0) return;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/character/effect_settings.h"
+#include "core/character/frame.h"
 #include "core/character/frame_job.h"
 #include "core/character/smoothed_acceleration.h"
 #include "core/mesh/mesh.h"
@@ -87,7 +88,7 @@ private:
 
     std::optional<GravityEffect> gravity_;
     std::optional<InflateEffect> inflate_;
-    double phase_ = 0.0;  // of the breath, radians
+    Phase phase_;  // of the breath
     std::vector<Element> elements_;
 };
 

@@ -3,8 +3,10 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <cmath>
 #include <cstdint>
 #include <memory>
+#include <numbers>
 #include <vector>
 
 #include "core/base/thread_pool.h"
@@ -15,7 +17,7 @@
 #include "core/character/vertex_kernels.h"
 #include "core/skeleton/bone_tree.h"
 
-// The plain data of a frame, which its steps and the jobs of effects read and write. Of the character's own files alone.
+// The plain data of a frame, which its steps and the jobs of effects read and write. Only the files of the character and of its jobs know it.
 namespace imomushi {
 
 /// x -> linear * x + shift, rest to world.
@@ -169,6 +171,20 @@ struct Frame {
     double loadMsOfWarp = 0.0; // ms of the bend warp that body loads caused: statistics count them as theirs
     Character::Stats stats;
     std::shared_ptr<ThreadPool> pool;  // null: frames of this character are too small for threads
+};
+
+/// Of what goes on and on in frames.
+class Phase {
+public:
+    /// Radians after this frame; back to 0 where it is stopped.
+    double step(const Frame& frame, double hertz) {
+        constexpr double kTurn = 2.0 * std::numbers::pi;
+        return radians_ = frame.stopped ? 0.0 : std::fmod(radians_ + kTurn * hertz * frame.seconds, kTurn);
+    }
+    [[nodiscard]] double radians() const { return radians_; }
+
+private:
+    double radians_ = 0.0;  // 0 ... 2 pi
 };
 
 }  // namespace imomushi
