@@ -32,8 +32,8 @@ constexpr Detail kDetails[] = {{3, 0.5, 3000}, {2, 0.5, kMaxNodes}, {2, 0.8, kMa
 constexpr int kFewestVertices = 350, kFewestVerticesOfBest = 700;
 /// A decimated default body: with its strips and bubbles it has about 3000 nodes.
 constexpr int kDecimatedVertices = 650;
-/// A draft has one strip at its rims up to as many nodes: a quarter of a second on two cores.
-constexpr int kDraftNodes = 900;
+/// A draft has strips at its rims up to as many nodes: less than a second on two cores.
+constexpr int kDraftNodes = 1000;
 /// Round rims of decimated bodies become polygons of about fifty sides, whose area is 0.2 % less.
 constexpr double kRimTolerance = 1e-3;
 /// A decimated body with more than this share of the nodes is not used.
@@ -202,7 +202,7 @@ Result<SolvedBody> draft(const TriangleMesh& body, std::span<const JointFace> fa
         if (small) out = std::move(*small);
     }
     // Rims are where a coarse mesh is wrong most.
-    if (SolverMesh layered = withLayers(out.mesh, 1); layered.mesh.vertices.rows() <= kDraftNodes) {
+    if (SolverMesh layered = withLayers(out.mesh, 2); layered.mesh.vertices.rows() <= kDraftNodes) {
         out.plain = std::move(out.mesh);
         out.mesh = std::move(layered);
     }

@@ -33,7 +33,7 @@ struct SolvedBody {
 ///   decimated:N a body of N vertices in its place, then like default
 ///   default     strips at singular edges (withLayers) and quadratic displacement: on the body where that is cheap, otherwise on a decimated one
 ///               (as it is where walls are less than 1/150 of the triangles on them: see SolvedBody::extremeWalls)
-///   draft       a body of kDraftVertices in its place (the body itself up to twice as many, or where it cannot be decimated), one strip, linear displacement
+///   draft       a body of kDraftVertices in its place (the body itself up to twice as many, or where it cannot be decimated), strips, linear displacement
 ///   best        more strips and quadratic displacement everywhere, on the body refined where it is coarse
 ///
 /// Measured against second-order finite elements (tests/data/reference): as-is is wrong by up to 23 %, default by less than 2 %, best by less than 1 %.
