@@ -33,7 +33,7 @@ struct EmbeddedModel {
 EmbeddedModel embedModel(const Document& document, const CharacterSource& character);
 
 /// Parts smaller than this, in diagonals of the model, are not torn apart at cuts: eyes, teeth, buttons.
-inline constexpr double kSmallPart = 0.1;
+inline constexpr double kSmallPart = 0.15;
 
 /// The embedded models of a document's characters, the latest remembered. What did not change stays the same objects, so that nothing is built from it anew.
 class EmbeddedModels {

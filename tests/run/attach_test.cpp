@@ -37,6 +37,9 @@ TEST_CASE("attach: the frog's eyes follow its head rigidly, look around, and are
 {"do":"precompute"}
 {"do":"pin","endpoint":"bottom"}
 {"do":"drag","endpoint":"head","to":[0.5,1.7,1.5],"rotation":[0.2,0.3,0,1]}
+{"do":"write-mesh","path":"auto.obj","character":"frog"}
+{"do":"attach","character":"frog","part":"Frog#2","mode":"flesh"}
+{"do":"attach","character":"frog","part":"Frog#3","mode":"flesh"}
 {"do":"write-mesh","path":"flesh.obj","character":"frog"}
 {"do":"attach","character":"frog","part":"Frog#2","mode":"rigid"}
 {"do":"attach","character":"frog","part":"Frog#3","mode":"rigid"}
@@ -74,6 +77,7 @@ TEST_CASE("attach: the frog's eyes follow its head rigidly, look around, and are
             if (rest(v, 0) * side > 0.0) rows.push_back(v);
         REQUIRE(rows.size() == shells[eye]["vertices"].get<std::size_t>());
         const auto of = [&rows](const Points& all) -> Points { return all(rows, Eigen::indexing::all); };
+        CHECK(deformation(of(rest), of(read("auto.obj"))) < 1e-9);
         CHECK(deformation(of(rest), of(flesh)) > 1e-3);
         CHECK(deformation(of(rest), of(rigid)) < 1e-9);
         CHECK(deformation(of(rest), of(look)) < 1e-9);
