@@ -110,7 +110,7 @@ void addAttachCommands(CommandRegistry& registry) {
                        {character, part,
                         {"mode", Type::Text, true,
                          "\"flesh\": each vertex follows the body beside it; \"rigid\": the part keeps its shape and moves as the body does at its pivot, so that parts with one pivot move as "
-                         "one; \"auto\": as flesh, small parts on one element."},
+                         "one; \"auto\": small parts that the body was made without keep their shape, others are flesh."},
                         {"pivot", Type::Any, false, "Of a rigid part, which it turns about: [x,y,z], metres at rest; null: the middle of its box (as it is, at first the middle)."},
                         {"element", Type::Text, false, "The element of the character that it follows, \"\": the one that is nearest (as it is, at first the nearest)."}},
                        attach);
