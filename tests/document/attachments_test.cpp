@@ -247,7 +247,7 @@ TEST_CASE("attach: nothing is precomputed again, and elements that do not carry 
     buildFace(w);
     (void)w.session.character();
     const auto before = w.session.plan().input;
-    w.good(attached("eye", "rigid"));
+    w.good(attached("eye", "flesh"));  // by itself it is rigid
     (void)w.session.character();
     const auto& after = w.session.plan().input;
     CHECK(after.elements[0].embedded != before.elements[0].embedded);
@@ -338,7 +338,7 @@ TEST_CASE("turn-part: takes record it, and play it after the project was saved a
     other.good({{"do", "open"}, {"path", path}});
     check(other);
     // On a character whose part is flesh, the take shows its poses.
-    w.good(attached("eye", "auto"));
+    w.good(attached("eye", "flesh"));
     CHECK(w.good({{"do", "play"}, {"take", "look"}, {"time", times[3]}})["exact"] == false);
 }
 

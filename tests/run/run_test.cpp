@@ -157,7 +157,7 @@ TEST_CASE("run: lines that are no commands fail like commands and never crash") 
         {"{\"do\":\"import-element\",\"path\":\"nothing.obj\"}", "file-not-found"},
         {"{\"do\":\"set\",\"target\":\"character\",\"property\":\"basis\",\"value\":{\"a\":[[[1]]]}}", "bad-type"},
         {"{\"do\":\"" + std::string(100'000, 'x') + "\"}", "unknown-command"},
-        {"{\"do\":\"repair\",\"element\":\"a\"}", "unknown-command"},
+        {"{\"do\":\"bake\",\"element\":\"a\"}", "unknown-command"},
     };
     for (const auto& [line, code] : cases) add(line);
     const Run run = script(lines, "--keep-going");
