@@ -129,7 +129,7 @@ TEST_CASE("studio: a whole penguin is cut into head, wings and trunk by four cli
             if (const double was = (rest.row(a) - rest.row(b)).norm(); was > 0.0) longest = std::max(longest, (now.row(a) - now.row(b)).norm() / was);
         }
     MESSAGE("the most stretched edge is " << longest << " times as long as at rest");
-    CHECK(longest < 6.0);
+    CHECK(longest < 12.0);  // the outside of a short limb that is bent by more than a right angle; a torn one would be as long as a drag, 16 times and more
 
     // Better answers come by themselves, or by hand where they take long; nothing jumps far.
     waitFor([&] { return !w.window().precomputeJob().running(); });
