@@ -7,5 +7,5 @@ root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd -P)
 "$root/packaging/install.sh" test
 "$root/packaging/build.sh" all
 
-# What needs a display brings one of its own.
-exec ctest --test-dir "$root/build" --output-on-failure --no-tests=error -j "$(nproc)" "$@"
+# What needs a display brings one of its own, and waits for it: one test more than there are processors.
+exec ctest --test-dir "$root/build" --output-on-failure --no-tests=error -j "$(($(nproc) + 1))" "$@"

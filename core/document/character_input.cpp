@@ -264,7 +264,7 @@ Result<CharacterPlan> planCharacter(const Document& document) {
                                     (element.jointPlanes == Element::JointPlanes::Auto && jointFaces(element) == 1 && someHasMore);
         }
         if (!someHasMore && joint->faces.size() >= 2)
-            plan.warnings.push_back("The elements at \"" + faceText(document, joint->faces[0]) + "\" and \"" +
+            plan.warnings.push_back("The elements of \"" + faceText(document, joint->faces[0]) + "\" and \"" +
                                     faceText(document, joint->faces[1]) +
                                     "\" have no other joint face: when the joint bends they turn with its plane and leave their bones; give "
                                     "each a tip face at the far end of its bone.");

@@ -93,7 +93,7 @@ struct EffectDescriptor {
 
     // What its settings say of it (effect_settings.h).
     EffectKind kind = EffectKind::kCount;
-    std::string_view name;  ///< of commands and files; elements and bones cannot have it, so that one name says what a command means
+    std::string_view name = {};  ///< of commands and files; elements and bones cannot have it, so that one name says what a command means
     const char *title = "", *help = "";
     std::span<const EffectProperty> properties = {};          ///< in the order of Effect::values
     std::shared_ptr<EffectSettings> (*settings)() = nullptr;  ///< with the values that it has at first
