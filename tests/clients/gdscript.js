@@ -110,7 +110,8 @@ const runtime = {
         return value;
     },
     $put: (object, key, value) => (object instanceof Basis ? (object.columns[key] = value) : (object[key] = value)),
-    $each: (list) => (typeof list === 'number' ? Array.from({ length: list }, (_, i) => i) : list),
+    // A dictionary gives its keys; numbers are numbers there.
+    $each: (list) => (typeof list === 'number' ? Array.from({ length: list }, (_, i) => i) : Symbol.iterator in list ? list : Object.keys(list).map((key) => (Number.isInteger(Number(key)) ? Number(key) : key))),
     $make: (type, ...given) => (type === String ? String(...given) : new type(...given)),
     Vector3, Vector4, Quaternion, Basis, Transform3D, String,
     NAN: NaN, is_nan: Number.isNaN, absf: Math.abs, tanh: Math.tanh, sin: Math.sin, cos: Math.cos, atan2: Math.atan2, maxi: Math.max, maxf: Math.max, sqrt: Math.sqrt, pow: Math.pow, int: Math.trunc,
