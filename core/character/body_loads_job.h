@@ -27,11 +27,12 @@ struct GravityEffect : EffectOf<GravityEffect> {
     static constexpr auto properties() {
         return std::array{
             number<&GravityEffect::acceleration>("acceleration", "m/s^2", -1e6, 1e6, IMOMUSHI_TEXT("Effects", "Gravity"),
-                   IMOMUSHI_TEXT("Effects", "Acceleration of free fall, in the world.")),
-            number<&GravityEffect::shearModulus>("shear-modulus", "Pa", 1e-3, 1e12, IMOMUSHI_TEXT("Effects", "Shear modulus"),
-                   IMOMUSHI_TEXT("Effects", "Shear modulus of elements with stiffness 1: softer flesh sags more.")),
+                                                 IMOMUSHI_TEXT("Effects", "Acceleration of free fall, in the world.")),
+            number<&GravityEffect::shearModulus>(
+                "shear-modulus", "Pa", 1e-3, 1e12, IMOMUSHI_TEXT("Effects", "Shear modulus"),
+                IMOMUSHI_TEXT("Effects", "Shear modulus of elements with stiffness 1: softer flesh sags more.")),
             number<&GravityEffect::inertia>("inertia", "", 0.0, 10.0, IMOMUSHI_TEXT("Effects", "Inertia"),
-                   IMOMUSHI_TEXT("Effects", "How much of its own acceleration the flesh feels. 0: none.")),
+                                            IMOMUSHI_TEXT("Effects", "How much of its own acceleration the flesh feels. 0: none.")),
         };
     }
     void ask(ElementTables& tables) const override;
@@ -43,18 +44,19 @@ struct InflateEffect : EffectOf<InflateEffect> {
     static constexpr std::string_view kName = "inflate";
     static constexpr auto kTitle = IMOMUSHI_TEXT("Effects", "Inflate");
     static constexpr auto kHelp = IMOMUSHI_TEXT("Effects", "Pressure inside puffs the body up, and lets it breathe.");
-    double pressure = 0.1;      ///< over the shear modulus of stiffness 1
-    double breath = 0.0;        ///< amplitude of its rise and fall
+    double pressure = 0.1;  ///< over the shear modulus of stiffness 1
+    double breath = 0.0;    ///< amplitude of its rise and fall
     double breathHertz = 0.25;
 
     static constexpr auto properties() {
         return std::array{
-            number<&InflateEffect::pressure>("pressure", "", -10.0, 10.0, IMOMUSHI_TEXT("Effects", "Pressure"),
-                   IMOMUSHI_TEXT("Effects", "Pressure over the shear modulus. Above 0 it puffs up, below it shrivels.")),
+            number<&InflateEffect::pressure>(
+                "pressure", "", -10.0, 10.0, IMOMUSHI_TEXT("Effects", "Pressure"),
+                IMOMUSHI_TEXT("Effects", "Pressure over the shear modulus. Above 0 it puffs up, below it shrivels.")),
             number<&InflateEffect::breath>("breath", "", 0.0, 10.0, IMOMUSHI_TEXT("Effects", "Breath"),
-                   IMOMUSHI_TEXT("Effects", "How much the pressure rises and falls with each breath. 0: none.")),
+                                           IMOMUSHI_TEXT("Effects", "How much the pressure rises and falls with each breath. 0: none.")),
             number<&InflateEffect::breathHertz>("breath-hertz", "Hz", 0.0, 100.0, IMOMUSHI_TEXT("Effects", "Breathing"),
-                   IMOMUSHI_TEXT("Effects", "Breaths per second.")),
+                                                IMOMUSHI_TEXT("Effects", "Breaths per second.")),
         };
     }
     void ask(ElementTables& tables) const override;

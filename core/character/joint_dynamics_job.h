@@ -24,9 +24,9 @@ struct JointDynamicsEffect : EffectOf<JointDynamicsEffect> {
     static constexpr auto properties() {
         return std::array{
             number<&JointDynamicsEffect::hertz>("hertz", "Hz", 0.01, 1000.0, IMOMUSHI_TEXT("Effects", "Jiggle"),
-                   IMOMUSHI_TEXT("Effects", "How fast the softest part of a joint jiggles.")),
+                                                IMOMUSHI_TEXT("Effects", "How fast the softest part of a joint jiggles.")),
             number<&JointDynamicsEffect::damping>("damping", "", 0.0, 10.0, IMOMUSHI_TEXT("Effects", "Damping"),
-                   IMOMUSHI_TEXT("Effects", "Damping ratio. 0: it never stops; 1: no jiggle.")),
+                                                  IMOMUSHI_TEXT("Effects", "Damping ratio. 0: it never stops; 1: no jiggle.")),
         };
     }
     [[nodiscard]] Result<void> addJob(Frame& frame, FrameJobs& jobs) const override;

@@ -16,7 +16,8 @@ namespace imomushi {
 struct PreviousModelEffect : EffectOf<PreviousModelEffect> {
     static constexpr std::string_view kName = "previous-model";
     static constexpr auto kTitle = IMOMUSHI_TEXT("Effects", "Previous model");
-    static constexpr auto kHelp = IMOMUSHI_TEXT("Effects", "Joint faces move by the explicit dynamics of the paper’s previous model. For comparison: it is slow and may diverge.");
+    static constexpr auto kHelp = IMOMUSHI_TEXT(
+        "Effects", "Joint faces move by the explicit dynamics of the paper’s previous model. For comparison: it is slow and may diverge.");
     double step = 1.0 / 600.0;     ///< of the explicit integration, s
     double damping = 4.0;          ///< of velocities, 1/s
     double shearModulus = 3000.0;  ///< of stiffness 1, Pa
@@ -24,11 +25,11 @@ struct PreviousModelEffect : EffectOf<PreviousModelEffect> {
     static constexpr auto properties() {
         return std::array{
             number<&PreviousModelEffect::step>("step", "s", 1e-6, 1.0, IMOMUSHI_TEXT("Effects", "Time step"),
-                   IMOMUSHI_TEXT("Effects", "Time step of the explicit integration. Longer ones diverge.")),
+                                               IMOMUSHI_TEXT("Effects", "Time step of the explicit integration. Longer ones diverge.")),
             number<&PreviousModelEffect::damping>("damping", "1/s", 0.0, 1e6, IMOMUSHI_TEXT("Effects", "Damping"),
-                   IMOMUSHI_TEXT("Effects", "Damping of the velocities of joint-face vertices.")),
+                                                  IMOMUSHI_TEXT("Effects", "Damping of the velocities of joint-face vertices.")),
             number<&PreviousModelEffect::shearModulus>("shear-modulus", "Pa", 1e-3, 1e12, IMOMUSHI_TEXT("Effects", "Shear modulus"),
-                   IMOMUSHI_TEXT("Effects", "Shear modulus of elements with stiffness 1.")),
+                                                       IMOMUSHI_TEXT("Effects", "Shear modulus of elements with stiffness 1.")),
         };
     }
     [[nodiscard]] Result<void> addJob(Frame& frame, FrameJobs& jobs) const override;

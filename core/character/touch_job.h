@@ -23,12 +23,16 @@ struct TouchEffect : EffectOf<TouchEffect>, TouchSettings {
 
     static constexpr auto properties() {
         return std::array{
-            number<&TouchEffect::patches>("patches", "", 8.0, 256.0, IMOMUSHI_TEXT("Effects", "Patches"),
-                   IMOMUSHI_TEXT("Effects", "How many patches of a surface fingers act on. More of them make finer dents, and a longer precompute."), true, true),
-            number<&TouchEffect::friction>("friction", "", 0.0, 10.0, IMOMUSHI_TEXT("Effects", "Friction"),
-                   IMOMUSHI_TEXT("Effects", "Coulomb’s coefficient between a finger and the surface. 0: it only pushes straight in.")),
+            number<&TouchEffect::patches>(
+                "patches", "", 8.0, 256.0, IMOMUSHI_TEXT("Effects", "Patches"),
+                IMOMUSHI_TEXT("Effects",
+                              "How many patches of a surface fingers act on. More of them make finer dents, and a longer precompute."),
+                true, true),
+            number<&TouchEffect::friction>(
+                "friction", "", 0.0, 10.0, IMOMUSHI_TEXT("Effects", "Friction"),
+                IMOMUSHI_TEXT("Effects", "Coulomb’s coefficient between a finger and the surface. 0: it only pushes straight in.")),
             number<&TouchEffect::releaseSeconds>("release", "s", 0.0, 10.0, IMOMUSHI_TEXT("Effects", "Release"),
-                   IMOMUSHI_TEXT("Effects", "In this time a dent goes back after its finger lifts.")),
+                                                 IMOMUSHI_TEXT("Effects", "In this time a dent goes back after its finger lifts.")),
         };
     }
     void ask(ElementTables& tables) const override;
