@@ -32,7 +32,7 @@ constexpr Detail kDetails[] = {{3, 0.5, 3000}, {2, 0.5, kMaxNodes}, {2, 0.8, kMa
 constexpr int kFewestVertices = 350, kFewestVerticesOfBest = 700;
 /// A decimated default body: with its strips and bubbles it has about 3000 nodes.
 constexpr int kDecimatedVertices = 650;
-/// A draft has strips at its rims up to as many nodes: less than a second on two cores.
+/// A draft has strips at its rims up to as many nodes: half a second on two cores.
 constexpr int kDraftNodes = 1000;
 /// Round rims of decimated bodies become polygons of about fifty sides, whose area is 0.2 % less.
 constexpr double kRimTolerance = 1e-3;
@@ -246,11 +246,8 @@ Result<SolvedBody> solvedBody(const TriangleMesh& body, std::span<const JointFac
 
 SolvedSize solvedSize(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting) {
     const auto vertices = static_cast<int>(body.vertices.rows());
-    if (setting.kind == SolverMeshSetting::Kind::Draft && !asItIsForDraft(body)) {
-        constexpr int kCount = SolverMeshSetting::kDraftVertices;
-        return {kCount, 2 * kCount, kCount / 3};
-    }
-    if (setting.kind == SolverMeshSetting::Kind::AsIs || setting.kind == SolverMeshSetting::Kind::Draft) return {vertices, static_cast<int>(body.triangles.rows()), vertices / 3};
+    if (setting.kind == SolverMeshSetting::Kind::Draft && !asItIsForDraft(body)) return {kDraftNodes, 2 * kDraftNodes, SolverMeshSetting::kDraftVertices};
+    if (setting.kind == SolverMeshSetting::Kind::AsIs) return {vertices, static_cast<int>(body.triangles.rows()), vertices / 3};
     if (setting.kind == SolverMeshSetting::Kind::Refined) {
         const int count = std::max(vertices, setting.count);
         return {count, 2 * count, std::max(count / 3, std::min(vertices, count))};
