@@ -3,6 +3,9 @@
 
 namespace imomushi {
 
+/// A plane that is dragged changes the document in every frame.
+static constexpr int kSoonMs = 80;
+
 struct DraftJob::Work {
     PartId element = 0;
     ResponseInput input;
@@ -12,27 +15,40 @@ struct DraftJob::Work {
 
 DraftJob::DraftJob(StudioDocument& document, QObject* parent) : BackgroundJob(parent), document_(document) {
     connect(&document, &StudioDocument::structureChanged, this, &DraftJob::follow);
+    soon_.setSingleShot(true);
+    soon_.setInterval(kSoonMs);
+    connect(&soon_, &QTimer::timeout, this, &DraftJob::start);
 }
 
 void DraftJob::setEnabled(bool on) {
     enabled_ = on;
-    if (on) follow();
-    else cancel();
+    if (on) {
+        follow();
+    } else {
+        soon_.stop();
+        cancel();
+    }
 }
 
 void DraftJob::follow() {
     if (!enabled_) return;
     const auto& responses = document_.session().responses();
+    if (running() && !(document_.document().elements.contains(work_->element) && responses.shapeOf(work_->element) == work_->shape)) cancel();
+    soon_.start();
+}
+
+bool DraftJob::wants(PartId id) const {
+    const auto element = document_.document().elements.find(id);
+    if (element == document_.document().elements.end() || element->second->faces.empty() || element->second->mesh->body.vertices.rows() > kLargest) return false;
+    const auto& responses = document_.session().responses();
+    return !responses.fittingOf(id) && !failed_.contains(responses.shapeOf(id));
+}
+
+void DraftJob::start() {
     waiting_.clear();
     for (const auto& [id, element] : document_.document().elements)
-        if (!element->faces.empty() && element->mesh->body.vertices.rows() <= kLargest && !responses.fittingOf(id) && !failed_.contains(responses.shapeOf(id)))
-            waiting_.push_back(id);
-    if (running()) {
-        const bool wanted = document_.document().elements.contains(work_->element) && responses.shapeOf(work_->element) == work_->shape;
-        if (wanted) return;
-        cancel();
-    }
-    if (waiting_.empty()) return;
+        if (wants(id)) waiting_.push_back(id);
+    if (waiting_.empty() || running()) return;  // next() goes on
     Q_EMIT drafting();
     next();
 }
@@ -42,7 +58,7 @@ void DraftJob::next() {
     while (!waiting_.empty()) {
         const PartId id = waiting_.front();
         waiting_.pop_front();
-        if (!document_.document().elements.contains(id) || session.responses().fittingOf(id)) continue;
+        if (!wants(id)) continue;
         auto work = std::make_shared<Work>();
         work->element = id;
         work->input = session.responses().inputOfDraft(id);

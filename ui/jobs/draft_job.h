@@ -9,7 +9,7 @@
 
 namespace imomushi {
 
-/// Makes elements soft at once: each that has joint faces or handles, and no response that fits it, is solved on the solver mesh "draft" in the background, in a
+/// Makes elements soft soon after a change: each that has joint faces or handles, and no response that fits it, is solved on the solver mesh "draft" in the background, in a
 /// fraction of a second. The answer is used, as one that is out of date, until the element is precomputed as its settings say. Elements of more than kLargest
 /// vertices wait for that.
 class DraftJob : public BackgroundJob {
@@ -32,12 +32,16 @@ signals:
 private:
     struct Work;
     void follow();
+    [[nodiscard]] bool wants(PartId element) const;
+    /// Asks again who waits, and begins with the first.
+    void start();
     void next();
 
     StudioDocument& document_;
     std::deque<PartId> waiting_;
     std::set<ContentKey> failed_;
     std::shared_ptr<Work> work_;
+    QTimer soon_;  // while changes follow each other, nothing is begun
     bool enabled_ = true;
 };
 
