@@ -65,6 +65,23 @@ TEST_CASE("shape fade: the picture begins where it was, comes to what is seen no
     CHECK(last == doctest::Approx(0.5));
 }
 
+TEST_CASE("shape fade: answers that follow each other quickly do not make it jump either") {
+    const auto mesh = box();
+    const Drawn before(mesh, 0.0f);
+    ShapeFade fade;
+    fade.keep(before.scene);
+    Drawn first(mesh, 0.5f);
+    fade.apply(first.scene, 0.0);
+    Drawn half(mesh, 0.5f);
+    fade.apply(half.scene, 0.5 * ShapeFade::kSeconds);
+    const float there = half.raisedFrom(before);
+    CHECK(there == doctest::Approx(0.25));
+    fade.keep(half.scene);
+    Drawn next(mesh, 3.0f);
+    fade.apply(next.scene, 0.0);
+    CHECK(next.raisedFrom(before) == doctest::Approx(there));
+}
+
 TEST_CASE("shape fade: it follows what goes on moving, and leaves other bodies and other meshes alone") {
     const auto mesh = box();
     const Drawn before(mesh, 0.0f);

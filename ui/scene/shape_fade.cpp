@@ -2,14 +2,16 @@
 #include "ui/scene/shape_fade.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace imomushi {
 
 void ShapeFade::keep(const render::Scene& scene) {
-    kept_.clear();
-    passed_ = -1.0;
+    std::map<std::uint64_t, Kept> kept;  // beside those before, which a fading scene points to
     for (const render::Body& body : scene.bodies)
-        if (body.mesh && body.positions) kept_[body.id] = {body.mesh, {body.positions, body.positions + body.mesh->body.vertices.size()}, {}};
+        if (body.mesh && body.positions) kept[body.id] = {body.mesh, {body.positions, body.positions + body.mesh->body.vertices.size()}, {}};
+    kept_ = std::move(kept);
+    passed_ = -1.0;
 }
 
 void ShapeFade::apply(render::Scene& scene, double seconds) {

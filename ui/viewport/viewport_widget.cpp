@@ -262,6 +262,7 @@ void ViewportWidget::keepShape() {
     if (!canvas_ || !isVisible()) return;
     render::Scene seen;
     documentScene_.update(document_.session(), sceneOptions(), seen);
+    fade_.apply(seen, 0.0);  // it may be fading already
     fade_.keep(seen);
     fading_.invalidate();
 }
