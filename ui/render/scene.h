@@ -71,7 +71,7 @@ struct Scene {
     bool solidGround = false;         ///< bodies rest on it: a calm plane under its grid, also where the grid is off
     bool darkTheme = true;
     bool transparentBackground = false;
-    bool moving = false;      ///< one of many frames: where the processor draws, edges are smoothed when it stands still
+    bool smooth = true;       ///< smooth edges also where the processor draws, which take it several times as long
     float pixelRatio = 1.0f;  ///< device pixels per logical pixel
 };
 

@@ -112,7 +112,7 @@ bool Renderer::uploadCharacter(const DeformInput& deformInput) {
     return store_.deformer().upload(deformInput);
 }
 
-int Renderer::samplesOf(const Scene& scene) const { return software_ && scene.moving ? 1 : kSamples; }
+int Renderer::samplesOf(const Scene& scene) const { return software_ && !scene.smooth ? 1 : kSamples; }
 
 PassInput Renderer::update(const Scene& scene, int width, int height) {
     const auto start = std::chrono::steady_clock::now();

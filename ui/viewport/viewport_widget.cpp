@@ -17,7 +17,7 @@ namespace {
 /// A tool that says more than this leaves no room for how the view is moved.
 constexpr int kLongHint = 72;
 constexpr float kXrayOpacity = 0.45f;
-/// After the last of many frames the picture is drawn as one that stands still.
+/// Where the processor draws, a picture that has not changed for this long is drawn again with smooth edges.
 constexpr int kStillMs = 150;
 constexpr double kMarkedShare = 0.06;  // of the diagonal, around a place that is framed
 
@@ -45,7 +45,10 @@ ViewportWidget::ViewportWidget(StudioDocument& document, QWidget* parent)
     connect(&document_, &StudioDocument::hoverChanged, this, &ViewportWidget::redraw);
     still_.setSingleShot(true);
     still_.setInterval(kStillMs);
-    connect(&still_, &QTimer::timeout, this, &ViewportWidget::redraw);
+    connect(&still_, &QTimer::timeout, this, [this] {
+        smooth_ = true;
+        redraw();
+    });
     empty_ = document_.document().elements.empty();
     hint_ = hint();
     const QString needed = tr("The 3D view needs OpenGL 3.3. Update the graphics driver, or start with LIBGL_ALWAYS_SOFTWARE=1.");
@@ -233,7 +236,10 @@ void ViewportWidget::redraw() {
     if (canvas_) canvas_->update();
 }
 
-QImage ViewportWidget::grabFramebuffer() { return canvas_ ? canvas_->grabFramebuffer() : QImage(); }
+QImage ViewportWidget::grabFramebuffer() {
+    smooth_ = true;
+    return canvas_ ? canvas_->grabFramebuffer() : QImage();
+}
 
 void ViewportWidget::resizeEvent(QResizeEvent* e) {
     QWidget::resizeEvent(e);
@@ -281,7 +287,9 @@ void ViewportWidget::paint() {
     scene_.darkTheme = dark();
     scene_.pixelRatio = float(devicePixelRatioF());
     // Frames follow each other while something moves, by itself or by hand.
-    scene_.moving = clock_.running() || tool_->busy() || navigator_.active() || fade_.active();
+    const bool moving = clock_.running() || tool_->busy() || navigator_.active() || fade_.active();
+    scene_.smooth = !moving && (!renderer.software() || smooth_);
+    smooth_ = false;
     if (const auto element = document_.document().elements.find(highlightedElement_); !highlighted_.empty() && element != document_.document().elements.end())
         if (render::Body* body = bodyOf(scene_, *element->second)) body->highlightedTriangles = &highlighted_;
     tool_->decorate(scene_);
@@ -293,8 +301,8 @@ void ViewportWidget::paint() {
     painter.end();
 
     if (fade_.active()) redraw();
-    if (scene_.moving && renderer.software()) still_.start();
-    if (const auto frame = meter_.drawn(elapsedMs(drawing), scene_.moving)) {
+    if (!scene_.smooth && renderer.software()) still_.start();
+    if (const auto frame = meter_.drawn(elapsedMs(drawing), moving)) {
         int vertices = 0;
         for (const render::Body& body : scene_.bodies) vertices += int(body.mesh ? body.mesh->body.vertices.rows() : 0);
         Q_EMIT frameMeasured(frame->cpuMs, frame->fps, vertices, renderer.uploadMs());

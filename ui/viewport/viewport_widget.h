@@ -141,6 +141,7 @@ private:
     std::vector<std::int32_t> highlighted_;
     std::optional<MarkedPlace> marked_;
     QTimer still_;
+    bool smooth_ = false;  ///< the next picture is one that stands still
     ShapeFade fade_;
     QElapsedTimer fading_;  ///< since the last frame of it
 
