@@ -70,7 +70,12 @@ Quaterniond Character::State::rolled(int bone) const {
 void Character::State::placeElement(std::size_t e) {
     const auto& given = frame.input.elements[e];
     auto& out = frame.elements[e];
-    if (given.bones.empty()) return;
+    if (given.bones.empty()) {
+        if (out.fit) return;  // its handles place it
+        out.rotation = Quaterniond::Identity();
+        out.frame = {};
+        return;
+    }
     MeanRotation mean;
     Vec3 anchor = Vec3::Zero();
     for (const int b : given.bones) {

@@ -20,8 +20,8 @@ inline double milliseconds(std::chrono::steady_clock::time_point from, std::chro
 
 /// Where in a frame jobs run, in this order; what is there by then, and what a job may change (frame.h).
 enum class Stage {
-    Joints,       ///< rotation, place and in-plane stretch of joints
-    JointMaps,    ///< maps of joints, which follow from them
+    Joints,       ///< turn, rotation (the same as a matrix), place and in-plane stretch of joints; rotation and frame of elements
+    JointMaps,    ///< maps of joints, which were made from these
     Loads,        ///< v of elements under these maps; columns after v, forces on joints
     FaceOffsets,  ///< displacements of single vertices of joint faces; v with them
     Equilibrium,  ///< maps of joints and v, final

@@ -76,11 +76,11 @@ double jointDynamicsPairs(const Document& document) { return kDynamicPairs * joi
 
 // By kind.
 constexpr EffectDescriptor kTable[] = {
-    row<BoneDynamicsEffect>(EffectKind::BoneDynamics, {.scope = EffectScope::Bones}),
+    row<BoneDynamicsEffect>(EffectKind::BoneDynamics, {.scope = EffectScope::Bones, .inTime = true}),
     row<SmoothJointsEffect>(EffectKind::SmoothJoints, {.pairs = smoothJointsPairs}),
     row<BendWarpEffect>(EffectKind::BendWarp, {.scope = EffectScope::Elements, .pairs = bendWarpPairs}),
-    row<JointDynamicsEffect>(EffectKind::JointDynamics, {.pairs = jointDynamicsPairs}),
-    row<PreviousModelEffect>(EffectKind::PreviousModel, {.tractions = true, .pairs = previousModelPairs}),
+    row<JointDynamicsEffect>(EffectKind::JointDynamics, {.inTime = true, .pairs = jointDynamicsPairs}),
+    row<PreviousModelEffect>(EffectKind::PreviousModel, {.tractions = true, .inTime = true, .pairs = previousModelPairs}),
     row<GravityEffect>(EffectKind::Gravity, {.scope = EffectScope::Elements, .ask = askForLoads, .columns = [](const Effects&) { return 3; }}),
     row<InflateEffect>(EffectKind::Inflate, {.scope = EffectScope::Elements, .ask = askForLoads, .columns = [](const Effects&) { return 1; }}),
     // Fingers read the columns of the patches around them, about a dozen.

@@ -87,8 +87,10 @@ struct EffectDescriptor {
     int mostRead = std::numeric_limits<int>::max();  ///< of its columns, that a frame reads
     /// It needs the tractions of responses in the basis "full".
     bool tractions = false;
+    /// It follows from how a character moves in time: an export without a take drops it.
+    bool inTime = false;
     /// Predicted cost of a frame besides its columns, in pairs of a collocation point and a triangle, whose time is measured on every machine (machineRates()).
-    /// Predictions are replaced by what is measured once frames pass. Null, for effects on bones: a few frames are tried out.
+    /// Predictions are replaced by what is measured once frames pass. Null: nearly nothing; for effects on bones, a few frames are tried out.
     double (*pairs)(const Document&) = nullptr;
 
     // What its settings say of it (effect_settings.h).

@@ -73,10 +73,10 @@ Json effectJson(const ExportPlan& plan, const ExportReport& report, EffectKind k
         answer["error"] = errorJson(error);
         return answer;
     };
-    const bool inTime = kind == EffectKind::BoneDynamics || kind == EffectKind::JointDynamics || kind == EffectKind::PreviousModel;
-    if (inTime && !plan.performed) return told("dropped");
+    const EffectDescriptor& effect = effectDescriptor(kind);
+    if (effect.inTime && !plan.performed) return told("dropped");
     if (plan.options.layout == ExportLayout::Cache) return told("exact");
-    const bool ofBones = kind == EffectKind::BoneDynamics || kind == EffectKind::Ground;
+    const bool ofBones = effect.scope == EffectScope::Bones;
     if (plan.options.layout == ExportLayout::Skinned) return ofBones ? told("exact") : fitted(report.skinned);
     if (kind == EffectKind::BendWarp) return fitted(report.warped);
     if (kind == EffectKind::Touch && report.touched.largest > 0.0) return fitted(report.touched);
