@@ -25,19 +25,6 @@ constexpr double kLongestClip = 1e9;      // s
 
 std::size_t widthOf(Path path) { return path == Path::Rotation ? 4 : 3; }
 
-/// The rotation nearest to a matrix, mirrored ones mirrored back; identity where it has none.
-Eigen::Quaterniond rotationOf(Eigen::Matrix3d m) {
-    const double size = m.cwiseAbs().maxCoeff();
-    if (!(size > 0.0)) return Eigen::Quaterniond::Identity();
-    m /= size;
-    if (m.determinant() < 0.0) m = -m;
-    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    if (svd.singularValues()[1] < kSmallestScale * svd.singularValues()[0]) return Eigen::Quaterniond::Identity();
-    Eigen::Matrix3d turn = svd.matrixU() * svd.matrixV().transpose();
-    if (turn.determinant() < 0.0) turn = svd.matrixU() * Vec3(1.0, 1.0, -1.0).asDiagonal() * svd.matrixV().transpose();
-    return Eigen::Quaterniond(turn).normalized();
-}
-
 /// The value of a track, 3 or 4 numbers.
 Eigen::Vector4d valueAt(const RigTrack& track, double time) {
     const std::size_t width = widthOf(track.path), stride = track.interpolation == Interpolation::Cubic ? 3 * width : width;
@@ -81,7 +68,7 @@ const char* faultOf(const RigTrack& track, std::size_t nodes) {
     if (track.node < 0 || static_cast<std::size_t>(track.node) >= nodes) return "a track moves a node that does not exist";
     if (track.times.empty() || track.values.size() != width * track.times.size()) return "a track has a wrong number of keys";
     if (!allFinite(track.times) || !inRange(track.values)) return "a track has a number that is not finite or too large";
-    if (track.times.front() < 0.0) return "a track begins before the clip";
+    if (track.times.front() < 0.0) return "a track begins before 0 s";
     if (std::adjacent_find(track.times.begin(), track.times.end(), std::greater_equal<>()) != track.times.end()) return "the times of a track do not rise";
     return nullptr;
 }
@@ -98,7 +85,19 @@ int Rig::clipIndex(std::string_view name) const {
     return found == clips.end() ? -1 : static_cast<int>(found - clips.begin());
 }
 
+std::string checkClip(const RigClip& clip, std::size_t nodes) {
+    if (!isFinite(clip.seconds) || clip.seconds < 0.0 || clip.seconds > kLongestClip) return "a clip has no length";
+    std::set<std::pair<std::int32_t, Path>> moved;
+    for (const RigTrack& track : clip.tracks) {
+        if (const char* fault = faultOf(track, nodes)) return fault;
+        if (!moved.emplace(track.node, track.path).second) return "a clip moves a node twice";
+        if (track.times.back() > clip.seconds) return "a clip is shorter than its tracks";
+    }
+    return "";
+}
+
 std::string checkRig(const Rig& rig, std::size_t vertices) {
+    if (rig.bones.empty()) return "it has no bones";
     if (rig.bones.size() > kMostRigBones || rig.nodes.size() > kMostRigNodes || rig.clips.size() > kMostRigClips) return "it has too many bones or clips";
     if (!inRange(rig.toScene)) return "its unit is out of range";
     const auto before = [](std::int32_t parent, std::size_t own) { return parent >= -1 && parent < static_cast<std::int64_t>(own); };
@@ -132,14 +131,8 @@ std::string checkRig(const Rig& rig, std::size_t vertices) {
     std::size_t numbers = 0;
     for (const RigClip& clip : rig.clips) {
         if (clip.name.empty() || !names.insert(clip.name).second) return "two clips have one name";
-        if (!isFinite(clip.seconds) || clip.seconds < 0.0 || clip.seconds > kLongestClip) return "a clip has no length";
-        std::set<std::pair<std::int32_t, Path>> moved;
-        for (const RigTrack& track : clip.tracks) {
-            if (const char* fault = faultOf(track, rig.nodes.size())) return fault;
-            if (!moved.emplace(track.node, track.path).second) return "a clip moves a node twice";
-            if (track.times.back() > clip.seconds) return "a clip is shorter than its tracks";
-            numbers += track.times.size() + track.values.size();
-        }
+        if (std::string fault = checkClip(clip, rig.nodes.size()); !fault.empty()) return fault;
+        for (const RigTrack& track : clip.tracks) numbers += track.times.size() + track.values.size();
     }
     return numbers > kMostRigNumbers ? "its clips have too many keys" : "";
 }
@@ -174,6 +167,30 @@ void guessTails(Rig& rig) {
     }
 }
 
+void placeRig(Rig& rig, const Eigen::Matrix4d& place) {
+    rig.toScene = place * rig.toScene;
+    const Eigen::Matrix3d linear = place.topLeftCorner<3, 3>();
+    const Vec3 shift = place.topRightCorner<3, 1>();
+    const Eigen::Quaterniond turn = nearestRotation(linear);
+    for (RigBone& bone : rig.bones) {
+        bone.head = linear * bone.head + shift;
+        bone.tail = linear * bone.tail + shift;
+        bone.rotation = (turn * bone.rotation).normalized();
+    }
+}
+
+Eigen::Quaterniond nearestRotation(const Eigen::Matrix3d& matrix) {
+    const double size = matrix.cwiseAbs().maxCoeff();
+    if (!(size > 0.0)) return Eigen::Quaterniond::Identity();
+    Eigen::Matrix3d m = matrix / size;
+    if (m.determinant() < 0.0) m = -m;
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    if (svd.singularValues()[1] < kSmallestScale * svd.singularValues()[0]) return Eigen::Quaterniond::Identity();
+    Eigen::Matrix3d turn = svd.matrixU() * svd.matrixV().transpose();
+    if (turn.determinant() < 0.0) turn = svd.matrixU() * Vec3(1.0, 1.0, -1.0).asDiagonal() * svd.matrixV().transpose();
+    return Eigen::Quaterniond(turn).normalized();
+}
+
 std::vector<RigPose> posedRig(const Rig& rig, const RigClip& clip, double time) {
     std::vector<RigNode> nodes = rig.nodes;
     for (const RigTrack& track : clip.tracks) {
@@ -196,7 +213,7 @@ std::vector<RigPose> posedRig(const Rig& rig, const RigClip& clip, double time) 
     std::vector<RigPose> pose;
     for (const RigBone& bone : rig.bones) {
         const Matrix& m = global[static_cast<std::size_t>(bone.node)];
-        pose.push_back({m.topRightCorner<3, 1>(), rotationOf(m.topLeftCorner<3, 3>())});
+        pose.push_back({m.topRightCorner<3, 1>(), nearestRotation(m.topLeftCorner<3, 3>())});
     }
     return pose;
 }

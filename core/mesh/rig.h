@@ -77,9 +77,18 @@ inline constexpr std::size_t kMostRigNumbers = std::size_t{1} << 25;  ///< of al
 /// Empty: it can. `vertices`: of the render model.
 std::string checkRig(const Rig& rig, std::size_t vertices);
 
+/// The same of one clip, whose nodes are these many.
+std::string checkClip(const RigClip& clip, std::size_t nodes);
+
 /// Sets the tails from the heads: that of the only child; of several, the child that goes on straightest; without children, as far on in the direction of the parent as the
 /// parent is long. Children at the head itself do not count.
 void guessTails(Rig& rig);
+
+/// Moves, turns and scales a rig: heads and tails, and where clips take them.
+void placeRig(Rig& rig, const Eigen::Matrix4d& place);
+
+/// The rotation nearest to a matrix, which may scale, shear and mirror; identity where it flattens space to a line.
+Eigen::Quaterniond nearestRotation(const Eigen::Matrix3d& m);
 
 /// Where a bone is in a clip.
 struct RigPose {
