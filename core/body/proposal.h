@@ -14,6 +14,7 @@ namespace imomushi {
 /// A plane that would cut a body. Its normal points away from the root: the limb lies in front.
 struct ProposedCut {
     std::string name;
+    std::string piece;  ///< a name for the element in front
     CutPlane plane;
 };
 
@@ -33,6 +34,14 @@ struct ProposedPin {
     bool atEnd = true;
 };
 
+/// A handle on a body that is not cut.
+struct ProposedHandle {
+    std::string name;
+    Vec3 point = Vec3::Zero();  ///< on the surface, m
+    double radius = 0.0;        ///< m, along the surface
+    bool pinned = false;
+};
+
 /// A part of what is seen that would keep its shape.
 struct ProposedPart {
     ModelPart part;
@@ -48,12 +57,14 @@ struct ProposedMerge {
 };
 
 /// How a body would be made soft: cuts, bones, pins and rigid parts, for an artist to change and accept. Names are unique within the proposal. Without cuts the
-/// body stays one element.
+/// body stays one element. Cuts, bones and handles of a document share one name space with its elements; names that are taken get a number.
 struct Proposal {
     enum class Source { Shape, Skeleton } from = Source::Shape;
+    std::string root;                  ///< a name for the element that no cut has in front
     std::vector<ProposedCut> cuts;     ///< each separates a limb from what lies nearer to the root; together they can be done (cutBody())
     std::vector<ProposedBone> bones;   ///< parents before children
     std::vector<ProposedPin> pins;
+    std::vector<ProposedHandle> handles;  ///< where the shape suits them better than cuts
     std::vector<ProposedPart> parts;
     std::vector<ProposedMerge> merged;
     std::vector<Error> notes;          ///< cuts that were moved or left out, and other things to know: a code and a sentence each

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -18,10 +17,6 @@ struct FlowSkeleton {
     std::vector<std::array<std::int32_t, 2>> edges;   ///< between points; rings of the body are rings here
     std::vector<std::vector<std::int32_t>> vertices;  ///< per point the vertices of the mesh that came together there
 };
-
-/// A closed mesh with triangles of about equal sides, as many as `vertices` vertices take. Of the same topology, some way off the surface where that is finer.
-/// Empty: it cannot be remeshed (it is not manifold).
-TriangleMesh evenMesh(const TriangleMesh& mesh, std::size_t vertices);
 
 /// The skeleton to which a closed surface of one component shrinks under its mean curvature (Tagliasacchi et al. 2012, "Mean curvature skeletons"). Coordinates of about 1.
 /// Errors: "no-skeleton" (the surface is no closed manifold of one component, or did not shrink to lines), "cancelled".
