@@ -24,6 +24,7 @@ struct ProposedBone {
     int parent = -1;                              ///< into Proposal::bones, before this one; -1: a root
     Vec3 start = Vec3::Zero(), end = Vec3::Zero();  ///< m. The start is the end of its parent or, with `fromParentStart`, the parent's start, bit for bit
     bool fromParentStart = false;
+    int piece = -1;                               ///< it runs through the piece in front of this cut (and behind those farther out), -1: the root's
     int startCut = -1, endCut = -1;               ///< the cut whose section it starts or ends in the middle of, -1: none. The middle may differ from the points here
     int joint = -1;                               ///< of the file's skeleton that it was made from, -1: none
 };
