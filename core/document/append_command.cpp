@@ -70,6 +70,13 @@ CharacterSource moved(const CharacterSource& character, const Vec3& offset) {
     body.mesh.vertices.rowwise() += offset.transpose();
     for (Vec3& place : body.report.gaps.places) place += offset;
     for (Cut& cut : out.cuts) cut.plane.origin += offset;
+    if (out.rig) {
+        Rig rig = *out.rig;
+        Eigen::Matrix4d place = Eigen::Matrix4d::Identity();
+        place.topRightCorner<3, 1>() = offset;
+        placeRig(rig, place);
+        out.rig = std::make_shared<const Rig>(std::move(rig));
+    }
     for (auto& [part, attachment] : out.attachments)
         if (attachment.pivot) *attachment.pivot += offset;
     out.model = std::make_shared<const RenderModel>(std::move(model));

@@ -270,10 +270,32 @@ Result<CharacterPlan> planCharacter(const Document& document) {
                                     "each a tip face at the far end of its bone.");
     }
 
+    const auto pointAt = [&](const FaceRef& face) {
+        const auto set = pointOfSet.find(sets.find(nodes.faces.at(face)));
+        return set == pointOfSet.end() ? -1 : set->second;
+    };
+    // Where the bones of all elements of a joint meet within its section, -1: nowhere. Bones of a file's skeleton meet at its joints, beside the middle of the section.
+    const auto meetingPoint = [&](const Joint& joint) {
+        const auto touches = [&](PartId element, int point) {
+            const auto& bones = plan.input.elements[static_cast<std::size_t>(plan.elementIndex(element))].bones;
+            return std::any_of(bones.begin(), bones.end(), [&](int b) {
+                const auto& bone = skeleton.bones[static_cast<std::size_t>(b)];
+                return bone.start == point || bone.end == point;
+            });
+        };
+        const JointFace& face = *faceAt(document, joint.faces[0]);
+        int nearest = -1;
+        double least = face.size;
+        for (int p = 0; p < static_cast<int>(skeleton.points.size()); ++p) {
+            const double distance = (skeleton.points[static_cast<std::size_t>(p)] - face.frame.origin).norm();
+            if (distance > least || !std::all_of(joint.faces.begin(), joint.faces.end(), [&](const FaceRef& f) { return touches(f.element, p); })) continue;
+            nearest = p;
+            least = distance;
+        }
+        return nearest;
+    };
     // Joints: those of the document, then every other face alone.
     const auto addFace = [&](CharacterInput::Joint& joint, const FaceRef& ref) {
-        const auto set = pointOfSet.find(sets.find(nodes.faces.at(ref)));
-        if (set != pointOfSet.end()) joint.point = set->second;
         CharacterInput::Joint::Face face;
         face.element = plan.elementIndex(ref.element);
         face.face = document.elements.at(ref.element)->faceIndex(ref.face);
@@ -286,6 +308,8 @@ Result<CharacterPlan> planCharacter(const Document& document) {
     };
     for (const auto& [id, joint] : document.joints) {
         CharacterInput::Joint made;
+        made.point = pointAt(joint->faces[0]);
+        if (made.point < 0) made.point = meetingPoint(*joint);
         for (const FaceRef& f : joint->faces) addFace(made, f);
         if (joint->faces.size() >= 2) {
             const auto on = [&](std::size_t i) {
@@ -300,6 +324,7 @@ Result<CharacterPlan> planCharacter(const Document& document) {
     for (const auto& [ref, node] : nodes.faces) {
         if (document.jointOf(ref)) continue;
         CharacterInput::Joint made;
+        made.point = pointAt(ref);
         addFace(made, ref);
         if (isHandle(document, ref)) {
             CharacterInput::Handle handle;

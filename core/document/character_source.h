@@ -14,6 +14,7 @@
 #include "core/document/effects.h"
 #include "core/mesh/health.h"
 #include "core/mesh/render_model.h"
+#include "core/mesh/rig.h"
 
 namespace imomushi {
 
@@ -40,6 +41,7 @@ struct CharacterSource {
     std::string name;
     std::shared_ptr<const RenderModel> model;
     std::shared_ptr<const Body> body;
+    std::shared_ptr<const Rig> rig;   ///< the skeleton that came with the file or was imported for it; null: none
     std::vector<Cut> cuts;            ///< in order of creation
     std::vector<MeshIssue> issues;    ///< as found on import; places are those of the model
     std::map<ModelPart, Attachment> attachments;  ///< what is not here follows as its part does, or by itself (embedModel())

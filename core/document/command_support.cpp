@@ -147,6 +147,7 @@ Json placeJson(const Document& document, const Bone::Place& place) {
 void addCoreCommands(CommandRegistry& registry) {
     addFileCommands(registry);
     addImportCommands(registry);
+    addRigCommands(registry);
     addRepairCommands(registry);
     addAppendCommand(registry);
     addElementCommands(registry);

@@ -90,6 +90,8 @@ Json placeJson(const Document& document, const Bone::Place& place);
 /// What "open" and others say of characters; of all, or of one.
 Json charactersJson(const Document& document);
 Json characterJson(const Document& document, const CharacterSource& character);
+/// {"skeleton": [bones], "clips": [...]}; empty lists of null.
+Json rigJson(const Rig* rig);
 /// What was found on a mesh, without its places.
 Json issueJson(const MeshIssue& issue);
 /// A body and how it was made.
@@ -117,6 +119,7 @@ std::string effectsHelp();
 // Each adds some commands to a registry.
 void addFileCommands(CommandRegistry& registry);      // new, open, save, save-script, list
 void addImportCommands(CommandRegistry& registry);    // import-element, import-character
+void addRigCommands(CommandRegistry& registry);       // import-skeleton, take-clip
 void addRepairCommands(CommandRegistry& registry);    // repair
 void addAppendCommand(CommandRegistry& registry);     // append
 void addElementCommands(CommandRegistry& registry);   // add-joint-face, join, unjoin, remove-element, remove-joint-face

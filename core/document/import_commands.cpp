@@ -8,6 +8,7 @@
 #include "core/document/character_repair.h"
 #include "core/document/command_support.h"
 #include "core/document/document_edit.h"
+#include "core/document/import_request.h"
 #include "core/document/names.h"
 #include "core/mesh/connectivity.h"
 
@@ -27,23 +28,6 @@ Result<Value> choice(const Json& arguments, const char* key, std::initializer_li
     return fail("bad-value", std::string("\"") + key + "\" must be one of " + known + ".");
 }
 
-/// Keys that both commands share.
-Result<ImportRequest> requestFrom(const Document& document, const Json& arguments) {
-    ImportRequest request;
-    const auto path = pathFrom(arguments);
-    if (!path) return tl::unexpected(path.error());
-    request.path = *path;
-    const auto unit = choice<Unit>(arguments, "unit", {{"mm", Unit::Millimetre}, {"cm", Unit::Centimetre}, {"m", Unit::Metre}}, Unit::AsInFile);
-    if (!unit) return tl::unexpected(unit.error());
-    request.unit = *unit;
-    const auto up = choice<UpAxis>(arguments, "up", {{"y", UpAxis::Y}, {"z", UpAxis::Z}}, UpAxis::AsInFile);
-    if (!up) return tl::unexpected(up.error());
-    request.up = *up;
-    if (const Json* name = find(arguments, "name"))
-        if (auto ok = checkNewName(document, name->get_ref<const std::string&>()); !ok) return tl::unexpected(ok.error());
-    return request;
-}
-
 /// Why a body cannot be an element: its first error, or that it is open.
 Error refusal(const ImportedBody& body) {
     for (const MeshIssue& issue : body.issues)
@@ -53,7 +37,7 @@ Error refusal(const ImportedBody& body) {
 
 Result<Json> importElement(DocumentEdit& edit, const Json& arguments, const Progress& progress) {
     Document& document = edit.document;
-    auto request = requestFrom(document, arguments);
+    auto request = importRequestFrom(document, arguments);
     if (!request) return tl::unexpected(request.error());
     request->split = arguments.value("split", false);
 
@@ -109,7 +93,7 @@ Result<Json> importElement(DocumentEdit& edit, const Json& arguments, const Prog
 
 Result<Json> importCharacterCommand(DocumentEdit& edit, const Json& arguments, const Progress& progress) {
     Document& document = edit.document;
-    const auto request = requestFrom(document, arguments);
+    const auto request = importRequestFrom(document, arguments);
     if (!request) return tl::unexpected(request.error());
     BodySetting setting;
     using Kind = std::optional<BodyKind>;  // none: unmended
@@ -141,6 +125,7 @@ Result<Json> importCharacterCommand(DocumentEdit& edit, const Json& arguments, c
     character.issues = issuesWith(imported->issues, imported->renderModel, std::move(said));
     const double seconds = std::exchange(body->report.seconds, 0.0);  // the rest of the report is the same each time
     body->report.issues.clear();
+    if (imported->rig) character.rig = std::make_shared<const Rig>(std::move(*imported->rig));
     character.model = std::make_shared<const RenderModel>(std::move(imported->renderModel));
     character.body = std::make_shared<const Body>(std::move(*body));
     const auto added = document.characters.emplace(character.id, std::make_shared<const CharacterSource>(std::move(character))).first->second;
@@ -156,8 +141,8 @@ Result<Json> importCharacterCommand(DocumentEdit& edit, const Json& arguments, c
     answer["body"]["seconds"] = seconds;
     answer["parts"] = line["parts"];
     answer["elements"] = line["elements"];
-    answer["skeleton"] = Json::array();
-    answer["clips"] = Json::array();
+    answer["skeleton"] = line["skeleton"];
+    answer["clips"] = line["clips"];
     answer["issues"] = Json::array();
     for (const MeshIssue& issue : added->issues) answer["issues"].push_back(issueJson(issue));
     answer["format"] = imported->format;
@@ -167,6 +152,22 @@ Result<Json> importCharacterCommand(DocumentEdit& edit, const Json& arguments, c
 }
 
 }  // namespace
+
+Result<ImportRequest> importRequestFrom(const Document& document, const Json& arguments) {
+    ImportRequest request;
+    const auto path = pathFrom(arguments);
+    if (!path) return tl::unexpected(path.error());
+    request.path = *path;
+    const auto unit = choice<Unit>(arguments, "unit", {{"mm", Unit::Millimetre}, {"cm", Unit::Centimetre}, {"m", Unit::Metre}}, Unit::AsInFile);
+    if (!unit) return tl::unexpected(unit.error());
+    request.unit = *unit;
+    const auto up = choice<UpAxis>(arguments, "up", {{"y", UpAxis::Y}, {"z", UpAxis::Z}}, UpAxis::AsInFile);
+    if (!up) return tl::unexpected(up.error());
+    request.up = *up;
+    if (const Json* name = find(arguments, "name"))
+        if (auto ok = checkNewName(document, name->get_ref<const std::string&>()); !ok) return tl::unexpected(ok.error());
+    return request;
+}
 
 Json issueJson(const MeshIssue& issue) {
     const char* severity = issue.severity == Severity::Info ? "info" : issue.severity == Severity::Warning ? "warning" : "error";
@@ -198,7 +199,9 @@ Json characterJson(const Document& document, const CharacterSource& character) {
         }
         cuts.push_back({{"name", cut.name}, {"origin", json(cut.plane.origin)}, {"normal", json(cut.plane.normal)}, {"elements", std::move(between)}});
     }
-    return Json{{"name", character.name}, {"parts", partsJson(document, character)}, {"body", bodyJson(*character.body)}, {"cuts", std::move(cuts)}, {"elements", std::move(elements)}};
+    Json answer{{"name", character.name}, {"parts", partsJson(document, character)}, {"body", bodyJson(*character.body)}, {"cuts", std::move(cuts)}, {"elements", std::move(elements)}};
+    answer.update(rigJson(character.rig.get()));
+    return answer;
 }
 
 Json charactersJson(const Document& document) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -97,6 +98,9 @@ public:
     Result<void> startRecording(const std::string& name);
     /// What was recorded, without an id.
     Take stopRecording();
+    /// A take of poses that are shown one after the other, without an id: what the flesh makes of them, without bone dynamics. Afterwards the document is shown, at rest.
+    /// times: as Take::times. Errors: those of built(), "no-element", "too-long", "cancelled".
+    Result<Take> playThrough(const std::string& name, const std::vector<double>& times, const std::function<Pose(double time)>& poseAt, const Progress& progress);
     /// Shows a take at a time (s). False: its poses alone, as the character is another one. Errors: those of built(), "no-element".
     Result<bool> showTake(const Take& take, double time);
     [[nodiscard]] bool showsTake() const { return shownTake_.has_value(); }
@@ -147,6 +151,8 @@ private:
     /// Puts the fingers of the character where the document has them.
     void applyTouches();
     void measureEffects();
+    /// A take of the character as it is, without frames.
+    [[nodiscard]] Take emptyTake(const std::string& name) const;
     /// Adds what is shown now, `seconds` after the last frame, to the take that is being recorded.
     void recordFrame(double seconds);
 

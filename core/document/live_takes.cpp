@@ -17,18 +17,23 @@ bool sameTarget(const EndpointGoal& a, const EndpointGoal& b) { return a.pinned 
 
 bool LiveCharacter::fits(const Take& take) const { return character_ && take.elements == plan_.elements && take.layout == character_->shapeLayout(); }
 
+Take LiveCharacter::emptyTake(const std::string& name) const {
+    Take take;
+    take.name = name;
+    take.elements = plan_.elements;
+    take.layout = character_->shapeLayout();
+    take.points = static_cast<int>(plan_.input.skeleton.points.size());
+    for (std::size_t b = 0; b < plan_.bones.size(); ++b) take.bones.push_back({plan_.bones[b], plan_.input.skeleton.bones[b].start, plan_.input.skeleton.bones[b].end});
+    return take;
+}
+
 Result<void> LiveCharacter::startRecording(const std::string& name) {
     auto alive = built();
     if (!alive) return tl::unexpected(alive.error());
     if (!*alive) return fail("no-element", "There is nothing to record: import an element or add a bone first.");
     if (shownTake_) showPose();
     Recording made;
-    made.take.name = name;
-    made.take.elements = plan_.elements;
-    made.take.layout = character_->shapeLayout();
-    made.take.points = static_cast<int>(plan_.input.skeleton.points.size());
-    for (std::size_t b = 0; b < plan_.bones.size(); ++b)
-        made.take.bones.push_back({plan_.bones[b], plan_.input.skeleton.bones[b].start, plan_.input.skeleton.bones[b].end});
+    made.take = emptyTake(name);
     made.frameBytes = (poseNumbers(restPose(plan_.input.skeleton)).size() + static_cast<std::size_t>(made.take.layout.size())) * sizeof(double);
     recording_ = std::move(made);
     character_->keepExact(true);
@@ -64,6 +69,38 @@ Take LiveCharacter::stopRecording() {
     recorded.take.poses = FrameNumbers(recorded.poses);
     recorded.take.shapes = FrameNumbers(recorded.shapes);
     return std::move(recorded.take);
+}
+
+Result<Take> LiveCharacter::playThrough(const std::string& name, const std::vector<double>& times, const std::function<Pose(double time)>& poseAt, const Progress& progress) {
+    auto alive = built();
+    if (!alive) return tl::unexpected(alive.error());
+    if (!*alive) return fail("no-element", "There is nothing to record: import an element or add a bone first.");
+    Take take = emptyTake(name);
+    take.times = times;
+    const std::size_t frameBytes = (poseNumbers(restPose(plan_.input.skeleton)).size() + static_cast<std::size_t>(take.layout.size())) * sizeof(double);
+    if (times.size() * frameBytes > kMaxTakeBytes) return fail("too-long", "The take would not fit into memory: choose fewer frames per second.");
+    std::vector<std::vector<double>> poses, shapes;
+    character_->keepExact(true);
+    bool cancelled = false;
+    for (std::size_t f = 0; f < times.size() && !cancelled; ++f) {
+        const Pose pose = poseAt(times[f]);
+        if (f == 0) {
+            character_->stop();
+            character_->update(pose);
+        } else {
+            character_->update(pose, times[f] - times[f - 1]);
+        }
+        poses.push_back(poseNumbers(pose));
+        character_->shape(shapes.emplace_back(static_cast<std::size_t>(take.layout.size())).data());
+        progress.report("record", static_cast<double>(f + 1) / static_cast<double>(times.size()));
+        cancelled = progress.cancelled();
+    }
+    character_->keepExact(recording_.has_value());
+    jumpToPose();
+    if (cancelled) return fail(kCancelled, "Recording the take was cancelled.");
+    take.poses = FrameNumbers(poses);
+    take.shapes = FrameNumbers(shapes);
+    return take;
 }
 
 Result<bool> LiveCharacter::showTake(const Take& take, double time) {

@@ -39,6 +39,7 @@ void createTables(Database& db, int version) {
     createHandleTables(db);
     createCharacterTables(db);
     if (version >= 7) createAttachmentTables(db);
+    if (version >= 8) createRigTables(db);
 }
 
 /// Each response once, though elements share it.
@@ -93,6 +94,7 @@ Project readProject(Database& db, std::int64_t version) {
         readCharacters(db, document, meshes);
     }
     if (version >= 7) readAttachments(db, document);
+    if (version >= 8) readRigs(db, document);
     std::set<PartId> ids;
     const auto unique = [&](PartId part) { require(part < document.nextId && ids.insert(part).second, "an id is used twice"); };
     for (const auto& [part, element] : document.elements) unique(part);
@@ -123,9 +125,10 @@ Result<std::vector<std::byte>> readBytes(const std::filesystem::path& path) {
 }  // namespace
 
 int projectVersion(const Document& document) {
+    if (std::any_of(document.characters.begin(), document.characters.end(), [](const auto& part) { return part.second->rig != nullptr; })) return kProjectVersion;
     const bool attached = std::any_of(document.characters.begin(), document.characters.end(), [](const auto& part) { return !part.second->attachments.empty(); });
     const bool turned = std::any_of(document.takes.begin(), document.takes.end(), [](const auto& part) { return part.second->layout.turns > 0; });
-    if (attached || turned) return kProjectVersion;
+    if (attached || turned) return 7;
     const bool handles = std::any_of(document.elements.begin(), document.elements.end(), [](const auto& part) { return !part.second->handles.empty(); });
     return handles || !document.characters.empty() ? 6 : 5;
 }
@@ -155,6 +158,7 @@ Result<void> saveProject(const std::filesystem::path& path, const Project& proje
             writeCharacters(db, document, meshes);
         }
         if (version >= 7) writeAttachments(db, document);
+        if (version >= 8) writeRigs(db, document);
         {
             const std::string digest = db.digest(projectTables(version));
             RowWriter info(db, "INSERT INTO info VALUES (?,?)");

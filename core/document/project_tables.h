@@ -50,6 +50,11 @@ void writeAttachments(Database& db, const Document& document);
 void readAttachments(Database& db, Document& document);
 std::map<PartId, int> readTakeTurns(Database& db);
 
+/// Skeletons of characters. Reads after the characters.
+void createRigTables(Database& db);
+void writeRigs(Database& db, const Document& document);
+void readRigs(Database& db, Document& document);
+
 void createTakeTables(Database& db);
 void writeTakes(Database& db, const Document& document);
 /// turns: ShapeLayout::turns of those that have any.

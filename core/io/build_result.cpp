@@ -57,7 +57,7 @@ Result<void> place(RawScene& scene, const ImportRequest& request, const std::str
     answer.format = scene.format;
     answer.issues = std::move(scene.issues);
     answer.metresPerUnit = request.unit == Unit::AsInFile ? scene.metresPerUnit : metres(request.unit);
-    if (mesh.body.vertices.cwiseAbs().maxCoeff() > kMaxImportedCoordinate / std::max(1.0, answer.metresPerUnit))
+    if (mesh.body.vertices.rows() > 0 && mesh.body.vertices.cwiseAbs().maxCoeff() > kMaxImportedCoordinate / std::max(1.0, answer.metresPerUnit))
         return fail("non-finite", quoted + " has coordinates that are too large to compute with: scale the mesh down in the program that made it.");
     if (answer.metresPerUnit != 1.0) mesh.body.vertices *= answer.metresPerUnit;
     answer.zUpConverted = request.up == UpAxis::AsInFile ? scene.zUp : request.up == UpAxis::Z;
@@ -66,6 +66,14 @@ Result<void> place(RawScene& scene, const ImportRequest& request, const std::str
         turnZUp(mesh.renderMesh.normals);
     }
     return {};
+}
+
+/// Unit and axes as a matrix.
+Eigen::Matrix4d placeInScene(double metresPerUnit, bool zUp) {
+    Eigen::Matrix4d place = Eigen::Matrix4d::Identity();
+    if (zUp) place.topLeftCorner<3, 3>() << 1, 0, 0, 0, 0, 1, 0, -1, 0;
+    place.topLeftCorner<3, 3>() *= metresPerUnit;
+    return place;
 }
 
 /// Some writers give normals of length 0: those of the body replace them.
@@ -157,7 +165,7 @@ Result<RawScene> readScene(const SourceFile& file, SceneUse use) {
     if (format == "ply") return readPly(file);
     if (format == "stl") return readStl(file);
     if (format == "gltf" || format == "glb") return readGltf(file, use);
-    if (!format.empty()) return readByAssimp(file, format);
+    if (!format.empty()) return readByAssimp(file, format, use);
     return fail("unknown-format", file.quoted() + " is of no kind that can be read: OBJ, PLY, STL, glTF, GLB, FBX and DAE can.");
 }
 
@@ -194,11 +202,20 @@ Result<ImportResult> buildResult(RawScene scene, const ImportRequest& request, c
 Result<CharacterFile> buildCharacter(RawScene scene, const ImportRequest& request, const Progress& progress) {
     const std::string quoted = quotedName(request.path);
     ElementMesh& mesh = scene.surface.mesh;
-    if (mesh.body.triangles.rows() == 0) return fail("empty-mesh", quoted + " has no triangles: choose a file with a mesh.");
+    if (mesh.body.triangles.rows() == 0 && !scene.rig) return fail("empty-mesh", quoted + " has no triangles: choose a file with a mesh.");
     if (auto finite = checkFinite(scene, quoted); !finite) return tl::unexpected(finite.error());
     replaceNonFinite(scene);
     CharacterFile file;
     if (auto placed = place(scene, request, quoted, file); !placed) return tl::unexpected(placed.error());
+    if (scene.rig) {
+        file.rig = std::move(scene.rig);
+        placeRig(*file.rig, placeInScene(file.metresPerUnit, file.zUpConverted));
+        if (const std::string fault = checkRig(*file.rig, static_cast<std::size_t>(mesh.body.vertices.rows())); !fault.empty())
+            return fail("non-finite", quoted + " has bones that cannot be computed with (" + fault + "): scale the scene down in the program that made it.");
+        if (mesh.body.triangles.rows() == 0 && !request.bonesSuffice)
+            return fail("empty-mesh", quoted + " holds bones but no mesh: choose a file with a mesh, and bring these bones to it afterwards.");
+        if (mesh.body.triangles.rows() == 0) return file;
+    }
     progress.report("check", 0.5);
     if (scene.format == "stl") weldCorners(scene);
     bool area = false;

@@ -22,6 +22,7 @@ struct ImportRequest {
     Unit unit = Unit::AsInFile;  ///< AsInFile: FBX and glTF carry their unit; others are metres
     UpAxis up = UpAxis::AsInFile;
     bool split = false;          ///< one body per connected component
+    bool bonesSuffice = false;   ///< of importCharacter(): a file of bones without a mesh is no error
 };
 
 /// One body out of a file: mended where it could be, with everything that was found told in `issues`.

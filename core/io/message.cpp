@@ -3,103 +3,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <type_traits>
 
 #include "core/base/finite.h"
+#include "core/io/message_bytes.h"
 #include "core/io/raw_scene.h"
 #include "core/mesh/bounds.h"
 
 namespace imomushi {
 namespace {
 
+using Writer = MessageWriter;
+using Reader = MessageReader;
+
 constexpr char kMagic[4] = {'i', 'm', 'o', '1'};
-constexpr std::uint64_t kMaxMessageItems = std::uint64_t{1} << 30;
-
-class Writer {
-public:
-    template <class T>
-        requires std::is_arithmetic_v<T>
-    void value(T v) {
-        bytes_.append(reinterpret_cast<const char*>(&v), sizeof v);
-    }
-    template <class T>
-    void items(const T* data, std::size_t count) {
-        value(static_cast<std::uint64_t>(count));
-        if (count > 0) bytes_.append(reinterpret_cast<const char*>(data), count * sizeof(T));
-    }
-    void text(std::string_view s) { items(s.data(), s.size()); }
-    template <class M>
-    void matrix(const M& m) {
-        items(m.data(), static_cast<std::size_t>(m.size()));
-    }
-    std::string take() { return std::move(bytes_); }
-
-private:
-    std::string bytes_;
-};
-
-/// Reads what Writer wrote. After the first thing that does not fit everything reads as empty and good() is false.
-class Reader {
-public:
-    explicit Reader(std::string_view bytes) : rest_(bytes) {}
-    [[nodiscard]] bool good() const { return good_; }
-    [[nodiscard]] bool finished() const { return good_ && rest_.empty(); }
-    void refuse() { good_ = false; }
-
-    template <class T>
-        requires std::is_arithmetic_v<T>
-    T value() {
-        T v{};
-        if (!good_ || rest_.size() < sizeof v) {
-            good_ = false;
-            return T{};
-        }
-        std::memcpy(&v, rest_.data(), sizeof v);
-        rest_.remove_prefix(sizeof v);
-        return v;
-    }
-    /// How many items of `size` bytes follow.
-    std::size_t count(std::size_t size) {
-        const auto n = value<std::uint64_t>();
-        if (!good_ || n > kMaxMessageItems || n > rest_.size() / size) {
-            good_ = false;
-            return 0;
-        }
-        return static_cast<std::size_t>(n);
-    }
-    template <class T>
-    std::vector<T> items() {
-        std::vector<T> v(count(sizeof(T)));
-        copy(v.data(), v.size() * sizeof(T));
-        return v;
-    }
-    std::string text() {
-        std::string s(count(1), '\0');
-        copy(s.data(), s.size());
-        return s;
-    }
-    template <class M>
-    void matrix(M& m) {
-        const std::size_t n = count(sizeof(typename M::Scalar));
-        if (n % static_cast<std::size_t>(M::ColsAtCompileTime) != 0) {
-            good_ = false;
-            return;
-        }
-        m.resize(static_cast<Eigen::Index>(n) / M::ColsAtCompileTime, M::ColsAtCompileTime);
-        copy(m.data(), n * sizeof(typename M::Scalar));
-    }
-
-private:
-    void copy(void* to, std::size_t n) {
-        if (!good_ || n == 0) return;
-        std::memcpy(to, rest_.data(), n);
-        rest_.remove_prefix(n);
-    }
-    std::string_view rest_;
-    bool good_ = true;
-};
-
 void write(Writer& w, const std::vector<MeshIssue>& issues) {
     w.value(static_cast<std::uint64_t>(issues.size()));
     for (const MeshIssue& i : issues) {
@@ -213,11 +129,14 @@ void write(Writer& w, const ElementMesh& mesh) {
     write(w, mesh.renderMesh);
 }
 
-void readMesh(Reader& r, ElementMesh& mesh) {
+/// `empty`: it may have neither vertices nor triangles.
+void readMesh(Reader& r, ElementMesh& mesh, bool empty = false) {
     r.matrix(mesh.body.vertices);
     r.matrix(mesh.body.triangles);
     const TriangleMesh& body = mesh.body;
-    if (!r.good() || body.triangles.rows() == 0 || !allFinite(body.vertices) || !inRange(body.triangles, body.vertices.rows()) ||
+    if (r.good() && empty && body.vertices.rows() == 0 && body.triangles.rows() == 0)
+        readRenderMesh(r, body, mesh.renderMesh);
+    else if (!r.good() || body.triangles.rows() == 0 || !allFinite(body.vertices) || !inRange(body.triangles, body.vertices.rows()) ||
         body.vertices.cwiseAbs().maxCoeff() > kMaxImportedCoordinate)
         r.refuse();
     else
@@ -286,6 +205,7 @@ std::string encodeRequest(const ImportRequest& request) {
     w.value(static_cast<std::uint8_t>(request.unit));
     w.value(static_cast<std::uint8_t>(request.up));
     w.value(static_cast<std::uint8_t>(request.split));
+    w.value(static_cast<std::uint8_t>(request.bonesSuffice));
     return w.take();
 }
 
@@ -293,12 +213,13 @@ Result<ImportRequest> decodeRequest(std::string_view content) {
     Reader r(content);
     ImportRequest request;
     request.path = r.text();
-    const auto unit = r.value<std::uint8_t>(), up = r.value<std::uint8_t>(), split = r.value<std::uint8_t>();
-    if (!r.finished() || unit > static_cast<std::uint8_t>(Unit::Metre) || up > static_cast<std::uint8_t>(UpAxis::Z) || split > 1)
+    const auto unit = r.value<std::uint8_t>(), up = r.value<std::uint8_t>(), split = r.value<std::uint8_t>(), bones = r.value<std::uint8_t>();
+    if (!r.finished() || unit > static_cast<std::uint8_t>(Unit::Metre) || up > static_cast<std::uint8_t>(UpAxis::Z) || split > 1 || bones > 1)
         return fail("worker-failed", "The import worker was asked something that it does not understand.");
     request.unit = static_cast<Unit>(unit);
     request.up = static_cast<UpAxis>(up);
     request.split = split != 0;
+    request.bonesSuffice = bones != 0;
     return request;
 }
 
@@ -364,6 +285,8 @@ std::string encodeCharacter(const Result<CharacterFile>& answer) {
     w.value(static_cast<std::uint64_t>(model.parts.size()));
     for (const std::string& name : model.parts) w.text(name);
     write(w, answer->issues);
+    w.value(static_cast<std::uint8_t>(answer->rig.has_value()));
+    if (answer->rig) writeRig(w, *answer->rig);
     return w.take();
 }
 
@@ -372,13 +295,16 @@ Result<CharacterFile> decodeCharacter(std::string_view content) {
     CharacterFile file;
     if (auto begun = begin(r, file); !begun) return tl::unexpected(begun.error());
     RenderModel& model = file.renderModel;
-    readMesh(r, model.mesh);
+    readMesh(r, model.mesh, true);
     model.part = r.items<std::int32_t>();
     const std::size_t parts = r.count(sizeof(std::uint64_t));
     for (std::size_t i = 0; i < parts && r.good(); ++i) model.parts.push_back(cleanName(r.text(), "mesh"));
     const TriangleMesh& mesh = model.mesh.body;
     if (static_cast<Eigen::Index>(model.part.size()) != mesh.triangles.rows() || !inRange(model.part, static_cast<Eigen::Index>(model.parts.size()))) r.refuse();
     if (r.good()) file.issues = readIssues(r, mesh.triangles.rows(), mesh.vertices.rows());
+    const auto rigged = r.value<std::uint8_t>();
+    if (rigged > 1 || (rigged == 0 && mesh.triangles.rows() == 0)) r.refuse();
+    if (rigged == 1) readRig(r, static_cast<std::size_t>(mesh.vertices.rows()), file.rig.emplace());
     if (!r.finished()) return contradicts();
     return file;
 }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -10,6 +11,7 @@
 
 #include "core/base/result.h"
 #include "core/mesh/mend.h"
+#include "core/mesh/rig.h"
 
 namespace imomushi {
 
@@ -37,10 +39,11 @@ struct RawScene {
     /// Vertices with a coordinate that is not finite, and where the file has them ("line 12"). Only those in use matter.
     std::vector<std::pair<std::int32_t, std::string>> nonFinite;
     std::vector<MeshIssue> issues;       ///< of the file: what was dropped or not understood
+    std::optional<Rig> rig;              ///< of characters alone, whose surface may be empty then. `toScene` takes it to the coordinates of the vertices
 };
 
 /// What a file is read for. Character: glTF nodes come depth first, and a skinned vertex that its joints move by rounding alone keeps its place. Elements: as elements have
-/// always come, since documents refer to their vertices by number: nodes by their index, skins as the joints say.
+/// always come, since documents refer to their vertices by number: nodes by their index, skins as the joints say; without bones.
 enum class SceneUse { Elements, Character };
 
 /// Readers of one format each. Strict: what is not understood is refused with its place or told as an issue.
@@ -49,7 +52,7 @@ Result<RawScene> readObj(const SourceFile& file);
 Result<RawScene> readPly(const SourceFile& file);
 Result<RawScene> readStl(const SourceFile& file);
 Result<RawScene> readGltf(const SourceFile& file, SceneUse use);
-Result<RawScene> readByAssimp(const SourceFile& file, std::string_view format);  ///< "fbx", "dae"
+Result<RawScene> readByAssimp(const SourceFile& file, std::string_view format, SceneUse use);  ///< "fbx", "dae"
 
 /// The formats that can be read, by suffix: "obj", "ply", ... Empty: none.
 std::string formatOf(const std::filesystem::path& path);

@@ -2,6 +2,7 @@
 // FBX and COLLADA through assimp. No post-processing of assimp's runs: it drops what it finds invalid without a word, and our own weld, triangulation
 // and checks tell the artist. Positions are single precision there.
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <assimp/Importer.hpp>
 #include <assimp/config.h>
@@ -9,10 +10,17 @@
 #include <assimp/scene.h>
 #include <cmath>
 #include <cstring>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "core/base/colour.h"
 #include "core/base/finite.h"
 #include "core/io/reader_support.h"
+#include "core/io/rig_builder.h"
 #include "core/io/text_scanner.h"
 
 namespace imomushi {
@@ -60,12 +68,12 @@ Asset colladaAsset(std::string_view xml) {
 
 class AssimpReader {
 public:
-    explicit AssimpReader(const SourceFile& file) : file_(file), textures_(file, scene_) {}
+    AssimpReader(const SourceFile& file, SceneUse use) : file_(file), use_(use), textures_(file, scene_) {}
 
     Result<RawScene> read(std::string_view format) {
         scene_.format = format;
         Assimp::Importer importer;
-        importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, false);
+        importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, use_ == SceneUse::Character);
         importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_CAMERAS, false);
         importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_LIGHTS, false);
         importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
@@ -78,9 +86,10 @@ public:
         if (!scene) return badFile(file_, 0, "cannot be read (" + cleanName(importer.GetErrorString(), "damaged") + "): export it again, best as GLB or OBJ.");
         ai_ = scene;
         unitsAndAxes(format);
-        if (!scene->mRootNode || scene->mNumMeshes == 0) return fail("empty-mesh", file_.quoted() + " has no mesh: choose a file with one.");
+        if (!scene->mRootNode || (scene->mNumMeshes == 0 && use_ == SceneUse::Elements)) return fail("empty-mesh", file_.quoted() + " has no mesh: choose a file with one.");
         materials();
-        if (auto done = node(*scene->mRootNode, Matrix::Identity(), 0); !done) return tl::unexpected(done.error());
+        if (auto done = node(*scene->mRootNode, Matrix::Identity(), -1, 0); !done) return tl::unexpected(done.error());
+        if (use_ == SceneUse::Character) clips();
         return finish();
     }
 
@@ -151,16 +160,86 @@ private:
         return index;
     }
 
-    Result<void> node(const aiNode& at, const Matrix& parent, int depth) {
+    Result<void> node(const aiNode& at, const Matrix& parent, int parentBone, int depth) {
         if (depth > kDeepestNode) return badFile(file_, 0, "its nodes are nested too deeply: flatten the scene.");
-        const Matrix world = parent * matrix(at.mTransformation);
+        const Matrix local = matrix(at.mTransformation), world = parent * local;
+        const int own = use_ == SceneUse::Character ? rig_.addNode(cleanName(text(at.mName), "bone"), parentBone, rigNode(-1, local), inFile(world)) : -1;
+        if (own >= 0) nodeNamed_.emplace(text(at.mName), own);
         for (unsigned i = 0; i < at.mNumMeshes; ++i) {
             if (at.mMeshes[i] >= ai_->mNumMeshes) return badFile(file_, 0, "a node refers to a mesh that does not exist: export it again.");
-            if (auto done = mesh(*ai_->mMeshes[at.mMeshes[i]], at, world); !done) return done;
+            const aiMesh& from = *ai_->mMeshes[at.mMeshes[i]];
+            const auto first = static_cast<std::int32_t>(points_.size() / 3);
+            if (auto done = mesh(from, at, world); !done) return done;
+            if (own >= 0 && from.mNumBones == 0) rig_.setPart(own);
+            if (own >= 0 && points_.size() / 3 > static_cast<std::size_t>(first)) placed_.push_back({&from, own, first, world});
         }
         for (unsigned i = 0; i < at.mNumChildren; ++i)
-            if (auto done = node(*at.mChildren[i], world, depth + 1); !done) return done;
+            if (auto done = node(*at.mChildren[i], world, own, depth + 1); !done) return done;
         return {};
+    }
+
+    /// A transformation to assimp's scene as one to the file's coordinates.
+    [[nodiscard]] Matrix inFile(const Matrix& world) const { return Eigen::Vector4d(removed_, removed_, removed_, 1.0).asDiagonal() * world; }
+
+    /// Bones by name, since assimp refers to their nodes so. A skin says where its bones are while the mesh is as it comes.
+    void skins() {
+        for (const Placed& placed : placed_) {
+            const aiMesh& from = *placed.mesh;
+            if (from.mNumBones == 0)
+                for (unsigned v = 0; v < from.mNumVertices; ++v) rig_.bind(placed.first + static_cast<std::int32_t>(v), placed.node, 1.0);
+            for (unsigned b = 0; b < from.mNumBones; ++b) {
+                const aiBone& bone = *from.mBones[b];
+                const auto node = nodeNamed_.find(text(bone.mName));
+                const Matrix offset = matrix(bone.mOffsetMatrix);
+                if (node == nodeNamed_.end() || !allFinite(offset)) {
+                    ++badBones_;
+                    continue;
+                }
+                const Eigen::FullPivLU<Matrix> inverse(offset);
+                rig_.setJoint(node->second, inverse.isInvertible() ? std::optional(inFile(placed.world * inverse.inverse())) : std::nullopt);
+                for (unsigned w = 0; w < bone.mNumWeights; ++w)
+                    if (bone.mWeights[w].mVertexId < from.mNumVertices)
+                        rig_.bind(placed.first + static_cast<std::int32_t>(bone.mWeights[w].mVertexId), node->second, static_cast<double>(bone.mWeights[w].mWeight));
+            }
+        }
+    }
+
+    template <class Key>
+    static void addTrack(RigClip& clip, int node, RigTrack::Path path, const Key* keys, unsigned count, double perSecond) {
+        if (count == 0) return;
+        RigTrack track;
+        track.node = node;
+        track.path = path;
+        for (unsigned k = 0; k < count; ++k) {
+            const double time = std::max(0.0, keys[k].mTime / perSecond);
+            if (!track.times.empty() && !(time > track.times.back())) continue;
+            track.times.push_back(time);
+            const auto& v = keys[k].mValue;
+            if constexpr (requires { v.w; })
+                track.values.insert(track.values.end(), {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z), static_cast<double>(v.w)});
+            else
+                track.values.insert(track.values.end(), {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)});
+        }
+        clip.tracks.push_back(std::move(track));
+    }
+
+    void clips() {
+        constexpr double kTicksPerSecond = 25.0;  // assimp's own where a file says nothing
+        for (unsigned i = 0; i < ai_->mNumAnimations; ++i) {
+            const aiAnimation& from = *ai_->mAnimations[i];
+            const double perSecond = isFinite(from.mTicksPerSecond) && from.mTicksPerSecond > 0.0 ? from.mTicksPerSecond : kTicksPerSecond;
+            RigClip clip;
+            clip.name = cleanName(text(from.mName), "clip");
+            for (unsigned c = 0; c < from.mNumChannels; ++c) {
+                const aiNodeAnim& channel = *from.mChannels[c];
+                const auto node = nodeNamed_.find(text(channel.mNodeName));
+                if (node == nodeNamed_.end()) continue;
+                addTrack(clip, node->second, RigTrack::Path::Translation, channel.mPositionKeys, channel.mNumPositionKeys, perSecond);
+                addTrack(clip, node->second, RigTrack::Path::Rotation, channel.mRotationKeys, channel.mNumRotationKeys, perSecond);
+                addTrack(clip, node->second, RigTrack::Path::Scale, channel.mScalingKeys, channel.mNumScalingKeys, perSecond);
+            }
+            rig_.addClip(std::move(clip));
+        }
     }
 
     Result<void> mesh(const aiMesh& from, const aiNode& at, const Matrix& world) {
@@ -234,6 +313,15 @@ private:
     }
 
     Result<RawScene> finish() {
+        if (use_ == SceneUse::Character) {
+            if (triangles_.empty()) points_.clear();
+            scene_.surface.mesh.body.vertices = Eigen::Map<const Points>(points_.data(), static_cast<Eigen::Index>(points_.size() / 3), 3);
+            skins();
+            scene_.rig = rig_.finish(scene_);
+            if (scene_.rig) scene_.rig->toScene = inFile(Matrix::Identity());
+            if (badBones_ > 0) tell(scene_, Severity::Warning, "skeleton", "Bones of skins that are not in the scene were left out.", badBones_);
+            if (scene_.rig && triangles_.empty()) return std::move(scene_);
+        }
         if (triangles_.empty()) return fail("empty-mesh", file_.quoted() + " has no triangles: choose a file with a mesh.");
         if (polygons_ > 0) tell(scene_, Severity::Info, "not-triangles", std::to_string(polygons_) + (polygons_ == 1 ? " polygon was" : " polygons were") + " cut into triangles.", polygons_);
         if (linesAndPoints_ > 0) tell(scene_, Severity::Info, "not-a-surface", std::to_string(linesAndPoints_) + " lines and points left out.", linesAndPoints_);
@@ -255,9 +343,22 @@ private:
         return std::move(scene_);
     }
 
+    /// A mesh at a node: its vertices begin with `first`.
+    struct Placed {
+        const aiMesh* mesh = nullptr;
+        int node = -1;
+        std::int32_t first = 0;
+        Matrix world;
+    };
+
     const SourceFile& file_;
+    SceneUse use_;
     RawScene scene_;
     TextureLoader textures_;
+    RigBuilder rig_;
+    std::map<std::string, int, std::less<>> nodeNamed_;  // in rig_, the first of a name
+    std::vector<Placed> placed_;
+    std::size_t badBones_ = 0;
     const aiScene* ai_ = nullptr;
     const aiNode* lastNode_ = nullptr;
     double removed_ = 1.0;
@@ -271,6 +372,6 @@ private:
 
 }  // namespace
 
-Result<RawScene> readByAssimp(const SourceFile& file, std::string_view format) { return AssimpReader(file).read(format); }
+Result<RawScene> readByAssimp(const SourceFile& file, std::string_view format, SceneUse use) { return AssimpReader(file, use).read(format); }
 
 }  // namespace imomushi

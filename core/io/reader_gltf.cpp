@@ -8,7 +8,9 @@
 
 #include "core/io/gltf_file_reader.h"
 #include "core/base/finite.h"
+#include "core/io/gltf_clips.h"
 #include "core/io/reader_support.h"
+#include "core/io/rig_builder.h"
 
 namespace imomushi {
 namespace {
@@ -40,9 +42,13 @@ public:
             for (std::size_t n = 0; n < visited.size(); ++n)
                 if (!isChild[n]) roots.push_back(n);
         }
-        for (const std::size_t root : roots) place(root, Matrix::Identity(), visited, 0);
-        if (use_ == SceneUse::Elements) std::sort(placed_.begin(), placed_.end());
-        for (const std::size_t n : placed_) node(list("nodes")[n], global_[n]);
+        rigNode_.assign(visited.size(), -1);
+        for (const std::size_t root : roots) place(root, Matrix::Identity(), -1, visited, 0);
+        if (use_ == SceneUse::Elements)
+            std::sort(placed_.begin(), placed_.end());
+        else
+            bones();
+        for (const std::size_t n : placed_) node(n);
         return finish();
     }
 
@@ -105,15 +111,17 @@ private:
 
     // --- nodes and meshes ---
 
-    void place(std::size_t n, const Matrix& parent, std::vector<char>& visited, int depth) {
+    void place(std::size_t n, const Matrix& parent, int parentBone, std::vector<char>& visited, int depth) {
         if (visited[n] || depth > kDeepest) refuse("has nodes that contain themselves, or too many within each other: export it again.");
         visited[n] = 1;
         placed_.push_back(n);
         const Json& node = list("nodes")[n];
         Matrix local = Matrix::Identity();
+        RigNode turned;
         if (const Json& m = member(node, "matrix"); !m.is_null()) {
             const auto x = numbers(m, 16, {}, "matrix of a node");
             for (int i = 0; i < 16; ++i) local(i % 4, i / 4) = x[static_cast<std::size_t>(i)];
+            if (use_ == SceneUse::Character) turned = rigNode(-1, local);
         } else {
             const auto t = numbers(member(node, "translation"), 3, {0, 0, 0}, "translation of a node"), r = numbers(member(node, "rotation"), 4, {0, 0, 0, 1}, "rotation of a node"),
                        s = numbers(member(node, "scale"), 3, {1, 1, 1}, "scale of a node");
@@ -121,22 +129,37 @@ private:
             if (!(q.norm() > 0.0)) q.setIdentity();
             local.topLeftCorner<3, 3>() = q.normalized().toRotationMatrix() * Eigen::Vector3d(s[0], s[1], s[2]).asDiagonal();
             local.topRightCorner<3, 1>() = Vec3(t[0], t[1], t[2]);
+            turned = {-1, local.topRightCorner<3, 1>(), q.normalized(), Vec3(s[0], s[1], s[2])};
         }
         global_[n] = parent * local;
-        for (const Json& child : array(member(node, "children"))) place(index(child, visited.size(), "node"), global_[n], visited, depth + 1);
+        if (use_ == SceneUse::Character) rigNode_[n] = rig_.addNode(cleanName(text(member(node, "name")), "bone"), parentBone, turned, global_[n]);
+        for (const Json& child : array(member(node, "children"))) place(index(child, visited.size(), "node"), global_[n], rigNode_[n], visited, depth + 1);
+    }
+
+    /// Joints and clips, of the nodes of the scene.
+    void bones() {
+        for (const Json& skin : list("skins"))
+            for (const Json& joint : array(member(skin, "joints")))
+                if (const int node = rigNode_[index(joint, rigNode_.size(), "node")]; node >= 0) rig_.setJoint(node);
+        readGltfClips(*this, rigNode_, rig_, scene_);
     }
 
     /// What turns the coordinates of a skinned vertex into the scene's: a matrix per joint, or one for all.
     struct Skin {
         std::vector<Matrix> joints;
-        bool rigid = false;  ///< all joints agree: joints[0] is it
+        std::vector<int> nodes;  ///< of the rig, -1: not in the scene
+        bool rigid = false;      ///< all joints agree: joints[0] is it
     };
 
     Skin skin(const Json& reference) {
         const Json& skins = list("skins");
         const Json& from = skins[index(reference, skins.size(), "skin")];
         Skin result;
-        for (const Json& joint : array(member(from, "joints"))) result.joints.push_back(global_[index(joint, global_.size(), "node")]);
+        for (const Json& joint : array(member(from, "joints"))) {
+            const std::size_t node = index(joint, global_.size(), "node");
+            result.joints.push_back(global_[node]);
+            result.nodes.push_back(rigNode_[node]);
+        }
         if (result.joints.empty()) refuse("has a skin without joints: export it again.");
         if (const Json& inverse = member(from, "inverseBindMatrices"); !inverse.is_null()) {
             const Values m = accessor(inverse, "inverse bind matrices");
@@ -153,7 +176,8 @@ private:
         return result;
     }
 
-    void node(const Json& from, const Matrix& world) {
+    void node(std::size_t n) {
+        const Json& from = list("nodes")[n];
         if (member(from, "mesh").is_null()) return;
         const Json& meshes = list("meshes");
         const Json& mesh = meshes[index(member(from, "mesh"), meshes.size(), "mesh")];
@@ -162,10 +186,11 @@ private:
         if (const Json& s = member(from, "skin"); !s.is_null()) bones = skin(s);
         const Json& weights = member(from, "weights").is_null() ? member(mesh, "weights") : member(from, "weights");
         scene_.partNames.push_back(name);
-        for (const Json& primitive : array(member(mesh, "primitives"))) this->primitive(primitive, name, world, bones, weights);
+        if (rigNode_[n] >= 0 && !bones) rig_.setPart(rigNode_[n]);
+        for (const Json& primitive : array(member(mesh, "primitives"))) this->primitive(primitive, name, n, bones, weights);
     }
 
-    void primitive(const Json& from, const std::string& name, const Matrix& world, const std::optional<Skin>& bones, const Json& weights) {
+    void primitive(const Json& from, const std::string& name, std::size_t at, const std::optional<Skin>& bones, const Json& weights) {
         const std::uint64_t mode = number(member(from, "mode"), "mode", 4);
         if (mode > 6) refuse("has a primitive of unknown mode in '" + name + "': export it again.");
         if (mode < 4) {
@@ -204,7 +229,7 @@ private:
         const UvUse use = material >= 0 ? uvUse_[static_cast<std::size_t>(material)] : UvUse{};
         const Values normals = optional("NORMAL", 3, "normals"), colors = optional("COLOR_0", 3, "colours"), uv = optional("TEXCOORD_" + std::to_string(use.set), 2, "texture coordinates");
         std::vector<Values> joints, jointWeights;
-        if (bones && !bones->rigid)
+        if (bones && (!bones->rigid || use_ == SceneUse::Character))
             for (int set = 0; set < 4 && !member(attributes, ("JOINTS_" + std::to_string(set)).c_str()).is_null(); ++set) {
                 joints.push_back(optional("JOINTS_" + std::to_string(set), 4, "joints"));
                 jointWeights.push_back(optional("WEIGHTS_" + std::to_string(set), 4, "joint weights"));
@@ -219,9 +244,10 @@ private:
         const auto orZero = [&](double x) { return attributeOrZero(x, badAttributes_); };
         bool mirrored = false;
         for (std::size_t v = 0; v < n; ++v) {
-            Matrix m = world;
+            Matrix m = global_[at];
             if (bones && bones->rigid) m = bones->joints[0];
-            if (!joints.empty()) {
+            if (use_ == SceneUse::Character) bind(first + static_cast<std::int32_t>(v), v, at, bones, joints, jointWeights);
+            if (!joints.empty() && !bones->rigid) {
                 Matrix blend = Matrix::Zero();
                 double sum = 0.0;
                 for (std::size_t set = 0; set < joints.size(); ++set)
@@ -298,14 +324,36 @@ private:
         }
     }
 
+    /// Vertex v of a primitive follows its joints, or the node of its mesh.
+    void bind(std::int32_t vertex, std::size_t v, std::size_t at, const std::optional<Skin>& bones, const std::vector<Values>& joints, const std::vector<Values>& weights) {
+        if (!bones) rig_.bind(vertex, rigNode_[at], 1.0);
+        for (std::size_t set = 0; set < joints.size(); ++set)
+            for (std::size_t k = 0; k < 4; ++k) {
+                const double w = weights[set].at[weights[set].width * v + k], j = joints[set].at[joints[set].width * v + k];
+                if (!isFinite(w) || w <= 0.0) continue;
+                if (!isFinite(j) || j < 0.0 || j >= static_cast<double>(bones->nodes.size()))
+                    ++badJoints_;
+                else if (const int node = bones->nodes[static_cast<std::size_t>(j)]; node >= 0)
+                    rig_.bind(vertex, node, w);
+            }
+    }
+
     RawScene finish() {
+        if (use_ == SceneUse::Character) {
+            if (triangles_.empty()) points_.clear();
+            scene_.surface.mesh.body.vertices = Eigen::Map<const Points>(points_.data(), static_cast<Eigen::Index>(points_.size() / 3), 3);
+            scene_.rig = rig_.finish(scene_);
+            if (badJoints_ > 0) tell(scene_, Severity::Warning, "skeleton", "Weights of bones that do not exist were left out.", badJoints_);
+            if (scene_.rig && triangles_.empty()) return std::move(scene_);
+        }
         if (triangles_.empty()) {
             const bool rig = !list("skins").empty() || !list("nodes").empty();
             throw Refused{{"empty-mesh", file().quoted() + (rig && list("meshes").empty() ? " holds bones but no mesh" : " has no triangles") + ": choose a file with a mesh."}};
         }
         if (linesAndPoints_ > 0) tell(scene_, Severity::Info, "not-a-surface", "Lines and points left out.", linesAndPoints_);
         if (morphs_ > 0) tell(scene_, Severity::Info, "morph-targets", "Morph targets left out.", morphs_);
-        if (!list("skins").empty() || !list("animations").empty()) tell(scene_, Severity::Info, "bones", "Bones and animations of the file left out.", list("skins").size() + list("animations").size());
+        if (use_ == SceneUse::Elements && (!list("skins").empty() || !list("animations").empty()))
+            tell(scene_, Severity::Info, "bones", "Bones and animations of the file left out.", list("skins").size() + list("animations").size());
         tellReplacedAttributes(scene_, badAttributes_);
         ElementMesh& mesh = scene_.surface.mesh;
         const auto vertices = static_cast<Eigen::Index>(points_.size() / 3);
@@ -346,11 +394,13 @@ private:
     std::map<std::size_t, int> images_;
     std::vector<Matrix> global_;        // of each node, to the scene
     std::vector<std::size_t> placed_;   // the nodes of the scene, depth first
+    RigBuilder rig_;
+    std::vector<int> rigNode_;          // of each node, its index in rig_; -1: not in the scene, or no bones are wanted
     std::vector<double> points_;
     std::vector<float> normals_, texCoords_, colors_;
     std::vector<std::int32_t> triangles_, material_;
     bool anyNormals_ = false, anyUv_ = false, anyColors_ = false;
-    std::size_t linesAndPoints_ = 0, morphs_ = 0, badAttributes_ = 0;
+    std::size_t linesAndPoints_ = 0, morphs_ = 0, badAttributes_ = 0, badJoints_ = 0;
 };
 
 }  // namespace

@@ -56,6 +56,75 @@ PlainGlb plainGlb(const fs::path& path) {
 
 }  // namespace
 
+TEST_CASE("third-party skeletons: bones, skins and clips come as another program counts them") {
+    if (!fs::exists(IMOMUSHI_SHARED_MESHES)) {
+        MESSAGE("skipped: no folder " IMOMUSHI_SHARED_MESHES);
+        return;
+    }
+    setImportWorker(IMOMUSHI_TEST_IMPORT_WORKER);
+    struct Counts {
+        std::size_t bones, clips;
+        bool skin;
+    };
+    // Of the folder's index.md; of character.glb the nodes that its clips move.
+    const std::map<std::string, Counts> files = {{"Fox.glb", {24, 3, true}},       {"snake-animations.glb", {28, 8, true}}, {"human-zombie.glb", {42, 0, true}}, {"rig-spider.glb", {56, 0, false}},
+                                                 {"rig-snake.glb", {28, 0, false}}, {"character.glb", {7, 4, true}},         {"model-fox.glb", {0, 0, false}},    {"model-dragon.glb", {0, 0, false}}};
+    for (const auto& [name, counts] : files) {
+        CAPTURE(name);
+        ImportRequest request;
+        request.path = fs::path(IMOMUSHI_SHARED_MESHES) / name;
+        request.bonesSuffice = true;
+        const auto file = importCharacter(request, {});
+        REQUIRE(file);
+        REQUIRE(file->rig.has_value() == (counts.bones > 0));
+        if (!file->rig) continue;
+        const Rig& rig = *file->rig;
+        CHECK(rig.bones.size() == counts.bones);
+        CHECK(rig.clips.size() == counts.clips);
+        CHECK(rig.weights.empty() == !counts.skin);
+        // Each vertex is bound; where the file has a clip of its rest pose, that leaves the bones where they are.
+        const auto vertices = static_cast<std::size_t>(file->renderModel.mesh.body.vertices.rows());
+        for (std::size_t v = 0; counts.skin && v < vertices; ++v) REQUIRE(rig.weights.first[v] < rig.weights.first[v + 1]);
+        const RigClip still{"still", 0.0, {}};
+        const auto pose = posedRig(rig, still, 0.0);
+        double reach = 0.0;
+        for (const RigBone& bone : rig.bones) reach = std::max(reach, (bone.head - rig.bones[0].head).norm());
+        for (std::size_t b = 0; b < rig.bones.size(); ++b) {
+            CHECK((pose[b].head - rig.bones[b].head).norm() < 1e-9 * reach);
+            CHECK(pose[b].rotation.angularDistance(rig.bones[b].rotation) < 1e-6);
+        }
+    }
+}
+
+TEST_CASE("third-party skeletons: the frog of an FBX file") {
+    const fs::path path = fs::path(IMOMUSHI_SHARED_MESHES) / "Easy_Animated_Enemy_Pack_-_Jan_2019__Frog.fbx";
+    if (!fs::exists(path)) {
+        MESSAGE("skipped: no file " << path.string());
+        return;
+    }
+    setImportWorker(IMOMUSHI_TEST_IMPORT_WORKER);
+    ImportRequest request;
+    request.path = path;
+    const auto file = importCharacter(request, {});
+    REQUIRE(file);
+    REQUIRE(file->rig);
+    const Rig& rig = *file->rig;
+    CHECK(rig.bones.size() == 28);
+    CHECK(rig.clips.size() == 4);
+    // Bones lie within the mesh that they move.
+    const Points& vertices = file->renderModel.mesh.body.vertices;
+    const Vec3 low = vertices.colwise().minCoeff().transpose(), high = vertices.colwise().maxCoeff().transpose(), room = 0.5 * (high - low);
+    std::vector<char> moves(rig.bones.size(), 0);
+    for (const std::int32_t bone : rig.weights.bone) moves[static_cast<std::size_t>(bone)] = 1;
+    for (std::size_t b = 0; b < rig.bones.size(); ++b) {
+        const RigBone& bone = rig.bones[b];
+        if (!moves[b]) continue;  // targets of its inverse kinematics stand outside
+        CAPTURE(bone.name);
+        CHECK(((bone.head - low + room).array() > 0.0).all());
+        CHECK(((high + room - bone.head).array() > 0.0).all());
+    }
+}
+
 TEST_CASE("third-party meshes as characters: each readable file gives its own vertices in order, whatever the surface; the others the right reason") {
     if (!fs::exists(IMOMUSHI_SHARED_MESHES)) {
         MESSAGE("skipped: no folder " IMOMUSHI_SHARED_MESHES);

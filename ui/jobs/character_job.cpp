@@ -8,7 +8,7 @@ constexpr double kReading = 0.3;  // of the whole, as the command has it
 
 }  // namespace
 
-bool sameFile(const ImportRequest& a, const ImportRequest& b) { return a.path == b.path && a.unit == b.unit && a.up == b.up; }
+bool sameFile(const ImportRequest& a, const ImportRequest& b) { return a.path == b.path && a.unit == b.unit && a.up == b.up && a.bonesSuffice == b.bonesSuffice; }
 
 void CharacterJob::start(const ImportRequest& request, const BodySetting& setting) {
     const auto known = result_ && result_->file && *result_->file && sameFile(result_->request, request) ? result_->file : nullptr;

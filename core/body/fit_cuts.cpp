@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/body/fit_cuts.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/body/mirror_plane.h"
+#include "core/mesh/health.h"
+
+namespace imomushi {
+namespace {
+
+/// A cut that was moved this often is left out: others push it to and fro.
+constexpr int kMostMoves = 2;
+/// A moved plane goes a little beyond the first place that works, in parts of the way, so that its twin works there, too.
+constexpr double kBeyond = 0.1;
+
+class Fitter {
+public:
+    Fitter(const TriangleMesh& body, std::span<const WishedCut> wished, const std::optional<CutPlane>& mirror, double least, const Progress& progress)
+        : body_(body), wished_(wished), mirror_(mirror), least_(least), progress_(progress), fitted_(wished.size()), moves_(wished.size(), 0) {
+        for (std::size_t c = 0; c < wished.size(); ++c) {
+            fitted_[c].plane = wished[c].plane;
+            if (fitted_[c].plane.normal.allFinite() && fitted_[c].plane.normal.norm() > 0.0) fitted_[c].plane.normal.stableNormalize();
+        }
+    }
+
+    Result<std::vector<FittedCut>> fit() {
+        // Every round moves or leaves out a cut, and none is moved often.
+        while (true) {
+            std::vector<std::size_t> which;
+            std::vector<CutPlane> planes;
+            for (std::size_t c = 0; c < fitted_.size(); ++c)
+                if (fitted_[c].kept) which.push_back(c), planes.push_back(fitted_[c].plane);
+            const auto pieces = cutBody(body_, planes, progress_);
+            if (pieces) {
+                if (!leaveSmallOut(*pieces, which)) return std::move(fitted_);
+                continue;
+            }
+            const CutRefusal& refusal = pieces.error();
+            if (refusal.cut < 0) return tl::unexpected<Error>(refusal);
+            std::size_t at = which[static_cast<std::size_t>(refusal.cut)];
+            std::optional<CutPlane> nearest = refusal.nearest;
+            if (refusal.other >= 0 && which[static_cast<std::size_t>(refusal.other)] > at && !isTwin(at, which[static_cast<std::size_t>(refusal.other)])) {
+                at = which[static_cast<std::size_t>(refusal.other)];
+                nearest.reset();  // was of the one that stays
+            }
+            const double by = nearest ? (1.0 + kBeyond) * fitted_[at].plane.normal.dot(nearest->origin - fitted_[at].plane.origin) : 0.0;
+            fitted_[at].code = refusal.code;
+            if (nearest && std::abs(fitted_[at].moved + by) <= wished_[at].reach && moves_[at] < kMostMoves) {
+                move(at, by);
+                fitted_[at].why = "It was moved along the limb: " + refusal.message;
+            } else {
+                fitted_[at].kept = false;
+                fitted_[at].why = refusal.message;
+            }
+            mirror(at);
+        }
+    }
+
+private:
+    [[nodiscard]] bool isTwin(std::size_t a, std::size_t b) const { return wished_[a].twin == static_cast<int>(b); }
+
+    void move(std::size_t c, double by) {
+        ++moves_[c];
+        fitted_[c].moved += by;
+        fitted_[c].plane.origin += by * fitted_[c].plane.normal;
+    }
+
+    /// Does to the twin what was done to a cut.
+    void mirror(std::size_t c) {
+        if (wished_[c].twin < 0 || !mirror_) return;
+        const auto t = static_cast<std::size_t>(wished_[c].twin);
+        const double share = fitted_[t].share;
+        fitted_[t] = fitted_[c];
+        fitted_[t].share = share;
+        moves_[t] = moves_[c];
+        fitted_[t].plane = {mirroredPoint(*mirror_, fitted_[c].plane.origin), mirroredDirection(*mirror_, fitted_[c].plane.normal)};
+    }
+
+    /// False: no piece is too small.
+    bool leaveSmallOut(const std::vector<BodyPiece>& pieces, const std::vector<std::size_t>& which) {
+        double whole = 0.0;
+        std::vector<double> volumes;
+        for (const BodyPiece& piece : pieces) volumes.push_back(meshFacts(piece.body).volume), whole += volumes.back();
+        std::size_t smallest = fitted_.size();
+        for (std::size_t p = 0; p < pieces.size(); ++p)
+            for (const BodyPiece::Cap& cap : pieces[p].caps) {
+                if (!cap.front) continue;
+                FittedCut& cut = fitted_[which[static_cast<std::size_t>(cap.cut)]];
+                cut.share = whole > 0.0 ? volumes[p] / whole : 0.0;
+                if (cut.share < least_ && (smallest == fitted_.size() || cut.share < fitted_[smallest].share)) smallest = which[static_cast<std::size_t>(cap.cut)];
+            }
+        if (smallest == fitted_.size()) return false;
+        fitted_[smallest].kept = false;
+        fitted_[smallest].code = "small";
+        fitted_[smallest].why = "The piece in front of it has less flesh than the least share.";
+        mirror(smallest);
+        return true;
+    }
+
+    const TriangleMesh& body_;
+    std::span<const WishedCut> wished_;
+    const std::optional<CutPlane>& mirror_;
+    double least_;
+    const Progress& progress_;
+    std::vector<FittedCut> fitted_;
+    std::vector<int> moves_;
+};
+
+}  // namespace
+
+Result<std::vector<FittedCut>> fitCuts(const TriangleMesh& body, std::span<const WishedCut> cuts, const std::optional<CutPlane>& mirror, double least, const Progress& progress) {
+    return Fitter(body, cuts, mirror, least, progress).fit();
+}
+
+}  // namespace imomushi

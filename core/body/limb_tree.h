@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/base/result.h"
+#include "core/body/cut.h"
+#include "core/mesh/mesh.h"
+
+// Of proposeFromShape() alone. Lengths are in diagonals: bodies here have a bounding box of diagonal 1.
+namespace imomushi {
+
+struct Hub;
+
+/// A line through flesh, from a hub outward to a tip or another hub.
+struct Limb {
+    int point = 0;               ///< of the hub, where it begins
+    std::vector<Vec3> line;      ///< from the hub's point to the tip, on the surface, or the first point of `end`
+    std::vector<double> radius;  ///< per point of the line, of the largest ball in the body
+    double share = 0.0;          ///< of the flesh, with what hangs on it, 0...1
+    std::vector<Hub> end;        ///< one or none: a tip
+    int side = 0;                ///< of a body with a mirror plane: 1 in front of it, -1 behind, 0 in it
+    int twin = -1;               ///< limb of the same hub that is its mirror image, -1: none
+
+    [[nodiscard]] const Vec3& tip() const { return line.back(); }
+    [[nodiscard]] double length() const;
+};
+
+/// Where limbs meet: the trunk, a head with ears, a hand.
+struct Hub {
+    std::vector<Vec3> points;    ///< one, or the two ends of its line: in the first the limb begins that leads here
+    std::vector<double> radius;  ///< per point
+    std::vector<Limb> limbs;
+};
+
+/// The limbs of a body. A body without any that has one long line (a snake) has a root with two limbs from its middle, `chain`.
+struct LimbTree {
+    Hub root;
+    bool chain = false;
+    bool blob = false;  ///< neither limbs nor length: root has a point and no limb
+    struct LeftOut {
+        Vec3 place;
+        double share = 0.0;
+        std::string why;
+    };
+    std::vector<LeftOut> leftOut;  ///< branches of the skeleton that are no limbs
+    int rings = 0;                 ///< of the skeleton that were opened
+};
+
+/// `mesh`: of evenMesh(). `least`: the smallest share of the flesh of a limb, 0...1. Errors: those of flowSkeleton().
+Result<LimbTree> findLimbs(const TriangleMesh& mesh, double least, const Progress& progress);
+
+/// Makes the tree its own mirror image: limbs are paired, one of each pair becomes the image of the other; what lies across the plane is laid into it.
+void symmetrise(LimbTree& tree, const CutPlane& plane);
+
+/// The point at a way along a line, and the direction there from one way to another.
+Vec3 pointAlong(const std::vector<Vec3>& line, double way);
+double lengthOf(const std::vector<Vec3>& line);
+
+}  // namespace imomushi

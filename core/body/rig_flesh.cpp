@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/body/rig_flesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "core/mesh/triangle_tree.h"
+
+namespace imomushi {
+
+namespace {
+
+constexpr double kLeastWeight = 1e-4;
+
+Vec3 row(const Points& points, Eigen::Index i) { return points.row(i).transpose(); }
+
+/// The segments that stand for bones: to the tail, and to the heads of children.
+struct Segments {
+    TriangleMesh mesh;  // degenerate triangles
+    std::vector<std::int32_t> bone;
+
+    explicit Segments(const Rig& rig) {
+        std::vector<Vec3> points;
+        const auto add = [&](std::size_t b, const Vec3& end) {
+            points.push_back(rig.bones[b].head);
+            points.push_back(end);
+            bone.push_back(static_cast<std::int32_t>(b));
+        };
+        for (std::size_t b = 0; b < rig.bones.size(); ++b) {
+            add(b, rig.bones[b].tail);
+            if (rig.bones[b].parent >= 0) add(static_cast<std::size_t>(rig.bones[b].parent), rig.bones[b].head);
+        }
+        mesh.vertices.resize(static_cast<Eigen::Index>(points.size()), 3);
+        mesh.triangles.resize(static_cast<Eigen::Index>(bone.size()), 3);
+        for (std::size_t i = 0; i < points.size(); ++i) mesh.vertices.row(static_cast<Eigen::Index>(i)) = points[i].transpose();
+        for (std::int32_t s = 0; s < static_cast<std::int32_t>(bone.size()); ++s) mesh.triangles.row(s) << 2 * s, 2 * s + 1, 2 * s + 1;
+    }
+};
+
+/// Triangles of the render mesh with three corners that are bound.
+std::vector<std::int32_t> boundTriangles(const Rig& rig, const TriangleMesh& render) {
+    std::vector<std::int32_t> which;
+    if (rig.weights.empty()) return which;
+    for (std::int32_t f = 0; f < render.triangles.rows(); ++f) {
+        bool all = true;
+        for (int c = 0; c < 3; ++c) {
+            const auto v = static_cast<std::size_t>(render.triangles(f, c));
+            all = all && rig.weights.first[v] < rig.weights.first[v + 1];
+        }
+        if (all) which.push_back(f);
+    }
+    return which;
+}
+
+std::string percent(double share) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.2g %%", 100.0 * share);
+    return text;
+}
+
+}  // namespace
+
+RigFlesh rigFlesh(const Rig& rig, const TriangleMesh& render, const TriangleMesh& body) {
+    RigFlesh flesh;
+    const std::size_t bones = rig.bones.size(), vertices = static_cast<std::size_t>(body.vertices.rows());
+    const Segments segments(rig);
+    const TriangleTree nearBones(segments.mesh);
+    const std::vector<std::int32_t> bound = boundTriangles(rig, render);
+    flesh.skinned = !bound.empty();
+    std::optional<TriangleTree> skin;
+    if (flesh.skinned) skin.emplace(render, bound);
+    std::vector<Vec3> nearest(vertices);  // place on a bone
+    flesh.first.push_back(0);
+    std::map<std::int32_t, double> of;
+    for (std::size_t v = 0; v < vertices; ++v) {
+        const Vec3 p = row(body.vertices, static_cast<Eigen::Index>(v));
+        const auto bone = nearBones.nearest(p);
+        const auto corners = segments.mesh.triangles.row(bone.triangle);
+        nearest[v] = bone.barycentric[0] * row(segments.mesh.vertices, corners[0]) + (1.0 - bone.barycentric[0]) * row(segments.mesh.vertices, corners[1]);
+        of.clear();
+        if (skin) {
+            const auto hit = skin->nearest(p);
+            for (int c = 0; c < 3; ++c) {
+                const auto r = static_cast<std::size_t>(render.triangles(hit.triangle, c));
+                for (auto i = static_cast<std::size_t>(rig.weights.first[r]); i < static_cast<std::size_t>(rig.weights.first[r + 1]); ++i)
+                    of[rig.weights.bone[i]] += hit.barycentric[c] * static_cast<double>(rig.weights.weight[i]);
+            }
+        } else {
+            of[segments.bone[static_cast<std::size_t>(bone.triangle)]] = 1.0;
+        }
+        double sum = 0.0;
+        std::erase_if(of, [](const auto& entry) { return entry.second < kLeastWeight; });
+        for (const auto& [b, w] : of) sum += w;
+        for (const auto& [b, w] : of) {
+            flesh.bone.push_back(b);
+            flesh.weight.push_back(w / sum);
+        }
+        flesh.first.push_back(static_cast<std::int32_t>(flesh.bone.size()));
+    }
+
+    // The flesh between the surface and the bones: that of a triangle is the cone to the places on bones nearest to its corners. Where the surface faces the bone from behind
+    // there is none.
+    flesh.volume.assign(vertices, 0.0);
+    double whole = 0.0;
+    for (Eigen::Index f = 0; f < body.triangles.rows(); ++f) {
+        const std::int32_t* t = body.triangles.data() + 3 * f;
+        const Vec3 a = row(body.vertices, t[0]), b = row(body.vertices, t[1]), c = row(body.vertices, t[2]);
+        const Vec3 area = 0.5 * (b - a).cross(c - a);
+        for (int k = 0; k < 3; ++k) {
+            const auto v = static_cast<std::size_t>(t[k]);
+            const double volume = std::max(0.0, area.dot(row(body.vertices, t[k]) - nearest[v])) / 3.0;
+            flesh.volume[v] += volume;
+            whole += volume;
+        }
+    }
+    flesh.share.assign(bones, 0.0);
+    std::vector<Vec3> moment(bones, Vec3::Zero());
+    for (std::size_t v = 0; v < vertices; ++v) {
+        flesh.volume[v] = whole > 0.0 ? flesh.volume[v] / whole : 1.0 / static_cast<double>(vertices);
+        // The middle of a cone is a quarter of its height above its ground.
+        const Vec3 middle = 0.75 * row(body.vertices, static_cast<Eigen::Index>(v)) + 0.25 * nearest[v];
+        for (auto i = static_cast<std::size_t>(flesh.first[v]); i < static_cast<std::size_t>(flesh.first[v + 1]); ++i) {
+            const auto b = static_cast<std::size_t>(flesh.bone[i]);
+            flesh.share[b] += flesh.volume[v] * flesh.weight[i];
+            moment[b] += flesh.volume[v] * flesh.weight[i] * middle;
+        }
+    }
+    for (std::size_t b = 0; b < bones; ++b) flesh.middle.push_back(flesh.share[b] > 0.0 ? Vec3(moment[b] / flesh.share[b]) : rig.bones[b].head);
+    return flesh;
+}
+
+MergedRig mergeRig(const Rig& rig, const RigFlesh& flesh, double least, const std::vector<std::pair<int, std::string>>& never) {
+    const auto bones = static_cast<int>(rig.bones.size());
+    const auto at = [](int b) { return static_cast<std::size_t>(b); };
+    std::vector<double> share = flesh.share, subtree = flesh.share;
+    std::vector<int> parent(at(bones)), into(at(bones), -1);
+    std::vector<const std::string*> forbidden(at(bones), nullptr);
+    for (const auto& [b, why] : never) forbidden[at(b)] = &why;
+    for (int b = 0; b < bones; ++b) parent[at(b)] = rig.bones[at(b)].parent;
+    for (int b = bones; b-- > 0;)
+        if (parent[at(b)] >= 0) subtree[at(parent[at(b)])] += subtree[at(b)];
+
+    MergedRig merged;
+    const auto merge = [&](int b, int to) {
+        const double small = share[at(b)];
+        std::string why = forbidden[at(b)] ? *forbidden[at(b)] : small <= 0.0 ? "It moves no flesh." : "It moves " + percent(small) + " of the flesh, less than " + percent(least) + ".";
+        merged.merges.push_back({b, small, std::move(why)});
+        into[at(b)] = to;
+        share[at(to)] += small;
+    };
+    for (int b = bones; b-- > 0;)
+        if (parent[at(b)] >= 0 && (share[at(b)] < least || forbidden[at(b)])) merge(b, parent[at(b)]);
+    const auto moverOf = [&](int b) {
+        while (into[at(b)] >= 0) b = into[at(b)];
+        return b;
+    };
+    // Kept bones hang on kept bones.
+    for (int b = 0; b < bones; ++b)
+        if (parent[at(b)] >= 0) parent[at(b)] = moverOf(parent[at(b)]);
+    // The root is the bone without a parent under which most flesh hangs, or below it.
+    int root = -1;
+    for (int b = 0; b < bones; ++b)
+        if (rig.bones[at(b)].parent < 0 && (root < 0 || subtree[at(b)] > subtree[at(root)])) root = b;
+    const auto isKept = [&](int b) { return into[at(b)] < 0; };
+    while (share[at(root)] < least) {
+        int child = -1;
+        for (int b = 0; b < bones; ++b)
+            if (isKept(b) && parent[at(b)] == root && (child < 0 || subtree[at(b)] > subtree[at(child)])) child = b;
+        if (child < 0) break;
+        parent[at(child)] = -1;
+        for (int b = 0; b < bones; ++b)
+            if (isKept(b) && b != child && parent[at(b)] == root) parent[at(b)] = child;
+        merge(root, child);
+        root = child;
+    }
+    for (int b = 0; b < bones; ++b) {
+        if (!isKept(b) || parent[at(b)] >= 0 || b == root) continue;
+        if (share[at(b)] < least || forbidden[at(b)]) {  // targets of inverse kinematics, for one
+            for (int child = 0; child < bones; ++child)
+                if (isKept(child) && parent[at(child)] == b) parent[at(child)] = root;
+            merge(b, root);
+        } else {
+            parent[at(b)] = root;
+        }
+    }
+    // Parents first, in the order of the rig otherwise.
+    std::vector<int> place(at(bones), -1);
+    const auto keep = [&](int b, int above) {
+        place[at(b)] = static_cast<int>(merged.kept.size());
+        merged.kept.push_back(b);
+        merged.parent.push_back(above);
+        merged.share.push_back(share[at(b)]);
+    };
+    keep(root, -1);
+    for (std::size_t next = 0; next < merged.kept.size(); ++next)
+        for (int b = 0; b < bones; ++b)
+            if (isKept(b) && place[at(b)] < 0 && parent[at(b)] == merged.kept[next]) keep(b, static_cast<int>(next));
+    for (int b = 0; b < bones; ++b) merged.mover.push_back(place[at(moverOf(b))]);
+    std::sort(merged.merges.begin(), merged.merges.end(), [](const auto& a, const auto& b) { return a.bone < b.bone; });
+    return merged;
+}
+
+}  // namespace imomushi

@@ -1,0 +1,432 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/body/shape_proposal.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "core/body/cgal/even_mesh.h"
+#include "core/body/cgal/rays.h"
+#include "core/body/fit_cuts.h"
+#include "core/body/limb_cuts.h"
+#include "core/body/mirror_plane.h"
+#include "core/mesh/bounds.h"
+#include "core/mesh/health.h"
+#include "core/mesh/topology.h"
+
+namespace imomushi {
+namespace {
+
+/// Of the mesh that the skeleton is found on.
+constexpr std::size_t kVertices = 2500;
+/// Length of a piece in thicknesses; longer by the factor until there are at most so many cuts. Limbs are divided into few pieces, tentacles and chains into more.
+constexpr double kPerPiece = 2.0, kLonger = 1.3;
+constexpr std::size_t kMostCuts = 40;
+constexpr int kMostOfLimb = 3, kMostOfTentacle = 8, kMostOfChain = 15;
+constexpr double kTentacle = 0.45;  // diagonals long
+/// A cut may be moved by this much of the radius of its section.
+constexpr double kCutReach = 0.7;
+/// A limb stands on the ground where its tip is at most this far above the lowest point: of the height, or of the diagonal.
+constexpr double kGround = 0.12, kGroundOfDiagonal = 0.03;
+/// Bones end this far inside of the tip, in lengths of the last one.
+constexpr double kInside = 0.05;
+/// Radius of proposed handles, in diagonals.
+constexpr double kHandle = 0.08;
+
+struct HubPlan;
+struct LimbPlan {
+    std::string name, suffix;
+    std::vector<int> cuts;  // outward
+    std::vector<HubPlan> end;
+};
+struct HubPlan {
+    std::vector<LimbPlan> limbs;
+};
+
+/// The largest closed surface of a body, in coordinates with a bounding box of diagonal 1 about the origin.
+struct Scaled {
+    TriangleMesh mesh;
+    Vec3 centre = Vec3::Zero();
+    double diagonal = 1.0;
+    [[nodiscard]] Vec3 back(const Vec3& p) const { return centre + diagonal * p; }
+    [[nodiscard]] CutPlane back(const CutPlane& plane) const { return {back(plane.origin), plane.normal}; }
+};
+
+TriangleMesh largestShell(const TriangleMesh& body) {
+    int count = 0;
+    const std::vector<std::int32_t> component = edgeComponents(body.triangles, EdgeTable(body.triangles), count);
+    if (count < 2) return body;
+    std::vector<double> volume(static_cast<std::size_t>(count), 0.0);
+    for (Eigen::Index f = 0; f < body.triangles.rows(); ++f) {
+        const auto p = [&](int k) { return Vec3(body.vertices.row(body.triangles(f, k)).transpose()); };
+        volume[static_cast<std::size_t>(component[static_cast<std::size_t>(f)])] += p(0).dot(p(1).cross(p(2))) / 6.0;
+    }
+    const auto largest = static_cast<std::int32_t>(std::max_element(volume.begin(), volume.end()) - volume.begin());
+    TriangleMesh out;
+    std::vector<std::int32_t> number(static_cast<std::size_t>(body.vertices.rows()), -1);
+    std::vector<Eigen::Index> faces, vertices;
+    for (Eigen::Index f = 0; f < body.triangles.rows(); ++f)
+        if (component[static_cast<std::size_t>(f)] == largest) faces.push_back(f);
+    out.triangles.resize(static_cast<Eigen::Index>(faces.size()), 3);
+    for (std::size_t i = 0; i < faces.size(); ++i)
+        for (int k = 0; k < 3; ++k) {
+            std::int32_t& n = number[static_cast<std::size_t>(body.triangles(faces[i], k))];
+            if (n < 0) {
+                n = static_cast<std::int32_t>(vertices.size());
+                vertices.push_back(body.triangles(faces[i], k));
+            }
+            out.triangles(static_cast<Eigen::Index>(i), k) = n;
+        }
+    out.vertices = body.vertices(vertices, Eigen::indexing::all);
+    return out;
+}
+
+Scaled scaled(const TriangleMesh& body) {
+    Scaled out{largestShell(body)};
+    const Bounds box = boundsOf(out.mesh.vertices);
+    out.centre = box.low + 0.5 * box.size();
+    out.diagonal = box.diagonal();
+    out.mesh.vertices = (out.mesh.vertices.rowwise() - out.centre.transpose()) / out.diagonal;
+    return out;
+}
+
+class Proposer {
+public:
+    Proposer(const TriangleMesh& body, double least, const Progress& progress) : body_(body), least_(least), progress_(progress), scaled_(scaled(body)) {
+        low_ = body.vertices.col(1).minCoeff();
+        ground_ = low_ + std::max(kGround * (body.vertices.col(1).maxCoeff() - low_), kGroundOfDiagonal * scaled_.diagonal);
+    }
+
+    Result<Proposal> propose() {
+        even_ = evenMesh(scaled_.mesh, kVertices);
+        if (even_.triangles.rows() == 0) even_ = scaled_.mesh;
+        progress_.report("skeleton", 0.1);
+        auto tree = findLimbs(even_, least_, progress_.part(0.1, 0.5));
+        if (!tree) {
+            if (tree.error().code == kCancelled) return tl::unexpected(tree.error());
+            return asBlob(std::move(tree.error()));
+        }
+        tree_ = std::move(*tree);
+        if (const auto plane = findMirrorPlane(scaled_.mesh)) {
+            mirror_ = plane;
+            symmetrise(tree_, *plane);
+            proposal_.symmetry = scaled_.back(*plane);
+        }
+        if (tree_.rings > 0)
+            proposal_.notes.push_back({"ring", "The body has " + counted(static_cast<std::size_t>(tree_.rings), "ring", "rings") + ": a ring is cut where it is thinnest, in two places by hand."});
+        if (tree_.blob) return asBlob(std::nullopt);
+        HubPlan plan;
+        {
+            const CutSurface surface(even_);
+            for (double perPiece = kPerPiece;; perPiece *= kLonger) {
+                wished_.clear();
+                uncut_ = 0;
+                plan = tree_.chain ? planChain(surface, perPiece) : planHub(surface, tree_.root, perPiece);
+                if (wished_.size() <= kMostCuts || perPiece > 50.0) break;
+            }
+        }
+        progress_.report("cut", 0.5);
+        auto fitted = fitCuts(body_, wished_, proposal_.symmetry, least_, progress_.part(0.5, 1.0));
+        if (!fitted) return tl::unexpected(fitted.error());
+        fitted_ = std::move(*fitted);
+        const bool cut = std::any_of(fitted_.begin(), fitted_.end(), [](const FittedCut& c) { return c.kept; });
+        if (!cut) return asBlob(std::nullopt);
+        name(tree_.root, plan);
+        keepCuts(plan);
+        addBones(tree_.root, plan);
+        pinBones();
+        tellLeftOut();
+        return std::move(proposal_);
+    }
+
+private:
+    // ---- cuts
+
+    int wish(const LimbStation& station, int side) {
+        LimbStation s = station;
+        if (mirror_ && side == 0) {
+            s.at = ontoPlane(*mirror_, s.at);
+            const Vec3 n = s.normal - mirror_->normal.dot(s.normal) * mirror_->normal;
+            if (n.norm() > 0.3) s.normal = n.normalized();
+        }
+        wished_.push_back({scaled_.back(CutPlane{s.at, s.normal}), kCutReach * s.radius * scaled_.diagonal, -1});
+        return static_cast<int>(wished_.size()) - 1;
+    }
+
+    /// The mirror images of a planned limb's cuts.
+    LimbPlan image(const LimbPlan& of) {
+        LimbPlan made = of;
+        for (int& cut : made.cuts) {
+            WishedCut twin = wished_[static_cast<std::size_t>(cut)];
+            twin.plane = {mirroredPoint(*proposal_.symmetry, twin.plane.origin), mirroredDirection(*proposal_.symmetry, twin.plane.normal)};
+            twin.twin = cut;
+            wished_[static_cast<std::size_t>(cut)].twin = static_cast<int>(wished_.size());
+            cut = static_cast<int>(wished_.size());
+            wished_.push_back(twin);
+        }
+        for (HubPlan& hub : made.end)
+            for (LimbPlan& limb : hub.limbs) limb = image(limb);
+        return made;
+    }
+
+    HubPlan planHub(const CutSurface& surface, const Hub& hub, double perPiece) {
+        HubPlan plan;
+        plan.limbs.resize(hub.limbs.size());
+        for (std::size_t i = 0; i < hub.limbs.size(); ++i) {
+            const Limb& limb = hub.limbs[i];
+            if (limb.side < 0 && limb.twin >= 0 && limb.twin < static_cast<int>(i)) {
+                plan.limbs[i] = image(plan.limbs[static_cast<std::size_t>(limb.twin)]);
+                continue;
+            }
+            const int most = limb.length() > kTentacle && limb.end.empty() ? kMostOfTentacle : kMostOfLimb;
+            for (const LimbStation& s : cutsOfLimb(surface, hub, limb, perPiece, most)) plan.limbs[i].cuts.push_back(wish(s, limb.side));
+            for (const Hub& end : limb.end) plan.limbs[i].end.push_back(planHub(surface, end, perPiece));
+        }
+        return plan;
+    }
+
+    HubPlan planChain(const CutSurface& surface, double perPiece) {
+        HubPlan plan;
+        const auto cuts = cutsOfChain(surface, tree_.root, perPiece, kMostOfChain);
+        const bool across = mirror_ && tree_.root.limbs[0].twin >= 0;
+        for (std::size_t i = 0; i < 2; ++i) {
+            LimbPlan& limb = plan.limbs.emplace_back();
+            if (across && i == 1) {
+                limb = image(plan.limbs[0]);
+                continue;
+            }
+            for (const LimbStation& s : cuts[i]) limb.cuts.push_back(wish(s, across ? 1 : 0));
+        }
+        return plan;
+    }
+
+    // ---- names
+
+    void name(const Hub& hub, HubPlan& plan) {
+        proposal_.root = tree_.chain ? "middle" : "trunk";
+        std::vector<std::string> label(hub.limbs.size());
+        int highest = -1;
+        for (std::size_t i = 0; i < hub.limbs.size(); ++i) {
+            const Limb& limb = hub.limbs[i];
+            const bool down = limb.tip().y() < limb.line.front().y();
+            if (tree_.chain) {
+                label[i] = i == 0 ? "front" : "back";
+            } else if (limb.twin >= 0 || !mirror_) {
+                label[i] = down && scaled_.back(limb.tip()).y() <= ground_ ? "leg" : mirror_ ? "arm" : "limb";
+            } else {
+                label[i] = down && scaled_.back(limb.tip()).y() <= ground_ ? "leg" : "tail";
+                if (!down && (highest < 0 || limb.tip().y() > hub.limbs[static_cast<std::size_t>(highest)].tip().y())) highest = static_cast<int>(i);
+            }
+        }
+        if (highest >= 0) label[static_cast<std::size_t>(highest)] = "head";
+        std::map<std::string, int> total, count;
+        const auto counts = [&](std::size_t i) { return hub.limbs[i].twin < 0 || hub.limbs[i].twin > static_cast<int>(i); };
+        for (std::size_t i = 0; i < label.size(); ++i)
+            if (counts(i)) ++total[label[i]];
+        for (std::size_t i = 0; i < label.size(); ++i) {
+            LimbPlan& limb = plan.limbs[i];
+            if (!counts(i)) {
+                limb.name = plan.limbs[static_cast<std::size_t>(hub.limbs[i].twin)].name;
+            } else {
+                limb.name = label[i];
+                if (total[label[i]] > 1) limb.name += " " + std::to_string(++count[label[i]]);
+            }
+            if (hub.limbs[i].side != 0 && hub.limbs[i].twin >= 0) limb.suffix = hub.limbs[i].side > 0 ? ".L" : ".R";
+            for (std::size_t e = 0; e < limb.end.size(); ++e) nameParts(hub.limbs[i].end[e], limb.end[e], limb.name, limb.suffix);
+        }
+    }
+
+    void nameParts(const Hub& hub, HubPlan& plan, const std::string& of, const std::string& suffix) {
+        int count = 0;
+        for (std::size_t i = 0; i < plan.limbs.size(); ++i) {
+            LimbPlan& limb = plan.limbs[i];
+            const Limb& shape = hub.limbs[i];
+            const bool image = shape.twin >= 0 && shape.twin < static_cast<int>(i);
+            limb.name = image ? plan.limbs[static_cast<std::size_t>(shape.twin)].name : of + " part " + std::to_string(++count);
+            limb.suffix = suffix;
+            if (suffix.empty() && shape.twin >= 0) limb.suffix = shape.side > 0 ? ".L" : ".R";
+            for (std::size_t e = 0; e < limb.end.size(); ++e) nameParts(shape.end[e], limb.end[e], limb.name, limb.suffix);
+        }
+    }
+
+    [[nodiscard]] static std::string numbered(const LimbPlan& limb, std::size_t k, std::size_t of, const char* what = "") {
+        return limb.name + (of > 1 ? "-" + std::to_string(k + 1) : std::string()) + what + limb.suffix;
+    }
+
+    /// Cuts that work become the proposal's, those of each limb renumbered.
+    void keepCuts(HubPlan& plan) {
+        for (LimbPlan& limb : plan.limbs) {
+            std::vector<int> kept;
+            for (const int c : limb.cuts) {
+                const FittedCut& cut = fitted_[static_cast<std::size_t>(c)];
+                if (cut.kept) kept.push_back(c);
+            }
+            std::vector<int> made;
+            for (std::size_t k = 0; k < kept.size(); ++k) {
+                made.push_back(static_cast<int>(proposal_.cuts.size()));
+                proposal_.cuts.push_back({numbered(limb, k, kept.size(), " cut"), numbered(limb, k, kept.size()), fitted_[static_cast<std::size_t>(kept[k])].plane});
+            }
+            for (const int c : limb.cuts) {
+                const FittedCut& cut = fitted_[static_cast<std::size_t>(c)];
+                if (!cut.why.empty()) proposal_.notes.push_back({cut.kept ? "moved" : "left-out", "A cut of \"" + limb.name + limb.suffix + "\": " + cut.why});
+            }
+            limb.cuts = std::move(made);
+            for (HubPlan& end : limb.end) keepCuts(end);
+        }
+    }
+
+    // ---- bones
+
+    int bone(std::string name, int parent, bool fromParentStart, const Vec3& start, const Vec3& end, int piece, int startCut, int endCut) {
+        ProposedBone made;
+        made.name = std::move(name);
+        made.parent = parent;
+        made.fromParentStart = fromParentStart;
+        made.start = parent < 0 ? start : fromParentStart ? proposal_.bones[static_cast<std::size_t>(parent)].start : proposal_.bones[static_cast<std::size_t>(parent)].end;
+        made.end = end;
+        made.piece = piece;
+        made.startCut = startCut;
+        made.endCut = endCut;
+        proposal_.bones.push_back(std::move(made));
+        return static_cast<int>(proposal_.bones.size()) - 1;
+    }
+    [[nodiscard]] const Vec3& placeOf(int cut) const { return proposal_.cuts[static_cast<std::size_t>(cut)].plane.origin; }
+
+    void addBones(const Hub& root, const HubPlan& plan) {
+        if (tree_.chain) {
+            const auto& a = plan.limbs[0].cuts;
+            const auto& b = plan.limbs[1].cuts;
+            const auto inside = [&](const Limb& limb) { return scaled_.back(pointAlong(limb.line, (1.0 - kInside) * limb.length())); };
+            const Vec3 end = a.empty() ? inside(root.limbs[0]) : placeOf(a[0]), start = b.empty() ? inside(root.limbs[1]) : placeOf(b[0]);
+            const int middle = bone(proposal_.root + " bone", -1, false, start, end, -1, b.empty() ? -1 : b[0], a.empty() ? -1 : a[0]);
+            if (a.empty()) tips_.push_back(middle);
+            addPieces(root.limbs[0], plan.limbs[0], middle, false);
+            addPieces(root.limbs[1], plan.limbs[1], middle, true);
+            return;
+        }
+        addHub(root, plan, -1, -1, proposal_.root, {});
+    }
+
+    /// `entry`: the bone that ends at the hub's first point, -1: it is the root. `piece`: that the hub lies in.
+    void addHub(const Hub& hub, const HubPlan& plan, int entry, int piece, const std::string& name, const std::string& suffix) {
+        int second = -1;
+        if (hub.points.size() > 1) second = bone(name + " bone" + suffix, entry, false, scaled_.back(hub.points[0]), scaled_.back(hub.points[1]), piece, -1, -1);
+        int leader = entry < 0 ? second : entry;  // on which hangs what begins at the first point
+        for (std::size_t i = 0; i < plan.limbs.size(); ++i) {
+            const Limb& limb = hub.limbs[i];
+            const LimbPlan& planned = plan.limbs[i];
+            if (planned.cuts.empty()) {
+                ++uncut_;
+                continue;
+            }
+            const bool far = limb.point == 1 && second >= 0;
+            const int parent = far ? second : leader;
+            const bool fromStart = !far && entry < 0 && leader >= 0;
+            const Vec3 from = scaled_.back(hub.points[static_cast<std::size_t>(far ? 1 : 0)]);
+            const int base = bone(planned.name + " base" + planned.suffix, parent, fromStart, from, placeOf(planned.cuts[0]), piece, -1, planned.cuts[0]);
+            if (leader < 0) leader = base;
+            addPieces(limb, planned, base, false);
+        }
+    }
+
+    /// The bones beyond the first cut of a limb, after `parent`.
+    void addPieces(const Limb& limb, const LimbPlan& planned, int parent, bool fromStart) {
+        int piece = -1;
+        for (std::size_t k = 0; k < planned.cuts.size(); ++k) {
+            const bool last = k + 1 == planned.cuts.size();
+            piece = planned.cuts[k];
+            Vec3 end;
+            if (!last)
+                end = placeOf(planned.cuts[k + 1]);
+            else if (limb.end.empty())
+                end = scaled_.back(limb.tip()) + kInside * (placeOf(planned.cuts[k]) - scaled_.back(limb.tip()));
+            else
+                end = scaled_.back(limb.end[0].points[0]);
+            parent = bone(numbered(planned, k, planned.cuts.size(), " bone"), parent, fromStart, Vec3::Zero(), end, piece, planned.cuts[k], last ? -1 : planned.cuts[k + 1]);
+            fromStart = false;
+        }
+        if (planned.cuts.empty()) return;
+        if (limb.end.empty())
+            tips_.push_back(parent);
+        else
+            addHub(limb.end[0], planned.end[0], parent, piece, planned.name + " end", planned.suffix);
+    }
+
+    void pinBones() {
+        for (const int tip : tips_)
+            if (proposal_.bones[static_cast<std::size_t>(tip)].end.y() <= ground_) proposal_.pins.push_back({tip, true});
+        // What lies on the ground as a whole, and what stands on nothing, is held at its root.
+        if (proposal_.pins.empty() || proposal_.pins.size() == tips_.size()) proposal_.pins = {{0, false}};
+    }
+
+    void tellLeftOut() {
+        for (const LimbTree::LeftOut& out : tree_.leftOut) {
+            const Vec3 at = scaled_.back(out.place);
+            const ProposedBone* nearest = nullptr;
+            double least = HUGE_VAL;
+            for (const ProposedBone& bone : proposal_.bones) {
+                const Vec3 side = bone.end - bone.start;
+                const double t = std::clamp(side.dot(at - bone.start) / std::max(side.squaredNorm(), 1e-300), 0.0, 1.0);
+                const double d = (bone.start + t * side - at).norm();
+                if (d < least) least = d, nearest = &bone;
+            }
+            proposal_.merged.push_back({"branch", nearest ? nearest->name : std::string(), std::min(out.share, 1.0), out.why});
+        }
+        if (uncut_ > 0)
+            proposal_.notes.push_back({"too-short", counted(static_cast<std::size_t>(uncut_), "limb is", "limbs are") + " too short to be cut, or touch another cut: cut by hand, or put a handle there."});
+    }
+
+    // ---- what is not cut
+
+    Result<Proposal> asBlob(std::optional<Error> why) {
+        proposal_.cuts.clear();
+        proposal_.bones.clear();
+        proposal_.root = "body";
+        if (why) proposal_.notes.push_back(std::move(*why));
+        for (const FittedCut& cut : fitted_)
+            if (!cut.why.empty()) proposal_.notes.push_back({"left-out", cut.why});
+        const RayTree rays(scaled_.mesh);
+        Vec3 middle = tree_.root.points.empty() ? Vec3(Vec3::Zero()) : tree_.root.points[0];
+        const auto add = [&](std::string name, const Vec3& direction, bool pinned) {
+            const auto hit = rays.first(middle, direction, 2.0, -1);
+            if (hit.triangle < 0) return;
+            const Vec3 at = middle + hit.distance * direction;
+            for (const ProposedHandle& other : proposal_.handles)
+                if ((scaled_.back(at) - other.point).norm() < 3.0 * kHandle * scaled_.diagonal) return;
+            proposal_.handles.push_back({std::move(name), scaled_.back(at), kHandle * scaled_.diagonal, pinned});
+        };
+        add("bottom", -Vec3::UnitY(), true);
+        add("top", Vec3::UnitY(), false);
+        add("side.L", Vec3::UnitX(), false);
+        add("side.R", -Vec3::UnitX(), false);
+        add("front", Vec3::UnitZ(), false);
+        add("back", -Vec3::UnitZ(), false);
+        if (proposal_.handles.empty()) return fail("no-skeleton", "The body has neither limbs nor places for handles that can be told: cut it by hand.");
+        proposal_.notes.push_back({"handles", "The shape has no limbs that can be cut: it gets handles."});
+        return std::move(proposal_);
+    }
+
+    const TriangleMesh& body_;
+    double least_;
+    const Progress& progress_;
+    Scaled scaled_;
+    double low_ = 0.0, ground_ = 0.0;
+    TriangleMesh even_;
+    LimbTree tree_;
+    std::optional<CutPlane> mirror_;
+    std::vector<WishedCut> wished_;
+    std::vector<FittedCut> fitted_;
+    std::vector<int> tips_;
+    int uncut_ = 0;
+    Proposal proposal_;
+};
+
+}  // namespace
+
+Result<Proposal> proposeFromShape(const TriangleMesh& body, double least, const Progress& progress) {
+    if (!meshFacts(body).outward) return fail("not-closed", "The body is not a closed surface that faces outward; repair or wrap it first.");
+    return Proposer(body, least, progress).propose();
+}
+
+}  // namespace imomushi

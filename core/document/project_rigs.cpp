@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <limits>
+#include <map>
+
+#include "core/document/command_support.h"
+#include "core/document/project_rows.h"
+#include "core/document/project_tables.h"
+
+namespace imomushi {
+
+namespace {
+
+constexpr const char* kRigTables = R"(
+CREATE TABLE rigs (character INTEGER PRIMARY KEY, to_scene BLOB, first BLOB, bone BLOB, weight BLOB);
+CREATE TABLE rig_bones (character INTEGER, position INTEGER, name TEXT, parent INTEGER, node INTEGER, head BLOB, tail BLOB, rotation BLOB, PRIMARY KEY (character, position));
+CREATE TABLE rig_nodes (character INTEGER, position INTEGER, parent INTEGER, translation BLOB, rotation BLOB, scale BLOB, PRIMARY KEY (character, position));
+CREATE TABLE rig_clips (character INTEGER, position INTEGER, name TEXT, seconds REAL, PRIMARY KEY (character, position));
+CREATE TABLE rig_tracks (character INTEGER, clip INTEGER, position INTEGER, node INTEGER, path INTEGER, interpolation INTEGER, times BLOB, numbers BLOB,
+    PRIMARY KEY (character, clip, position));
+)";
+
+constexpr std::int64_t kLargestIndex = std::numeric_limits<std::int32_t>::max();
+
+std::int32_t readIndex(RowReader& row, std::int64_t low) { return static_cast<std::int32_t>(row.integer(low, kLargestIndex)); }
+
+/// As the file has it: coordinates may be larger than those of a document.
+Vec3 readFilePoint(RowReader& row) {
+    const auto v = row.array<double>(3);
+    require(v.size() == 3, "a bone is broken");
+    return {v[0], v[1], v[2]};
+}
+
+}  // namespace
+
+void createRigTables(Database& db) { db.run(kRigTables); }
+
+void writeRigs(Database& db, const Document& document) {
+    RowWriter rigs(db, "INSERT INTO rigs VALUES (?,?,?,?,?)"), bones(db, "INSERT INTO rig_bones VALUES (?,?,?,?,?,?,?,?)"), nodes(db, "INSERT INTO rig_nodes VALUES (?,?,?,?,?,?)"),
+        clips(db, "INSERT INTO rig_clips VALUES (?,?,?,?)"), tracks(db, "INSERT INTO rig_tracks VALUES (?,?,?,?,?,?,?,?)");
+    for (const auto& [id, character] : document.characters) {
+        if (!character->rig) continue;
+        const Rig& rig = *character->rig;
+        rigs.row(id, rig.toScene, rig.weights.first, rig.weights.bone, rig.weights.weight);
+        for (std::size_t i = 0; i < rig.bones.size(); ++i) {
+            const RigBone& b = rig.bones[i];
+            bones.row(id, i, b.name, b.parent, b.node, b.head, b.tail, b.rotation.coeffs());
+        }
+        for (std::size_t i = 0; i < rig.nodes.size(); ++i) nodes.row(id, i, rig.nodes[i].parent, rig.nodes[i].translation, rig.nodes[i].rotation.coeffs(), rig.nodes[i].scale);
+        for (std::size_t i = 0; i < rig.clips.size(); ++i) {
+            clips.row(id, i, rig.clips[i].name, rig.clips[i].seconds);
+            for (std::size_t k = 0; k < rig.clips[i].tracks.size(); ++k) {
+                const RigTrack& t = rig.clips[i].tracks[k];
+                tracks.row(id, i, k, t.node, static_cast<int>(t.path), static_cast<int>(t.interpolation), t.times, t.values);
+            }
+        }
+    }
+}
+
+void readRigs(Database& db, Document& document) {
+    std::map<PartId, Rig> read;
+    RowReader rigs(db, "SELECT * FROM rigs ORDER BY character");
+    while (rigs.next()) {
+        const PartId id = readId(rigs);
+        require(document.characters.contains(id), "a skeleton belongs to no character");
+        Rig& rig = read[id];
+        const auto place = rigs.array<double>(16);
+        require(place.size() == 16, "a skeleton is broken");
+        rig.toScene = Eigen::Map<const Eigen::Matrix4d>(place.data());
+        rig.weights.first = rigs.array<std::int32_t>();
+        rig.weights.bone = rigs.array<std::int32_t>();
+        rig.weights.weight = rigs.array<float>();
+    }
+    const auto rigAt = [&](PartId id) -> Rig& {
+        const auto found = read.find(id);
+        require(found != read.end(), "a skeleton is missing");
+        return found->second;
+    };
+    RowReader bones(db, "SELECT * FROM rig_bones ORDER BY character, position");
+    while (bones.next()) {
+        Rig& rig = rigAt(readId(bones));
+        readPosition(bones, rig.bones.size());
+        RigBone& b = rig.bones.emplace_back();
+        b.name = readUtf8(bones);
+        b.parent = readIndex(bones, -1);
+        b.node = readIndex(bones, 0);
+        b.head = readPoint(bones);
+        b.tail = readPoint(bones);
+        b.rotation = readTurn(bones);
+    }
+    RowReader nodes(db, "SELECT * FROM rig_nodes ORDER BY character, position");
+    while (nodes.next()) {
+        Rig& rig = rigAt(readId(nodes));
+        readPosition(nodes, rig.nodes.size());
+        RigNode& n = rig.nodes.emplace_back();
+        n.parent = readIndex(nodes, -1);
+        n.translation = readFilePoint(nodes);
+        n.rotation = readTurn(nodes);
+        n.scale = readFilePoint(nodes);
+    }
+    RowReader clips(db, "SELECT * FROM rig_clips ORDER BY character, position");
+    while (clips.next()) {
+        Rig& rig = rigAt(readId(clips));
+        readPosition(clips, rig.clips.size());
+        RigClip& c = rig.clips.emplace_back();
+        c.name = readUtf8(clips);
+        c.seconds = clips.real();
+    }
+    RowReader tracks(db, "SELECT * FROM rig_tracks ORDER BY character, clip, position");
+    while (tracks.next()) {
+        Rig& rig = rigAt(readId(tracks));
+        const auto clip = static_cast<std::size_t>(tracks.integer(0, kLargestIndex));
+        require(clip < rig.clips.size(), "a track belongs to no clip");
+        readPosition(tracks, rig.clips[clip].tracks.size());
+        RigTrack& t = rig.clips[clip].tracks.emplace_back();
+        t.node = readIndex(tracks, 0);
+        t.path = static_cast<RigTrack::Path>(tracks.integer(0, static_cast<int>(RigTrack::Path::Scale)));
+        t.interpolation = static_cast<RigTrack::Interpolation>(tracks.integer(0, static_cast<int>(RigTrack::Interpolation::Cubic)));
+        t.times = tracks.array<double>();
+        t.values = tracks.array<double>();
+    }
+    for (auto& [id, rig] : read) {
+        require(checkRig(rig, static_cast<std::size_t>(document.characters.at(id)->model->mesh.body.vertices.rows())).empty(), "a skeleton is broken");
+        exchangePart(document.characters, id, [&](CharacterSource& c) { c.rig = std::make_shared<const Rig>(std::move(rig)); });
+    }
+}
+
+}  // namespace imomushi

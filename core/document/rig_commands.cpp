@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Skeletons of files, and takes of their clips.
+#include <algorithm>
+#include <cmath>
+
+#include "core/document/command_support.h"
+#include "core/document/document_edit.h"
+#include "core/document/import_request.h"
+#include "core/document/names.h"
+#include "core/document/rig_follower.h"
+#include "core/document/session_access.h"
+
+namespace imomushi {
+
+namespace {
+
+constexpr double kMostFramesPerSecond = 1000.0;
+constexpr double kMostFrames = 100'000.0;  // of a take: half an hour at 60 per second
+
+Result<Json> importSkeleton(DocumentEdit& edit, const Json& arguments, const Progress& progress) {
+    Document& document = edit.document;
+    const auto character = characterOf(document, text(arguments, "character"));
+    if (!character) return tl::unexpected(character.error());
+    auto request = importRequestFrom(document, arguments);
+    if (!request) return tl::unexpected(request.error());
+    request->bonesSuffice = true;
+    auto imported = edit.importCharacter(*request, progress);
+    if (!imported) return tl::unexpected(imported.error());
+    if (!imported->rig) return fail("no-skeleton", "\"" + request->path.string() + "\" holds no bones: choose a file with a skeleton.");
+    // Weights are for the vertices of its own mesh.
+    const Eigen::Index vertices = (*character)->model->mesh.body.vertices.rows();
+    const bool sameMesh = imported->renderModel.mesh.body.vertices.rows() == vertices && imported->renderModel.mesh.body.vertices == (*character)->model->mesh.body.vertices;
+    if (!sameMesh) imported->rig->weights = {};
+    const auto rig = std::make_shared<const Rig>(std::move(*imported->rig));
+    exchangePart(document.characters, (*character)->id, [&](CharacterSource& c) { c.rig = rig; });
+    Json answer = rigJson(rig.get());
+    answer["weights"] = !rig->weights.empty();
+    answer["metres_per_unit"] = imported->metresPerUnit;
+    answer["turned_z_up"] = imported->zUpConverted;
+    answer["issues"] = Json::array();
+    for (const MeshIssue& issue : imported->issues) answer["issues"].push_back(issueJson(issue));
+    return answer;
+}
+
+Result<Json> takeClip(SessionAccess& access, const Json& arguments, const Progress& progress) {
+    const Document& document = access.document();
+    if (access.live.recording()) return fail("already-recording", "The take \"" + access.live.recording()->take.name + "\" is being recorded: stop that first.");
+    const auto character = characterOf(document, text(arguments, "character"));
+    if (!character) return tl::unexpected(character.error());
+    const std::shared_ptr<const Rig> rig = (*character)->rig;
+    if (!rig || rig->clips.empty()) return fail("no-clip", "\"" + (*character)->name + "\" has no clips: import a file with animations.");
+    const std::string& clipName = text(arguments, "clip");
+    const int index = rig->clipIndex(clipName);
+    if (index < 0) {
+        std::string known;
+        for (const RigClip& clip : rig->clips) known += (known.empty() ? "\"" : ", \"") + clip.name + "\"";
+        return fail("no-clip", "\"" + (*character)->name + "\" has no clip \"" + clipName + "\"; it has " + known + ".");
+    }
+    const RigClip& clip = rig->clips[static_cast<std::size_t>(index)];
+    const Json* given = find(arguments, "take");
+    const std::string name = given ? given->get<std::string>() : clip.name;
+    if (auto ok = checkNameText(name); !ok) return tl::unexpected(ok.error());
+    if (document.takeNamed(name)) return fail("name-taken", "There is a take \"" + name + "\" already: choose another name, or remove that one first.");
+    double fps = 60.0;
+    if (const Json* value = find(arguments, "fps")) {
+        const auto asked = numberWithin(*value, "fps", 1.0, kMostFramesPerSecond);
+        if (!asked) return tl::unexpected(asked.error());
+        fps = *asked;
+    }
+    const double frames = std::floor(clip.seconds * fps + 1e-6);
+    if (frames > kMostFrames) return fail("bad-value", "The clip would be a take of more than 100,000 frames: choose fewer per second.");
+    std::vector<double> times;
+    for (int f = 0; f <= static_cast<int>(frames); ++f) times.push_back(f / fps);
+    // The last key counts, wherever it is between frames.
+    if (clip.seconds - times.back() > 1e-3 / fps) times.push_back(clip.seconds);
+
+    auto alive = access.live.built();
+    if (!alive) return tl::unexpected(alive.error());
+    const RigFollower follower(document, access.live.plan(), **character);
+    const auto following = std::count_if(follower.follows().begin(), follower.follows().end(), [](int bone) { return bone >= 0; });
+    if (following == 0) return fail("no-bone", "\"" + (*character)->name + "\" has no bones that a clip could move: add bones to it, or make it soft.");
+    auto taken = access.live.playThrough(name, times, [&](double time) { return follower.pose(clip, time); }, progress);
+    if (!taken) return tl::unexpected(taken.error());
+    const auto take = access.addTake(std::move(*taken), arguments);
+    return Json{{"take", take->name},     {"frames", take->times.size()},          {"seconds", take->duration()}, {"bytes", take->bytes()},
+                {"bones", following}, {"exact_joints", follower.exactPoints()}, {"carried_joints", follower.carriedPoints()}};
+}
+
+}  // namespace
+
+Json rigJson(const Rig* rig) {
+    Json bones = Json::array(), clips = Json::array();
+    if (rig) {
+        for (const RigBone& bone : rig->bones)
+            bones.push_back({{"name", bone.name}, {"parent", bone.parent < 0 ? Json() : Json(rig->bones[static_cast<std::size_t>(bone.parent)].name)}, {"start", json(bone.head)}, {"end", json(bone.tail)}});
+        for (const RigClip& clip : rig->clips) clips.push_back({{"name", clip.name}, {"seconds", clip.seconds}});
+    }
+    return Json{{"skeleton", std::move(bones)}, {"clips", std::move(clips)}};
+}
+
+void addRigCommands(CommandRegistry& registry) {
+    using Type = CommandKey::Type;
+    registry.addChange("import-skeleton",
+                       "Brings the bones and animation clips of a file (glTF, GLB, FBX, DAE), with or without a mesh, to a character, in place of those that it has. Nothing moves yet: propose "
+                       "and make-soft make bones of them.",
+                       {{"character", Type::Text, true, "The character."},
+                        {"path", Type::Text, true, "The file."},
+                        {"unit", Type::Text, false, "\"mm\", \"cm\" or \"m\": the unit of the file (its own unless given; metres where it has none)."},
+                        {"up", Type::Text, false, "\"y\" or \"z\": the axis of the file that points up (its own unless given; y where it has none)."}},
+                       importSkeleton);
+    registry.addAction("take-clip",
+                       "Makes a take of an animation clip that came with a character: its bones move as those of the file do, exactly where they start at a joint of the file. Effects of the flesh "
+                       "have their part in it, bone dynamics have none. One step of the history.",
+                       {{"character", Type::Text, true, "The character."},
+                        {"clip", Type::Text, true, "One of its clips, as import-character and list answer them."},
+                        {"take", Type::Text, false, "A name that no other take has (the clip's unless given)."},
+                        {"fps", Type::Number, false, "Frames per second, 1 to 1000 (60)."}},
+                       takeClip);
+}
+
+}  // namespace imomushi

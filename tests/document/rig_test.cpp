@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Skeletons of files: what import answers and projects keep, and takes of clips.
+#include <cmath>
+#include <numbers>
+
+#include "core/document/rig_follower.h"
+#include "tests/document/tamper.h"
+#include "tests/document/workbench.h"
+
+using namespace imomushi;
+
+namespace {
+
+/// Bones of 2 m along the bar, "spine 1" to "spine 6" under a "hips" that stands at its foot and moves no vertex. Clip "wave": each bends by 0.25 within a second, the
+/// hips move and turn. Clip "still" keeps them.
+Rig spine(const TriangleMesh& mesh, bool skin = true) {
+    Rig rig;
+    const auto add = [&](const std::string& name, int parent, const Vec3& local) {
+        RigNode node;
+        node.parent = parent;
+        node.translation = local;
+        rig.nodes.push_back(node);
+        RigBone bone;
+        bone.name = name;
+        bone.parent = parent;
+        bone.node = static_cast<std::int32_t>(rig.nodes.size()) - 1;
+        bone.head = parent < 0 ? local : Vec3(rig.bones[static_cast<std::size_t>(parent)].head + local);
+        rig.bones.push_back(bone);
+    };
+    add("hips", -1, {0, 0, 0});
+    for (int i = 1; i <= 6; ++i) add("spine " + std::to_string(i), i - 1, {0, 0, i == 1 ? 0.0 : 2.0});
+    guessTails(rig);
+    if (skin) {
+        rig.weights.first.push_back(0);
+        for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
+            // A quarter of a metre before each joint goes over to the next bone, which has half of it there.
+            const double z = mesh.vertices(v, 2) / 2.0, over = z - std::floor(z);
+            const int bone = std::min(6, static_cast<int>(std::floor(z)) + 1);
+            const float next = over > 0.875 && bone < 6 ? static_cast<float>((over - 0.875) / 0.25) : 0.0f;
+            rig.weights.bone.push_back(bone);
+            rig.weights.weight.push_back(1.0f - next);
+            if (next > 0.0f) {
+                rig.weights.bone.push_back(bone + 1);
+                rig.weights.weight.push_back(next);
+            }
+            rig.weights.first.push_back(static_cast<std::int32_t>(rig.weights.bone.size()));
+        }
+    }
+    RigClip wave{"wave", 1.0, {}};
+    for (int n = 0; n <= 6; ++n) {
+        RigTrack turn;
+        turn.node = n;
+        turn.path = RigTrack::Path::Rotation;
+        turn.times = {0.0, 1.0};
+        const Eigen::Quaterniond to(Eigen::AngleAxisd(0.25, n % 2 ? Vec3::UnitX() : Vec3(0.6, 0.0, 0.8)));
+        turn.values = {0, 0, 0, 1, to.x(), to.y(), to.z(), to.w()};
+        wave.tracks.push_back(turn);
+    }
+    wave.tracks.push_back({0, RigTrack::Path::Translation, RigTrack::Interpolation::Linear, {0.0, 0.5, 1.0}, {0, 0, 0, 1, 2, 0, 1, 2, 3}});
+    rig.clips = {wave, {"still", 0.5, {{0, RigTrack::Path::Translation, RigTrack::Interpolation::Step, {0.5}, {0, 0, 0}}}}};
+    return rig;
+}
+
+struct RigBench : Workbench {
+    RigBench() {
+        session.setCharacterImporter([](const ImportRequest& request, const Progress& progress) -> Result<CharacterFile> {
+            const std::string name = request.path.string();
+            if (name == "bones") {
+                if (!request.bonesSuffice) return fail("empty-mesh", "It holds bones but no mesh.");
+                CharacterFile file;
+                file.format = "shape";
+                file.rig = spine(longBar(), false);
+                return file;
+            }
+            auto file = characterFile({name == "worm" ? "trunk" : request.path, {}, {}, {}, {}}, progress);
+            if (file && name == "worm") file->rig = spine(file->renderModel.mesh.body);
+            return file;
+        });
+    }
+
+    /// Three elements that meet at the heads of "spine 3" and "spine 5", and bones from head to head under the names of the file.
+    void buildWorm() {
+        good({{"do", "import-character"}, {"path", "worm"}, {"name", "worm"}});
+        good({{"do", "cut"}, {"element", "worm body"}, {"plane", {{"origin", {0, 0, 4.0}}, {"normal", {0, 0, 1}}}}, {"names", {"low", "rest"}}});
+        good({{"do", "cut"}, {"element", "rest"}, {"plane", {{"origin", {0, 0, 8.0}}, {"normal", {0, 0, 1}}}}, {"names", {"middle", "high"}}});
+        for (const char* element : {"low", "middle", "high"}) good({{"do", "set"}, {"target", element}, {"property", "solver-mesh"}, {"value", "as-is"}});
+        good({{"do", "add-bone"}, {"name", "spine 1"}, {"element", "low"}, {"from", {0, 0, 0}}, {"to", {0, 0, 4}}});
+        good({{"do", "add-bone"}, {"name", "spine 3"}, {"element", "middle"}, {"from", "spine 1/end"}, {"to", {0, 0, 8}}});
+        good({{"do", "add-bone"}, {"name", "spine 5"}, {"element", "high"}, {"from", "spine 3/end"}, {"to", {0, 0, 11}}});
+    }
+};
+
+const Rig& rigOf(Session& session) { return *session.document().characters.begin()->second->rig; }
+
+}  // namespace
+
+TEST_CASE("skeletons: import answers bones and clips, projects keep them, and undo takes them back") {
+    RigBench w;
+    const Json answer = w.good({{"do", "import-character"}, {"path", "worm"}, {"name", "worm"}});
+    REQUIRE(answer["skeleton"].size() == 7);
+    CHECK(answer["skeleton"][0]["name"] == "hips");
+    CHECK(answer["skeleton"][0]["parent"].is_null());
+    CHECK(answer["skeleton"][6]["parent"] == "spine 5");
+    CHECK(answer["skeleton"][6]["start"] == Json::array({0.0, 0.0, 10.0}));
+    CHECK(answer["skeleton"][6]["end"] == Json::array({0.0, 0.0, 12.0}));
+    CHECK(answer["clips"] == Json::parse(R"([{"name": "wave", "seconds": 1.0}, {"name": "still", "seconds": 0.5}])"));
+    const Json list = w.good({{"do", "list"}});
+    CHECK(list["characters"][0]["skeleton"] == answer["skeleton"]);
+
+    const auto path = w.folder() / "rig.imomushi", again = w.folder() / "rig again.imomushi";
+    w.good({{"do", "save"}, {"path", path}});
+    Workbench other;
+    CHECK(other.good({{"do", "open"}, {"path", path}}) == list);
+    CHECK(other.content() == w.content());
+    other.good({{"do", "save"}, {"path", again}});
+    CHECK(readFile(again) == readFile(path));
+    CHECK(rigOf(other.session).weights.weight == rigOf(w.session).weights.weight);
+    CHECK(posedRig(rigOf(other.session), rigOf(other.session).clips[0], 0.7)[6].head == posedRig(rigOf(w.session), rigOf(w.session).clips[0], 0.7)[6].head);
+
+    // A character without bones stays a file for older programs.
+    w.good({{"do", "undo"}});
+    CHECK(w.session.document().characters.empty());
+    CHECK(projectVersion(w.session.document()) == 5);
+    w.good({{"do", "import-character"}, {"path", "trunk"}, {"name", "worm"}});
+    CHECK(projectVersion(w.session.document()) == 6);
+    const std::string before = w.content();
+    CHECK(w.code({{"do", "take-clip"}, {"character", "worm"}, {"clip", "wave"}}) == "no-clip");
+
+    // Bones alone are brought to it.
+    CHECK(w.code({{"do", "import-character"}, {"path", "bones"}}) == "empty-mesh");
+    CHECK(w.code({{"do", "import-skeleton"}, {"path", "bones"}, {"character", "snake"}}) == "no-such-character");
+    CHECK(w.code({{"do", "import-skeleton"}, {"path", "ball"}, {"character", "worm"}}) == "no-skeleton");
+    const Json brought = w.good({{"do", "import-skeleton"}, {"path", "bones"}, {"character", "worm"}});
+    CHECK(brought["skeleton"] == answer["skeleton"]);
+    CHECK(brought["weights"] == false);
+    CHECK(projectVersion(w.session.document()) == kProjectVersion);
+    w.good({{"do", "undo"}});
+    CHECK(w.content() == before);
+    w.good({{"do", "redo"}});
+    // Of the very same mesh weights come along.
+    CHECK(w.good({{"do", "import-skeleton"}, {"path", "worm"}, {"character", "worm"}})["weights"] == true);
+}
+
+TEST_CASE("skeletons: a project appended beside brings its bones along") {
+    RigBench w;
+    w.good({{"do", "import-character"}, {"path", "worm"}, {"name", "worm"}});
+    const auto path = w.folder() / "beside.imomushi";
+    w.good({{"do", "save"}, {"path", path}});
+    RigBench other;
+    other.good({{"do", "append"}, {"path", path}, {"offset", {5, 0, 1}}});
+    const Rig &here = rigOf(other.session), &there = rigOf(w.session);
+    for (const double t : {0.0, 0.4, 1.0}) CHECK((posedRig(here, here.clips[0], t)[6].head - posedRig(there, there.clips[0], t)[6].head - Vec3(5, 0, 1)).norm() < 1e-12);
+    CHECK((here.bones[6].tail - there.bones[6].tail - Vec3(5, 0, 1)).norm() < 1e-12);
+}
+
+TEST_CASE("skeletons: what a project file says of them is not trusted") {
+    RigBench w;
+    w.good({{"do", "import-character"}, {"path", "worm"}, {"name", "worm"}});
+    const auto path = w.folder() / "tampered.imomushi";
+    for (const char* change : {"UPDATE rig_bones SET parent=6 WHERE position=2", "UPDATE rig_bones SET node=99 WHERE position=2", "UPDATE rig_bones SET name='hips' WHERE position=2",
+                               "UPDATE rig_bones SET position=9 WHERE position=2", "DELETE FROM rig_bones", "DELETE FROM rig_nodes WHERE position=6", "UPDATE rigs SET first=x'00'",
+                               "UPDATE rigs SET bone=zeroblob(8)", "UPDATE rigs SET character=77", "UPDATE rig_tracks SET node=-1 WHERE position=1", "UPDATE rig_tracks SET times=zeroblob(16) WHERE position=1",
+                               "UPDATE rig_tracks SET path=7 WHERE position=1", "UPDATE rig_clips SET seconds=-1.0", "UPDATE rig_clips SET seconds=0.25", "DELETE FROM rig_clips WHERE position=0",
+                               "UPDATE rig_bones SET rotation=zeroblob(32)", "UPDATE rigs SET to_scene=x''"}) {
+        CAPTURE(change);
+        w.good({{"do", "save"}, {"path", path}});
+        sql(path, change);
+        CHECK(Workbench().code({{"do", "open"}, {"path", path}}) == "damaged");
+        sign(path);
+        CHECK(Workbench().code({{"do", "open"}, {"path", path}}) == "damaged");
+    }
+}
+
+TEST_CASE("skeletons: a clip becomes a take that moves joints exactly where the file does, and the flesh with them") {
+    RigBench w;
+    w.buildWorm();
+    w.good({{"do", "precompute"}});
+    CHECK(w.code({{"do", "take-clip"}, {"character", "worm"}, {"clip", "dance"}}) == "no-clip");
+    CHECK(w.code({{"do", "take-clip"}, {"character", "worm"}, {"clip", "wave"}, {"fps", 0}}) == "bad-value");
+    const std::string before = w.content();
+    const Json taken = w.good({{"do", "take-clip"}, {"character", "worm"}, {"clip", "wave"}, {"fps", 30}});
+    CHECK(taken["take"] == "wave");
+    CHECK(taken["frames"] == 31);
+    CHECK(taken["bones"] == 3);
+    CHECK(taken["exact_joints"] == 3);  // the tip lies within the last bone
+    CHECK(taken["carried_joints"] == 1);
+    CHECK(w.code({{"do", "take-clip"}, {"character", "worm"}, {"clip", "wave"}}) == "name-taken");
+
+    const Rig& rig = rigOf(w.session);
+    const auto end = [&](const char* bone, bool atEnd) { return *w.session.positionOf({w.session.document().boneNamed(bone)->id, atEnd}); };
+    for (const double t : {0.0, 0.5, 0.7, 1.0}) {
+        CAPTURE(t);
+        const Json shown = w.good({{"do", "play"}, {"take", "wave"}, {"time", t}});
+        CHECK(shown["exact"] == true);
+        const auto file = posedRig(rig, rig.clips[0], t);
+        CHECK((end("spine 1", false) - file[1].head).norm() < 1e-12);
+        CHECK((end("spine 3", false) - file[3].head).norm() < 1e-12);
+        CHECK((end("spine 5", false) - file[5].head).norm() < 1e-12);
+        CHECK((end("spine 5", true) - (file[5].head + file[5].rotation * Vec3(0, 0, 3))).norm() < 1e-12);
+        // The flesh of the last element turns with its bone, twist and all: its rigid motion is the bone's, but for the elastic bend at the joint.
+        const Points rest = w.session.document().elementNamed("high")->mesh->body.vertices, now = w.session.positionsOf(w.session.document().elementNamed("high")->id);
+        double worst = 0.0;
+        for (Eigen::Index v = 0; v < rest.rows(); ++v)
+            if (rest(v, 2) > 11.0) worst = std::max(worst, (Vec3(now.row(v).transpose()) - file[5].head - file[5].rotation * (Vec3(rest.row(v).transpose()) - Vec3(0, 0, 8))).norm());
+        CHECK(worst < 0.35);
+    }
+    w.good({{"do", "rest"}});
+    w.good({{"do", "undo"}, {"count", 2}});
+    CHECK(w.content() == before);
+    w.good({{"do", "redo"}});
+    CHECK(w.session.document().takes.size() == 1);
+
+    // A clip between frames ends with its last key; the same twice.
+    const Json slow = w.good({{"do", "take-clip"}, {"character", "worm"}, {"clip", "still"}, {"take", "stays"}, {"fps", 3}});
+    CHECK(slow["frames"] == 3);
+    CHECK(std::abs(slow["seconds"].get<double>() - 0.5) < 1e-12);
+    w.good({{"do", "take-clip"}, {"character", "worm"}, {"clip", "wave"}, {"take", "again"}, {"fps", 30}});
+    const Take &a = *w.session.document().takeNamed("wave"), &b = *w.session.document().takeNamed("again");
+    CHECK(a.poses.values() == b.poses.values());
+    CHECK(a.shapes.values() == b.shapes.values());
+    CHECK(a.shapes.first() == b.shapes.first());
+}
+
+TEST_CASE("skeletons: bones without a counterpart are carried by what is nearest, and other characters stay at rest") {
+    RigBench w;
+    w.good({{"do", "import-character"}, {"path", "worm"}, {"name", "worm"}});
+    CHECK(w.code({{"do", "take-clip"}, {"character", "worm"}, {"clip", "wave"}}) == "no-bone");
+    w.good({{"do", "import-character"}, {"path", "ball"}, {"name", "ball"}});
+    w.good({{"do", "add-bone"}, {"name", "own"}, {"element", "worm body"}, {"from", {0.1, 0, 4.5}}, {"to", {0, 0.1, 5.5}}});
+    w.good({{"do", "add-bone"}, {"name", "other"}, {"element", "ball body"}, {"from", {0, 0, -0.5}}, {"to", {0, 0, 0.5}}});
+    const Json taken = w.good({{"do", "take-clip"}, {"character", "worm"}, {"clip", "wave"}});
+    CHECK(taken["bones"] == 1);
+    CHECK(taken["exact_joints"] == 0);
+    w.good({{"do", "play"}, {"take", "wave"}, {"time", 1.0}});
+    const auto file = posedRig(rigOf(w.session), rigOf(w.session).clips[0], 1.0);
+    CHECK((*w.session.positionOf({w.session.document().boneNamed("own")->id, true}) - (file[3].head + file[3].rotation * Vec3(0, 0.1, 1.5))).norm() < 1e-12);
+    CHECK(*w.session.positionOf({w.session.document().boneNamed("other")->id, true}) == Vec3(0, 0, 0.5));
+}
