@@ -11,11 +11,11 @@ namespace {
 
 constexpr double kSharpest = -0.5;      // cosine of the largest bend at a joint whose bisector is taken: beyond, a limb goes back along its parent
 constexpr double kBelongs = 0.5;        // of a vertex's flesh: what lies beyond a joint
-constexpr double kClearlyBetter = 0.7;  // another plane is taken if it misplaces this part of what the bisector does,
+constexpr double kBetterPlane = 0.7;  // another plane is taken if it misplaces this part of what the bisector does,
 constexpr double kWorthIt = 0.05;       // and if the difference is this part of the limb's flesh
 constexpr double kReach = 0.35;         // of the length of the shorter bone: how far a plane may be moved
 
-Vec3 row(const Points& points, Eigen::Index i) { return points.row(i).transpose(); }
+Vec3 placeOf(const Points& points, Eigen::Index i) { return points.row(i).transpose(); }
 
 }  // namespace
 
@@ -55,7 +55,7 @@ Vec3 RigCuts::direction(const MergedRig& merged, std::size_t kept) const {
 
 double RigCuts::misplaced(const std::vector<double>& own, const CutPlane& plane) const {
     const auto vertices = static_cast<std::size_t>(body_.vertices.rows());
-    const auto inFront = [&](std::size_t v) { return plane.normal.dot(row(body_.vertices, static_cast<Eigen::Index>(v)) - plane.origin) > 0.0; };
+    const auto inFront = [&](std::size_t v) { return plane.normal.dot(placeOf(body_.vertices, static_cast<Eigen::Index>(v)) - plane.origin) > 0.0; };
     // What the cut would take: in front of the plane and connected there with what belongs beyond the joint.
     std::vector<char> taken(vertices, 0);
     std::vector<std::size_t> open;
@@ -101,7 +101,7 @@ std::vector<WishedCut> RigCuts::cuts(const MergedRig& merged) const {
         if (from.norm() > 1e-3 * diagonal_ && from.normalized().dot(out) > kSharpest) bisector = (from.normalized() + out).normalized();
         CutPlane best{head, bisector};
         double least = misplaced(own, best);
-        const double needed = std::min(kClearlyBetter * least, least - kWorthIt * limb);
+        const double needed = std::min(kBetterPlane * least, least - kWorthIt * limb);
         double lowest = needed;
         const auto offer = [&](const CutPlane& plane) {
             const double wrong = misplaced(own, plane);
@@ -118,7 +118,7 @@ std::vector<WishedCut> RigCuts::cuts(const MergedRig& merged) const {
                 const auto w = static_cast<std::size_t>(neighbour_[i]);
                 if (own[v] <= kBelongs || own[w] > kBelongs) continue;
                 const double t = (own[v] - kBelongs) / (own[v] - own[w]);
-                places.push_back((1.0 - t) * row(body_.vertices, static_cast<Eigen::Index>(v)) + t * row(body_.vertices, static_cast<Eigen::Index>(w)));
+                places.push_back((1.0 - t) * placeOf(body_.vertices, static_cast<Eigen::Index>(v)) + t * placeOf(body_.vertices, static_cast<Eigen::Index>(w)));
                 middle += places.back();
             }
         if (places.size() >= 3) {

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kSmallPiece = 0.25;  // of the least share: a piece that is smaller than this is not cut off
 constexpr double kWithin = 0.95;      // of the way from the head of a bone to the end of its flesh: where its tip is
-constexpr double kGround = 0.03;      // of the height of a body: tips that are lower stand on the ground
+constexpr double kStandsWithin = 0.03;      // of the height of a body: tips that are lower stand on the ground
 constexpr int kMostRounds = 8;
 
 class RigProposer {
@@ -146,7 +146,7 @@ private:
 
     /// Tips that stand on the ground, else the root.
     void pins() {
-        const double low = body_.vertices.col(1).minCoeff(), ground = low + kGround * (body_.vertices.col(1).maxCoeff() - low);
+        const double low = body_.vertices.col(1).minCoeff(), ground = low + kStandsWithin * (body_.vertices.col(1).maxCoeff() - low);
         for (const int tip : tips_)
             if (proposal_.bones[static_cast<std::size_t>(tip)].end.y() <= ground) proposal_.pins.push_back({tip, true});
         if (proposal_.pins.empty() || proposal_.pins.size() == tips_.size()) proposal_.pins = {{0, false}};
