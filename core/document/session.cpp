@@ -223,6 +223,11 @@ std::shared_ptr<const Take> SessionAccess::addTake(Take take, const Json& line) 
     return added;
 }
 
+void SessionAccess::endStep(DocumentHistory::Step step) {
+    session.history_.endGesture(std::move(step));
+    session.historyMoved_ = true;
+}
+
 void SessionAccess::replace(Project project, std::filesystem::path path, bool saved, const Json& line) {
     session.history_.replace(std::move(project.document), std::move(path), saved, line);
     session.historyMoved_ = true;
