@@ -27,6 +27,34 @@
                 <numerusform>%n separate parts</numerusform>
             </translation>
         </message>
+        <message numerus="yes">
+            <source>%n cut(s)</source>
+            <translation>
+                <numerusform>%n cut</numerusform>
+                <numerusform>%n cuts</numerusform>
+            </translation>
+        </message>
+        <message numerus="yes">
+            <source>%n bone(s)</source>
+            <translation>
+                <numerusform>%n bone</numerusform>
+                <numerusform>%n bones</numerusform>
+            </translation>
+        </message>
+        <message numerus="yes">
+            <source>%n handle(s)</source>
+            <translation>
+                <numerusform>%n handle</numerusform>
+                <numerusform>%n handles</numerusform>
+            </translation>
+        </message>
+        <message numerus="yes">
+            <source>%n pin(s)</source>
+            <translation>
+                <numerusform>%n pin</numerusform>
+                <numerusform>%n pins</numerusform>
+            </translation>
+        </message>
     </context>
     <context>
         <name>imomushi::BoneForm</name>
@@ -113,6 +141,16 @@
             <translation>
                 <numerusform>%n more in the list of issues</numerusform>
                 <numerusform>%n more in the list of issues</numerusform>
+            </translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::FileFlow</name>
+        <message numerus="yes">
+            <source>%n proposal(s) could not be made.</source>
+            <translation>
+                <numerusform>%n proposal could not be made.</numerusform>
+                <numerusform>%n proposals could not be made.</numerusform>
             </translation>
         </message>
     </context>

@@ -1714,6 +1714,16 @@
             <source>Imported “%1” as a whole character. Its body: %2.</source>
             <translation>「%1」をキャラクター全体として読み込みました。ボディ：%2。</translation>
         </message>
+        <message>
+            <source>“%1” is soft: drag it, or change its cuts and bones.</source>
+            <translation>「%1」は柔らかくなりました。ドラッグするか、切断とボーンを変更できます。</translation>
+        </message>
+        <message numerus="yes">
+            <source>%n proposal(s) could not be made.</source>
+            <translation>
+                <numerusform>%n 件の提案は実行できませんでした。</numerusform>
+            </translation>
+        </message>
     </context>
     <context>
         <name>imomushi::HistoryModel</name>
@@ -1882,6 +1892,46 @@
         <message>
             <source>Unmended: mend issue by issue</source>
             <translation>未修復：問題を一つずつ修復</translation>
+        </message>
+        <message>
+            <source>Make it soft: cuts and bones as its shape suggests</source>
+            <translation>柔らかくする：切断とボーンを形から決める</translation>
+        </message>
+        <message>
+            <source>From the skeleton of the file, if it has one, else from the shape. Everything can be changed afterwards, and taken back in one step.</source>
+            <translation>ファイルに骨格があればそれから、なければ形から決めます。後ですべて変更でき、1 回の取り消しで元に戻せます。</translation>
+        </message>
+        <message numerus="yes">
+            <source>%n cut(s)</source>
+            <translation>
+                <numerusform>切断 %n</numerusform>
+            </translation>
+        </message>
+        <message numerus="yes">
+            <source>%n bone(s)</source>
+            <translation>
+                <numerusform>ボーン %n</numerusform>
+            </translation>
+        </message>
+        <message numerus="yes">
+            <source>%n handle(s)</source>
+            <translation>
+                <numerusform>ハンドル %n</numerusform>
+            </translation>
+        </message>
+        <message numerus="yes">
+            <source>%n pin(s)</source>
+            <translation>
+                <numerusform>ピン %n</numerusform>
+            </translation>
+        </message>
+        <message>
+            <source>Proposed from its skeleton: %1</source>
+            <translation>骨格からの提案：%1</translation>
+        </message>
+        <message>
+            <source>Proposed from its shape: %1</source>
+            <translation>形からの提案：%1</translation>
         </message>
     </context>
     <context>

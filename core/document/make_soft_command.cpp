@@ -225,7 +225,7 @@ Result<Json> makeSoft(SessionAccess& access, const Json& arguments, const Progre
     if (!character) return giveUp(character.error());
     seconds["body"] = watch.lap();
     const auto source = access.document().characters.at(*character);
-    const auto proposal = proposeFor(*source, *request, progress.part(0.1, 0.2));
+    const auto proposal = access.propose(*source, *request, progress.part(0.1, 0.2));
     if (!proposal) return giveUp(proposal.error());
     seconds["propose"] = watch.lap();
     const Progress rest = progress.part(0.2, 0.3);

@@ -24,7 +24,7 @@ Result<Json> propose(SessionAccess& access, const Json& arguments, const Progres
     const auto request = proposalRequestFrom(arguments);
     if (!request) return tl::unexpected(request.error());
     const auto start = std::chrono::steady_clock::now();
-    const auto proposal = proposeFor(**character, *request, progress);
+    const auto proposal = access.propose(**character, *request, progress);
     if (!proposal) return tl::unexpected(proposal.error());
     Json answer = proposalJson(**character, *proposal);
     answer["size"] = sizeJson(**character);

@@ -9,6 +9,7 @@
 #include "core/document/command_support.h"
 #include "core/document/document_edit.h"
 #include "core/document/project_file.h"
+#include "core/document/proposal_commands.h"
 #include "core/document/session_access.h"
 
 namespace imomushi {
@@ -38,7 +39,8 @@ Session::Session(const CommandRegistry& registry, std::shared_ptr<ResponseStore>
       live_(std::make_unique<LiveCharacter>(history_, responses_)),
       importer_(importFile),
       characterImporter_(importCharacter),
-      bodyMaker_(makeBodyOf) {}
+      bodyMaker_(makeBodyOf),
+      proposer_(proposeFor) {}
 
 Session::~Session() = default;
 
@@ -179,6 +181,8 @@ void Session::setCharacterImporter(std::function<Result<CharacterFile>(const Imp
 }
 
 void Session::setBodyMaker(std::function<Result<Body>(const RenderModel&, const BodySetting&, const Progress&)> maker) { bodyMaker_ = maker ? std::move(maker) : makeBodyOf; }
+
+void Session::setProposer(std::function<Result<Proposal>(const CharacterSource&, const ProposalRequest&, const Progress&)> proposer) { proposer_ = proposer ? std::move(proposer) : proposeFor; }
 
 Project Session::project() {
     responses_.refresh();

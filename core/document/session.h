@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/body/proposal.h"
 #include "core/character/character.h"
 #include "core/document/command.h"
 #include "core/document/document.h"
@@ -20,6 +21,7 @@ namespace imomushi {
 class LiveCharacter;
 struct CharacterPlan;
 struct Project;
+struct ProposalRequest;
 
 /// A document that is being worked on, with its responses and its live character. execute() is the one door for change; all else asks, or lets time pass.
 class Session {
@@ -108,6 +110,8 @@ public:
     void setCharacterImporter(std::function<Result<CharacterFile>(const ImportRequest&, const Progress&)> importer);
     /// Replaces makeBody() of imported characters, which the studio calls in the background. Empty: makeBody() again.
     void setBodyMaker(std::function<Result<Body>(const RenderModel&, const BodySetting&, const Progress&)> maker);
+    /// Replaces proposeFor() in the same way. Empty: proposeFor() again.
+    void setProposer(std::function<Result<Proposal>(const CharacterSource&, const ProposalRequest&, const Progress&)> proposer);
     /// What "save" writes, and an autosave: the document as it is now with the responses that its elements have. Copies no mesh and no response.
     [[nodiscard]] Project project();
 
@@ -129,6 +133,7 @@ private:
     Change told_;  // by the command that runs, besides the parts of the document
     bool historyMoved_ = false;  // by the action that runs: undo, redo, another document, a take
     std::function<Result<Body>(const RenderModel&, const BodySetting&, const Progress&)> bodyMaker_;
+    std::function<Result<Proposal>(const CharacterSource&, const ProposalRequest&, const Progress&)> proposer_;
 };
 
 }  // namespace imomushi

@@ -41,6 +41,11 @@ public:
     /// Takes back what was executed since beginStep().
     void cancelStep() { session.cancelGesture(); }
 
+    /// As Session::setProposer() has it.
+    [[nodiscard]] Result<Proposal> propose(const CharacterSource& character, const ProposalRequest& request, const Progress& progress) const {
+        return session.proposer_(character, request, progress);
+    }
+
     // ---- file
     /// Replaces everything by another project; see DocumentHistory::replace().
     void replace(Project project, std::filesystem::path path, bool saved, const Json& line);

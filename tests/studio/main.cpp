@@ -19,6 +19,7 @@ int main(int argc, char** argv) {
     QApplication application(argc, argv);
     imomushi::prepareStudio();
     QSettings().setValue(QStringLiteral("precompute/soft-at-once"), false);  // cases that are about it turn it on
+    QSettings().setValue(QStringLiteral("import/make-soft"), false);
     imomushi::Appearance::instance().setLanguage(QStringLiteral("en"));
     const int status = doctest::Context(argc, argv).run();
     imomushi::SharedStudio::instance().close();

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <QElapsedTimer>
+#include <QSettings>
+#include <algorithm>
 #include <filesystem>
 #include <limits>
 
 #include "tests/studio/window.h"
 #include "ui/scene/cut_frame.h"
+#include "ui/tools/picking.h"
 
 using namespace imomushi;
 
@@ -27,6 +30,31 @@ Vec3 seen(const TriangleMesh& body, const Vec3& wanted, const Vec3& from) {
         if (across < least) least = across, best = at;
     }
     return best;
+}
+
+/// By the mouse, in the drag tool.
+void drag(Window& w, const EndpointRef& end, QPoint by) {
+    const QPoint from = w.view().onScreen(end)->toPoint();
+    QTest::mouseMove(&w.view(), from);
+    w.settle();
+    QTest::mousePress(&w.view(), Qt::LeftButton, {}, from);
+    for (int i = 1; i <= 10; ++i) {
+        QTest::mouseMove(&w.view(), from + by * i / 10);
+        w.settle();
+    }
+    QTest::mouseRelease(&w.view(), Qt::LeftButton, {}, from + by);
+    w.settle();
+    CHECK(w.now().goals.contains(end));
+    CHECK((*w.view().onScreen(end) - QPointF(from + by)).manhattanLength() < 30.0);
+}
+
+/// Of all edges that are seen, as they are now, m: a torn one would be as long as what lies on both sides of it is apart, as far as a part was dragged.
+double longestEdge(const CharacterSource& character, const Points& now) {
+    double longest = 0.0;
+    const Triangles& triangles = character.model->mesh.body.triangles;
+    for (Eigen::Index t = 0; t < triangles.rows(); ++t)
+        for (int k = 0; k < 3; ++k) longest = std::max(longest, (now.row(triangles(t, k)) - now.row(triangles(t, (k + 1) % 3))).norm());
+    return longest;
 }
 
 }  // namespace
@@ -92,25 +120,11 @@ TEST_CASE("studio: a whole penguin is cut into head, wings and trunk by four cli
     // Each part is dragged by the mouse: wings up, the head aside.
     w.trigger("tool-pose");
     w.look(front);
-    const auto drag = [&](const EndpointRef& end, QPoint by) {
-        const QPoint from = w.view().onScreen(end)->toPoint();
-        QTest::mouseMove(&w.view(), from);
-        w.settle();
-        QTest::mousePress(&w.view(), Qt::LeftButton, {}, from);
-        for (int i = 1; i <= 10; ++i) {
-            QTest::mouseMove(&w.view(), from + by * i / 10);
-            w.settle();
-        }
-        QTest::mouseRelease(&w.view(), Qt::LeftButton, {}, from + by);
-        w.settle();
-        CHECK(w.now().goals.contains(end));
-        CHECK((*w.view().onScreen(end) - QPointF(from + by)).manhattanLength() < 30.0);
-    };
     std::vector<PartId> bones;
     for (const auto& [id, bone] : w.now().bones) bones.push_back(id);
-    drag({bones[1], true}, QPoint(-70, 20));
-    drag({bones[2], true}, QPoint(60, -170));
-    drag({bones[3], true}, QPoint(-60, -170));
+    drag(w, {bones[1], true}, QPoint(-70, 20));
+    drag(w, {bones[2], true}, QPoint(60, -170));
+    drag(w, {bones[3], true}, QPoint(-60, -170));
     w.shoot("session-dragged");
     MESSAGE("dragged " << 1e-3 * double(clock.elapsed()) << " s after the file was dropped, with a pointer that does not hesitate");
 
@@ -121,11 +135,7 @@ TEST_CASE("studio: a whole penguin is cut into head, wings and trunk by four cli
     CHECK((now - rest).rowwise().norm().maxCoeff() > 0.2 * size.y());
     const Json gap = *w.document().execute({{"do", "measure"}, {"what", "gap"}});
     CHECK(gap["value"].get<double>() < 1e-6 * size.norm());
-    // A torn edge would be as long as what lies on both sides of it is apart: as far as a part was dragged.
-    double longest = 0.0;
-    const Triangles& triangles = character().model->mesh.body.triangles;
-    for (Eigen::Index t = 0; t < triangles.rows(); ++t)
-        for (int k = 0; k < 3; ++k) longest = std::max(longest, (now.row(triangles(t, k)) - now.row(triangles(t, (k + 1) % 3))).norm());
+    const double longest = longestEdge(character(), now);
     const double moved = (now - rest).rowwise().norm().maxCoeff();
     MESSAGE("the longest edge is " << longest << " m, the farthest a vertex was dragged " << moved << " m");
     CHECK(longest < 0.5 * moved);
@@ -142,4 +152,51 @@ TEST_CASE("studio: a whole penguin is cut into head, wings and trunk by four cli
     MESSAGE("from drafts to default the surface moved by " << jump / size.norm() << " of the diagonal at most");
     CHECK(jump < 0.05 * size.norm());
     w.shoot("session-precomputed");
+}
+
+TEST_CASE("studio: a penguin is made soft as it is imported, in one step, and a part is dragged while drafts are still better") {
+    if (!std::filesystem::exists(kPenguin)) {
+        MESSAGE("skipped: there is no " << kPenguin.string());
+        return;
+    }
+    Window w;
+    w.trigger("soft-at-once");
+    QSettings().setValue(QStringLiteral("import/make-soft"), true);
+    QElapsedTimer clock;
+    clock.start();
+    w.import(QString::fromStdString(kPenguin.string()));
+    QSettings().setValue(QStringLiteral("import/make-soft"), false);
+    MESSAGE("imported after " << 1e-3 * double(clock.elapsed()) << " s");
+    REQUIRE(w.now().characters.size() == 1);
+    CHECK(w.now().elements.size() >= 4);  // two wings, head, trunk; feet and a tail, if they are found
+    CHECK(w.now().bones.size() >= 4);
+    CHECK_FALSE(w.now().goals.empty());  // pins
+    CHECK(w.view().tool() == ToolKind::Pose);
+    waitFor([&] {
+        return std::all_of(w.now().elements.begin(), w.now().elements.end(), [&](const auto& e) { return w.document().session().responses().fittingOf(e.first) != nullptr; });
+    });
+    MESSAGE("soft after " << 1e-3 * double(clock.elapsed()) << " s");
+    w.shoot("session-made-soft");
+
+    // The end that is farthest from all pins.
+    EndpointRef farthest;
+    double distance = 0.0;
+    for (const auto& [id, bone] : w.now().bones) {
+        const EndpointRef end{id, true};
+        if (w.now().goals.contains(end)) continue;
+        double nearest = 1e300;
+        for (const auto& [pin, goal] : w.now().goals) nearest = std::min(nearest, (*endpointPosition(w.document().session(), end) - *endpointPosition(w.document().session(), pin)).norm());
+        if (nearest > distance) distance = nearest, farthest = end;
+    }
+    REQUIRE(distance > 0.0);
+    drag(w, farthest, QPoint(60, -60));
+    w.shoot("session-made-soft-dragged");
+    const CharacterSource& character = *w.now().characters.begin()->second;
+    const Points now = w.document().session().renderPositionsOf(character.id);
+    const double moved = (now - character.model->mesh.body.vertices).rowwise().norm().maxCoeff();
+    CHECK(longestEdge(character, now) < 0.5 * moved);
+    w.trigger("undo");
+    w.trigger("undo");
+    CHECK(w.now().elements.empty());
+    CHECK(w.now().bones.empty());
 }

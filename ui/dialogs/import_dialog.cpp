@@ -17,6 +17,7 @@
 #include <algorithm>
 
 #include "core/document/character_repair.h"
+#include "core/document/proposal_commands.h"
 #include "ui/dialogs/mesh_preview.h"
 #include "ui/jobs/character_job.h"
 #include "ui/jobs/import_job.h"
@@ -33,6 +34,7 @@ constexpr const char* kUnits[] = {"", "mm", "cm", "m"};
 constexpr const char* kAxes[] = {"", "y", "z"};
 constexpr BodyKind kBodies[] = {BodyKind::Auto, BodyKind::Exact, BodyKind::Mended, BodyKind::Wrapped, BodyKind::Wrapped};
 constexpr int kUnmended = 4;  // of these
+constexpr const char* kSoft = "import/make-soft";
 constexpr double kDetails[] = {0.0, 1.0 / 30.0, 1.0 / 60.0, 1.0 / 120.0, 1.0 / 250.0};  // of the diagonal, 0: chosen from the mesh
 
 /// The file is one element as it is, and nothing is to be said about it: a hole that was capped is somebody's mouth or sleeve.
@@ -68,6 +70,9 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
     up_ = new QComboBox(this);
     up_->addItems({tr("As in the file"), tr("Y is up"), tr("Z is up")});
     split_ = new QCheckBox(tr("One element per separate part"), this);
+    soft_ = new QCheckBox(tr("Make it soft: cuts and bones as its shape suggests"), this);
+    soft_->setObjectName(QStringLiteral("makeSoft"));
+    soft_->setToolTip(tr("From the skeleton of the file, if it has one, else from the shape. Everything can be changed afterwards, and taken back in one step."));
     bodyLabel_ = new QLabel(tr("Body"), this);
     body_ = new QComboBox(this);
     body_->setObjectName(QStringLiteral("body"));
@@ -102,11 +107,13 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
     unit_->setCurrentIndex(std::clamp(settings.value(group + QStringLiteral("unit"), 0).toInt(), 0, 3));
     up_->setCurrentIndex(std::clamp(settings.value(group + QStringLiteral("up"), 0).toInt(), 0, 2));
     split_->setChecked(settings.value(group + QStringLiteral("split"), false).toBool());
+    soft_->setChecked(settings.value(kSoft, true).toBool());
 
     auto* form = new DialogForm;
     form->add(tr("Unit"), unit_);
     form->add(tr("Up axis"), up_);
     form->add(split_);
+    form->add(soft_);
     for (auto [label, field] : {std::pair{bodyLabel_, body_}, {detailLabel_, detail_}}) {
         label->setProperty("role", "muted");
         label->setBuddy(field);
@@ -123,6 +130,7 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
         keep.setValue(group + QStringLiteral("unit"), unit_->currentIndex());
         keep.setValue(group + QStringLiteral("up"), up_->currentIndex());
         keep.setValue(group + QStringLiteral("split"), split_->isChecked());
+        if (whole()) keep.setValue(kSoft, soft_->isChecked());
         accept();
     });
     connect(buttons, &QDialogButtonBox::rejected, this, &QDialog::reject);
@@ -163,7 +171,7 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
     resize(px(960), px(600));
 
     for (QComboBox* box : {unit_, up_, body_, detail_}) connect(box, &QComboBox::activated, this, &ImportDialog::read);
-    connect(split_, &QCheckBox::toggled, this, &ImportDialog::read);
+    for (QCheckBox* box : {split_, soft_}) connect(box, &QCheckBox::toggled, this, &ImportDialog::read);
     connect(kinds, &QButtonGroup::idClicked, this, [this] {
         chosenByHand_ = true;
         choose(wholeCard_->isChecked());
@@ -191,6 +199,11 @@ ImportRequest ImportDialog::chosen() const {
     return request;
 }
 
+bool ImportDialog::soft() const {
+    const auto made = preparedCharacter();
+    return made && made->proposal && *made->proposal;
+}
+
 bool ImportDialog::unmended() const { return body_->currentIndex() == kUnmended; }
 
 BodySetting ImportDialog::body() const {
@@ -201,13 +214,14 @@ BodySetting ImportDialog::body() const {
 void ImportDialog::choose(bool whole) {
     (whole ? wholeCard_ : elementsCard_)->setChecked(true);
     split_->setVisible(!whole);
-    for (QWidget* field : std::initializer_list<QWidget*>{bodyLabel_, body_, detailLabel_, detail_}) field->setVisible(whole);
+    for (QWidget* field : std::initializer_list<QWidget*>{soft_, bodyLabel_, body_, detailLabel_, detail_}) field->setVisible(whole);
     read();
 }
 
 void ImportDialog::read() {
     import_->setEnabled(false);
     const bool wraps = kBodies[std::size_t(body_->currentIndex())] == BodyKind::Auto || kBodies[std::size_t(body_->currentIndex())] == BodyKind::Wrapped;
+    soft_->setEnabled(!unmended());
     detailLabel_->setEnabled(wraps);
     detail_->setEnabled(wraps);
     progress_->setValue(0);
@@ -220,7 +234,7 @@ void ImportDialog::read() {
         say(tr("The body is being made…"), "muted");
         facts_->clear();
         issues_->clear();
-        character_->start(chosen(), body());
+        character_->start(chosen(), body(), soft_->isChecked() && !unmended());
     } else {
         job_->start(chosen());
     }
@@ -305,7 +319,8 @@ void ImportDialog::showCharacter() {
     }
     const CharacterFile& file = **made.file;
     const Body* body = *made.body ? &**made.body : nullptr;
-    preview_->show(file, body);
+    const Proposal* proposal = made.proposal && *made.proposal ? &**made.proposal : nullptr;
+    preview_->show(file, body, proposal);
     if (body) say(tr("Ready to import. The body is %1.").arg(bodyKindText(body->report.how)), "good");
     else say(errorText(made.body->error()), "error");
     const QLocale locale;
@@ -322,7 +337,16 @@ void ImportDialog::showCharacter() {
     lines << tr("%1 vertices, %2 triangles").arg(locale.toString(qlonglong(mesh.vertices.rows())), locale.toString(qlonglong(mesh.triangles.rows())));
     if (file.renderModel.parts.size() > 1) lines << tr("%n separate part(s)", nullptr, int(file.renderModel.parts.size()));
     if (body) lines << bodyLines(*body);
+    if (proposal) {
+        QStringList parts;
+        if (const int n = int(proposal->cuts.size()); n > 0) parts << tr("%n cut(s)", nullptr, n);
+        if (const int n = int(proposal->bones.size()); n > 0) parts << tr("%n bone(s)", nullptr, n);
+        if (const int n = int(proposal->handles.size()); n > 0) parts << tr("%n handle(s)", nullptr, n);
+        if (const int n = int(proposal->pins.size()); n > 0) parts << tr("%n pin(s)", nullptr, n);
+        lines << (proposal->from == Proposal::Source::Skeleton ? tr("Proposed from its skeleton: %1") : tr("Proposed from its shape: %1")).arg(parts.join(QStringLiteral(", ")));
+    }
     facts_->setText(lines.join(u'\n'));
+    if (made.proposal && !proposal) issues_->addItem(new QListWidgetItem(themedIcon(QStringLiteral("warning"), Appearance::Role::Warning), errorText(made.proposal->error())));
     for (const MeshIssue& issue : file.issues) addIssue(issue);
     if (body)
         for (const MeshIssue& issue : unmended() ? mendableIssues(file.renderModel) : body->report.issues) addIssue(issue);
@@ -337,6 +361,7 @@ Json ImportDialog::command() const {
     if (whole()) {
         const BodyKind how = body().how;
         const double detail = kDetails[std::size_t(detail_->currentIndex())];
+        if (soft()) return commands::makeSoft(import, how == BodyKind::Auto ? std::string() : std::string(nameOf(how)), detail > 0.0 ? std::optional(detail) : std::nullopt);
         return commands::importCharacter(import, unmended() ? "unmended" : how == BodyKind::Auto ? std::string() : std::string(nameOf(how)), detail > 0.0 ? std::optional(detail) : std::nullopt);
     }
     import.split = split_->isChecked();

@@ -30,7 +30,7 @@ class ImportDialog : public QDialog {
 public:
     explicit ImportDialog(const QString& path, QWidget* parent = nullptr);
 
-    [[nodiscard]] Json command() const;  ///< import-element or import-character with what was chosen
+    [[nodiscard]] Json command() const;  ///< import-element, import-character or make-soft with what was chosen
     [[nodiscard]] const ImportRequest& request() const;
     [[nodiscard]] std::shared_ptr<const Result<ImportResult>> prepared() const;
     /// Null: it is to become elements.
@@ -43,6 +43,7 @@ private:
     void showResult();
     void showElements();
     void showCharacter();
+    [[nodiscard]] bool soft() const;  ///< it is to be made soft at once
     void say(const QString& text, const char* role);
     void addIssue(const MeshIssue& issue);
     [[nodiscard]] BodySetting body() const;
@@ -59,6 +60,7 @@ private:
     QComboBox* unit_;
     QComboBox* up_;
     QCheckBox* split_;
+    QCheckBox* soft_;
     QLabel* bodyLabel_;
     QComboBox* body_;
     QLabel* detailLabel_;

@@ -5,6 +5,7 @@
 #include <QPainterPath>
 #include <cmath>
 
+#include "core/body/section.h"
 #include "core/mesh/bounds.h"
 #include "ui/widgets/appearance.h"
 
@@ -59,7 +60,7 @@ void MeshPreview::show(const Result<ImportResult>& result) {
     }
 }
 
-void MeshPreview::show(const CharacterFile& file, const Body* body) {
+void MeshPreview::show(const CharacterFile& file, const Body* body, const Proposal* proposal) {
     const ElementMesh& mesh = file.renderModel.mesh;
     Eigen::AlignedBox3d box;
     for (Eigen::Index i = 0; i < mesh.body.triangles.size(); ++i) box.extend(Vec3(mesh.body.vertices.row(mesh.body.triangles.data()[i])));  // other vertices may be anywhere
@@ -72,11 +73,39 @@ void MeshPreview::show(const CharacterFile& file, const Body* body) {
     drawn.color = linearColor(themeColor(Appearance::Role::Accent));
     drawn.twoSided = true;
     if (!body) return;
+    if (proposal) addProposal(body->mesh, *proposal, scale, box.center());
     for (const Vec3& gap : body->report.gaps.places) {
         render::Marker& marker = scene_.markers.emplace_back();
         marker.shape = render::Marker::Shape::HeldPoint;
         marker.from = marker.to = scale * (gap - box.center());
     }
+}
+
+void MeshPreview::addProposal(const TriangleMesh& body, const Proposal& proposal, double scale, const Vec3& centre) {
+    using Shape = render::Marker::Shape;
+    const auto add = [&](Shape shape, const Vec3& from, const Vec3& to) -> render::Marker& {
+        render::Marker& marker = scene_.markers.emplace_back();
+        marker.shape = shape;
+        marker.from = scale * (from - centre);
+        marker.to = scale * (to - centre);
+        return marker;
+    };
+    const CutSurface surface(body);
+    for (const ProposedCut& cut : proposal.cuts) {
+        const auto section = findSection(surface, cut.plane);
+        if (!section) continue;
+        for (const auto& loop : section->loops) {
+            render::Marker& rim = add(Shape::FaceOutline, cut.plane.origin, cut.plane.origin);
+            for (const SectionPoint& point : loop) rim.outline.push_back(scale * (point.place - centre));
+        }
+    }
+    for (const ProposedBone& bone : proposal.bones) add(Shape::Bone, bone.start, bone.end);
+    for (const ProposedPin& pin : proposal.pins) {
+        const ProposedBone& bone = proposal.bones[std::size_t(pin.bone)];
+        const Vec3& at = pin.atEnd ? bone.end : bone.start;
+        add(Shape::PinnedPoint, at, at);
+    }
+    for (const ProposedHandle& handle : proposal.handles) add(handle.pinned ? Shape::PinnedPoint : Shape::JointPoint, handle.point, handle.point);
 }
 
 void MeshPreview::drawPictures() { picture_ = drawn(size(), kFill); }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/body/body.h"
+#include "core/body/proposal.h"
 #include "core/io/character_file.h"
 #include "ui/viewport/turntable_view.h"
 
@@ -18,8 +19,8 @@ class MeshPreview : public TurntableView {
 public:
     explicit MeshPreview(QWidget* parent = nullptr);
     void show(const Result<ImportResult>& result);
-    /// A whole character with the gaps that its body closes; null: it has no body yet.
-    void show(const CharacterFile& file, const Body* body);
+    /// A whole character with the gaps that its body closes; null: it has no body yet. With the cuts and bones that are proposed for it, if any.
+    void show(const CharacterFile& file, const Body* body, const Proposal* proposal);
 
 protected:
     void drawPictures() override;
@@ -28,6 +29,7 @@ protected:
 private:
     /// Puts something of this box into the middle of the view and says by what it is scaled; 0: it cannot be shown.
     double place(const Eigen::AlignedBox3d& box);
+    void addProposal(const TriangleMesh& body, const Proposal& proposal, double scale, const Vec3& centre);
     /// Body vertices as they are drawn.
     const float* placed(const Points& vertices, double scale, const Vec3& centre);
     std::vector<std::vector<float>> positions_;  ///< per body, of scene_

@@ -1,24 +1,34 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/jobs/character_job.h"
 
+#include "core/document/character_source.h"
+#include "core/document/proposal_commands.h"
+
 namespace imomushi {
 namespace {
 
-constexpr double kReading = 0.3;  // of the whole, as the command has it
+constexpr double kReading = 0.2, kBody = 0.7;  // of the whole
 
 }  // namespace
 
 bool sameFile(const ImportRequest& a, const ImportRequest& b) { return a.path == b.path && a.unit == b.unit && a.up == b.up && a.bonesSuffice == b.bonesSuffice; }
 
-void CharacterJob::start(const ImportRequest& request, const BodySetting& setting) {
+void CharacterJob::start(const ImportRequest& request, const BodySetting& setting, bool propose) {
     const auto known = result_ && result_->file && *result_->file && sameFile(result_->request, request) ? result_->file : nullptr;
-    auto box = std::make_shared<PreparedCharacter>(PreparedCharacter{request, setting, known, nullptr});
+    const auto sameBody = known && result_->body && result_->setting.how == setting.how && result_->setting.detail == setting.detail ? result_->body : nullptr;
+    auto box = std::make_shared<PreparedCharacter>(PreparedCharacter{request, setting, known, sameBody, nullptr});
     launch(
-        [box](const Progress& progress) {
+        [box, propose](const Progress& progress) {
             if (!box->file) box->file = std::make_shared<const Result<CharacterFile>>(importCharacter(box->request, progress.part(0.0, kReading)));
             if (!*box->file) return;
             const RenderModel& model = (*box->file)->renderModel;
-            box->body = std::make_shared<const Result<Body>>(makeBody(model.mesh.body, model.part, box->setting, progress.part(kReading, 1.0)));
+            if (!box->body) box->body = std::make_shared<const Result<Body>>(makeBody(model.mesh.body, model.part, box->setting, progress.part(kReading, kBody)));
+            if (!propose || !*box->body) return;
+            CharacterSource character;
+            character.model = {box->file, &model};
+            character.body = {box->body, &**box->body};
+            if ((*box->file)->rig) character.rig = {box->file, &*(*box->file)->rig};
+            box->proposal = std::make_shared<const Result<Proposal>>(proposeFor(character, {}, progress.part(kBody, 1.0)));
         },
         [this, box] { result_ = box; });
 }

@@ -29,6 +29,13 @@ Json importCommand(const char* name, const Import& import) {
     return command;
 }
 
+Json characterCommand(const char* name, const Import& import, const std::string& body, std::optional<double> detail) {
+    Json command = importCommand(name, import);
+    if (!body.empty()) command["body"] = body;
+    add(command, "detail", detail);
+    return command;
+}
+
 Json planeJson(const Vec3& origin, const Vec3& normal) { return {{"origin", vector(origin)}, {"normal", vector(normal)}}; }
 
 Json recordCommand(const std::string& take, const char* action) { return {{"do", "record"}, {"take", take}, {"action", action}}; }
@@ -58,10 +65,11 @@ Json importElement(const Import& import) {
     return command;
 }
 
-Json importCharacter(const Import& import, const std::string& body, std::optional<double> detail) {
-    Json command = importCommand("import-character", import);
-    if (!body.empty()) command["body"] = body;
-    add(command, "detail", detail);
+Json importCharacter(const Import& import, const std::string& body, std::optional<double> detail) { return characterCommand("import-character", import, body, detail); }
+
+Json makeSoft(const Import& import, const std::string& body, std::optional<double> detail) {
+    Json command = characterCommand("make-soft", import, body, detail);
+    command["precompute"] = false;
     return command;
 }
 

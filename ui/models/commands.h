@@ -41,6 +41,9 @@ Json importElement(const Import& import);
 /// `body`: "auto", "exact", "mended", "wrapped" or "unmended", empty: auto. `detail`: of a wrap, in diagonals.
 Json importCharacter(const Import& import, const std::string& body = {}, std::optional<double> detail = {});
 
+/// The same, with the cuts, bones and pins that are proposed for it; nothing is precomputed.
+Json makeSoft(const Import& import, const std::string& body = {}, std::optional<double> detail = {});
+
 /// The body of an element or a character; what mends the issues there are, or these steps. `detail`: of a wrap, in diagonals.
 Json repair(const std::string& element, const std::vector<std::string>& actions = {}, std::optional<double> detail = {});
 

@@ -11,6 +11,7 @@
 #include <QStandardPaths>
 #include <filesystem>
 
+#include "core/document/proposal_commands.h"
 #include "ui/dialogs/import_dialog.h"
 #include "ui/dialogs/recovery_dialog.h"
 #include "ui/jobs/character_job.h"
@@ -53,6 +54,10 @@ FileFlow::FileFlow(StudioDocument& document, QWidget* window)
         const PreparedCharacter* made = prepared->character.get();
         return made && made->file && sameFile(made->request, request) ? *made->file : importCharacter(request, progress);
     });
+    document.session().setProposer([prepared = prepared_](const CharacterSource& character, const ProposalRequest& request, const Progress& progress) -> Result<Proposal> {
+        const PreparedCharacter* made = prepared->character.get();
+        return made && made->proposal ? *made->proposal : proposeFor(character, request, progress);
+    });
     // Asked for right after the file, by the same command.
     document.session().setBodyMaker([prepared = prepared_](const RenderModel& model, const BodySetting& setting, const Progress& progress) -> Result<Body> {
         const PreparedCharacter* made = prepared->character.get();
@@ -67,6 +72,7 @@ FileFlow::~FileFlow() {
     document_.session().setImporter({});
     document_.session().setCharacterImporter({});
     document_.session().setBodyMaker({});
+    document_.session().setProposer({});
 }
 
 QString FileFlow::folder() const {
@@ -206,7 +212,9 @@ void FileFlow::nextImport() {
             *prepared_ = {dialog->request(), dialog->prepared(), dialog->preparedCharacter(), {}};
             const auto done = document_.execute(dialog->command());
             *prepared_ = {};
-            if (done) {
+            if (done && done->contains("proposal")) {
+                madeSoft(*done);
+            } else if (done) {
                 const Json& elements = done->at("elements");
                 const Document& d = document_.document();
                 std::vector<SelectionItem> items;
@@ -226,6 +234,17 @@ void FileFlow::nextImport() {
         nextImport();
     });
     dialog->open();
+}
+
+void FileFlow::madeSoft(const Json& answer) {
+    const CharacterSource* character = document_.document().characterNamed(answer.at("character").get<std::string>());
+    if (!character) return;
+    document_.select({{SelectionItem::Kind::Character, character->id, {}, false}});
+    Q_EMIT imported(int(answer.at("elements").size()));
+    QString text = tr("“%1” is soft: drag it, or change its cuts and bones.").arg(QString::fromStdString(character->name));
+    if (const int n = int(answer.at("refused").size()); n > 0) text += u' ' + tr("%n proposal(s) could not be made.", nullptr, n);
+    Q_EMIT said(text);
+    Q_EMIT performable();
 }
 
 Result<Json> FileFlow::executeWith(const std::vector<MadeBody>& bodies, const Json& command) {

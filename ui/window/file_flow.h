@@ -53,12 +53,14 @@ signals:
     void leaving();  ///< the document is about to be left: what is unfinished must end now
     void opened();                     ///< another document is there
     void imported(int elements);
+    void performable();  ///< a character came that can be dragged at once
     void saved(const QString& path);   ///< a picture may be taken now
     void said(const QString& message);
 
 private:
     bool saveTo(const QString& path);
     void nextImport();
+    void madeSoft(const Json& answer);
 
     struct Prepared;
     StudioDocument& document_;

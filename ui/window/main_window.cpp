@@ -182,6 +182,7 @@ void MainWindow::connectFiles() {
         showStart(false);
         viewport_->frameAll(document_.document().elements.size() > std::size_t(elements));
     });
+    connect(files_, &FileFlow::performable, this, [this] { (*actions_)["tool-pose"]->trigger(); });
     connect(files_, &FileFlow::saved, this, &MainWindow::keepPicture);
     connect(start_, &StartPage::newWanted, files_, &FileFlow::newProject);
     connect(start_, &StartPage::openWanted, files_, &FileFlow::askOpen);
