@@ -34,6 +34,8 @@ public:
     /// Steps the frames of what this plays and records, and says in the view that it does. Must outlive the view.
     void follow(TakeDeck& deck);
     void setTool(ToolKind kind);
+    /// Says of an element whether a response that fits it is on its way: until then what was seen of it stays.
+    void setAwaits(std::function<bool(PartId)> awaits) { awaits_ = std::move(awaits); }
     /// Lets the tool say again what it needs.
     void beginTool() { tool_->begin(); }
     [[nodiscard]] ToolKind tool() const { return kind_; }
@@ -108,7 +110,11 @@ private:
     // viewport_widget.cpp
     void paint();
     void redraw();
-    void keepShape();  ///< from which what is seen fades into what comes
+    [[nodiscard]] ShapeFade shapeKept();  ///< from which what is seen fades into what comes
+    [[nodiscard]] bool waits(std::uint64_t body) const;
+    [[nodiscard]] std::map<PartId, std::shared_ptr<const ElementResponse>> fitting() const;
+    void beforeChange();
+    void afterChange();
     void animate();  ///< draws, and starts the clock where something moves
     [[nodiscard]] SceneOptions sceneOptions() const;
     [[nodiscard]] bool dark() const;
@@ -143,6 +149,13 @@ private:
     QTimer still_;
     ShapeFade fade_;
     QElapsedTimer fading_;  ///< since the last frame of it
+    /// As it was before the change that goes on.
+    struct Before {
+        ShapeFade shape;
+        std::map<PartId, std::shared_ptr<const ElementResponse>> fitting;
+    };
+    std::optional<Before> before_;
+    std::function<bool(PartId)> awaits_;
 
     GlCanvas* canvas_ = nullptr;  ///< null: there is no OpenGL 3.3
     DocumentScene documentScene_;

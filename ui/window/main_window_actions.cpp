@@ -96,6 +96,7 @@ void MainWindow::connectEditActions() {
     });
     drafts_->setEnabled(QSettings().value(softAtOnce, true).toBool());
     (*actions_)["soft-at-once"]->setChecked(drafts_->enabled());
+    viewport_->setAwaits([this](PartId element) { return drafts_->awaits(element); });
     onSettled("join", [this] { join(); });
     onSettled("pin", [this] { togglePins(document_); });
     onSettled("release", [this] { document_.execute(commands::releaseAll()); });
