@@ -128,6 +128,64 @@ double different(const QImage& a, const QImage& b) {
 
 }  // namespace
 
+TEST_CASE("studio: flesh anywhere is pulled by a passing handle, soft while it is dragged, and everything is as it was after that") {
+    Window w;
+    const PartId id = importSoft(w);
+    const auto element = [&]() -> const Element& { return *w.now().elements.at(id); };
+    const auto response = w.document().session().responses().fittingOf(id);
+    CHECK(!w.shared->actions()["passing-handles"]->isChecked());
+    w.trigger("passing-handles");
+    w.trigger("tool-pose");
+    // The flesh that is in the middle of what is seen.
+    const auto& vertices = element().mesh->body.vertices;
+    const QPoint from = w.onScreen(Vec3(0.5 * (vertices.colwise().minCoeff() + vertices.colwise().maxCoeff()).transpose()));
+    QTest::mouseMove(&w.view(), from);
+    w.settle();
+    w.shoot("passing-hint");
+    const int steps = w.document().session().position();
+    const std::vector<SelectionItem> selection = w.document().selection();
+    QTest::mousePress(&w.view(), Qt::LeftButton, {}, from);
+    QElapsedTimer clock;
+    clock.start();
+    QTest::mouseMove(&w.view(), from + QPoint(8, -2));
+    REQUIRE(element().handles.size() == 4);
+    const FaceRef made{id, element().handles.back().face};
+    waitFor([&] { return w.document().session().responses().fittingOf(id) != nullptr; });
+    MESSAGE("flesh pressed to soft: ", 1e-3 * double(clock.elapsed()), " s, ", vertices.rows(), " vertices");
+    CHECK(w.document().session().responses().isDraft(id));
+    for (int i = 1; i <= 12; ++i) {
+        QTest::mouseMove(&w.view(), from + QPoint(8 + 10 * i, -2 - 2 * i));
+        w.settle();
+        if (i == 2) w.shoot("passing-soft");
+    }
+    const QPoint to = from + QPoint(128, -26);
+    w.shoot("passing-dragged");
+    const Vec3 rest = element().faces.back().frame.origin;
+    CHECK(((w.document().session().poseOf(made)->at) - rest).norm() > 0.01 * (vertices.colwise().maxCoeff() - vertices.colwise().minCoeff()).norm());
+    QTest::mouseRelease(&w.view(), Qt::LeftButton, {}, to);
+    CHECK(element().handles.size() == 3);
+    CHECK(w.document().session().responses().fittingOf(id) == response);  // by its key
+    CHECK(w.document().session().position() == steps + 1);
+    CHECK(w.document().selection() == selection);
+    CHECK(w.now().handleGoals.empty());
+    w.settle();
+    w.shoot("passing-gone");
+
+    // Kept by K, also after it went.
+    QTest::keyClick(&w.view(), Qt::Key_K);
+    w.settle();
+    CHECK(element().handles.size() == 4);
+    waitFor([&] { return w.document().session().responses().fittingOf(id) != nullptr; });
+    QTest::qWait(int(1000.0 * ShapeFade::kSeconds) + 200);
+    w.shoot("passing-kept");
+    CHECK(w.now().handleGoals.size() == 1);
+    w.trigger("undo");
+    CHECK(element().handles.size() == 3);
+    CHECK(w.document().session().responses().fittingOf(id) == response);
+    w.trigger("passing-handles");
+    CHECK(!w.shared->actions()["passing-handles"]->isChecked());
+}
+
 TEST_CASE("studio: a body that is to become soft anew keeps its shape until it is") {
     Window w;
     const PartId id = importSoft(w);

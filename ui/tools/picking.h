@@ -77,6 +77,9 @@ std::optional<PoseGrip> pickGrip(Session& session, const PointerEvent& e);
 /// The end of a bone through the element, or the handle of it, that is nearest to a place of the flesh as it is posed.
 std::optional<PoseGrip> nearestGrip(Session& session, PartId element, const Vec3& place);
 
+/// How the flesh of a patch of an element lies now: the rigid motion nearest to those of its vertices, in the world.
+HandlePose poseOfFlesh(Session& session, const Element& element, const JointFace& patch);
+
 /// Another reference to the same joint point that is to be preferred for holding it.
 EndpointRef holdingEndpoint(Session& session, const EndpointRef& end);
 

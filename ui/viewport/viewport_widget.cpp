@@ -78,12 +78,19 @@ void ViewportWidget::setTool(ToolKind kind) {
     if (kind == kind_) return;
     tool_->cancel();
     tool_ = makeTool(kind, document_);
+    tool_->setOptions(toolOptions_);
     kind_ = kind;
     document_.setHovered(std::nullopt);
     redraw();
     updateHint();
     Q_EMIT toolChanged(kind);
     tool_->begin();
+}
+
+void ViewportWidget::setToolOptions(ToolOptions options) {
+    toolOptions_ = std::move(options);
+    tool_->setOptions(toolOptions_);
+    updateHint();
 }
 
 bool ViewportWidget::busy() const { return tool_->busy(); }

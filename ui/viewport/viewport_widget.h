@@ -34,6 +34,8 @@ public:
     /// Steps the frames of what this plays and records, and says in the view that it does. Must outlive the view.
     void follow(TakeDeck& deck);
     void setTool(ToolKind kind);
+    /// What all tools follow from now on.
+    void setToolOptions(ToolOptions options);
     /// Says of an element whether a response that fits it is on its way: until then what was seen of it stays.
     void setAwaits(std::function<bool(PartId)> awaits) { awaits_ = std::move(awaits); }
     /// Lets the tool say again what it needs.
@@ -134,6 +136,7 @@ private:
     TakeDeck* deck_ = nullptr;
     ToolKind kind_ = ToolKind::Select;
     std::unique_ptr<Tool> tool_;
+    ToolOptions toolOptions_;
     CameraController camera_;
     ViewNavigator navigator_{camera_};
     FrameMeter meter_;
