@@ -1455,6 +1455,14 @@
             <translation>ドラッグ：一時ハンドルで肉を引っぱる</translation>
         </message>
         <message>
+            <source>Turns about its pivot · Shift: fine · Wheel: about the line of sight · Esc: cancel</source>
+            <translation>支点を中心に回ります · Shift：細かく · ホイール：視線のまわりに · Esc：取り消し</translation>
+        </message>
+        <message>
+            <source>Drag: turn %1</source>
+            <translation>ドラッグ：%1 を回す</translation>
+        </message>
+        <message>
             <source>Drag the end of a bone</source>
             <translation>ボーンの端をドラッグ</translation>
         </message>

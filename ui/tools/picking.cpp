@@ -140,6 +140,8 @@ void addSeenHits(Session& session, const Vec3& origin, const Vec3& direction, st
             if (!skin->second) continue;
             RayHit hit = onBody(session, *element->second, *skin->second, weighted(crossed->weight, a, b, c), (b - a).cross(c - a));
             hit.distance = crossed->distance;
+            hit.character = seen.source->id;
+            hit.seen = t;
             hit.entering = hit.normal.dot(direction) < 0.0;  // triangles of a file may face any way
             hits.push_back(hit);
         }

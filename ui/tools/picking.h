@@ -27,6 +27,8 @@ struct RayHit {
     Vec3 point = Vec3::Zero();   ///< world, posed
     Vec3 normal = Vec3::UnitZ(); ///< of the triangle there, outward, unit
     Vec3 rest = Vec3::Zero();    ///< the same surface point at rest
+    PartId character = 0;        ///< whose render mesh was crossed; 0: the element's own mesh
+    std::int32_t seen = -1;      ///< triangle of that render mesh
 };
 
 /// All crossings with what is seen of visible, unlocked elements, nearest first. rayDirection must be a unit vector.

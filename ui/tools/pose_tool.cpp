@@ -56,6 +56,7 @@ std::optional<RayHit> PoseTool::fleshUnder(const PointerEvent& e) const {
 void PoseTool::press(const PointerEvent& e) {
     if (busy() || e.button != Qt::LeftButton) return;
     letGo_.reset();
+    if (!pickGrip(document_.session(), e) && part_.press(e)) return;
     if (const auto flesh = fleshUnder(e))
         flesh_ = Flesh{*flesh, e};
     else if (const auto grip = gripUnder(e); grip && gripPosition(document_.session(), *grip))
@@ -126,6 +127,7 @@ void PoseTool::take(const PoseGrip& grip, const Vec3& at, const PointerEvent& e)
 }
 
 void PoseTool::move(const PointerEvent& e) {
+    if (part_.busy()) return part_.move(e);
     if (flesh_) {
         if (std::hypot(e.x - flesh_->press.x, e.y - flesh_->press.y) < kDragPixels) return;
         const Flesh flesh = *std::exchange(flesh_, std::nullopt);
@@ -136,6 +138,12 @@ void PoseTool::move(const PointerEvent& e) {
         }
     }
     if (!drag_) {
+        if (!pickGrip(document_.session(), e) && part_.hover(e)) {
+            hovered_.reset();
+            overFlesh_ = false;
+            return document_.setHovered(std::nullopt);
+        }
+        part_.leave();
         overFlesh_ = fleshUnder(e).has_value();
         hovered_ = overFlesh_ ? std::nullopt : gripUnder(e);
         if (hovered_)
@@ -196,6 +204,10 @@ void PoseTool::issue(const PointerEvent& e) {
 
 void PoseTool::release(const PointerEvent& e) {
     if (!busy() || e.button != Qt::LeftButton) return;
+    if (part_.busy()) {
+        if (!part_.moved()) selectByClick(document_, pickItem(document_.session(), e), e.modifiers);
+        return part_.release(e);
+    }
     if (flesh_) {
         flesh_.reset();
         return selectByClick(document_, pickItem(document_.session(), e), e.modifiers);
@@ -222,6 +234,7 @@ void PoseTool::doubleClick(const PointerEvent& e) {
 }
 
 bool PoseTool::wheel(double notches, const PointerEvent& e) {
+    if (part_.busy()) return part_.wheel(notches, e);
     if (!drag_) return false;
     if (!drag_->gesture) drag_->gesture = std::make_unique<Gesture>(document_);
     const double pace = e.pace();
@@ -235,6 +248,7 @@ bool PoseTool::wheel(double notches, const PointerEvent& e) {
 }
 
 bool PoseTool::key(int key, Qt::KeyboardModifiers) {
+    if (part_.busy()) return true;
     if (key == Qt::Key_P) {
         if (drag_) return true;
         if (hovered_) {
@@ -296,6 +310,7 @@ void PoseTool::toggle(const PoseGrip& grip) {
 }
 
 void PoseTool::cancel() {
+    part_.cancel();
     flesh_.reset();
     drag_.reset();  // its gesture takes the commands back
     last_.reset();
@@ -303,6 +318,7 @@ void PoseTool::cancel() {
 }
 
 QString PoseTool::hint() const {
+    if (const QString part = part_.hint(); !part.isEmpty()) return part;
     if (drag_ && drag_->passing)
         return drag_->passing->kept ? ToolTexts::tr("This handle is kept · K: let it pass · R or wheel: turn · Esc: cancel")
                                     : ToolTexts::tr("Passing handle · K: keep it · X, Y, Z: lock axis · R or wheel: turn · Esc: cancel");
@@ -317,6 +333,7 @@ QString PoseTool::hint() const {
 }
 
 void PoseTool::decorate(render::Scene& scene) const {
+    part_.decorate(scene);
     if (!drag_ || drag_->axis < 0) return;
     // The locked axis, long enough to leave the screen in both directions.
     const double reach = 4.0 * (scene.camera.eye - drag_->origin).norm() + scene.camera.orthoHeight;

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "ui/models/gesture.h"
+#include "ui/tools/part_drag.h"
 #include "ui/tools/picking.h"
 #include "ui/tools/tool.h"
 
@@ -12,9 +13,10 @@ namespace imomushi {
 /// Drags the ends of bones, and handles: in the plane of the screen, or along X, Y or Z; Shift fine, Ctrl on the grid; R or Alt (or the wheel) turns
 /// the end about its bone, a handle as a ball under the pointer, or about the locked axis. One drag is one undo step. P pins, a double click lets go. Flesh
 /// that is taken where there is neither moves the nearest of both, or, as the options say, a handle that is made there and goes when it is let go. K keeps it.
+/// Attached parts are turned about their pivots.
 class PoseTool : public Tool {
 public:
-    using Tool::Tool;
+    explicit PoseTool(StudioDocument& document) : Tool(document), part_(document) {}
     void setOptions(const ToolOptions& options) override { options_ = options; }
     void press(const PointerEvent& e) override;
     /// As if it had been pressed.
@@ -24,6 +26,7 @@ public:
     void leave() override {
         hovered_.reset();
         overFlesh_ = false;
+        part_.leave();
     }
     void doubleClick(const PointerEvent& e) override;
     bool wheel(double notches, const PointerEvent& e) override;
@@ -31,7 +34,7 @@ public:
     [[nodiscard]] bool wants(int key) const override;
     void keyReleased(int key) override;
     void cancel() override;
-    [[nodiscard]] bool busy() const override { return drag_ || flesh_; }
+    [[nodiscard]] bool busy() const override { return drag_ || flesh_ || part_.busy(); }
     [[nodiscard]] QString hint() const override;
     void decorate(render::Scene& scene) const override;
 
@@ -82,6 +85,7 @@ private:
     void issue(const PointerEvent& e);
     void toggle(const PoseGrip& grip);
 
+    PartDrag part_;
     ToolOptions options_;
     std::optional<PoseGrip> hovered_;
     bool overFlesh_ = false;            ///< a press here makes a passing handle
