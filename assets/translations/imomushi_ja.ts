@@ -255,6 +255,10 @@
             <source>Soft at &amp;once</source>
             <translation>すぐに柔らかく(&amp;O)</translation>
         </message>
+        <message>
+            <source>Dra&amp;g flesh by passing handles</source>
+            <translation>一時ハンドルで肉をドラッグ(&amp;G)</translation>
+        </message>
     </context>
     <context>
         <name>EffectTexts</name>
@@ -1433,6 +1437,30 @@
         <message>
             <source>Drag: pose · P: pin · Double click: let go</source>
             <translation>ドラッグ：ポーズ · P：ピン留め · ダブルクリック：放す</translation>
+        </message>
+        <message>
+            <source>Passing handle · K: keep it · X, Y, Z: lock axis · R or wheel: turn · Esc: cancel</source>
+            <translation>一時ハンドル · K：残す · X、Y、Z：軸を固定 · R かホイール：回す · Esc：取り消し</translation>
+        </message>
+        <message>
+            <source>This handle is kept · K: let it pass · R or wheel: turn · Esc: cancel</source>
+            <translation>このハンドルは残ります · K：残さない · R かホイール：回す · Esc：取り消し</translation>
+        </message>
+        <message>
+            <source>K: bring the passing handle back and keep it</source>
+            <translation>K：一時ハンドルを戻して残す</translation>
+        </message>
+        <message>
+            <source>Drag: pull the flesh by a passing handle</source>
+            <translation>ドラッグ：一時ハンドルで肉を引っぱる</translation>
+        </message>
+        <message>
+            <source>Turns about its pivot · Shift: fine · Wheel: about the line of sight · Esc: cancel</source>
+            <translation>支点を中心に回ります · Shift：細かく · ホイール：視線のまわりに · Esc：取り消し</translation>
+        </message>
+        <message>
+            <source>Drag: turn %1</source>
+            <translation>ドラッグ：%1 を回す</translation>
         </message>
         <message>
             <source>Drag the end of a bone</source>

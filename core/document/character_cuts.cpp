@@ -300,10 +300,11 @@ Result<MadeCut> addCut(Document& document, PartId characterId, PartId elementId,
     Element behind = *whole, front = *whole;
     front.id = document.nextId++;
     if (!names[0].empty()) behind.name = names[0];
-    front.name = names[1].empty() ? freeName(document, whole->name) : names[1];
+    front.name = names[1].empty() ? numberedName(document, whole->name) : names[1];
     std::string& cutName = character.cuts.back().name;
+    const bool named = !names[1].empty();
     for (int n = 1; cutName.empty() || cutName == behind.name || cutName == front.name; ++n)
-        cutName = freeName(document, front.name + " cut" + (n > 1 ? " " + std::to_string(n) : std::string()));
+        cutName = named ? freeName(document, front.name + " cut" + (n > 1 ? " " + std::to_string(n) : std::string())) : numberedName(document, "cut", n);
     takePiece(behind, *sides[0], character.cuts);
     takePiece(front, *sides[1], character.cuts);
 

@@ -73,7 +73,7 @@ Result<Json> cut(DocumentEdit& edit, const Json& arguments, const Progress& prog
     if (holder != 0 && holder != done->elements[0])
         return fail("name-taken", "The name \"" + (*names)[0] + "\" is taken by an element that is not cut: choose another.");
     if (isNew) {
-        const std::string name = freeName(document, target);
+        const std::string name = checkNewName(document, target) ? target : freeName(document, "whole " + target);
         exchangePart(document.characters, character, [&](CharacterSource& changed) { changed.name = name; });
     }
 
@@ -122,8 +122,8 @@ void addCutCommands(CommandRegistry& registry) {
                        "element that it was, with its bones but for those that lie wholly in front. The cut stays one that can be moved and taken out; what is seen is never cut.",
                        {{"element", Type::Text, true, "The element, or a character: whichever of its elements the plane cuts."},
                         {"plane", Type::Object, true, plane},
-                        {"names", Type::Array, false, "Names of the two pieces, the one behind the plane first (the element's, and that with a number)."},
-                        {"name", Type::Text, false, "A name for the cut (after the piece in front unless given)."}},
+                        {"names", Type::Array, false, "Names of the two pieces, the one behind the plane first (the element's, and that with the next number)."},
+                        {"name", Type::Text, false, "A name for the cut (after the piece in front where names are given, else \"cut 1\", ...)."}},
                        cut);
     registry.addChange("move-cut",
                        "Gives a cut another plane. Only the two elements beside it change; their bones, joint faces and names stay, and what ends at the cut follows it. The same elements "

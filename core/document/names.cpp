@@ -51,6 +51,13 @@ std::string freeName(const Document& document, std::string_view wish) {
     return candidate;
 }
 
+std::string numberedName(const Document& document, std::string_view name, int first) {
+    const std::size_t digits = name.find_last_not_of("0123456789");
+    if (digits != std::string_view::npos && digits > 0 && digits + 1 < name.size() && name[digits] == ' ') name = name.substr(0, digits);
+    for (int n = first;; ++n)
+        if (std::string candidate = std::string(name) + " " + std::to_string(n); checkNewName(document, candidate)) return candidate;
+}
+
 std::string listNames(const std::vector<std::string>& names) {
     if (names.empty()) return "there are none yet";
     constexpr std::size_t kMax = 12;

@@ -18,6 +18,9 @@ Result<void> checkNewName(const Document& document, std::string_view name);
 /// `wish`, made a possible name and unique by a number at its end.
 std::string freeName(const Document& document, std::string_view wish);
 
+/// `name` with the first number that is free, from `first` on, instead of the one at its end: "arm" and "arm 2" give "arm 3".
+std::string numberedName(const Document& document, std::string_view name, int first = 2);
+
 /// 'the names are "a", "b"', for messages; few of many.
 std::string listNames(const std::vector<std::string>& names);
 

@@ -195,6 +195,26 @@ TEST_CASE("cut: an element of its own becomes a character with its own mesh, and
     w.good({{"do", "redo"}});
 }
 
+TEST_CASE("cut: pieces and cuts that are given no names are counted, and none is called after a piece of a piece") {
+    Workbench w;
+    w.buildChain();
+    Json first = w.good({{"do", "cut"}, {"element", "B"}, {"plane", planeAt(4.7)}});
+    CHECK(first["elements"] == Json::array({"B", "B 2"}));
+    CHECK(first["faces"] == Json::array({"B/cut 1", "B 2/cut 1"}));
+    CHECK(first["cut"] == "cut 1");
+    CHECK(first["character"] == "whole B");
+    const Json second = w.good({{"do", "cut"}, {"element", "B 2"}, {"plane", planeAt(5.4)}});
+    CHECK(second["elements"] == Json::array({"B 2", "B 3"}));
+    CHECK(second["cut"] == "cut 2");
+    // A number that became free is taken again, and so is that of a cut which was called so by hand.
+    w.good({{"do", "remove-cut"}, {"cut", "cut 1"}});
+    w.good({{"do", "rename"}, {"target", "cut 2"}, {"name", "wrist"}});
+    const Json third = w.good({{"do", "cut"}, {"element", "B"}, {"plane", planeAt(4.6)}});
+    CHECK(third["elements"] == Json::array({"B", "B 2"}));
+    CHECK(third["cut"] == "cut 1");
+    CHECK(w.good({{"do", "cut"}, {"element", "B"}, {"plane", planeAt(4.2)}, {"name", "hip"}})["cut"] == "hip");
+}
+
 TEST_CASE("move-cut: two elements change, all else stays the same objects, and what ends at the cut follows it") {
     Workbench w;
     buildTrunk(w);
@@ -421,7 +441,7 @@ Json characterCommand(unsigned kind, unsigned a, unsigned b) {
     const double z = 0.25 + 0.71 * (b % 17);
     const Json plane = {{"origin", {0.1, 0, z}}, {"normal", {0.3 * (static_cast<int>(a % 3) - 1), 0.1 * (b % 3), b % 5 ? 1 : -1}}};
     const char* element = pick(a, {"low", "middle", "high", "worm", "low 2", "middle 2"});
-    const char* cut = pick(a, {"first", "second", "low 2 cut", "middle 2 cut"});
+    const char* cut = pick(a, {"first", "second", "cut 1", "cut 2"});
     switch (kind % 16) {
         case 0:
         case 1:

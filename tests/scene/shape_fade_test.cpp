@@ -82,6 +82,80 @@ TEST_CASE("shape fade: answers that follow each other quickly do not make it jum
     CHECK(next.raisedFrom(before) == doctest::Approx(there));
 }
 
+TEST_CASE("shape fade: a body that waits stays as it was, and fades from there when it waits no more, or too long") {
+    const auto mesh = box();
+    const Drawn before(mesh, 0.0f);
+    for (const bool forever : {false, true}) {
+        ShapeFade fade;
+        fade.keep(before.scene);
+        double seconds = 0.0;
+        float last = 0.0f;
+        const double step = 0.05;
+        for (int frame = 0; frame < 100 && fade.active(); ++frame, seconds += step) {
+            Drawn after(mesh, 0.5f);
+            const bool waits = forever || seconds < 0.4;
+            fade.apply(after.scene, frame == 0 ? 0.0 : step, [waits](std::uint64_t body) { return waits && body == 7; });
+            const float raised = after.raisedFrom(before);
+            if (seconds < (forever ? ShapeFade::kLongestWait : 0.4)) CHECK(raised == 0.0f);
+            CHECK(raised >= last);
+            CHECK(raised - last < 0.15f);
+            last = raised;
+        }
+        CHECK(last == doctest::Approx(0.5));
+        CHECK(seconds > (forever ? ShapeFade::kLongestWait : 0.4) + ShapeFade::kSeconds);
+        CHECK(seconds < (forever ? ShapeFade::kLongestWait : 0.4) + ShapeFade::kSeconds + 4.0 * step);
+    }
+}
+
+TEST_CASE("shape fade: parts of a model that is divided anew begin where its vertices were, bodies that are forgotten jump") {
+    const auto mesh = box();
+    const auto count = static_cast<std::int32_t>(mesh->body.vertices.rows());
+    const auto part = [&](std::int32_t first, std::int32_t last) {
+        ElementMesh made;
+        made.body.vertices = mesh->body.vertices.middleRows(first, last - first);
+        return std::make_shared<const ElementMesh>(std::move(made));
+    };
+    const auto numbers = [](std::int32_t first, std::int32_t last) {
+        std::vector<std::int32_t> all;
+        for (std::int32_t v = first; v < last; ++v) all.push_back(v);
+        return all;
+    };
+    const auto drawn = [&](std::int32_t cut, float low, float high, std::vector<std::vector<std::int32_t>>& which) {
+        which = {numbers(0, cut), numbers(cut, count)};
+        std::vector<Drawn> both;
+        both.emplace_back(part(0, cut), low, 1);
+        both.emplace_back(part(cut, count), high, 2);
+        render::Scene scene;
+        for (std::size_t i = 0; i < 2; ++i) {
+            both[i].scene.bodies[0].positions = both[i].positions.data();
+            both[i].scene.bodies[0].textures = mesh;
+            both[i].scene.bodies[0].modelVertices = &which[i];
+        }
+        return both;
+    };
+    std::vector<std::vector<std::int32_t>> whichBefore, whichAfter;
+    const auto before = drawn(8, 1.0f, 2.0f, whichBefore);
+    auto after = drawn(12, 5.0f, 6.0f, whichAfter);
+    render::Scene seen, now;
+    for (const auto& d : before) seen.bodies.push_back(d.scene.bodies[0]);
+    for (const auto& d : after) now.bodies.push_back(d.scene.bodies[0]);
+    ShapeFade fade;
+    fade.keep(seen);
+    auto first = now;
+    fade.apply(first, 0.0);
+    const auto height = [&](const render::Body& body, std::int32_t v) { return body.positions[3 * v + 1] - static_cast<float>(mesh->body.vertices((*body.modelVertices)[static_cast<std::size_t>(v)], 1)); };
+    CHECK(height(first.bodies[0], 7) == doctest::Approx(1.0));
+    CHECK(height(first.bodies[0], 8) == doctest::Approx(2.0));  // it belonged to the other
+    CHECK(height(first.bodies[1], 0) == doctest::Approx(2.0));
+
+    fade.keep(seen);
+    fade.retain([](std::uint64_t body) { return body == 1; });
+    auto second = now;
+    fade.apply(second, 0.0);
+    CHECK(height(second.bodies[0], 8) == doctest::Approx(2.0));
+    CHECK(height(second.bodies[1], 0) == doctest::Approx(6.0));
+}
+
 TEST_CASE("shape fade: it follows what goes on moving, and leaves other bodies and other meshes alone") {
     const auto mesh = box();
     const Drawn before(mesh, 0.0f);

@@ -93,3 +93,127 @@ TEST_CASE("studio: four clicks on a body are four handles, soft at once, and one
     CHECK(element().handles.size() == 3);
     CHECK(!w.now().handleGoals.contains(hand));
 }
+
+namespace {
+
+/// The body with handles at both ends and at its right, soft.
+PartId importSoft(Window& w) {
+    w.trigger("soft-at-once");
+    w.import(body());
+    REQUIRE(w.now().elements.size() == 1);
+    const Element& element = *w.now().elements.begin()->second;
+    const PartId id = element.id;
+    for (const Vec3& direction : {Vec3(0, 1, 0), Vec3(0, -1, 0.1), Vec3(1, 0, 0.1)}) {
+        const Vec3 point = farthest(element, direction);
+        w.run({{"do", "handle"}, {"element", element.name}, {"point", {point.x(), point.y(), point.z()}}});
+    }
+    w.look(Vec3(0.2, 0.15, 1));
+    waitFor([&] { return w.document().session().responses().fittingOf(id) != nullptr; });
+    waitFor([&] { return !w.window().precomputeJob().running(); });
+    w.document().select({});
+    return id;
+}
+
+/// The share of pixels that differ clearly.
+double different(const QImage& a, const QImage& b) {
+    REQUIRE(a.size() == b.size());
+    int count = 0;
+    for (int y = 0; y < a.height(); ++y)
+        for (int x = 0; x < a.width(); ++x) {
+            const QColor p = a.pixelColor(x, y), q = b.pixelColor(x, y);
+            count += std::abs(p.red() - q.red()) + std::abs(p.green() - q.green()) + std::abs(p.blue() - q.blue()) > 60;
+        }
+    return double(count) / (double(a.width()) * a.height());
+}
+
+}  // namespace
+
+TEST_CASE("studio: flesh anywhere is pulled by a passing handle, soft while it is dragged, and everything is as it was after that") {
+    Window w;
+    const PartId id = importSoft(w);
+    const auto element = [&]() -> const Element& { return *w.now().elements.at(id); };
+    const auto response = w.document().session().responses().fittingOf(id);
+    CHECK(!w.shared->actions()["passing-handles"]->isChecked());
+    w.trigger("passing-handles");
+    w.trigger("tool-pose");
+    // The flesh that is in the middle of what is seen.
+    const auto& vertices = element().mesh->body.vertices;
+    const QPoint from = w.onScreen(Vec3(0.5 * (vertices.colwise().minCoeff() + vertices.colwise().maxCoeff()).transpose()));
+    QTest::mouseMove(&w.view(), from);
+    w.settle();
+    w.shoot("passing-hint");
+    const int steps = w.document().session().position();
+    const std::vector<SelectionItem> selection = w.document().selection();
+    QTest::mousePress(&w.view(), Qt::LeftButton, {}, from);
+    QElapsedTimer clock;
+    clock.start();
+    QTest::mouseMove(&w.view(), from + QPoint(8, -2));
+    REQUIRE(element().handles.size() == 4);
+    const FaceRef made{id, element().handles.back().face};
+    waitFor([&] { return w.document().session().responses().fittingOf(id) != nullptr; });
+    MESSAGE("flesh pressed to soft: ", 1e-3 * double(clock.elapsed()), " s, ", vertices.rows(), " vertices");
+    CHECK(w.document().session().responses().isDraft(id));
+    for (int i = 1; i <= 12; ++i) {
+        QTest::mouseMove(&w.view(), from + QPoint(8 + 10 * i, -2 - 2 * i));
+        w.settle();
+        if (i == 2) w.shoot("passing-soft");
+    }
+    const QPoint to = from + QPoint(128, -26);
+    w.shoot("passing-dragged");
+    const Vec3 rest = element().faces.back().frame.origin;
+    CHECK(((w.document().session().poseOf(made)->at) - rest).norm() > 0.01 * (vertices.colwise().maxCoeff() - vertices.colwise().minCoeff()).norm());
+    QTest::mouseRelease(&w.view(), Qt::LeftButton, {}, to);
+    CHECK(element().handles.size() == 3);
+    CHECK(w.document().session().responses().fittingOf(id) == response);  // by its key
+    CHECK(w.document().session().position() == steps + 1);
+    CHECK(w.document().selection() == selection);
+    CHECK(w.now().handleGoals.empty());
+    w.settle();
+    w.shoot("passing-gone");
+
+    // Kept by K, also after it went.
+    QTest::keyClick(&w.view(), Qt::Key_K);
+    w.settle();
+    CHECK(element().handles.size() == 4);
+    waitFor([&] { return w.document().session().responses().fittingOf(id) != nullptr; });
+    QTest::qWait(int(1000.0 * ShapeFade::kSeconds) + 200);
+    w.shoot("passing-kept");
+    CHECK(w.now().handleGoals.size() == 1);
+    w.trigger("undo");
+    CHECK(element().handles.size() == 3);
+    CHECK(w.document().session().responses().fittingOf(id) == response);
+    w.trigger("passing-handles");
+    CHECK(!w.shared->actions()["passing-handles"]->isChecked());
+}
+
+TEST_CASE("studio: a body that is to become soft anew keeps its shape until it is") {
+    Window w;
+    const PartId id = importSoft(w);
+    const Element& element = *w.now().elements.at(id);
+    w.trigger("bones");  // off
+    const HandlePose right = w.document().session().poseOf({id, element.handles[2].face}).value();
+    const double size = (element.mesh->body.vertices.colwise().maxCoeff() - element.mesh->body.vertices.colwise().minCoeff()).norm();
+    const Vec3 to = right.at + Vec3(-0.05, 0.2, 0.05) * size;
+    w.run({{"do", "drag"}, {"endpoint", element.handles[2].face}, {"to", {to.x(), to.y(), to.z()}}});
+    w.settle();
+    const QImage soft = w.view().grabFramebuffer();
+    w.shoot("anew-before");
+    const Vec3 left = farthest(element, Vec3(-1, 0, 0.1));
+    w.run({{"do", "handle"}, {"element", element.name}, {"point", {left.x(), left.y(), left.z()}}});
+    REQUIRE(!w.document().session().responses().fittingOf(id));
+    const QImage waiting = w.view().grabFramebuffer();
+    CHECK(!w.document().session().responses().fittingOf(id));
+    CHECK(different(soft, waiting) < 0.002);
+    waitFor([&] { return w.document().session().responses().fittingOf(id) != nullptr; });
+    const QImage begins = w.view().grabFramebuffer();
+    CHECK(different(soft, begins) < 0.005);
+    QTest::qWait(int(1000.0 * ShapeFade::kSeconds) + 200);
+    w.shoot("anew-after");
+    MESSAGE("pixels that differ: ", different(soft, waiting), " while it waits, ", different(soft, begins), " when it is soft, ", different(soft, w.view().grabFramebuffer()), " then");
+    // Nothing waits where nobody makes it soft: then what is rigid is seen.
+    w.trigger("soft-at-once");
+    w.run({{"do", "remove-handle"}, {"handle", element.handles[2].face}});
+    w.settle();
+    CHECK(different(soft, w.view().grabFramebuffer()) > 0.01);
+    w.trigger("bones");
+}

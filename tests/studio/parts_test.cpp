@@ -136,3 +136,82 @@ TEST_CASE("studio: parts of a character are chosen in the inspector, attached, g
     w.settle();
     w.shoot("part-left");
 }
+
+TEST_CASE("studio: an eye that is attached looks where the pointer pulls it, in one step, with both tools and in a body that is turned") {
+    Window w;
+    w.import(writeHead(w.folder.filePath(QStringLiteral("head.obj"))));
+    REQUIRE(w.now().characters.size() == 1);
+    const CharacterSource& character = *w.now().characters.begin()->second;
+    const std::string name = character.name, element = w.now().elements.begin()->second->name;
+    const PartId whole = character.id;
+    const ModelPart left{1, 0};
+    w.look(Vec3(0, 0, 1));
+    const Vec3 front(-0.35, 0.3, 1.05);
+    Eigen::Index vertex = 0;
+    (character.model->mesh.body.vertices.rowwise() - front.transpose()).rowwise().squaredNorm().minCoeff(&vertex);
+    const auto seen = [&] { return w.onScreen(w.document().session().renderPositionsOf(whole).row(vertex).transpose()); };
+    // One that is not attached is no part that turns.
+    w.trigger("tool-select");
+    QTest::mouseMove(&w.view(), seen());
+    w.settle();
+    CHECK(!w.view().hint().startsWith(QStringLiteral("Drag: turn")));
+    w.run({{"do", "attach"}, {"character", name}, {"part", "eyes#1"}, {"mode", "rigid"}});
+
+    const auto pull = [&](QPoint by, const char* picture) {
+        const int steps = w.document().session().position();
+        const QPoint from = seen();
+        for (const QPoint& place : {from + QPoint(3, 3), from}) {  // what is there may have changed under a pointer that stood still
+            QTest::mouseMove(&w.view(), place);
+            w.settle();
+        }
+        CHECK_MESSAGE(w.view().hint().startsWith(QStringLiteral("Drag: turn eyes#1")), w.view().hint().toStdString());
+        QTest::mousePress(&w.view(), Qt::LeftButton, {}, from);
+        for (int i = 1; i <= 5; ++i) {
+            QTest::mouseMove(&w.view(), from + by * i / 5);
+            w.settle();
+        }
+        w.shoot(picture);
+        CHECK((seen() - from - by).manhattanLength() <= 8);  // it goes round, the pointer straight on
+        QTest::mouseRelease(&w.view(), Qt::LeftButton, {}, from + by);
+        w.settle();
+        CHECK(w.document().session().position() == steps + 1);
+    };
+    const auto turned = [&] {
+        const auto turn = w.now().turns.find({whole, left});
+        return turn == w.now().turns.end() ? Vec3(Vec3::Zero()) : rotationVector(turn->second.target);
+    };
+    pull({20, 0}, "part-pulled");
+    CHECK(turned().y() > 0.1);
+    CHECK(std::abs(turned().x()) + std::abs(turned().z()) < 0.2 * turned().y());
+    w.trigger("undo");
+    CHECK(turned() == Vec3::Zero());
+    w.trigger("tool-pose");
+    pull({0, -20}, "part-pulled-up");
+    CHECK(turned().x() < -0.1);
+    w.trigger("undo");
+
+    // A click turns nothing, Esc takes it back.
+    const int steps = w.document().session().position();
+    w.click(seen());
+    CHECK(w.document().session().position() == steps);
+    CHECK(w.document().selection() == std::vector<SelectionItem>{{SelectionItem::Kind::Element, w.now().elements.begin()->first, {}, false}});
+    const QPoint from = seen();
+    QTest::mousePress(&w.view(), Qt::LeftButton, {}, from);
+    QTest::mouseMove(&w.view(), from + QPoint(15, 15));
+    CHECK(w.now().turns.size() == 1);
+    QTest::keyClick(&w.view(), Qt::Key_Escape);
+    CHECK(w.now().turns.empty());
+    QTest::mouseRelease(&w.view(), Qt::LeftButton, {}, from + QPoint(15, 15));
+    CHECK(w.document().session().position() == steps);
+
+    // The head lies on its side.
+    const double half = std::sqrt(0.5);
+    w.run({{"do", "handle"}, {"element", element}, {"name", "top"}, {"point", {0, 1, 0}}});
+    w.run({{"do", "set"}, {"target", element}, {"property", "solver-mesh"}, {"value", "as-is"}});
+    w.run({{"do", "precompute"}});
+    w.run({{"do", "drag"}, {"endpoint", "top"}, {"to", {-1, 0, 0}}, {"rotation", {0, 0, half, half}}});
+    w.settle();
+    pull({20, 0}, "part-pulled-on-its-side");
+    CHECK(turned().x() > 0.1);  // what is seen right of it is the bottom of the head
+    CHECK(std::abs(turned().y()) < 0.5 * std::abs(turned().x()));
+}

@@ -195,3 +195,135 @@ TEST_CASE("pose tool: targets far out of reach stay finite") {
     stage.letGo(stage.tool, Vec3(0, 0, 0));
     for (const Vec3& p : stage.now().pose.points) CHECK(p.allFinite());
 }
+
+namespace {
+
+/// A bar with a handle at each end, precomputed, whose flesh is pulled by passing handles.
+struct FleshStage : ToolStage {
+    PoseTool tool{document()};
+    FleshStage() {
+        add("bar", shapes::box(Vec3(-3, -0.5, -0.5), Vec3(3, 0.5, 0.5), 24, 4, 4).mesh);
+        for (const double x : {-2.5, 2.5}) run({{"do", "handle"}, {"element", "bar"}, {"point", {x, 0, 0.5}}, {"radius", 0.3}});
+        run({{"do", "set"}, {"target", "bar"}, {"property", "solver-mesh"}, {"value", "as-is"}});
+        run({{"do", "precompute"}});
+        look(ViewAxis::Front);
+        tool.setOptions({[](const Element&) { return true; }});
+    }
+    const std::vector<Handle>& handles() { return element("bar").handles; }
+    Points flesh() { return session().positionsOf(element("bar").id); }
+};
+
+}  // namespace
+
+TEST_CASE("pose tool: flesh is pulled by a passing handle, which leaves nothing but one step") {
+    FleshStage stage;
+    const Document before = stage.now();
+    const Points rest = stage.flesh();
+    const auto response = stage.session().response(stage.element("bar").id);
+    REQUIRE(response);
+    const int steps = stage.steps();
+    stage.hover(stage.tool, Vec3(0, 0, 0.5));
+    const QString hint = stage.tool.hint();
+    stage.press(stage.tool, Vec3(0, 0, 0.5));
+    CHECK(stage.tool.busy());
+    CHECK(stage.handles().size() == 2);  // a click makes none
+    for (int i = 1; i <= 5; ++i) stage.pull(stage.tool, Vec3(0.02 * i, 0.1 * i, 0.5));
+    REQUIRE(stage.handles().size() == 3);
+    const FaceRef made{stage.element("bar").id, stage.handles()[2].face};
+    CHECK((stage.handles()[2].point - Vec3(0, 0, 0.5)).norm() < 0.02);
+    const Vec3 origin = stage.element("bar").faces[2].frame.origin;
+    CHECK((stage.session().poseOf(made)->at - origin - Vec3(0.1, 0.5, 0)).norm() < 1e-6);
+    CHECK(stage.tool.hint() != hint);
+    stage.letGo(stage.tool, Vec3(0.1, 0.5, 0.5));
+    CHECK(!stage.tool.busy());
+    CHECK(stage.steps() == steps + 1);
+    CHECK(stage.handles() == before.elementNamed("bar")->handles);
+    CHECK(stage.element("bar").faces.size() == 2);
+    CHECK(stage.now().handleGoals.empty());
+    CHECK(stage.session().response(made.element) == response);  // by its key: nothing was solved
+    CHECK(stage.flesh() == rest);
+    // A script does the same.
+    const auto& script = stage.session().script();
+    REQUIRE(script.size() > 6);
+    CHECK(script.back()["do"] == "remove-handle");
+    CHECK(std::count_if(script.begin(), script.end(), [](const Json& line) { return line["do"] == "handle"; }) == 3);
+    stage.run({{"do", "undo"}});
+    CHECK(stage.handles().size() == 2);
+    CHECK(stage.refusals.empty());
+}
+
+TEST_CASE("pose tool: K keeps a passing handle, while it is dragged or after it went") {
+    FleshStage stage;
+    int steps = stage.steps();
+    CHECK(!stage.tool.wants(Qt::Key_K));
+    stage.press(stage.tool, Vec3(0, 0, 0.5));
+    stage.pull(stage.tool, Vec3(0, 0.4, 0.5));
+    CHECK(stage.tool.wants(Qt::Key_K));
+    CHECK(stage.tool.key(Qt::Key_K, {}));
+    stage.letGo(stage.tool, Vec3(0, 0.4, 0.5));
+    REQUIRE(stage.handles().size() == 3);
+    CHECK(stage.steps() == steps + 1);
+    CHECK(stage.selected() == SelectionItem{Kind::Face, stage.element("bar").id, stage.handles()[2].face, false});
+    stage.run({{"do", "undo"}});
+    CHECK(stage.handles().size() == 2);
+    CHECK(stage.now().handleGoals.empty());
+
+    steps = stage.steps();
+    stage.press(stage.tool, Vec3(0, 0, 0.5));
+    stage.pull(stage.tool, Vec3(0, 0.4, 0.5));
+    const Vec3 at = stage.now().handleGoals.begin()->second.target.at;
+    stage.letGo(stage.tool, Vec3(0, 0.4, 0.5));
+    REQUIRE(stage.handles().size() == 2);
+    CHECK(stage.tool.wants(Qt::Key_K));
+    CHECK(stage.tool.key(Qt::Key_K, {}));
+    REQUIRE(stage.handles().size() == 3);
+    CHECK(stage.steps() == steps + 2);
+    CHECK(stage.now().handleGoals.begin()->second.target.at == at);
+    CHECK(!stage.tool.wants(Qt::Key_K));
+    CHECK(stage.refusals.empty());
+}
+
+TEST_CASE("pose tool: a passing handle takes the flesh as it lies, is cancelled without a trace, and becomes small where there is no room") {
+    FleshStage stage;
+    // Bent first: the end is turned by a right angle about y.
+    stage.run({{"do", "drag"}, {"endpoint", "handle 2"}, {"to", {2.0, 0.0, -0.5}}, {"rotation", {0.0, std::sqrt(0.5), 0.0, std::sqrt(0.5)}}});
+    stage.camera.setAxis(ViewAxis::Top, false);
+    const Document before = stage.now();
+    const int steps = stage.steps();
+    const Points bent = stage.flesh();
+    Eigen::Index top = 0;
+    (stage.element("bar").mesh->body.vertices.rowwise() - Eigen::RowVector3d(1.25, 0.5, 0.0)).rowwise().norm().minCoeff(&top);
+    const Vec3 there = bent.row(top).transpose();
+    stage.press(stage.tool, there);
+    stage.pull(stage.tool, there + Vec3(0.05, 0, 0));
+    REQUIRE(stage.handles().size() == 3);
+    const HandleGoal goal = stage.now().handleGoals.at({stage.element("bar").id, stage.handles()[2].face});
+    CHECK(goal.target.turn.angularDistance(Eigen::Quaterniond::Identity()) > 0.1);
+    CHECK((goal.target.at - there).norm() < 0.3);
+    stage.tool.cancel();
+    CHECK(!stage.tool.busy());
+    CHECK(stage.steps() == steps);
+    CHECK(stage.handles().size() == 2);
+    CHECK(stage.flesh() == bent);
+
+    stage.run({{"do", "rest"}});
+    stage.camera.setAxis(ViewAxis::Front, false);
+    // Beside a disc there is no room for a second one as large.
+    stage.press(stage.tool, Vec3(1.95, 0, 0.5));
+    stage.pull(stage.tool, Vec3(1.95, 0.2, 0.5));
+    REQUIRE(stage.tool.busy());
+    if (stage.handles().size() == 3) CHECK(stage.handles()[2].radius < 0.05 * std::sqrt(38.0));
+    stage.tool.cancel();
+    CHECK(stage.handles().size() == 2);
+    CHECK(stage.refusals.empty());
+}
+
+TEST_CASE("pose tool: where flesh is not soft in a moment, the nearest grip moves it") {
+    FleshStage stage;
+    stage.tool.setOptions({[](const Element&) { return false; }});
+    stage.press(stage.tool, Vec3(0.5, 0, 0.5));
+    stage.pull(stage.tool, Vec3(0.5, 0.3, 0.5));
+    CHECK(stage.handles().size() == 2);
+    CHECK(stage.now().handleGoals.size() == 1);
+    stage.letGo(stage.tool, Vec3(0.5, 0.3, 0.5));
+}

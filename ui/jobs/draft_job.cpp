@@ -62,28 +62,37 @@ void DraftJob::next() {
         auto work = std::make_shared<Work>();
         work->element = id;
         work->input = session.responses().inputOfDraft(id);
+        work->key = responseKey(work->input);
         work->shape = session.responses().shapeOf(id);
+        // Undo, and a handle that passes, lead back to what had one before.
+        if (auto known = session.responses().store().find(work->key)) {
+            bring(id, {work->key, work->shape, std::move(known)});
+            if (!wants(id)) continue;
+        }
         work_ = work;
         launch(
             [work](const Progress& progress) {
-                work->key = responseKey(work->input);
                 if (auto made = buildResponse(work->input, progress)) work->response = std::make_shared<const ElementResponse>(std::move(*made));
             },
             [this, work] {
-                Session& of = document_.session();
-                if (!work->response) failed_.insert(work->shape);
-                const bool same = document_.document().elements.contains(work->element) && of.responses().shapeOf(work->element) == work->shape;
-                if (work->response && same && !of.responses().fittingOf(work->element)) {
-                    Q_EMIT document_.responsesArriving();
-                    of.responses().bring(work->element, {work->key, work->shape, work->response});
-                    Q_EMIT document_.responsesChanged();
-                    Q_EMIT document_.poseChanged();
-                }
+                if (work->response)
+                    bring(work->element, {work->key, work->shape, work->response});
+                else
+                    failed_.insert(work->shape);
                 next();
             });
         return;
     }
     Q_EMIT drafted();
+}
+
+void DraftJob::bring(PartId element, const StoredResponse& response) {
+    DocumentResponses& responses = document_.session().responses();
+    if (!document_.document().elements.contains(element) || responses.shapeOf(element) != response.shape || responses.fittingOf(element)) return;
+    Q_EMIT document_.responsesArriving();
+    responses.bring(element, response);
+    Q_EMIT document_.responsesChanged();
+    Q_EMIT document_.poseChanged();
 }
 
 }  // namespace imomushi

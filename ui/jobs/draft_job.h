@@ -22,6 +22,8 @@ public:
     /// While it is off, elements are soft when they are precomputed.
     void setEnabled(bool on);
     [[nodiscard]] bool enabled() const { return enabled_; }
+    /// The element has no response that fits, and gets one.
+    [[nodiscard]] bool awaits(PartId element) const { return enabled_ && wants(element); }
 
 signals:
     /// There are elements to make soft.
@@ -33,6 +35,8 @@ private:
     struct Work;
     void follow();
     [[nodiscard]] bool wants(PartId element) const;
+    /// Uses a response from inputOfDraft(), where the element still asks for it.
+    void bring(PartId element, const StoredResponse& response);
     /// Asks again who waits, and begins with the first.
     void start();
     void next();

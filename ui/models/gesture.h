@@ -11,6 +11,7 @@ public:
     explicit Gesture(StudioDocument& document) : document_(&document) { document.session().beginGesture(); }
     ~Gesture() {
         if (!document_) return;
+        Q_EMIT document_->changing();
         document_->session().cancelGesture();
         Q_EMIT document_->historyChanged();
     }

@@ -13,6 +13,14 @@ namespace {
 /// Weight of a new frame in the smoothed times.
 constexpr double kNewFrame = 0.08;
 
+/// More than the pose.
+bool changesMore(const CommandRegistry& registry, const Json& command) {
+    const auto name = command.find("do");
+    if (name == command.end() || !name->is_string()) return false;
+    const Command* known = registry.find(name->get_ref<const std::string&>());
+    return known && ((known->changesDocument() && !known->pose) || known->name == "undo" || known->name == "redo");
+}
+
 void smooth(double& mean, double value) { mean = mean < 0.0 ? value : mean + kNewFrame * (value - mean); }
 
 }  // namespace
@@ -62,6 +70,7 @@ bool StudioDocument::exists(const SelectionItem& item) const {
 }
 
 Result<Json> StudioDocument::execute(const Json& command, bool quiet) {
+    if (changesMore(session_.registry(), command)) Q_EMIT changing();
     auto answer = session_.execute(command);
     Q_EMIT historyChanged();
     if (!answer && !quiet) Q_EMIT failed(errorText(answer.error()));

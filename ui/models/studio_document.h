@@ -56,6 +56,8 @@ Q_SIGNALS:
     void structureChanged(const imomushi::DocumentChange& change);
     void poseChanged();        ///< the character moved
     void responsesArriving();  ///< they are about to change what is seen
+    /// A command runs next that may change what elements are made of, besides how they are posed. historyChanged() follows.
+    void changing();
     void responsesChanged();   ///< a precompute finished or went out of date
     void historyChanged();     ///< undo, redo, steps
     void fileChanged();        ///< path or saved state

@@ -21,6 +21,7 @@ struct Body {
     std::uint64_t id = 0;                       ///< what pick() answers; 0 is "nothing"
     std::shared_ptr<const ElementMesh> mesh;    ///< topology and look
     std::shared_ptr<const ElementMesh> textures;  ///< whose textures its materials mean; bodies that have one share them on the graphics card. Null: those of `mesh`
+    const std::vector<std::int32_t>* modelVertices = nullptr;  ///< per body vertex that of the whole model whose textures it has; null: it is no part of one
     const float* positions = nullptr;           ///< #body vertices x 3, world
     const float* normals = nullptr;             ///< #body vertices x 3, world, unit; null: computed from the triangles
     int deformElement = -1;                     ///< of Scene::deformInput, which it is drawn from: positions and normals are not read. -1: from these

@@ -48,6 +48,7 @@ void DocumentScene::addRenderMeshes(Session& session, const SceneOptions& option
             body.id = sceneId({ScenePart::Kind::Element, part.element, -1, false});
             body.mesh = part.mesh;
             body.textures = std::shared_ptr<const ElementMesh>(seen.source->model, &seen.source->model->mesh);
+            body.modelVertices = &part.vertices;
             body.twoSided = true;  // anything goes
             body.color = element->second->color;
             body.opacity = options.bodies ? std::min(options.bodyOpacity, kSeenThrough) : options.bodyOpacity;

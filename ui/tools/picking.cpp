@@ -140,6 +140,8 @@ void addSeenHits(Session& session, const Vec3& origin, const Vec3& direction, st
             if (!skin->second) continue;
             RayHit hit = onBody(session, *element->second, *skin->second, weighted(crossed->weight, a, b, c), (b - a).cross(c - a));
             hit.distance = crossed->distance;
+            hit.character = seen.source->id;
+            hit.seen = t;
             hit.entering = hit.normal.dot(direction) < 0.0;  // triangles of a file may face any way
             hits.push_back(hit);
         }
@@ -322,6 +324,23 @@ std::optional<PoseGrip> nearestGrip(Session& session, PartId id, const Vec3& pla
         for (const Handle& handle : element->second->handles) offer({{}, {id, handle.face}});
     if (best && !best->isHandle()) best->end = holdingEndpoint(session, best->end);
     return best;
+}
+
+HandlePose poseOfFlesh(Session& session, const Element& element, const JointFace& patch) {
+    const PosedBody body(session, element.id, element);
+    const auto count = Eigen::Index(patch.vertices.size());
+    Eigen::Matrix3Xd rest(3, count), now(3, count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+        const std::int32_t v = patch.vertices[std::size_t(i)];
+        rest.col(i) = element.mesh->body.vertices.row(v).transpose();
+        now.col(i) = body.at(v);
+    }
+    const Eigen::Matrix4d motion = Eigen::umeyama(rest, now, false);
+    HandlePose pose;
+    pose.held = true;
+    pose.at = (motion * patch.frame.origin.homogeneous()).head<3>();
+    pose.turn = Eigen::Quaterniond(Eigen::Matrix3d(motion.topLeftCorner<3, 3>())).normalized();
+    return pose;
 }
 
 std::optional<SelectionItem> pickItem(Session& session, const PointerEvent& e) {

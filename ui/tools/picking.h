@@ -27,6 +27,8 @@ struct RayHit {
     Vec3 point = Vec3::Zero();   ///< world, posed
     Vec3 normal = Vec3::UnitZ(); ///< of the triangle there, outward, unit
     Vec3 rest = Vec3::Zero();    ///< the same surface point at rest
+    PartId character = 0;        ///< whose render mesh was crossed; 0: the element's own mesh
+    std::int32_t seen = -1;      ///< triangle of that render mesh
 };
 
 /// All crossings with what is seen of visible, unlocked elements, nearest first. rayDirection must be a unit vector.
@@ -76,6 +78,9 @@ std::optional<FaceRef> pickHandle(Session& session, const PointerEvent& e, doubl
 std::optional<PoseGrip> pickGrip(Session& session, const PointerEvent& e);
 /// The end of a bone through the element, or the handle of it, that is nearest to a place of the flesh as it is posed.
 std::optional<PoseGrip> nearestGrip(Session& session, PartId element, const Vec3& place);
+
+/// How the flesh of a patch of an element lies now: the rigid motion nearest to those of its vertices, in the world.
+HandlePose poseOfFlesh(Session& session, const Element& element, const JointFace& patch);
 
 /// Another reference to the same joint point that is to be preferred for holding it.
 EndpointRef holdingEndpoint(Session& session, const EndpointRef& end);

@@ -6,6 +6,8 @@
 #include <numbers>
 
 #include "core/base/finite.h"
+#include "core/document/handle_commands.h"
+#include "core/mesh/bounds.h"
 #include "ui/models/commands.h"
 #include "ui/models/paths.h"
 #include "ui/tools/picking.h"
@@ -19,6 +21,8 @@ constexpr double kRadiansPerPixel = 0.5 * std::numbers::pi / 180.0;
 constexpr double kRadiansPerNotch = 5.0 * std::numbers::pi / 180.0;
 /// The snapping grid is the power of ten (in metres) that is at least this many pixels wide.
 constexpr double kSnapPixels = 12.0;
+/// A passing handle is as large as others are at first, or this many times halved where something is in its way.
+constexpr int kHalvings = 3;
 
 /// The plane in which the pointer is read: across the view, or holding the locked axis and facing the viewer as far as it can.
 Vec3 dragPlane(const PointerEvent& e, int axis) {
@@ -38,9 +42,24 @@ std::optional<PoseGrip> PoseTool::gripUnder(const PointerEvent& e) const {
     return hits.empty() ? std::nullopt : nearestGrip(session, hits.front().element, hits.front().point);
 }
 
+std::optional<RayHit> PoseTool::fleshUnder(const PointerEvent& e) const {
+    Session& session = document_.session();
+    // Another handle is another character, which would end a recording.
+    if (!options_.passingHandles || session.recording() || pickGrip(session, e)) return std::nullopt;
+    const auto hits = rayHits(session, e.rayOrigin, e.rayDirection);
+    if (hits.empty()) return std::nullopt;
+    const Element& element = *session.document().elements.at(hits.front().element);
+    if (faceOfTriangle(element, hits.front().triangle) || !options_.passingHandles(element)) return std::nullopt;
+    return hits.front();
+}
+
 void PoseTool::press(const PointerEvent& e) {
-    if (drag_ || e.button != Qt::LeftButton) return;
-    if (const auto grip = gripUnder(e); grip && gripPosition(document_.session(), *grip))
+    if (busy() || e.button != Qt::LeftButton) return;
+    letGo_.reset();
+    if (!pickGrip(document_.session(), e) && part_.press(e)) return;
+    if (const auto flesh = fleshUnder(e))
+        flesh_ = Flesh{*flesh, e};
+    else if (const auto grip = gripUnder(e); grip && gripPosition(document_.session(), *grip))
         grab(*grip, e);
     else
         selectByClick(document_, pickItem(document_.session(), e), e.modifiers);
@@ -51,15 +70,53 @@ void PoseTool::grab(const PoseGrip& grip, const PointerEvent& e) {
     if (!at) return;
     const SelectionItem item = grip.item();
     if (!(e.modifiers & Qt::ShiftModifier) || !document_.isSelected(item)) selectByClick(document_, item, e.modifiers);
+    take(grip, *at, e);
+}
+
+bool PoseTool::makePassing(const Flesh& flesh) {
+    Session& session = document_.session();
+    const auto found = document_.document().elements.find(flesh.hit.element);
+    if (found == document_.document().elements.end()) return false;
+    const std::shared_ptr<const Element> element = found->second;
+    Passing made{element->name, flesh.hit.rest, kDefaultHandleRadius * diagonalOf(element->mesh->body.vertices), false};
+    auto patch = handleFace(*element, made.point, made.radius);
+    for (int i = 0; i < kHalvings && !patch; ++i) patch = handleFace(*element, made.point, made.radius *= 0.5);
+    if (!patch) return false;
+    // It takes the flesh where it is, and as it is turned there.
+    const HandlePose pose = poseOfFlesh(session, *element, *patch);
+    auto gesture = std::make_unique<Gesture>(document_);
+    const auto answer = document_.execute(commands::addHandle(made.element, made.point, made.radius));
+    if (!answer) return false;
+    const PoseGrip grip{{}, {element->id, answer->at("name").get<std::string>()}};
+    if (!document_.execute(commands::dragHandle(grip.handle.face, pose.at, pose.turn))) return false;
+    take(grip, pose.at, flesh.press);
+    drag_->grip = flesh.hit.point;
+    drag_->gesture = std::move(gesture);
+    drag_->passing = std::move(made);
+    return true;
+}
+
+void PoseTool::bringBack() {
+    const LetGo last = *std::exchange(letGo_, std::nullopt);
+    Gesture gesture(document_);
+    const auto answer = document_.execute(commands::addHandle(last.passing.element, last.passing.point, last.passing.radius));
+    if (!answer) return;
+    const std::string name = answer->at("name").get<std::string>();
+    if (!document_.execute(commands::dragHandle(name, last.at, last.turn))) return;
+    gesture.commit();
+    if (const auto handle = document_.document().handle(name)) document_.select({PoseGrip{{}, *handle}.item()});
+}
+
+void PoseTool::take(const PoseGrip& grip, const Vec3& at, const PointerEvent& e) {
     hovered_ = grip;
-    document_.setHovered(item);
+    document_.setHovered(grip.item());
     Drag drag;
     drag.end = grip;
-    drag.origin = drag.target = *at;
+    drag.origin = drag.target = at;
     drag.pressX = drag.lastX = e.x;
     drag.pressY = drag.lastY = e.y;
     drag.normal = dragPlane(e, -1);
-    drag.grip = e.onPlane(*at, drag.normal, *at);
+    drag.grip = e.onPlane(at, drag.normal, at);
     if (grip.isHandle()) {
         if (const auto pose = document_.session().poseOf(grip.handle)) drag.turn = pose->turn;
     } else if (const auto held = document_.document().goals.find(grip.end); held != document_.document().goals.end()) {
@@ -70,8 +127,25 @@ void PoseTool::grab(const PoseGrip& grip, const PointerEvent& e) {
 }
 
 void PoseTool::move(const PointerEvent& e) {
+    if (part_.busy()) return part_.move(e);
+    if (flesh_) {
+        if (std::hypot(e.x - flesh_->press.x, e.y - flesh_->press.y) < kDragPixels) return;
+        const Flesh flesh = *std::exchange(flesh_, std::nullopt);
+        if (!makePassing(flesh)) {
+            const auto grip = nearestGrip(document_.session(), flesh.hit.element, flesh.hit.point);
+            if (!grip) return;
+            grab(*grip, flesh.press);
+        }
+    }
     if (!drag_) {
-        hovered_ = gripUnder(e);
+        if (!pickGrip(document_.session(), e) && part_.hover(e)) {
+            hovered_.reset();
+            overFlesh_ = false;
+            return document_.setHovered(std::nullopt);
+        }
+        part_.leave();
+        overFlesh_ = fleshUnder(e).has_value();
+        hovered_ = overFlesh_ ? std::nullopt : gripUnder(e);
         if (hovered_)
             document_.setHovered(hovered_->item());
         else
@@ -129,7 +203,24 @@ void PoseTool::issue(const PointerEvent& e) {
 }
 
 void PoseTool::release(const PointerEvent& e) {
-    if (!drag_ || e.button != Qt::LeftButton) return;
+    if (!busy() || e.button != Qt::LeftButton) return;
+    if (part_.busy()) {
+        if (!part_.moved()) selectByClick(document_, pickItem(document_.session(), e), e.modifiers);
+        return part_.release(e);
+    }
+    if (flesh_) {
+        flesh_.reset();
+        return selectByClick(document_, pickItem(document_.session(), e), e.modifiers);
+    }
+    if (drag_->passing) {
+        const auto pose = document_.session().poseOf(drag_->end.handle);
+        if (drag_->passing->kept) {
+            document_.select({drag_->end.item()});
+        } else if (document_.execute(commands::removeHandle(drag_->end.handle.face))) {
+            if (pose) letGo_ = LetGo{*drag_->passing, pose->at, pose->turn};
+            hovered_.reset();
+        }
+    }
     if (drag_->gesture) drag_->gesture->commit();
     drag_.reset();
     last_.reset();
@@ -143,6 +234,7 @@ void PoseTool::doubleClick(const PointerEvent& e) {
 }
 
 bool PoseTool::wheel(double notches, const PointerEvent& e) {
+    if (part_.busy()) return part_.wheel(notches, e);
     if (!drag_) return false;
     if (!drag_->gesture) drag_->gesture = std::make_unique<Gesture>(document_);
     const double pace = e.pace();
@@ -156,6 +248,7 @@ bool PoseTool::wheel(double notches, const PointerEvent& e) {
 }
 
 bool PoseTool::key(int key, Qt::KeyboardModifiers) {
+    if (part_.busy()) return true;
     if (key == Qt::Key_P) {
         if (drag_) return true;
         if (hovered_) {
@@ -172,7 +265,15 @@ bool PoseTool::key(int key, Qt::KeyboardModifiers) {
             }
         return false;
     }
+    if (key == Qt::Key_K && letGo_) {
+        bringBack();
+        return true;
+    }
     if (!drag_) return false;
+    if (key == Qt::Key_K && drag_->passing) {
+        drag_->passing->kept = !drag_->passing->kept;
+        return true;
+    }
     if (key == Qt::Key_R) {
         turning_ = true;
         return true;
@@ -195,6 +296,7 @@ bool PoseTool::key(int key, Qt::KeyboardModifiers) {
 
 bool PoseTool::wants(int key) const {
     if (key == Qt::Key_P) return drag_ || hovered_;
+    if (key == Qt::Key_K) return letGo_ || (drag_ && drag_->passing);
     return drag_ && (key == Qt::Key_R || key == Qt::Key_X || key == Qt::Key_Y || key == Qt::Key_Z);
 }
 
@@ -208,14 +310,22 @@ void PoseTool::toggle(const PoseGrip& grip) {
 }
 
 void PoseTool::cancel() {
+    part_.cancel();
+    flesh_.reset();
     drag_.reset();  // its gesture takes the commands back
     last_.reset();
     turning_ = false;
 }
 
 QString PoseTool::hint() const {
+    if (const QString part = part_.hint(); !part.isEmpty()) return part;
+    if (drag_ && drag_->passing)
+        return drag_->passing->kept ? ToolTexts::tr("This handle is kept · K: let it pass · R or wheel: turn · Esc: cancel")
+                                    : ToolTexts::tr("Passing handle · K: keep it · X, Y, Z: lock axis · R or wheel: turn · Esc: cancel");
     if (drag_) return ToolTexts::tr("X, Y, Z: lock axis · Shift: fine · Ctrl: grid · R or wheel: turn · Esc: cancel");
     const Document& d = document_.document();
+    if (letGo_) return ToolTexts::tr("K: bring the passing handle back and keep it");
+    if (overFlesh_) return ToolTexts::tr("Drag: pull the flesh by a passing handle");
     const bool handles = std::any_of(d.elements.begin(), d.elements.end(), [](const auto& e) { return !e.second->handles.empty(); });
     if (d.bones.empty() && !handles) return ToolTexts::tr("There are no bones and no handles yet. Place them with their tools.");
     if (hovered_) return ToolTexts::tr("Drag: pose · P: pin · Double click: let go");
@@ -223,6 +333,7 @@ QString PoseTool::hint() const {
 }
 
 void PoseTool::decorate(render::Scene& scene) const {
+    part_.decorate(scene);
     if (!drag_ || drag_->axis < 0) return;
     // The locked axis, long enough to leave the screen in both directions.
     const double reach = 4.0 * (scene.camera.eye - drag_->origin).norm() + scene.camera.orthoHeight;

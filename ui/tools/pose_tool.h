@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "ui/models/gesture.h"
+#include "ui/tools/part_drag.h"
 #include "ui/tools/picking.h"
 #include "ui/tools/tool.h"
 
@@ -11,27 +12,45 @@ namespace imomushi {
 
 /// Drags the ends of bones, and handles: in the plane of the screen, or along X, Y or Z; Shift fine, Ctrl on the grid; R or Alt (or the wheel) turns
 /// the end about its bone, a handle as a ball under the pointer, or about the locked axis. One drag is one undo step. P pins, a double click lets go. Flesh
-/// that is taken where there is neither moves the nearest of both.
+/// that is taken where there is neither moves the nearest of both, or, as the options say, a handle that is made there and goes when it is let go. K keeps it.
+/// Attached parts are turned about their pivots.
 class PoseTool : public Tool {
 public:
-    using Tool::Tool;
+    explicit PoseTool(StudioDocument& document) : Tool(document), part_(document) {}
+    void setOptions(const ToolOptions& options) override { options_ = options; }
     void press(const PointerEvent& e) override;
     /// As if it had been pressed.
     void grab(const PoseGrip& grip, const PointerEvent& e);
     void move(const PointerEvent& e) override;
     void release(const PointerEvent& e) override;
-    void leave() override { hovered_.reset(); }
+    void leave() override {
+        hovered_.reset();
+        overFlesh_ = false;
+        part_.leave();
+    }
     void doubleClick(const PointerEvent& e) override;
     bool wheel(double notches, const PointerEvent& e) override;
     bool key(int key, Qt::KeyboardModifiers modifiers) override;
     [[nodiscard]] bool wants(int key) const override;
     void keyReleased(int key) override;
     void cancel() override;
-    [[nodiscard]] bool busy() const override { return drag_.has_value(); }
+    [[nodiscard]] bool busy() const override { return drag_ || flesh_ || part_.busy(); }
     [[nodiscard]] QString hint() const override;
     void decorate(render::Scene& scene) const override;
 
 private:
+    /// Flesh that was pressed, before the pointer moves.
+    struct Flesh {
+        RayHit hit;
+        PointerEvent press;
+    };
+    /// A handle that passes with its drag.
+    struct Passing {
+        std::string element;
+        Vec3 point = Vec3::Zero();  ///< of the rest shape, m
+        double radius = 0.0;        ///< m
+        bool kept = false;
+    };
     struct Drag {
         PoseGrip end;
         std::unique_ptr<Gesture> gesture;   ///< opened by the first real movement: a click makes no undo step
@@ -43,16 +62,36 @@ private:
         int axis = -1;                    ///< 0, 1, 2: locked to x, y, z
         std::optional<double> roll;       ///< of a bone's end, radians; none: never turned
         Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  ///< of a handle, from rest
+        std::optional<Passing> passing;
+    };
+    /// A passing handle that went, and where it was let go.
+    struct LetGo {
+        Passing passing;
+        Vec3 at = Vec3::Zero();
+        Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
     };
 
     [[nodiscard]] std::optional<PoseGrip> gripUnder(const PointerEvent& e) const;
+    /// Where a passing handle would be made; none: what is under the pointer is moved otherwise.
+    [[nodiscard]] std::optional<RayHit> fleshUnder(const PointerEvent& e) const;
+    /// Begins a drag as if the grip had been pressed.
+    void take(const PoseGrip& grip, const Vec3& at, const PointerEvent& e);
+    /// Makes a handle of the flesh, as small as it must be, and drags it. False: there is no place for one.
+    bool makePassing(const Flesh& flesh);
+    /// Brings the passing handle back that was let go last.
+    void bringBack();
     void follow(const PointerEvent& e);
     void turn(const PointerEvent& e);
     void issue(const PointerEvent& e);
     void toggle(const PoseGrip& grip);
 
+    PartDrag part_;
+    ToolOptions options_;
     std::optional<PoseGrip> hovered_;
+    bool overFlesh_ = false;            ///< a press here makes a passing handle
+    std::optional<Flesh> flesh_;
     std::optional<Drag> drag_;
+    std::optional<LetGo> letGo_;
     std::optional<PointerEvent> last_;  ///< of the drag, for keys that act on it
     bool turning_ = false;              ///< R is held
 };

@@ -17,6 +17,8 @@ bool isGrip(const StudioDocument& document, const SelectionItem& item) {
     return item.kind == SelectionItem::Kind::Endpoint || handleOf(document.document(), item);
 }
 
+bool isBone(const SelectionItem& item) { return item.kind == SelectionItem::Kind::Bone; }
+
 }  // namespace
 
 void selectByClick(StudioDocument& document, const std::optional<SelectionItem>& item, Qt::KeyboardModifiers modifiers) {
@@ -89,6 +91,7 @@ void SelectTool::press(const PointerEvent& e) {
     const auto item = pickItem(document_.session(), e);
     if (item && isGrip(document_, *item) && !(e.modifiers & Qt::ShiftModifier)) return pose_.press(e);
     if (!(e.modifiers & Qt::ShiftModifier) && cut_.press(e)) return;
+    if (!(e.modifiers & Qt::ShiftModifier) && !(item && isBone(*item)) && part_.press(e)) return;
     auto before = document_.selection();
     selectByClick(document_, item, e.modifiers);
     if (!item) drag_ = Drag{{e.x, e.y}, {e.x, e.y}, std::move(before), document_.selection()};
@@ -104,11 +107,17 @@ void SelectTool::move(const PointerEvent& e) {
         document_.select(std::move(items));
     } else if (cut_.busy()) {
         cut_.move(e);
+    } else if (part_.busy()) {
+        part_.move(e);
     } else if (busy()) {
         pose_.move(e);
     } else if (e.buttons == Qt::NoButton) {
         const auto item = pickItem(document_.session(), e);
         overCut_ = !(item && isGrip(document_, *item)) && cut_.over(e);
+        if (overCut_ || (item && (isGrip(document_, *item) || isBone(*item))))
+            part_.leave();
+        else
+            part_.hover(e);
         document_.setHovered(overCut_ ? document_.selection().front() : item);
     }
 }
@@ -120,12 +129,19 @@ void SelectTool::release(const PointerEvent& e) {
         if (clicked) selectByClick(document_, pickItem(document_.session(), e), e.modifiers);
         return;
     }
+    if (part_.busy()) {
+        const bool clicked = e.button == Qt::LeftButton && !part_.moved();
+        part_.release(e);
+        if (clicked) selectByClick(document_, pickItem(document_.session(), e), e.modifiers);
+        return;
+    }
     if (!drag_) return pose_.release(e);
     if (e.button == Qt::LeftButton) drag_.reset();
 }
 
 void SelectTool::cancel() {
     cut_.cancel();
+    part_.cancel();
     if (!drag_) return pose_.cancel();
     document_.select(std::move(drag_->before));
     drag_.reset();
@@ -139,6 +155,7 @@ std::optional<QRectF> SelectTool::box() const {
 bool SelectTool::key(int key, Qt::KeyboardModifiers modifiers) {
     if (drag_) return true;
     if (cut_.busy()) return cut_.key(key);
+    if (part_.busy()) return true;
     if (busy()) return pose_.key(key, modifiers);
     if (key != Qt::Key_Delete && key != Qt::Key_Backspace) return false;
     return removeSelection(document_);
@@ -147,6 +164,7 @@ bool SelectTool::key(int key, Qt::KeyboardModifiers modifiers) {
 QString SelectTool::hint() const {
     if (drag_) return ToolTexts::tr("Release: select what the box touches · Esc: cancel");
     if (cut_.busy() || overCut_) return cut_.hint();
+    if (const QString part = part_.hint(); !part.isEmpty()) return part;
     if (busy()) return pose_.hint();
     if (document_.hovered() && isGrip(document_, *document_.hovered()))
         return ToolTexts::tr("Click: select · Drag: pose");

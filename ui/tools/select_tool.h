@@ -2,28 +2,32 @@
 #pragma once
 
 #include "ui/tools/cut_drag.h"
+#include "ui/tools/part_drag.h"
 #include "ui/tools/pose_tool.h"
 
 namespace imomushi {
 
 /// Click selects, Shift+click adds or takes away, a click on nothing clears; Delete removes what is selected. A drag that begins on nothing selects all that its box
-/// touches, with Shift beside what was selected. Ends of bones can be dragged as with the pose tool, and the plane of the selected cut.
+/// touches, with Shift beside what was selected. Ends of bones can be dragged as with the pose tool, and the plane of the selected cut;
+/// attached parts are turned.
 class SelectTool : public Tool {
 public:
-    explicit SelectTool(StudioDocument& document) : Tool(document), pose_(document), cut_(document) {}
+    explicit SelectTool(StudioDocument& document) : Tool(document), pose_(document), cut_(document), part_(document) {}
     void press(const PointerEvent& e) override;
     void move(const PointerEvent& e) override;
     void release(const PointerEvent& e) override;
-    bool wheel(double notches, const PointerEvent& e) override { return pose_.wheel(notches, e); }
+    bool wheel(double notches, const PointerEvent& e) override { return part_.busy() ? part_.wheel(notches, e) : pose_.wheel(notches, e); }
     bool key(int key, Qt::KeyboardModifiers modifiers) override;
     [[nodiscard]] bool wants(int key) const override { return cut_.busy() ? key == Qt::Key_X || key == Qt::Key_Y || key == Qt::Key_Z : busy() && pose_.wants(key); }
     void keyReleased(int key) override { pose_.keyReleased(key); }
     void cancel() override;
-    [[nodiscard]] bool busy() const override { return drag_ || cut_.busy() || pose_.busy(); }
+    void leave() override { part_.leave(); }
+    [[nodiscard]] bool busy() const override { return drag_ || cut_.busy() || part_.busy() || pose_.busy(); }
     [[nodiscard]] QString hint() const override;
     void decorate(render::Scene& scene) const override {
         pose_.decorate(scene);
         cut_.decorate(scene);
+        part_.decorate(scene);
     }
     [[nodiscard]] std::optional<QRectF> box() const override;
 
@@ -35,6 +39,7 @@ private:
     };
     PoseTool pose_;
     CutDrag cut_;
+    PartDrag part_;
     bool overCut_ = false;  // the pointer is over the plane of the selected cut
     std::optional<Drag> drag_;
 };

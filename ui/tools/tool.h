@@ -63,6 +63,7 @@ public:
     Tool(const Tool&) = delete;
     Tool& operator=(const Tool&) = delete;
 
+    virtual void setOptions(const ToolOptions&) {}
     virtual void begin() {}                       ///< the user chose it
     virtual void press(const PointerEvent&) {}
     virtual void move(const PointerEvent&) {}     ///< also without a button: hover

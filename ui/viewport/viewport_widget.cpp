@@ -4,7 +4,9 @@
 #include <QElapsedTimer>
 #include <QLabel>
 #include <QPainter>
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/mesh/bounds.h"
 #include "ui/models/texts.h"
@@ -33,7 +35,11 @@ ViewportWidget::ViewportWidget(StudioDocument& document, QWidget* parent)
     connect(&clock_, &FrameClock::ticked, this, &ViewportWidget::redraw);
     connect(&document_, &StudioDocument::structureChanged, this, &ViewportWidget::structureChanged);
     connect(&document_, &StudioDocument::poseChanged, this, &ViewportWidget::poseChanged);
-    connect(&document_, &StudioDocument::responsesArriving, this, &ViewportWidget::keepShape);
+    connect(&document_, &StudioDocument::responsesArriving, this, [this] {
+        if (canvas_ && isVisible()) fade_ = shapeKept();
+    });
+    connect(&document_, &StudioDocument::changing, this, &ViewportWidget::beforeChange);
+    connect(&document_, &StudioDocument::historyChanged, this, &ViewportWidget::afterChange);
     connect(&document_, &StudioDocument::responsesChanged, this, [this] {
         animate();
         updateHint();
@@ -75,12 +81,19 @@ void ViewportWidget::setTool(ToolKind kind) {
     if (kind == kind_) return;
     tool_->cancel();
     tool_ = makeTool(kind, document_);
+    tool_->setOptions(toolOptions_);
     kind_ = kind;
     document_.setHovered(std::nullopt);
     redraw();
     updateHint();
     Q_EMIT toolChanged(kind);
     tool_->begin();
+}
+
+void ViewportWidget::setToolOptions(ToolOptions options) {
+    toolOptions_ = std::move(options);
+    tool_->setOptions(toolOptions_);
+    updateHint();
 }
 
 bool ViewportWidget::busy() const { return tool_->busy(); }
@@ -264,13 +277,47 @@ SceneOptions ViewportWidget::sceneOptions() const {
     return options;
 }
 
-void ViewportWidget::keepShape() {
-    if (!canvas_ || !isVisible()) return;
+ShapeFade ViewportWidget::shapeKept() {
     render::Scene seen;
     documentScene_.update(document_.session(), sceneOptions(), seen);
-    fade_.apply(seen, 0.0);  // it may be fading already
-    fade_.keep(seen);
-    fading_.invalidate();
+    fade_.apply(seen, 0.0, [this](std::uint64_t body) { return waits(body); });  // it may be fading already
+    ShapeFade kept = fade_;
+    kept.keep(seen);
+    return kept;
+}
+
+bool ViewportWidget::waits(std::uint64_t body) const {
+    const auto part = scenePart(body);
+    return awaits_ && part && (part->kind == ScenePart::Kind::Element || part->kind == ScenePart::Kind::Body) && awaits_(part->part);
+}
+
+std::map<PartId, std::shared_ptr<const ElementResponse>> ViewportWidget::fitting() const {
+    std::map<PartId, std::shared_ptr<const ElementResponse>> responses;
+    for (const auto& [id, element] : document_.document().elements) responses.emplace(id, document_.session().responses().fittingOf(id));
+    return responses;
+}
+
+void ViewportWidget::beforeChange() {
+    before_.reset();
+    if (canvas_ && isVisible() && !document_.document().elements.empty()) before_ = Before{shapeKept(), fitting()};
+}
+
+// What is solved in another way now would jump.
+void ViewportWidget::afterChange() {
+    if (!before_) return;
+    Before before = *std::exchange(before_, std::nullopt);
+    const auto now = fitting();
+    const auto same = [&](std::uint64_t body) {
+        const auto part = scenePart(body);
+        if (!part) return true;
+        const auto was = before.fitting.find(part->part);
+        const auto is = now.find(part->part);
+        return was == before.fitting.end() || is == now.end() || was->second == is->second;
+    };
+    if (std::all_of(now.begin(), now.end(), [&](const auto& e) { return before.fitting.contains(e.first) && before.fitting.at(e.first) == e.second; })) return;
+    before.shape.retain([&](std::uint64_t body) { return fade_.has(body) || !same(body); });
+    fade_ = std::move(before.shape);
+    redraw();
 }
 
 void ViewportWidget::paint() {
@@ -281,7 +328,9 @@ void ViewportWidget::paint() {
     SceneOptions options = sceneOptions();
     if (!fade_.active() && (deformOn_ == DeformOn::Gpu || (deformOn_ == DeformOn::Automatic && !renderer.software()))) options.gpu = &renderer;
     documentScene_.update(document_.session(), options, scene_);
-    if (fade_.active()) fade_.apply(scene_, fading_.isValid() ? 1e-3 * double(fading_.restart()) : (fading_.start(), 0.0));
+    const double since = fading_.isValid() ? 1e-3 * double(fading_.restart()) : (fading_.start(), 0.0);
+    if (fade_.active()) fade_.apply(scene_, since, [this](std::uint64_t body) { return waits(body); });
+    if (!fade_.active()) fading_.invalidate();
     scene_.camera = camera_.camera();
     scene_.grid = grid_;
     scene_.darkTheme = dark();

@@ -34,6 +34,10 @@ public:
     /// Steps the frames of what this plays and records, and says in the view that it does. Must outlive the view.
     void follow(TakeDeck& deck);
     void setTool(ToolKind kind);
+    /// What all tools follow from now on.
+    void setToolOptions(ToolOptions options);
+    /// Says of an element whether a response that fits it is on its way: until then what was seen of it stays.
+    void setAwaits(std::function<bool(PartId)> awaits) { awaits_ = std::move(awaits); }
     /// Lets the tool say again what it needs.
     void beginTool() { tool_->begin(); }
     [[nodiscard]] ToolKind tool() const { return kind_; }
@@ -108,7 +112,11 @@ private:
     // viewport_widget.cpp
     void paint();
     void redraw();
-    void keepShape();  ///< from which what is seen fades into what comes
+    [[nodiscard]] ShapeFade shapeKept();  ///< from which what is seen fades into what comes
+    [[nodiscard]] bool waits(std::uint64_t body) const;
+    [[nodiscard]] std::map<PartId, std::shared_ptr<const ElementResponse>> fitting() const;
+    void beforeChange();
+    void afterChange();
     void animate();  ///< draws, and starts the clock where something moves
     [[nodiscard]] SceneOptions sceneOptions() const;
     [[nodiscard]] bool dark() const;
@@ -128,6 +136,7 @@ private:
     TakeDeck* deck_ = nullptr;
     ToolKind kind_ = ToolKind::Select;
     std::unique_ptr<Tool> tool_;
+    ToolOptions toolOptions_;
     CameraController camera_;
     ViewNavigator navigator_{camera_};
     FrameMeter meter_;
@@ -144,6 +153,13 @@ private:
     bool smooth_ = false;  ///< the next picture is one that stands still
     ShapeFade fade_;
     QElapsedTimer fading_;  ///< since the last frame of it
+    /// As it was before the change that goes on.
+    struct Before {
+        ShapeFade shape;
+        std::map<PartId, std::shared_ptr<const ElementResponse>> fitting;
+    };
+    std::optional<Before> before_;
+    std::function<bool(PartId)> awaits_;
 
     GlCanvas* canvas_ = nullptr;  ///< null: there is no OpenGL 3.3
     DocumentScene documentScene_;

@@ -47,6 +47,7 @@ namespace {
 constexpr double kInspectorShare = 0.6;  // of the height, at first
 constexpr int kWarnAgainMs = 5000;
 constexpr int kPictureMs = 400;          // until the view has drawn what is there now
+constexpr int kAskAgainMs = 500;         // whether a gesture is over
 constexpr double kSoon = 10.0;           // s, of a precompute that follows drafts by itself
 constexpr int kStateVersion = 3;         // of the arrangement of docks in QSettings
 
@@ -236,6 +237,8 @@ void MainWindow::connectRepairs() {
 }
 
 void MainWindow::followDrafts() {
+    // A passing handle is gone soon, and all is as it was.
+    if (viewport_->busy()) return QTimer::singleShot(kAskAgainMs, this, &MainWindow::followDrafts);
     draftedMeanwhile_ = precompute_->running();
     if (draftedMeanwhile_ || precompute_->estimate().seconds > kSoon) return;
     precomputeFailed_ = false;

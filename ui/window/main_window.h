@@ -108,6 +108,7 @@ private:
     void onSettled(const char* action, std::function<void()> run);
     void settle();
     void setTool(ToolKind tool);
+    void setPassingHandles(bool on);
     void startPrecompute();
     void undo();
     void join();

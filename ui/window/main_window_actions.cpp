@@ -96,6 +96,16 @@ void MainWindow::connectEditActions() {
     });
     drafts_->setEnabled(QSettings().value(softAtOnce, true).toBool());
     (*actions_)["soft-at-once"]->setChecked(drafts_->enabled());
+    viewport_->setAwaits([this](PartId element) { return drafts_->awaits(element); });
+    const QString passingHandles = QStringLiteral("drag/passing-handles");
+    onToggle("passing-handles", [this, passingHandles](bool checked) {
+        settle();
+        setPassingHandles(checked);
+        QSettings().setValue(passingHandles, checked);
+    });
+    const bool passing = QSettings().value(passingHandles, false).toBool();
+    (*actions_)["passing-handles"]->setChecked(passing);
+    setPassingHandles(passing);
     onSettled("join", [this] { join(); });
     onSettled("pin", [this] { togglePins(document_); });
     onSettled("release", [this] { document_.execute(commands::releaseAll()); });
@@ -172,6 +182,12 @@ void MainWindow::setTool(ToolKind tool) {
     showStart(false);
     viewport_->setTool(tool);
     viewport_->setFocus();
+}
+
+void MainWindow::setPassingHandles(bool on) {
+    ToolOptions options;
+    if (on) options.passingHandles = [this](const Element& element) { return drafts_->enabled() && element.mesh->body.vertices.rows() <= DraftJob::kLargest; };
+    viewport_->setToolOptions(std::move(options));
 }
 
 void MainWindow::startPrecompute() {
