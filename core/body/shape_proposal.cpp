@@ -29,7 +29,7 @@ constexpr double kTentacle = 0.6;  // diagonals long
 /// A cut may be moved by this much of the radius of its section.
 constexpr double kCutReach = 0.7;
 /// A limb stands on the ground where its tip is at most this far above the lowest point: of the height, or of the diagonal.
-constexpr double kGround = 0.12, kGroundOfDiagonal = 0.03;
+constexpr double kGround = 0.06, kGroundOfDiagonal = 0.02;
 /// Bones end this far inside of the tip, in lengths of the last one.
 constexpr double kInside = 0.05;
 /// Radius of proposed handles, in diagonals.
@@ -143,14 +143,14 @@ public:
 private:
     // ---- cuts
 
-    int wish(const LimbStation& station, int side) {
+    int wish(const LimbStation& station, const Limb& limb, int side) {
         LimbStation s = station;
         if (mirror_ && side == 0) {
             s.at = ontoPlane(*mirror_, s.at);
             const Vec3 n = s.normal - mirror_->normal.dot(s.normal) * mirror_->normal;
             if (n.norm() > 0.3) s.normal = n.normalized();
         }
-        wished_.push_back({scaled_.back(CutPlane{s.at, s.normal}), kCutReach * s.radius * scaled_.diagonal, -1});
+        wished_.push_back({scaled_.back(CutPlane{s.at, s.normal}), kCutReach * s.radius * scaled_.diagonal, -1, limb.end.empty() ? std::optional(scaled_.back(limb.tip())) : std::nullopt});
         return static_cast<int>(wished_.size()) - 1;
     }
 
@@ -160,6 +160,7 @@ private:
         for (int& cut : made.cuts) {
             WishedCut twin = wished_[static_cast<std::size_t>(cut)];
             twin.plane = {mirroredPoint(*proposal_.symmetry, twin.plane.origin), mirroredDirection(*proposal_.symmetry, twin.plane.normal)};
+            if (twin.tip) twin.tip = mirroredPoint(*proposal_.symmetry, *twin.tip);
             twin.twin = cut;
             wished_[static_cast<std::size_t>(cut)].twin = static_cast<int>(wished_.size());
             cut = static_cast<int>(wished_.size());
@@ -180,7 +181,7 @@ private:
                 continue;
             }
             const int most = limb.length() > kTentacle && limb.end.empty() ? kMostOfTentacle : kMostOfLimb;
-            for (const LimbStation& s : cutsOfLimb(surface, hub, limb, perPiece, most)) plan.limbs[i].cuts.push_back(wish(s, limb.side));
+            for (const LimbStation& s : cutsOfLimb(surface, hub, limb, perPiece, most)) plan.limbs[i].cuts.push_back(wish(s, limb, limb.side));
             for (const Hub& end : limb.end) plan.limbs[i].end.push_back(planHub(surface, end, perPiece));
         }
         return plan;
@@ -196,7 +197,7 @@ private:
                 limb = image(plan.limbs[0]);
                 continue;
             }
-            for (const LimbStation& s : cuts[i]) limb.cuts.push_back(wish(s, across ? 1 : 0));
+            for (const LimbStation& s : cuts[i]) limb.cuts.push_back(wish(s, tree_.root.limbs[i], across ? 1 : 0));
         }
         return plan;
     }
