@@ -15,6 +15,10 @@
 #include <QStyle>
 #include <QVBoxLayout>
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <map>
 
 #include "core/document/character_repair.h"
 #include "core/document/proposal_commands.h"
@@ -42,6 +46,27 @@ bool isOneElement(const ImportResult& r) {
     if (r.bodies.size() != 1 || !r.bodies[0].closed || r.bodies[0].components != 1) return false;
     const auto calm = [](const MeshIssue& issue) { return issue.code != "open" && (issue.fixed || issue.severity == Severity::Info); };
     return std::all_of(r.bodies[0].issues.begin(), r.bodies[0].issues.end(), calm) && std::all_of(r.issues.begin(), r.issues.end(), calm);
+}
+/// A flat region that may become a joint face: elements that were modelled as such have them, creatures do not.
+bool hasFlatRegion(const TriangleMesh& mesh) {
+    constexpr double kShare = 0.015;  // of the whole area
+    const Vec3 low = mesh.vertices.colwise().minCoeff(), high = mesh.vertices.colwise().maxCoeff();
+    const double step = 1e-3 * (high - low).norm();
+    std::map<std::array<std::int64_t, 4>, double> areaOfPlane;
+    double whole = 0.0, largest = 0.0;
+    for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) {
+        const Vec3 a = mesh.vertices.row(mesh.triangles(t, 0)), b = mesh.vertices.row(mesh.triangles(t, 1)), c = mesh.vertices.row(mesh.triangles(t, 2));
+        const Vec3 across = 0.5 * (b - a).cross(c - a);
+        const double area = across.norm();
+        whole += area;
+        if (!(area > 0.0) || !(step > 0.0)) continue;
+        const Vec3 n = across / area;
+        std::array<std::int64_t, 4> plane{};
+        for (int k = 0; k < 3; ++k) plane[std::size_t(k)] = std::llround(200.0 * n[k]);
+        plane[3] = std::llround(n.dot(a - low) / step);
+        largest = std::max(largest, areaOfPlane[plane] += area);
+    }
+    return largest > kShare * whole;
 }
 }  // namespace
 
@@ -256,9 +281,9 @@ void ImportDialog::addIssue(const MeshIssue& issue) {
 
 void ImportDialog::showResult() {
     if (!whole()) {
-        // What is not one clean closed surface is a whole character, unless somebody said otherwise.
+        // What is not one clean closed surface is a whole character, and so is what looks like a creature, unless somebody said otherwise.
         const auto outcome = job_->result();
-        if (!chosenByHand_ && *outcome && !isOneElement(**outcome)) return choose(true);
+        if (!chosenByHand_ && *outcome && (!isOneElement(**outcome) || (soft_->isChecked() && !hasFlatRegion((**outcome).bodies[0].mesh.body)))) return choose(true);
     }
     progress_->setVisible(false);
     stage_->setVisible(false);
