@@ -96,13 +96,14 @@ TEST_CASE("studio: four clicks on a body are four handles, soft at once, and one
 
 namespace {
 
-/// The body with handles at both ends and at its right, soft.
+/// The body with handles at both ends and at its right, soft. Drafts are what its settings ask for: nobody waits for better ones.
 PartId importSoft(Window& w) {
     w.trigger("soft-at-once");
     w.import(body());
     REQUIRE(w.now().elements.size() == 1);
     const Element& element = *w.now().elements.begin()->second;
     const PartId id = element.id;
+    w.run({{"do", "set"}, {"target", element.name}, {"property", "solver-mesh"}, {"value", "draft"}});
     for (const Vec3& direction : {Vec3(0, 1, 0), Vec3(0, -1, 0.1), Vec3(1, 0, 0.1)}) {
         const Vec3 point = farthest(element, direction);
         w.run({{"do", "handle"}, {"element", element.name}, {"point", {point.x(), point.y(), point.z()}}});
@@ -152,7 +153,6 @@ TEST_CASE("studio: flesh anywhere is pulled by a passing handle, soft while it i
     const FaceRef made{id, element().handles.back().face};
     waitFor([&] { return w.document().session().responses().fittingOf(id) != nullptr; });
     MESSAGE("flesh pressed to soft: ", 1e-3 * double(clock.elapsed()), " s, ", vertices.rows(), " vertices");
-    CHECK(w.document().session().responses().isDraft(id));
     for (int i = 1; i <= 12; ++i) {
         QTest::mouseMove(&w.view(), from + QPoint(8 + 10 * i, -2 - 2 * i));
         w.settle();

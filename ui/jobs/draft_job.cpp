@@ -3,7 +3,7 @@
 
 namespace imomushi {
 
-/// A plane that is dragged changes the document in every frame.
+/// A plane that is dragged changes the document in every frame: what follows another change within this time waits as long.
 static constexpr int kSoonMs = 80;
 
 struct DraftJob::Work {
@@ -16,7 +16,6 @@ struct DraftJob::Work {
 DraftJob::DraftJob(StudioDocument& document, QObject* parent) : BackgroundJob(parent), document_(document) {
     connect(&document, &StudioDocument::structureChanged, this, &DraftJob::follow);
     soon_.setSingleShot(true);
-    soon_.setInterval(kSoonMs);
     connect(&soon_, &QTimer::timeout, this, &DraftJob::start);
 }
 
@@ -34,7 +33,9 @@ void DraftJob::follow() {
     if (!enabled_) return;
     const auto& responses = document_.session().responses();
     if (running() && !(document_.document().elements.contains(work_->element) && responses.shapeOf(work_->element) == work_->shape)) cancel();
-    soon_.start();
+    const bool follows = changed_.isValid() && changed_.elapsed() < kSoonMs;
+    changed_.start();
+    soon_.start(follows ? kSoonMs : 0);
 }
 
 bool DraftJob::wants(PartId id) const {
@@ -48,8 +49,13 @@ void DraftJob::start() {
     waiting_.clear();
     for (const auto& [id, element] : document_.document().elements)
         if (wants(id)) waiting_.push_back(id);
-    if (waiting_.empty() || running()) return;  // next() goes on
-    Q_EMIT drafting();
+    if (running()) return;  // next() goes on
+    if (!waiting_.empty()) {
+        told_ = true;
+        Q_EMIT drafting();
+    } else if (!told_) {
+        return;
+    }
     next();
 }
 
@@ -83,6 +89,7 @@ void DraftJob::next() {
             });
         return;
     }
+    told_ = false;
     Q_EMIT drafted();
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <QElapsedTimer>
+#include <QTimer>
 #include <deque>
 #include <set>
 
@@ -46,6 +48,8 @@ private:
     std::set<ContentKey> failed_;
     std::shared_ptr<Work> work_;
     QTimer soon_;  // while changes follow each other, nothing is begun
+    QElapsedTimer changed_;  // the last time
+    bool told_ = false;      // drafting(), and not drafted() since
     bool enabled_ = true;
 };
 
