@@ -1325,6 +1325,10 @@
             <translation>キャラクターを読み込む</translation>
         </message>
         <message>
+            <source>Import skeleton</source>
+            <translation>骨格を読み込む</translation>
+        </message>
+        <message>
             <source>Move cut</source>
             <translation>切断面を動かす</translation>
         </message>

@@ -143,6 +143,7 @@ const std::map<std::string, const char*> kSteps = {
     {"open", QT_TRANSLATE_NOOP("Steps", "Open project")},
     {"import-element", QT_TRANSLATE_NOOP("Steps", "Import element")},
     {"import-character", QT_TRANSLATE_NOOP("Steps", "Import character")},
+    {"import-skeleton", QT_TRANSLATE_NOOP("Steps", "Import skeleton")},
     {"repair", QT_TRANSLATE_NOOP("Steps", "Repair mesh")},
     {"cut", QT_TRANSLATE_NOOP("Steps", "Cut element")},
     {"move-cut", QT_TRANSLATE_NOOP("Steps", "Move cut")},
@@ -270,7 +271,7 @@ QString stepText(const std::string& command, const std::string& subject) {
     if (name.isEmpty()) name = QString::fromStdString(command);
     QString what = QString::fromStdString(subject);
     if (const auto effect = effectNamed(subject)) what = effectTitle(*effect);
-    if (command == "import-element" || command == "import-character") what = what.section(u'/', -1);  // the file, not its folders
+    if (command == "import-element" || command == "import-character" || command == "import-skeleton") what = what.section(u'/', -1);  // the file, not its folders
     return what.isEmpty() ? name : Texts::tr("%1: %2", "undo step: what was done, to what").arg(name, what);
 }
 
