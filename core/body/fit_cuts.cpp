@@ -34,7 +34,7 @@ public:
                 if (fitted_[c].kept) which.push_back(c), planes.push_back(fitted_[c].plane);
             const auto pieces = cutBody(body_, planes, progress_);
             if (pieces) {
-                if (!leaveSmallOut(*pieces, which)) return std::move(fitted_);
+                if (!leaveStrayOut(*pieces, which) && !leaveSmallOut(*pieces, which)) return std::move(fitted_);
                 continue;
             }
             const CutRefusal& refusal = pieces.error();
@@ -78,6 +78,44 @@ private:
         fitted_[t].plane = {mirroredPoint(*mirror_, fitted_[c].plane.origin), mirroredDirection(*mirror_, fitted_[c].plane.normal)};
     }
 
+    /// Leaves out a cut beyond which its tip does not lie. False: there is none.
+    bool leaveStrayOut(const std::vector<BodyPiece>& pieces, const std::vector<std::size_t>& which) {
+        // Of each piece: where a vertex of the body went, and the cut that leads towards the root.
+        std::vector<std::int32_t> pieceOf(static_cast<std::size_t>(body_.vertices.rows()), -1);
+        std::vector<int> inward(pieces.size(), -1), behind(which.size(), -1);
+        for (std::size_t p = 0; p < pieces.size(); ++p) {
+            for (const std::int32_t v : pieces[p].source)
+                if (v >= 0) pieceOf[static_cast<std::size_t>(v)] = static_cast<std::int32_t>(p);
+            for (const BodyPiece::Cap& cap : pieces[p].caps) (cap.front ? inward[p] : behind[static_cast<std::size_t>(cap.cut)]) = cap.front ? cap.cut : static_cast<int>(p);
+        }
+        for (std::size_t i = 0; i < which.size(); ++i) {
+            const std::size_t c = which[i];
+            if (!wished_[c].tip) continue;
+            int piece = pieceOf[static_cast<std::size_t>(tipVertex(c))];
+            bool beyond = false;
+            for (std::size_t steps = 0; piece >= 0 && inward[static_cast<std::size_t>(piece)] >= 0 && steps < pieces.size() && !beyond; ++steps) {
+                const int cut = inward[static_cast<std::size_t>(piece)];
+                beyond = cut == static_cast<int>(i);
+                piece = behind[static_cast<std::size_t>(cut)];
+            }
+            if (beyond) continue;
+            fitted_[c].kept = false;
+            fitted_[c].code = "other-limb";
+            fitted_[c].why = "It would cut off something else than its limb: cut there by hand.";
+            mirror(c);
+            return true;
+        }
+        return false;
+    }
+
+    /// The vertex nearest to the tip of a cut.
+    Eigen::Index tipVertex(std::size_t c) {
+        if (tipVertex_.empty()) tipVertex_.assign(wished_.size(), -1);
+        Eigen::Index& known = tipVertex_[c];
+        if (known < 0) (body_.vertices.rowwise() - wished_[c].tip->transpose()).rowwise().squaredNorm().minCoeff(&known);
+        return known;
+    }
+
     /// False: no piece is too small.
     bool leaveSmallOut(const std::vector<BodyPiece>& pieces, const std::vector<std::size_t>& which) {
         double whole = 0.0;
@@ -106,6 +144,7 @@ private:
     const Progress& progress_;
     std::vector<FittedCut> fitted_;
     std::vector<int> moves_;
+    std::vector<Eigen::Index> tipVertex_;  // -1: not known yet
 };
 
 }  // namespace

@@ -18,6 +18,7 @@ struct WishedCut {
     CutPlane plane;
     double reach = 0.0;  ///< m, how far it may be moved along its normal
     int twin = -1;       ///< the cut that is its mirror image and stays it, -1: none
+    std::optional<Vec3> tip;  ///< m, a place on the surface that must come to lie beyond it, seen from the root
 };
 
 /// What becomes of it.
@@ -26,7 +27,7 @@ struct FittedCut {
     CutPlane plane;      ///< where it works, together with the others that are kept
     double moved = 0.0;  ///< m along its normal
     double share = 0.0;  ///< of the body's volume, of the piece in front of it
-    std::string code, why;  ///< why it was moved or left out, see CutRefusal; "small": the piece in front of it has less than the least share
+    std::string code, why;  ///< why it was moved or left out, see CutRefusal; "small": the piece in front of it has less than the least share; "other-limb": its tip lies elsewhere
 };
 
 /// Tries cuts together (cutBody()) until they work: one that is refused is moved to the nearest place that works, if that is within reach, else left out. Where

@@ -73,23 +73,23 @@ private:
         if (!section) return made;
         double area = 0.0, outer = 0.0;
         Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+        const Eigen::Vector2d here = section->flat(made.at);
+        bool inside = false;
         for (std::size_t l = 0; l < section->loops.size(); ++l) {
             const auto& loop = section->loops[l];
             for (std::size_t i = 0; i < loop.size(); ++i) {
                 const Eigen::Vector2d a = section->flat(loop[i].place), b = section->flat(loop[(i + 1) % loop.size()].place);
                 const double twice = a.x() * b.y() - a.y() * b.x();
                 area += 0.5 * twice;
-                if (l == 0) outer += 0.5 * twice, middle += twice / 6.0 * (a + b);
+                if (l > 0) continue;
+                outer += 0.5 * twice, middle += twice / 6.0 * (a + b);
+                if ((a.y() > here.y()) != (b.y() > here.y()) && ((b - a).x() * (here - a).y() - (b - a).y() * (here - a).x() > 0.0) == (b.y() > a.y())) inside = !inside;
             }
         }
-        if (!(area > 0.0) || !(outer > 0.0)) return made;
-        const Vec3 centre = section->lifted(middle / outer);
-        // A section beside the line is another limb's.
+        // A section beside the line is another limb's, or a slice of a bulge.
+        if (!inside || !(area > 0.0) || !(outer > 0.0)) return made;
         made.radius = std::sqrt(area / std::numbers::pi);
-        if ((centre - made.at).norm() > 2.0 * made.radius)
-            made.radius = 0.0;
-        else
-            made.at = centre;
+        made.at = section->lifted(middle / outer);
         return made;
     }
 
@@ -133,7 +133,7 @@ std::vector<LimbStation> cutsOfLimb(const CutSurface& surface, const Hub& hub, c
     exit = std::min(exit, 0.7 * end);
     // Inward from the middle of the limb to where the flesh of the hub begins.
     std::size_t base = line.index(exit + 0.4 * (end - exit));
-    while (base > 0 && !(stations[base].radius > 0.0) && stations[base].way > exit) --base;
+    while (base + 1 < stations.size() && !(stations[base].radius > 0.0)) ++base;
     for (std::size_t i = base; i-- > 0 && stations[i].way >= exit;) {
         if (!(stations[i].radius > 0.0)) break;
         const std::size_t before = i > 0 && stations[i - 1].radius > 0.0 ? i - 1 : i;

@@ -16,9 +16,10 @@ namespace {
 
 /// A branch is a limb where it stands out of the flesh that it grows from by this much: in diagonals, and in its own thicknesses.
 constexpr double kLeastReach = 0.035, kLeastSlenderness = 0.6;
-/// Two places where limbs meet are one hub where the line between them, outside their balls, is at most so many thicknesses long and nowhere thinner than this part
-/// of the smaller ball; in any case where the balls nearly touch.
-constexpr double kHubLength = 1.5, kHubNeck = 0.7, kTouching = 0.15;
+/// Two places where limbs meet are one hub where their balls nearly touch, or where the line between them, outside the balls, is nowhere thinner than this part of the
+/// smaller ball and not longer than so many of its thicknesses: more of them where both hubs have long limbs (chest and hips), fewer where one has short ones only (a head
+/// with ears), in parts of the longest limb.
+constexpr double kTouching = 0.15, kHubNeck = 0.7, kTrunkLength = 2.2, kHubLength = 0.4, kLongLimb = 0.35;
 /// Balls of a hub are one point where they are nearer to each other than this part of their radius.
 constexpr double kOnePoint = 1.2;
 /// A line without branches is a chain of pieces from so many thicknesses on.
@@ -215,6 +216,13 @@ private:
         const auto forks = tipsAndForks().second;
         std::vector<int> number(nodes_.size(), -1);
         for (std::size_t i = 0; i < forks.size(); ++i) number[static_cast<std::size_t>(forks[i])] = static_cast<int>(i);
+        std::vector<double> longest(nodes_.size(), 0.0);  // of the branches from a fork to a tip, beyond its ball
+        for (const int tip : tipsAndForks().first) {
+            const Branch branch = follow(tip, node(tip).next[0]);
+            double& known = longest[static_cast<std::size_t>(branch.nodes.back())];
+            known = std::max(known, branch.length - node(branch.nodes.back()).radius);
+        }
+        const double longLimb = kLongLimb * *std::max_element(longest.begin(), longest.end());
         UnionFind sets(forks.size());
         for (const int a : forks)
             for (const int next : std::vector<int>(node(a).next)) {
@@ -230,7 +238,8 @@ private:
                 if (!one) {
                     const double thinnest = *std::min_element(radii.begin(), radii.end());
                     std::nth_element(radii.begin(), radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2), radii.end());
-                    one = between <= kHubLength * 2.0 * radii[radii.size() / 2] && thinnest >= kHubNeck * std::min(ra, rb);
+                    const bool trunk = longest[static_cast<std::size_t>(a)] >= longLimb && longest[static_cast<std::size_t>(b)] >= longLimb;
+                    one = between <= (trunk ? kTrunkLength : kHubLength) * 2.0 * radii[radii.size() / 2] && thinnest >= kHubNeck * std::min(ra, rb);
                 }
                 if (one) sets.unite(number[static_cast<std::size_t>(a)], number[static_cast<std::size_t>(b)]);
             }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/body/shape_proposal.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -24,11 +25,11 @@ constexpr std::size_t kVertices = 2500;
 constexpr double kPerPiece = 2.0, kLonger = 1.3;
 constexpr std::size_t kMostCuts = 40;
 constexpr int kMostOfLimb = 3, kMostOfTentacle = 8, kMostOfChain = 15;
-constexpr double kTentacle = 0.45;  // diagonals long
+constexpr double kTentacle = 0.6;  // diagonals long
 /// A cut may be moved by this much of the radius of its section.
 constexpr double kCutReach = 0.7;
 /// A limb stands on the ground where its tip is at most this far above the lowest point: of the height, or of the diagonal.
-constexpr double kGround = 0.12, kGroundOfDiagonal = 0.03;
+constexpr double kGround = 0.06, kGroundOfDiagonal = 0.02;
 /// Bones end this far inside of the tip, in lengths of the last one.
 constexpr double kInside = 0.05;
 /// Radius of proposed handles, in diagonals.
@@ -121,7 +122,6 @@ public:
             const CutSurface surface(even_);
             for (double perPiece = kPerPiece;; perPiece *= kLonger) {
                 wished_.clear();
-                uncut_ = 0;
                 plan = tree_.chain ? planChain(surface, perPiece) : planHub(surface, tree_.root, perPiece);
                 if (wished_.size() <= kMostCuts || perPiece > 50.0) break;
             }
@@ -136,21 +136,21 @@ public:
         keepCuts(plan);
         addBones(tree_.root, plan);
         pinBones();
-        tellLeftOut();
+        tellLeftOut(uncut(tree_.root, plan));
         return std::move(proposal_);
     }
 
 private:
     // ---- cuts
 
-    int wish(const LimbStation& station, int side) {
+    int wish(const LimbStation& station, const Limb& limb, int side) {
         LimbStation s = station;
         if (mirror_ && side == 0) {
             s.at = ontoPlane(*mirror_, s.at);
             const Vec3 n = s.normal - mirror_->normal.dot(s.normal) * mirror_->normal;
             if (n.norm() > 0.3) s.normal = n.normalized();
         }
-        wished_.push_back({scaled_.back(CutPlane{s.at, s.normal}), kCutReach * s.radius * scaled_.diagonal, -1});
+        wished_.push_back({scaled_.back(CutPlane{s.at, s.normal}), kCutReach * s.radius * scaled_.diagonal, -1, limb.end.empty() ? std::optional(scaled_.back(limb.tip())) : std::nullopt});
         return static_cast<int>(wished_.size()) - 1;
     }
 
@@ -160,6 +160,7 @@ private:
         for (int& cut : made.cuts) {
             WishedCut twin = wished_[static_cast<std::size_t>(cut)];
             twin.plane = {mirroredPoint(*proposal_.symmetry, twin.plane.origin), mirroredDirection(*proposal_.symmetry, twin.plane.normal)};
+            if (twin.tip) twin.tip = mirroredPoint(*proposal_.symmetry, *twin.tip);
             twin.twin = cut;
             wished_[static_cast<std::size_t>(cut)].twin = static_cast<int>(wished_.size());
             cut = static_cast<int>(wished_.size());
@@ -180,7 +181,7 @@ private:
                 continue;
             }
             const int most = limb.length() > kTentacle && limb.end.empty() ? kMostOfTentacle : kMostOfLimb;
-            for (const LimbStation& s : cutsOfLimb(surface, hub, limb, perPiece, most)) plan.limbs[i].cuts.push_back(wish(s, limb.side));
+            for (const LimbStation& s : cutsOfLimb(surface, hub, limb, perPiece, most)) plan.limbs[i].cuts.push_back(wish(s, limb, limb.side));
             for (const Hub& end : limb.end) plan.limbs[i].end.push_back(planHub(surface, end, perPiece));
         }
         return plan;
@@ -196,7 +197,7 @@ private:
                 limb = image(plan.limbs[0]);
                 continue;
             }
-            for (const LimbStation& s : cuts[i]) limb.cuts.push_back(wish(s, across ? 1 : 0));
+            for (const LimbStation& s : cuts[i]) limb.cuts.push_back(wish(s, tree_.root.limbs[i], across ? 1 : 0));
         }
         return plan;
     }
@@ -269,7 +270,8 @@ private:
             }
             for (const int c : limb.cuts) {
                 const FittedCut& cut = fitted_[static_cast<std::size_t>(c)];
-                if (!cut.why.empty()) proposal_.notes.push_back({cut.kept ? "moved" : "left-out", "A cut of \"" + limb.name + limb.suffix + "\": " + cut.why});
+                if (cut.why.empty() || (wished_[static_cast<std::size_t>(c)].twin >= 0 && wished_[static_cast<std::size_t>(c)].twin < c)) continue;  // told of its twin
+                proposal_.notes.push_back({cut.kept ? "moved" : "left-out", "A cut of \"" + limb.name + limb.suffix + "\": " + cut.why});
             }
             limb.cuts = std::move(made);
             for (HubPlan& end : limb.end) keepCuts(end);
@@ -316,10 +318,7 @@ private:
         for (std::size_t i = 0; i < plan.limbs.size(); ++i) {
             const Limb& limb = hub.limbs[i];
             const LimbPlan& planned = plan.limbs[i];
-            if (planned.cuts.empty()) {
-                ++uncut_;
-                continue;
-            }
+            if (planned.cuts.empty()) continue;
             const bool far = limb.point == 1 && second >= 0;
             const int parent = far ? second : leader;
             const bool fromStart = !far && entry < 0 && leader >= 0;
@@ -333,24 +332,39 @@ private:
     /// The bones beyond the first cut of a limb, after `parent`.
     void addPieces(const Limb& limb, const LimbPlan& planned, int parent, bool fromStart) {
         int piece = -1;
+        const bool ends = limb.end.empty() || !hasCuts(planned.end[0]);
         for (std::size_t k = 0; k < planned.cuts.size(); ++k) {
             const bool last = k + 1 == planned.cuts.size();
             piece = planned.cuts[k];
             Vec3 end;
             if (!last)
                 end = placeOf(planned.cuts[k + 1]);
-            else if (limb.end.empty())
-                end = scaled_.back(limb.tip()) + kInside * (placeOf(planned.cuts[k]) - scaled_.back(limb.tip()));
+            else if (ends)
+                end = tipOf(limb) + kInside * (placeOf(planned.cuts[k]) - tipOf(limb));
             else
                 end = scaled_.back(limb.end[0].points[0]);
             parent = bone(numbered(planned, k, planned.cuts.size(), " bone"), parent, fromStart, Vec3::Zero(), end, piece, planned.cuts[k], last ? -1 : planned.cuts[k + 1]);
             fromStart = false;
         }
         if (planned.cuts.empty()) return;
-        if (limb.end.empty())
+        if (ends)
             tips_.push_back(parent);
         else
             addHub(limb.end[0], planned.end[0], parent, piece, planned.name + " end", planned.suffix);
+    }
+
+    [[nodiscard]] static bool hasCuts(const HubPlan& hub) {
+        return std::any_of(hub.limbs.begin(), hub.limbs.end(), [](const LimbPlan& limb) { return !limb.cuts.empty(); });
+    }
+
+    /// The tip of a limb; where it ends in a hub whose limbs are not cut, that of the longest of them (in the plane of symmetry where it lies there).
+    [[nodiscard]] Vec3 tipOf(const Limb& limb) const {
+        if (limb.end.empty()) return scaled_.back(limb.tip());
+        const Hub& hub = limb.end[0];
+        const Limb* longest = nullptr;
+        for (const Limb& on : hub.limbs)
+            if ((!mirror_ || limb.side != 0 || on.side == 0) && (!longest || on.length() > longest->length())) longest = &on;
+        return longest ? tipOf(*longest) : scaled_.back(hub.points.back());
     }
 
     void pinBones() {
@@ -360,7 +374,17 @@ private:
         if (proposal_.pins.empty() || proposal_.pins.size() == tips_.size()) proposal_.pins = {{0, false}};
     }
 
-    void tellLeftOut() {
+    /// Limbs without a cut.
+    [[nodiscard]] static std::size_t uncut(const Hub& hub, const HubPlan& plan) {
+        std::size_t count = 0;
+        for (std::size_t i = 0; i < plan.limbs.size(); ++i) {
+            if (plan.limbs[i].cuts.empty()) ++count;
+            for (std::size_t e = 0; e < plan.limbs[i].end.size(); ++e) count += uncut(hub.limbs[i].end[e], plan.limbs[i].end[e]);
+        }
+        return count;
+    }
+
+    void tellLeftOut(std::size_t uncut) {
         for (const LimbTree::LeftOut& out : tree_.leftOut) {
             const Vec3 at = scaled_.back(out.place);
             const ProposedBone* nearest = nullptr;
@@ -373,8 +397,8 @@ private:
             }
             proposal_.merged.push_back({"branch", nearest ? nearest->name : std::string(), std::min(out.share, 1.0), out.why});
         }
-        if (uncut_ > 0)
-            proposal_.notes.push_back({"too-short", counted(static_cast<std::size_t>(uncut_), "limb is", "limbs are") + " too short to be cut, or touch another cut: cut by hand, or put a handle there."});
+        if (uncut > 0)
+            proposal_.notes.push_back({"too-short", counted(uncut, "limb is", "limbs are") + " too short to be cut, or touch another cut: cut by hand, or put a handle there."});
     }
 
     // ---- what is not cut
@@ -418,7 +442,6 @@ private:
     std::vector<WishedCut> wished_;
     std::vector<FittedCut> fitted_;
     std::vector<int> tips_;
-    int uncut_ = 0;
     Proposal proposal_;
 };
 

@@ -152,6 +152,8 @@ void addCoreCommands(CommandRegistry& registry) {
     addAppendCommand(registry);
     addElementCommands(registry);
     addCutCommands(registry);
+    addProposalCommands(registry);
+    addMakeSoftCommand(registry);
     addHandleCommands(registry);
     addAttachCommands(registry);
     addBoneCommands(registry);

@@ -124,6 +124,8 @@ void addRepairCommands(CommandRegistry& registry);    // repair
 void addAppendCommand(CommandRegistry& registry);     // append
 void addElementCommands(CommandRegistry& registry);   // add-joint-face, join, unjoin, remove-element, remove-joint-face
 void addCutCommands(CommandRegistry& registry);       // cut, move-cut, remove-cut
+void addProposalCommands(CommandRegistry& registry);  // propose
+void addMakeSoftCommand(CommandRegistry& registry);   // make-soft
 void addHandleCommands(CommandRegistry& registry);    // handle, remove-handle
 void addAttachCommands(CommandRegistry& registry);    // attach, turn-part
 void addBoneCommands(CommandRegistry& registry);      // add-bone, edit-bone, remove-bone

@@ -106,7 +106,7 @@ void DocumentHistory::beginGesture() {
     gesture_ = Gesture{document_, {}, {}};
 }
 
-bool DocumentHistory::endGesture() {
+bool DocumentHistory::endGesture(Step named) {
     if (!gesture_) return false;
     flushFrames();
     Gesture gesture = std::move(*gesture_);
@@ -115,7 +115,7 @@ bool DocumentHistory::endGesture() {
         for (const Json& line : gesture.lines) note(line);
         return false;
     }
-    push(std::move(gesture.step), gesture.before, std::move(gesture.lines));
+    push(named.name.empty() ? std::move(gesture.step) : std::move(named), gesture.before, std::move(gesture.lines));
     return true;
 }
 

@@ -45,8 +45,8 @@ public:
 
     // ---- gestures: all commits between begin and end become one step, named after the last of them
     void beginGesture();
-    /// False: nothing was committed, so there is no step.
-    bool endGesture();
+    /// False: nothing was committed, so there is no step. `named`: the step is called so instead.
+    bool endGesture(Step named = {});
     /// The document is again what it was at beginGesture().
     void cancelGesture();
     [[nodiscard]] bool inGesture() const { return gesture_.has_value(); }

@@ -34,6 +34,12 @@ public:
     Result<std::vector<DocumentHistory::Step>> redo(int count);
     /// Makes a take that was recorded a part of the document, as one step. `line`: the command, for the script.
     std::shared_ptr<const Take> addTake(Take take, const Json& line);
+    /// Other commands as one step, which is a gesture: begin, execute(), end. A gesture that goes on ends first.
+    void beginStep() { session.beginGesture(); }
+    Result<Json> execute(const Json& command, const Progress& progress) { return session.execute(command, progress); }
+    void endStep(DocumentHistory::Step step);
+    /// Takes back what was executed since beginStep().
+    void cancelStep() { session.cancelGesture(); }
 
     // ---- file
     /// Replaces everything by another project; see DocumentHistory::replace().

@@ -1,0 +1,327 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <chrono>
+#include <algorithm>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/document/command_support.h"
+#include "core/document/names.h"
+#include "core/document/proposal_commands.h"
+#include "core/document/session_access.h"
+
+namespace imomushi {
+
+namespace {
+
+class StopWatch {
+public:
+    double lap() {
+        const auto now = std::chrono::steady_clock::now();
+        return std::chrono::duration<double>(now - std::exchange(last_, now)).count();
+    }
+
+private:
+    std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+/// The commands of one step, taken back unless it ends.
+class Step {
+public:
+    explicit Step(SessionAccess& access) : access_(access) { access_.beginStep(); }
+    ~Step() {
+        if (open_) access_.cancelStep();
+    }
+    Step(const Step&) = delete;
+    Step& operator=(const Step&) = delete;
+    void end(DocumentHistory::Step step) {
+        open_ = false;
+        access_.endStep(std::move(step));
+    }
+
+private:
+    SessionAccess& access_;
+    bool open_ = true;
+};
+
+/// Does what a proposal says, by the ordinary commands. What is refused is told and left out.
+class Maker {
+public:
+    Maker(SessionAccess& access, PartId character, const Proposal& proposal, const Progress& progress)
+        : access_(access), character_(character), proposal_(proposal), progress_(progress), cuts_(proposal.cuts.size(), 0), bones_(proposal.bones.size()) {}
+
+    /// Errors: "cancelled".
+    Result<void> cut() {
+        if (!proposal_.cuts.empty() || !proposal_.handles.empty()) renameRoot();
+        for (std::size_t c = 0; c < proposal_.cuts.size(); ++c) {
+            const ProposedCut& wanted = proposal_.cuts[c];
+            const std::string name = freeName(document(), wanted.name);
+            const auto made = execute({{"do", "cut"}, {"element", source().name}, {"plane", {{"origin", json(wanted.plane.origin)}, {"normal", json(wanted.plane.normal)}}}, {"name", name}},
+                                      "The cut \"" + wanted.name + "\"");
+            if (cancelled()) return cancelledError();
+            if (!made) continue;
+            cuts_[c] = source().cuts[static_cast<std::size_t>(source().cutIndex(name))].id;
+            if (!wanted.piece.empty())
+                execute({{"do", "rename"}, {"target", (*made)["elements"][1]}, {"name", freeName(document(), wanted.piece)}}, "The name \"" + wanted.piece + "\"");
+        }
+        return {};
+    }
+
+    Result<void> addBones() {
+        for (std::size_t b = 0; b < proposal_.bones.size(); ++b) {
+            const ProposedBone& wanted = proposal_.bones[b];
+            if (cancelled()) return cancelledError();
+            const PartId element = elementOfPiece(wanted);
+            Json line{{"do", "add-bone"}, {"name", freeName(document(), wanted.name)}};
+            if (element != 0) line["element"] = document().elements.at(element)->name;
+            const std::string parent = wanted.parent < 0 ? std::string() : bones_[static_cast<std::size_t>(wanted.parent)];
+            if (!parent.empty())
+                line["from"] = parent + (wanted.fromParentStart ? "/start" : "/end");
+            else
+                line["from"] = placeAt(wanted.startCut, element, wanted.start);
+            line["to"] = placeAt(wanted.endCut, element, wanted.end);
+            if (!parent.empty()) line["parent"] = parent;
+            const std::string name = line["name"];
+            if (execute(line, "The bone \"" + wanted.name + "\"")) bones_[b] = name;
+        }
+        for (const ProposedPin& pin : proposal_.pins)
+            if (const std::string& bone = bones_[static_cast<std::size_t>(pin.bone)]; !bone.empty()) {
+                const std::string end = bone + (pin.atEnd ? "/end" : "/start");
+                if (execute({{"do", "pin"}, {"endpoint", end}}, "The pin of \"" + bone + "\"")) pins.push_back(end);
+            }
+        return {};
+    }
+
+    Result<void> addHandles() {
+        for (const ProposedHandle& wanted : proposal_.handles) {
+            if (cancelled()) return cancelledError();
+            const std::string name = freeName(document(), wanted.name);
+            const std::string element = document().elements.at(document().elementsOf(character_).front())->name;
+            if (!execute({{"do", "handle"}, {"element", element}, {"name", name}, {"point", json(wanted.point)}, {"radius", wanted.radius}}, "The handle \"" + wanted.name + "\"")) continue;
+            handles.push_back(name);
+            if (wanted.pinned && execute({{"do", "pin"}, {"endpoint", name}}, "The pin of \"" + name + "\"")) pins.push_back(name);
+        }
+        return {};
+    }
+
+    Result<void> attachParts() {
+        for (const ProposedPart& wanted : proposal_.parts) {
+            if (cancelled()) return cancelledError();
+            const std::string name = source().model->namedParts().nameOf(wanted.part);
+            Json line{{"do", "attach"}, {"character", source().name}, {"part", name}, {"mode", "rigid"}};
+            if (wanted.pivot) line["pivot"] = json(*wanted.pivot);
+            execute(line, "The part \"" + name + "\"");
+        }
+        return {};
+    }
+
+    Json pins = Json::array(), handles = Json::array();
+    Json refused = Json::array();  ///< {"what", "code", "text"}
+
+    /// Names of the bones that there are.
+    [[nodiscard]] Json boneNames() const {
+        Json names = Json::array();
+        for (const std::string& name : bones_)
+            if (!name.empty()) names.push_back(name);
+        return names;
+    }
+
+private:
+    [[nodiscard]] const Document& document() const { return access_.document(); }
+    [[nodiscard]] const CharacterSource& source() const { return *document().characters.at(character_); }
+    [[nodiscard]] bool cancelled() const { return progress_.cancelled(); }
+    static tl::unexpected<Error> cancelledError() { return fail(kCancelled, "Making it soft was cancelled."); }
+
+    Result<Json> execute(const Json& line, const std::string& what) {
+        auto answer = access_.execute(line, progress_);
+        if (!answer && !cancelled()) refused.push_back({{"what", what}, {"code", answer.error().code}, {"text", answer.error().message}});
+        return answer;
+    }
+
+    void renameRoot() {
+        const auto elements = document().elementsOf(character_);
+        if (proposal_.root.empty() || elements.size() != 1) return;
+        execute({{"do", "rename"}, {"target", document().elements.at(elements[0])->name}, {"name", freeName(document(), proposal_.root)}}, "The name \"" + proposal_.root + "\"");
+    }
+
+    /// The element on one side of a cut; 0: it was not made.
+    [[nodiscard]] PartId beside(int cut, bool front) const {
+        if (cut < 0 || cuts_[static_cast<std::size_t>(cut)] == 0) return 0;
+        for (const PartId id : document().elementsOf(character_)) {
+            const CharacterPiece& piece = *document().elements.at(id)->piece;
+            const int side = piece.sideIndex(cuts_[static_cast<std::size_t>(cut)]);
+            if (side >= 0 && piece.sides[static_cast<std::size_t>(side)].front == front) return id;
+        }
+        return 0;
+    }
+
+    /// What a bone runs through; 0: found from where it is.
+    [[nodiscard]] PartId elementOfPiece(const ProposedBone& bone) const {
+        if (bone.piece >= 0) return beside(bone.piece, true);
+        for (const PartId id : document().elementsOf(character_)) {
+            const auto& sides = document().elements.at(id)->piece->sides;
+            if (std::none_of(sides.begin(), sides.end(), [](const CutSide& side) { return side.front; })) return id;
+        }
+        return 0;
+    }
+
+    /// The joint face of a cut, of `element` where it has one, else a point.
+    [[nodiscard]] Json placeAt(int cut, PartId element, const Vec3& point) const {
+        for (const bool front : {false, true})
+            if (const PartId id = beside(cut, front); id != 0 && (id == element || front)) {
+                const CharacterPiece& piece = *document().elements.at(id)->piece;
+                const std::string& face = piece.sides[static_cast<std::size_t>(piece.sideIndex(cuts_[static_cast<std::size_t>(cut)]))].face;
+                if (!face.empty()) return faceText(document(), {id, face});
+            }
+        return json(point);
+    }
+
+    SessionAccess& access_;
+    PartId character_;
+    const Proposal& proposal_;
+    const Progress& progress_;
+    std::vector<PartId> cuts_;         // of the proposal's, 0: not made
+    std::vector<std::string> bones_;   // names, empty: not made
+};
+
+/// The character that is meant, imported if it is a file. Fills "imported" of the answer. Errors: those of import-character, "already-cut".
+Result<PartId> characterFor(SessionAccess& access, const Json& arguments, Json& answer, const Progress& progress) {
+    if (const Json* name = find(arguments, "character")) {
+        for (const char* key : {"path", "name", "unit", "up", "body", "detail"})
+            if (arguments.contains(key)) return fail("bad-value", std::string("\"") + key + "\" goes with a file, not with a character that is there.");
+        const auto character = characterOf(access.document(), name->get_ref<const std::string&>());
+        if (!character) return tl::unexpected(character.error());
+        const auto elements = access.document().elementsOf((*character)->id);
+        std::set<PartId> own(elements.begin(), elements.end());
+        bool bones = false, handles = false;
+        for (const auto& [id, bone] : access.document().bones) bones = bones || own.contains(bone->element);
+        for (const PartId id : elements) handles = handles || !access.document().elements.at(id)->handles.empty();
+        if (!(*character)->cuts.empty() || bones || handles)
+            return fail("already-cut", "The character \"" + (*character)->name + "\" has cuts, bones or handles already: take them out first, or use propose and do by hand what you want of it.");
+        return (*character)->id;
+    }
+    if (!arguments.contains("path")) return fail("missing-key", "\"make-soft\" needs the key \"path\" or \"character\".");
+    Json line{{"do", "import-character"}};
+    for (const char* key : {"path", "name", "unit", "up", "body", "detail"})
+        if (const Json* value = find(arguments, key)) line[key] = *value;
+    auto imported = access.execute(line, progress);
+    if (!imported) return tl::unexpected(imported.error());
+    answer = std::move(*imported);
+    return access.document().characterNamed(answer["characters"][0]["name"].get<std::string>())->id;
+}
+
+/// Makes elements soft at once: coarse answers for those that have none. What fails is left to the precompute. Errors: "cancelled".
+Result<int> draftAll(SessionAccess& access, PartId character, const Progress& progress) {
+    int made = 0;
+    for (const PartId id : access.document().elementsOf(character)) {
+        if (access.document().elements.at(id)->faces.empty() || access.responses.fittingOf(id)) continue;
+        if (progress.cancelled()) return fail(kCancelled, "Making drafts was cancelled; what was made stays.");
+        const ResponseInput input = access.responses.inputOfDraft(id);
+        auto response = buildResponse(input, progress);
+        if (!response) continue;
+        access.responses.bring(id, {responseKey(input), access.responses.shapeOf(id), std::make_shared<const ElementResponse>(std::move(*response))});
+        ++made;
+    }
+    return made;
+}
+
+/// Precomputes element by element; one that fails is told and does not stop the others. Errors: "cancelled".
+Result<Json> precomputeAll(SessionAccess& access, PartId character, Json& refused, const Progress& progress) {
+    Json list = Json::array();
+    const auto elements = access.document().elementsOf(character);
+    for (std::size_t e = 0; e < elements.size(); ++e) {
+        const Element& element = *access.document().elements.at(elements[e]);
+        if (element.faces.empty()) continue;
+        const double share = 1.0 / static_cast<double>(elements.size());
+        const auto done = access.execute({{"do", "precompute"}, {"elements", Json::array({element.name})}}, progress.part(static_cast<double>(e) * share, static_cast<double>(e + 1) * share));
+        if (progress.cancelled()) return fail(kCancelled, "Precomputing was cancelled; what was made stays, and what was precomputed.");
+        if (done)
+            list.push_back((*done)["elements"][0]);
+        else
+            refused.push_back({{"what", "The element \"" + element.name + "\""}, {"code", done.error().code}, {"text", done.error().message}});
+    }
+    return list;
+}
+
+Result<Json> makeSoft(SessionAccess& access, const Json& arguments, const Progress& progress) {
+    const auto request = proposalRequestFrom(arguments);
+    if (!request) return tl::unexpected(request.error());
+    StopWatch whole, watch;
+    Json seconds;
+    Step step(access);
+    Json imported = Json::object();
+    const auto character = characterFor(access, arguments, imported, progress.part(0.0, 0.1));
+    if (!character) return tl::unexpected(character.error());
+    seconds["body"] = watch.lap();
+    const auto source = access.document().characters.at(*character);
+    const auto proposal = proposeFor(*source, *request, progress.part(0.1, 0.2));
+    if (!proposal) return tl::unexpected(proposal.error());
+    seconds["propose"] = watch.lap();
+    const Progress rest = progress.part(0.2, 0.3);
+    Maker maker(access, *character, *proposal, rest);
+    if (auto ok = maker.cut(); !ok) return tl::unexpected(ok.error());
+    seconds["cut"] = watch.lap();
+    for (const auto part : {&Maker::addBones, &Maker::addHandles, &Maker::attachParts})
+        if (auto ok = (maker.*part)(); !ok) return tl::unexpected(ok.error());
+    seconds["bones"] = watch.lap();
+    step.end({"make-soft", source->name});
+    access.changedPose();
+
+    Json precomputed = Json::array();
+    int drafts = 0;
+    if (arguments.value("draft", false)) {
+        const auto made = draftAll(access, *character, progress.part(0.3, 0.4));
+        if (!made) return tl::unexpected(made.error());
+        drafts = *made;
+        seconds["draft"] = watch.lap();
+        access.changedResponses();
+    }
+    if (arguments.value("precompute", true)) {
+        auto done = precomputeAll(access, *character, maker.refused, progress.part(0.4, 1.0));
+        if (!done) return tl::unexpected(done.error());
+        precomputed = std::move(*done);
+        seconds["precompute"] = watch.lap();
+        access.changedResponses();
+    }
+    seconds["all"] = whole.lap();
+
+    Json answer = characterJson(access.document(), *access.document().characters.at(*character));
+    answer["character"] = source->name;
+    answer.erase("name");
+    answer["proposal"] = proposalJson(*source, *proposal);
+    answer["bones"] = maker.boneNames();
+    answer["pins"] = maker.pins;
+    answer["handles"] = maker.handles;
+    answer["refused"] = maker.refused;
+    answer["precomputed"] = std::move(precomputed);
+    if (seconds.contains("draft")) answer["drafts"] = drafts;
+    for (const char* key : {"issues", "format", "metres_per_unit", "turned_z_up", "clips"})
+        if (imported.contains(key)) answer[key] = imported[key];
+    answer["size"] = sizeJson(*source);
+    answer["seconds"] = std::move(seconds);
+    return answer;
+}
+
+}  // namespace
+
+void addMakeSoftCommand(CommandRegistry& registry) {
+    using Type = CommandKey::Type;
+    registry.addAction("make-soft",
+                       "Makes a whole character soft in one step: a body, what propose says (cuts, bones and pins, or handles where the shape has no limbs), small parts attached, everything "
+                       "precomputed. The step consists of the ordinary commands. What cannot be cut or precomputed is told and left out. Afterwards the ends of all bones can be dragged.",
+                       {{"path", Type::Text, false, "The file, imported as import-character does."},
+                        {"character", Type::Text, false, "Or a character that has no cuts, bones and handles yet."},
+                        {"from", Type::Text, false, "As in propose."},
+                        {"least", Type::Number, false, "As in propose."},
+                        {"precompute", Type::Boolean, false, "Precomputes its elements (true)."},
+                        {"draft", Type::Boolean, false, "Makes coarse answers first, some tenths of a second each (false)."},
+                        {"name", Type::Text, false, "Of the file's character, as in import-character; so are the following."},
+                        {"unit", Type::Text, false, "The unit of the file."},
+                        {"up", Type::Text, false, "The axis of the file that points up."},
+                        {"body", Type::Text, false, "How its body is made."},
+                        {"detail", Type::Number, false, "Of a wrap, in diagonals of the mesh (0.001 to 0.2)."}},
+                       makeSoft);
+}
+
+}  // namespace imomushi

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "core/body/proposal.h"
+#include "core/document/command.h"
+#include "core/document/document.h"
+
+namespace imomushi {
+
+/// What "from" and "least" ask for. Errors: "bad-value".
+struct ProposalRequest {
+    enum class From { Auto, Skeleton, Shape } from = From::Auto;
+    double least = -1.0;  ///< smallest share of the flesh of a piece, 0...1; negative: as is usual
+};
+Result<ProposalRequest> proposalRequestFrom(const Json& arguments);
+
+/// Proposes for a character. Auto: from its skeleton, if its file brought one, else from its shape. Errors: those of proposeFromShape(), "no-skeleton".
+Result<Proposal> proposeFor(const CharacterSource& character, const ProposalRequest& request, const Progress& progress);
+
+/// {"from", "root", "cuts", "bones", "pins", "handles", "parts", "merged", "notes", "symmetry"}.
+Json proposalJson(const CharacterSource& character, const Proposal& proposal);
+
+/// The size of a character, and a unit if its size cannot be meant: {"height", "diagonal", "suggested_unit", "note"}, metres.
+Json sizeJson(const CharacterSource& character);
+
+}  // namespace imomushi
