@@ -920,6 +920,14 @@
             <translation>二つの切断面が触れているか、近すぎます。どちらかを離してください。</translation>
         </message>
         <message>
+            <source>No skeleton was found, neither in the file nor in the shape. Cut by hand, or use handles.</source>
+            <translation>ファイルにも形状にも骨格が見つかりません。手で切断するか、ハンドルを使ってください。</translation>
+        </message>
+        <message>
+            <source>The character has cuts, bones or handles already. Take them out first.</source>
+            <translation>キャラクターには切断、ボーン、またはハンドルが既にあります。先に取り除いてください。</translation>
+        </message>
+        <message>
             <source>The body still hangs together around the cut. Put it where it cuts something off.</source>
             <translation>切断面のまわりでボディがつながったままです。何かが切り離される場所に置いてください。</translation>
         </message>
@@ -1213,6 +1221,10 @@
             <translation>要素の読み込み</translation>
         </message>
         <message>
+            <source>Make soft</source>
+            <translation>柔らかくする</translation>
+        </message>
+        <message>
             <source>Repair mesh</source>
             <translation>メッシュの修復</translation>
         </message>
@@ -1327,6 +1339,10 @@
         <message>
             <source>Import character</source>
             <translation>キャラクターを読み込む</translation>
+        </message>
+        <message>
+            <source>Import skeleton</source>
+            <translation>骨格を読み込む</translation>
         </message>
         <message>
             <source>Move cut</source>

@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace imomushi {
 
@@ -11,11 +12,12 @@ namespace {
 
 constexpr double kSharpest = -0.5;      // cosine of the largest bend at a joint whose bisector is taken: beyond, a limb goes back along its parent
 constexpr double kBelongs = 0.5;        // of a vertex's flesh: what lies beyond a joint
-constexpr double kBetterPlane = 0.7;  // another plane is taken if it misplaces this part of what the bisector does,
+constexpr double kMuchBetter = 0.7;  // another plane is taken if it misplaces this part of what the bisector does,
 constexpr double kWorthIt = 0.05;       // and if the difference is this part of the limb's flesh
-constexpr double kReach = 0.35;         // of the length of the shorter bone: how far a plane may be moved
+constexpr double kFarther[] = {0.5, 1.0};  // radii of the section: planes that are tried where nearer ones fail
+constexpr double kLeastWay = 0.02;    // diagonals
+constexpr double kMostShift = 0.35;         // of the length of the shorter bone: how far a plane may be moved
 
-Vec3 placeOf(const Points& points, Eigen::Index i) { return points.row(i).transpose(); }
 
 }  // namespace
 
@@ -55,7 +57,7 @@ Vec3 RigCuts::direction(const MergedRig& merged, std::size_t kept) const {
 
 double RigCuts::misplaced(const std::vector<double>& own, const CutPlane& plane) const {
     const auto vertices = static_cast<std::size_t>(body_.vertices.rows());
-    const auto inFront = [&](std::size_t v) { return plane.normal.dot(placeOf(body_.vertices, static_cast<Eigen::Index>(v)) - plane.origin) > 0.0; };
+    const auto inFront = [&](std::size_t v) { return plane.normal.dot(vertexPlace(body_.vertices, static_cast<Eigen::Index>(v)) - plane.origin) > 0.0; };
     // What the cut would take: in front of the plane and connected there with what belongs beyond the joint.
     std::vector<char> taken(vertices, 0);
     std::vector<std::size_t> open;
@@ -79,64 +81,63 @@ double RigCuts::misplaced(const std::vector<double>& own, const CutPlane& plane)
     return wrong;
 }
 
-std::vector<WishedCut> RigCuts::cuts(const MergedRig& merged) const {
+RigCuts::Wish RigCuts::wish(const MergedRig& merged, std::size_t k) const {
     const auto vertices = static_cast<std::size_t>(body_.vertices.rows());
-    std::vector<WishedCut> wished(merged.kept.size());
-    for (std::size_t k = 1; k < merged.kept.size(); ++k) {
-        std::vector<char> beyond(merged.kept.size(), 0);
-        beyond[k] = 1;
-        for (std::size_t c = k + 1; c < merged.kept.size(); ++c) beyond[c] = beyond[static_cast<std::size_t>(merged.parent[c])];
-        std::vector<double> own(vertices, 0.0);
-        double limb = 0.0;
-        for (std::size_t v = 0; v < vertices; ++v) {
-            for (auto i = static_cast<std::size_t>(flesh_.first[v]); i < static_cast<std::size_t>(flesh_.first[v + 1]); ++i)
-                if (beyond[static_cast<std::size_t>(merged.mover[static_cast<std::size_t>(flesh_.bone[i])])]) own[v] += flesh_.weight[i];
-            limb += flesh_.volume[v] * own[v];
-        }
-
-        const Vec3 head = rig_.bones[static_cast<std::size_t>(merged.kept[k])].head, out = direction(merged, k);
-        const auto above = static_cast<std::size_t>(merged.parent[k]);
-        const Vec3 from = head - rig_.bones[static_cast<std::size_t>(merged.kept[above])].head;
-        Vec3 bisector = out;
-        if (from.norm() > 1e-3 * diagonal_ && from.normalized().dot(out) > kSharpest) bisector = (from.normalized() + out).normalized();
-        CutPlane best{head, bisector};
-        double least = misplaced(own, best);
-        const double needed = std::min(kBetterPlane * least, least - kWorthIt * limb);
-        double lowest = needed;
-        const auto offer = [&](const CutPlane& plane) {
-            const double wrong = misplaced(own, plane);
-            if (wrong >= lowest) return;
-            lowest = wrong;
-            best = plane;
-        };
-        offer({head, out});
-        // Where the skin goes over from one to the other: the places on edges where half of the flesh belongs beyond.
-        Vec3 middle = Vec3::Zero();
-        std::vector<Vec3> places;
-        for (std::size_t v = 0; v < vertices; ++v)
-            for (auto i = static_cast<std::size_t>(firstNeighbour_[v]); i < static_cast<std::size_t>(firstNeighbour_[v + 1]); ++i) {
-                const auto w = static_cast<std::size_t>(neighbour_[i]);
-                if (own[v] <= kBelongs || own[w] > kBelongs) continue;
-                const double t = (own[v] - kBelongs) / (own[v] - own[w]);
-                places.push_back((1.0 - t) * placeOf(body_.vertices, static_cast<Eigen::Index>(v)) + t * placeOf(body_.vertices, static_cast<Eigen::Index>(w)));
-                middle += places.back();
-            }
-        if (places.size() >= 3) {
-            middle /= static_cast<double>(places.size());
-            Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-            for (const Vec3& p : places) spread += (p - middle) * (p - middle).transpose();
-            const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
-            Vec3 normal = axes.eigenvectors().col(0);
-            if (normal.dot(bisector) < 0.0) normal = -normal;
-            offer({middle, bisector});
-            offer({middle, normal});
-            offer({middle, (normal + bisector).normalized()});
-        }
-        wished[k].plane = best;
-        const double length = std::min((rig_.bones[static_cast<std::size_t>(merged.kept[k])].tail - head).norm(), from.norm());
-        wished[k].reach = kReach * std::max(length, 0.02 * diagonal_);
+    std::vector<char> beyond(merged.kept.size(), 0);
+    beyond[k] = 1;
+    for (std::size_t c = k + 1; c < merged.kept.size(); ++c) beyond[c] = beyond[static_cast<std::size_t>(merged.parent[c])];
+    const Vec3 head = rig_.bones[static_cast<std::size_t>(merged.kept[k])].head, out = direction(merged, k);
+    std::vector<double> own(vertices, 0.0);
+    double limb = 0.0, length = 0.0;
+    for (std::size_t v = 0; v < vertices; ++v) {
+        for (auto i = static_cast<std::size_t>(flesh_.first[v]); i < static_cast<std::size_t>(flesh_.first[v + 1]); ++i)
+            if (beyond[static_cast<std::size_t>(merged.mover[static_cast<std::size_t>(flesh_.bone[i])])]) own[v] += flesh_.weight[i];
+        limb += flesh_.volume[v] * own[v];
+        if (own[v] > kBelongs) length = std::max(length, (vertexPlace(body_.vertices, static_cast<Eigen::Index>(v)) - head).norm());
     }
-    return wished;
+
+    const Vec3 from = head - rig_.bones[static_cast<std::size_t>(merged.kept[static_cast<std::size_t>(merged.parent[k])])].head;
+    Vec3 bisector = out;
+    if (from.norm() > 1e-3 * diagonal_ && from.normalized().dot(out) > kSharpest) bisector = (from.normalized() + out).normalized();
+    std::vector<std::pair<double, CutPlane>> others;
+    const auto offer = [&](const Vec3& origin, const Vec3& normal) { others.emplace_back(misplaced(own, {origin, normal}), CutPlane{origin, normal}); };
+    offer(head, out);
+    // Where the skin goes over from one to the other: the places on edges where half of the flesh belongs beyond.
+    Vec3 middle = Vec3::Zero();
+    std::vector<Vec3> places;
+    for (std::size_t v = 0; v < vertices; ++v)
+        for (auto i = static_cast<std::size_t>(firstNeighbour_[v]); i < static_cast<std::size_t>(firstNeighbour_[v + 1]); ++i) {
+            const auto w = static_cast<std::size_t>(neighbour_[i]);
+            if (own[v] <= kBelongs || own[w] > kBelongs) continue;
+            const double t = (own[v] - kBelongs) / (own[v] - own[w]);
+            places.push_back((1.0 - t) * vertexPlace(body_.vertices, static_cast<Eigen::Index>(v)) + t * vertexPlace(body_.vertices, static_cast<Eigen::Index>(w)));
+            middle += places.back();
+        }
+    double radius = diagonal_;
+    if (places.size() >= 3) {
+        middle /= static_cast<double>(places.size());
+        Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+        for (const Vec3& p : places) spread += (p - middle) * (p - middle).transpose() / static_cast<double>(places.size());
+        radius = std::sqrt(spread.trace());
+        const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
+        Vec3 normal = axes.eigenvectors().col(0);
+        if (normal.dot(bisector) < 0.0) normal = -normal;
+        offer(middle, bisector);
+        offer(middle, normal);
+        offer(middle, (normal + bisector).normalized());
+        // Farther out the limb is narrower, and other limbs are farther away.
+        for (const double part : kFarther) offer(middle + part * radius * out, (normal + bisector).normalized());
+    }
+    std::stable_sort(others.begin(), others.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    Wish wish;
+    wish.planes.push_back({head, bisector});
+    const double least = misplaced(own, wish.planes[0]);
+    for (const auto& [wrong, plane] : others) wish.planes.push_back(plane);
+    if (others[0].first < std::min(kMuchBetter * least, least - kWorthIt * limb)) std::swap(wish.planes[0], wish.planes[1]);
+    const double bone = std::min((rig_.bones[static_cast<std::size_t>(merged.kept[k])].tail - head).norm(), from.norm());
+    wish.reach = kMostShift * std::max(bone, kLeastWay * diagonal_);
+    wish.importance = length / std::max(radius, 1e-6 * diagonal_);
+    return wish;
 }
 
 }  // namespace imomushi

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/body/fit_cuts.h"
+#include "core/body/cut.h"
 #include "core/body/rig_flesh.h"
 
 // Of proposeFromRig() alone.
@@ -14,8 +14,13 @@ class RigCuts {
 public:
     RigCuts(const Rig& rig, const RigFlesh& flesh, const TriangleMesh& body);
 
-    /// A plane at the head of each kept bone but the root, normal outward. One entry per kept bone; the root's means nothing.
-    [[nodiscard]] std::vector<WishedCut> cuts(const MergedRig& merged) const;
+    struct Wish {
+        std::vector<CutPlane> planes;  ///< to be tried one after the other, normals outward, unit; the first at the head, along the bisector, unless another one is much better
+        double reach = 0.0;            ///< m, how far they may be moved
+        double importance = 0.0;       ///< length of what lies beyond over the radius of the section: limbs before spines
+    };
+    /// For a kept bone that is not the root.
+    [[nodiscard]] Wish wish(const MergedRig& merged, std::size_t kept) const;
     /// Where a kept bone points, unit: towards its next joint in the file, or else the middle of its flesh.
     [[nodiscard]] Vec3 direction(const MergedRig& merged, std::size_t kept) const;
 

@@ -15,8 +15,8 @@ namespace imomushi {
 namespace {
 
 constexpr double kLeastWeight = 1e-4;
+constexpr double kTrunk = 0.5;  // of the flesh: what hangs beside this much below a root hangs on it
 
-Vec3 row(const Points& points, Eigen::Index i) { return points.row(i).transpose(); }
 
 /// The segments that stand for bones: to the tail, and to the heads of children.
 struct Segments {
@@ -56,6 +56,82 @@ std::vector<std::int32_t> boundTriangles(const Rig& rig, const TriangleMesh& ren
     return which;
 }
 
+/// How much of the surface between vertices goes over from one bone to another.
+class Contacts {
+public:
+    Contacts(const RigFlesh& flesh, const TriangleMesh& body) {
+        for (Eigen::Index f = 0; f < body.triangles.rows(); ++f)
+            for (int k = 0; k < 3; ++k) {  // closed: each edge once in each direction
+                const auto v = static_cast<std::size_t>(body.triangles(f, k)), w = static_cast<std::size_t>(body.triangles(f, (k + 1) % 3));
+                for (auto i = static_cast<std::size_t>(flesh.first[v]); i < static_cast<std::size_t>(flesh.first[v + 1]); ++i)
+                    for (auto j = static_cast<std::size_t>(flesh.first[w]); j < static_cast<std::size_t>(flesh.first[w + 1]); ++j)
+                        if (flesh.bone[i] != flesh.bone[j]) between_[{flesh.bone[i], flesh.bone[j]}] += flesh.weight[i] * flesh.weight[j];
+            }
+    }
+    /// Of the bones of a limb with each other bone.
+    [[nodiscard]] std::vector<double> of(const std::vector<char>& limb) const {
+        std::vector<double> sums(limb.size(), 0.0);
+        for (const auto& [bones, amount] : between_)
+            if (limb[static_cast<std::size_t>(bones.first)] && !limb[static_cast<std::size_t>(bones.second)]) sums[static_cast<std::size_t>(bones.second)] += amount;
+        return sums;
+    }
+
+private:
+    std::map<std::pair<std::int32_t, std::int32_t>, double> between_;
+};
+
+/// Bones in an order in which carriers come first.
+std::vector<int> carriersFirst(const std::vector<int>& carrier) {
+    std::vector<int> order;
+    std::vector<std::vector<int>> carried(carrier.size());
+    for (std::size_t b = 0; b < carrier.size(); ++b)
+        if (carrier[b] < 0)
+            order.push_back(static_cast<int>(b));
+        else
+            carried[static_cast<std::size_t>(carrier[b])].push_back(static_cast<int>(b));
+    for (std::size_t i = 0; i < order.size(); ++i) order.insert(order.end(), carried[static_cast<std::size_t>(order[i])].begin(), carried[static_cast<std::size_t>(order[i])].end());
+    return order;
+}
+
+void findCarriers(const Rig& rig, const TriangleMesh& body, RigFlesh& flesh) {
+    for (const RigBone& bone : rig.bones) flesh.carrier.push_back(bone.parent);
+    if (!flesh.skinned) return;  // the nearest bone says nothing about what hangs together
+    const std::size_t bones = rig.bones.size();
+    std::vector<double> subtree = flesh.share;
+    for (std::size_t b = bones; b-- > 0;)
+        if (rig.bones[b].parent >= 0) subtree[static_cast<std::size_t>(rig.bones[b].parent)] += subtree[b];
+    std::optional<Contacts> contacts;
+    for (std::size_t root = 0; root < bones; ++root) {
+        if (rig.bones[root].parent >= 0) continue;
+        std::vector<std::size_t> limbs;
+        std::size_t trunk = root;
+        for (std::size_t b = root + 1; b < bones; ++b) {
+            if (rig.bones[b].parent != static_cast<std::int32_t>(root)) continue;
+            limbs.push_back(b);
+            if (trunk == root || subtree[b] > subtree[trunk]) trunk = b;
+        }
+        if (limbs.size() < 2 || subtree[trunk] < kTrunk * subtree[root]) continue;
+        const auto under = [&](std::size_t top) {
+            std::vector<char> in(bones, 0);
+            in[top] = 1;
+            for (std::size_t b = top + 1; b < bones; ++b)
+                if (rig.bones[b].parent >= 0 && in[static_cast<std::size_t>(rig.bones[b].parent)]) in[b] = 1;
+            return in;
+        };
+        const std::vector<char> main = under(trunk);
+        if (!contacts) contacts.emplace(flesh, body);
+        for (const std::size_t limb : limbs) {
+            if (limb == trunk || subtree[limb] <= 0.0) continue;
+            std::vector<double> with = contacts->of(under(limb));
+            const double above = with[root];
+            for (std::size_t b = 0; b < bones; ++b)
+                if (!main[b]) with[b] = 0.0;
+            const auto most = std::max_element(with.begin(), with.end());
+            if (*most > above) flesh.carrier[limb] = static_cast<int>(most - with.begin());
+        }
+    }
+}
+
 std::string percent(double share) {
     char text[32];
     std::snprintf(text, sizeof text, "%.2g %%", 100.0 * share);
@@ -77,10 +153,10 @@ RigFlesh rigFlesh(const Rig& rig, const TriangleMesh& render, const TriangleMesh
     flesh.first.push_back(0);
     std::map<std::int32_t, double> of;
     for (std::size_t v = 0; v < vertices; ++v) {
-        const Vec3 p = row(body.vertices, static_cast<Eigen::Index>(v));
+        const Vec3 p = vertexPlace(body.vertices, static_cast<Eigen::Index>(v));
         const auto bone = nearBones.nearest(p);
         const auto corners = segments.mesh.triangles.row(bone.triangle);
-        nearest[v] = bone.barycentric[0] * row(segments.mesh.vertices, corners[0]) + (1.0 - bone.barycentric[0]) * row(segments.mesh.vertices, corners[1]);
+        nearest[v] = bone.barycentric[0] * vertexPlace(segments.mesh.vertices, corners[0]) + (1.0 - bone.barycentric[0]) * vertexPlace(segments.mesh.vertices, corners[1]);
         of.clear();
         if (skin) {
             const auto hit = skin->nearest(p);
@@ -108,11 +184,11 @@ RigFlesh rigFlesh(const Rig& rig, const TriangleMesh& render, const TriangleMesh
     double whole = 0.0;
     for (Eigen::Index f = 0; f < body.triangles.rows(); ++f) {
         const std::int32_t* t = body.triangles.data() + 3 * f;
-        const Vec3 a = row(body.vertices, t[0]), b = row(body.vertices, t[1]), c = row(body.vertices, t[2]);
+        const Vec3 a = vertexPlace(body.vertices, t[0]), b = vertexPlace(body.vertices, t[1]), c = vertexPlace(body.vertices, t[2]);
         const Vec3 area = 0.5 * (b - a).cross(c - a);
         for (int k = 0; k < 3; ++k) {
             const auto v = static_cast<std::size_t>(t[k]);
-            const double volume = std::max(0.0, area.dot(row(body.vertices, t[k]) - nearest[v])) / 3.0;
+            const double volume = std::max(0.0, area.dot(vertexPlace(body.vertices, t[k]) - nearest[v])) / 3.0;
             flesh.volume[v] += volume;
             whole += volume;
         }
@@ -122,7 +198,7 @@ RigFlesh rigFlesh(const Rig& rig, const TriangleMesh& render, const TriangleMesh
     for (std::size_t v = 0; v < vertices; ++v) {
         flesh.volume[v] = whole > 0.0 ? flesh.volume[v] / whole : 1.0 / static_cast<double>(vertices);
         // The middle of a cone is a quarter of its height above its ground.
-        const Vec3 middle = 0.75 * row(body.vertices, static_cast<Eigen::Index>(v)) + 0.25 * nearest[v];
+        const Vec3 middle = 0.75 * vertexPlace(body.vertices, static_cast<Eigen::Index>(v)) + 0.25 * nearest[v];
         for (auto i = static_cast<std::size_t>(flesh.first[v]); i < static_cast<std::size_t>(flesh.first[v + 1]); ++i) {
             const auto b = static_cast<std::size_t>(flesh.bone[i]);
             flesh.share[b] += flesh.volume[v] * flesh.weight[i];
@@ -130,6 +206,7 @@ RigFlesh rigFlesh(const Rig& rig, const TriangleMesh& render, const TriangleMesh
         }
     }
     for (std::size_t b = 0; b < bones; ++b) flesh.middle.push_back(flesh.share[b] > 0.0 ? Vec3(moment[b] / flesh.share[b]) : rig.bones[b].head);
+    findCarriers(rig, body, flesh);
     return flesh;
 }
 
@@ -137,11 +214,13 @@ MergedRig mergeRig(const Rig& rig, const RigFlesh& flesh, double least, const st
     const auto bones = static_cast<int>(rig.bones.size());
     const auto at = [](int b) { return static_cast<std::size_t>(b); };
     std::vector<double> share = flesh.share, subtree = flesh.share;
-    std::vector<int> parent(at(bones)), into(at(bones), -1);
+    std::vector<int> parent, into(at(bones), -1);
     std::vector<const std::string*> forbidden(at(bones), nullptr);
     for (const auto& [b, why] : never) forbidden[at(b)] = &why;
-    for (int b = 0; b < bones; ++b) parent[at(b)] = rig.bones[at(b)].parent;
-    for (int b = bones; b-- > 0;)
+    parent = flesh.carrier;
+    std::vector<int> inward = carriersFirst(flesh.carrier);
+    std::reverse(inward.begin(), inward.end());
+    for (const int b : inward)
         if (parent[at(b)] >= 0) subtree[at(parent[at(b)])] += subtree[at(b)];
 
     MergedRig merged;
@@ -152,7 +231,7 @@ MergedRig mergeRig(const Rig& rig, const RigFlesh& flesh, double least, const st
         into[at(b)] = to;
         share[at(to)] += small;
     };
-    for (int b = bones; b-- > 0;)
+    for (const int b : inward)
         if (parent[at(b)] >= 0 && (share[at(b)] < least || forbidden[at(b)])) merge(b, parent[at(b)]);
     const auto moverOf = [&](int b) {
         while (into[at(b)] >= 0) b = into[at(b)];
@@ -164,7 +243,7 @@ MergedRig mergeRig(const Rig& rig, const RigFlesh& flesh, double least, const st
     // The root is the bone without a parent under which most flesh hangs, or below it.
     int root = -1;
     for (int b = 0; b < bones; ++b)
-        if (rig.bones[at(b)].parent < 0 && (root < 0 || subtree[at(b)] > subtree[at(root)])) root = b;
+        if (flesh.carrier[at(b)] < 0 && (root < 0 || subtree[at(b)] > subtree[at(root)])) root = b;
     const auto isKept = [&](int b) { return into[at(b)] < 0; };
     while (share[at(root)] < least) {
         int child = -1;

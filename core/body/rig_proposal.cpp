@@ -9,6 +9,8 @@
 #include <span>
 #include <utility>
 
+#include "core/body/fit_cuts.h"
+#include "core/body/mirror_plane.h"
 #include "core/body/rig_cuts.h"
 #include "core/body/rig_flesh.h"
 
@@ -18,37 +20,75 @@ namespace {
 
 constexpr double kSmallPiece = 0.25;  // of the least share: a piece that is smaller than this is not cut off
 constexpr double kWithin = 0.95;      // of the way from the head of a bone to the end of its flesh: where its tip is
-constexpr double kStandsWithin = 0.03;      // of the height of a body: tips that are lower stand on the ground
-constexpr int kMostRounds = 8;
+constexpr double kStands = 0.03;      // of the height of a body: tips that are lower stand on the ground
+constexpr int kMostRounds = 10, kLastRounds = 4;  // in the last ones no other planes are tried
+constexpr std::size_t kMostRigPieces = 20;          // unless somebody asks for a least share
+constexpr double kMoreShare = 1.2;                  // by which the least share is raised until they are few
+constexpr double kTwin = 0.01;                      // of the diagonal: how near a mirrored bone is to its twin
+constexpr double kStraight = 0.1;                   // a plane of a bone on the mirror plane that leans by less stands upright
 
 class RigProposer {
 public:
-    RigProposer(const Rig& rig, const TriangleMesh& render, const TriangleMesh& body, double least)
-        : rig_(rig), body_(body), least_(least), flesh_(rigFlesh(rig, render, body)), cuts_(rig, flesh_, body) {
+    RigProposer(const Rig& rig, const TriangleMesh& render, const TriangleMesh& body)
+        : rig_(rig), body_(body), flesh_(rigFlesh(rig, render, body)), cuts_(rig, flesh_, body) {
         diagonal_ = (body.vertices.colwise().maxCoeff() - body.vertices.colwise().minCoeff()).norm();
     }
 
-    Result<Proposal> propose(const Progress& progress) {
+    Result<Proposal> propose(std::optional<double> least, const Progress& progress) {
+        findTwins();
+        double smallest = least.value_or(kLeastRigShare);
+        merged_ = mergeRig(rig_, flesh_, smallest);
+        if (!least) {
+            while (merged_.kept.size() > kMostRigPieces) merged_ = mergeRig(rig_, flesh_, smallest *= kMoreShare);
+            if (smallest > kLeastRigShare) proposal_.notes.push_back({"merged-more", "Bones of less than " + std::to_string(static_cast<int>(std::round(100.0 * smallest))) + " % of the flesh were merged, so that few are left: a smaller least share keeps more."});
+        }
         std::vector<std::pair<int, std::string>> never;
-        std::map<int, FittedCut> fitted;  // by the bone of the rig
-        // Each round merges the bones that no cut works for, so that the planes of others may change.
+        std::map<int, FittedCut> fitted;       // by the bone of the rig
+        std::map<int, std::size_t> candidate;  // which plane of its wish a bone is at
+        // Each round goes on to the next planes of cuts that fail, or merges their bones, so that the planes of others may change.
         for (int round = 0; round < kMostRounds; ++round) {
-            merged_ = mergeRig(rig_, flesh_, least_, never);
-            progress.report("skeleton", 0.2 + 0.8 * round / kMostRounds);
-            const std::vector<WishedCut> wished = cuts_.cuts(merged_);
-            const auto tried = fitCuts(body_, std::span(wished).subspan(1), std::nullopt, kSmallPiece * least_, progress);
+            progress.report("skeleton", 0.1 + 0.9 * round / kMostRounds);
+            std::vector<std::size_t> order;  // kept bones, the more important ones first: where two cuts touch, the later one gives way
+            std::vector<RigCuts::Wish> wishes(merged_.kept.size());
+            for (std::size_t k = 1; k < merged_.kept.size(); ++k) {
+                wishes[k] = cuts_.wish(merged_, k);
+                order.push_back(k);
+            }
+            const std::vector<int> twin = keptTwins();
+            for (std::size_t k = 1; k < wishes.size(); ++k) mirrorWish(k, twin[k], wishes);
+            std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return wishes[a].importance > wishes[b].importance; });
+            std::vector<int> place(merged_.kept.size(), -1);
+            for (std::size_t c = 0; c < order.size(); ++c) place[order[c]] = static_cast<int>(c);
+            std::vector<WishedCut> wished;
+            for (const std::size_t k : order) {
+                const auto& planes = wishes[k].planes;
+                const std::size_t which = std::min(candidate[merged_.kept[k]], planes.size() - 1);
+                WishedCut wish;
+                wish.plane = planes[which];
+                wish.reach = wishes[k].reach;
+                if (twin[k] > 0) wish.twin = place[static_cast<std::size_t>(twin[k])];
+                wished.push_back(wish);
+            }
+            const auto tried = fitCuts(body_, wished, mirror_, kSmallPiece * smallest, progress);
             if (!tried) return tl::unexpected(tried.error());
             fitted.clear();
             for (std::size_t c = 0; c < tried->size(); ++c) {
                 const FittedCut& cut = (*tried)[c];
-                if (cut.kept)
-                    fitted.emplace(merged_.kept[c + 1], cut);
-                else
-                    never.emplace_back(merged_.kept[c + 1], "No cut works there: " + cut.why);
+                const int bone = merged_.kept[order[c]];
+                if (cut.kept) {
+                    fitted.emplace(bone, cut);
+                } else if (++candidate[bone] >= wishes[order[c]].planes.size() || round + kLastRounds >= kMostRounds) {
+                    never.emplace_back(bone, "No cut works there: " + cut.why);
+                }
             }
             if (fitted.size() == tried->size()) break;
+            merged_ = mergeRig(rig_, flesh_, smallest, never);
         }
-        merged_ = mergeRig(rig_, flesh_, least_, never);
+        // Rounds may end before all is settled: what is not cut is merged.
+        for (std::size_t k = 1; k < merged_.kept.size(); ++k)
+            if (!fitted.contains(merged_.kept[k])) never.emplace_back(merged_.kept[k], "No cut works there.");
+        merged_ = mergeRig(rig_, flesh_, smallest, never);
+        proposal_.symmetry = mirror_;
         proposal_.from = Proposal::Source::Skeleton;
         names();
         for (std::size_t k = 1; k < merged_.kept.size(); ++k) {
@@ -66,6 +106,67 @@ public:
     }
 
 private:
+    /// Bones that mirror each other move equal shares of flesh.
+    void findTwins() {
+        twins_.assign(rig_.bones.size(), -1);
+        const Vec3 middle = 0.5 * (body_.vertices.colwise().maxCoeff() + body_.vertices.colwise().minCoeff()).transpose();
+        TriangleMesh scaled = body_;
+        scaled.vertices = (body_.vertices.rowwise() - middle.transpose()) / diagonal_;
+        const auto plane = findMirrorPlane(scaled);
+        if (!plane) return;
+        const CutPlane mirror{middle + diagonal_ * plane->origin, plane->normal};
+        bool any = false;
+        for (std::size_t b = 0; b < twins_.size(); ++b) {
+            const Vec3 head = mirroredPoint(mirror, rig_.bones[b].head), tail = mirroredPoint(mirror, rig_.bones[b].tail);
+            double nearest = kTwin * diagonal_;
+            for (std::size_t other = 0; other < twins_.size(); ++other) {
+                const double away = std::max((rig_.bones[other].head - head).norm(), (rig_.bones[other].tail - tail).norm());
+                if (away > nearest || (away == nearest && twins_[b] >= 0)) continue;
+                nearest = away;
+                twins_[b] = static_cast<int>(other);
+            }
+        }
+        for (std::size_t b = 0; b < twins_.size(); ++b)
+            if (twins_[b] >= 0 && twins_[static_cast<std::size_t>(twins_[b])] != static_cast<int>(b)) twins_[b] = -1;
+        std::vector<double> share = flesh_.share;
+        for (std::size_t b = 0; b < twins_.size(); ++b) {
+            if (twins_[b] < 0 || twins_[b] == static_cast<int>(b)) continue;
+            share[b] = 0.5 * (flesh_.share[b] + flesh_.share[static_cast<std::size_t>(twins_[b])]);
+            any = true;
+        }
+        if (!any) return;
+        flesh_.share = share;
+        mirror_ = mirror;
+    }
+
+    /// Per kept bone its twin, 0: none.
+    [[nodiscard]] std::vector<int> keptTwins() const {
+        std::vector<int> twin(merged_.kept.size(), 0);
+        for (std::size_t k = 1; mirror_ && k < twin.size(); ++k) {
+            const int other = twins_[static_cast<std::size_t>(merged_.kept[k])];
+            const auto found = std::find(merged_.kept.begin() + 1, merged_.kept.end(), other);
+            if (other >= 0 && found != merged_.kept.end()) twin[k] = static_cast<int>(found - merged_.kept.begin());
+        }
+        for (std::size_t k = 1; k < twin.size(); ++k)
+            if (twin[k] == static_cast<int>(k)) twin[k] = 0;
+        return twin;
+    }
+
+    /// The later of two twins gets the planes of the other one; those of a bone on the mirror plane stand upright on it.
+    void mirrorWish(std::size_t k, int twin, std::vector<RigCuts::Wish>& wishes) const {
+        if (twin > 0 && twin < static_cast<int>(k)) {
+            wishes[k] = wishes[static_cast<std::size_t>(twin)];
+            for (CutPlane& plane : wishes[k].planes) plane = {mirroredPoint(*mirror_, plane.origin), mirroredDirection(*mirror_, plane.normal)};
+        } else if (mirror_ && twins_[static_cast<std::size_t>(merged_.kept[k])] == merged_.kept[k]) {
+            for (CutPlane& plane : wishes[k].planes) {
+                const double lean = mirror_->normal.dot(plane.normal);
+                if (std::abs(lean) > kStraight) continue;
+                plane.normal = (plane.normal - lean * mirror_->normal).normalized();
+                plane.origin = ontoPlane(*mirror_, plane.origin);
+            }
+        }
+    }
+
     /// A name of the document: without "/", which separates names there.
     static std::string plain(std::string name) {
         std::replace(name.begin(), name.end(), '/', '-');
@@ -146,7 +247,7 @@ private:
 
     /// Tips that stand on the ground, else the root.
     void pins() {
-        const double low = body_.vertices.col(1).minCoeff(), ground = low + kStandsWithin * (body_.vertices.col(1).maxCoeff() - low);
+        const double low = body_.vertices.col(1).minCoeff(), ground = low + kStands * (body_.vertices.col(1).maxCoeff() - low);
         for (const int tip : tips_)
             if (proposal_.bones[static_cast<std::size_t>(tip)].end.y() <= ground) proposal_.pins.push_back({tip, true});
         if (proposal_.pins.empty() || proposal_.pins.size() == tips_.size()) proposal_.pins = {{0, false}};
@@ -156,7 +257,6 @@ private:
 
     const Rig& rig_;
     const TriangleMesh& body_;
-    double least_;
     RigFlesh flesh_;
     RigCuts cuts_;
     MergedRig merged_;
@@ -164,13 +264,15 @@ private:
     std::vector<std::string> names_;  // per kept bone
     std::set<std::string> taken_;
     std::vector<int> tips_;
+    std::optional<CutPlane> mirror_;  // of body and rig
+    std::vector<int> twins_;          // per bone of the rig its mirror image, itself on the plane; -1: none
     double diagonal_ = 0.0;
 };
 
 }  // namespace
 
-Result<Proposal> proposeFromRig(const Rig& rig, const TriangleMesh& render, const TriangleMesh& body, double least, const Progress& progress) {
-    return RigProposer(rig, render, body, least).propose(progress);
+Result<Proposal> proposeFromRig(const Rig& rig, const TriangleMesh& render, const TriangleMesh& body, std::optional<double> least, const Progress& progress) {
+    return RigProposer(rig, render, body).propose(least, progress);
 }
 
 }  // namespace imomushi

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
+
 #include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/body/proposal.h"
@@ -11,11 +13,11 @@ namespace imomushi {
 
 inline constexpr double kLeastRigShare = 0.01;  ///< of the flesh of a bone, unless somebody says another
 
-/// Proposes cuts and bones from the skeleton of a file. Bones that move less than `least` of the flesh (0...1) are merged into what carries them (mergeRig()), and so
+/// Proposes cuts and bones from the skeleton of a file. Bones that move less than `least` of the flesh (0...1; none: kLeastRigShare, or more where that would leave many) are merged into what carries them (mergeRig()), and so
 /// are those where no cut works; each one that stays is cut from its parent at its head, along the bisector of the two, or where the skin goes over from one to the other if the
-/// bisector would cut through much flesh of both. Bones start where those of the file do, bit for bit, so that clips move them exactly; they have their names. All cuts
+/// bisector would cut through much flesh of both or works together with others nowhere; limbs come before spines. Where body and skeleton mirror themselves, so do the cuts. Bones start where those of the file do, bit for bit, so that clips move them exactly; they have their names. All cuts
 /// were tried and work together. `render`: the mesh that the weights of the rig are for. The same input gives the same bytes.
 /// Errors: "not-closed", "cancelled".
-Result<Proposal> proposeFromRig(const Rig& rig, const TriangleMesh& render, const TriangleMesh& body, double least, const Progress& progress);
+Result<Proposal> proposeFromRig(const Rig& rig, const TriangleMesh& render, const TriangleMesh& body, std::optional<double> least, const Progress& progress);
 
 }  // namespace imomushi

@@ -26,6 +26,25 @@ private:
     std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
+/// The commands of one step, taken back unless it ends.
+class Step {
+public:
+    explicit Step(SessionAccess& access) : access_(access) { access_.beginStep(); }
+    ~Step() {
+        if (open_) access_.cancelStep();
+    }
+    Step(const Step&) = delete;
+    Step& operator=(const Step&) = delete;
+    void end(DocumentHistory::Step step) {
+        open_ = false;
+        access_.endStep(std::move(step));
+    }
+
+private:
+    SessionAccess& access_;
+    bool open_ = true;
+};
+
 /// Does what a proposal says, by the ordinary commands. What is refused is told and left out.
 class Maker {
 public:
@@ -192,6 +211,21 @@ Result<PartId> characterFor(SessionAccess& access, const Json& arguments, Json& 
     return access.document().characterNamed(answer["characters"][0]["name"].get<std::string>())->id;
 }
 
+/// Makes elements soft at once: coarse answers for those that have none. What fails is left to the precompute. Errors: "cancelled".
+Result<int> draftAll(SessionAccess& access, PartId character, const Progress& progress) {
+    int made = 0;
+    for (const PartId id : access.document().elementsOf(character)) {
+        if (access.document().elements.at(id)->faces.empty() || access.responses.fittingOf(id)) continue;
+        if (progress.cancelled()) return fail(kCancelled, "Making drafts was cancelled; what was made stays.");
+        const ResponseInput input = access.responses.inputOfDraft(id);
+        auto response = buildResponse(input, progress);
+        if (!response) continue;
+        access.responses.bring(id, {responseKey(input), access.responses.shapeOf(id), std::make_shared<const ElementResponse>(std::move(*response))});
+        ++made;
+    }
+    return made;
+}
+
 /// Precomputes element by element; one that fails is told and does not stop the others. Errors: "cancelled".
 Result<Json> precomputeAll(SessionAccess& access, PartId character, Json& refused, const Progress& progress) {
     Json list = Json::array();
@@ -215,32 +249,36 @@ Result<Json> makeSoft(SessionAccess& access, const Json& arguments, const Progre
     if (!request) return tl::unexpected(request.error());
     StopWatch whole, watch;
     Json seconds;
-    access.beginStep();
-    const auto giveUp = [&](Error error) {
-        access.cancelStep();
-        return tl::unexpected(std::move(error));
-    };
+    Step step(access);
     Json imported = Json::object();
     const auto character = characterFor(access, arguments, imported, progress.part(0.0, 0.1));
-    if (!character) return giveUp(character.error());
+    if (!character) return tl::unexpected(character.error());
     seconds["body"] = watch.lap();
     const auto source = access.document().characters.at(*character);
     const auto proposal = access.propose(*source, *request, progress.part(0.1, 0.2));
-    if (!proposal) return giveUp(proposal.error());
+    if (!proposal) return tl::unexpected(proposal.error());
     seconds["propose"] = watch.lap();
     const Progress rest = progress.part(0.2, 0.3);
     Maker maker(access, *character, *proposal, rest);
-    if (auto ok = maker.cut(); !ok) return giveUp(ok.error());
+    if (auto ok = maker.cut(); !ok) return tl::unexpected(ok.error());
     seconds["cut"] = watch.lap();
-    for (const auto step : {&Maker::addBones, &Maker::addHandles, &Maker::attachParts})
-        if (auto ok = (maker.*step)(); !ok) return giveUp(ok.error());
+    for (const auto part : {&Maker::addBones, &Maker::addHandles, &Maker::attachParts})
+        if (auto ok = (maker.*part)(); !ok) return tl::unexpected(ok.error());
     seconds["bones"] = watch.lap();
-    access.endStep({"make-soft", source->name});
+    step.end({"make-soft", source->name});
     access.changedPose();
 
     Json precomputed = Json::array();
+    int drafts = 0;
+    if (arguments.value("draft", false)) {
+        const auto made = draftAll(access, *character, progress.part(0.3, 0.4));
+        if (!made) return tl::unexpected(made.error());
+        drafts = *made;
+        seconds["draft"] = watch.lap();
+        access.changedResponses();
+    }
     if (arguments.value("precompute", true)) {
-        auto done = precomputeAll(access, *character, maker.refused, progress.part(0.3, 1.0));
+        auto done = precomputeAll(access, *character, maker.refused, progress.part(0.4, 1.0));
         if (!done) return tl::unexpected(done.error());
         precomputed = std::move(*done);
         seconds["precompute"] = watch.lap();
@@ -257,6 +295,7 @@ Result<Json> makeSoft(SessionAccess& access, const Json& arguments, const Progre
     answer["handles"] = maker.handles;
     answer["refused"] = maker.refused;
     answer["precomputed"] = std::move(precomputed);
+    if (seconds.contains("draft")) answer["drafts"] = drafts;
     for (const char* key : {"issues", "format", "metres_per_unit", "turned_z_up", "clips"})
         if (imported.contains(key)) answer[key] = imported[key];
     answer["size"] = sizeJson(*source);
@@ -276,6 +315,7 @@ void addMakeSoftCommand(CommandRegistry& registry) {
                         {"from", Type::Text, false, "As in propose."},
                         {"least", Type::Number, false, "As in propose."},
                         {"precompute", Type::Boolean, false, "Precomputes its elements (true)."},
+                        {"draft", Type::Boolean, false, "Makes coarse answers first, some tenths of a second each (false)."},
                         {"name", Type::Text, false, "Of the file's character, as in import-character; so are the following."},
                         {"unit", Type::Text, false, "The unit of the file."},
                         {"up", Type::Text, false, "The axis of the file that points up."},

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdio>
 
+#include "core/body/rig_proposal.h"
 #include "core/body/shape_proposal.h"
 #include "core/document/command_support.h"
 #include "core/document/session_access.h"
@@ -55,8 +56,14 @@ Result<ProposalRequest> proposalRequestFrom(const Json& arguments) {
 }
 
 Result<Proposal> proposeFor(const CharacterSource& character, const ProposalRequest& request, const Progress& progress) {
-    if (request.from == ProposalRequest::From::Skeleton)
-        return fail("no-skeleton", "The character \"" + character.name + "\" came without a skeleton: propose from its \"shape\".");
+    using From = ProposalRequest::From;
+    if (character.rig && request.from != From::Shape) {
+        auto proposal = proposeFromRig(*character.rig, character.model->mesh.body, character.body->mesh, request.least < 0.0 ? std::nullopt : std::optional(request.least), progress);
+        // A skeleton that divides nothing is no reason to leave a shape whole.
+        if (!proposal || !proposal->cuts.empty() || request.from == From::Skeleton) return proposal;
+    }
+    if (request.from == From::Skeleton)
+        return fail("no-skeleton", "The character \"" + character.name + "\" came without a skeleton: import one, or propose from its \"shape\".");
     return proposeFromShape(character.body->mesh, request.least < 0.0 ? kLeastShare : request.least, progress);
 }
 
@@ -116,7 +123,7 @@ void addProposalCommands(CommandRegistry& registry) {
                        "that mirrors itself gets a proposal that does. All cuts were tried together. Changes nothing; make-soft does what is proposed.",
                        {{"character", Type::Text, true, "The character."},
                         {"from", Type::Text, false, "\"skeleton\", \"shape\", or \"auto\": the skeleton where the file brought one (unless given)."},
-                        {"least", Type::Number, false, "The smallest share of the flesh of a piece, 0 to 1 (0.0005 for shapes); what is smaller stays with its neighbour."}},
+                        {"least", Type::Number, false, "The smallest share of the flesh of a piece, 0 to 1 (0.0005 for shapes; 0.01 for skeletons, or more where that would make many pieces); what is smaller stays with its neighbour."}},
                        propose);
 }
 

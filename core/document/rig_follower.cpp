@@ -45,6 +45,8 @@ void RigFollower::chooseBones(const Document& document, PartId character) {
         if (!own[trees.find(static_cast<std::size_t>(bone.start))]) continue;
         const Vec3 &start = skeleton.points[static_cast<std::size_t>(bone.start)], &end = skeleton.points[static_cast<std::size_t>(bone.end)];
         int chosen = rig_.boneIndex(document.bones.at(plan_.bones[b])->name);
+        // Bones that lead from the start of another one to its limbs turn with that.
+        if (const int parent = tree_.parent[b]; chosen < 0 && parent >= 0 && skeleton.bones[static_cast<std::size_t>(parent)].start == bone.start) chosen = follows_[static_cast<std::size_t>(parent)];
         for (std::size_t r = 0; chosen < 0 && r < rig_.bones.size(); ++r)
             if ((rig_.bones[r].head - start).norm() <= same_) {
                 chosen = static_cast<int>(r);

@@ -9,8 +9,9 @@
 
 namespace imomushi {
 
-/// Moves the bones of a document as a clip moves the skeleton of a file. A bone turns with the bone of the file that has its name, else with one that starts where it
-/// starts, else with its parent's, else with the nearest one. A joint point at the head of a bone of the file goes where that goes; any other is carried rigidly.
+/// Moves the bones of a document as a clip moves the skeleton of a file. A bone turns with the bone of the file that has its name, else as the one that it starts together
+/// with, else with one that starts where it starts, else with its parent's, else with the nearest one. A joint point at the head of a bone of the file goes where that goes;
+/// any other is carried rigidly.
 class RigFollower {
 public:
     /// Bones of `character` are those that hang together with a bone through one of its elements. All must outlive this.

@@ -58,11 +58,19 @@ Result<Json> Session::execute(const Json& command, const Progress& progress) {
     if (what->name != "step") history_.flushFrames();
     const Document before = history_.document();  // shares all parts
     const int position = history_.position();
-    told_ = {};
-    historyMoved_ = false;
+    // A command may run others (SessionAccess::execute()): what it has told so far is its own.
+    struct Outer {
+        Session& session;
+        Change told = std::exchange(session.told_, {});
+        bool historyMoved = std::exchange(session.historyMoved_, false);
+        ~Outer() {
+            session.told_ = std::move(told);
+            session.historyMoved_ = historyMoved;
+        }
+    } outer{*this};
     auto answer = perform(*what, command, before, progress);
     // What an action did to the history as a whole stands, even where it failed after that: half of it taken back would fit nothing.
-    if (!answer && !std::exchange(historyMoved_, false)) {
+    if (!answer && !historyMoved_) {
         takeBack(before);
         return answer;
     }

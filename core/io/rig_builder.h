@@ -18,7 +18,6 @@ class RigBuilder {
 public:
     /// Returns the index of the node. `rest`: where it is in the file's coordinates when the mesh is as its vertices come.
     int addNode(std::string name, int parent, const RigNode& local, const Eigen::Matrix4d& rest);
-    [[nodiscard]] std::size_t nodes() const { return nodes_.size(); }
     /// The joint of a skin; where the skin says where it is at rest, that replaces what the node says.
     void setJoint(int node, const std::optional<Eigen::Matrix4d>& rest = {});
     /// A mesh hangs on the node.

@@ -1,9 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Skeletons of files: what import answers and projects keep, and takes of clips.
+#include <algorithm>
+#include <chrono>
 #include <cmath>
-#include <numbers>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <map>
 
+#include "core/body/rig_proposal.h"
 #include "core/document/rig_follower.h"
+#include "core/io/build_result.h"
 #include "tests/document/tamper.h"
 #include "tests/document/workbench.h"
 
@@ -87,6 +94,52 @@ struct RigBench : Workbench {
         good({{"do", "add-bone"}, {"name", "spine 1"}, {"element", "low"}, {"from", {0, 0, 0}}, {"to", {0, 0, 4}}});
         good({{"do", "add-bone"}, {"name", "spine 3"}, {"element", "middle"}, {"from", "spine 1/end"}, {"to", {0, 0, 8}}});
         good({{"do", "add-bone"}, {"name", "spine 5"}, {"element", "high"}, {"from", "spine 3/end"}, {"to", {0, 0, 11}}});
+    }
+};
+
+/// Where the joints of an exported skeleton are at the keys of a clip, by node: x y z per key. Only what the writer writes: floats, each node moved alone under a root at rest.
+struct PlayedGlb {
+    std::map<std::string, std::vector<Vec3>> places;
+    std::vector<double> times;
+
+    PlayedGlb(const std::filesystem::path& path, const std::string& clip) {
+        const std::string bytes = readFile(path);
+        std::uint32_t length = 0;
+        std::memcpy(&length, bytes.data() + 12, 4);
+        const Json json = Json::parse(bytes.substr(20, length));
+        const char* binary = bytes.data() + 20 + length + 8;
+        const auto floats = [&](const Json& index) {
+            const Json& accessor = json["accessors"][index.get<std::size_t>()];
+            REQUIRE(accessor["componentType"] == 5126);
+            const Json& view = json["bufferViews"][accessor["bufferView"].get<std::size_t>()];
+            const std::size_t width = accessor["type"] == "SCALAR" ? 1 : accessor["type"] == "VEC3" ? 3 : 4;
+            std::vector<float> values(width * accessor["count"].get<std::size_t>());
+            std::memcpy(values.data(), binary + view.value("byteOffset", std::size_t{0}) + accessor.value("byteOffset", std::size_t{0}), values.size() * sizeof(float));
+            return values;
+        };
+        for (const Json& animation : json["animations"]) {
+            if (animation["name"] != clip) continue;
+            for (const Json& channel : animation["channels"]) {
+                if (channel["target"]["path"] != "translation") continue;
+                const Json& sampler = animation["samplers"][channel["sampler"].get<std::size_t>()];
+                const auto keys = floats(sampler["input"]), values = floats(sampler["output"]);
+                times.assign(keys.begin(), keys.end());
+                auto& list = places[json["nodes"][channel["target"]["node"].get<std::size_t>()]["name"].get<std::string>()];
+                for (std::size_t i = 0; i < values.size(); i += 3) list.emplace_back(static_cast<double>(values[i]), static_cast<double>(values[i + 1]), static_cast<double>(values[i + 2]));
+            }
+        }
+    }
+
+    /// How far the nearest joint is from a place that moves, at the worst key, if the same joint is to follow it throughout.
+    template <class PlaceAt>
+    double nearest(const PlaceAt& placeAt) const {
+        double best = 1e300;
+        for (const auto& [name, list] : places) {
+            double worst = 0.0;
+            for (std::size_t k = 0; k < list.size(); ++k) worst = std::max(worst, (list[k] - placeAt(times[k])).norm());
+            best = std::min(best, worst);
+        }
+        return best;
     }
 };
 
@@ -235,4 +288,88 @@ TEST_CASE("skeletons: bones without a counterpart are carried by what is nearest
     const auto file = posedRig(rigOf(w.session), rigOf(w.session).clips[0], 1.0);
     CHECK((*w.session.positionOf({w.session.document().boneNamed("own")->id, true}) - (file[3].head + file[3].rotation * Vec3(0, 0.1, 1.5))).norm() < 1e-12);
     CHECK(*w.session.positionOf({w.session.document().boneNamed("other")->id, true}) == Vec3(0, 0, 0.5));
+}
+
+TEST_CASE("skeletons: joints of an exported take are where the file's own are") {
+    RigBench w;
+    w.buildWorm();
+    w.good({{"do", "precompute"}});
+    w.good({{"do", "take-clip"}, {"character", "worm"}, {"clip", "wave"}, {"fps", 30}});
+    const auto path = w.folder() / "wave.glb";
+    w.good({{"do", "export"}, {"path", path}, {"layout", "skinned"}});
+    const PlayedGlb played(path, "wave");
+    REQUIRE(played.times.size() == 31);
+    const Rig& rig = rigOf(w.session);
+    for (const std::size_t bone : {3U, 5U}) CHECK(played.nearest([&](double t) { return posedRig(rig, rig.clips[0], t)[bone].head; }) < 1e-5);
+    CHECK(played.nearest([&](double t) { return posedRig(rig, rig.clips[0], t)[4].head; }) > 0.1);
+}
+
+TEST_CASE("skeletons: clips of third-party files as takes of their proposals, exported") {
+    namespace fs = std::filesystem;
+    if (!fs::exists(IMOMUSHI_SHARED_MESHES)) {
+        MESSAGE("skipped: no folder " IMOMUSHI_SHARED_MESHES);
+        return;
+    }
+    const auto read = [](const ImportRequest& request, const Progress& progress) -> Result<CharacterFile> {
+        const std::string bytes = readFile(request.path);
+        auto scene = readScene({request.path, bytes}, SceneUse::Character);
+        if (!scene) return tl::unexpected(scene.error());
+        return buildCharacter(std::move(*scene), request, progress);
+    };
+    for (const auto& [file, clip] : {std::pair("Fox.glb", "Run"), std::pair("snake-animations.glb", "Side winding"), std::pair("character.glb", "walk")}) {
+        CAPTURE(file);
+        Workbench w;
+        w.session.setCharacterImporter(read);
+        w.good({{"do", "import-character"}, {"path", fs::path(IMOMUSHI_SHARED_MESHES) / file}, {"name", "it"}});
+        const auto character = w.session.document().characters.begin()->second;
+        const auto proposal = proposeFromRig(*character->rig, character->model->mesh.body, character->body->mesh, std::nullopt, {});
+        REQUIRE(proposal);
+        for (std::size_t c = 0; c < proposal->cuts.size(); ++c) {
+            const ProposedCut& cut = proposal->cuts[c];
+            // The piece that it divides is that of its bone's parent.
+            const auto own = std::find_if(proposal->bones.begin(), proposal->bones.end(), [&](const ProposedBone& bone) { return bone.piece == static_cast<int>(c); });
+            const int above = proposal->bones[static_cast<std::size_t>(own->parent)].piece;
+            w.good({{"do", "cut"}, {"element", "it"}, {"plane", {{"origin", {cut.plane.origin.x(), cut.plane.origin.y(), cut.plane.origin.z()}}, {"normal", {cut.plane.normal.x(), cut.plane.normal.y(), cut.plane.normal.z()}}}},
+                    {"names", {above < 0 ? "it body" : proposal->cuts[static_cast<std::size_t>(above)].piece, cut.piece}}});
+        }
+        for (const ProposedBone& bone : proposal->bones) {
+            const auto point = [](const Vec3& p) { return Json::array({p.x(), p.y(), p.z()}); };
+            const Json from = bone.parent < 0 ? point(bone.start) : Json(proposal->bones[static_cast<std::size_t>(bone.parent)].name + (bone.fromParentStart ? "/start" : "/end"));
+            w.good({{"do", "add-bone"}, {"name", bone.name}, {"element", bone.piece < 0 ? "it body" : proposal->cuts[static_cast<std::size_t>(bone.piece)].piece}, {"from", from}, {"to", point(bone.end)}});
+        }
+        const auto start = std::chrono::steady_clock::now();
+        const Json taken = w.good({{"do", "take-clip"}, {"character", "it"}, {"clip", clip}});
+        const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        const fs::path given = std::getenv("IMOMUSHI_RIG_EXPORTS") ? std::getenv("IMOMUSHI_RIG_EXPORTS") : w.folder();
+        const fs::path path = given / (fs::path(file).stem().string() + "-take.glb");
+        w.good({{"do", "export"}, {"path", path}, {"layout", "skinned"}});
+        const PlayedGlb played(path, clip);
+        const Rig& rig = *character->rig;
+        const Points& vertices = character->model->mesh.body.vertices;
+        const double diagonal = (vertices.colwise().maxCoeff() - vertices.colwise().minCoeff()).norm();
+        const RigClip& asked = rig.clips[static_cast<std::size_t>(rig.clipIndex(clip))];
+        double worst = 0.0;
+        int joints = 0;
+        for (const ProposedBone& bone : proposal->bones) {
+            if (bone.name != rig.bones[static_cast<std::size_t>(bone.joint)].name || bone.parent < 0) continue;
+            // As the take has it,
+            const Take& take = *w.session.document().takeNamed(clip);
+            for (std::size_t f = 0; f < take.times.size(); f += 7) {
+                w.good({{"do", "play"}, {"take", clip}, {"time", take.times[f]}});
+                CHECK((*w.session.positionOf({w.session.document().boneNamed(bone.name)->id, false}) - posedRig(rig, asked, take.times[f])[static_cast<std::size_t>(bone.joint)].head).norm() < 1e-9 * diagonal);
+            }
+            // and as the file has it, where it is a joint of the skin: where the bones meet beside the section, elements only hang together.
+            const double away = played.nearest([&](double t) { return posedRig(rig, asked, t)[static_cast<std::size_t>(bone.joint)].head; }) / diagonal;
+            if (away > 1e-4) {
+                std::printf("   %s: %.2g\n", bone.name.c_str(), away);
+                continue;
+            }
+            worst = std::max(worst, away);
+            ++joints;
+        }
+        std::printf("%-24s %-14s %3d frames %.2f s, %d exact joints, %d carried; %d joints of the export, within %.2g diagonals\n", file, clip, taken["frames"].get<int>(), seconds,
+                    taken["exact_joints"].get<int>(), taken["carried_joints"].get<int>(), joints, worst);
+        CHECK(worst < 1e-4);
+        CHECK(joints >= 3);
+    }
 }

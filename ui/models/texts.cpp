@@ -112,6 +112,8 @@ const std::map<std::string, const char*> kErrors = {
     {"bad-detail", QT_TRANSLATE_NOOP("Errors", "The detail of a wrap lies between 0.001 and 0.2 diagonals of the mesh.")},
     {"cut-passes", QT_TRANSLATE_NOOP("Errors", "Cuts cannot change on which side of each other they lie. Put this one elsewhere.")},
     {"cuts-touch", QT_TRANSLATE_NOOP("Errors", "Two cuts touch or come too near to each other. Move one of them away.")},
+    {"no-skeleton", QT_TRANSLATE_NOOP("Errors", "No skeleton was found, neither in the file nor in the shape. Cut by hand, or use handles.")},
+    {"already-cut", QT_TRANSLATE_NOOP("Errors", "The character has cuts, bones or handles already. Take them out first.")},
     {"does-not-separate", QT_TRANSLATE_NOOP("Errors", "The body still hangs together around the cut. Put it where it cuts something off.")},
     {"empty-piece", QT_TRANSLATE_NOOP("Errors", "One side of the cut would have no volume. Move the plane deeper into the body.")},
     {"face-lost", QT_TRANSLATE_NOOP("Errors", "A joint face lies where the body becomes another. Remove it first.")},
@@ -143,6 +145,8 @@ const std::map<std::string, const char*> kSteps = {
     {"open", QT_TRANSLATE_NOOP("Steps", "Open project")},
     {"import-element", QT_TRANSLATE_NOOP("Steps", "Import element")},
     {"import-character", QT_TRANSLATE_NOOP("Steps", "Import character")},
+    {"import-skeleton", QT_TRANSLATE_NOOP("Steps", "Import skeleton")},
+    {"make-soft", QT_TRANSLATE_NOOP("Steps", "Make soft")},
     {"repair", QT_TRANSLATE_NOOP("Steps", "Repair mesh")},
     {"cut", QT_TRANSLATE_NOOP("Steps", "Cut element")},
     {"move-cut", QT_TRANSLATE_NOOP("Steps", "Move cut")},
@@ -270,7 +274,7 @@ QString stepText(const std::string& command, const std::string& subject) {
     if (name.isEmpty()) name = QString::fromStdString(command);
     QString what = QString::fromStdString(subject);
     if (const auto effect = effectNamed(subject)) what = effectTitle(*effect);
-    if (command == "import-element" || command == "import-character") what = what.section(u'/', -1);  // the file, not its folders
+    if (command == "import-element" || command == "import-character" || command == "import-skeleton") what = what.section(u'/', -1);  // the file, not its folders
     return what.isEmpty() ? name : Texts::tr("%1: %2", "undo step: what was done, to what").arg(name, what);
 }
 

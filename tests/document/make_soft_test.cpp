@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cmath>
+#include <set>
+
+#include "tests/document/workbench.h"
+#include "tests/support/capsules.h"
+
+using namespace imomushi;
+
+namespace {
+
+/// Characters: "animal" of capsules.h, "large animal" a hundred times as large, "starfish", and those of the workbench.
+void useCapsules(Workbench& w) {
+    w.session.setCharacterImporter([](const ImportRequest& request, const Progress& progress) -> Result<CharacterFile> {
+        const std::string name = request.path.string();
+        static const TriangleMesh animal = capsules::animal(), starfish = capsules::starfish();
+        if (name == "animal") return Workbench::characterOf({animal}, {"animal"});
+        if (name == "starfish") return Workbench::characterOf({starfish}, {"starfish"});
+        if (name == "large animal") {
+            TriangleMesh large = animal;
+            large.vertices *= 100.0;
+            return Workbench::characterOf({large}, {"animal"});
+        }
+        return Workbench::characterFile(request, progress);
+    });
+}
+
+Json makeSoft(const std::string& path) { return {{"do", "make-soft"}, {"path", path}, {"precompute", false}}; }
+
+std::set<std::string> commandsOf(const Workbench& w) {
+    std::set<std::string> names;
+    for (const Json& line : w.session.script()) names.insert(line.at("do").get<std::string>());
+    return names;
+}
+
+}  // namespace
+
+TEST_CASE("propose: tells cuts, bones and pins, and changes nothing") {
+    Workbench w;
+    useCapsules(w);
+    w.good({{"do", "import-character"}, {"path", "animal"}, {"name", "it"}});
+    const std::string before = w.content();
+    const auto position = w.session.position();
+    const Json answer = w.good({{"do", "propose"}, {"character", "it"}});
+    CHECK(w.content() == before);
+    CHECK(w.session.position() == position);
+    CHECK(answer["from"] == "shape");
+    CHECK(answer["cuts"].size() >= 6);
+    CHECK(answer["bones"].size() > answer["cuts"].size());
+    CHECK(answer["pins"].size() == 4);
+    CHECK(answer["symmetry"].is_object());
+    CHECK(!answer["size"].contains("suggested_unit"));
+    for (const Json& cut : answer["cuts"])
+        for (const char* key : {"name", "origin", "normal"}) CHECK(cut.contains(key));
+    CHECK(w.good({{"do", "propose"}, {"character", "it"}, {"from", "shape"}})["cuts"] == answer["cuts"]);
+    CHECK(w.good({{"do", "propose"}, {"character", "it"}, {"least", 0.05}})["cuts"].size() < answer["cuts"].size());
+    CHECK(w.code({{"do", "propose"}, {"character", "it"}, {"from", "skeleton"}}) == "no-skeleton");
+    CHECK(w.code({{"do", "propose"}, {"character", "it"}, {"from", "nothing"}}) == "bad-value");
+    CHECK(w.code({{"do", "propose"}, {"character", "it"}, {"least", 2.0}}) == "bad-value");
+    CHECK(w.code({{"do", "propose"}, {"character", "other"}}) == "no-such-character");
+}
+
+TEST_CASE("make-soft: one step of ordinary commands, and every bone can be dragged by its end") {
+    Workbench w;
+    useCapsules(w);
+    const std::string empty = w.content();
+    const Json answer = w.good(makeSoft("animal"));
+    CHECK(answer["refused"] == Json::array());
+    CHECK(answer["elements"].size() == answer["proposal"]["cuts"].size() + 1);
+    CHECK(answer["cuts"].size() == answer["proposal"]["cuts"].size());
+    CHECK(answer["bones"].size() == answer["proposal"]["bones"].size());
+    CHECK(answer["pins"].size() == 4);
+    for (const char* stage : {"body", "propose", "cut", "bones", "all"}) CHECK(answer["seconds"][stage].get<double>() >= 0.0);
+    CHECK(!answer["seconds"].contains("precompute"));
+    const std::string made = w.content();
+
+    REQUIRE(w.session.steps().size() == 1);
+    CHECK(w.session.steps()[0].name == "make-soft");
+    const auto commands = commandsOf(w);
+    CHECK(!commands.contains("make-soft"));
+    for (const char* command : {"import-character", "cut", "rename", "add-bone", "pin"}) CHECK_MESSAGE(commands.contains(command), command);
+    const auto script = w.session.script();
+
+    w.good({{"do", "undo"}});
+    CHECK(w.content() == empty);
+    CHECK(w.code({{"do", "undo"}}) == "nothing-to-undo");
+    w.good({{"do", "redo"}});
+    CHECK(w.content() == made);
+
+    // All bones of the list, by their ends; each runs through an element.
+    const Json listed = w.good({{"do", "list"}});
+    REQUIRE(listed["bones"].size() == answer["bones"].size());
+    for (const Json& bone : listed["bones"]) {
+        CAPTURE(bone["name"]);
+        CHECK(bone["element"].is_string());
+        const std::string end = bone["name"].get<std::string>() + "/end";
+        const Json at = w.good({{"do", "measure"}, {"what", "position"}, {"endpoint", end}})["value"];
+        const Json dragged = w.good({{"do", "drag"}, {"endpoint", end}, {"to", {at[0].get<double>() + 0.05, at[1].get<double>() + 0.04, at[2].get<double>()}}});
+        CHECK(std::isfinite(dragged["distance"].get<double>()));
+        w.good({{"do", "release"}, {"endpoint", end}});
+    }
+
+    // The script makes the same character again.
+    Workbench again;
+    useCapsules(again);
+    for (const Json& line : script) again.good(line);
+    CHECK(again.content() == made);
+}
+
+TEST_CASE("make-soft: drafts make it soft at once") {
+    Workbench w;
+    useCapsules(w);
+    Json line = makeSoft("starfish");
+    line["draft"] = true;
+    const Json answer = w.good(line);
+    CHECK(answer["drafts"] == answer["elements"].size());
+    CHECK(answer["seconds"]["draft"].get<double>() > 0.0);
+    // An arm that is lifted at its tip bends: its render vertices do not move as one rigid piece.
+    const std::string end = answer["bones"].back().get<std::string>() + "/end";
+    const Json at = w.good({{"do", "measure"}, {"what", "position"}, {"endpoint", end}})["value"];
+    w.good({{"do", "drag"}, {"endpoint", end}, {"to", {at[0], at[1].get<double>() + 0.3, at[2]}}});
+    CHECK(w.good({{"do", "measure"}, {"what", "gap"}})["value"].get<double>() < 1e-6);
+    const auto& elements = w.session.document().elements;
+    int soft = 0;
+    for (const auto& [id, element] : elements) soft += w.session.responses().fittingOf(id) ? 1 : 0;
+    CHECK(soft == static_cast<int>(elements.size()));
+}
+
+TEST_CASE("make-soft: a shape without limbs gets handles") {
+    Workbench w;
+    useCapsules(w);
+    const Json answer = w.good(makeSoft("ball"));
+    CHECK(answer["bones"] == Json::array());
+    CHECK(answer["cuts"] == Json::array());
+    REQUIRE(answer["handles"].size() >= 2);
+    CHECK(answer["pins"] == Json::array({"bottom"}));
+    CHECK(answer["refused"] == Json::array());
+    w.good({{"do", "drag"}, {"endpoint", "top"}, {"to", {0.1, 1.2, 0.0}}});
+    CHECK(w.session.steps().front().name == "make-soft");
+}
+
+TEST_CASE("make-soft: takes a character that is there, once") {
+    Workbench w;
+    useCapsules(w);
+    w.good({{"do", "import-character"}, {"path", "animal"}, {"name", "it"}});
+    const Json answer = w.good({{"do", "make-soft"}, {"character", "it"}, {"precompute", false}});
+    CHECK(answer["character"] == "it");
+    const std::string made = w.content();
+    CHECK(w.code({{"do", "make-soft"}, {"character", "it"}}) == "already-cut");
+    CHECK(w.content() == made);
+    // A second one of the same file gets names of its own.
+    const Json second = w.good(makeSoft("animal"));
+    CHECK(second["refused"] == Json::array());
+    CHECK(second["elements"].size() == answer["elements"].size());
+}
+
+TEST_CASE("make-soft: what fails leaves nothing behind") {
+    Workbench w;
+    useCapsules(w);
+    const std::string empty = w.content();
+    CHECK(w.code(makeSoft("nowhere")) == "file-not-found");
+    CHECK(w.code({{"do", "make-soft"}}) == "missing-key");
+    CHECK(w.code({{"do", "make-soft"}, {"character", "it"}}) == "no-such-character");
+    CHECK(w.code({{"do", "make-soft"}, {"path", "animal"}, {"character", "it"}}) == "bad-value");
+    Json line = makeSoft("animal");
+    line["from"] = "skeleton";
+    CHECK(w.code(line) == "no-skeleton");
+    std::stop_source stop;
+    stop.request_stop();
+    const auto cancelled = w.session.execute(makeSoft("animal"), Progress({}, stop.get_token()));
+    REQUIRE(!cancelled.has_value());
+    CHECK(cancelled.error().code == kCancelled);
+    CHECK(w.content() == empty);
+    CHECK(w.session.steps().empty());
+    CHECK(w.session.script().size() == 1);  // "new"
+    w.good(makeSoft("animal"));
+}
+
+TEST_CASE("make-soft: a size that cannot be meant is told with the unit to import it with") {
+    Workbench w;
+    useCapsules(w);
+    const Json answer = w.good({{"do", "import-character"}, {"path", "large animal"}, {"name", "it"}});
+    const Json size = w.good({{"do", "propose"}, {"character", "it"}})["size"];
+    CHECK(size["suggested_unit"] == "cm");
+    CHECK(size["note"].get<std::string>().find("\"cm\"") != std::string::npos);
+    CHECK(size["height"].get<double>() > 100.0);
+}
