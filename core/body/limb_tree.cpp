@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <queue>
 
 #include "core/base/union_find.h"
 #include "core/body/cgal/flow_skeleton.h"
 #include "core/body/cgal/rays.h"
+#include "core/mesh/topology.h"
 #include "core/mesh/triangle_tree.h"
 
 namespace imomushi {
@@ -27,7 +29,7 @@ constexpr double kChain = 2.5;
 
 struct Node {
     Vec3 at;
-    double radius = 0.0, flesh = 0.0;
+    double radius = 0.0, area = 0.0, flesh = 0.0;
     std::vector<int> next;  // ascending
 };
 
@@ -39,7 +41,7 @@ struct Branch {
 
 class Builder {
 public:
-    Builder(const TriangleMesh& mesh, double least) : mesh_(mesh), surface_(mesh), rays_(mesh), least_(least) {}
+    Builder(const TriangleMesh& mesh, double least) : surface_(mesh), rays_(mesh), area_(surfaceArea(mesh)), vertices_(mesh.vertices.rows()), least_(least) {}
 
     LimbTree build(const FlowSkeleton& skeleton) {
         load(skeleton);
@@ -56,10 +58,12 @@ private:
     void load(const FlowSkeleton& skeleton) {
         nodes_.resize(skeleton.points.size());
         double whole = 0.0;
+        const double perVertex = area_ / static_cast<double>(std::max<Eigen::Index>(1, vertices_));
         for (std::size_t i = 0; i < nodes_.size(); ++i) {
             nodes_[i].at = skeleton.points[i];
             nodes_[i].radius = std::sqrt(surface_.nearest(nodes_[i].at).squaredDistance);
-            nodes_[i].flesh = static_cast<double>(skeleton.vertices[i].size()) * nodes_[i].radius;  // a tube: area times half the radius
+            nodes_[i].area = perVertex * static_cast<double>(skeleton.vertices[i].size());
+            nodes_[i].flesh = nodes_[i].area * nodes_[i].radius;  // a tube: twice its volume
             whole += nodes_[i].flesh;
         }
         for (Node& n : nodes_) n.flesh /= std::max(whole, 1e-300);
@@ -135,12 +139,14 @@ private:
                 for (std::size_t i = branch.nodes.size(); i-- > 0;) line.push_back(node(branch.nodes[i]).at);
                 const double outside = branch.length + (tipBeyond(line, node(tip).radius) - node(tip).at).norm() - node(fork).radius;
                 std::vector<double> radii;
-                double flesh = 0.0;
+                double flesh = 0.0, area = 0.0;
                 for (const int i : branch.nodes)
-                    if (i != fork && (node(i).at - node(fork).at).norm() > node(fork).radius) radii.push_back(node(i).radius), flesh += node(i).flesh;
+                    if (i != fork && (node(i).at - node(fork).at).norm() > node(fork).radius) radii.push_back(node(i).radius), flesh += node(i).flesh, area += node(i).area;
                 if (radii.empty()) radii.push_back(node(tip).radius);
                 std::nth_element(radii.begin(), radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2), radii.end());
-                const double slenderness = outside / std::max(2.0 * radii[radii.size() / 2], 1e-9);
+                // That of a tube of its area, as balls are small in the corners of a box.
+                const double thickness = std::max(2.0 * radii[radii.size() / 2], area / (std::numbers::pi * std::max(outside, 1e-9)));
+                const double slenderness = outside / std::max(thickness, 1e-9);
                 if (outside >= kLeastReach && slenderness >= kLeastSlenderness && flesh >= least_) continue;
                 if (slenderness < worst) worst = slenderness, out = branch, share = flesh, thin = outside >= kLeastReach && slenderness >= kLeastSlenderness;
             }
@@ -332,9 +338,10 @@ private:
         return made;
     }
 
-    const TriangleMesh& mesh_;
     TriangleTree surface_;
     RayTree rays_;
+    double area_;
+    Eigen::Index vertices_;
     double least_;
     std::vector<Node> nodes_;
     std::vector<int> hubOf_;

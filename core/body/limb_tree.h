@@ -56,7 +56,7 @@ Result<LimbTree> findLimbs(const TriangleMesh& mesh, double least, const Progres
 /// Makes the tree its own mirror image: limbs are paired, one of each pair becomes the image of the other; what lies across the plane is laid into it.
 void symmetrise(LimbTree& tree, const CutPlane& plane);
 
-/// The point at a way along a line, and the direction there from one way to another.
+/// The point at a way along a line, m.
 Vec3 pointAlong(const std::vector<Vec3>& line, double way);
 double lengthOf(const std::vector<Vec3>& line);
 
