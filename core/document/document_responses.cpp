@@ -54,6 +54,7 @@ ResponseInput DocumentResponses::inputOf(PartId element) const {
     ResponseInput input;
     input.mesh = e.mesh;
     input.faces = e.faces;
+    for (const Handle& handle : e.handles) input.faces[static_cast<std::size_t>(e.faceIndex(handle.face))].disc = SurfaceDisc{handle.point, handle.radius};
     input.nu = e.nu;
     input.basis = wish.basis;
     input.loads = wish.loads;

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -22,6 +23,12 @@ struct FaceFrame {
     [[nodiscard]] Vec3 toWorld(const Vec3& local) const { return origin + axes * local; }
 };
 
+/// What lies within `radius` (m) of `point` along a surface, wherever its triangles end.
+struct SurfaceDisc {
+    Vec3 point = Vec3::Zero();  ///< m, on the body
+    double radius = 0.0;
+};
+
 /// A patch of an element's surface, fixed to a joint.
 struct JointFace {
     std::string name;
@@ -34,6 +41,8 @@ struct JointFace {
     /// Flat to rounding or artist's tolerance. A face that is not flat gets three more columns in every basis (FaceBasis).
     [[nodiscard]] bool flat() const { return planarityError <= kFlatTolerance * size; }
     static constexpr double kFlatTolerance = 1e-3;
+    /// Of a handle, where its response is made: what is held; `triangles` are those that lie in it. None: `triangles` are.
+    std::optional<SurfaceDisc> disc;
 };
 
 /// The largest connected patch of triangles with all corners within `tolerance` (metres) of the plane through `origin` with

@@ -65,7 +65,8 @@ bool intersectsAt(const LabelledSurface& surface, const std::vector<Index>& numb
 
 }  // namespace
 
-Result<DecimatedBody> decimate(const TriangleMesh& body, std::span<const JointFace> faces, int vertices, const Progress& progress, double rimTolerance) {
+Result<DecimatedBody> decimate(const TriangleMesh& body, std::span<const JointFace> faces, int vertices, const Progress& progress,
+                               std::span<const double> rimTolerance, std::span<const double> longest) {
     const std::string count = std::to_string(body.vertices.rows());
     if (vertices < 4) return fail("bad-value", "A closed surface has at least 4 vertices; choose a larger number.");
     if (vertices > body.vertices.rows())
@@ -97,7 +98,9 @@ Result<DecimatedBody> decimate(const TriangleMesh& body, std::span<const JointFa
         for (const Index t : faces[f].triangles) start.label[at(t)] = static_cast<Index>(f);
 
     std::vector<double> tolerance;
-    for (const JointFace& face : faces) tolerance.push_back(rimTolerance * std::sqrt(face.area) / diagonal);
+    for (std::size_t f = 0; f < faces.size(); ++f) tolerance.push_back(rimTolerance.empty() ? 0.0 : rimTolerance[f] * std::sqrt(faces[f].area) / diagonal);
+    std::vector<double> size(longest.begin(), longest.end());
+    for (double& length : size) length /= diagonal;
     const double uniform = uniformEdge(start, vertices);
     constexpr double kUnlimited = std::numeric_limits<double>::infinity();
     std::vector<double> limit(start.points.size(), kUnlimited);
@@ -105,7 +108,7 @@ Result<DecimatedBody> decimate(const TriangleMesh& body, std::span<const JointFa
     for (int round = 0;; ++round) {
         std::vector<Index> number;
         {
-            EdgeCollapse collapse(start, limit, uniform, tolerance);
+            EdgeCollapse collapse(start, limit, uniform, tolerance, size);
             const bool connected = collapse.connect(progress);
             if (progress.cancelled()) return fail(kCancelled, "Decimating was cancelled.");
             if (!connected) return fail("not-closed", "The body is not closed, or touches itself at an edge or a vertex; repair it first.");
@@ -118,14 +121,14 @@ Result<DecimatedBody> decimate(const TriangleMesh& body, std::span<const JointFa
         std::vector<char> marked(surface.points.size(), 0);
         std::vector<double> shorter(surface.points.size(), kUnlimited);
         for (const auto& [s, t] : pairs) {
-            double longest = 0.0;
+            double side = 0.0;
             for (const Index f : {s, t})
                 for (std::size_t c = 0; c < 3; ++c)
-                    longest = std::max(longest, (surface.points[at(surface.corners[at(f)][c])] - surface.points[at(surface.corners[at(f)][(c + 1) % 3])]).norm());
+                    side = std::max(side, (surface.points[at(surface.corners[at(f)][c])] - surface.points[at(surface.corners[at(f)][(c + 1) % 3])]).norm());
             for (const Index f : {s, t})
                 for (const Index v : surface.corners[at(f)]) {
                     marked[at(v)] = 1;
-                    shorter[at(v)] = std::min(shorter[at(v)], 0.5 * longest);
+                    shorter[at(v)] = std::min(shorter[at(v)], 0.5 * side);
                 }
         }
         const bool before = intersectsAt(start, number, marked, progress);

@@ -69,8 +69,8 @@ double quality(const Vec3& a, const Vec3& b, const Vec3& c, double doubleArea) {
 /// Half-edges 3 t + c run from corner c of triangle t to the next.
 class EdgeCollapse::State {
 public:
-    State(const LabelledSurface& surface, std::vector<double> limit, double uniform, std::vector<double> tolerance)
-        : s_(surface), limit_(std::move(limit)), uniform_(uniform), tolerance_(std::move(tolerance)) {}
+    State(const LabelledSurface& surface, std::vector<double> limit, double uniform, std::vector<double> tolerance, std::vector<double> size)
+        : s_(surface), limit_(std::move(limit)), uniform_(uniform), tolerance_(std::move(tolerance)), wanted_(std::move(size)) {}
 
     bool connect(const Progress& progress) {
         const std::size_t n = s_.points.size(), sides = 3 * s_.corners.size();
@@ -262,6 +262,7 @@ private:
         };
         for (Index h = 0; h < static_cast<Index>(twin_.size()); ++h)
             if (rim(h) && constraintOf(from(h)) == Constraint::Fixed && constraintOf(to(h)) == Constraint::Fixed) reach(from(h), (point(to(h)) - point(from(h))).norm());
+        for (std::size_t v = 0; v < wanted_.size(); ++v) reach(static_cast<Index>(v), wanted_[v]);
         for (int pops = 0; !open.empty(); ++pops) {
             if (pops % (16 * kLook) == 0 && progress.cancelled()) return false;
             const auto [size, v] = open.top();
@@ -448,7 +449,7 @@ private:
     LabelledSurface s_;
     std::vector<double> limit_;
     double uniform_;
-    std::vector<double> tolerance_;
+    std::vector<double> tolerance_, wanted_;
     std::vector<Index> origin_, twin_;  ///< per half-edge; origin -1: gone
     std::vector<Index> leaving_;        ///< per vertex: a half-edge that starts there
     std::vector<Constraint> constraint_;
@@ -460,8 +461,8 @@ private:
     int left_ = 0;
 };
 
-EdgeCollapse::EdgeCollapse(const LabelledSurface& surface, std::vector<double> limit, double uniform, std::vector<double> tolerance)
-    : state_(std::make_unique<State>(surface, std::move(limit), uniform, std::move(tolerance))) {}
+EdgeCollapse::EdgeCollapse(const LabelledSurface& surface, std::vector<double> limit, double uniform, std::vector<double> tolerance, std::vector<double> size)
+    : state_(std::make_unique<State>(surface, std::move(limit), uniform, std::move(tolerance), std::move(size))) {}
 EdgeCollapse::~EdgeCollapse() = default;
 bool EdgeCollapse::connect(const Progress& progress) { return state_->connect(progress); }
 bool EdgeCollapse::run(int vertices, const Progress& progress) { return state_->run(vertices, progress); }

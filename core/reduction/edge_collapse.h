@@ -23,8 +23,9 @@ struct LabelledSurface {
 class EdgeCollapse {
 public:
     /// `surface`: of size about 1. `limit`: per vertex, the longest edge that it may get. `uniform`: the edge of a uniform mesh of the wanted number of
-    /// vertices. `tolerance`: per joint face, how far its rim may leave a straight line.
-    EdgeCollapse(const LabelledSurface& surface, std::vector<double> limit, double uniform, std::vector<double> tolerance);
+    /// vertices. `tolerance`: per joint face, how far its rim may leave a straight line. `size`: per vertex, the wanted edge where it is less than `uniform`;
+    /// empty: nowhere.
+    EdgeCollapse(const LabelledSurface& surface, std::vector<double> limit, double uniform, std::vector<double> tolerance, std::vector<double> size = {});
     ~EdgeCollapse();
     EdgeCollapse(const EdgeCollapse&) = delete;
     EdgeCollapse& operator=(const EdgeCollapse&) = delete;

@@ -41,8 +41,8 @@ Result<double> discretisationError(const TrimmedElement& element, const SolvedBo
     if (input.basis == BasisKind::Full) compared.basis = BasisKind::Affine;
     std::vector<int> firstColumn;
     const std::vector<FaceBasis> bases = basesOf(compared, firstColumn);
-    const HeldModes modes = heldModes(compared.faces, coarser->body, bases, firstColumn);
-    const auto coarse = solveStatics(element, coarser->body, modes.C, {}, progress);
+    const HeldModes modes = heldModes(input.mesh->body, compared.faces, coarser->body, bases, firstColumn);
+    const auto coarse = solveStatics(element, coarser->body, modes.C, modes.inside, {}, progress);
     if (progress.cancelled()) return cancelled();
     if (!coarse) return -1.0;
     Eigen::MatrixXd held = C, fine = fineResponse.leftCols(response.columns());
@@ -88,13 +88,13 @@ Result<ElementResponse> buildResponse(const ResponseInput& input, const Progress
     auto solved = solvedBody(element->input.mesh->body, element->input.faces, input.solverMesh, progress.part(0.02, 0.1));
     if (!solved) return tl::make_unexpected(solved.error());
     const SolverMesh& mesh = solved->mesh;
-    const HeldModes modes = heldModes(element->input.faces, *solved, response.bases, response.firstColumn);
+    const HeldModes modes = heldModes(element->input.mesh->body, element->input.faces, *solved, response.bases, response.firstColumn);
     response.freeVertices = element->wholeFree;
     WantedLoads wanted{&input, {}, {}};
     if (input.touch > 0) wanted.patches = touchPatches(input.mesh->body, input.faces, input.touch);
     const bool anyLoads = input.loads || wanted.patches.count() > 0, loadsApart = anyLoads && !element->body.appendages.empty();
     if (anyLoads && !loadsApart) wanted.place(*solved);
-    auto solution = solveStatics(*element, *solved, modes.C, anyLoads && !loadsApart ? wanted.columns() : BoundaryProblem::Loads{},
+    auto solution = solveStatics(*element, *solved, modes.C, modes.inside, anyLoads && !loadsApart ? wanted.columns() : BoundaryProblem::Loads{},
                             progress.part(0.1, loadsApart ? 0.5 : 0.95));
     if (!solution) return tl::make_unexpected(solution.error());
     auto error = discretisationError(*element, *solved, response, modes.C, solution->response, progress.part(0.95, 1.0));

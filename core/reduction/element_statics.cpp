@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/reduction/element_statics.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <utility>
@@ -56,6 +57,20 @@ Eigen::MatrixXd nodalDisplacement(const SolverMesh& mesh, const std::vector<std:
     return out;
 }
 
+/// The rows of all `freeVertices`, from those of what no disc holds and those of what lies in one; what is more than `inside` has are loads, under which discs rest.
+Eigen::MatrixXd withInside(const std::vector<std::int32_t>& freeVertices, const SolvedBody& solved, const Eigen::MatrixXd& free, const Eigen::MatrixXd& inside) {
+    Eigen::MatrixXd out = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(freeVertices.size()), free.cols());
+    Eigen::Index in = 0, other = 0;  // all lists ascend
+    for (std::size_t i = 0; i < freeVertices.size(); ++i) {
+        const auto row = 3 * static_cast<Eigen::Index>(i);
+        if (in < static_cast<Eigen::Index>(solved.inside.size()) && solved.inside[static_cast<std::size_t>(in)].vertex == freeVertices[i])
+            out.block(row, 0, 3, inside.cols()) = inside.middleRows<3>(3 * in++);
+        else
+            out.middleRows<3>(row) = free.middleRows<3>(3 * other++);
+    }
+    return out;
+}
+
 /// Displacement of the free vertices of the whole body, 3 * #wholeFree x k, from that of the trimmed one.
 Eigen::MatrixXd onWhole(const TrimmedElement& element, Eigen::MatrixXd displacement) {
     if (element.body.appendages.empty()) return displacement;
@@ -94,6 +109,10 @@ Result<TrimmedElement> trimmedElement(const ResponseInput& whole, const Progress
     auto body = withoutAppendages(whole.mesh->body, whole.faces, progress);
     if (!body) return tl::make_unexpected(body.error());
     TrimmedElement out{&whole, whole, std::move(*body), {}, freeVerticesOf(whole)};
+    // A full basis moves each vertex of a face by itself, and an outline is between them.
+    if (whole.basis == BasisKind::Full)
+        for (std::vector<JointFace>* faces : {&out.input.faces, &out.body.faces})
+            for (JointFace& face : *faces) face.disc.reset();
     if (!out.body.appendages.empty()) {
         out.input.mesh = std::make_shared<ElementMesh>(ElementMesh{out.body.mesh, {}});
         out.input.faces = out.body.faces;
@@ -102,10 +121,12 @@ Result<TrimmedElement> trimmedElement(const ResponseInput& whole, const Progress
     return out;
 }
 
-Result<StaticSolution> solveStatics(const TrimmedElement& element, const SolvedBody& solved, const Eigen::MatrixXd& held,
+Result<StaticSolution> solveStatics(const TrimmedElement& element, const SolvedBody& solved, const Eigen::MatrixXd& held, const Eigen::MatrixXd& inside,
                                     const BoundaryProblem::Loads& loads, const Progress& progress) {
     const ResponseInput& input = element.input;
-    const std::vector<std::int32_t>& bodyFree = element.freeVertices;
+    // What lies in a disc moves with its handle.
+    std::vector<std::int32_t> bodyFree = element.freeVertices;
+    for (const DiscMesh::Inside& in : solved.inside) bodyFree.erase(std::lower_bound(bodyFree.begin(), bodyFree.end(), in.vertex));
     auto problem = BoundaryProblem::build(problemOf(input, solved.mesh), progress.part(0.0, 0.9));
     if (!problem) return tl::make_unexpected(problem.error());
     auto solution = problem->solve(held, loads, progress.part(0.9, 0.98));
@@ -130,6 +151,7 @@ Result<StaticSolution> solveStatics(const TrimmedElement& element, const SolvedB
         if (mapped->error.size() > 0) out.mappingError = mapped->error.norm() / std::sqrt(static_cast<double>(mapped->error.size()));
         out.shapeError = map->distance().shape;
     }
+    if (!solved.inside.empty()) out.response = withInside(element.freeVertices, solved, out.response, inside);
     out.response = onWhole(element, std::move(out.response));
     out.traction = std::move(solution->traction);
     return out;
@@ -143,6 +165,7 @@ Result<Points> solveFull(const ResponseInput& input, const std::vector<Points>& 
             return fail("bad-value", "The displacements of a joint face do not match its vertices.");
     auto element = trimmedElement(input, progress.part(0.0, 0.02));
     if (!element) return tl::make_unexpected(element.error());
+    for (JointFace& face : element->input.faces) face.disc.reset();  // displacements are given at the vertices of faces
     auto solved = solvedBody(element->input.mesh->body, element->input.faces, input.solverMesh, progress.part(0.02, 0.1));
     if (!solved) return tl::make_unexpected(solved.error());
     Points out = Points::Zero(input.mesh->body.vertices.rows(), 3), prescribed = Points::Zero(element->input.mesh->body.vertices.rows(), 3);
@@ -152,7 +175,7 @@ Result<Points> solveFull(const ResponseInput& input, const std::vector<Points>& 
             out.row(input.faces[f].vertices[i]) = u;
             prescribed.row(element->input.faces[f].vertices[i]) = u;
         }
-    auto level = solveStatics(*element, *solved, heldDisplacement(*solved, prescribed), {}, progress.part(0.1, 1.0));
+    auto level = solveStatics(*element, *solved, heldDisplacement(*solved, prescribed), {}, {}, progress.part(0.1, 1.0));
     if (!level) return tl::make_unexpected(level.error());
     for (std::size_t i = 0; i < element->wholeFree.size(); ++i)
         out.row(element->wholeFree[i]) = level->response.block<3, 1>(3 * static_cast<Eigen::Index>(i), 0).transpose();

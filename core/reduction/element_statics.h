@@ -32,8 +32,9 @@ struct StaticSolution {
     SolveQuality quality;
     double mappingError = 0.0, shapeError = 0.0;  ///< see ResponseQuality
 };
-/// `held`: displacements of the held vertices of the solver mesh, 3 * #held x k. Errors: those of BoundaryProblem::build() and solve().
-Result<StaticSolution> solveStatics(const TrimmedElement& element, const SolvedBody& solved, const Eigen::MatrixXd& held,
+/// `held`: displacements of the held vertices of the solver mesh, 3 * #held x k; `inside`: those of SolvedBody::inside, 3 * # x k. Errors: those of
+/// BoundaryProblem::build() and solve().
+Result<StaticSolution> solveStatics(const TrimmedElement& element, const SolvedBody& solved, const Eigen::MatrixXd& held, const Eigen::MatrixXd& inside,
                                     const BoundaryProblem::Loads& loads, const Progress& progress);
 
 /// Ascending body vertices that no joint face holds.

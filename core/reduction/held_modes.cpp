@@ -42,10 +42,15 @@ std::vector<Shares> heldShares(const SolvedBody& solved) {
 
 }  // namespace
 
-HeldModes heldModes(std::span<const JointFace> faces, const SolvedBody& solved, const std::vector<FaceBasis>& bases, const std::vector<int>& firstColumn) {
+HeldModes heldModes(const TriangleMesh& body, std::span<const JointFace> faces, const SolvedBody& solved, const std::vector<FaceBasis>& bases, const std::vector<int>& firstColumn) {
     Eigen::Index held = 0;
     for (const SolverMesh::Patch& face : solved.mesh.faces) held += static_cast<Eigen::Index>(face.vertices.size());
-    HeldModes modes{Eigen::MatrixXd::Zero(3 * held, firstColumn.back()), Eigen::MatrixXd::Zero(3 * held, 6)};
+    HeldModes modes{Eigen::MatrixXd::Zero(3 * held, firstColumn.back()), Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(solved.inside.size()), firstColumn.back()), Eigen::MatrixXd::Zero(3 * held, 6)};
+    for (std::size_t i = 0; i < solved.inside.size(); ++i) {
+        const auto f = static_cast<std::size_t>(solved.inside[i].face);
+        const FaceFrame& frame = faces[f].frame;
+        modes.inside.block(3 * static_cast<Eigen::Index>(i), firstColumn[f], 3, bases[f].columns()) = frame.axes * bases[f].at(frame.toLocal(body.vertices.row(solved.inside[i].vertex).transpose()));
+    }
     const Points& points = solved.mesh.mesh.vertices;
     const Vec3 low = points.colwise().minCoeff().transpose(), high = points.colwise().maxCoeff().transpose();
     modes.middle = 0.5 * (low + high);

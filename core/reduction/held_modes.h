@@ -16,12 +16,13 @@ namespace imomushi {
 /// BoundaryProblem::solve() takes them.
 struct HeldModes {
     Eigen::MatrixXd C;          ///< 3 * #held x g: displacement (m) per unit of a joint parameter, world axes
+    Eigen::MatrixXd inside;     ///< 3 * #SolvedBody::inside x g: the same of these body vertices
     Eigen::MatrixXd R;          ///< 3 * #held x 6: translations along the axes, rotations about `middle` per `size`
     Vec3 middle = Vec3::Zero(); ///< of the mesh's bounding box
     double size = 1.0;          ///< m, its diagonal
 };
-/// `faces`: of the body, which a full basis has its parameters on; `bases`, `firstColumn`: as in ElementResponse.
-HeldModes heldModes(std::span<const JointFace> faces, const SolvedBody& solved, const std::vector<FaceBasis>& bases, const std::vector<int>& firstColumn);
+/// `body`, `faces`: which a full basis has its parameters on; `bases`, `firstColumn`: as in ElementResponse.
+HeldModes heldModes(const TriangleMesh& body, std::span<const JointFace> faces, const SolvedBody& solved, const std::vector<FaceBasis>& bases, const std::vector<int>& firstColumn);
 
 /// The displacement of the held vertices, 3 * #held x 1, that is linear between the displacements of the body's vertices, #V x 3.
 Eigen::MatrixXd heldDisplacement(const SolvedBody& solved, const Points& body);

@@ -12,6 +12,8 @@ constexpr int kSolverVersion = 3;
 constexpr int kModesVersion = 2;
 /// The same for touch alone.
 constexpr int kTouchVersion = 1;
+/// The same for discs alone.
+constexpr int kDiscVersion = 1;
 
 }  // namespace
 
@@ -37,6 +39,11 @@ ContentKey responseKey(const ResponseInput& input) {
         hasher.array(std::span<const double>(face.frame.origin.data(), 3));
         hasher.array(std::span<const double>(face.frame.axes.data(), 9));
         hasher.number(static_cast<int>(face.flat()));
+        if (face.disc) {
+            hasher.number(kDiscVersion);
+            hasher.array(std::span<const double>(face.disc->point.data(), 3));
+            hasher.number(face.disc->radius);
+        }
     }
     if (input.loads) hasher.text("loads");
     if (input.touch > 0) {

@@ -63,8 +63,9 @@ Result<SolvedLoads> solveLoadsOnWhole(const ResponseInput& input, WantedLoads& w
     const auto solved = solvedBody(input.mesh->body, input.faces, input.solverMesh, progress.part(0.0, 0.1));
     if (!solved) return tl::make_unexpected(solved.error());
     wanted.place(*solved);
-    const Eigen::MatrixXd C = heldModes(input.faces, *solved, response.bases, response.firstColumn).C;
-    auto solution = solveStatics(whole, *solved, C, wanted.columns(), progress.part(0.1, 1.0));
+    const HeldModes solvedModes = heldModes(input.mesh->body, input.faces, *solved, response.bases, response.firstColumn);
+    const Eigen::MatrixXd& C = solvedModes.C;
+    auto solution = solveStatics(whole, *solved, C, solvedModes.inside, wanted.columns(), progress.part(0.1, 1.0));
     if (!solution) return tl::make_unexpected(solution.error());
     const Eigen::Index count = wanted.columns().columns();
     return SolvedLoads{solution->response.rightCols(count), C.transpose() * faceMass(solved->mesh, solution->traction.rightCols(count)), std::move(solution->compliance),

@@ -32,8 +32,13 @@ constexpr Detail kDetails[] = {{3, 0.5, 3000}, {2, 0.5, kMaxNodes}, {2, 0.8, kMa
 constexpr int kFewestVertices = 350, kFewestVerticesOfBest = 700;
 /// A decimated default body: with its strips and bubbles it has about 3000 nodes.
 constexpr int kDecimatedVertices = 650;
+/// The same of one with handles: limbs that are held at their tips bend. A move of a penguin's wing was wrong by 24 % at 650 vertices, by 9 % at 900.
+constexpr int kDecimatedVerticesWithHandles = 900;
 /// A draft has strips at its rims up to as many nodes: half a second on two cores.
 constexpr int kDraftNodes = 1000;
+/// Edges of a decimated disc's outline, in radii, where strips follow and in drafts, which have none; and how far they may leave the outline, in square roots of
+/// the disc's area.
+constexpr double kOutlineEdge = 0.4, kOutlineEdgeOfDraft = 0.2, kOutlineTolerance = 0.02;
 /// Round rims of decimated bodies become polygons of about fifty sides, whose area is 0.2 % less.
 constexpr double kRimTolerance = 1e-3;
 /// A decimated body with more than this share of the nodes is not used.
@@ -86,7 +91,23 @@ void addDetail(SolvedBody& body, int layers, double straight) {
     body.mesh.bubbles = longFreeEdges(body.mesh, straight * meanEdge(body.plain.mesh));
 }
 
-SolvedBody onItself(SolverMesh mesh, const TriangleMesh& body, std::span<const JointFace> faces) {
+/// A body as it is solved: with the outlines of discs, where it has any.
+struct Surface {
+    SolverMesh mesh;
+    std::vector<JointFace> faces;  ///< of `mesh`
+    DiscMesh discs;                ///< its mesh has gone to `mesh`
+    const TriangleMesh& body;
+    std::span<const JointFace> ofBody;
+
+    Surface(const TriangleMesh& whole, std::span<const JointFace> bodyFaces) : discs(discMesh(whole, bodyFaces)), body(whole), ofBody(bodyFaces) {
+        faces = discs.any() ? discs.faces(bodyFaces) : std::vector<JointFace>(bodyFaces.begin(), bodyFaces.end());
+        mesh = discs.any() ? std::move(discs.mesh) : plainSolverMesh(body, bodyFaces);
+    }
+    [[nodiscard]] const TriangleMesh& triangles() const { return mesh.mesh; }
+};
+
+/// `mesh` is the body's polyhedron.
+SolvedBody asItIs(const TriangleMesh& body, std::span<const JointFace> faces, SolverMesh mesh) {
     SolvedBody out;
     out.mesh = std::move(mesh);
     out.faces.assign(faces.begin(), faces.end());
@@ -95,15 +116,9 @@ SolvedBody onItself(SolverMesh mesh, const TriangleMesh& body, std::span<const J
     return out;
 }
 
-Result<SolvedBody> onDecimated(const TriangleMesh& body, std::span<const JointFace> faces, int vertices, const Progress& progress) {
-    auto small = decimate(body, faces, vertices, progress, kRimTolerance);
-    if (!small) return tl::make_unexpected(small.error());
-    SolvedBody out;
-    out.mesh = plainSolverMesh(small->mesh, small->faces);
-    out.faces = std::move(small->faces);
-    out.decimated = true;
-    out.volumeError = small->volumeError;
-    out.bodyVertex = std::move(small->bodyVertex);
+SolvedBody onItself(SolverMesh mesh, const Surface& surface) {
+    SolvedBody out = asItIs(surface.body, surface.ofBody, std::move(mesh));
+    out.inside = surface.discs.inside;
     return out;
 }
 
@@ -122,6 +137,44 @@ double wallThickness(const TriangleMesh& body, std::int32_t t) {
         if (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0) nearest = std::min(nearest, distance);
     }
     return nearest;
+}
+
+/// The wanted edges at the outlines of discs, per vertex of the surface, as decimate() takes them.
+std::vector<double> outlineEdges(const Surface& surface, double inRadii) {
+    std::vector<double> out(static_cast<std::size_t>(surface.triangles().vertices.rows()), std::numeric_limits<double>::infinity());
+    const std::vector<std::int32_t> face = facesOfTriangles(surface.mesh);
+    const EdgeTable edges(surface.triangles().triangles);
+    for (int e = 0; e < edges.size(); ++e) {
+        const auto uses = edges.uses(e);
+        const std::int32_t f = face[static_cast<std::size_t>(uses[0].triangle)], g = face[static_cast<std::size_t>(uses[1].triangle)];
+        if (f == g || !surface.discs.exact[static_cast<std::size_t>(std::max(f, g))]) continue;
+        for (const std::int32_t v : {uses[0].low, uses[0].high})
+            out[static_cast<std::size_t>(v)] = inRadii * surface.ofBody[static_cast<std::size_t>(std::max(f, g))].disc->radius;
+    }
+    return out;
+}
+
+/// `outlineEdge`: at outlines of discs, in their radii.
+Result<SolvedBody> onDecimated(const Surface& surface, int vertices, const Progress& progress, double outlineEdge = kOutlineEdge) {
+    const TriangleMesh& mesh = surface.triangles();
+    std::vector<double> tolerance(surface.faces.size(), kRimTolerance), longest;
+    if (surface.discs.any()) {
+        longest = outlineEdges(surface, outlineEdge);
+        for (std::size_t f = 0; f < tolerance.size(); ++f)
+            if (surface.discs.exact[f]) tolerance[f] = kOutlineTolerance;
+    }
+    auto small = decimate(mesh, surface.faces, vertices, progress, tolerance, longest);
+    if (!small) return tl::make_unexpected(small.error());
+    SolvedBody out;
+    out.mesh = plainSolverMesh(small->mesh, small->faces);
+    out.faces = std::move(small->faces);
+    out.decimated = true;
+    out.volumeError = small->volumeError;
+    out.bodyVertex = std::move(small->bodyVertex);
+    for (std::int32_t& v : out.bodyVertex)
+        if (v >= surface.body.vertices.rows()) v = -1;
+    out.inside = surface.discs.inside;
+    return out;
 }
 
 /// Thickness of the walls relative to their triangles, from a sample of them.
@@ -143,64 +196,75 @@ Walls wallsOf(const TriangleMesh& body) {
 
 /// The body with at least `fewest` vertices. One of thin walls stays as it is: were the two sides of a wall refined unlike, their small errors would no longer
 /// cancel and bend it.
-Result<SolverMesh> refinedWhereCoarse(const TriangleMesh& body, std::span<const JointFace> faces, int fewest, bool thin) {
-    if (thin || body.vertices.rows() >= fewest) return plainSolverMesh(body, faces);
-    return refinedSolverMesh(body, faces, fewest);
+Result<SolverMesh> refinedWhereCoarse(const Surface& surface, int fewest, bool thin) {
+    if (thin || surface.triangles().vertices.rows() >= fewest) return surface.mesh;
+    auto fine = refinedSolverMesh(surface.triangles(), surface.faces, fewest);
+    if (fine) fine->origin.insert(fine->origin.begin(), surface.mesh.origin.begin(), surface.mesh.origin.end());
+    return fine;
 }
 
 /// Decimation would save less than it takes.
 bool asItIsForDraft(const TriangleMesh& body) { return body.vertices.rows() <= 2 * SolverMeshSetting::kDraftVertices; }
 
-SolvedBody withExtremeWalls(const TriangleMesh& body, std::span<const JointFace> faces) {
-    SolvedBody out = onItself(plainSolverMesh(body, faces), body, faces);
+SolvedBody withExtremeWalls(const Surface& surface) {
+    SolvedBody out = onItself(surface.mesh, surface);
     out.extremeWalls = true;
     return out;
 }
 
-/// Strips and quadratic displacement on the body itself, as much as fits; nothing where the body alone is too large.
-Result<std::optional<SolvedBody>> quadraticOnItself(const TriangleMesh& body, std::span<const JointFace> faces) {
-    if (body.vertices.rows() > kMaxNodes) return std::nullopt;
-    const Walls walls = wallsOf(body);
-    if (walls == Walls::Extreme) return withExtremeWalls(body, faces);
-    const bool thin = walls == Walls::Thin;
-    auto base = refinedWhereCoarse(body, faces, kFewestVertices, thin);
-    if (!base) return tl::make_unexpected(base.error());
-    const SolvedBody own = onItself(std::move(*base), body, faces);
-    SolvedBody quadratic;
+/// Strips and quadratic displacement, as much as fits.
+SolvedBody quadratic(const SolvedBody& plain, bool thin) {
+    SolvedBody out;
     for (const Detail& detail : kDetails) {
-        quadratic = own;
-        addDetail(quadratic, detail.strips, thin ? 0.0 : detail.straight);  // straight edges would stiffen a thin wall
-        if (quadratic.nodes() <= detail.nodes) break;
+        out = plain;
+        addDetail(out, detail.strips, thin ? 0.0 : detail.straight);  // straight edges would stiffen a thin wall
+        if (out.nodes() <= detail.nodes) break;
     }
-    return quadratic;
+    return out;
 }
 
-Result<SolvedBody> byDefault(const TriangleMesh& body, std::span<const JointFace> faces, const Progress& progress) {
-    auto own = quadraticOnItself(body, faces);
+/// On the body itself; nothing where the body alone is too large.
+Result<std::optional<SolvedBody>> quadraticOnItself(const Surface& surface) {
+    if (surface.triangles().vertices.rows() > kMaxNodes) return std::nullopt;
+    const Walls walls = wallsOf(surface.triangles());
+    if (walls == Walls::Extreme) return withExtremeWalls(surface);
+    auto base = refinedWhereCoarse(surface, kFewestVertices, walls == Walls::Thin);
+    if (!base) return tl::make_unexpected(base.error());
+    return quadratic(onItself(std::move(*base), surface), walls == Walls::Thin);
+}
+
+Result<SolvedBody> byDefault(const Surface& surface, const Progress& progress) {
+    auto own = quadraticOnItself(surface);
     if (!own) return tl::make_unexpected(own.error());
     if (*own && (*own)->nodes() <= kMaxNodes) return std::move(**own);
-    auto small = onDecimated(body, faces, kDecimatedVertices, progress);
+    auto small = onDecimated(surface, surface.discs.any() ? kDecimatedVerticesWithHandles : kDecimatedVertices, progress);
     if (progress.cancelled()) return fail(kCancelled, "The precompute was cancelled.");
     if (small) {
-        addDetail(*small, 3, kStraight);
+        // Bodies with handles are smooth creatures, on which creases would take more strips than there is room for.
+        if (surface.discs.any())
+            small = quadratic(*small, false);
+        else
+            addDetail(*small, 3, kStraight);
         // Rims keep their vertices, so that with many of them decimation saves too little for its error.
         if (!*own || small->nodes() < kWorthDecimating * (*own)->nodes()) return small;
         return std::move(**own);
     }
     // Decimation fails on dense rims and on bodies that intersect themselves: linear displacement then, less accurate but as cheap.
-    SolvedBody linear = onItself({}, body, faces);
-    linear.plain = plainSolverMesh(body, faces);
+    SolvedBody linear = onItself({}, surface);
+    linear.plain = surface.mesh;
     linear.mesh = withLayers(linear.plain, 2);
     return linear;
 }
 
-Result<SolvedBody> draft(const TriangleMesh& body, std::span<const JointFace> faces, const Progress& progress) {
-    SolvedBody out = onItself(plainSolverMesh(body, faces), body, faces);
-    if (!asItIsForDraft(body)) {
-        auto small = onDecimated(body, faces, SolverMeshSetting::kDraftVertices, progress);
+Result<SolvedBody> draft(const Surface& surface, const Progress& progress) {
+    SolvedBody out = onItself(surface.mesh, surface);
+    const bool discs = surface.discs.any();
+    if (discs ? surface.triangles().vertices.rows() > kDraftNodes : !asItIsForDraft(surface.triangles())) {
+        auto small = onDecimated(surface, discs ? kDraftNodes : SolverMeshSetting::kDraftVertices, progress, kOutlineEdgeOfDraft);
         if (progress.cancelled()) return fail(kCancelled, "The precompute was cancelled.");
         if (small) out = std::move(*small);
     }
+    if (discs) return out;  // small triangles all over bend limbs better than strips do
     // Rims are where a coarse mesh is wrong most.
     if (SolverMesh layered = withLayers(out.mesh, 2); layered.mesh.vertices.rows() <= kDraftNodes) {
         out.plain = std::move(out.mesh);
@@ -212,36 +276,37 @@ Result<SolvedBody> draft(const TriangleMesh& body, std::span<const JointFace> fa
 }  // namespace
 
 Result<SolvedBody> solvedBody(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting, const Progress& progress) {
-    if (faces.empty()) return onItself(plainSolverMesh(body, faces), body, faces);
+    if (faces.empty()) return asItIs(body, faces, plainSolverMesh(body, faces));
     switch (setting.kind) {
         case SolverMeshSetting::Kind::AsIs:
             break;
         case SolverMeshSetting::Kind::Draft:
-            return draft(body, faces, progress);
+            return draft(Surface(body, faces), progress);
         case SolverMeshSetting::Kind::Refined: {
             auto fine = refinedSolverMesh(body, faces, setting.count);
             if (!fine) return tl::make_unexpected(fine.error());
-            return onItself(std::move(*fine), body, faces);
+            return asItIs(body, faces, std::move(*fine));
         }
         case SolverMeshSetting::Kind::Decimated: {
-            auto small = onDecimated(body, faces, setting.count, progress);
+            auto small = onDecimated(Surface(body, faces), setting.count, progress);
             if (small) addDetail(*small, 2, kStraight);
             return small;
         }
         case SolverMeshSetting::Kind::Default:
-            return byDefault(body, faces, progress);
+            return byDefault(Surface(body, faces), progress);
         case SolverMeshSetting::Kind::Best: {
-            const Walls walls = wallsOf(body);
-            if (walls == Walls::Extreme) return withExtremeWalls(body, faces);
+            const Surface surface(body, faces);
+            const Walls walls = wallsOf(surface.triangles());
+            if (walls == Walls::Extreme) return withExtremeWalls(surface);
             const bool thin = walls == Walls::Thin;
-            auto base = refinedWhereCoarse(body, faces, kFewestVerticesOfBest, thin);
+            auto base = refinedWhereCoarse(surface, kFewestVerticesOfBest, thin);
             if (!base) return tl::make_unexpected(base.error());
-            SolvedBody out = onItself(std::move(*base), body, faces);
+            SolvedBody out = onItself(std::move(*base), surface);
             addDetail(out, 3, thin ? 0.0 : kStraightOfBest);
             return out;
         }
     }
-    return onItself(plainSolverMesh(body, faces), body, faces);
+    return asItIs(body, faces, plainSolverMesh(body, faces));
 }
 
 SolvedSize solvedSize(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting) {
@@ -275,9 +340,11 @@ Result<CoarserLevel> coarserLevel(const TriangleMesh& body, std::span<const Join
     }
     const auto vertices = static_cast<double>(fine.mesh.mesh.vertices.rows());
     if (kCoarserShare * vertices >= static_cast<double>(body.vertices.rows())) {
-        out.body = onItself(plainSolverMesh(body, faces), body, faces);
+        out.body = asItIs(body, faces, plainSolverMesh(body, faces));
     } else {
-        auto small = onDecimated(body, faces, static_cast<int>(kCoarserShare * vertices), progress);
+        std::vector<JointFace> triangles(faces.begin(), faces.end());
+        for (JointFace& face : triangles) face.disc.reset();  // as those are solved that have no coarser level of their own
+        auto small = onDecimated(Surface(body, triangles), static_cast<int>(kCoarserShare * vertices), progress);
         if (!small) return tl::make_unexpected(small.error());
         out.body = std::move(*small);
     }

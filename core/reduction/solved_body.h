@@ -7,6 +7,7 @@
 #include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/joints/joint_face.h"
+#include "core/reduction/disc_mesh.h"
 #include "core/reduction/solver_mesh.h"
 #include "core/reduction/solver_mesh_setting.h"
 
@@ -22,6 +23,8 @@ struct SolvedBody {
     SolverMesh plain;              ///< `mesh` without strips and bubbles; empty where it has none
     /// Of each vertex of `mesh` before its `origin` begins: the body vertex at exactly the same place, -1: none.
     std::vector<std::int32_t> bodyVertex;
+    /// Body vertices that no face has but that lie in what is held, see DiscMesh.
+    std::vector<DiscMesh::Inside> inside;
 
     [[nodiscard]] int nodes() const { return static_cast<int>(mesh.mesh.vertices.rows() + static_cast<Eigen::Index>(mesh.bubbles.size())); }
 };
@@ -33,10 +36,12 @@ struct SolvedBody {
 ///   decimated:N a body of N vertices in its place, then like default
 ///   default     strips at singular edges (withLayers) and quadratic displacement: on the body where that is cheap, otherwise on a decimated one
 ///               (as it is where walls are less than 1/150 of the triangles on them: see SolvedBody::extremeWalls)
-///   draft       a body of kDraftVertices in its place (the body itself up to twice as many, or where it cannot be decimated), strips, linear displacement
+///   draft       a body of kDraftVertices in its place (the body itself up to twice as many, or where it cannot be decimated), strips, linear displacement; one with
+///               handles has a thousand vertices instead of strips
 ///   best        more strips and quadratic displacement everywhere, on the body refined where it is coarse
 ///
 /// Measured against second-order finite elements (tests/data/reference): as-is is wrong by up to 23 %, default by less than 2 %, best by less than 1 %.
+/// Handles are held by their discs (DiscMesh), but for as-is and refined:N by their triangles: the mesh is as it is.
 /// Errors: those of refinedSolverMesh() and decimate(); "cancelled".
 Result<SolvedBody> solvedBody(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting, const Progress& progress);
 

@@ -53,8 +53,8 @@ public:
         return std::max({edge(c[0], c[1]), edge(c[1], c[2]), edge(c[2], c[0])});
     }
 
-    /// The first of the splits that bisecting triangle t takes. Adds one vertex.
-    void splitTowards(std::int32_t t) {
+    /// The first of the splits that bisecting triangle t takes. Adds one vertex, in the middle of the edge that it returns.
+    Edge splitTowards(std::int32_t t) {
         Edge e = longest(t);
         for (std::int32_t at = t;;) {
             at = across(at, e);
@@ -64,6 +64,7 @@ public:
             e = longer;
         }
         split(e);
+        return e;
     }
 
     [[nodiscard]] std::int32_t vertices() const { return static_cast<std::int32_t>(points_.size()); }
@@ -272,6 +273,31 @@ Result<SolverMesh> refinedSolverMesh(const TriangleMesh& body, std::span<const J
         for (const std::int32_t t : mesh.changed()) push(t);
     }
     return mesh.result(faces.size());
+}
+
+SolverMesh bisectedTo(const TriangleMesh& body, std::vector<std::int32_t> face, std::size_t count, std::vector<double> longest) {
+    Bisection mesh(body, std::move(face));
+    const auto tooLong = [&](std::int32_t t) {
+        const Edge e = mesh.longest(t);
+        double wanted = std::numeric_limits<double>::infinity();
+        for (const std::int32_t v : mesh.corner(t)) wanted = std::min(wanted, longest[static_cast<std::size_t>(v)]);
+        return (mesh.point(e.low) - mesh.point(e.high)).norm() > (1.0 + kTie) * wanted;
+    };
+    std::vector<std::int32_t> open;
+    for (std::int32_t t = mesh.triangles() - 1; t >= 0; --t)
+        if (tooLong(t)) open.push_back(t);
+    while (!open.empty()) {
+        const std::int32_t t = open.back();
+        if (!tooLong(t)) {
+            open.pop_back();
+            continue;
+        }
+        const Edge halved = mesh.splitTowards(t);
+        longest.push_back(0.5 * (longest[static_cast<std::size_t>(halved.low)] + longest[static_cast<std::size_t>(halved.high)]));
+        for (const std::int32_t changed : mesh.changed())
+            if (changed != t && tooLong(changed)) open.push_back(changed);
+    }
+    return mesh.result(count);
 }
 
 }  // namespace imomushi

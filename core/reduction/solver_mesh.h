@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -44,5 +45,9 @@ SolverMesh halvedAtBubbles(const SolverMesh& mesh);
 /// Errors: "too-few-vertices" (fewer than the body has), "bad-value" (more than SolverMeshSetting::kMax, or no area to bisect).
 Result<SolverMesh> refinedSolverMesh(const TriangleMesh& body, std::span<const JointFace> faces, int vertices);
 inline constexpr double kFinestRefined = 0.25;
+
+/// Bisects the body until no edge of a triangle is longer than the least of `longest` (m, per body vertex; between two vertices their mean) at its corners.
+/// `face`: that of each triangle, -1: none; of `count`. Deterministic, no vertex is moved.
+SolverMesh bisectedTo(const TriangleMesh& body, std::vector<std::int32_t> face, std::size_t count, std::vector<double> longest);
 
 }  // namespace imomushi

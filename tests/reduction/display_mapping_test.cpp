@@ -137,7 +137,7 @@ Eigen::MatrixXd solved(const TriangleMesh& mesh, const std::vector<JointFace>& f
         held.conservativeResize(column.rows(), k + 1);
         held.col(k) = column;
     }
-    const Eigen::MatrixXd response = solveStatics(element, body, held, {}, {}).value().response;
+    const Eigen::MatrixXd response = solveStatics(element, body, held, {}, {}, {}).value().response;
     for (std::size_t i = 0; i < element.wholeFree.size(); ++i) out.middleRows<3>(3 * element.wholeFree[i]) = response.middleRows<3>(3 * static_cast<Eigen::Index>(i));
     return out;
 }
