@@ -34,6 +34,8 @@ Result<double> discretisationError(const TrimmedElement& element, const SolvedBo
                                    const Eigen::MatrixXd& fineResponse, const Progress& progress) {
     const auto cancelled = [] { return fail(kCancelled, "The precompute was cancelled."); };
     const ResponseInput& input = element.input;
+    // A draft that is graded towards the outlines of discs has no coarser mesh that is graded alike: it was said to be wrong by 550 % where it was by 33 %.
+    if (!solved.inside.empty() && solved.plain.mesh.vertices.rows() == 0) return -1.0;
     const auto coarser = coarserLevel(input.mesh->body, input.faces, solved, progress);
     if (progress.cancelled()) return cancelled();
     if (!coarser) return -1.0;

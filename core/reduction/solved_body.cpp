@@ -32,8 +32,10 @@ constexpr Detail kDetails[] = {{3, 0.5, 3000}, {2, 0.5, kMaxNodes}, {2, 0.8, kMa
 constexpr int kFewestVertices = 350, kFewestVerticesOfBest = 700;
 /// A decimated default body: with its strips and bubbles it has about 3000 nodes.
 constexpr int kDecimatedVertices = 650;
-/// The same of one with handles: limbs that are held at their tips bend. A move of a penguin's wing was wrong by 24 % at 650 vertices, by 9 % at 900.
-constexpr int kDecimatedVerticesWithHandles = 900;
+/// The same of one with handles, the most that leave room for bubbles on edges of kSparse times the mean length: limbs that are held at their tips bend. A move of a
+/// penguin's wing was wrong by 24 % at 650 vertices, by 9 % at 900; a cat, which has more rims, gets worse where its bubbles become fewer.
+constexpr int kDecimatedVerticesWithHandles[] = {900, 775, kDecimatedVertices};
+constexpr double kSparse = 0.8;
 /// A draft has strips at its rims up to as many nodes: half a second on two cores.
 constexpr int kDraftNodes = 1000;
 /// Edges of a decimated disc's outline, in radii, where strips follow and in drafts, which have none; and how far they may leave the outline, in square roots of
@@ -237,8 +239,15 @@ Result<SolvedBody> byDefault(const Surface& surface, const Progress& progress) {
     auto own = quadraticOnItself(surface);
     if (!own) return tl::make_unexpected(own.error());
     if (*own && (*own)->nodes() <= kMaxNodes) return std::move(**own);
-    auto small = onDecimated(surface, surface.discs.any() ? kDecimatedVerticesWithHandles : kDecimatedVertices, progress);
-    if (progress.cancelled()) return fail(kCancelled, "The precompute was cancelled.");
+    Result<SolvedBody> small = SolvedBody();
+    for (const int vertices : surface.discs.any() ? std::span(kDecimatedVerticesWithHandles) : std::span(&kDecimatedVertices, 1)) {
+        small = onDecimated(surface, vertices, progress);
+        if (progress.cancelled()) return fail(kCancelled, "The precompute was cancelled.");
+        if (!small || !surface.discs.any()) break;
+        SolvedBody tried = *small;
+        addDetail(tried, 2, kSparse);
+        if (tried.nodes() <= kMaxNodes) break;
+    }
     if (small) {
         // Bodies with handles are smooth creatures, on which creases would take more strips than there is room for.
         if (surface.discs.any())
