@@ -149,6 +149,9 @@ void addCoreCommands(CommandRegistry& registry) {
     addImportCommands(registry);
     addRepairCommands(registry);
     addAppendCommand(registry);
+    addDuplicateCommand(registry);
+    addMirrorCommand(registry);
+    addReplaceCommand(registry);
     addElementCommands(registry);
     addCutCommands(registry);
     addHandleCommands(registry);

@@ -180,6 +180,19 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
     choose(false);
 }
 
+void ImportDialog::replaces(const std::string& name, bool whole) {
+    replaced_ = name;
+    setWindowTitle(tr("Replace the mesh of %1").arg(QString::fromStdString(name)));
+    import_->setText(tr("Replace"));
+    for (ChoiceCard* card : {wholeCard_, elementsCard_}) card->setVisible(false);
+    body_->removeItem(kUnmended);
+    split_->setChecked(false);
+    chosenByHand_ = true;
+    choose(whole);
+    split_->setVisible(false);
+    for (QWidget* field : std::initializer_list<QWidget*>{detailLabel_, detail_}) field->setVisible(false);
+}
+
 bool ImportDialog::whole() const { return wholeCard_->isChecked(); }
 
 ImportRequest ImportDialog::chosen() const {
@@ -280,7 +293,7 @@ void ImportDialog::showElements() {
     } else if (usable < bodies) {
         say(tr("%1 of %2 bodies can be used; the others are left out.").arg(usable).arg(bodies), "warning");
     } else {
-        say(usable == 1 ? tr("Ready to import.") : tr("Ready to import as %n element(s).", nullptr, usable), "good");
+        say(!replaced_.empty() ? tr("Ready to replace the mesh.") : usable == 1 ? tr("Ready to import.") : tr("Ready to import as %n element(s).", nullptr, usable), "good");
     }
     if (bodies > 0) {
         const Vec3 size = high - low;
@@ -306,7 +319,7 @@ void ImportDialog::showCharacter() {
     const CharacterFile& file = **made.file;
     const Body* body = *made.body ? &**made.body : nullptr;
     preview_->show(file, body);
-    if (body) say(tr("Ready to import. The body is %1.").arg(bodyKindText(body->report.how)), "good");
+    if (body) say((replaced_.empty() ? tr("Ready to import. The body is %1.") : tr("Ready to replace the mesh. The body is %1.")).arg(bodyKindText(body->report.how)), "good");
     else say(errorText(made.body->error()), "error");
     const QLocale locale;
     const TriangleMesh& mesh = file.renderModel.mesh.body;
@@ -334,6 +347,7 @@ Json ImportDialog::command() const {
     import.path = path_.toStdString();
     if (unit_->currentIndex() > 0) import.unit = kUnits[unit_->currentIndex()];
     if (up_->currentIndex() > 0) import.up = kAxes[up_->currentIndex()];
+    if (!replaced_.empty()) return commands::replaceMesh(replaced_, whole(), import, body().how == BodyKind::Auto ? std::string() : std::string(nameOf(body().how)));
     if (whole()) {
         const BodyKind how = body().how;
         const double detail = kDetails[std::size_t(detail_->currentIndex())];
