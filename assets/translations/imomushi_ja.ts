@@ -259,6 +259,30 @@
             <source>Dra&amp;g flesh by passing handles</source>
             <translation>一時ハンドルで肉をドラッグ(&amp;G)</translation>
         </message>
+        <message>
+            <source>A&amp;dd a project…</source>
+            <translation>プロジェクトを追加(&amp;D)…</translation>
+        </message>
+        <message>
+            <source>D&amp;uplicate</source>
+            <translation>複製(&amp;U)</translation>
+        </message>
+        <message>
+            <source>Mirror &amp;left and right (X)</source>
+            <translation>左右にミラー (X)(&amp;L)</translation>
+        </message>
+        <message>
+            <source>Mirror &amp;top and bottom (Y)</source>
+            <translation>上下にミラー (Y)(&amp;T)</translation>
+        </message>
+        <message>
+            <source>Mirror &amp;front and back (Z)</source>
+            <translation>前後にミラー (Z)(&amp;F)</translation>
+        </message>
+        <message>
+            <source>Replace &amp;mesh…</source>
+            <translation>メッシュを置き換え(&amp;M)…</translation>
+        </message>
     </context>
     <context>
         <name>EffectTexts</name>
@@ -987,6 +1011,38 @@
             <source>The part is not rigid by itself. Let it follow rigidly before you turn it.</source>
             <translation>この部分はそれだけでは剛体ではありません。回す前に剛体として従わせてください。</translation>
         </message>
+        <message>
+            <source>Nothing of the selection can be mirrored there.</source>
+            <translation>選択したものは、そこではミラーできません。</translation>
+        </message>
+        <message>
+            <source>It lies in the middle of the mirror plane.</source>
+            <translation>ミラー面の中央にあります。</translation>
+        </message>
+        <message>
+            <source>It is its own mirror image.</source>
+            <translation>それ自身が鏡像です。</translation>
+        </message>
+        <message>
+            <source>Its mirror image is there already.</source>
+            <translation>鏡像はすでにあります。</translation>
+        </message>
+        <message>
+            <source>Not all of what it lies on has a mirror image.</source>
+            <translation>載っているものの一部に鏡像がありません。</translation>
+        </message>
+        <message>
+            <source>What it hangs on has no mirror image: it is a point of its own.</source>
+            <translation>つながる相手に鏡像がないため、独立した点になります。</translation>
+        </message>
+        <message>
+            <source>The new mesh is far larger or smaller than the old one. Choose its unit.</source>
+            <translation>新しいメッシュの大きさが元と大きく違います。単位を選んでください。</translation>
+        </message>
+        <message>
+            <source>The file holds several bodies. Choose one with a single body.</source>
+            <translation>ファイルに複数のボディがあります。ボディが一つのファイルを選んでください。</translation>
+        </message>
     </context>
     <context>
         <name>Issues</name>
@@ -1207,6 +1263,17 @@
         </message>
     </context>
     <context>
+        <name>SelectionTexts</name>
+        <message>
+            <source>Mirrored, but for “%1”: %2</source>
+            <translation>ミラーしました。ただし「%1」を除きます：%2</translation>
+        </message>
+        <message>
+            <source>Mirrored, but for %1 parts. “%2”: %3</source>
+            <translation>ミラーしました。ただし%1個を除きます。「%2」: %3</translation>
+        </message>
+    </context>
+    <context>
         <name>Steps</name>
         <message>
             <source>New project</source>
@@ -1359,6 +1426,22 @@
         <message>
             <source>Turn part</source>
             <translation>部分の回転</translation>
+        </message>
+        <message>
+            <source>Add project</source>
+            <translation>プロジェクトを追加</translation>
+        </message>
+        <message>
+            <source>Duplicate</source>
+            <translation>複製</translation>
+        </message>
+        <message>
+            <source>Mirror</source>
+            <translation>ミラー</translation>
+        </message>
+        <message>
+            <source>Replace mesh</source>
+            <translation>メッシュを置き換え</translation>
         </message>
     </context>
     <context>
@@ -1768,6 +1851,53 @@
                 <numerusform>%n 件の提案は実行できませんでした。</numerusform>
             </translation>
         </message>
+        <message>
+            <source>Add a project</source>
+            <translation>プロジェクトを追加</translation>
+        </message>
+        <message>
+            <source>Added “%1” to this project</source>
+            <translation>「%1」をこのプロジェクトに追加しました</translation>
+        </message>
+        <message>
+            <source>Replace the mesh</source>
+            <translation>メッシュを置き換え</translation>
+        </message>
+        <message>
+            <source>“%1” has its new mesh and kept its rig.</source>
+            <translation>「%1」のメッシュを置き換えました。リグはそのままです。</translation>
+        </message>
+        <message>
+            <source>%1 (%2)</source>
+            <comment>what was lost, why</comment>
+            <translation>%1 (%2)</translation>
+        </message>
+        <message numerus="yes">
+            <source>%n more</source>
+            <translation>
+                <numerusform>ほか%n個</numerusform>
+            </translation>
+        </message>
+        <message>
+            <source>“%1” has its new mesh. Lost: %2</source>
+            <translation>「%1」のメッシュを置き換えました。失われたもの：%2</translation>
+        </message>
+        <message>
+            <source>Dropped project</source>
+            <translation>ドロップしたプロジェクト</translation>
+        </message>
+        <message>
+            <source>Add “%1” to this project, or open it instead?</source>
+            <translation>「%1」をこのプロジェクトに追加しますか、それとも開きますか？</translation>
+        </message>
+        <message>
+            <source>Add</source>
+            <translation>追加</translation>
+        </message>
+        <message>
+            <source>Open</source>
+            <translation>開く</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::HistoryModel</name>
@@ -1976,6 +2106,22 @@
         <message>
             <source>Proposed from its shape: %1</source>
             <translation>形からの提案：%1</translation>
+        </message>
+        <message>
+            <source>Replace the mesh of %1</source>
+            <translation>%1のメッシュを置き換え</translation>
+        </message>
+        <message>
+            <source>Replace</source>
+            <translation>置き換え</translation>
+        </message>
+        <message>
+            <source>Ready to replace the mesh.</source>
+            <translation>メッシュを置き換えられます。</translation>
+        </message>
+        <message>
+            <source>Ready to replace the mesh. The body is %1.</source>
+            <translation>メッシュを置き換えられます。ボディ：%1。</translation>
         </message>
     </context>
     <context>
@@ -2660,6 +2806,10 @@
             <source>Undo</source>
             <translation>元に戻す</translation>
         </message>
+        <message>
+            <source>Mirrored</source>
+            <translation>ミラーしました</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::AboutDialog</name>
@@ -3281,6 +3431,14 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <source>%1 – drag the character to leave it</source>
             <comment>a take that is shown</comment>
             <translation>%1 – キャラクターをドラッグすると離れます</translation>
+        </message>
+        <message>
+            <source>Duplicate</source>
+            <translation>複製</translation>
+        </message>
+        <message>
+            <source>Mirror left and right</source>
+            <translation>左右にミラー</translation>
         </message>
     </context>
     <context>

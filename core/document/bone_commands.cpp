@@ -34,23 +34,6 @@ Result<Bone::Place> placeFrom(const Document& document, const Json& value, const
     return Bone::Place(*face);
 }
 
-/// The element that a bone runs through when nobody says: the one that has faces at both ends, or that holds the middle of the bone, or
-/// whose face it ends or starts at; 0: none.
-PartId elementThrough(const Document& document, const Bone& bone) {
-    const auto* startFace = std::get_if<FaceRef>(&bone.start);
-    const auto* endFace = std::get_if<FaceRef>(&bone.end);
-    if (startFace && endFace && startFace->element == endFace->element) return startFace->element;
-    const auto start = restPosition(document, bone.start), end = restPosition(document, bone.end);
-    if (start && end) {
-        const Vec3 middle = 0.5 * (*start + *end);
-        for (const auto& [id, element] : document.elements)
-            if (windingNumber(element->mesh->body, middle) > 0.5) return id;
-    }
-    if (endFace) return endFace->element;
-    if (startFace) return startFace->element;
-    return 0;
-}
-
 /// Keys that add-bone and edit-bone share, into `bone`.
 Result<void> readBone(const Document& document, const Json& arguments, Bone& bone) {
     if (const Json* value = find(arguments, "from")) {
@@ -195,6 +178,21 @@ Result<Json> removeBone(DocumentEdit& edit, const Json& arguments, const Progres
 }
 
 }  // namespace
+
+PartId elementThrough(const Document& document, const Bone& bone) {
+    const auto* startFace = std::get_if<FaceRef>(&bone.start);
+    const auto* endFace = std::get_if<FaceRef>(&bone.end);
+    if (startFace && endFace && startFace->element == endFace->element) return startFace->element;
+    const auto start = restPosition(document, bone.start), end = restPosition(document, bone.end);
+    if (start && end) {
+        const Vec3 middle = 0.5 * (*start + *end);
+        for (const auto& [id, element] : document.elements)
+            if (windingNumber(element->mesh->body, middle) > 0.5) return id;
+    }
+    if (endFace) return endFace->element;
+    if (startFace) return startFace->element;
+    return 0;
+}
 
 void addBoneCommands(CommandRegistry& registry) {
     using Type = CommandKey::Type;

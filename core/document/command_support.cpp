@@ -150,6 +150,9 @@ void addCoreCommands(CommandRegistry& registry) {
     addRigCommands(registry);
     addRepairCommands(registry);
     addAppendCommand(registry);
+    addDuplicateCommand(registry);
+    addMirrorCommand(registry);
+    addReplaceCommand(registry);
     addElementCommands(registry);
     addCutCommands(registry);
     addProposalCommands(registry);

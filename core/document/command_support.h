@@ -78,6 +78,10 @@ const JointFace& faceOf(const Document& document, const FaceRef& ref);
 /// {"origin", "x", "y", "z"}.
 Json json(const FaceFrame& frame);
 
+/// The element that a bone runs through when nobody says: the one that has faces at both ends, or that holds the middle of the bone, or
+/// whose face it ends or starts at; 0: none.
+PartId elementThrough(const Document& document, const Bone& bone);
+
 /// The take of that name. Errors: "no-such-take" with the names there are.
 Result<std::shared_ptr<const Take>> takeOf(const Document& document, std::string_view name);
 
@@ -122,6 +126,9 @@ void addImportCommands(CommandRegistry& registry);    // import-element, import-
 void addRigCommands(CommandRegistry& registry);       // import-skeleton, take-clip
 void addRepairCommands(CommandRegistry& registry);    // repair
 void addAppendCommand(CommandRegistry& registry);     // append
+void addDuplicateCommand(CommandRegistry& registry);  // duplicate
+void addMirrorCommand(CommandRegistry& registry);     // mirror
+void addReplaceCommand(CommandRegistry& registry);    // replace-mesh
 void addElementCommands(CommandRegistry& registry);   // add-joint-face, join, unjoin, remove-element, remove-joint-face
 void addCutCommands(CommandRegistry& registry);       // cut, move-cut, remove-cut
 void addProposalCommands(CommandRegistry& registry);  // propose

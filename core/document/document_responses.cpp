@@ -90,7 +90,10 @@ const ContentKey& DocumentResponses::partsOf(PartId element) const {
     ContentHasher hasher;
     const TriangleMesh& body = known.element->mesh->body;
     hasher.number(static_cast<std::int64_t>(body.vertices.rows()));
-    hasher.bytes(body.triangles.data(), static_cast<std::size_t>(body.triangles.size()) * sizeof(std::int32_t));
+    Triangles triangles = body.triangles;  // of mirror images they are turned round
+    triangles.col(1) = body.triangles.col(1).cwiseMin(body.triangles.col(2));
+    triangles.col(2) = body.triangles.col(1).cwiseMax(body.triangles.col(2));
+    hasher.bytes(triangles.data(), static_cast<std::size_t>(triangles.size()) * sizeof(std::int32_t));
     for (const JointFace& face : known.element->faces) hasher.bytes(face.vertices.data(), face.vertices.size() * sizeof(std::int32_t));
     hasher.number(known.element->nu);
     hasher.number(static_cast<int>(known.wish.loads));

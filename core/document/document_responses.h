@@ -18,7 +18,8 @@ namespace imomushi {
 
 enum class ResponseState { None, Fresh, Stale };
 
-/// Of congruent elements only the first of the document is computed; the others take its response over, turned. By the document alone, whatever is known already, so
+/// Of congruent elements only the first of the document is computed; the others take its response over, turned or
+/// mirrored. By the document alone, whatever is known already, so
 /// that a script gives the same bytes each time.
 struct SharedResponse {
     PartId from = 0;

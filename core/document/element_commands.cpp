@@ -17,8 +17,6 @@ namespace {
 
 /// How far from the plane a corner may lie unless the command says: relative to the diagonal of the element.
 constexpr double kPlaneTolerance = 1e-4;
-/// Faces farther apart than this, relative to their size, are not joined: the seam would show.
-constexpr double kLargestGap = 0.01;
 
 Result<std::vector<std::int32_t>> indicesFrom(const Json& value, Eigen::Index count) {
     std::vector<std::int32_t> indices;
@@ -95,48 +93,16 @@ Result<Json> join(DocumentEdit& edit, const Json& arguments, const Progress&) {
     if (!a) return tl::unexpected(a.error());
     const auto b = document.face(text(arguments, "b"));
     if (!b) return tl::unexpected(b.error());
-    for (const FaceRef& face : {*a, *b})
-        if (document.elements.at(face.element)->handleOf(face.face))
-            return fail("is-handle", "\"" + face.face + "\" is a handle, which moves by itself: join joint faces.");
-    if (a->element == b->element) return fail("same-element", "Both faces belong to one element: join faces of two elements.");
-    const FaceOnBody first{&document.elements.at(a->element)->mesh->body, &faceOf(document, *a)};
-    const FaceOnBody second{&document.elements.at(b->element)->mesh->body, &faceOf(document, *b)};
-
-    double gap = 0.0;
-    for (const SeamPoint& point : seamPoints(first, second)) gap = std::max(gap, point.distance);
-    const double size = std::max(first.face->size, second.face->size);
-    if (!(gap <= kLargestGap * size)) {
-        char figures[96];
-        std::snprintf(figures, sizeof figures, "%.3g m apart at most, which is %.3g %% of their size", gap, 100.0 * gap / size);
-        return fail("gap-too-large", std::string("The faces are ") + figures + ": bring them together to 1 % before joining.");
-    }
-    const auto welded = weldedVertices(first, second);
-
-    const Joint* jointA = document.jointOf(*a);
-    const Joint* jointB = document.jointOf(*b);
-    if (jointA && jointA == jointB) return fail("already-joined", "These faces are joined already.");
-    if (jointA && jointB) {
-        // Two joints become one: the older one takes the faces of the younger.
-        const PartId keep = std::min(jointA->id, jointB->id), gone = std::max(jointA->id, jointB->id);
-        const std::vector<FaceRef> more = document.joints.at(gone)->faces;
-        document.joints.erase(gone);
-        exchangePart(document.joints, keep, [&](Joint& joint) { joint.faces.insert(joint.faces.end(), more.begin(), more.end()); });
-    } else if (jointA || jointB) {
-        exchangePart(document.joints, jointA ? jointA->id : jointB->id, [&](Joint& joint) { joint.faces.push_back(jointA ? *b : *a); });
-    } else {
-        Joint joint;
-        joint.id = document.nextId++;
-        joint.faces = {*a, *b};
-        document.joints.emplace(joint.id, std::make_shared<const Joint>(std::move(joint)));
-    }
-
+    const auto joined = joinFaces(document, *a, *b);
+    if (!joined) return tl::unexpected(joined.error());
+    const JointFace &first = faceOf(document, *a), &second = faceOf(document, *b);
     Json warnings = Json::array();
-    if (first.face->frame.axes.col(2).dot(second.face->frame.axes.col(2)) > 0.0)
+    if (first.frame.axes.col(2).dot(second.frame.axes.col(2)) > 0.0)
         warnings.push_back("The faces look the same way, so that their elements overlap: join faces that look at each other.");
     Json answer;
-    answer["welded"] = welded.size();
-    answer["unmatched"] = first.face->vertices.size() + second.face->vertices.size() - 2 * welded.size();
-    answer["largest_gap"] = gap;
+    answer["welded"] = joined->welded;
+    answer["unmatched"] = first.vertices.size() + second.vertices.size() - 2 * joined->welded;
+    answer["largest_gap"] = joined->gap;
     answer["warnings"] = std::move(warnings);
     return answer;
 }
@@ -186,6 +152,48 @@ Result<Json> removeElement(DocumentEdit& edit, const Json& arguments, const Prog
 }
 
 }  // namespace
+
+FaceGap faceGap(const Document& document, const FaceRef& a, const FaceRef& b) {
+    const FaceOnBody first{&document.elements.at(a.element)->mesh->body, &faceOf(document, a)};
+    const FaceOnBody second{&document.elements.at(b.element)->mesh->body, &faceOf(document, b)};
+    FaceGap out;
+    for (const SeamPoint& point : seamPoints(first, second)) out.gap = std::max(out.gap, point.distance);
+    out.share = out.gap / std::max(first.face->size, second.face->size);
+    return out;
+}
+
+Result<JoinedFaces> joinFaces(Document& document, const FaceRef& a, const FaceRef& b) {
+    for (const FaceRef& face : {a, b})
+        if (document.elements.at(face.element)->handleOf(face.face))
+            return fail("is-handle", "\"" + face.face + "\" is a handle, which moves by itself: join joint faces.");
+    if (a.element == b.element) return fail("same-element", "Both faces belong to one element: join faces of two elements.");
+    const FaceGap between = faceGap(document, a, b);
+    if (!(between.share <= kLargestGap)) {
+        char figures[96];
+        std::snprintf(figures, sizeof figures, "%.3g m apart at most, which is %.3g %% of their size", between.gap, 100.0 * between.share);
+        return fail("gap-too-large", std::string("The faces are ") + figures + ": bring them together to 1 % before joining.");
+    }
+    const auto welded = weldedVertices({&document.elements.at(a.element)->mesh->body, &faceOf(document, a)}, {&document.elements.at(b.element)->mesh->body, &faceOf(document, b)});
+
+    const Joint* jointA = document.jointOf(a);
+    const Joint* jointB = document.jointOf(b);
+    if (jointA && jointA == jointB) return fail("already-joined", "These faces are joined already.");
+    if (jointA && jointB) {
+        // Two joints become one: the older one takes the faces of the younger.
+        const PartId keep = std::min(jointA->id, jointB->id), gone = std::max(jointA->id, jointB->id);
+        const std::vector<FaceRef> more = document.joints.at(gone)->faces;
+        document.joints.erase(gone);
+        exchangePart(document.joints, keep, [&](Joint& joint) { joint.faces.insert(joint.faces.end(), more.begin(), more.end()); });
+    } else if (jointA || jointB) {
+        exchangePart(document.joints, jointA ? jointA->id : jointB->id, [&](Joint& joint) { joint.faces.push_back(jointA ? b : a); });
+    } else {
+        Joint joint;
+        joint.id = document.nextId++;
+        joint.faces = {a, b};
+        document.joints.emplace(joint.id, std::make_shared<const Joint>(std::move(joint)));
+    }
+    return JoinedFaces{welded.size(), between.gap};
+}
 
 void removeFace(Document& document, const FaceRef& face) {
     leaveJoint(document, face);

@@ -16,25 +16,6 @@ namespace imomushi {
 
 namespace {
 
-template <class Value>
-Result<Value> choice(const Json& arguments, const char* key, std::initializer_list<std::pair<const char*, Value>> values, Value otherwise) {
-    const Json* given = find(arguments, key);
-    if (!given) return otherwise;
-    std::string known;
-    for (const auto& [name, value] : values) {
-        if (*given == name) return value;
-        known += std::string(known.empty() ? "\"" : ", \"") + name + "\"";
-    }
-    return fail("bad-value", std::string("\"") + key + "\" must be one of " + known + ".");
-}
-
-/// Why a body cannot be an element: its first error, or that it is open.
-Error refusal(const ImportedBody& body) {
-    for (const MeshIssue& issue : body.issues)
-        if (issue.severity == Severity::Error && !issue.fixed) return {issue.code, "\"" + body.name + "\": " + issue.text};
-    return {"open", "\"" + body.name + "\" is not a closed surface: close its holes in a modelling program."};
-}
-
 Result<Json> importElement(DocumentEdit& edit, const Json& arguments, const Progress& progress) {
     Document& document = edit.document;
     auto request = importRequestFrom(document, arguments);
@@ -46,7 +27,7 @@ Result<Json> importElement(DocumentEdit& edit, const Json& arguments, const Prog
     const auto usable = std::count_if(imported->bodies.begin(), imported->bodies.end(), [](const ImportedBody& body) { return body.closed; });
     if (imported->bodies.empty()) return fail("empty-mesh", "\"" + request->path.string() + "\" holds no surface.");
     if (usable == 0) {
-        const Error error = refusal(imported->bodies.front());
+        const Error error = importRefusal(imported->bodies.front());
         return fail(error.code, error.message);
     }
 
@@ -54,7 +35,7 @@ Result<Json> importElement(DocumentEdit& edit, const Json& arguments, const Prog
     for (const MeshIssue& issue : imported->issues) issues.push_back(issueJson(issue));
     for (ImportedBody& body : imported->bodies) {
         if (!body.closed) {
-            issues.push_back({{"code", "left-out"}, {"text", refusal(body).message + " It was left out."}, {"count", 1}, {"fixed", false}, {"severity", "warning"}});
+            issues.push_back({{"code", "left-out"}, {"text", importRefusal(body).message + " It was left out."}, {"count", 1}, {"fixed", false}, {"severity", "warning"}});
             continue;
         }
         Element element;
@@ -97,7 +78,7 @@ Result<Json> importCharacterCommand(DocumentEdit& edit, const Json& arguments, c
     if (!request) return tl::unexpected(request.error());
     BodySetting setting;
     using Kind = std::optional<BodyKind>;  // none: unmended
-    const auto how = choice<Kind>(arguments, "body", {{"auto", BodyKind::Auto}, {"exact", BodyKind::Exact}, {"mended", BodyKind::Mended}, {"wrapped", BodyKind::Wrapped}, {"unmended", Kind()}}, Kind(BodyKind::Auto));
+    const auto how = choiceFrom<Kind>(arguments, "body", {{"auto", BodyKind::Auto}, {"exact", BodyKind::Exact}, {"mended", BodyKind::Mended}, {"wrapped", BodyKind::Wrapped}, {"unmended", Kind()}}, Kind(BodyKind::Auto));
     if (!how) return tl::unexpected(how.error());
     setting.how = how->value_or(BodyKind::Wrapped);
     if (const Json* value = find(arguments, "detail")) {
@@ -152,22 +133,6 @@ Result<Json> importCharacterCommand(DocumentEdit& edit, const Json& arguments, c
 }
 
 }  // namespace
-
-Result<ImportRequest> importRequestFrom(const Document& document, const Json& arguments) {
-    ImportRequest request;
-    const auto path = pathFrom(arguments);
-    if (!path) return tl::unexpected(path.error());
-    request.path = *path;
-    const auto unit = choice<Unit>(arguments, "unit", {{"mm", Unit::Millimetre}, {"cm", Unit::Centimetre}, {"m", Unit::Metre}}, Unit::AsInFile);
-    if (!unit) return tl::unexpected(unit.error());
-    request.unit = *unit;
-    const auto up = choice<UpAxis>(arguments, "up", {{"y", UpAxis::Y}, {"z", UpAxis::Z}}, UpAxis::AsInFile);
-    if (!up) return tl::unexpected(up.error());
-    request.up = *up;
-    if (const Json* name = find(arguments, "name"))
-        if (auto ok = checkNewName(document, name->get_ref<const std::string&>()); !ok) return tl::unexpected(ok.error());
-    return request;
-}
 
 Json issueJson(const MeshIssue& issue) {
     const char* severity = issue.severity == Severity::Info ? "info" : issue.severity == Severity::Warning ? "warning" : "error";

@@ -52,6 +52,7 @@ Result<Json> estimate(SessionAccess& access, const Json& arguments, const Progre
                      {"ms_per_frame", estimated.frameMilliseconds}};
         if (shared) {
             line["shared"] = session.document().elements.at(shared->from)->name;
+            if (shared->how->mirrored) line["mirrored"] = true;
             const bool known = session.responseState(shared->from) == ResponseState::Fresh;
             if (!known && std::find(ids->begin(), ids->end(), shared->from) == ids->end()) needed.insert(shared->from);
         }
@@ -107,7 +108,10 @@ Result<Json> precompute(SessionAccess& access, const Json& arguments, const Prog
                 line["mapping_error"] = response->quality.mappingError;
                 line["shape_error"] = response->quality.shapeError;
             }
-            if (const SharedResponse* shared = responses.sharedOf(id)) line["shared"] = document.elements.at(shared->from)->name;
+            if (const SharedResponse* shared = responses.sharedOf(id)) {
+                line["shared"] = document.elements.at(shared->from)->name;
+                if (shared->how->mirrored) line["mirrored"] = true;
+            }
             line["cached"] = cached;
         }
         list.push_back(std::move(line));

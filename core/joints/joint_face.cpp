@@ -12,26 +12,18 @@
 
 #include "core/base/finite.h"
 #include "core/base/union_find.h"
+#include "core/joints/carried_face.h"
 #include "core/mesh/closest_point.h"
 #include "core/mesh/edge_key.h"
 #include "core/mesh/surface_distance.h"
 #include "core/mesh/topology.h"
+#include "core/mesh/triangle_tree.h"
 
 namespace imomushi {
-namespace {
 
-/// Triangles of a plane face may lean this far from it: the contract's 10 degrees.
-const double kPlaneCosine = std::cos(10.0 * std::numbers::pi / 180.0);
-/// Two global axes are equally far from the normal when their cosines differ by less; then the earlier one gives x.
-constexpr double kAxisTie = 1e-6;
-/// A patch that leaves its own plane farther than this part of its size has no sensible frame.
-constexpr double kLargestBulge = 0.5;
-/// The area vector of a patch over its area: below, it folds back on itself and has no outward side.
-constexpr double kLeastOutward = 0.3;
-/// The same for discs, which may go over a tip.
-constexpr double kLeastOutwardOfDisc = 0.02;
-
-FaceFrame frameOf(const Vec3& origin, const Vec3& z) {
+FaceFrame faceFrame(const Vec3& origin, const Vec3& z) {
+    // Two global axes are equally far from the normal when their cosines differ by less; then the earlier one gives x.
+    constexpr double kAxisTie = 1e-6;
     int axis = 0;
     for (int k = 1; k < 3; ++k)
         if (std::abs(z[k]) < std::abs(z[axis]) - kAxisTie) axis = k;
@@ -42,6 +34,17 @@ FaceFrame frameOf(const Vec3& origin, const Vec3& z) {
     frame.axes << x, z.cross(x), z;
     return frame;
 }
+
+namespace {
+
+/// Triangles of a plane face may lean this far from it: the contract's 10 degrees.
+const double kPlaneCosine = std::cos(10.0 * std::numbers::pi / 180.0);
+/// A patch that leaves its own plane farther than this part of its size has no sensible frame.
+constexpr double kLargestBulge = 0.5;
+/// The area vector of a patch over its area: below, it folds back on itself and has no outward side.
+constexpr double kLeastOutward = 0.3;
+/// The same for discs, which may go over a tip.
+constexpr double kLeastOutwardOfDisc = 0.02;
 
 /// The connected patches (over shared edges) of the chosen triangles, each ascending.
 std::vector<std::vector<std::int32_t>> patches(const TriangleMesh& body, const std::vector<std::int32_t>& chosen) {
@@ -102,7 +105,7 @@ Result<JointFace> faceOf(const TriangleMesh& body, std::vector<std::int32_t> tri
     if (!(outward.norm() > (curved ? kLeastOutwardOfDisc : kLeastOutward) * area))
         return fail("not-planar", "The patch bends too far to have one outward side; choose a flatter one.");
     face.area = area;
-    face.frame = frameOf(near + moment / area, outward.normalized());
+    face.frame = faceFrame(near + moment / area, outward.normalized());
     for (const std::int32_t v : face.vertices) {
         const Vec3 p = face.frame.toLocal(body.vertices.row(v).transpose());
         face.size = std::max(face.size, p.norm());
@@ -259,6 +262,35 @@ Result<JointFace> jointFaceByDisc(const TriangleMesh& body, std::int32_t seed, c
     }
     if (!isDisc(body, disc)) return fail("not-a-disc", "The patch closes around a limb or has a hole: choose a smaller radius.");
     return faceOf(body, std::move(disc), true);
+}
+
+Result<JointFace> refoundFace(const TriangleMesh& was, const JointFace& face, const TriangleMesh& body) {
+    constexpr double kPlaneTolerance = 1e-4;  // of the diagonal, as in a face by plane
+    constexpr double kMoved = 0.25;           // of its size: a patch in the plane whose middle lies farther away is another one
+    constexpr double kAway = 0.5;             // of its size: triangles farther from the face are none of it
+    constexpr double kAreas = 4.0;            // a patch so many times as large or small is another one
+    const Vec3 origin = face.frame.origin, z = face.frame.axes.col(2);
+    const auto alike = [&](const JointFace& found) { return found.area <= kAreas * face.area && face.area <= kAreas * found.area; };
+    if (face.flat()) {
+        const double diagonal = (body.vertices.colwise().maxCoeff() - body.vertices.colwise().minCoeff()).norm();
+        if (auto found = jointFaceByPlane(body, origin, z, kPlaneTolerance * diagonal); found && alike(*found) && (found->frame.origin - origin).norm() <= kMoved * face.size) return found;
+    }
+    const TriangleTree tree(was);
+    std::vector<std::int32_t> chosen;
+    for (std::int32_t t = 0; t < body.triangles.rows(); ++t) {
+        Vec3 middle = Vec3::Zero();
+        for (int c = 0; c < 3; ++c) middle += body.vertices.row(body.triangles(t, c)).transpose() / 3.0;
+        if (!((middle - origin).norm() <= (1.0 + kAway) * face.size)) continue;
+        const auto hit = tree.nearest(middle);
+        if (hit.triangle >= 0 && std::binary_search(face.triangles.begin(), face.triangles.end(), hit.triangle) && hit.squaredDistance <= kAway * kAway * face.size * face.size &&
+            areaVector(body, t).dot(areaVector(was, hit.triangle)) > 0.0)
+            chosen.push_back(t);
+    }
+    auto found = patches(body, chosen);
+    const auto largest = std::max_element(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
+    if (largest != found.end())
+        if (auto made = faceOf(body, std::move(*largest), !face.flat()); made && alike(*made)) return made;
+    return fail("face-lost", "Nothing of about its size lies where it was.");
 }
 
 int overlappingFace(std::span<const JointFace> faces, const JointFace& face) {

@@ -11,9 +11,11 @@
 namespace imomushi {
 
 /// Two elements of the same triangles, joint faces, Poisson ratio, basis and solver mesh are congruent when a rotation and a shift carry the
-/// vertices of one to those of the other. The response of one then is that of the other, turned.
+/// vertices of one to those of the other. The response of one then is that of the other, turned. Of mirror images the triangles of one are those of the other
+/// turned round, their second and third corners exchanged; elasticity knows no handedness, so that the response is reflected in the same way.
 struct Congruence {
-    Eigen::Matrix3d rotation;              ///< to = rotation * from + shift; never a mirror
+    Eigen::Matrix3d rotation;              ///< to = rotation * from + shift; a rotation and a reflection (of determinant -1) where `mirrored`
+    bool mirrored = false;
     Vec3 shift;                            ///< m
     double miss = 0.0;                     ///< largest distance of a vertex from where it should be, in diagonals of the bounding box
     /// Per face, g_f x g_f: the joint parameters of `from` that move its face as a unit of each joint parameter of `to` moves the other's. The

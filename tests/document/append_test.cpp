@@ -86,6 +86,18 @@ TEST_CASE("append: a character on top of another would be one with it, and is re
     CHECK(w.content() == before);
 }
 
+TEST_CASE("append: beside what is there") {
+    const std::string path = savedChain();
+    Workbench w;
+    w.buildChain();
+    const Json answer = w.good({{"do", "append"}, {"path", path}, {"beside", true}});
+    CHECK(answer["offset"][0].get<double>() == doctest::Approx(1.1));  // a bar is as wide as 1, and a tenth of that lies between
+    CHECK(answer["elements"].size() == 2);
+    CHECK(w.code({{"do", "append"}, {"path", path}, {"beside", true}, {"offset", {0, 0, 0}}}) == "bad-value");
+    Workbench empty;
+    CHECK(empty.good({{"do", "append"}, {"path", path}, {"beside", true}})["offset"] == Json::array({0.0, 0.0, 0.0}));
+}
+
 TEST_CASE("append: one element comes with its bone, and what it hung on is a place") {
     const std::string path = savedChain();
     Workbench w;

@@ -213,6 +213,19 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
     choose(false);
 }
 
+void ImportDialog::replaces(const std::string& name, bool whole) {
+    replaced_ = name;
+    setWindowTitle(tr("Replace the mesh of %1").arg(QString::fromStdString(name)));
+    import_->setText(tr("Replace"));
+    for (ChoiceCard* card : {wholeCard_, elementsCard_}) card->setVisible(false);
+    body_->removeItem(kUnmended);
+    split_->setChecked(false);
+    chosenByHand_ = true;
+    choose(whole);
+    split_->setVisible(false);
+    for (QWidget* field : std::initializer_list<QWidget*>{detailLabel_, detail_}) field->setVisible(false);
+}
+
 bool ImportDialog::whole() const { return wholeCard_->isChecked(); }
 
 ImportRequest ImportDialog::chosen() const {
@@ -239,7 +252,8 @@ BodySetting ImportDialog::body() const {
 void ImportDialog::choose(bool whole) {
     (whole ? wholeCard_ : elementsCard_)->setChecked(true);
     split_->setVisible(!whole);
-    for (QWidget* field : std::initializer_list<QWidget*>{soft_, bodyLabel_, body_, detailLabel_, detail_}) field->setVisible(whole);
+    for (QWidget* field : std::initializer_list<QWidget*>{bodyLabel_, body_, detailLabel_, detail_}) field->setVisible(whole);
+    soft_->setVisible(whole && replaced_.empty());
     read();
 }
 
@@ -259,7 +273,7 @@ void ImportDialog::read() {
         say(tr("The body is being made…"), "muted");
         facts_->clear();
         issues_->clear();
-        character_->start(chosen(), body(), soft_->isChecked() && !unmended());
+        character_->start(chosen(), body(), soft_->isChecked() && !unmended() && replaced_.empty());
     } else {
         job_->start(chosen());
     }
@@ -319,7 +333,7 @@ void ImportDialog::showElements() {
     } else if (usable < bodies) {
         say(tr("%1 of %2 bodies can be used; the others are left out.").arg(usable).arg(bodies), "warning");
     } else {
-        say(usable == 1 ? tr("Ready to import.") : tr("Ready to import as %n element(s).", nullptr, usable), "good");
+        say(!replaced_.empty() ? tr("Ready to replace the mesh.") : usable == 1 ? tr("Ready to import.") : tr("Ready to import as %n element(s).", nullptr, usable), "good");
     }
     if (bodies > 0) {
         const Vec3 size = high - low;
@@ -346,7 +360,7 @@ void ImportDialog::showCharacter() {
     const Body* body = *made.body ? &**made.body : nullptr;
     const Proposal* proposal = made.proposal && *made.proposal ? &**made.proposal : nullptr;
     preview_->show(file, body, proposal);
-    if (body) say(tr("Ready to import. The body is %1.").arg(bodyKindText(body->report.how)), "good");
+    if (body) say((replaced_.empty() ? tr("Ready to import. The body is %1.") : tr("Ready to replace the mesh. The body is %1.")).arg(bodyKindText(body->report.how)), "good");
     else say(errorText(made.body->error()), "error");
     const QLocale locale;
     const TriangleMesh& mesh = file.renderModel.mesh.body;
@@ -383,6 +397,7 @@ Json ImportDialog::command() const {
     import.path = path_.toStdString();
     if (unit_->currentIndex() > 0) import.unit = kUnits[unit_->currentIndex()];
     if (up_->currentIndex() > 0) import.up = kAxes[up_->currentIndex()];
+    if (!replaced_.empty()) return commands::replaceMesh(replaced_, whole(), import, body().how == BodyKind::Auto ? std::string() : std::string(nameOf(body().how)));
     if (whole()) {
         const BodyKind how = body().how;
         const double detail = kDetails[std::size_t(detail_->currentIndex())];

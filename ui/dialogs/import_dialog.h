@@ -3,6 +3,7 @@
 
 #include <QDialog>
 #include <memory>
+#include <string>
 
 #include "core/body/body.h"
 #include "core/document/command.h"
@@ -30,7 +31,10 @@ class ImportDialog : public QDialog {
 public:
     explicit ImportDialog(const QString& path, QWidget* parent = nullptr);
 
-    [[nodiscard]] Json command() const;  ///< import-element, import-character or make-soft with what was chosen
+    /// The mesh is to take the place of that of a character (`whole`) or of an element, instead of coming in beside.
+    void replaces(const std::string& name, bool whole);
+
+    [[nodiscard]] Json command() const;  ///< import-element, import-character, make-soft or replace-mesh with what was chosen
     [[nodiscard]] const ImportRequest& request() const;
     [[nodiscard]] std::shared_ptr<const Result<ImportResult>> prepared() const;
     /// Null: it is to become elements.
@@ -56,6 +60,7 @@ private:
     ChoiceCard* wholeCard_;
     ChoiceCard* elementsCard_;
     bool chosenByHand_ = false;
+    std::string replaced_;  ///< name of what gets the mesh, empty: none
     MeshPreview* preview_;
     QComboBox* unit_;
     QComboBox* up_;

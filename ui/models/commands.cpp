@@ -73,6 +73,19 @@ Json makeSoft(const Import& import, const std::string& body, std::optional<doubl
     return command;
 }
 
+Json append(const std::string& path, bool beside) {
+    Json command = {{"do", "append"}, {"path", path}};
+    if (beside) command["beside"] = true;
+    return command;
+}
+
+Json replaceMesh(const std::string& name, bool character, const Import& import, const std::string& body) {
+    Json command = importCommand("replace-mesh", import);
+    command[character ? "character" : "element"] = name;
+    if (character && !body.empty()) command["body"] = body;
+    return command;
+}
+
 Json repair(const std::string& element, const std::vector<std::string>& actions, std::optional<double> detail) {
     Json command = {{"do", "repair"}, {"element", element}};
     if (!actions.empty()) command["actions"] = actions;
@@ -109,6 +122,8 @@ Json rename(const std::string& target, const std::string& name) { return {{"do",
 Json enable(EffectKind effect, const std::optional<std::string>& element) { return effectCommand("enable", effect, element); }
 Json disable(EffectKind effect, const std::optional<std::string>& element) { return effectCommand("disable", effect, element); }
 
+Json duplicate(const std::vector<std::string>& names) { return {{"do", "duplicate"}, {"names", names}}; }
+Json mirror(const std::vector<std::string>& names, char axis) { return {{"do", "mirror"}, {"from", names}, {"axis", std::string(1, axis)}}; }
 Json removeElement(const std::string& name) { return {{"do", "remove-element"}, {"name", name}}; }
 
 Json attach(const Attach& choices) {

@@ -43,6 +43,10 @@ Json importCharacter(const Import& import, const std::string& body = {}, std::op
 
 /// The same, with the cuts, bones and pins that are proposed for it; nothing is precomputed.
 Json makeSoft(const Import& import, const std::string& body = {}, std::optional<double> detail = {});
+/// Another project's elements, beside what is there where they would lie on it.
+Json append(const std::string& path, bool beside);
+/// Another mesh for a character or an element, which keeps its rig. `body`: of a character, as of importCharacter().
+Json replaceMesh(const std::string& name, bool character, const Import& import, const std::string& body = {});
 
 /// The body of an element or a character; what mends the issues there are, or these steps. `detail`: of a wrap, in diagonals.
 Json repair(const std::string& element, const std::vector<std::string>& actions = {}, std::optional<double> detail = {});
@@ -107,6 +111,10 @@ inline Json setEnabled(EffectKind effect, bool on, const std::optional<std::stri
 
 // ---- elements, joint faces, bones ------------------------------------------------------------------------------------------
 
+/// Elements, characters and bones; beside the first ones.
+Json duplicate(const std::vector<std::string>& names);
+/// Elements, characters, bones, cuts, handles and joint faces; `axis`: 'x', 'y' or 'z'.
+Json mirror(const std::vector<std::string>& names, char axis);
 /// Or a whole character.
 Json removeElement(const std::string& name);
 /// `element`: or a character, whichever of its elements the plane cuts. `names`: of the pieces, the one behind the plane first. m.

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/models/selection_commands.h"
 
+#include <QCoreApplication>
+#include <algorithm>
+#include <initializer_list>
 #include <set>
 
 #include "ui/models/commands.h"
 #include "ui/models/gesture.h"
 #include "ui/models/paths.h"
+#include "ui/models/texts.h"
 
 namespace imomushi {
 
@@ -30,6 +34,74 @@ void showAll(StudioDocument& document) {
     for (const auto& [id, element] : document.document().elements)
         if (!element->visible) wanted.push_back(commands::set(element->name, commands::element::kVisible, true));
     executeTogether(document, wanted);
+}
+
+namespace {
+
+struct SelectionTexts {
+    Q_DECLARE_TR_FUNCTIONS(SelectionTexts)
+};
+
+/// How commands call what is selected, each once; ends of bones are their bones.
+std::vector<std::string> selectedNames(const StudioDocument& document, std::initializer_list<Kind> kinds) {
+    std::vector<std::string> names;
+    for (SelectionItem item : document.selection()) {
+        if (item.kind == Kind::Endpoint) item = {Kind::Bone, item.part, {}, false};
+        if (std::find(kinds.begin(), kinds.end(), item.kind) == kinds.end()) continue;
+        std::string name = handleOf(document.document(), item) ? item.face : pathOf(document.document(), item);
+        if (!name.empty() && std::find(names.begin(), names.end(), name) == names.end()) names.push_back(std::move(name));
+    }
+    return names;
+}
+
+/// Selects the copies that a command tells of; those of elements and characters alone where there are any.
+void selectCopies(StudioDocument& document, const Json& answer) {
+    const Document& d = document.document();
+    std::vector<SelectionItem> items;
+    for (const Json& copy : answer.at("characters"))
+        if (const CharacterSource* c = d.characterNamed(copy.at("name").get<std::string>())) items.push_back({Kind::Character, c->id, {}, false});
+    for (const Json& copy : answer.at("elements"))
+        if (const Element* e = d.elementNamed(copy.at("name").get<std::string>()); e && (!e->piece || answer.at("characters").empty())) items.push_back({Kind::Element, e->id, {}, false});
+    if (items.empty())
+        for (const Json& copy : answer.at("bones"))
+            if (const Bone* b = d.boneNamed(copy.at("name").get<std::string>())) items.push_back({Kind::Bone, b->id, {}, false});
+    if (items.empty())
+        for (const Json& copy : answer.at("handles"))
+            if (const auto handle = d.handle(copy.at("name").get<std::string>())) items.push_back({Kind::Face, handle->element, handle->face, false});
+    document.select(std::move(items));
+}
+
+}  // namespace
+
+bool canDuplicate(const StudioDocument& document) { return !selectedNames(document, {Kind::Element, Kind::Character, Kind::Bone}).empty(); }
+bool canMirror(const StudioDocument& document) { return !selectedNames(document, {Kind::Element, Kind::Character, Kind::Bone, Kind::Face, Kind::Cut}).empty(); }
+
+Replaceable replaceable(const StudioDocument& document) {
+    const Document& d = document.document();
+    if (document.selection().size() != 1) return {};
+    const SelectionItem& item = document.selection().front();
+    if (const CharacterSource* character = characterOf(d, item)) return {character->name, true};
+    const Element* element = elementOf(d, item);
+    if (!element) return {};
+    return element->piece ? Replaceable{d.characters.at(element->piece->character)->name, true} : Replaceable{element->name, false};
+}
+
+bool duplicateSelected(StudioDocument& document) {
+    const auto answer = document.execute(commands::duplicate(selectedNames(document, {Kind::Element, Kind::Character, Kind::Bone})));
+    if (answer) selectCopies(document, *answer);
+    return answer.has_value();
+}
+
+bool mirrorSelected(StudioDocument& document, char axis) {
+    const auto answer = document.execute(commands::mirror(selectedNames(document, {Kind::Element, Kind::Character, Kind::Bone, Kind::Face, Kind::Cut}), axis));
+    if (!answer) return false;
+    selectCopies(document, *answer);
+    const Json& left = answer->at("not_mirrored");
+    if (left.empty()) return true;
+    const QString why = errorText({left[0].at("code").get<std::string>(), left[0].at("why").get<std::string>()}), name = QString::fromStdString(left[0].at("name").get<std::string>());
+    Q_EMIT document.failed(left.size() == 1 ? SelectionTexts::tr("Mirrored, but for “%1”: %2").arg(name, why)
+                                            : SelectionTexts::tr("Mirrored, but for %1 parts. “%2”: %3").arg(left.size()).arg(name, why));
+    return false;
 }
 
 void togglePins(StudioDocument& document) {

@@ -15,6 +15,19 @@ void selectAllElements(StudioDocument& document);
 /// What artists do with what is selected; each is one undo step.
 void hideSelected(StudioDocument& document);
 void showAll(StudioDocument& document);
+/// Copies elements, characters and bones, and selects the copies. False: refused.
+bool duplicateSelected(StudioDocument& document);
+[[nodiscard]] bool canDuplicate(const StudioDocument& document);
+/// Makes mirror images across an axis ('x', 'y' or 'z') and selects them. False: refused, or something was left out, which the
+/// document tells by failed().
+bool mirrorSelected(StudioDocument& document, char axis);
+[[nodiscard]] bool canMirror(const StudioDocument& document);
+/// What another mesh can be given to: the character or the element of its own that is selected, alone. Without a name: none is.
+struct Replaceable {
+    std::string name;
+    bool character = false;
+};
+[[nodiscard]] Replaceable replaceable(const StudioDocument& document);
 /// Pins or unpins the selected endpoints, and the ends of the selected bones.
 void togglePins(StudioDocument& document);
 /// Joins the two joint faces that are selected and returns their paths; none where it failed or others than two are selected.

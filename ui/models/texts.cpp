@@ -129,6 +129,14 @@ const std::map<std::string, const char*> kErrors = {
     {"other-element", QT_TRANSLATE_NOOP("Errors", "The section nearest to the origin of the plane belongs to another element. Put the origin into the section that is meant.")},
     {"part-of-character", QT_TRANSLATE_NOOP("Errors", "This element is a piece of a character. Take out the cut beside it, or remove the whole character.")},
     {"section-touches-itself", QT_TRANSLATE_NOOP("Errors", "The section touches or crosses itself. Move or turn the plane a little.")},
+    {"nothing-to-mirror", QT_TRANSLATE_NOOP("Errors", "Nothing of the selection can be mirrored there.")},
+    {"in-the-plane", QT_TRANSLATE_NOOP("Errors", "It lies in the middle of the mirror plane.")},
+    {"own-image", QT_TRANSLATE_NOOP("Errors", "It is its own mirror image.")},
+    {"image-there", QT_TRANSLATE_NOOP("Errors", "Its mirror image is there already.")},
+    {"no-image", QT_TRANSLATE_NOOP("Errors", "Not all of what it lies on has a mirror image.")},
+    {"hangs-on-nothing", QT_TRANSLATE_NOOP("Errors", "What it hangs on has no mirror image: it is a point of its own.")},
+    {"other-size", QT_TRANSLATE_NOOP("Errors", "The new mesh is far larger or smaller than the old one. Choose its unit.")},
+    {"several-bodies", QT_TRANSLATE_NOOP("Errors", "The file holds several bodies. Choose one with a single body.")},
     {"zero-length", QT_TRANSLATE_NOOP("Errors", "The bone has no length. Let it end at another place.")},
 };
 
@@ -147,6 +155,10 @@ const std::map<std::string, const char*> kSteps = {
     {"import-character", QT_TRANSLATE_NOOP("Steps", "Import character")},
     {"import-skeleton", QT_TRANSLATE_NOOP("Steps", "Import skeleton")},
     {"make-soft", QT_TRANSLATE_NOOP("Steps", "Make soft")},
+    {"append", QT_TRANSLATE_NOOP("Steps", "Add project")},
+    {"duplicate", QT_TRANSLATE_NOOP("Steps", "Duplicate")},
+    {"mirror", QT_TRANSLATE_NOOP("Steps", "Mirror")},
+    {"replace-mesh", QT_TRANSLATE_NOOP("Steps", "Replace mesh")},
     {"repair", QT_TRANSLATE_NOOP("Steps", "Repair mesh")},
     {"cut", QT_TRANSLATE_NOOP("Steps", "Cut element")},
     {"move-cut", QT_TRANSLATE_NOOP("Steps", "Move cut")},
@@ -274,7 +286,7 @@ QString stepText(const std::string& command, const std::string& subject) {
     if (name.isEmpty()) name = QString::fromStdString(command);
     QString what = QString::fromStdString(subject);
     if (const auto effect = effectNamed(subject)) what = effectTitle(*effect);
-    if (command == "import-element" || command == "import-character" || command == "import-skeleton") what = what.section(u'/', -1);  // the file, not its folders
+    if (command == "import-element" || command == "import-character" || command == "import-skeleton" || command == "append") what = what.section(u'/', -1);  // the file, not its folders
     return what.isEmpty() ? name : Texts::tr("%1: %2", "undo step: what was done, to what").arg(name, what);
 }
 

@@ -11,6 +11,7 @@
 
 #include "ui/models/commands.h"
 #include "ui/models/paths.h"
+#include "ui/models/selection_commands.h"
 #include "ui/tools/picking.h"
 #include "ui/tools/select_tool.h"
 #include "ui/viewport/viewport_widget.h"
@@ -177,6 +178,8 @@ void ViewportWidget::contextMenuEvent(QContextMenuEvent* e) {
     menu.addAction(tr("Frame selection"), this, [this] { frameSelection(); })->setEnabled(!selection.empty());
     menu.addAction(tr("Frame all"), this, [this] { frameAll(); });
     menu.addSeparator();
+    menu.addAction(tr("Duplicate"), this, [this] { duplicateSelected(document_); })->setEnabled(canDuplicate(document_));
+    menu.addAction(tr("Mirror left and right"), this, [this] { mirrorSelected(document_, 'x'); })->setEnabled(canMirror(document_));
     menu.addAction(tr("Remove"), this, [this] { removeSelection(document_); })->setEnabled(!selection.empty());
     menu.exec(e->globalPos());
 }

@@ -6,6 +6,7 @@
 
 #include "ui/jobs/precompute_job.h"
 #include "ui/models/paths.h"
+#include "ui/models/selection_commands.h"
 #include "ui/models/studio_document.h"
 #include "ui/models/take_deck.h"
 #include "ui/models/texts.h"
@@ -43,6 +44,9 @@ void ActionStates::update() {
     const auto count = [&](auto... kinds) { return std::count_if(selection.begin(), selection.end(), [&](const SelectionItem& i) { return ((i.kind == kinds) || ...); }); };
     a["delete"]->setEnabled(count(Kind::Element, Kind::Face, Kind::Bone, Kind::Character, Kind::Cut) > 0);
     a["rename"]->setEnabled(selection.size() == 1 && selection.front().kind != Kind::Endpoint);
+    a["duplicate"]->setEnabled(canDuplicate(document_));
+    for (const char* id : {"mirror-x", "mirror-y", "mirror-z"}) a[id]->setEnabled(canMirror(document_));
+    a["replace-mesh"]->setEnabled(!replaceable(document_).name.empty());
     a["hide"]->setEnabled(count(Kind::Element) > 0);
     a["join"]->setEnabled(count(Kind::Face) == 2);
     const bool handles = std::any_of(selection.begin(), selection.end(), [&](const SelectionItem& i) { return handleOf(d, i) != nullptr; });

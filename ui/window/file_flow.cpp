@@ -19,6 +19,7 @@
 #include "ui/models/body_texts.h"
 #include "ui/models/commands.h"
 #include "ui/models/paths.h"
+#include "ui/models/selection_commands.h"
 #include "ui/models/texts.h"
 
 namespace imomushi {
@@ -254,13 +255,91 @@ Result<Json> FileFlow::executeWith(const std::vector<MadeBody>& bodies, const Js
     return answer;
 }
 
+void FileFlow::askAppend() {
+    const QString path = QFileDialog::getOpenFileName(window_, tr("Add a project"), folder(), tr("Imomushi projects (*.imomushi)"));
+    if (!path.isEmpty()) append(path);
+}
+
+void FileFlow::append(const QString& path) {
+    QGuiApplication::setOverrideCursor(Qt::WaitCursor);
+    const auto answer = document_.execute(commands::append(path.toStdString(), true));
+    QGuiApplication::restoreOverrideCursor();
+    if (!answer) return;
+    std::vector<SelectionItem> items;
+    for (const Json& name : answer->at("elements"))
+        if (const Element* e = document_.document().elementNamed(name.get<std::string>())) items.push_back({SelectionItem::Kind::Element, e->id, {}, false});
+    document_.select(items);
+    Q_EMIT imported(int(items.size()));
+    Q_EMIT said(tr("Added “%1” to this project").arg(QFileInfo(path).completeBaseName()));
+}
+
+void FileFlow::askReplaceMesh() {
+    QStringList patterns;
+    for (const QString& suffix : meshSuffixes()) patterns << QStringLiteral("*.") + suffix;
+    const QString start = QSettings().value(QStringLiteral("files/mesh-folder"), folder()).toString();
+    const QString path = QFileDialog::getOpenFileName(window_, tr("Replace the mesh"), start, tr("Meshes (%1)").arg(patterns.join(u' ')));
+    if (path.isEmpty()) return;
+    QSettings().setValue(QStringLiteral("files/mesh-folder"), QFileInfo(path).absolutePath());
+    replaceMesh(path);
+}
+
+void FileFlow::replaceMesh(const QString& path) {
+    const Replaceable target = replaceable(document_);
+    if (target.name.empty() || importing_) return;
+    importing_ = true;
+    auto* dialog = new ImportDialog(path, window_);
+    dialog->setAttribute(Qt::WA_DeleteOnClose);
+    dialog->replaces(target.name, target.character);
+    connect(dialog, &QDialog::finished, this, [this, dialog, name = QString::fromStdString(target.name)](int answer) {
+        importing_ = false;
+        if (answer != QDialog::Accepted) return nextImport();
+        *prepared_ = {dialog->request(), dialog->prepared(), dialog->preparedCharacter(), {}};
+        const auto done = document_.execute(dialog->command());
+        *prepared_ = {};
+        if (done && done->at("lost").empty()) {
+            Q_EMIT said(tr("“%1” has its new mesh and kept its rig.").arg(name));
+        } else if (done) {
+            QStringList lost;
+            for (const Json& part : done->at("lost"))
+                lost << tr("%1 (%2)", "what was lost, why").arg(QString::fromStdString(part.at("name").get<std::string>()), errorText({part.at("code").get<std::string>(), part.at("why").get<std::string>()}));
+            constexpr qsizetype kTold = 3;
+            const QString more = lost.size() > kTold ? tr("%n more", nullptr, int(lost.size() - kTold)) : QString();
+            lost = lost.mid(0, kTold);
+            if (!more.isEmpty()) lost << more;
+            Q_EMIT warned(tr("“%1” has its new mesh. Lost: %2").arg(name, lost.join(QStringLiteral("; "))));
+        }
+        nextImport();
+    });
+    dialog->open();
+}
+
+FileFlow::Dropped FileFlow::askDropped(const QString& path) {
+    if (document_.document().elements.empty() && document_.document().bones.empty()) return Dropped::Open;
+    QMessageBox box(window_);
+    box.setIcon(QMessageBox::NoIcon);
+    box.setWindowTitle(tr("Dropped project"));
+    box.setText(tr("Add “%1” to this project, or open it instead?").arg(QFileInfo(path).completeBaseName()));
+    auto* add = box.addButton(tr("Add"), QMessageBox::AcceptRole);
+    auto* open = box.addButton(tr("Open"), QMessageBox::ActionRole);
+    auto* cancel = box.addButton(tr("Cancel"), QMessageBox::RejectRole);
+    box.setDefaultButton(add);
+    box.setEscapeButton(cancel);
+    box.exec();
+    return box.clickedButton() == add ? Dropped::Append : box.clickedButton() == open ? Dropped::Open : Dropped::Nothing;
+}
+
 void FileFlow::drop(const QStringList& paths) {
     QStringList meshes, projects, others;
     for (const QString& path : paths) {
         const QString suffix = QFileInfo(path).suffix().toLower();
         (suffix == kSuffix ? projects : meshSuffixes().contains(suffix) ? meshes : others) << path;
     }
-    if (!projects.isEmpty()) open(projects.last());
+    if (!projects.isEmpty()) {
+        const Dropped what = askDropped(projects.last());
+        if (what == Dropped::Open) open(projects.last());
+        if (what == Dropped::Append)
+            for (const QString& path : projects) append(path);
+    }
     if (!meshes.isEmpty()) import(meshes);
     if (!others.isEmpty()) Q_EMIT said(tr("“%1” is neither a mesh nor a project.").arg(QFileInfo(others.first()).fileName()));
 }

@@ -40,7 +40,13 @@ public:
     void writeMesh();
     void askImport();
     void import(const QStringList& paths);  ///< one dialog after another
-    /// Projects are opened, meshes imported.
+    void askAppend();
+    /// Adds another project to this one, beside it.
+    void append(const QString& path);
+    /// Asks for another mesh for the character or the element that is selected.
+    void askReplaceMesh();
+    void replaceMesh(const QString& path);
+    /// Projects are opened, or added to this one, as the artist says; meshes imported.
     void drop(const QStringList& paths);
     /// Runs a command that may take bodies that were made for it.
     Result<Json> executeWith(const std::vector<MadeBody>& bodies, const Json& command);
@@ -56,8 +62,11 @@ signals:
     void performable();  ///< a character came that can be dragged at once
     void saved(const QString& path);   ///< a picture may be taken now
     void said(const QString& message);
+    void warned(const QString& message);
 
 private:
+    enum class Dropped { Open, Append, Nothing };
+    Dropped askDropped(const QString& path);
     bool saveTo(const QString& path);
     void nextImport();
     void madeSoft(const Json& answer);

@@ -112,6 +112,7 @@ private:
     void startPrecompute();
     void undo();
     void join();
+    void mirror(char axis);
     void record();
     void openExport();
     void openPreferences();

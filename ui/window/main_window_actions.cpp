@@ -58,6 +58,7 @@ void MainWindow::connectFileActions() {
     onSettled("new", [this] { files_->newProject(); });
     onSettled("open", [this] { files_->askOpen(); });
     onSettled("import", [this] { files_->askImport(); });
+    onSettled("append", [this] { files_->askAppend(); });
     onSettled("save", [this] { files_->save(); });
     onSettled("save-as", [this] { files_->saveAs(); });
     onSettled("save-copy", [this] { files_->saveCopy(); });
@@ -71,6 +72,9 @@ void MainWindow::connectEditActions() {
     on("undo", [this] { undo(); });
     onSettled("redo", [this] { document_.execute(commands::redo()); });
     onSettled("delete", [this] { removeSelection(document_); });
+    onSettled("duplicate", [this] { duplicateSelected(document_); });
+    for (const char* axis : {"x", "y", "z"}) onSettled(QByteArray("mirror-").append(axis).constData(), [this, axis] { mirror(*axis); });
+    onSettled("replace-mesh", [this] { files_->askReplaceMesh(); });
     on("rename", [this] {
         StudioDocks::raise(outliner());
         outliner().renameSelected();
@@ -206,6 +210,10 @@ void MainWindow::undo() {
 void MainWindow::join() {
     if (const auto faces = joinSelected(document_))
         messages().say(tr("Joined %1 and %2").arg(QString::fromStdString(faces->first), QString::fromStdString(faces->second)), MessageBar::Tone::Good);
+}
+
+void MainWindow::mirror(char axis) {
+    if (mirrorSelected(document_, axis)) messages().say(tr("Mirrored"), MessageBar::Tone::Good);
 }
 
 void MainWindow::record() {

@@ -42,8 +42,8 @@ void StudioMenus::buildMenus(const QList<QAction*>& panels) {
     fill(*file, {"new", "open"});
     recentMenu_ = addMenu(file, QT_TR_NOOP("Open &recent"));
     samplesMenu_ = addMenu(file, QT_TR_NOOP("Sa&mples"));
-    fill(*file, {"start", "", "import", "", "save", "save-as", "save-copy", "", "export", "write-mesh", "save-script", "", "quit"});
-    fill(*addMenu(nullptr, QT_TR_NOOP("&Edit")), {"undo", "redo", "", "rename", "delete", "", "select-all", "select-none", "", "search", "preferences"});
+    fill(*file, {"start", "", "import", "append", "", "save", "save-as", "save-copy", "", "export", "write-mesh", "save-script", "", "quit"});
+    fill(*addMenu(nullptr, QT_TR_NOOP("&Edit")), {"undo", "redo", "", "rename", "delete", "", "duplicate", "mirror-x", "mirror-y", "mirror-z", "replace-mesh", "", "select-all", "select-none", "", "search", "preferences"});
     fill(*addMenu(nullptr, QT_TR_NOOP("&Character")), {"tool-select", "tool-face", "tool-bone", "tool-handle", "tool-pose", "tool-touch", "", "passing-handles", "", "join", "", "precompute", "soft-at-once", "", "pin", "release", "rest"});
     fill(*addMenu(nullptr, QT_TR_NOOP("&Perform")), {"record", "count-in", "", "play", "take-back", "take-forward", "loop", "leave-take", "", "mark-in", "mark-out", "mark-none", "trim-take", "",
                                                      "rename-take", "duplicate-take", "remove-take"});
@@ -81,7 +81,7 @@ void StudioMenus::takeSizes() { tools_->setIconSize(QSize(px(22), px(22))); }
 
 void StudioMenus::popUpContextMenu(const QPoint& global) {
     QMenu menu(&window_);
-    fill(menu, {"rename", "delete", "", "join", "pin", "", "hide", "show-all", "frame-selection"});
+    fill(menu, {"rename", "delete", "", "duplicate", "mirror-x", "mirror-y", "mirror-z", "replace-mesh", "", "join", "pin", "", "hide", "show-all", "frame-selection"});
     menu.exec(global);
 }
 
