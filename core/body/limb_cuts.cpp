@@ -17,8 +17,8 @@ constexpr double kOutside = 0.6;
 constexpr double kFlare = 0.85;
 /// The neck is looked for this far outward from there, in radii; what is farther out must be narrower by this part per radius.
 constexpr double kNeckWindow = 1.3, kNeckFarther = 0.25;
-/// What is left beyond the last cut is at least so many radii of it long.
-constexpr double kLeastEnd = 0.9;
+/// What is left beyond the first cut is at least so many radii of it long: more than the corner of a cube, 1.1.
+constexpr double kLeastEnd = 1.15;
 /// Cuts between pieces are looked for this far to both sides, in lengths of the pieces; how much a right angle is worth against a section twice the area.
 constexpr double kPieceWindow = 0.22, kBend = 1.5;
 

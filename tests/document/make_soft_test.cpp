@@ -148,8 +148,8 @@ TEST_CASE("make-soft: takes a character that is there, once") {
     const std::string made = w.content();
     CHECK(w.code({{"do", "make-soft"}, {"character", "it"}}) == "already-cut");
     CHECK(w.content() == made);
-    // A second one of the same file gets names of its own.
-    const Json second = w.good(makeSoft("animal"));
+    // Another one with the same limbs gets names of its own.
+    const Json second = w.good(makeSoft("large animal"));
     CHECK(second["refused"] == Json::array());
     CHECK(second["elements"].size() == answer["elements"].size());
 }
