@@ -1043,6 +1043,10 @@
             <source>The file holds several bodies. Choose one with a single body.</source>
             <translation>ファイルに複数のボディがあります。ボディが一つのファイルを選んでください。</translation>
         </message>
+        <message>
+            <source>The file holds no closed surface. Close its holes first.</source>
+            <translation>ファイルに閉じた面がありません。先に穴を閉じてください。</translation>
+        </message>
     </context>
     <context>
         <name>Issues</name>

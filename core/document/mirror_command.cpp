@@ -395,6 +395,8 @@ Result<Json> mirror(DocumentEdit& edit, const Json& arguments, const Progress& p
     if (const Json* given = find(arguments, "suffixes")) {
         if (given->size() != 2 || !(*given)[0].is_string() || !(*given)[1].is_string() || (*given)[0] == (*given)[1] || (*given)[0] == "" || (*given)[1] == "")
             return fail("bad-type", "\"suffixes\" must be two different texts, such as [\".L\", \".R\"].");
+        for (const Json& suffix : *given)
+            if (auto ok = checkNameText(suffix.get_ref<const std::string&>()); !ok) return tl::unexpected(ok.error());
         options.name = [suffixes = std::pair((*given)[0].get<std::string>(), (*given)[1].get<std::string>())](const std::string& name) { return otherSide(name, suffixes); };
     }
     options.response = lastResponses(edit);

@@ -73,11 +73,25 @@ void placeElement(DocumentEdit& edit, PartId id, const Placing& placing, const S
     edit.bring(id, {carriedKey, responses.shapeOf(id), std::make_shared<const ElementResponse>(std::move(*carried))});
 }
 
-/// `wish`, or with a number, which no part and no other face of the element has.
-std::string freeHandleName(const Document& document, const Element& element, const std::string& wish) {
-    std::string name = freeName(document, wish);
-    for (int n = 2; name != wish && element.faceIndex(name) >= 0; ++n) name = freeName(document, wish + " " + std::to_string(n));
-    return name;
+/// `wish`, or where that is taken with the next free number in place of its own: a copy of "leg 2" is "leg 3".
+template <class Free>
+std::string nextName(const std::string& wish, Free&& isFree) {
+    constexpr std::size_t kDigits = 6;  // longer ones are no count
+    if (isFree(wish)) return wish;
+    const std::size_t space = wish.find_last_not_of("0123456789");
+    const bool counted = space != std::string::npos && space > 0 && wish[space] == ' ' && space + 1 < wish.size() && wish.size() - space - 1 <= kDigits;
+    const std::string stem = counted ? wish.substr(0, space) : wish;
+    for (int n = counted ? std::stoi(wish.substr(space + 1)) + 1 : 2;; ++n)
+        if (std::string name = stem + " " + std::to_string(n); isFree(name)) return name;
+}
+
+std::string nextName(const Document& document, const std::string& wish) {
+    return nextName(wish, [&](const std::string& name) { return checkNewName(document, name).has_value(); });
+}
+
+/// Which no other face of the element has, either: but that of the handle itself, `own`.
+std::string nextHandleName(const Document& document, const Element& element, const std::string& own, const std::string& wish) {
+    return nextName(wish, [&](const std::string& name) { return checkNewName(document, name) && (name == own || element.faceIndex(name) < 0); });
 }
 
 /// The end of a bone, or the joint face that is no handle, at this place.
@@ -153,7 +167,7 @@ void PartCopier::copyCharacters(const std::set<PartId>& wanted, const std::set<P
         CharacterSource made = placed(character, placing());
         made.id = idOf(id);
         for (auto& [part, attachment] : made.attachments) attachment.element = with.contains(attachment.element) ? idOf(attachment.element) : PartId(0);
-        made.name = freeName(here, nameFor(character.name));
+        made.name = nextName(here, nameFor(character.name));
         characters.emplace_back(made.name, character.name);
         const PartId known = made.id;
         std::vector<Cut> planes = std::exchange(made.cuts, {});
@@ -161,7 +175,7 @@ void PartCopier::copyCharacters(const std::set<PartId>& wanted, const std::set<P
         for (Cut& cut : planes) {  // one by one, so that no two get one name
             const std::string wish = cut.name;
             cut.id = idOf(cut.id);
-            cut.name = freeName(here, nameFor(wish));
+            cut.name = nextName(here, nameFor(wish));
             cuts.emplace_back(cut.name, wish);
             exchangePart(here.characters, known, [&](CharacterSource& changed) { changed.cuts.push_back(std::move(cut)); });
         }
@@ -186,7 +200,7 @@ void PartCopier::copyElements(const std::set<PartId>& wanted, const std::set<Par
                 if (!side.face.empty()) side.face = nameFor(side.face);
             }
         }
-        element.name = freeName(here, nameFor(original.name));
+        element.name = nextName(here, nameFor(original.name));
         elements.emplace_back(element.name, original.name);
         const StoredResponse* response = options_.response ? options_.response(id) : nullptr;
         const PartId made = element.id;
@@ -196,7 +210,7 @@ void PartCopier::copyElements(const std::set<PartId>& wanted, const std::set<Par
                 if (auto& on = here.effects[static_cast<EffectKind>(k)].elements; on.contains(id)) on.insert(made);
         for (Handle handle : discs) {
             const FaceRef was{id, handle.face};
-            handle.face = freeHandleName(here, *here.elements.at(made), nameFor(was.face));
+            handle.face = nextHandleName(here, *here.elements.at(made), was.face, nameFor(was.face));
             if (handle.bone && (withBones.contains(handle.bone->bone) || has(handle.bone->bone)))
                 handle.bone->bone = idOf(handle.bone->bone);
             else
@@ -247,7 +261,7 @@ void PartCopier::copyBones(const std::set<PartId>& wanted) {
         const Bone& bone = *from_.bones.at(id);
         Bone made = bone;
         made.id = idOf(id);
-        made.name = freeName(here, nameFor(bone.name));
+        made.name = nextName(here, nameFor(bone.name));
         made.element = has(bone.element) ? idOf(bone.element) : PartId(0);
         made.parent = has(bone.parent) ? idOf(bone.parent) : 0;
         if (placing().mirrors()) made.roll = -made.roll;

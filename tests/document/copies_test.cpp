@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <array>
+#include <random>
+
 #include "core/document/side_names.h"
 #include "core/mesh/connectivity.h"
 #include "tests/document/workbench.h"
@@ -99,6 +102,7 @@ TEST_CASE("duplicate: beside the first unless told, bones alone, a whole charact
     const Json bone = w.good({{"do", "duplicate"}, {"names", {"b"}}, {"offset", {0, 3, 0}}});
     CHECK(bone["bones"][0]["name"] == "b 2");
     CHECK(bone["elements"].empty());
+    CHECK(w.good({{"do", "duplicate"}, {"names", {"A 2"}}})["elements"][0]["name"] == "A 3");
     w.good({{"do", "import-character"}, {"path", "trunk"}, {"name", "T"}});
     w.good({{"do", "cut"}, {"element", "T"}, {"plane", {{"origin", {0, 0, 4}}, {"normal", {0, 0, 1}}}}, {"names", {"low", "high"}}, {"name", "waist"}});
     w.good({{"do", "handle"}, {"element", "high"}, {"name", "tip"}, {"point", {0.5, 0, 9}}, {"radius", 0.4}});
@@ -213,6 +217,7 @@ TEST_CASE("mirror: what lies in the plane, or is there already, is left out with
     CHECK(w.code({{"do", "mirror"}, {"from", {"upper.L"}}, {"axis", "w"}}) == "bad-value");
     CHECK(w.code({{"do", "mirror"}, {"from", {"upper.L"}}, {"at", 1e9}}) == "bad-value");
     CHECK(w.code({{"do", "mirror"}, {"from", {"upper.L"}}, {"suffixes", {".L"}}}) == "bad-type");
+    CHECK(w.code({{"do", "mirror"}, {"from", {"upper.L"}}, {"at", 2}, {"suffixes", {".L", "/R"}}}) == "bad-name");
     CHECK(w.content() == before);
     // A bone whose start hangs on what is not mirrored is told to hang on nothing; once that is there, it hangs on it.
     const Json alone = w.good({{"do", "mirror"}, {"from", {"leftElbow"}}, {"at", 2}});
@@ -299,4 +304,67 @@ TEST_CASE("mirror: a whole character is copied with its cuts, which can be moved
     w.good({{"do", "remove-cut"}, {"cut", "neck 2"}});
     w.good({{"do", "undo"}, {"count", 3}});
     CHECK(w.content() == before);
+}
+
+TEST_CASE("copies: any duplicates, mirror images and replacements leave closed bodies, what is refused changes nothing, undo and redo lead there and back") {
+    int done = 0, refused = 0;
+    for (unsigned seed = 0; seed < 40; ++seed) {
+        CAPTURE(seed);
+        std::mt19937 random(seed);
+        const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random()) % n; };
+        Workbench w;
+        w.good({{"do", "import-character"}, {"path", "snowman"}, {"name", "T"}});
+        w.good({{"do", "cut"}, {"element", "T"}, {"plane", {{"origin", {0, 0, 8}}, {"normal", {0, 0.1, 1}}}}, {"names", {"trunk", "arm.L"}}, {"name", "shoulder.L"}});
+        w.good({{"do", "handle"}, {"element", "arm.L"}, {"name", "hand.L"}, {"point", {0.5, 0, 10}}, {"radius", 0.3}});
+        w.good({{"do", "import-element"}, {"path", "bar5"}, {"name", "left bar"}});
+        w.addFace("left bar", "end", 18, 1);
+        w.good({{"do", "add-bone"}, {"name", "bone.L"}, {"from", "arm.L/shoulder.L"}, {"to", {0, 0, 12}}});
+        w.good({{"do", "add-bone"}, {"name", "tail"}, {"from", {0, 0, 15}}, {"to", "left bar/end"}});
+        std::vector<std::string> contents{w.content()};
+        for (int commands = 0; commands < 5; ++commands) {
+            const Document& d = w.session.document();
+            std::vector<std::string> names;
+            for (const auto& [id, element] : d.elements) {
+                names.push_back(element->name);
+                for (const JointFace& face : element->faces) names.push_back(element->handleOf(face.name) ? face.name : element->name + "/" + face.name);
+            }
+            for (const auto& [id, bone] : d.bones) names.push_back(bone->name);
+            for (const auto& [id, character] : d.characters) {
+                names.push_back(character->name);
+                for (const Cut& cut : character->cuts) names.push_back(cut.name);
+            }
+            if (names.empty()) break;
+            const std::string a = names[below(names.size())], b = names[below(names.size())];
+            const char* axis = std::array{"x", "y", "z"}[below(3)];
+            Json command;
+            switch (below(6)) {
+                case 0: command = {{"do", "duplicate"}, {"names", {a, b}}, {"offset", {2.0 * static_cast<double>(below(4)), 3, 0}}}; break;
+                case 1: command = {{"do", "replace-mesh"}, {"character", a}, {"path", below(2) == 0 ? "trunk" : "tube"}}; break;
+                case 2: command = {{"do", "replace-mesh"}, {"element", a}, {"path", below(2) == 0 ? "coarse5" : "bar5"}}; break;
+                case 3: command = {{"do", "mirror"}, {"from", {a}}, {"axis", axis}}; break;
+                default: command = {{"do", "mirror"}, {"from", {a, b}}, {"axis", axis}, {"at", static_cast<double>(below(9))}}; break;
+            }
+            CAPTURE(command.dump());
+            const bool answered = w.session.execute(command).has_value();
+            ++(answered ? done : refused);
+            if (answered)
+                contents.push_back(w.content());
+            else
+                REQUIRE(w.content() == contents.back());
+            for (const auto& [id, element] : w.session.document().elements) REQUIRE(element->mesh->connectivity().facts().outward);
+            REQUIRE(w.session.character() != nullptr);
+        }
+        const int steps = static_cast<int>(contents.size()) - 1;
+        for (int i = steps; i > 0; --i) {
+            w.good({{"do", "undo"}});
+            REQUIRE(w.content() == contents[static_cast<std::size_t>(i - 1)]);
+        }
+        if (steps > 0) {
+            w.good({{"do", "redo"}, {"count", steps}});
+            REQUIRE(w.content() == contents.back());
+        }
+    }
+    MESSAGE(done << " commands done, " << refused << " refused");
+    CHECK(done > 50);
+    CHECK(refused > 10);
 }

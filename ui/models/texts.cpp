@@ -136,6 +136,7 @@ const std::map<std::string, const char*> kErrors = {
     {"no-image", QT_TRANSLATE_NOOP("Errors", "Not all of what it lies on has a mirror image.")},
     {"hangs-on-nothing", QT_TRANSLATE_NOOP("Errors", "What it hangs on has no mirror image: it is a point of its own.")},
     {"other-size", QT_TRANSLATE_NOOP("Errors", "The new mesh is far larger or smaller than the old one. Choose its unit.")},
+    {"open", QT_TRANSLATE_NOOP("Errors", "The file holds no closed surface. Close its holes first.")},
     {"several-bodies", QT_TRANSLATE_NOOP("Errors", "The file holds several bodies. Choose one with a single body.")},
     {"zero-length", QT_TRANSLATE_NOOP("Errors", "The bone has no length. Let it end at another place.")},
 };
