@@ -290,6 +290,36 @@ TEST_CASE("skeletons: bones without a counterpart are carried by what is nearest
     CHECK(*w.session.positionOf({w.session.document().boneNamed("other")->id, true}) == Vec3(0, 0, 0.5));
 }
 
+TEST_CASE("skeletons: make-soft makes elements and bones of the skeleton of a file, which its clips move exactly") {
+    RigBench w;
+    const Json made = w.good({{"do", "make-soft"}, {"path", "worm"}, {"name", "worm"}, {"precompute", false}});
+    CAPTURE(made.dump());
+    CHECK(made["refused"].empty());
+    const Json list = w.good({{"do", "list"}});
+    CHECK(list["elements"].size() == 6);
+    REQUIRE(list["bones"].size() == 6);
+    for (int i = 1; i <= 6; ++i) CHECK(list["bones"][static_cast<std::size_t>(i - 1)]["name"] == "spine " + std::to_string(i));
+    const Json taken = w.good({{"do", "take-clip"}, {"character", "worm"}, {"clip", "wave"}});
+    CHECK(taken["exact_joints"] == 6);
+    CHECK(taken["carried_joints"] == 1);
+    w.good({{"do", "play"}, {"take", "wave"}, {"time", 1.0}});
+    const auto file = posedRig(rigOf(w.session), rigOf(w.session).clips[0], 1.0);
+    for (int i = 1; i <= 6; ++i)
+        CHECK((*w.session.positionOf({w.session.document().boneNamed("spine " + std::to_string(i))->id, false}) - file[static_cast<std::size_t>(i)].head).norm() < 1e-12);
+    // What is asked for counts: fewer pieces, the shape, or everything.
+    RigBench other;
+    other.good({{"do", "import-character"}, {"path", "worm"}, {"name", "worm"}});
+    const auto pieces = [&](const Json& more) {
+        Json line{{"do", "propose"}, {"character", "worm"}};
+        line.update(more);
+        const Json answer = other.good(line);
+        return std::pair(answer["from"].get<std::string>(), answer["cuts"].size());
+    };
+    CHECK(pieces({}) == std::pair(std::string("skeleton"), std::size_t{5}));
+    CHECK(pieces({{"least", 0.2}}) == std::pair(std::string("skeleton"), std::size_t{2}));
+    CHECK(pieces({{"from", "shape"}}).first == "shape");
+}
+
 TEST_CASE("skeletons: joints of an exported take are where the file's own are") {
     RigBench w;
     w.buildWorm();
