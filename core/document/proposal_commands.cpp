@@ -4,8 +4,8 @@
 #include <chrono>
 #include <cstdio>
 
-#include "core/body/rig_proposal.h"
-#include "core/body/shape_proposal.h"
+#include "core/proposal/rig_proposal.h"
+#include "core/proposal/shape_proposal.h"
 #include "core/document/command_support.h"
 #include "core/document/session_access.h"
 #include "core/mesh/bounds.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "core/body/proposal.h"
+#include "core/proposal/proposal.h"
 #include "core/document/command.h"
 #include "core/document/document.h"
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/body/proposal.h"
+#include "core/proposal/proposal.h"
 #include "core/character/character.h"
 #include "core/document/command.h"
 #include "core/document/document.h"

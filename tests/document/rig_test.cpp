@@ -8,7 +8,7 @@
 #include <cstring>
 #include <map>
 
-#include "core/body/rig_proposal.h"
+#include "core/proposal/rig_proposal.h"
 #include "core/document/rig_follower.h"
 #include "core/io/build_result.h"
 #include "tests/document/tamper.h"

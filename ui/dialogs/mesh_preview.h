@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/body/body.h"
-#include "core/body/proposal.h"
+#include "core/proposal/proposal.h"
 #include "core/io/character_file.h"
 #include "ui/viewport/turntable_view.h"
 

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "core/body/body.h"
-#include "core/body/proposal.h"
+#include "core/proposal/proposal.h"
 #include "core/io/character_file.h"
 #include "ui/jobs/background_job.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/body/mirror_plane.h"
+#include "core/proposal/mirror_plane.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>

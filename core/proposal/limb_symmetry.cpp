@@ -3,8 +3,8 @@
 #include <cmath>
 #include <utility>
 
-#include "core/body/limb_tree.h"
-#include "core/body/mirror_plane.h"
+#include "core/proposal/limb_tree.h"
+#include "core/proposal/mirror_plane.h"
 
 namespace imomushi {
 namespace {

@@ -11,9 +11,9 @@
 #include <string>
 
 #include "core/body/body.h"
-#include "core/body/fit_cuts.h"
-#include "core/body/mirror_plane.h"
-#include "core/body/shape_proposal.h"
+#include "core/proposal/fit_cuts.h"
+#include "core/proposal/mirror_plane.h"
+#include "core/proposal/shape_proposal.h"
 #include "core/io/build_result.h"
 #include "core/mesh/bounds.h"
 #include "core/mesh/health.h"

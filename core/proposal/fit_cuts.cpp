@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/body/fit_cuts.h"
+#include "core/proposal/fit_cuts.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "core/body/mirror_plane.h"
+#include "core/proposal/mirror_plane.h"
 #include "core/mesh/health.h"
 
 namespace imomushi {

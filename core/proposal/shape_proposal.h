@@ -3,7 +3,7 @@
 
 #include "core/base/progress.h"
 #include "core/base/result.h"
-#include "core/body/proposal.h"
+#include "core/proposal/proposal.h"
 #include "core/mesh/mesh.h"
 
 namespace imomushi {

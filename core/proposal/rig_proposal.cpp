@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/body/rig_proposal.h"
+#include "core/proposal/rig_proposal.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,10 +9,10 @@
 #include <span>
 #include <utility>
 
-#include "core/body/fit_cuts.h"
-#include "core/body/mirror_plane.h"
-#include "core/body/rig_cuts.h"
-#include "core/body/rig_flesh.h"
+#include "core/proposal/fit_cuts.h"
+#include "core/proposal/mirror_plane.h"
+#include "core/proposal/rig_cuts.h"
+#include "core/proposal/rig_flesh.h"
 
 namespace imomushi {
 

@@ -19,8 +19,8 @@
 #include <vector>
 
 #include "core/body/body.h"
-#include "core/body/rig_flesh.h"
-#include "core/body/rig_proposal.h"
+#include "core/proposal/rig_flesh.h"
+#include "core/proposal/rig_proposal.h"
 #include "core/io/build_result.h"
 #include "tests/support/shapes.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/body/rig_flesh.h"
+#include "core/proposal/rig_flesh.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/body/cut.h"
-#include "core/body/rig_flesh.h"
+#include "core/proposal/rig_flesh.h"
 
 // Of proposeFromRig() alone.
 namespace imomushi {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/body/shape_proposal.h"
+#include "core/proposal/shape_proposal.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -9,9 +9,9 @@
 
 #include "core/body/cgal/even_mesh.h"
 #include "core/body/cgal/rays.h"
-#include "core/body/fit_cuts.h"
-#include "core/body/limb_cuts.h"
-#include "core/body/mirror_plane.h"
+#include "core/proposal/fit_cuts.h"
+#include "core/proposal/limb_cuts.h"
+#include "core/proposal/mirror_plane.h"
 #include "core/mesh/bounds.h"
 #include "core/mesh/health.h"
 #include "core/mesh/topology.h"

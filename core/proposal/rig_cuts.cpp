@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/body/rig_cuts.h"
+#include "core/proposal/rig_cuts.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>

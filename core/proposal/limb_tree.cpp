@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/body/limb_tree.h"
+#include "core/proposal/limb_tree.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/body/limb_tree.h"
+#include "core/proposal/limb_tree.h"
 #include "core/body/section.h"
 
 // Of proposeFromShape() alone. Lengths are in diagonals.

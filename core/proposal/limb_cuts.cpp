@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/body/limb_cuts.h"
+#include "core/proposal/limb_cuts.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
