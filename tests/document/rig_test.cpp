@@ -315,7 +315,7 @@ TEST_CASE("skeletons: make-soft makes elements and bones of the skeleton of a fi
         const Json answer = other.good(line);
         return std::pair(answer["from"].get<std::string>(), answer["cuts"].size());
     };
-    CHECK(pieces({}) == std::pair(std::string("skeleton"), std::size_t{5}));
+    CHECK(pieces(Json::object()) == std::pair(std::string("skeleton"), std::size_t{5}));
     CHECK(pieces({{"least", 0.2}}) == std::pair(std::string("skeleton"), std::size_t{2}));
     CHECK(pieces({{"from", "shape"}}).first == "shape");
 }
