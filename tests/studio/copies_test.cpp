@@ -84,6 +84,7 @@ TEST_CASE("studio: another mesh takes the place of an element's by the import di
     auto* button = dialog->findChild<QPushButton*>(QStringLiteral("importButton"));
     waitFor([&] { return button->isEnabled(); });
     w.shoot("replace-mesh");
+    w.settle();  // a label that says more is laid out anew
     CHECK(cutOff(*dialog) == "");
     QTest::mouseClick(button, Qt::LeftButton);
     w.settle();

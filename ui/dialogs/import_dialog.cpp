@@ -193,7 +193,7 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
     layout->setSpacing(px(16));
     layout->addLayout(columns, 1);
     layout->addLayout(foot);
-    resize(px(960), px(600));
+    resize(px(960), px(660));
 
     for (QComboBox* box : {unit_, up_, body_, detail_}) connect(box, &QComboBox::activated, this, &ImportDialog::read);
     for (QCheckBox* box : {split_, soft_}) connect(box, &QCheckBox::toggled, this, &ImportDialog::read);
