@@ -1047,6 +1047,14 @@
             <source>The file holds no closed surface. Close its holes first.</source>
             <translation>ファイルに閉じた面がありません。先に穴を閉じてください。</translation>
         </message>
+        <message>
+            <source>The character has no such clip: import a file with animations.</source>
+            <translation>キャラクターにそのクリップはありません。アニメーションのあるファイルを読み込んでください。</translation>
+        </message>
+        <message>
+            <source>The take would not fit into memory: choose fewer frames per second.</source>
+            <translation>テイクがメモリーに収まりません。1 秒あたりのフレーム数を減らしてください。</translation>
+        </message>
     </context>
     <context>
         <name>Issues</name>

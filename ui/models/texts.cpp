@@ -114,6 +114,8 @@ const std::map<std::string, const char*> kErrors = {
     {"cuts-touch", QT_TRANSLATE_NOOP("Errors", "Two cuts touch or come too near to each other. Move one of them away.")},
     {"no-skeleton", QT_TRANSLATE_NOOP("Errors", "No skeleton was found, neither in the file nor in the shape. Cut by hand, or use handles.")},
     {"already-cut", QT_TRANSLATE_NOOP("Errors", "The character has cuts, bones or handles already. Take them out first.")},
+    {"no-clip", QT_TRANSLATE_NOOP("Errors", "The character has no such clip: import a file with animations.")},
+    {"too-long", QT_TRANSLATE_NOOP("Errors", "The take would not fit into memory: choose fewer frames per second.")},
     {"does-not-separate", QT_TRANSLATE_NOOP("Errors", "The body still hangs together around the cut. Put it where it cuts something off.")},
     {"empty-piece", QT_TRANSLATE_NOOP("Errors", "One side of the cut would have no volume. Move the plane deeper into the body.")},
     {"face-lost", QT_TRANSLATE_NOOP("Errors", "A joint face lies where the body becomes another. Remove it first.")},

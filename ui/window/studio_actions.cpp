@@ -45,7 +45,7 @@ constexpr Row kRows[] = {
     {"tool-touch", "touch", QT_TRANSLATE_NOOP("Actions", "&Touch"), "T", true},
     {"precompute", "precompute", QT_TRANSLATE_NOOP("Actions", "&Precompute"), "P"},
     {"soft-at-once", "", QT_TRANSLATE_NOOP("Actions", "Soft at &once"), "", true},
-    {"passing-handles", "", QT_TRANSLATE_NOOP("Actions", "Dra&g flesh by passing handles"), "Shift+D", true},
+    {"passing-handles", "", QT_TRANSLATE_NOOP("Actions", "Dra&g flesh by passing handles"), "Shift+N", true},
     {"join", "joint", QT_TRANSLATE_NOOP("Actions", "&Join the selected faces"), "Ctrl+J"},
     {"pin", "pin", QT_TRANSLATE_NOOP("Actions", "P&in or unpin"), "Shift+P"},
     {"release", "release", QT_TRANSLATE_NOOP("Actions", "&Release everything held"), "Shift+R"},
