@@ -116,7 +116,8 @@ public:
         }
         if (tree_.rings > 0)
             proposal_.notes.push_back({"ring", "The body has " + counted(static_cast<std::size_t>(tree_.rings), "ring", "rings") + ": a ring is cut where it is thinnest, in two places by hand."});
-        if (tree_.blob) return asBlob(std::nullopt);
+        // The bones of a ring would not meet again.
+        if (tree_.blob || (tree_.chain && tree_.rings > 0)) return asBlob(std::nullopt);
         HubPlan plan;
         {
             const CutSurface surface(even_);
