@@ -208,7 +208,7 @@ TEST_CASE("examples: every choice that the help of a key offers is taken") {
         {"render theme", R"({"do":"render","path":"%.png","width":64,"height":36,"theme":"%"})"},
     };
     const std::set<std::string> named = {"set target", "add-joint-face plane", "cut plane", "move-cut plane", "deform-element faces", "export pose", "accuracy pose",  // quotes of other things
-                                         "propose from"};  // a skeleton needs a file that has one: document/make_soft_test
+                                         "propose from", "import-skeleton unit", "import-skeleton up"};  // need a file with a skeleton: document/make_soft_test, document/rig_test
     std::string lines = "{\"do\":\"write-mesh\",\"path\":\"rest.obj\",\"element\":\"head\",\"state\":\"rest\"}\n", command;
     std::size_t tried = 0;
     const std::regex key("^    (?:\\[([a-z_-]+)\\]|([a-z_-]+)) +(?:a text|any value|an object)\\. (.*)$");
