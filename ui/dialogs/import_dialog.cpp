@@ -49,7 +49,7 @@ bool isOneElement(const ImportResult& r) {
 }
 /// A flat region that may become a joint face: elements that were modelled as such have them, creatures do not.
 bool hasFlatRegion(const TriangleMesh& mesh) {
-    constexpr double kShare = 0.015;  // of the whole area: largest planes of 17 elements have 3.9 % and more, of eight creatures 0.7 % and less; a control cage of 5.7 % is mistaken
+    constexpr double kShare = 0.015;  // of the whole area: largest planes of 19 elements have 3.9 % and more, of eight creatures 0.7 % and less; a control cage of 5.7 % is mistaken
     const Vec3 low = mesh.vertices.colwise().minCoeff(), high = mesh.vertices.colwise().maxCoeff();
     const double step = 1e-3 * (high - low).norm();
     std::map<std::array<std::int64_t, 4>, double> areaOfPlane;
