@@ -64,7 +64,7 @@ void Frame::set(const Scene& scene, const std::vector<GpuBody*>& drawn, int widt
     b.shadow = orthographic(centre, kKeyDirection, Vec3::UnitZ(), radius * 1.02, radius * 1.02, radius * kShadowDepth);
     const Vec3 forward = -view.block<1, 3>(2, 0).transpose();
     b.eye << camera.eye.cast<float>(), camera.orthographic ? 1.0f : 0.0f;
-    b.forward << forward.cast<float>(), scene.pixelRatio;
+    b.forward << forward.cast<float>(), scene.unit();
     b.keyDirection << kKeyDirection.cast<float>(), kPenumbra;
     b.viewport << static_cast<float>(width), static_cast<float>(height), 1.0f / static_cast<float>(width), 1.0f / static_cast<float>(height);
     b.sphere << centre.cast<float>(), static_cast<float>(radius);
@@ -110,7 +110,7 @@ void Frame::set(const Scene& scene, const std::vector<GpuBody*>& drawn, int widt
     for (const Marker& m : scene.markers) {
         const double length = (m.to - m.from).norm();
         const Vec3 r = Vec3::Constant(m.shape == Marker::Shape::Bone ? 0.1 * length : m.shape == Marker::Shape::PlaneGizmo ? 1.5 * length : 0.0);
-        const double pixels = 24.0 * scene.pixelRatio;
+        const double pixels = 24.0 * scene.unit();
         if (m.shape == Marker::Shape::FaceOutline)
             for (const Vec3& p : m.outline) cover(p, p, pixels);
         else if (m.shape == Marker::Shape::Bone || m.shape == Marker::Shape::PlaneGizmo || m.shape == Marker::Shape::Axis)

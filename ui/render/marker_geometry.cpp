@@ -121,7 +121,7 @@ void MarkerGeometry::build(const Scene& scene, int height) {
     sheets.clear();
     lines.clear();
     points.clear();
-    const float unit = scene.pixelRatio;
+    const float unit = scene.unit();
     // Handles stand out against the background: light on dark, dark on light.
     const Vector3f ivory = scene.darkTheme ? linear(232, 228, 216) : linear(72, 80, 98), sky = linear(86, 190, 240), green = linear(64, 200, 160), purple = linear(226, 150, 206);
     for (const Marker& m : scene.markers) {

@@ -41,7 +41,7 @@ std::optional<PixelBox> outlinedPart(const PassInput& in) {
     }
     if (everywhere) return PixelBox{0, 0, in.width, in.height};
     if (box.isEmpty()) return std::nullopt;
-    const float margin = 4.0f * in.scene.pixelRatio + 1.0f;
+    const float margin = 4.0f * in.scene.unit() + 1.0f;
     const auto clamped = [](float v, int high) { return static_cast<int>(std::clamp(v, 0.0f, static_cast<float>(high))); };
     const PixelBox part{clamped(box.min().x() - margin, in.width), clamped(box.min().y() - margin, in.height), clamped(box.max().x() + margin, in.width),
                         clamped(box.max().y() + margin, in.height)};

@@ -74,6 +74,9 @@ struct Scene {
     bool transparentBackground = false;
     bool smooth = true;       ///< smooth edges also where the processor draws, which take it several times as long
     float pixelRatio = 1.0f;  ///< device pixels per logical pixel
+    bool halved = false;      ///< drawn with half as many pixels each way, and enlarged: three times as fast where the processor draws
+
+    [[nodiscard]] float unit() const { return halved ? 0.5f * pixelRatio : pixelRatio; }  ///< drawn pixels per logical pixel
 };
 
 }  // namespace imomushi::render

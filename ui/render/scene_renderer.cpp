@@ -73,6 +73,7 @@ private:
     /// Per pixel of pictures whose edges are smoothed.
     [[nodiscard]] int samplesOf(const Scene& scene) const;
     PassInput update(const Scene& scene, int width, int height);
+    void drawWhole(const Scene& scene, unsigned target, int width, int height);
     void drawPicture(const PassInput& in);
     void compose(const PassInput& in, unsigned target) const;
 
@@ -81,6 +82,7 @@ private:
     FullscreenTriangle triangle_;
     Buffer frameBlock_;
     Target samples_, picture_;  ///< linear colour, premultiplied by alpha
+    Target halved_;             ///< the finished picture of a halved scene
     ShadowPass shadows_;
     OcclusionPass occlusion_;
     BodyPass bodies_;
@@ -163,6 +165,19 @@ void Renderer::draw(const Scene& scene, unsigned target, int width, int height) 
     if (width < 1 || height < 1) return;
     const FloatingPointGuard guard;
     resetState();
+    const int w = (width + 1) / 2, h = (height + 1) / 2;
+    if (!scene.halved || !halved_.resize(w, h, GL_RGBA8, 0)) {
+        drawWhole(scene, target, width, height);
+        return;
+    }
+    drawWhole(scene, halved_.framebuffer(), w, h);
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, halved_.framebuffer());
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target);
+    glBlitFramebuffer(0, 0, w, h, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_LINEAR);
+    glBindFramebuffer(GL_FRAMEBUFFER, target);
+}
+
+void Renderer::drawWhole(const Scene& scene, unsigned target, int width, int height) {
     const bool memory = samples_.resize(width, height, GL_SRGB8_ALPHA8, GL_DEPTH_COMPONENT24, samplesOf(scene)) && picture_.resize(width, height, GL_SRGB8_ALPHA8, 0) &&
                         shadows_.resize(software_) && occlusion_.resize(width, height, software_);
     if (!memory) {
@@ -182,7 +197,7 @@ void Renderer::draw(const Scene& scene, unsigned target, int width, int height) 
 void Renderer::releaseMemory() {
     store_.clear();
     drawn_.clear();
-    samples_ = {}, picture_ = {};
+    samples_ = {}, picture_ = {}, halved_ = {};
     shadows_.releaseMemory();
     occlusion_.releaseMemory();
     outlines_.releaseMemory();

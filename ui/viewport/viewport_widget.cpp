@@ -338,6 +338,7 @@ void ViewportWidget::paint() {
     // Frames follow each other while something moves, by itself or by hand.
     const bool moving = clock_.running() || tool_->busy() || navigator_.active() || fade_.active();
     scene_.smooth = !moving && (!renderer.software() || smooth_);
+    scene_.halved = moving && renderer.software();
     smooth_ = false;
     if (const auto element = document_.document().elements.find(highlightedElement_); !highlighted_.empty() && element != document_.document().elements.end())
         if (render::Body* body = bodyOf(scene_, *element->second)) body->highlightedTriangles = &highlighted_;
