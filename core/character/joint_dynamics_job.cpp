@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kParameters = 9;
 // Bounds, approached smoothly: shifts in face sizes, tilts and twist in radians, stretch.
-constexpr double kMaxShift = 0.5, kMaxTurn = 0.7, kMaxStretch = 0.4;
+constexpr double kMaxShift = 0.5, kMaxTurn = 0.7, kMaxStrain = 0.4;
 
 // Radians, face sizes and parts of the stretch: smaller moves are none.
 constexpr double kUnmoved = 1e-9;
@@ -198,9 +198,9 @@ void JigglingJoint::step(double seconds, Place& wanted) {
     const double angleOfTilt = tilt.norm();
     if (angleOfTilt > 0.0) wanted.rotation = wanted.rotation * axes_ * Eigen::AngleAxisd(angleOfTilt, tilt / angleOfTilt).toRotationMatrix() * axes_.transpose();
     Matrix3d inPlane = Matrix3d::Identity();
-    inPlane(0, 0) += bounded(away(0), kMaxStretch);
-    inPlane(1, 1) += bounded(away(2), kMaxStretch);
-    inPlane(0, 1) = inPlane(1, 0) = bounded(away(1), 0.5 * kMaxStretch);
+    inPlane(0, 0) += bounded(away(0), kMaxStrain);
+    inPlane(1, 1) += bounded(away(2), kMaxStrain);
+    inPlane(0, 1) = inPlane(1, 0) = bounded(away(1), 0.5 * kMaxStrain);
     inPlane_ = axes_ * inPlane * axes_.transpose();
 }
 

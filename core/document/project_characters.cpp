@@ -22,7 +22,7 @@ CREATE TABLE pieces (element INTEGER PRIMARY KEY, character INTEGER, vertices BL
 CREATE TABLE piece_sides (element INTEGER, position INTEGER, cut INTEGER, front INTEGER, face TEXT, PRIMARY KEY (element, position));
 )";
 
-constexpr double kLargestRatio = 1e12;  // of a report's figures, which are in diagonals or relative
+constexpr double kLargestFigure = 1e12;  // of a report's figures, which are in diagonals or relative
 
 Points pointsOf(const std::vector<Vec3>& places) {
     Points points(static_cast<Eigen::Index>(places.size()), 3);
@@ -53,12 +53,12 @@ CharacterSource readCharacter(RowReader& rows, const ReadMeshes& meshes) {
             "the body vertices of a character are out of range");
     BodyReport& report = body.report;
     report.how = static_cast<BodyKind>(rows.integer(static_cast<int>(BodyKind::Exact), static_cast<int>(BodyKind::Wrapped)));
-    report.distanceRms = rows.real(0.0, kLargestRatio);
-    report.distanceLargest = rows.real(0.0, kLargestRatio);
-    report.volumeError = rows.real(-1.0, kLargestRatio);
-    report.gaps.area = rows.real(0.0, kLargestRatio);
-    report.gaps.widest = rows.real(0.0, kLargestRatio);
-    report.gaps.narrowest = rows.real(0.0, kLargestRatio);
+    report.distanceRms = rows.real(0.0, kLargestFigure);
+    report.distanceLargest = rows.real(0.0, kLargestFigure);
+    report.volumeError = rows.real(-1.0, kLargestFigure);
+    report.gaps.area = rows.real(0.0, kLargestFigure);
+    report.gaps.widest = rows.real(0.0, kLargestFigure);
+    report.gaps.narrowest = rows.real(0.0, kLargestFigure);
     const Points places = rows.matrix<Points>();
     require(allCoordinates(places), "a point is out of range");
     for (Eigen::Index i = 0; i < places.rows(); ++i) report.gaps.places.emplace_back(places.row(i).transpose());

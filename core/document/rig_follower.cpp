@@ -10,7 +10,7 @@ namespace imomushi {
 
 namespace {
 
-constexpr double kSamePlace = 1e-6;  // of the size of the skeleton
+constexpr double kSameJoint = 1e-6;  // of the size of the skeleton
 
 double distanceFromBone(const RigBone& bone, const Vec3& p) {
     const Vec3 along = bone.tail - bone.head;
@@ -23,7 +23,7 @@ double distanceFromBone(const RigBone& bone, const Vec3& p) {
 
 RigFollower::RigFollower(const Document& document, const CharacterPlan& plan, const CharacterSource& character)
     : plan_(plan), rig_(*character.rig), tree_(boneTree(plan.input.skeleton)) {
-    for (const RigBone& bone : rig_.bones) same_ = std::max(same_, kSamePlace * (bone.head - rig_.bones[0].head).norm());
+    for (const RigBone& bone : rig_.bones) same_ = std::max(same_, kSameJoint * (bone.head - rig_.bones[0].head).norm());
     chooseBones(document, character.id);
     choosePoints();
 }

@@ -22,9 +22,9 @@ constexpr std::size_t kPointGrain = 2048;
 constexpr double kMostArea = 8.0;
 
 /// Where points find the surface that they follow.
-class Surface {
+class FollowedSurface {
 public:
-    Surface(const EmbeddedMapping::Input& input, const std::vector<TriangleFrame>& frames)
+    FollowedSurface(const EmbeddedMapping::Input& input, const std::vector<TriangleFrame>& frames)
         : body_(*input.body), deep_(EmbeddedMapping::kDeep * diagonalOf(input.body->vertices)) {
         faceOf_.assign(frames.size(), -1);
         for (std::size_t f = 0; f < input.faces.size(); ++f) {
@@ -103,7 +103,7 @@ Result<EmbeddedMapping> EmbeddedMapping::build(const Input& input) {
     if (count == 0) return out;
     std::vector<TriangleFrame> frames(triangleCount);
     for (std::size_t t = 0; t < triangleCount; ++t) frames[t] = triangleFrame(body, static_cast<std::int32_t>(t));
-    const Surface surface(input, frames);
+    const FollowedSurface surface(input, frames);
     if (surface.empty())
         return fail("bad-value", "The body has no triangle that points could follow, outside of its joints and with an area; give the element another body.");
     std::vector<char> held(vertexCount, 0), freeTriangle(triangleCount, 0);

@@ -23,7 +23,7 @@ Result<CharacterFile> characterFile(const ImportRequest& request, const Progress
     return Workbench::characterFile(request, progress);
 }
 
-void buildTrunk(Workbench& w) {
+void buildReplaced(Workbench& w) {
     w.session.setCharacterImporter(characterFile);
     w.good({{"do", "import-character"}, {"path", "snowman"}, {"name", "T"}});
     w.good({{"do", "cut"}, {"element", "T"}, {"plane", {{"origin", {0, 0, 4}}, {"normal", {0, 0, 1}}}}, {"names", {"low", "mid"}}, {"name", "waist"}});
@@ -41,7 +41,7 @@ void buildTrunk(Workbench& w) {
 
 TEST_CASE("replace-mesh: another mesh takes over cuts, joint faces, handles and bones of a character, as one step") {
     Workbench w;
-    buildTrunk(w);
+    buildReplaced(w);
     const std::string before = w.content();
     const Json answer = w.good({{"do", "replace-mesh"}, {"character", "T"}, {"path", "finer"}});
     CHECK(answer["kept"]["cuts"] == Json::array({"waist", "neck"}));
@@ -77,7 +77,7 @@ TEST_CASE("replace-mesh: another mesh takes over cuts, joint faces, handles and 
 
 TEST_CASE("replace-mesh: the same mesh again changes nothing that was computed") {
     Workbench w;
-    buildTrunk(w);
+    buildReplaced(w);
     for (const char* element : {"low", "mid", "top"}) w.good({{"do", "set"}, {"target", element}, {"property", "solver-mesh"}, {"value", "as-is"}});
     w.good({{"do", "precompute"}});
     const Json answer = w.good({{"do", "replace-mesh"}, {"character", "T"}, {"path", "snowman"}});
@@ -89,7 +89,7 @@ TEST_CASE("replace-mesh: the same mesh again changes nothing that was computed")
 
 TEST_CASE("replace-mesh: what has no place on the new mesh is lost with the reason, bones stay where they are") {
     Workbench w;
-    buildTrunk(w);
+    buildReplaced(w);
     const Json answer = w.good({{"do", "replace-mesh"}, {"character", "T"}, {"path", "short"}});
     CHECK(answer["kept"]["cuts"] == Json::array({"waist"}));
     std::vector<std::string> lost;
@@ -125,7 +125,7 @@ TEST_CASE("replace-mesh: of an element faces are found again by plane and by pla
 
 TEST_CASE("replace-mesh: what cannot be done is refused and changes nothing") {
     Workbench w;
-    buildTrunk(w);
+    buildReplaced(w);
     w.good({{"do", "import-element"}, {"path", "bar9"}, {"name", "A"}});
     const std::string before = w.content();
     CHECK(w.code({{"do", "replace-mesh"}, {"character", "T"}, {"path", "trunk in mm"}}) == "other-size");

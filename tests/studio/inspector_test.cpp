@@ -20,17 +20,8 @@ PartId cylinder(Window& w, const std::string& name, const QString& file, double 
     return id;
 }
 
-/// The field of a row of the inspector, null: there is no such row.
-template <class Field>
-Field* row(Window& w, const char* label) {
-    for (QWidget* panel : w.window().findChildren<InspectorPanel*>())
-        for (auto* field : panel->findChildren<Field*>())
-            if (field->isVisible() && field->accessibleName() == QLatin1String(label)) return field;
-    return nullptr;
-}
-
 QString fact(Window& w, const char* label) {
-    auto* text = row<QLabel>(w, label);
+    auto* text = inspectorRow<QLabel>(w, label);
     return text ? text->text() : QString();
 }
 
@@ -41,7 +32,7 @@ bool says(Window& w, const char* label, const QString& text) {
 
 /// Opens a list of choices and clicks on one.
 void choose(Window& w, const char* label, const QString& text) {
-    auto* box = row<QComboBox>(w, label);
+    auto* box = inspectorRow<QComboBox>(w, label);
     REQUIRE(box);
     QTest::mouseClick(box, Qt::LeftButton);
     QAbstractItemView* list = box->view();
@@ -106,7 +97,7 @@ TEST_CASE("inspector: the solver mesh is chosen by clicks, shows its cost and it
     CHECK(mesh() == "refined:" + std::to_string(2 * vertices));
     CHECK(says(w, "State", QStringLiteral("Out of date")));
     CHECK(says(w, "Typical error", QStringLiteral("known afterwards")));
-    auto* count = row<NumberField>(w, "To vertices");
+    auto* count = inspectorRow<NumberField>(w, "To vertices");
     REQUIRE(count);
     QTest::mouseClick(count, Qt::LeftButton);
     QTest::keyClick(count, Qt::Key_A, Qt::ControlModifier);
@@ -120,7 +111,7 @@ TEST_CASE("inspector: the solver mesh is chosen by clicks, shows its cost and it
     w.trigger("undo");
     CHECK(mesh() == "as-is");
     CHECK(says(w, "State", QStringLiteral("Up to date")));
-    CHECK(row<NumberField>(w, "To vertices") == nullptr);
+    CHECK(inspectorRow<NumberField>(w, "To vertices") == nullptr);
 }
 
 TEST_CASE("inspector: dragging a number of a precomputed element is one undo step, though other rows come to be shown") {
@@ -132,7 +123,7 @@ TEST_CASE("inspector: dragging a number of a precomputed element is one undo ste
     w.settle();
     const double before = w.now().elements.at(id)->nu;
     const int steps = w.document().session().position();
-    auto* field = row<NumberField>(w, "Poisson ratio");
+    auto* field = inspectorRow<NumberField>(w, "Poisson ratio");
     REQUIRE(field);
     const QPoint from = field->rect().center();
     QTest::mousePress(field, Qt::LeftButton, {}, from);
@@ -157,7 +148,7 @@ TEST_CASE("inspector: large solver meshes have a tolerance, which other choices 
     const auto mesh = [&] { return solverMeshName(w.now().elements.at(id)->solverMesh); };
     w.document().select({{SelectionItem::Kind::Element, id, {}, false}});
     w.settle();
-    CHECK_FALSE(row<QComboBox>(w, "Tolerance"));
+    CHECK_FALSE(inspectorRow<QComboBox>(w, "Tolerance"));
     w.run({{"do", "set"}, {"target", "limb"}, {"property", "solver-mesh"}, {"value", "refined:9000"}});
     w.settle();
     choose(w, "Tolerance", QStringLiteral("0.001"));
@@ -167,7 +158,7 @@ TEST_CASE("inspector: large solver meshes have a tolerance, which other choices 
     choose(w, "Tolerance", QStringLiteral("0.00001"));
     CHECK(w.now().elements.at(id)->solverMesh.tolerance == SolverMeshSetting::kUsualTolerance);
     w.settle();
-    CHECK_FALSE(row<QComboBox>(w, "Tolerance"));
+    CHECK_FALSE(inspectorRow<QComboBox>(w, "Tolerance"));
 }
 
 TEST_CASE("inspector: of two congruent elements the second says whose precompute it takes over, and several are set together") {

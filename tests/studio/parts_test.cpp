@@ -36,15 +36,8 @@ QString writeHead(const QString& path) {
     return path;
 }
 
-template <class Field>
-Field* row(Window& w, const char* label) {
-    for (auto* field : w.window().inspector().findChildren<Field*>())
-        if (field->isVisible() && field->accessibleName() == QLatin1String(label)) return field;
-    return nullptr;
-}
-
-void choose(Window& w, const char* label, const QString& text) {
-    auto* box = row<QComboBox>(w, label);
+void pick(Window& w, const char* label, const QString& text) {
+    auto* box = inspectorRow<QComboBox>(w, label);
     REQUIRE(box);
     REQUIRE(box->isEnabled());
     const int index = box->findText(text);
@@ -55,7 +48,7 @@ void choose(Window& w, const char* label, const QString& text) {
 }
 
 void type(Window& w, const char* label, const QString& number) {
-    auto* field = row<NumberField>(w, label);
+    auto* field = inspectorRow<NumberField>(w, label);
     REQUIRE(field);
     REQUIRE(field->isEnabled());
     w.window().inspector().ensureWidgetVisible(field);
@@ -77,29 +70,29 @@ TEST_CASE("studio: parts of a character are chosen in the inspector, attached, g
     w.document().select({whole});
     w.settle();
     w.look(Vec3(0.2, 0.2, 1.0));
-    auto* parts = row<QComboBox>(w, "Part");
+    auto* parts = inspectorRow<QComboBox>(w, "Part");
     REQUIRE(parts);
     QStringList names;
     for (int i = 1; i < parts->count(); ++i) names << parts->itemText(i);
     CHECK(names == QStringList{QStringLiteral("head"), QStringLiteral("eyes"), QStringLiteral("eyes#1"), QStringLiteral("eyes#2")});
-    CHECK(!row<QComboBox>(w, "Follows")->isEnabled());
-    CHECK(!row<NumberField>(w, "About Y")->isEnabled());
+    CHECK(!inspectorRow<QComboBox>(w, "Follows")->isEnabled());
+    CHECK(!inspectorRow<NumberField>(w, "About Y")->isEnabled());
 
     const ModelPart left{1, 0};
-    choose(w, "Part", QStringLiteral("eyes#1"));
-    CHECK(row<QComboBox>(w, "Follows")->currentText() == QStringLiteral("by itself"));
-    CHECK(!row<QComboBox>(w, "Element")->isEnabled());
-    CHECK(!row<NumberField>(w, "About Y")->isEnabled());
-    w.window().inspector().ensureWidgetVisible(row<NumberField>(w, "About Z"));
+    pick(w, "Part", QStringLiteral("eyes#1"));
+    CHECK(inspectorRow<QComboBox>(w, "Follows")->currentText() == QStringLiteral("by itself"));
+    CHECK(!inspectorRow<QComboBox>(w, "Element")->isEnabled());
+    CHECK(!inspectorRow<NumberField>(w, "About Y")->isEnabled());
+    w.window().inspector().ensureWidgetVisible(inspectorRow<NumberField>(w, "About Z"));
     w.shoot("part-chosen");
 
     const int before = w.document().session().position();
-    choose(w, "Follows", QStringLiteral("rigidly"));
+    pick(w, "Follows", QStringLiteral("rigidly"));
     REQUIRE(character().attachments.contains(left));
     CHECK(character().attachments.at(left).mode == Attachment::Mode::Rigid);
     CHECK(w.document().session().position() == before + 1);
-    CHECK(row<NumberField>(w, "X")->value() == doctest::Approx(-0.35));
-    CHECK(row<NumberField>(w, "About Y")->value() == 0.0);
+    CHECK(inspectorRow<NumberField>(w, "X")->value() == doctest::Approx(-0.35));
+    CHECK(inspectorRow<NumberField>(w, "About Y")->value() == 0.0);
 
     type(w, "Z", QStringLiteral("0.8"));
     CHECK(pivotOf(character(), left).z() == doctest::Approx(0.8));
@@ -121,17 +114,17 @@ TEST_CASE("studio: parts of a character are chosen in the inspector, attached, g
     CHECK(cutOff(w.window().inspector()) == "");
     w.shoot("part-turned");
 
-    choose(w, "Element", QString::fromStdString(w.now().elements.begin()->second->name));
+    pick(w, "Element", QString::fromStdString(w.now().elements.begin()->second->name));
     CHECK(character().attachments.at(left).element == w.now().elements.begin()->first);
-    choose(w, "Follows", QStringLiteral("as flesh"));
+    pick(w, "Follows", QStringLiteral("as flesh"));
     CHECK(w.now().turns.empty());
-    CHECK(!row<NumberField>(w, "About Y")->isEnabled());
+    CHECK(!inspectorRow<NumberField>(w, "About Y")->isEnabled());
     w.trigger("undo");
     CHECK(w.now().turns.size() == 1);
-    CHECK(row<NumberField>(w, "About Y")->isEnabled());
+    CHECK(inspectorRow<NumberField>(w, "About Y")->isEnabled());
     w.trigger("rest");
     CHECK(w.now().turns.empty());
-    CHECK(row<NumberField>(w, "About Y")->value() == 0.0);
+    CHECK(inspectorRow<NumberField>(w, "About Y")->value() == 0.0);
     w.document().select({});
     w.settle();
     w.shoot("part-left");

@@ -22,6 +22,7 @@
 
 #include "ui/dialogs/import_dialog.h"
 #include "ui/panels/accuracy/accuracy_panel.h"
+#include "ui/panels/inspector/inspector_panel.h"
 #include "ui/viewport/viewport_widget.h"
 #include "ui/widgets/appearance.h"
 #include "ui/widgets/elided_label.h"
@@ -261,5 +262,14 @@ struct Window {
         QGuiApplication::primaryScreen()->grabWindow(0).save(to + u'/' + QLatin1String(name) + QStringLiteral(".png"));
     }
 };
+
+/// The field of a row of the inspector that is seen, null: there is no such row.
+template <class Field>
+Field* inspectorRow(Window& w, const char* label) {
+    for (QWidget* panel : w.window().findChildren<InspectorPanel*>())
+        for (auto* field : panel->findChildren<Field*>())
+            if (field->isVisible() && field->accessibleName() == QLatin1String(label)) return field;
+    return nullptr;
+}
 
 }  // namespace imomushi
