@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "core/base/index.h"
 #include "core/base/union_find.h"
 #include "core/mesh/render_model.h"
 #include "core/mesh/weld.h"
@@ -12,8 +13,6 @@
 namespace imomushi {
 
 namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 std::vector<std::string> ownNames(const std::vector<std::string>& given) {
     std::set<std::string> taken(given.begin(), given.end()), once;
