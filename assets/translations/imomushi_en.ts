@@ -55,6 +55,13 @@
                 <numerusform>%n pins</numerusform>
             </translation>
         </message>
+        <message numerus="yes">
+            <source>%n chosen bone(s) cannot stay: no cut works there.</source>
+            <translation>
+                <numerusform>%n chosen bone cannot stay: no cut works there.</numerusform>
+                <numerusform>%n chosen bones cannot stay: no cut works there.</numerusform>
+            </translation>
+        </message>
     </context>
     <context>
         <name>imomushi::BoneForm</name>
@@ -151,6 +158,30 @@
             <translation>
                 <numerusform>%n proposal could not be made.</numerusform>
                 <numerusform>%n proposals could not be made.</numerusform>
+            </translation>
+        </message>
+        <message numerus="yes">
+            <source>“%1” has a skeleton of %n bone(s) now.</source>
+            <translation>
+                <numerusform>“%1” has a skeleton of %n bone now.</numerusform>
+                <numerusform>“%1” has a skeleton of %n bones now.</numerusform>
+            </translation>
+        </message>
+        <message numerus="yes">
+            <source>%n clip(s) came along.</source>
+            <translation>
+                <numerusform>%n clip came along.</numerusform>
+                <numerusform>%n clips came along.</numerusform>
+            </translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::RigFlow</name>
+        <message numerus="yes">
+            <source>Made %n take(s). The space bar plays the chosen one.</source>
+            <translation>
+                <numerusform>Made %n take. The space bar plays the chosen one.</numerusform>
+                <numerusform>Made %n takes. The space bar plays the chosen one.</numerusform>
             </translation>
         </message>
     </context>

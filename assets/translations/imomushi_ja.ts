@@ -283,6 +283,22 @@
             <source>Replace &amp;mesh…</source>
             <translation>メッシュを置き換え(&amp;M)…</translation>
         </message>
+        <message>
+            <source>Import s&amp;keleton…</source>
+            <translation>骨格を読み込む(&amp;K)…</translation>
+        </message>
+        <message>
+            <source>&amp;Make soft</source>
+            <translation>柔らかくする(&amp;M)</translation>
+        </message>
+        <message>
+            <source>Make soft by &amp;chosen bones…</source>
+            <translation>ボーンを選んで柔らかくする(&amp;C)…</translation>
+        </message>
+        <message>
+            <source>Takes from &amp;clips…</source>
+            <translation>クリップからテイクを作る(&amp;C)…</translation>
+        </message>
     </context>
     <context>
         <name>EffectTexts</name>
@@ -1273,6 +1289,14 @@
             <source>Cutting</source>
             <translation>切断しています</translation>
         </message>
+        <message>
+            <source>Looking for limbs</source>
+            <translation>手足を探しています</translation>
+        </message>
+        <message>
+            <source>Recording</source>
+            <translation>記録中</translation>
+        </message>
     </context>
     <context>
         <name>SelectionTexts</name>
@@ -1454,6 +1478,10 @@
         <message>
             <source>Replace mesh</source>
             <translation>メッシュを置き換え</translation>
+        </message>
+        <message>
+            <source>Take of a clip</source>
+            <translation>クリップのテイク</translation>
         </message>
     </context>
     <context>
@@ -1910,6 +1938,38 @@
             <source>Open</source>
             <translation>開く</translation>
         </message>
+        <message>
+            <source>From a rigged file</source>
+            <translation>リグ付きファイルから</translation>
+        </message>
+        <message>
+            <source>From a mesh</source>
+            <translation>メッシュから</translation>
+        </message>
+        <message>
+            <source>Making “%1” soft</source>
+            <translation>「%1」を柔らかくしています</translation>
+        </message>
+        <message>
+            <source>Import a skeleton</source>
+            <translation>骨格を読み込む</translation>
+        </message>
+        <message>
+            <source>Importing the skeleton of “%1”</source>
+            <translation>「%1」の骨格を読み込んでいます</translation>
+        </message>
+        <message numerus="yes">
+            <source>“%1” has a skeleton of %n bone(s) now.</source>
+            <translation>
+                <numerusform>「%1」に %n 本のボーンの骨格が付きました。</numerusform>
+            </translation>
+        </message>
+        <message numerus="yes">
+            <source>%n clip(s) came along.</source>
+            <translation>
+                <numerusform>%n 個のクリップも読み込みました。</numerusform>
+            </translation>
+        </message>
     </context>
     <context>
         <name>imomushi::HistoryModel</name>
@@ -2134,6 +2194,52 @@
         <message>
             <source>Ready to replace the mesh. The body is %1.</source>
             <translation>メッシュを置き換えられます。ボディ：%1。</translation>
+        </message>
+        <message>
+            <source>Skeleton</source>
+            <translation>骨格</translation>
+        </message>
+        <message>
+            <source>Bones of the skeleton that stay</source>
+            <translation>残すボーン</translation>
+        </message>
+        <message>
+            <source>Keep this size</source>
+            <translation>この大きさのまま</translation>
+        </message>
+        <message>
+            <source>Import and make soft</source>
+            <translation>読み込んで柔らかくする</translation>
+        </message>
+        <message>
+            <source>%1 of %2 bones stay – choose…</source>
+            <translation>%2 本中 %1 本を残す – 選ぶ…</translation>
+        </message>
+        <message numerus="yes">
+            <source>%n chosen bone(s) cannot stay: no cut works there.</source>
+            <translation>
+                <numerusform>選んだボーンのうち %n 本は残せません。そこでは切断できません。</numerusform>
+            </translation>
+        </message>
+        <message>
+            <source>The file holds no skeleton: cuts and bones follow the shape.</source>
+            <translation>このファイルには骨格がありません。切断とボーンは形から決めます。</translation>
+        </message>
+        <message>
+            <source>It is %1 large, which is hardly meant. In centimetres it is %2.</source>
+            <translation>大きさが %1 あります。おそらく単位が違います。センチメートルなら %2 です。</translation>
+        </message>
+        <message>
+            <source>It is %1 large, which is hardly meant. In millimetres it is %2.</source>
+            <translation>大きさが %1 あります。おそらく単位が違います。ミリメートルなら %2 です。</translation>
+        </message>
+        <message>
+            <source>Use centimetres</source>
+            <translation>センチメートルにする</translation>
+        </message>
+        <message>
+            <source>Use millimetres</source>
+            <translation>ミリメートルにする</translation>
         </message>
     </context>
     <context>
@@ -2822,6 +2928,18 @@
             <source>Mirrored</source>
             <translation>ミラーしました</translation>
         </message>
+        <message>
+            <source>Looking at the bones of “%1”</source>
+            <translation>「%1」のボーンを調べています</translation>
+        </message>
+        <message>
+            <source>Cancelled; nothing has changed.</source>
+            <translation>取り消しました。何も変わっていません。</translation>
+        </message>
+        <message>
+            <source>Make it soft</source>
+            <translation>柔らかくする</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::AboutDialog</name>
@@ -3324,10 +3442,6 @@
             <translation>引っぱると曲がり、伸び、つぶれるやわらかいキャラクター</translation>
         </message>
         <message>
-            <source>Import a mesh…</source>
-            <translation>メッシュを読み込む…</translation>
-        </message>
-        <message>
             <source>Open a project…</source>
             <translation>プロジェクトを開く…</translation>
         </message>
@@ -3352,8 +3466,32 @@
             <translation>この一覧から外す</translation>
         </message>
         <message>
-            <source>You can also drop meshes (OBJ, PLY, STL, glTF, FBX, DAE) and projects anywhere on this window.</source>
+            <source>Or drop meshes (OBJ, PLY, STL, glTF, FBX, DAE) and projects anywhere on this window.</source>
             <translation>メッシュ（OBJ、PLY、STL、glTF、FBX、DAE）やプロジェクトをこのウィンドウにドロップすることもできます。</translation>
+        </message>
+        <message>
+            <source>From a sample</source>
+            <translation>サンプルから</translation>
+        </message>
+        <message>
+            <source>%1 opens, ready to be dragged. The others are below.</source>
+            <translation>「%1」を開いて、すぐにドラッグできます。ほかのサンプルは下にあります。</translation>
+        </message>
+        <message>
+            <source>From a mesh</source>
+            <translation>メッシュから</translation>
+        </message>
+        <message>
+            <source>Any mesh of a creature: cuts and bones follow its shape, and it can be dragged seconds later.</source>
+            <translation>生き物のメッシュなら何でも。形に合わせて切断とボーンを作り、数秒後にはドラッグできます。</translation>
+        </message>
+        <message>
+            <source>From a rigged file</source>
+            <translation>リグ付きファイルから</translation>
+        </message>
+        <message>
+            <source>glTF, FBX or DAE with a skeleton: its bones become soft limbs, its clips takes.</source>
+            <translation>骨格のある glTF、FBX、DAE。ボーンは柔らかい手足に、クリップはテイクになります。</translation>
         </message>
     </context>
     <context>
@@ -3410,10 +3548,6 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         <message>
             <source>Alt+left: orbit · Alt+middle: pan · Wheel: zoom</source>
             <translation>Alt+左：回転 · Alt+中：移動 · ホイール：拡大縮小</translation>
-        </message>
-        <message>
-            <source>Drop a mesh or a project here</source>
-            <translation>ここにメッシュかプロジェクトをドロップ</translation>
         </message>
         <message>
             <source>Unpin</source>
@@ -4550,6 +4684,170 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         <message>
             <source>About %1</source>
             <translation>%1 軸まわり</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::BonesDialog</name>
+        <message>
+            <source>Bones of the skeleton</source>
+            <translation>骨格のボーン</translation>
+        </message>
+        <message>
+            <source>Checked bones stay and get flesh of their own. All others are merged: what carries them moves their flesh. Few bones make few elements, which are quick and soft.</source>
+            <translation>チェックしたボーンは残り、自分の肉を持ちます。ほかのボーンは統合され、その肉は親のボーンが動かします。ボーンが少ないほど要素も少なく、速く柔らかくなります。</translation>
+        </message>
+        <message>
+            <source>Bone</source>
+            <translation>ボーン</translation>
+        </message>
+        <message>
+            <source>Flesh</source>
+            <translation>肉</translation>
+        </message>
+        <message>
+            <source>What becomes of it</source>
+            <translation>どうなるか</translation>
+        </message>
+        <message>
+            <source>%1 %</source>
+            <translation>%1 %</translation>
+        </message>
+        <message>
+            <source>none</source>
+            <comment>flesh</comment>
+            <translation>なし</translation>
+        </message>
+        <message>
+            <source>Check all</source>
+            <translation>すべてチェック</translation>
+        </message>
+        <message>
+            <source>Check none</source>
+            <translation>チェックを外す</translation>
+        </message>
+        <message>
+            <source>As proposed</source>
+            <translation>提案どおり</translation>
+        </message>
+        <message>
+            <source>Use these bones</source>
+            <translation>このボーンを使う</translation>
+        </message>
+        <message>
+            <source>stays</source>
+            <translation>残る</translation>
+        </message>
+        <message>
+            <source>merged</source>
+            <translation>統合</translation>
+        </message>
+        <message>
+            <source>merged into %1</source>
+            <translation>%1 に統合</translation>
+        </message>
+        <message>
+            <source>%1 of %2 bones stay</source>
+            <translation>%2 本中 %1 本のボーンが残ります</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::ClipsDialog</name>
+        <message>
+            <source>Takes from clips</source>
+            <translation>クリップからテイクを作る</translation>
+        </message>
+        <message>
+            <source>Clips of the file of “%1”. A take of one moves the bones as the file does, and the flesh with them.</source>
+            <translation>「%1」のファイルにあるクリップです。テイクにすると、ファイルと同じようにボーンが動き、肉もついてきます。</translation>
+        </message>
+        <message>
+            <source>Clips</source>
+            <translation>クリップ</translation>
+        </message>
+        <message>
+            <source>%1 · %2</source>
+            <comment>clip, its length</comment>
+            <translation>%1 · %2</translation>
+        </message>
+        <message>
+            <source>Check all</source>
+            <translation>すべてチェック</translation>
+        </message>
+        <message>
+            <source>Make takes</source>
+            <translation>テイクを作る</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::NextSteps</name>
+        <message>
+            <source>Drop a mesh or a project here</source>
+            <translation>ここにメッシュかプロジェクトをドロップ</translation>
+        </message>
+        <message>
+            <source>Any mesh can become a soft character: OBJ, PLY, STL, glTF, FBX, DAE.</source>
+            <translation>どんなメッシュも柔らかいキャラクターになります（OBJ、PLY、STL、glTF、FBX、DAE）。</translation>
+        </message>
+        <message>
+            <source>Import a mesh…</source>
+            <translation>メッシュを読み込む…</translation>
+        </message>
+        <message>
+            <source>Open a sample</source>
+            <translation>サンプルを開く</translation>
+        </message>
+        <message>
+            <source>Open a project…</source>
+            <translation>プロジェクトを開く…</translation>
+        </message>
+        <message>
+            <source>“%1” is not soft yet.</source>
+            <translation>「%1」はまだ柔らかくありません。</translation>
+        </message>
+        <message>
+            <source>Make it soft</source>
+            <translation>柔らかくする</translation>
+        </message>
+        <message>
+            <source>Place a handle</source>
+            <translation>ハンドルを置く</translation>
+        </message>
+        <message>
+            <source>Cut it</source>
+            <translation>切断する</translation>
+        </message>
+        <message>
+            <source>“%1” has nothing to be moved by yet.</source>
+            <translation>「%1」にはまだ動かすものがありません。</translation>
+        </message>
+        <message>
+            <source>Place a joint face</source>
+            <translation>関節面を置く</translation>
+        </message>
+        <message>
+            <source>Bones move joint faces.</source>
+            <translation>関節面はボーンで動きます。</translation>
+        </message>
+        <message>
+            <source>Place bones</source>
+            <translation>ボーンを置く</translation>
+        </message>
+        <message>
+            <source>Close</source>
+            <translation>閉じる</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::RigFlow</name>
+        <message>
+            <source>Making a take of “%1”</source>
+            <translation>「%1」のテイクを作っています</translation>
+        </message>
+        <message numerus="yes">
+            <source>Made %n take(s). The space bar plays the chosen one.</source>
+            <translation>
+                <numerusform>テイクを %n 個作りました。スペースキーで選んだテイクを再生します。</numerusform>
+            </translation>
         </message>
     </context>
 </TS>

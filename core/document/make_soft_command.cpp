@@ -314,6 +314,7 @@ void addMakeSoftCommand(CommandRegistry& registry) {
                         {"character", Type::Text, false, "Or a character that has no cuts, bones and handles yet."},
                         {"from", Type::Text, false, "As in propose."},
                         {"least", Type::Number, false, "As in propose."},
+                        {"bones", Type::Array, false, "As in propose."},
                         {"precompute", Type::Boolean, false, "Precomputes its elements (true)."},
                         {"draft", Type::Boolean, false, "Makes coarse answers first, some tenths of a second each (false)."},
                         {"name", Type::Text, false, "Of the file's character, as in import-character; so are the following."},

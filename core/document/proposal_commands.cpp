@@ -52,13 +52,30 @@ Result<ProposalRequest> proposalRequestFrom(const Json& arguments) {
         if (!least) return tl::unexpected(least.error());
         request.least = *least;
     }
+    if (const Json* bones = find(arguments, "bones")) {
+        if (request.from == ProposalRequest::From::Shape || request.least >= 0.0) return fail("bad-value", "\"bones\" says which bones of the skeleton stay: leave out \"from\": \"shape\" and \"least\".");
+        request.bones.emplace();
+        for (const Json& name : *bones) {
+            if (!name.is_string()) return fail("bad-type", "\"bones\" must be names of bones of the file's skeleton.");
+            request.bones->push_back(name.get<std::string>());
+        }
+        request.from = ProposalRequest::From::Skeleton;
+    }
     return request;
 }
 
 Result<Proposal> proposeFor(const CharacterSource& character, const ProposalRequest& request, const Progress& progress) {
     using From = ProposalRequest::From;
     if (character.rig && request.from != From::Shape) {
-        auto proposal = proposeFromRig(*character.rig, character.model->mesh.body, character.body->mesh, request.least < 0.0 ? std::nullopt : std::optional(request.least), progress);
+        std::optional<std::vector<int>> chosen;
+        if (request.bones) {
+            chosen.emplace();
+            for (const std::string& name : *request.bones) {
+                chosen->push_back(character.rig->boneIndex(name));
+                if (chosen->back() < 0) return fail("no-such-bone", "The skeleton of \"" + character.name + "\" has no bone \"" + name + "\".");
+            }
+        }
+        auto proposal = proposeFromRig(*character.rig, character.model->mesh.body, character.body->mesh, request.least < 0.0 ? std::nullopt : std::optional(request.least), progress, chosen);
         // A skeleton that divides nothing is no reason to leave a shape whole.
         if (!proposal || !proposal->cuts.empty() || request.from == From::Skeleton) return proposal;
     }
@@ -97,21 +114,32 @@ Json proposalJson(const CharacterSource& character, const Proposal& proposal) {
     return answer;
 }
 
-Json sizeJson(const CharacterSource& character) {
-    const Bounds box = boundsOf(character.model->mesh.body.vertices);
-    const double size = box.size().maxCoeff();
-    Json answer{{"height", box.size().y()}, {"diagonal", box.diagonal()}};
-    if (size >= kSmallestMeant && size <= kLargestMeant) return answer;
-    char text[200];
+std::optional<SizeDoubt> doubtedSize(const Points& vertices) {
+    SizeDoubt doubt;
+    doubt.size = boundsOf(vertices).size().maxCoeff();
+    if (doubt.size >= kSmallestMeant && doubt.size <= kLargestMeant) return std::nullopt;
     for (const auto& [unit, metres] : {std::pair("cm", 0.01), std::pair("mm", 0.001)}) {
-        const double then = size * metres;
-        if (then < kSmallestUsual || then > kLargestUsual) continue;
-        answer["suggested_unit"] = unit;
-        std::snprintf(text, sizeof text, "It is %.3g m large. That is hardly meant: with \"unit\": \"%s\" it is %.3g m.", size, unit, then);
-        answer["note"] = text;
-        return answer;
+        const double then = doubt.size * metres;
+        if (!doubt.unit.empty() || then < kSmallestUsual || then > kLargestUsual) continue;
+        doubt.unit = unit;
+        doubt.meant = then;
     }
-    std::snprintf(text, sizeof text, "It is %.3g m large. That is hardly meant: scale it in a modelling program.", size);
+    return doubt;
+}
+
+Json sizeJson(const CharacterSource& character) {
+    const Points& vertices = character.model->mesh.body.vertices;
+    const Bounds box = boundsOf(vertices);
+    Json answer{{"height", box.size().y()}, {"diagonal", box.diagonal()}};
+    const auto doubt = doubtedSize(vertices);
+    if (!doubt) return answer;
+    char text[200];
+    if (doubt->unit.empty()) {
+        std::snprintf(text, sizeof text, "It is %.3g m large. That is hardly meant: scale it in a modelling program.", doubt->size);
+    } else {
+        answer["suggested_unit"] = doubt->unit;
+        std::snprintf(text, sizeof text, "It is %.3g m large. That is hardly meant: with \"unit\": \"%s\" it is %.3g m.", doubt->size, doubt->unit.c_str(), doubt->meant);
+    }
     answer["note"] = text;
     return answer;
 }
@@ -123,7 +151,8 @@ void addProposalCommands(CommandRegistry& registry) {
                        "that mirrors itself gets a proposal that does. All cuts were tried together. Changes nothing; make-soft does what is proposed.",
                        {{"character", Type::Text, true, "The character."},
                         {"from", Type::Text, false, "\"skeleton\", \"shape\", or \"auto\": the skeleton where the file brought one (unless given)."},
-                        {"least", Type::Number, false, "The smallest share of the flesh of a piece, 0 to 1 (0.0005 for shapes; 0.01 for skeletons, or more where that would make many pieces); what is smaller stays with its neighbour."}},
+                        {"least", Type::Number, false, "The smallest share of the flesh of a piece, 0 to 1 (0.0005 for shapes; 0.01 for skeletons, or more where that would make many pieces); what is smaller stays with its neighbour."},
+                        {"bones", Type::Array, false, "Names of the bones of the file's skeleton that stay; all others are merged into them (those that move enough flesh stay unless given)."}},
                        propose);
 }
 

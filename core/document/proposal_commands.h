@@ -1,24 +1,39 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "core/proposal/proposal.h"
 #include "core/document/command.h"
 #include "core/document/document.h"
 
 namespace imomushi {
 
-/// What "from" and "least" ask for. Errors: "bad-value".
+/// What "from", "least" and "bones" ask for. Errors: "bad-value", "bad-type".
 struct ProposalRequest {
     enum class From { Auto, Skeleton, Shape } from = From::Auto;
     double least = -1.0;  ///< smallest share of the flesh of a piece, 0...1; negative: as is usual
+    std::optional<std::vector<std::string>> bones;  ///< of the file's skeleton, that stay; none: those that move enough flesh
+    bool operator==(const ProposalRequest&) const = default;
 };
 Result<ProposalRequest> proposalRequestFrom(const Json& arguments);
 
-/// Proposes for a character. Auto: from its skeleton, if its file brought one, else from its shape. Errors: those of proposeFromShape(), "no-skeleton".
+/// Proposes for a character. Auto: from its skeleton, if its file brought one, else from its shape. Errors: those of proposeFromShape(), "no-skeleton", "no-such-bone".
 Result<Proposal> proposeFor(const CharacterSource& character, const ProposalRequest& request, const Progress& progress);
 
 /// {"from", "root", "cuts", "bones", "pins", "handles", "parts", "merged", "notes", "symmetry"}.
 Json proposalJson(const CharacterSource& character, const Proposal& proposal);
+
+/// A size that cannot be meant, and the unit in which it can be.
+struct SizeDoubt {
+    double size = 0.0;     ///< m, the longest side of the box as it is
+    std::string unit;      ///< "cm" or "mm"; empty: none makes a usual size of it
+    double meant = 0.0;    ///< m, in that unit
+};
+/// None: the size can be meant. `vertices`: of what is seen, m.
+std::optional<SizeDoubt> doubtedSize(const Points& vertices);
 
 /// The size of a character, and a unit if its size cannot be meant: {"height", "diagonal", "suggested_unit", "note"}, metres.
 Json sizeJson(const CharacterSource& character);

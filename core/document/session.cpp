@@ -8,6 +8,7 @@
 
 #include "core/document/command_support.h"
 #include "core/document/document_edit.h"
+#include "core/document/prepared_step.h"
 #include "core/document/project_file.h"
 #include "core/document/proposal_commands.h"
 #include "core/document/session_access.h"
@@ -53,6 +54,7 @@ Result<Json> Session::execute(const Json& command, const Progress& progress) {
     const Command* what = registry_.find(name->get_ref<const std::string&>());
     if (!what) return fail("unknown-command", "There is no command \"" + name->get<std::string>() + "\"; \"imomushi run --help\" lists all.");
     if (auto ok = checkArguments(*what, command); !ok) return tl::unexpected(ok.error());
+    if (prepared_ && prepared_->command == command && prepared_->fits(document())) return takeOver(*prepared_);
 
     // Frames that follow each other are one line of the script.
     if (what->name != "step") history_.flushFrames();
@@ -112,6 +114,24 @@ Result<Json> Session::perform(const Command& command, const Json& arguments, con
     }
 }
 
+Json Session::takeOver(const PreparedStep& made) {
+    endGesture();
+    const Document before = history_.document();
+    history_.beginGesture();
+    history_.edit() = made.after;
+    for (std::size_t i = 0; i + 1 < made.lines.size(); ++i) history_.note(made.lines[i]);
+    history_.commit(made.step, before, made.lines.back());
+    history_.endGesture(made.step);
+    Change change;
+    change.document = difference(before, history_.document());
+    change.pose = true;
+    live_->stir(true);
+    live_->followExchange(change.document);
+    responses_.refresh();
+    if (listener_) listener_(change);
+    return made.answer;
+}
+
 void Session::takeBack(const Document& before) {
     const DocumentChange change = difference(history_.document(), before);
     history_.rollBack(before);
@@ -127,8 +147,8 @@ void Session::beginGesture() {
     history_.beginGesture();
 }
 
-void Session::endGesture() {
-    if (history_.endGesture() && listener_) listener_({});
+void Session::endGesture(Step named) {
+    if (history_.endGesture(std::move(named)) && listener_) listener_({});
 }
 
 void Session::dropGesture() {
@@ -230,7 +250,7 @@ std::shared_ptr<const Take> SessionAccess::addTake(Take take, const Json& line) 
     take.id = document.nextId++;
     auto added = std::make_shared<const Take>(std::move(take));
     document.takes.emplace(added->id, added);
-    session.history_.commit({"record", added->name}, before, line);
+    session.history_.commit({text(line, "do"), added->name}, before, line);
     session.historyMoved_ = true;
     return added;
 }

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/proposal/proposal.h"
@@ -20,6 +21,7 @@ namespace imomushi {
 
 class LiveCharacter;
 struct CharacterPlan;
+struct PreparedStep;
 struct Project;
 struct ProposalRequest;
 
@@ -45,7 +47,8 @@ public:
     [[nodiscard]] int position() const { return history_.position(); }                 ///< how many of them are done; the rest can be redone
     /// Commands between begin and end become one undo step (a drag gesture). cancelGesture() takes them back.
     void beginGesture();
-    void endGesture();
+    /// `named`: the step is called so, instead of after the last command.
+    void endGesture(Step named = {});
     void cancelGesture();
     /// Differs from what was last saved or opened, or has responses that were computed since.
     [[nodiscard]] bool modified() const { return history_.modified() || responses_.unsaved(); }
@@ -112,6 +115,8 @@ public:
     void setBodyMaker(std::function<Result<Body>(const RenderModel&, const BodySetting&, const Progress&)> maker);
     /// Replaces proposeFor() in the same way. Empty: proposeFor() again.
     void setProposer(std::function<Result<Proposal>(const CharacterSource&, const ProposalRequest&, const Progress&)> proposer);
+    /// execute() takes this over instead of executing the same command again, while it fits the document. Null: none.
+    void setPrepared(std::shared_ptr<const PreparedStep> step) { prepared_ = std::move(step); }
     /// What "save" writes, and an autosave: the document as it is now with the responses that its elements have. Copies no mesh and no response.
     [[nodiscard]] Project project();
 
@@ -119,6 +124,7 @@ private:
     friend class SessionAccess;
     /// Runs a command that was checked, and what follows from it.
     Result<Json> perform(const Command& command, const Json& arguments, const Document& before, const Progress& progress);
+    Json takeOver(const PreparedStep& made);
     void takeBack(const Document& before);
     /// Takes back the gesture that goes on.
     void dropGesture();
@@ -134,6 +140,7 @@ private:
     bool historyMoved_ = false;  // by the action that runs: undo, redo, another document, a take
     std::function<Result<Body>(const RenderModel&, const BodySetting&, const Progress&)> bodyMaker_;
     std::function<Result<Proposal>(const CharacterSource&, const ProposalRequest&, const Progress&)> proposer_;
+    std::shared_ptr<const PreparedStep> prepared_;
 };
 
 }  // namespace imomushi

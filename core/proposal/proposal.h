@@ -68,6 +68,7 @@ struct Proposal {
     std::vector<ProposedHandle> handles;  ///< where the shape suits them better than cuts
     std::vector<ProposedPart> parts;
     std::vector<ProposedMerge> merged;
+    std::vector<double> share;         ///< of the flesh, 0...1, that each bone of the file's skeleton moves by itself; empty: from the shape
     std::vector<Error> notes;          ///< cuts that were moved or left out, and other things to know: a code and a sentence each
     std::optional<CutPlane> symmetry;  ///< the plane that mirrors the shape onto itself; then the proposal is mirrored by it, too
 };

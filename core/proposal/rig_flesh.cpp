@@ -245,7 +245,7 @@ MergedRig mergeRig(const Rig& rig, const RigFlesh& flesh, double least, const st
     for (int b = 0; b < bones; ++b)
         if (flesh.carrier[at(b)] < 0 && (root < 0 || subtree[at(b)] > subtree[at(root)])) root = b;
     const auto isKept = [&](int b) { return into[at(b)] < 0; };
-    while (share[at(root)] < least) {
+    while (share[at(root)] < least || forbidden[at(root)]) {
         int child = -1;
         for (int b = 0; b < bones; ++b)
             if (isKept(b) && parent[at(b)] == root && (child < 0 || subtree[at(b)] > subtree[at(child)])) child = b;

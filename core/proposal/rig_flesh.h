@@ -44,7 +44,7 @@ struct MergedRig {
 };
 
 /// Merges bones that move less than `least` of the flesh (0...1) into what carries them, from the tips inward, so that fingers make a hand; a root that moves too little into its
-/// largest child, whose siblings then hang on it. `never`: bones that are merged in any case, with the reason; their children stay. At least one bone is kept.
+/// largest child, whose siblings then hang on it. `never`: bones that are merged in any case, with the reason; their children stay. A root among them goes the way of one that moves too little. At least one bone is kept.
 MergedRig mergeRig(const Rig& rig, const RigFlesh& flesh, double least, const std::vector<std::pair<int, std::string>>& never = {});
 
 }  // namespace imomushi

@@ -34,15 +34,18 @@ public:
         diagonal_ = (body.vertices.colwise().maxCoeff() - body.vertices.colwise().minCoeff()).norm();
     }
 
-    Result<Proposal> propose(std::optional<double> least, const Progress& progress) {
+    Result<Proposal> propose(std::optional<double> least, const std::optional<std::vector<int>>& chosen, const Progress& progress) {
         findTwins();
-        double smallest = least.value_or(kLeastRigShare);
-        merged_ = mergeRig(rig_, flesh_, smallest);
-        if (!least) {
+        double smallest = chosen ? 0.0 : least.value_or(kLeastRigShare);
+        std::vector<std::pair<int, std::string>> never;
+        if (chosen)
+            for (int b = 0; b < static_cast<int>(rig_.bones.size()); ++b)
+                if (std::find(chosen->begin(), chosen->end(), b) == chosen->end()) never.emplace_back(b, "It was chosen to be merged.");
+        merged_ = mergeRig(rig_, flesh_, smallest, never);
+        if (!least && !chosen) {
             while (merged_.kept.size() > kMostRigPieces) merged_ = mergeRig(rig_, flesh_, smallest *= kMoreShare);
             if (smallest > kLeastRigShare) proposal_.notes.push_back({"merged-more", "Bones of less than " + std::to_string(static_cast<int>(std::round(100.0 * smallest))) + " % of the flesh were merged, so that few are left: a smaller least share keeps more."});
         }
-        std::vector<std::pair<int, std::string>> never;
         std::map<int, FittedCut> fitted;       // by the bone of the rig
         std::map<int, std::size_t> candidate;  // which plane of its wish a bone is at
         // Each round goes on to the next planes of cuts that fail, or merges their bones, so that the planes of others may change.
@@ -88,6 +91,7 @@ public:
         for (std::size_t k = 1; k < merged_.kept.size(); ++k)
             if (!fitted.contains(merged_.kept[k])) never.emplace_back(merged_.kept[k], "No cut works there.");
         merged_ = mergeRig(rig_, flesh_, smallest, never);
+        proposal_.share = flesh_.share;
         proposal_.symmetry = mirror_;
         proposal_.from = Proposal::Source::Skeleton;
         names();
@@ -271,8 +275,9 @@ private:
 
 }  // namespace
 
-Result<Proposal> proposeFromRig(const Rig& rig, const TriangleMesh& render, const TriangleMesh& body, std::optional<double> least, const Progress& progress) {
-    return RigProposer(rig, render, body).propose(least, progress);
+Result<Proposal> proposeFromRig(const Rig& rig, const TriangleMesh& render, const TriangleMesh& body, std::optional<double> least, const Progress& progress,
+                                const std::optional<std::vector<int>>& chosen) {
+    return RigProposer(rig, render, body).propose(least, chosen, progress);
 }
 
 }  // namespace imomushi

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <cmath>
 #include <set>
+#include <thread>
 
+#include "core/document/prepared_step.h"
+#include "core/document/proposal_commands.h"
 #include "tests/document/workbench.h"
 #include "tests/support/capsules.h"
 
@@ -184,4 +187,68 @@ TEST_CASE("make-soft: a size that cannot be meant is told with the unit to impor
     CHECK(size["suggested_unit"] == "cm");
     CHECK(size["note"].get<std::string>().find("\"cm\"") != std::string::npos);
     CHECK(size["height"].get<double>() > 100.0);
+}
+
+TEST_CASE("prepared steps: a command that was executed on a copy is taken over as the same step, if the document is still the same") {
+    Workbench w;
+    useCapsules(w);
+    w.good({{"do", "import-character"}, {"path", "animal"}, {"name", "it"}});
+    const Json command{{"do", "make-soft"}, {"character", "it"}, {"precompute", false}};
+    const auto prepared = [&](const Json& what) {
+        Result<PreparedStep> made;
+        std::thread([&, project = w.session.project()] { made = prepareStep(coreRegistry(), project, what, {}, {}); }).join();
+        return made;
+    };
+    const std::string before = w.content();
+    auto made = prepared(command);
+    REQUIRE(made);
+    CHECK(w.content() == before);
+    CHECK(made->step.name == "make-soft");
+
+    Workbench direct;
+    useCapsules(direct);
+    direct.good({{"do", "import-character"}, {"path", "animal"}, {"name", "it"}});
+    Json expected = direct.good(command);
+
+    // As the same step, with the same script, undone and redone as any other. Nothing is proposed again.
+    int asked = 0;
+    w.session.setProposer([&](const CharacterSource& character, const ProposalRequest& request, const Progress& progress) {
+        ++asked;
+        return proposeFor(character, request, progress);
+    });
+    const auto step = std::make_shared<const PreparedStep>(std::move(*made));
+    w.good({{"do", "rename"}, {"target", "it"}, {"name", "that"}});
+    CHECK(!step->fits(w.session.document()));
+    w.good({{"do", "undo"}});
+    CHECK(step->fits(w.session.document()));
+    w.session.setPrepared(step);
+    int told = 0;
+    w.session.setListener([&](const Session::Change& change) { told += change.structure(); });
+    Json answer = w.good(command);
+    CHECK(asked == 0);
+    CHECK(told == 1);
+    for (Json* json : {&answer, &expected}) json->erase("seconds");
+    CHECK(answer == expected);
+    CHECK(w.content() == direct.content());
+    CHECK(w.session.script() == direct.session.script());
+    REQUIRE(w.session.steps().size() == 2);
+    CHECK(w.session.steps()[1].name == "make-soft");
+    CHECK(w.good({{"do", "measure"}, {"what", "position"}, {"endpoint", answer["bones"][0].get<std::string>() + "/end"}}) ==
+          direct.good({{"do", "measure"}, {"what", "position"}, {"endpoint", answer["bones"][0].get<std::string>() + "/end"}}));
+    const std::string after = w.content();
+    w.good({{"do", "undo"}});
+    CHECK(w.content() == before);
+    w.good({{"do", "redo"}});
+    CHECK(w.content() == after);
+
+    // Another command is done as if nothing were prepared.
+    w.good({{"do", "undo"}});
+    Json other = command;
+    other["least"] = 0.05;
+    CHECK(w.good(other)["cuts"].size() < answer["cuts"].size());
+    CHECK(asked == 1);
+    // What fails there fails with the command's own reason.
+    const auto refused = prepared({{"do", "make-soft"}, {"character", "nobody"}});
+    REQUIRE(!refused);
+    CHECK(refused.error().code == "no-such-character");
 }

@@ -318,6 +318,19 @@ TEST_CASE("skeletons: make-soft makes elements and bones of the skeleton of a fi
     CHECK(pieces(Json::object()) == std::pair(std::string("skeleton"), std::size_t{5}));
     CHECK(pieces({{"least", 0.2}}) == std::pair(std::string("skeleton"), std::size_t{2}));
     CHECK(pieces({{"from", "shape"}}).first == "shape");
+    // Bones that are chosen stay, all others are merged into them, whatever flesh they move.
+    const Json chosen = other.good({{"do", "propose"}, {"character", "worm"}, {"bones", {"spine 2", "spine 4"}}});
+    REQUIRE(chosen["bones"].size() == 2);
+    CHECK(chosen["bones"][0]["name"] == "spine 2");
+    CHECK(chosen["bones"][1]["name"] == "spine 4");
+    CHECK(chosen["cuts"].size() == 1);
+    CHECK(chosen["merged"].size() + 2 == list["characters"][0]["skeleton"].size());
+    CHECK(other.good({{"do", "propose"}, {"character", "worm"}, {"bones", Json::array()}})["bones"].size() == 1);
+    CHECK(other.code({{"do", "propose"}, {"character", "worm"}, {"bones", {"spine 2", "fin"}}}) == "no-such-bone");
+    CHECK(other.code({{"do", "propose"}, {"character", "worm"}, {"bones", {"spine 2"}}, {"least", 0.1}}) == "bad-value");
+    CHECK(other.code({{"do", "propose"}, {"character", "worm"}, {"bones", {2}}}) == "bad-type");
+    other.good({{"do", "make-soft"}, {"character", "worm"}, {"bones", {"spine 2", "spine 4"}}, {"precompute", false}});
+    CHECK(other.session.document().bones.size() == 2);
 }
 
 TEST_CASE("skeletons: joints of an exported take are where the file's own are") {

@@ -10,6 +10,7 @@
 #include "core/mesh/bounds.h"
 #include "core/mesh/closest_point.h"
 #include "core/mesh/edge_key.h"
+#include "core/mesh/flat_region.h"
 #include "core/mesh/triangle_tree.h"
 #include "core/mesh/vertex_corners.h"
 #include "tests/support/shapes.h"
@@ -117,4 +118,25 @@ TEST_CASE("triangle tree: finds all triangles within a distance, in ascending or
             if (std::sqrt(TriangleTree(mesh, {t}).nearest(p).squaredDistance) <= nearest + 0.1) CHECK(std::binary_search(found.begin(), found.end(), t));
         CHECK(found.size() < static_cast<std::size_t>(mesh.triangles.rows()));
     }
+}
+
+TEST_CASE("flat region: bodies with flat ends have one, at any size and place, and round ones have none") {
+    for (const double scale : {1e-3, 1.0, 1e3}) {
+        CAPTURE(scale);
+        const auto placed = [&](TriangleMesh mesh) {
+            mesh.vertices *= scale;
+            mesh.vertices.rowwise() += scale * Eigen::RowVector3d(5.0, -7.0, 3.0);
+            return mesh;
+        };
+        // The ends of a long thin cylinder are 2 % of its surface each, in 24 triangles and more that count together.
+        CHECK(hasFlatRegion(placed(shapes::cylinder(0.1, 4.6, 24, 24).mesh)));
+        CHECK(hasFlatRegion(placed(shapes::box({0, 0, 0}, {1, 1, 1}, 3, 3, 3).mesh)));
+        CHECK_FALSE(hasFlatRegion(placed(shapes::sphere(1.0, 4).mesh)));
+    }
+    CHECK_FALSE(hasFlatRegion({}));
+    TriangleMesh point;
+    point.vertices = Points::Zero(3, 3);
+    point.triangles = Triangles(1, 3);
+    point.triangles << 0, 1, 2;
+    CHECK_FALSE(hasFlatRegion(point));
 }

@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <QComboBox>
+#include <QElapsedTimer>
 #include <QFile>
+#include <QSettings>
 #include <QTextStream>
 
 #include "tests/studio/window.h"
+#include "tests/support/capsules.h"
 #include "tests/support/shapes.h"
 #include "ui/models/issue_model.h"
 #include "ui/panels/inspector/inspector_panel.h"
 #include "ui/panels/outliner_panel.h"
+#include "ui/models/texts.h"
 #include "ui/scene/cut_frame.h"
+#include "ui/window/next_steps.h"
 
 using namespace imomushi;
 
@@ -30,6 +35,15 @@ QString writeTube(const QString& path) {
         };
         if (!all(low) && !all(high)) out << "f " << mesh.triangles(t, 0) + 1 << ' ' << mesh.triangles(t, 1) + 1 << ' ' << mesh.triangles(t, 2) + 1 << '\n';
     }
+    return path;
+}
+
+QString writeMesh(const QString& path, const TriangleMesh& mesh) {
+    QFile file(path);
+    REQUIRE(file.open(QIODevice::WriteOnly));
+    QTextStream out(&file);
+    for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) out << "v " << mesh.vertices(v, 0) << ' ' << mesh.vertices(v, 1) << ' ' << mesh.vertices(v, 2) << '\n';
+    for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) out << "f " << mesh.triangles(t, 0) + 1 << ' ' << mesh.triangles(t, 1) + 1 << ' ' << mesh.triangles(t, 2) + 1 << '\n';
     return path;
 }
 
@@ -191,4 +205,111 @@ TEST_CASE("studio: the outliner lists cuts under their character, the inspector 
     w.trigger("bodies");
     CHECK(w.view().bodiesVisible());
     w.shoot("bodies");
+}
+
+TEST_CASE("studio: the view says what comes next, a mesh that is there is made soft in the background as one step, and cancelling changes nothing") {
+    Window w;
+    auto* next = w.window().findChild<NextSteps*>();
+    REQUIRE(next);
+    const auto offered = [&](const char* name) {
+        for (auto* button : next->findChildren<QPushButton*>(QLatin1String(name)))
+            if (button->isVisible()) return button;
+        return static_cast<QPushButton*>(nullptr);
+    };
+    CHECK(!offered("nextImport"));  // the start page says it
+    w.window().showStart(false);
+    w.settle();
+    REQUIRE(offered("nextImport"));
+    CHECK(offered("nextSample"));
+    CHECK(cutOff(*next) == "");
+    w.shoot("next-empty");
+    const QString path = writeMesh(w.folder.filePath(QStringLiteral("star.obj")), capsules::starfish());
+    w.run({{"do", "import-character"}, {"path", path.toStdString()}, {"name", "star"}});
+    w.view().frameAll(false);
+    w.settle();
+    REQUIRE(offered("nextSoft"));
+    CHECK(offered("nextHandle"));
+    CHECK(!offered("nextImport"));
+    CHECK(cutOff(*next) == "");
+    w.shoot("next-soften");
+    CHECK(!w.shared->actions()["make-soft-bones"]->isEnabled());  // it has no skeleton
+
+    const int before = w.document().session().position();
+    QTest::mouseClick(offered("nextSoft"), Qt::LeftButton);
+    REQUIRE(w.window().steps().running());
+    CHECK(w.now().bones.empty());
+    w.window().steps().cancel();
+    CHECK(!w.window().steps().running());
+    w.settle();
+    CHECK(w.document().session().position() == before);
+    CHECK(w.now().elements.size() == 1);
+
+    // From the menu; the document changes meanwhile, so that it is done anew, on what is there now. The window goes on all the time.
+    REQUIRE(w.shared->actions()["make-soft"]->isEnabled());
+    double longest = 0.0;
+    QElapsedTimer beat;
+    QTimer heart;
+    heart.setInterval(1);
+    QObject::connect(&heart, &QTimer::timeout, [&] { longest = std::max(longest, 1e-3 * double(beat.restart())); });
+    w.window().actions()["make-soft"]->trigger();
+    REQUIRE(w.window().steps().running());
+    w.run({{"do", "set"}, {"target", w.now().elements.begin()->second->name}, {"property", "nu"}, {"value", 0.4}});
+    beat.start();
+    heart.start();
+    waitFor([&] { return !w.window().steps().running(); });
+    heart.stop();
+    MESSAGE("made soft; the window answered after ", longest, " s at most");
+    const auto& steps = w.document().session().steps();
+    REQUIRE(w.document().session().position() == before + 2);
+    CHECK(stepText(steps.back().name, steps.back().subject) == QStringLiteral("Make soft: star"));
+    CHECK(w.now().elements.size() >= 6);
+    CHECK(w.now().bones.size() >= 5);
+    for (const auto& [id, element] : w.now().elements) CHECK(element->nu == 0.4);
+    CHECK(w.view().tool() == ToolKind::Pose);
+    w.settle();
+    CHECK(!offered("nextSoft"));
+    CHECK(!w.shared->actions()["make-soft"]->isEnabled());
+    w.shoot("next-softened");
+    w.trigger("undo");
+    CHECK(w.now().bones.empty());
+    CHECK(offered("nextSoft"));
+    // Closed, it stays away.
+    for (auto* button : next->findChildren<QToolButton*>())
+        if (button->isVisible()) button->click();
+    w.settle();
+    CHECK(!next->isVisible());
+}
+
+TEST_CASE("studio: a size that cannot be meant is asked about once for each file") {
+    Window w;
+    TriangleMesh large = capsules::starfish();
+    large.vertices *= 100.0;
+    const QString first = writeMesh(w.folder.filePath(QStringLiteral("first.obj")), large), second = writeMesh(w.folder.filePath(QStringLiteral("second.obj")), large);
+    const auto ask = [&](const QString& path, const char* answer, const char* picture) {
+        ImportDialog dialog(path, &w.window());
+        dialog.leadToSoft(false);
+        dialog.open();
+        auto* import = dialog.findChild<QPushButton*>(QStringLiteral("importButton"));
+        waitFor([&] { return import->isEnabled(); });
+        w.settle();
+        auto* button = dialog.findChild<QPushButton*>(QLatin1String(*answer ? answer : "takeUnit"));
+        CHECK(button->isVisible() == (*answer != 0));
+        CHECK(cutOff(dialog) == "");
+        if (picture) w.shoot(picture);
+        if (*answer) {
+            QTest::mouseClick(button, Qt::LeftButton);
+            waitFor([&] { return import->isEnabled(); });
+            CHECK(!button->isVisible());
+        }
+        const Json command = dialog.command();
+        CHECK(command.at("do") == "make-soft");
+        dialog.reject();
+        return command.value("unit", std::string());
+    };
+    CHECK(ask(first, "takeUnit", "size-question") == "cm");
+    CHECK(ask(first, "", nullptr) == "cm");
+    CHECK(ask(second, "keepSize", nullptr) == "");
+    CHECK(ask(second, "", nullptr) == "");
+    CHECK(QSettings().value(QStringLiteral("import/obj/unit"), 0).toInt() == 0);  // other files of this type are what they are
+    QSettings().remove(QStringLiteral("import/sizes"));
 }

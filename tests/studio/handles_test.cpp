@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "tests/studio/window.h"
+#include "ui/models/texts.h"
 #include "ui/panels/inspector/inspector_panel.h"
 #include "ui/tools/picking.h"
 
@@ -166,6 +167,7 @@ TEST_CASE("studio: flesh anywhere is pulled by a passing handle, soft while it i
     CHECK(element().handles.size() == 3);
     CHECK(w.document().session().responses().fittingOf(id) == response);  // by its key
     CHECK(w.document().session().position() == steps + 1);
+    CHECK(stepText(w.document().session().steps().back().name, w.document().session().steps().back().subject) == QStringLiteral("Drag: ") + QString::fromStdString(element().name));
     CHECK(w.document().selection() == selection);
     CHECK(w.now().handleGoals.empty());
     w.settle();

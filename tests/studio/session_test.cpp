@@ -1,13 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <QElapsedTimer>
 #include <QSettings>
+#include <QTreeWidget>
 #include <algorithm>
 #include <filesystem>
 #include <limits>
+#include <map>
 
 #include "tests/studio/window.h"
+#include "ui/dialogs/bones_dialog.h"
+#include "ui/dialogs/clips_dialog.h"
+#include "ui/panels/takes_panel.h"
 #include "ui/scene/cut_frame.h"
 #include "ui/tools/picking.h"
+#include "ui/window/studio_docks.h"
 
 using namespace imomushi;
 
@@ -164,9 +170,22 @@ TEST_CASE("studio: a penguin is made soft as it is imported, in one step, and a 
     QSettings().setValue(QStringLiteral("import/make-soft"), true);
     QElapsedTimer clock;
     clock.start();
+    // Stages of a journal, s after the drop.
+    std::map<std::string, double> at;
+    const auto reached = [&](const char* stage) { at[stage] = 1e-3 * double(clock.elapsed()); };
+    double longest = 0.0;  // that the window did not answer
+    QElapsedTimer beat;
+    QTimer heart;
+    QObject::connect(&heart, &QTimer::timeout, [&] { longest = std::max(longest, 1e-3 * double(beat.restart())); });
+    const auto steps = QObject::connect(&w.window().steps(), &StepFlow::changed, [&] { reached(w.window().steps().running() ? "accepted" : "cut"); });
+    beat.start();
+    heart.start(1);
     w.import(QString::fromStdString(kPenguin.string()));
+    heart.stop();
+    QObject::disconnect(steps);
     QSettings().setValue(QStringLiteral("import/make-soft"), false);
-    MESSAGE("imported after " << 1e-3 * double(clock.elapsed()) << " s");
+    REQUIRE(at.contains("cut"));
+    CHECK(at["accepted"] < at["cut"]);
     REQUIRE(w.now().characters.size() == 1);
     CHECK(w.now().elements.size() >= 4);  // two wings, head, trunk; feet and a tail, if they are found
     CHECK(w.now().bones.size() >= 4);
@@ -175,7 +194,7 @@ TEST_CASE("studio: a penguin is made soft as it is imported, in one step, and a 
     waitFor([&] {
         return std::all_of(w.now().elements.begin(), w.now().elements.end(), [&](const auto& e) { return w.document().session().responses().fittingOf(e.first) != nullptr; });
     });
-    MESSAGE("soft after " << 1e-3 * double(clock.elapsed()) << " s");
+    reached("draft");
     w.shoot("session-made-soft");
 
     // The end that is farthest from all pins.
@@ -190,8 +209,11 @@ TEST_CASE("studio: a penguin is made soft as it is imported, in one step, and a 
     }
     REQUIRE(distance > 0.0);
     drag(w, farthest, QPoint(60, -60));
+    reached("dragged");
     w.shoot("session-made-soft-dragged");
     const CharacterSource& character = *w.now().characters.begin()->second;
+    MESSAGE("a character of " << character.model->mesh.body.vertices.rows() << " vertices, seconds after the drop: proposed and accepted " << at["accepted"] << ", cut " << at["cut"] << ", all "
+                              << w.now().elements.size() << " elements soft as drafts " << at["draft"] << ", dragged " << at["dragged"] << "; the window answered after " << longest << " at most");
     const Points now = w.document().session().renderPositionsOf(character.id);
     const double moved = (now - character.model->mesh.body.vertices).rowwise().norm().maxCoeff();
     CHECK(longestEdge(character, now) < longestEdge(character, character.model->mesh.body.vertices) + 0.5 * moved);
@@ -199,4 +221,83 @@ TEST_CASE("studio: a penguin is made soft as it is imported, in one step, and a 
     w.trigger("undo");
     CHECK(w.now().elements.empty());
     CHECK(w.now().bones.empty());
+}
+
+TEST_CASE("studio: a rigged file becomes soft by the bones that are chosen, its clips become takes, and another skeleton takes its place") {
+    const std::filesystem::path fox = IMOMUSHI_SHARED_MESHES "/Fox.glb";
+    if (!std::filesystem::exists(fox)) {
+        MESSAGE("skipped: there is no " << fox.string());
+        return;
+    }
+    Window w;
+    w.window().files().import({QString::fromStdString(fox.string())}, FileFlow::Lead::RiggedFile);
+    auto* dialog = w.window().findChild<ImportDialog*>();
+    REQUIRE(dialog);
+    auto* import = dialog->findChild<QPushButton*>(QStringLiteral("importButton"));
+    waitFor([&] { return import->isEnabled(); });
+    w.settle();
+    w.shoot("rigged-import");
+    // It is 155 m large.
+    auto* unit = dialog->findChild<QPushButton*>(QStringLiteral("takeUnit"));
+    REQUIRE(unit->isVisible());
+    QTest::mouseClick(unit, Qt::LeftButton);
+    waitFor([&] { return import->isEnabled(); });
+    auto* choose = dialog->findChild<QPushButton*>(QStringLiteral("chooseBones"));
+    REQUIRE(choose->isVisible());
+    // Neck and head stay one, the tail too.
+    int proposed = 0;
+    whenModal<BonesDialog>([&](BonesDialog* bones) {
+        proposed = int(bones->chosen()->size());
+        w.shoot("bones-dialog");
+        CHECK(cutOff(*bones) == "");
+        auto* tree = bones->findChild<QTreeWidget*>();
+        for (QTreeWidgetItem* item : tree->findItems(QStringLiteral("Tail|Head"), Qt::MatchRegularExpression | Qt::MatchRecursive)) item->setCheckState(0, Qt::Unchecked);
+        QTest::mouseClick(bones->findChild<QPushButton*>(QStringLiteral("useBones")), Qt::LeftButton);
+    });
+    QTest::mouseClick(choose, Qt::LeftButton);
+    waitFor([&] { return import->isEnabled(); });
+    const Json command = dialog->command();
+    CHECK(command.at("unit") == "cm");
+    REQUIRE(command.contains("bones"));
+    CHECK(command.at("bones").size() > 2);
+    CHECK(int(command.at("bones").size()) < proposed);
+    QTest::mouseClick(import, Qt::LeftButton);
+    waitFor([&] { return !w.window().steps().running(); });
+    w.cameraStands();
+    w.activate();
+    REQUIRE(w.now().characters.size() == 1);
+    REQUIRE(!w.now().bones.empty());
+    for (const auto& [id, bone] : w.now().bones) CHECK(bone->name.find("Tail") == std::string::npos);
+    QSettings().remove(QStringLiteral("import/sizes"));
+
+    // Takes from its clips, by the button of the panel.
+    auto* fromClip = w.window().takes().findChild<QToolButton*>(QStringLiteral("fromClip"));
+    StudioDocks::raise(w.window().takes());
+    w.settle();
+    REQUIRE(fromClip->isVisible());
+    const std::size_t clips = w.now().characters.begin()->second->rig->clips.size();
+    whenModal<ClipsDialog>([&](ClipsDialog* takes) {
+        QTest::mouseClick(takes->findChild<QPushButton*>(QStringLiteral("allClips")), Qt::LeftButton);
+        w.shoot("clips-dialog");
+        CHECK(takes->chosen().size() == clips);
+        QTest::mouseClick(takes->findChild<QPushButton*>(QStringLiteral("makeTakes")), Qt::LeftButton);
+    });
+    QTest::mouseClick(fromClip, Qt::LeftButton);
+    waitFor([&] { return !w.window().steps().running(); });
+    CHECK(w.now().takes.size() == clips);
+    REQUIRE(w.window().deck().take());
+    CHECK(w.document().session().steps().back().name == "take-clip");
+    w.activate();
+    w.shoot("clips-takes");
+    w.trigger("undo");
+    CHECK(w.now().takes.size() == clips - 1);
+
+    // The bones of another file take the place of these.
+    const std::size_t bones = w.now().characters.begin()->second->rig->bones.size();
+    const std::filesystem::path spider = IMOMUSHI_SHARED_MESHES "/rig-spider.glb";
+    if (!std::filesystem::exists(spider)) return;
+    w.window().files().importSkeleton(*w.now().characters.begin()->second, QString::fromStdString(spider.string()));
+    waitFor([&] { return !w.window().steps().running(); });
+    CHECK(w.now().characters.begin()->second->rig->bones.size() != bones);
+    CHECK(w.window().messages().isVisible());
 }

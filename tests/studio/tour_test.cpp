@@ -12,6 +12,7 @@
 #include "ui/panels/issues_panel.h"
 #include "ui/widgets/appearance.h"
 #include "ui/window/command_search.h"
+#include "ui/window/start_page.h"
 
 using namespace imomushi;
 
@@ -32,6 +33,34 @@ TEST_CASE("studio: samples open in one click and are ready to be dragged") {
     Window w;
     w.settle();
     w.shoot("start-pictures");
+}
+
+TEST_CASE("studio: the start page leads three ways, by mouse and by keyboard, in every language") {
+    Window w;
+    auto* page = w.window().findChild<StartPage*>();
+    REQUIRE(page);
+    for (const char* language : {"ja", "en"}) {
+        Appearance::instance().setLanguage(QLatin1String(language));
+        w.settle();
+        CHECK_MESSAGE(QTest::qWaitFor([&] { return cutOff(*page) == ""; }), cutOff(*page));
+        w.shoot(qPrintable(QStringLiteral("start-") + QLatin1String(language)));
+    }
+    for (const char* name : {"wayFromSample", "wayFromMesh", "wayFromRiggedFile"}) {
+        auto* way = page->findChild<QAbstractButton*>(QLatin1String(name));
+        REQUIRE(way);
+        CHECK(way->isVisible());
+        CHECK((way->focusPolicy() & Qt::TabFocus) != 0);
+        CHECK(!way->accessibleDescription().isEmpty());
+    }
+    page->setDropping(true);
+    w.settle();
+    w.shoot("start-dropping");
+    page->setDropping(false);
+    auto* sample = page->findChild<QAbstractButton*>(QStringLiteral("wayFromSample"));
+    sample->setFocus();
+    QTest::keyClick(sample, Qt::Key_Return);
+    waitFor([&] { return !w.now().bones.empty(); });
+    CHECK(!w.window().startShown());
 }
 
 TEST_CASE("studio: commands are found by typing, and run") {

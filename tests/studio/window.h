@@ -29,6 +29,7 @@
 #include "ui/window/file_flow.h"
 #include "ui/window/main_window.h"
 #include "ui/window/message_bar.h"
+#include "ui/window/step_flow.h"
 #include "ui/window/studio_actions.h"
 
 namespace imomushi {
@@ -138,6 +139,7 @@ public:
         w.viewport().cancel();
         for (auto* dialog : w.findChildren<QDialog*>()) dialog->reject();
         w.precomputeJob().cancel();
+        w.steps().cancel();
         w.accuracy().job().cancel();
         w.deck().stopRecording();
         w.deck().setPlaying(false);
@@ -227,6 +229,7 @@ struct Window {
         waitFor([&] { return button->isEnabled(); });
         shoot("import");
         QTest::mouseClick(button, Qt::LeftButton);
+        waitFor([&] { return !shared->steps().running(); });  // making it soft
         cameraStands();  // it frames what came
         activate();
     }

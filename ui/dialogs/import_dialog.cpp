@@ -12,16 +12,14 @@
 #include <QProgressBar>
 #include <QPushButton>
 #include <QSettings>
+#include <QSignalBlocker>
 #include <QStyle>
 #include <QVBoxLayout>
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdint>
-#include <map>
 
 #include "core/document/character_repair.h"
-#include "core/document/proposal_commands.h"
+#include "core/mesh/flat_region.h"
+#include "ui/dialogs/bones_dialog.h"
 #include "ui/dialogs/mesh_preview.h"
 #include "ui/jobs/character_job.h"
 #include "ui/jobs/import_job.h"
@@ -39,34 +37,25 @@ constexpr const char* kAxes[] = {"", "y", "z"};
 constexpr BodyKind kBodies[] = {BodyKind::Auto, BodyKind::Exact, BodyKind::Mended, BodyKind::Wrapped, BodyKind::Wrapped};
 constexpr int kUnmended = 4;  // of these
 constexpr const char* kSoft = "import/make-soft";
+constexpr const char* kSizes = "import/sizes";  // answers to questions about sizes: by file the unit, empty where the size was meant
+constexpr int kMostSizes = 200;                 // that are remembered
 constexpr double kDetails[] = {0.0, 1.0 / 30.0, 1.0 / 60.0, 1.0 / 120.0, 1.0 / 250.0};  // of the diagonal, 0: chosen from the mesh
+
+QString keyOfFile(const QString& path) { return QFileInfo(path).absoluteFilePath(); }
+
+void rememberSize(const QString& path, const QString& unit) {
+    QSettings settings;
+    QVariantMap sizes = settings.value(kSizes).toMap();
+    if (sizes.size() >= kMostSizes) sizes.clear();
+    sizes.insert(keyOfFile(path), unit);
+    settings.setValue(kSizes, sizes);
+}
 
 /// The file is one element as it is, and nothing is to be said about it: a hole that was capped is somebody's mouth or sleeve.
 bool isOneElement(const ImportResult& r) {
     if (r.bodies.size() != 1 || !r.bodies[0].closed || r.bodies[0].components != 1) return false;
     const auto calm = [](const MeshIssue& issue) { return issue.code != "open" && (issue.fixed || issue.severity == Severity::Info); };
     return std::all_of(r.bodies[0].issues.begin(), r.bodies[0].issues.end(), calm) && std::all_of(r.issues.begin(), r.issues.end(), calm);
-}
-/// A flat region that may become a joint face: elements that were modelled as such have them, creatures do not.
-bool hasFlatRegion(const TriangleMesh& mesh) {
-    constexpr double kShare = 0.015;  // of the whole area: largest planes of 19 elements have 3.9 % and more, of eight creatures 0.7 % and less; a control cage of 5.7 % is mistaken
-    const Vec3 low = mesh.vertices.colwise().minCoeff(), high = mesh.vertices.colwise().maxCoeff();
-    const double step = 1e-3 * (high - low).norm();
-    std::map<std::array<std::int64_t, 4>, double> areaOfPlane;
-    double whole = 0.0, largest = 0.0;
-    for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) {
-        const Vec3 a = mesh.vertices.row(mesh.triangles(t, 0)), b = mesh.vertices.row(mesh.triangles(t, 1)), c = mesh.vertices.row(mesh.triangles(t, 2));
-        const Vec3 across = 0.5 * (b - a).cross(c - a);
-        const double area = across.norm();
-        whole += area;
-        if (!(area > 0.0) || !(step > 0.0)) continue;
-        const Vec3 n = across / area;
-        std::array<std::int64_t, 4> plane{};
-        for (int k = 0; k < 3; ++k) plane[std::size_t(k)] = std::llround(200.0 * n[k]);
-        plane[3] = std::llround(n.dot(a - low) / step);
-        largest = std::max(largest, areaOfPlane[plane] += area);
-    }
-    return largest > kShare * whole;
 }
 }  // namespace
 
@@ -111,6 +100,33 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
     detail_->addItems({tr("Automatic"), tr("Coarse"), tr("Medium"), tr("Fine"), tr("Very fine")});
     detail_->setAccessibleName(detailLabel_->text());
     detail_->setToolTip(tr("Gaps narrower than twice this part of the diagonal are closed: 1/30, 1/60, 1/120, 1/250."));
+    bonesLabel_ = new QLabel(tr("Skeleton"), this);
+    bones_ = new QPushButton(this);
+    bones_->setObjectName(QStringLiteral("chooseBones"));
+    bones_->setAutoDefault(false);
+    bones_->setAccessibleName(tr("Bones of the skeleton that stay"));
+    sizeQuestion_ = new QFrame(this);
+    sizeQuestion_->setObjectName(QStringLiteral("card"));
+    sizeText_ = new QLabel(sizeQuestion_);
+    sizeText_->setWordWrap(true);
+    takeUnit_ = new QPushButton(sizeQuestion_);
+    takeUnit_->setObjectName(QStringLiteral("takeUnit"));
+    keepSize_ = new QPushButton(tr("Keep this size"), sizeQuestion_);
+    keepSize_->setObjectName(QStringLiteral("keepSize"));
+    auto* sizeButtons = new QHBoxLayout;
+    sizeButtons->setSpacing(px(8));
+    sizeButtons->addWidget(takeUnit_);
+    sizeButtons->addWidget(keepSize_);
+    sizeButtons->addStretch(1);
+    auto* sizeLayout = new QVBoxLayout(sizeQuestion_);
+    sizeLayout->setContentsMargins(px(12), px(10), px(12), px(12));
+    sizeLayout->setSpacing(px(8));
+    sizeLayout->addWidget(sizeText_);
+    sizeLayout->addLayout(sizeButtons);
+    sizeQuestion_->hide();
+    connect(takeUnit_, &QPushButton::clicked, this, [this] { answerSize(true); });
+    connect(keepSize_, &QPushButton::clicked, this, [this] { answerSize(false); });
+    connect(bones_, &QPushButton::clicked, this, &ImportDialog::chooseBones);
     facts_ = new QLabel(this);
     facts_->setTextFormat(Qt::PlainText);
     verdict_ = new QLabel(this);
@@ -133,13 +149,19 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
     up_->setCurrentIndex(std::clamp(settings.value(group + QStringLiteral("up"), 0).toInt(), 0, 2));
     split_->setChecked(settings.value(group + QStringLiteral("split"), false).toBool());
     soft_->setChecked(settings.value(kSoft, true).toBool());
+    const QString unitOfAnswer = settings.value(kSizes).toMap().value(keyOfFile(path)).toString();
+    for (int i = 1; i < int(std::size(kUnits)); ++i)
+        if (unit_->currentIndex() == 0 && unitOfAnswer == QLatin1String(kUnits[i])) {
+            unit_->setCurrentIndex(i);
+            unitOfAnswer_ = true;
+        }
 
     auto* form = new DialogForm;
     form->add(tr("Unit"), unit_);
     form->add(tr("Up axis"), up_);
     form->add(split_);
     form->add(soft_);
-    for (auto [label, field] : {std::pair{bodyLabel_, body_}, {detailLabel_, detail_}}) {
+    for (auto [label, field] : {std::pair<QLabel*, QWidget*>{bodyLabel_, body_}, {detailLabel_, detail_}, {bonesLabel_, bones_}}) {
         label->setProperty("role", "muted");
         label->setBuddy(field);
         form->addRow(label, field);
@@ -152,7 +174,8 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
     import_->setEnabled(false);
     connect(buttons, &QDialogButtonBox::accepted, this, [this, group] {
         QSettings keep;
-        keep.setValue(group + QStringLiteral("unit"), unit_->currentIndex());
+        if (!unitOfAnswer_) keep.setValue(group + QStringLiteral("unit"), unit_->currentIndex());
+        if (!sizeQuestion_->isHidden()) rememberSize(path_, {});  // who imports it as it is has answered
         keep.setValue(group + QStringLiteral("up"), up_->currentIndex());
         keep.setValue(group + QStringLiteral("split"), split_->isChecked());
         if (whole()) keep.setValue(kSoft, soft_->isChecked());
@@ -176,6 +199,7 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
     rule->setObjectName(QStringLiteral("rule"));
     right->addWidget(rule);
     right->addWidget(verdict_);
+    right->addWidget(sizeQuestion_);
     right->addWidget(facts_);
     right->addWidget(issues_, 1);
     auto* columns = new QHBoxLayout;
@@ -195,6 +219,7 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
     layout->addLayout(foot);
     resize(px(960), px(660));
 
+    connect(unit_, &QComboBox::activated, this, [this] { unitOfAnswer_ = false; });
     for (QComboBox* box : {unit_, up_, body_, detail_}) connect(box, &QComboBox::activated, this, &ImportDialog::read);
     for (QCheckBox* box : {split_, soft_}) connect(box, &QCheckBox::toggled, this, &ImportDialog::read);
     connect(kinds, &QButtonGroup::idClicked, this, [this] {
@@ -211,6 +236,14 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
         });
     }
     choose(false);
+}
+
+void ImportDialog::leadToSoft(bool rigged) {
+    wantsSkeleton_ = rigged;
+    chosenByHand_ = true;
+    const QSignalBlocker quiet(soft_);  // choose() reads
+    soft_->setChecked(true);
+    choose(true);
 }
 
 void ImportDialog::replaces(const std::string& name, bool whole) {
@@ -254,6 +287,7 @@ void ImportDialog::choose(bool whole) {
     split_->setVisible(!whole);
     for (QWidget* field : std::initializer_list<QWidget*>{bodyLabel_, body_, detailLabel_, detail_}) field->setVisible(whole);
     soft_->setVisible(whole && replaced_.empty());
+    for (QWidget* field : std::initializer_list<QWidget*>{bonesLabel_, bones_}) field->hide();
     read();
 }
 
@@ -263,6 +297,7 @@ void ImportDialog::read() {
     soft_->setEnabled(!unmended());
     detailLabel_->setEnabled(wraps);
     detail_->setEnabled(wraps);
+    for (QWidget* field : std::initializer_list<QWidget*>{sizeQuestion_, bonesLabel_, bones_}) field->hide();
     progress_->setValue(0);
     progress_->setVisible(true);
     stage_->setVisible(true);
@@ -273,7 +308,7 @@ void ImportDialog::read() {
         say(tr("The body is being made…"), "muted");
         facts_->clear();
         issues_->clear();
-        character_->start(chosen(), body(), soft_->isChecked() && !unmended() && replaced_.empty());
+        character_->start(chosen(), body(), soft_->isChecked() && !unmended() && replaced_.empty() ? std::optional(asked_) : std::nullopt);
     } else {
         job_->start(chosen());
     }
@@ -304,7 +339,8 @@ void ImportDialog::showResult() {
     issues_->clear();
     facts_->clear();
     whole() ? showCharacter() : showElements();
-    if (import_->isEnabled()) import_->setFocus();
+    if (replaced_.empty()) import_->setText(soft() ? tr("Import and make soft") : tr("Import"));
+    if (import_->isEnabled()) (sizeQuestion_->isHidden() ? import_ : takeUnit_)->setFocus();
 }
 
 void ImportDialog::showElements() {
@@ -382,14 +418,51 @@ void ImportDialog::showCharacter() {
         if (const int n = int(proposal->bones.size()); n > 0) parts << tr("%n bone(s)", nullptr, n);
         if (const int n = int(proposal->handles.size()); n > 0) parts << tr("%n handle(s)", nullptr, n);
         if (const int n = int(proposal->pins.size()); n > 0) parts << tr("%n pin(s)", nullptr, n);
+        if (proposal->from == Proposal::Source::Skeleton && file.rig) {
+            const int all = int(file.rig->bones.size()), stay = all - int(proposal->merged.size());
+            bones_->setText(tr("%1 of %2 bones stay – choose…").arg(stay).arg(all));
+            for (QWidget* field : std::initializer_list<QWidget*>{bonesLabel_, bones_}) field->show();
+            if (const int lost = asked_.bones ? int(asked_.bones->size()) - stay : 0; lost > 0) lines << tr("%n chosen bone(s) cannot stay: no cut works there.", nullptr, lost);
+        }
         lines << (proposal->from == Proposal::Source::Skeleton ? tr("Proposed from its skeleton: %1") : tr("Proposed from its shape: %1")).arg(parts.join(QStringLiteral(", ")));
     }
     facts_->setText(lines.join(u'\n'));
     if (made.proposal && !proposal) issues_->addItem(new QListWidgetItem(themedIcon(QStringLiteral("warning"), Appearance::Role::Warning), errorText(made.proposal->error())));
+    if (wantsSkeleton_ && !file.rig)
+        issues_->addItem(new QListWidgetItem(themedIcon(QStringLiteral("info"), Appearance::Role::Info), tr("The file holds no skeleton: cuts and bones follow the shape.")));
     for (const MeshIssue& issue : file.issues) addIssue(issue);
+    if (body && replaced_.empty()) askAboutSize(doubtedSize(mesh.vertices));
     if (body)
         for (const MeshIssue& issue : unmended() ? mendableIssues(file.renderModel) : body->report.issues) addIssue(issue);
     import_->setEnabled(body != nullptr);
+}
+
+void ImportDialog::askAboutSize(const std::optional<SizeDoubt>& doubt) {
+    doubt_ = doubt;
+    if (!doubt || doubt->unit.empty() || unit_->currentIndex() != 0 || QSettings().value(kSizes).toMap().contains(keyOfFile(path_))) return;
+    const bool centimetres = doubt->unit == "cm";
+    sizeText_->setText((centimetres ? tr("It is %1 large, which is hardly meant. In centimetres it is %2.") : tr("It is %1 large, which is hardly meant. In millimetres it is %2."))
+                           .arg(lengthText(doubt->size), lengthText(doubt->meant)));
+    takeUnit_->setText(centimetres ? tr("Use centimetres") : tr("Use millimetres"));
+    sizeQuestion_->show();
+}
+
+void ImportDialog::answerSize(bool takeUnit) {
+    rememberSize(path_, takeUnit ? QString::fromStdString(doubt_->unit) : QString());
+    sizeQuestion_->hide();
+    if (!takeUnit) return import_->setFocus();
+    unit_->setCurrentIndex(doubt_->unit == "cm" ? int(Unit::Centimetre) : int(Unit::Millimetre));
+    unitOfAnswer_ = true;
+    read();
+}
+
+void ImportDialog::chooseBones() {
+    const PreparedCharacter& made = *character_->result();
+    BonesDialog dialog(*(*made.file)->rig, **made.proposal, this);
+    if (dialog.exec() != QDialog::Accepted) return;
+    asked_.bones = dialog.chosen();
+    asked_.from = asked_.bones ? ProposalRequest::From::Skeleton : ProposalRequest::From::Auto;
+    read();
 }
 
 Json ImportDialog::command() const {
@@ -401,7 +474,7 @@ Json ImportDialog::command() const {
     if (whole()) {
         const BodyKind how = body().how;
         const double detail = kDetails[std::size_t(detail_->currentIndex())];
-        if (soft()) return commands::makeSoft(import, how == BodyKind::Auto ? std::string() : std::string(nameOf(how)), detail > 0.0 ? std::optional(detail) : std::nullopt);
+        if (soft()) return commands::makeSoft(import, how == BodyKind::Auto ? std::string() : std::string(nameOf(how)), detail > 0.0 ? std::optional(detail) : std::nullopt, asked_.bones);
         return commands::importCharacter(import, unmended() ? "unmended" : how == BodyKind::Auto ? std::string() : std::string(nameOf(how)), detail > 0.0 ? std::optional(detail) : std::nullopt);
     }
     import.split = split_->isChecked();

@@ -3,14 +3,17 @@
 
 #include <QDialog>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "core/body/body.h"
 #include "core/document/command.h"
+#include "core/document/proposal_commands.h"
 #include "core/io/import.h"
 
 class QCheckBox;
 class QComboBox;
+class QFrame;
 class QLabel;
 class QListWidget;
 class QProgressBar;
@@ -31,6 +34,8 @@ class ImportDialog : public QDialog {
 public:
     explicit ImportDialog(const QString& path, QWidget* parent = nullptr);
 
+    /// The file is to become a character that is soft at once. `rigged`: by the skeleton that it should hold.
+    void leadToSoft(bool rigged);
     /// The mesh is to take the place of that of a character (`whole`) or of an element, instead of coming in beside.
     void replaces(const std::string& name, bool whole);
 
@@ -48,6 +53,10 @@ private:
     void showElements();
     void showCharacter();
     [[nodiscard]] bool soft() const;  ///< it is to be made soft at once
+    void chooseBones();
+    /// Asks about a size that cannot be meant, once for each file.
+    void askAboutSize(const std::optional<SizeDoubt>& doubt);
+    void answerSize(bool takeUnit);
     void say(const QString& text, const char* role);
     void addIssue(const MeshIssue& issue);
     [[nodiscard]] BodySetting body() const;
@@ -59,7 +68,8 @@ private:
     CharacterJob* character_;
     ChoiceCard* wholeCard_;
     ChoiceCard* elementsCard_;
-    bool chosenByHand_ = false;
+    bool chosenByHand_ = false, wantsSkeleton_ = false;
+    ProposalRequest asked_;
     std::string replaced_;  ///< name of what gets the mesh, empty: none
     MeshPreview* preview_;
     QComboBox* unit_;
@@ -70,6 +80,13 @@ private:
     QComboBox* body_;
     QLabel* detailLabel_;
     QComboBox* detail_;
+    QLabel* bonesLabel_;
+    QPushButton* bones_;
+    QFrame* sizeQuestion_;
+    QLabel* sizeText_;
+    QPushButton *takeUnit_, *keepSize_;
+    std::optional<SizeDoubt> doubt_;
+    bool unitOfAnswer_ = false;  // it holds for this file alone, not for all of its type
     QLabel* facts_;
     QLabel* verdict_;
     QListWidget* issues_;

@@ -67,11 +67,25 @@ Json importElement(const Import& import) {
 
 Json importCharacter(const Import& import, const std::string& body, std::optional<double> detail) { return characterCommand("import-character", import, body, detail); }
 
-Json makeSoft(const Import& import, const std::string& body, std::optional<double> detail) {
+Json makeSoft(const Import& import, const std::string& body, std::optional<double> detail, const ChosenBones& bones) {
     Json command = characterCommand("make-soft", import, body, detail);
+    add(command, "bones", bones);
     command["precompute"] = false;
     return command;
 }
+
+Json makeSoft(const std::string& character, const ChosenBones& bones) {
+    Json command = {{"do", "make-soft"}, {"character", character}};
+    add(command, "bones", bones);
+    command["precompute"] = false;
+    return command;
+}
+
+bool isMakeSoft(const Json& command) { return command.at("do") == "make-soft"; }
+
+Json importSkeleton(const std::string& character, const std::string& path) { return {{"do", "import-skeleton"}, {"character", character}, {"path", path}}; }
+
+Json takeClip(const std::string& character, const std::string& clip, const std::string& take) { return {{"do", "take-clip"}, {"character", character}, {"clip", clip}, {"take", take}}; }
 
 Json append(const std::string& path, bool beside) {
     Json command = {{"do", "append"}, {"path", path}};

@@ -41,8 +41,16 @@ Json importElement(const Import& import);
 /// `body`: "auto", "exact", "mended", "wrapped" or "unmended", empty: auto. `detail`: of a wrap, in diagonals.
 Json importCharacter(const Import& import, const std::string& body = {}, std::optional<double> detail = {});
 
-/// The same, with the cuts, bones and pins that are proposed for it; nothing is precomputed.
-Json makeSoft(const Import& import, const std::string& body = {}, std::optional<double> detail = {});
+/// The same, with the cuts, bones and pins that are proposed for it; nothing is precomputed. `bones`: of the file's skeleton, that stay; none: as proposed.
+using ChosenBones = std::optional<std::vector<std::string>>;
+Json makeSoft(const Import& import, const std::string& body = {}, std::optional<double> detail = {}, const ChosenBones& bones = {});
+/// A character that is there and has no cuts, bones and handles yet.
+Json makeSoft(const std::string& character, const ChosenBones& bones = {});
+[[nodiscard]] bool isMakeSoft(const Json& command);
+/// The bones and clips of a file for a character.
+Json importSkeleton(const std::string& character, const std::string& path);
+/// A take of a clip of the character's file. `take`: its name.
+Json takeClip(const std::string& character, const std::string& clip, const std::string& take);
 /// Another project's elements, beside what is there where they would lie on it.
 Json append(const std::string& path, bool beside);
 /// Another mesh for a character or an element, which keeps its rig. `body`: of a character, as of importCharacter().

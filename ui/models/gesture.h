@@ -18,8 +18,9 @@ public:
     Gesture(const Gesture&) = delete;
     Gesture& operator=(const Gesture&) = delete;
 
-    void commit() {
-        document_->session().endGesture();
+    /// `named`: the step is called so, instead of after its last command.
+    void commit(const Session::Step& named = {}) {
+        document_->session().endGesture(named);
         StudioDocument* document = document_;
         document_ = nullptr;
         Q_EMIT document->historyChanged();

@@ -86,6 +86,26 @@ Replaceable replaceable(const StudioDocument& document) {
     return element->piece ? Replaceable{d.characters.at(element->piece->character)->name, true} : Replaceable{element->name, false};
 }
 
+const CharacterSource* chosenCharacter(const StudioDocument& document) {
+    const Document& d = document.document();
+    for (const SelectionItem& item : document.selection()) {
+        if (const CharacterSource* character = characterOf(d, item)) return character;
+        const Bone* bone = boneOf(d, item);
+        const auto through = d.elements.find(bone ? bone->element : 0);
+        const Element* element = through == d.elements.end() ? elementOf(d, item) : through->second.get();
+        if (element && element->piece) return d.characters.at(element->piece->character).get();
+    }
+    return d.characters.size() == 1 ? d.characters.begin()->second.get() : nullptr;
+}
+
+bool canBecomeSoft(const Document& document, const CharacterSource& character) {
+    if (!character.cuts.empty()) return false;
+    const auto elements = document.elementsOf(character.id);
+    const auto own = [&](PartId element) { return std::find(elements.begin(), elements.end(), element) != elements.end(); };
+    return std::all_of(elements.begin(), elements.end(), [&](PartId id) { return document.elements.at(id)->handles.empty(); }) &&
+           std::none_of(document.bones.begin(), document.bones.end(), [&](const auto& bone) { return own(bone.second->element); });
+}
+
 bool duplicateSelected(StudioDocument& document) {
     const auto answer = document.execute(commands::duplicate(selectedNames(document, {Kind::Element, Kind::Character, Kind::Bone})));
     if (answer) selectCopies(document, *answer);

@@ -28,6 +28,10 @@ struct Replaceable {
     bool character = false;
 };
 [[nodiscard]] Replaceable replaceable(const StudioDocument& document);
+/// The character that is selected, or whose part is, or the only one there is; null: none.
+[[nodiscard]] const CharacterSource* chosenCharacter(const StudioDocument& document);
+/// A character without cuts, bones and handles, which "make-soft" can take.
+[[nodiscard]] bool canBecomeSoft(const Document& document, const CharacterSource& character);
 /// Pins or unpins the selected endpoints, and the ends of the selected bones.
 void togglePins(StudioDocument& document);
 /// Joins the two joint faces that are selected and returns their paths; none where it failed or others than two are selected.

@@ -191,6 +191,7 @@ const std::map<std::string, const char*> kSteps = {
     {"disable", QT_TRANSLATE_NOOP("Steps", "Turn off")},
     {"touch", QT_TRANSLATE_NOOP("Steps", "Touch")},
     {"record", QT_TRANSLATE_NOOP("Steps", "Record")},
+    {"take-clip", QT_TRANSLATE_NOOP("Steps", "Take of a clip")},
     {"rename-take", QT_TRANSLATE_NOOP("Steps", "Rename take")},
     {"duplicate-take", QT_TRANSLATE_NOOP("Steps", "Duplicate take")},
     {"trim-take", QT_TRANSLATE_NOOP("Steps", "Trim take")},
@@ -258,6 +259,8 @@ const std::map<std::string, const char*> kStages = {
     {"wrap", QT_TRANSLATE_NOOP("Stages", "Wrapping")},
     {"coarsen", QT_TRANSLATE_NOOP("Stages", "Coarsening")},
     {"cut", QT_TRANSLATE_NOOP("Stages", "Cutting")},
+    {"skeleton", QT_TRANSLATE_NOOP("Stages", "Looking for limbs")},
+    {"record", QT_TRANSLATE_NOOP("Stages", "Recording")},
 };
 
 }  // namespace

@@ -88,6 +88,17 @@ TakesPanel::TakesPanel(StudioDocument& document, TakeDeck& deck, ActionSet& acti
     });
     connect(bar_, &TimeBar::spanWanted, &deck_, &TakeDeck::setSpan);
 
+    clips_ = new QWidget(this);
+    auto* clipRow = new QHBoxLayout(clips_);
+    clipRow->setContentsMargins(0, 0, 0, 0);
+    QToolButton* fromClip = button("take-clip", clipRow);
+    fromClip->setObjectName(QStringLiteral("fromClip"));
+    fromClip->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
+    fromClip->setProperty("small", true);
+    clipRow->addStretch();
+    connect(actions["take-clip"], &QAction::changed, this, [this] { clips_->setVisible(actions_["take-clip"]->isEnabled()); });
+    clips_->hide();
+
     takeButtons_ = new QWidget(this);
     auto* takeRow = new QHBoxLayout(takeButtons_);
     takeRow->setContentsMargins(0, 0, 0, 0);
@@ -104,6 +115,7 @@ TakesPanel::TakesPanel(StudioDocument& document, TakeDeck& deck, ActionSet& acti
     left->setContentsMargins(0, 0, 0, 0);
     left->setSpacing(6);
     left->addLayout(recordRow);
+    left->addWidget(clips_);
     left->addWidget(list_, 1);
     left->addStretch();  // the button stays where it is while there is no list
     auto* right = new QVBoxLayout;

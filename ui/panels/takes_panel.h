@@ -48,6 +48,7 @@ private:
     QListView* list_;
     QLabel* empty_;
     QWidget* left_;
+    QWidget* clips_;  // where the file of the character has some
     QWidget* takeButtons_;
     QWidget* transport_;
     std::vector<QToolButton*> buttons_;

@@ -212,16 +212,19 @@ void PoseTool::release(const PointerEvent& e) {
         flesh_.reset();
         return selectByClick(document_, pickItem(document_.session(), e), e.modifiers);
     }
+    Session::Step named;
     if (drag_->passing) {
         const auto pose = document_.session().poseOf(drag_->end.handle);
         if (drag_->passing->kept) {
             document_.select({drag_->end.item()});
+            named = {"handle", drag_->end.handle.face};
         } else if (document_.execute(commands::removeHandle(drag_->end.handle.face))) {
             if (pose) letGo_ = LetGo{*drag_->passing, pose->at, pose->turn};
             hovered_.reset();
+            named = {"drag", drag_->passing->element};
         }
     }
-    if (drag_->gesture) drag_->gesture->commit();
+    if (drag_->gesture) drag_->gesture->commit(named);
     drag_.reset();
     last_.reset();
     turning_ = false;

@@ -18,18 +18,9 @@ constexpr float kBoxOpacity = 0.12f;
 }  // namespace
 
 void ViewOverlay::paint(QPainter& painter, StudioDocument& document) const {
-    if (document.document().elements.empty()) paintInvitation(painter);
     if (box) paintBox(painter);
     if (deck) paintTake(painter, document);
     if (deck && deck->counting()) paintCountdown(painter);
-}
-
-void ViewOverlay::paintInvitation(QPainter& painter) const {
-    painter.setPen(dark ? QColor(255, 255, 255, 150) : QColor(0, 0, 0, 150));
-    QFont font = painter.font();
-    font.setPointSizeF(font.pointSizeF() * 1.4);
-    painter.setFont(font);
-    painter.drawText(QRect({}, size), Qt::AlignCenter, ViewportWidget::tr("Drop a mesh or a project here"));
 }
 
 void ViewOverlay::paintBox(QPainter& painter) const {

@@ -20,11 +20,10 @@ struct ViewOverlay {
     std::optional<QRectF> box;  ///< a selection box that is being dragged
     const TakeDeck* deck = nullptr;  ///< null: no takes
 
-    /// An invitation to drop a file, the box, the take that is shown or recorded, and the seconds until a recording starts.
+    /// The box, the take that is shown or recorded, and the seconds until a recording starts.
     void paint(QPainter& painter, StudioDocument& document) const;
 
 private:
-    void paintInvitation(QPainter& painter) const;
     void paintBox(QPainter& painter) const;
     void paintTake(QPainter& painter, StudioDocument& document) const;
     void paintCountdown(QPainter& painter) const;

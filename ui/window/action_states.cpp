@@ -12,20 +12,22 @@
 #include "ui/models/texts.h"
 #include "ui/widgets/action_set.h"
 #include "ui/widgets/appearance.h"
+#include "ui/window/step_flow.h"
 #include "ui/window/studio_actions.h"
 
 namespace imomushi {
 
 using Kind = SelectionItem::Kind;
 
-ActionStates::ActionStates(ActionSet& actions, StudioDocument& document, TakeDeck& deck, PrecomputeJob& precompute, QObject* parent)
-    : QObject(parent), actions_(actions), document_(document), deck_(deck), precompute_(precompute) {
+ActionStates::ActionStates(ActionSet& actions, StudioDocument& document, TakeDeck& deck, PrecomputeJob& precompute, StepFlow& steps, QObject* parent)
+    : QObject(parent), actions_(actions), document_(document), deck_(deck), precompute_(precompute), steps_(steps) {
     connect(&document, &StudioDocument::structureChanged, this, &ActionStates::updateSoon);
     connect(&document, &StudioDocument::selectionChanged, this, &ActionStates::updateSoon);
     connect(&document, &StudioDocument::historyChanged, this, &ActionStates::updateSoon);
     connect(&document, &StudioDocument::responsesChanged, this, &ActionStates::updateSoon);
     connect(&document, &StudioDocument::fileChanged, this, &ActionStates::updateSoon);
     connect(&precompute, &BackgroundJob::finished, this, &ActionStates::updateSoon);
+    connect(&steps, &StepFlow::changed, this, &ActionStates::updateSoon);
     connect(&deck, &TakeDeck::changed, this, &ActionStates::updateTakes);
 }
 
@@ -47,6 +49,11 @@ void ActionStates::update() {
     a["duplicate"]->setEnabled(canDuplicate(document_));
     for (const char* id : {"mirror-x", "mirror-y", "mirror-z"}) a[id]->setEnabled(canMirror(document_));
     a["replace-mesh"]->setEnabled(!replaceable(document_).name.empty());
+    const CharacterSource* character = chosenCharacter(document_);
+    const bool idle = !steps_.running(), soften = character && idle && canBecomeSoft(d, *character);
+    a["make-soft"]->setEnabled(soften);
+    a["make-soft-bones"]->setEnabled(soften && character->rig);
+    a["import-skeleton"]->setEnabled(character && idle);
     a["hide"]->setEnabled(count(Kind::Element) > 0);
     a["join"]->setEnabled(count(Kind::Face) == 2);
     const bool handles = std::any_of(selection.begin(), selection.end(), [&](const SelectionItem& i) { return handleOf(d, i) != nullptr; });
@@ -84,6 +91,8 @@ void ActionStates::updateTakes() {
     ActionSet& a = actions_;
     const bool chosen = deck_.take() && !deck_.recording();
     a["record"]->setEnabled(deck_.canRecord());
+    const CharacterSource* character = chosenCharacter(document_);
+    a["take-clip"]->setEnabled(character && character->rig && !character->rig->clips.empty() && !document_.document().bones.empty() && !deck_.recording() && !steps_.running());
     for (const char* id : {"play", "take-back", "take-forward", "mark-in", "mark-out", "rename-take", "duplicate-take", "remove-take"}) a[id]->setEnabled(chosen);
     for (const char* id : {"mark-none", "trim-take"}) a[id]->setEnabled(chosen && deck_.marked());
     a["count-in"]->setChecked(deck_.countsIn());

@@ -7,6 +7,7 @@ namespace imomushi {
 
 class ActionSet;
 class PrecomputeJob;
+class StepFlow;
 class StudioDocument;
 class TakeDeck;
 
@@ -14,7 +15,7 @@ class TakeDeck;
 class ActionStates : public QObject {
     Q_OBJECT
 public:
-    ActionStates(ActionSet& actions, StudioDocument& document, TakeDeck& deck, PrecomputeJob& precompute, QObject* parent);
+    ActionStates(ActionSet& actions, StudioDocument& document, TakeDeck& deck, PrecomputeJob& precompute, StepFlow& steps, QObject* parent);
     void update();
 
 signals:
@@ -29,6 +30,7 @@ private:
     StudioDocument& document_;
     TakeDeck& deck_;
     PrecomputeJob& precompute_;
+    StepFlow& steps_;
     bool scheduled_ = false;
 };
 

@@ -21,6 +21,7 @@
 #include "ui/models/paths.h"
 #include "ui/models/selection_commands.h"
 #include "ui/models/texts.h"
+#include "ui/window/step_flow.h"
 
 namespace imomushi {
 namespace {
@@ -30,6 +31,15 @@ const QString kSuffix = QStringLiteral("imomushi");
 QString withSuffix(const QString& path, const QString& suffix) { return QFileInfo(path).suffix().toLower() == suffix ? path : path + u'.' + suffix; }
 
 QString recoveryFolder() { return QStandardPaths::writableLocation(QStandardPaths::AppDataLocation) + QStringLiteral("/recovery"); }
+
+QString meshFilter(const QStringList& suffixes) {
+    QStringList patterns;
+    for (const QString& suffix : suffixes) patterns << QStringLiteral("*.") + suffix;
+    return FileFlow::tr("Meshes (%1)").arg(patterns.join(u' '));
+}
+
+const QStringList kRigged = {QStringLiteral("glb"), QStringLiteral("gltf"), QStringLiteral("fbx"), QStringLiteral("dae")};
+const QString kMeshFolder = QStringLiteral("files/mesh-folder");
 
 QString pathOf(const Session& session) { return QString::fromStdString(session.path().string()); }
 
@@ -43,8 +53,8 @@ struct FileFlow::Prepared {
     std::vector<MadeBody> bodies;
 };
 
-FileFlow::FileFlow(StudioDocument& document, QWidget* window)
-    : QObject(window), document_(document), window_(window), autosave_(document, recoveryFolder()), prepared_(std::make_shared<Prepared>()) {
+FileFlow::FileFlow(StudioDocument& document, StepFlow& steps, QWidget* window)
+    : QObject(window), document_(document), steps_(steps), window_(window), autosave_(document, recoveryFolder()), prepared_(std::make_shared<Prepared>()) {
     connect(&autosave_, &Autosave::failed, &document, &StudioDocument::failed);
     document.session().setImporter([prepared = prepared_](const ImportRequest& request, const Progress& progress) -> Result<ImportResult> {
         const ImportRequest& r = prepared->request;
@@ -57,7 +67,7 @@ FileFlow::FileFlow(StudioDocument& document, QWidget* window)
     });
     document.session().setProposer([prepared = prepared_](const CharacterSource& character, const ProposalRequest& request, const Progress& progress) -> Result<Proposal> {
         const PreparedCharacter* made = prepared->character.get();
-        return made && made->proposal ? *made->proposal : proposeFor(character, request, progress);
+        return made && made->proposal && made->asked == request ? *made->proposal : proposeFor(character, request, progress);
     });
     // Asked for right after the file, by the same command.
     document.session().setBodyMaker([prepared = prepared_](const RenderModel& model, const BodySetting& setting, const Progress& progress) -> Result<Body> {
@@ -187,49 +197,39 @@ void FileFlow::writeMesh() {
     if (document_.execute(command)) Q_EMIT said(tr("Wrote “%1”").arg(QFileInfo(path).fileName()));
 }
 
-void FileFlow::askImport() {
-    QStringList patterns;
-    for (const QString& suffix : meshSuffixes()) patterns << QStringLiteral("*.") + suffix;
-    const QString start = QSettings().value(QStringLiteral("files/mesh-folder"), folder()).toString();
-    const QStringList paths = QFileDialog::getOpenFileNames(window_, tr("Import meshes"), start, tr("Meshes (%1)").arg(patterns.join(u' ')));
+void FileFlow::askImport(Lead lead) {
+    const QStringList suffixes = lead == Lead::RiggedFile ? kRigged : meshSuffixes();
+    const QString title = lead == Lead::RiggedFile ? tr("From a rigged file") : lead == Lead::Mesh ? tr("From a mesh") : tr("Import meshes");
+    const QString start = QSettings().value(kMeshFolder, folder()).toString();
+    const QStringList paths = QFileDialog::getOpenFileNames(window_, title, start, meshFilter(suffixes));
     if (paths.isEmpty()) return;
-    QSettings().setValue(QStringLiteral("files/mesh-folder"), QFileInfo(paths.first()).absolutePath());
-    import(paths);
+    QSettings().setValue(kMeshFolder, QFileInfo(paths.first()).absolutePath());
+    import(paths, lead);
 }
 
-void FileFlow::import(const QStringList& paths) {
-    waiting_ << paths;
+void FileFlow::import(const QStringList& paths, Lead lead) {
+    for (const QString& path : paths) waiting_.push_back({path, lead});
     if (!importing_) nextImport();
 }
 
 void FileFlow::nextImport() {
     if (waiting_.isEmpty()) return;
     importing_ = true;
-    auto* dialog = new ImportDialog(waiting_.takeFirst(), window_);
+    const Waiting next = waiting_.takeFirst();
+    auto* dialog = new ImportDialog(next.path, window_);
     dialog->setAttribute(Qt::WA_DeleteOnClose);
-    connect(dialog, &QDialog::finished, this, [this, dialog](int answer) {
+    if (next.lead != Lead::Anything) dialog->leadToSoft(next.lead == Lead::RiggedFile);
+    connect(dialog, &QDialog::finished, this, [this, dialog, path = next.path](int answer) {
         importing_ = false;
         if (answer == QDialog::Accepted) {
-            *prepared_ = {dialog->request(), dialog->prepared(), dialog->preparedCharacter(), {}};
-            const auto done = document_.execute(dialog->command());
-            *prepared_ = {};
-            if (done && done->contains("proposal")) {
-                madeSoft(*done);
-            } else if (done) {
-                const Json& elements = done->at("elements");
-                const Document& d = document_.document();
-                std::vector<SelectionItem> items;
-                if (done->contains("characters")) {
-                    for (const Json& character : done->at("characters"))
-                        if (const CharacterSource* c = d.characterNamed(character.at("name").get<std::string>())) items.push_back({SelectionItem::Kind::Character, c->id, {}, false});
-                } else {
-                    for (const Json& element : elements)
-                        if (const Element* e = d.elementNamed(element.at("name").get<std::string>())) items.push_back({SelectionItem::Kind::Element, e->id, {}, false});
-                }
-                document_.select(items);
-                Q_EMIT imported(int(elements.size()));
-                if (const CharacterSource* c = items.empty() ? nullptr : characterOf(d, items.front()))
-                    Q_EMIT said(tr("Imported “%1” as a whole character. Its body: %2.").arg(QString::fromStdString(c->name), bodyKindText(c->body->report.how)));
+            const Json command = dialog->command();
+            if (commands::isMakeSoft(command)) {
+                startSoft(command, QFileInfo(path).completeBaseName(), dialog->preparedCharacter());
+            } else {
+                *prepared_ = {dialog->request(), dialog->prepared(), dialog->preparedCharacter(), {}};
+                const auto done = document_.execute(command);
+                *prepared_ = {};
+                if (done) finishImport(*done);
             }
         }
         nextImport();
@@ -237,11 +237,62 @@ void FileFlow::nextImport() {
     dialog->open();
 }
 
-void FileFlow::madeSoft(const Json& answer) {
+void FileFlow::finishImport(const Json& answer) {
+    const Json& elements = answer.at("elements");
+    const Document& d = document_.document();
+    std::vector<SelectionItem> items;
+    if (answer.contains("characters")) {
+        for (const Json& character : answer.at("characters"))
+            if (const CharacterSource* c = d.characterNamed(character.at("name").get<std::string>())) items.push_back({SelectionItem::Kind::Character, c->id, {}, false});
+    } else {
+        for (const Json& element : elements)
+            if (const Element* e = d.elementNamed(element.at("name").get<std::string>())) items.push_back({SelectionItem::Kind::Element, e->id, {}, false});
+    }
+    document_.select(items);
+    Q_EMIT imported(int(elements.size()));
+    if (const CharacterSource* c = items.empty() ? nullptr : characterOf(d, items.front()))
+        Q_EMIT said(tr("Imported “%1” as a whole character. Its body: %2.").arg(QString::fromStdString(c->name), bodyKindText(c->body->report.how)));
+}
+
+void FileFlow::startSoft(const Json& command, const QString& name, const std::shared_ptr<const PreparedCharacter>& made) {
+    StepFlow::Wish wish;
+    wish.command = command;
+    wish.title = tr("Making “%1” soft").arg(name);
+    wish.done = [this, isNew = made != nullptr](const Json& answer) { madeSoft(answer, isNew); };
+    if (made) wish.arrange = [made](Session& session) { usePrepared(session, made); };
+    steps_.start(std::move(wish));
+}
+
+void FileFlow::makeSoft(const CharacterSource& character, const std::optional<std::vector<std::string>>& bones) {
+    startSoft(commands::makeSoft(character.name, bones), QString::fromStdString(character.name), nullptr);
+}
+
+void FileFlow::askImportSkeleton(const CharacterSource& character) {
+    const std::string name = character.name;  // the document may be another one after the dialog
+    const QString start = QSettings().value(kMeshFolder, folder()).toString();
+    const QString path = QFileDialog::getOpenFileName(window_, tr("Import a skeleton"), start, meshFilter(kRigged));
+    if (path.isEmpty()) return;
+    QSettings().setValue(kMeshFolder, QFileInfo(path).absolutePath());
+    if (const CharacterSource* now = document_.document().characterNamed(name)) importSkeleton(*now, path);
+}
+
+void FileFlow::importSkeleton(const CharacterSource& character, const QString& path) {
+    StepFlow::Wish wish;
+    wish.command = commands::importSkeleton(character.name, path.toStdString());
+    wish.title = tr("Importing the skeleton of “%1”").arg(QFileInfo(path).fileName());
+    wish.done = [this, name = QString::fromStdString(character.name)](const Json& answer) {
+        QString text = tr("“%1” has a skeleton of %n bone(s) now.", nullptr, int(answer.at("skeleton").size())).arg(name);
+        if (const int clips = int(answer.at("clips").size()); clips > 0) text += u' ' + tr("%n clip(s) came along.", nullptr, clips);
+        Q_EMIT skeletonCame(name, text);
+    };
+    steps_.start(std::move(wish));
+}
+
+void FileFlow::madeSoft(const Json& answer, bool isNew) {
     const CharacterSource* character = document_.document().characterNamed(answer.at("character").get<std::string>());
     if (!character) return;
     document_.select({{SelectionItem::Kind::Character, character->id, {}, false}});
-    Q_EMIT imported(int(answer.at("elements").size()));
+    if (isNew) Q_EMIT imported(int(answer.at("elements").size()));
     QString text = tr("“%1” is soft: drag it, or change its cuts and bones.").arg(QString::fromStdString(character->name));
     if (const int n = int(answer.at("refused").size()); n > 0) text += u' ' + tr("%n proposal(s) could not be made.", nullptr, n);
     Q_EMIT said(text);
@@ -274,12 +325,10 @@ void FileFlow::append(const QString& path) {
 }
 
 void FileFlow::askReplaceMesh() {
-    QStringList patterns;
-    for (const QString& suffix : meshSuffixes()) patterns << QStringLiteral("*.") + suffix;
-    const QString start = QSettings().value(QStringLiteral("files/mesh-folder"), folder()).toString();
-    const QString path = QFileDialog::getOpenFileName(window_, tr("Replace the mesh"), start, tr("Meshes (%1)").arg(patterns.join(u' ')));
+    const QString start = QSettings().value(kMeshFolder, folder()).toString();
+    const QString path = QFileDialog::getOpenFileName(window_, tr("Replace the mesh"), start, meshFilter(meshSuffixes()));
     if (path.isEmpty()) return;
-    QSettings().setValue(QStringLiteral("files/mesh-folder"), QFileInfo(path).absolutePath());
+    QSettings().setValue(kMeshFolder, QFileInfo(path).absolutePath());
     replaceMesh(path);
 }
 

@@ -15,13 +15,15 @@ class QWidget;
 
 namespace imomushi {
 
+class StepFlow;
 struct MadeBody;
+struct PreparedCharacter;
 
 /// New, open, save, import: what asks, where files go, and what is remembered. All changes are commands of the document.
 class FileFlow : public QObject {
     Q_OBJECT
 public:
-    FileFlow(StudioDocument& document, QWidget* window);
+    FileFlow(StudioDocument& document, StepFlow& steps, QWidget* window);
     ~FileFlow() override;
 
     [[nodiscard]] RecentFiles& recent() { return recent_; }
@@ -38,8 +40,15 @@ public:
     void saveCopy();
     void saveScript();
     void writeMesh();
-    void askImport();
-    void import(const QStringList& paths);  ///< one dialog after another
+    /// What a file is imported for: as the artist says, or to become a soft character, from any mesh or by its skeleton.
+    enum class Lead { Anything, Mesh, RiggedFile };
+    void askImport(Lead lead = Lead::Anything);
+    void import(const QStringList& paths, Lead lead = Lead::Anything);  ///< one dialog after another
+    /// Makes a character soft that is there, by these bones of its skeleton or as proposed.
+    void makeSoft(const CharacterSource& character, const std::optional<std::vector<std::string>>& bones = {});
+    /// Asks for a file whose bones and clips a character gets.
+    void askImportSkeleton(const CharacterSource& character);
+    void importSkeleton(const CharacterSource& character, const QString& path);
     void askAppend();
     /// Adds another project to this one, beside it.
     void append(const QString& path);
@@ -59,6 +68,7 @@ signals:
     void leaving();  ///< the document is about to be left: what is unfinished must end now
     void opened();                     ///< another document is there
     void imported(int elements);
+    void skeletonCame(const QString& character, const QString& message);  ///< its bones may become elements next
     void performable();  ///< a character came that can be dragged at once
     void saved(const QString& path);   ///< a picture may be taken now
     void said(const QString& message);
@@ -69,14 +79,21 @@ private:
     Dropped askDropped(const QString& path);
     bool saveTo(const QString& path);
     void nextImport();
-    void madeSoft(const Json& answer);
+    void finishImport(const Json& answer);
+    void madeSoft(const Json& answer, bool isNew);
+    void startSoft(const Json& command, const QString& name, const std::shared_ptr<const PreparedCharacter>& made);
 
     struct Prepared;
     StudioDocument& document_;
+    StepFlow& steps_;
     QWidget* window_;
     RecentFiles recent_;
     Autosave autosave_;
-    QStringList waiting_;
+    struct Waiting {
+        QString path;
+        Lead lead;
+    };
+    QList<Waiting> waiting_;
     bool importing_ = false;
     std::shared_ptr<Prepared> prepared_;
 };

@@ -21,6 +21,7 @@
 #include "ui/jobs/export_job.h"
 #include "ui/models/commands.h"
 #include "ui/models/effect_texts.h"
+#include "ui/models/selection_commands.h"
 #include "ui/panels/accuracy/accuracy_panel.h"
 #include "ui/panels/effects_panel.h"
 #include "ui/panels/history_panel.h"
@@ -33,10 +34,13 @@
 #include "ui/window/file_flow.h"
 #include "ui/window/job_card.h"
 #include "ui/window/message_bar.h"
+#include "ui/window/next_steps.h"
 #include "ui/window/overlays.h"
 #include "ui/window/repair_flow.h"
+#include "ui/window/rig_flow.h"
 #include "ui/window/start_page.h"
 #include "ui/window/status_strip.h"
+#include "ui/window/step_flow.h"
 #include "ui/window/studio_actions.h"
 #include "ui/window/studio_docks.h"
 #include "ui/window/studio_menus.h"
@@ -58,7 +62,9 @@ MainWindow::MainWindow(const CommandRegistry& registry, std::shared_ptr<Response
     setAcceptDrops(true);
     actions_ = new StudioActions(this);
     deck_ = new TakeDeck(document_, this);
-    files_ = new FileFlow(document_, this);
+    steps_ = new StepFlow(document_, [this] { return viewport_ && viewport_->busy(); }, this);
+    files_ = new FileFlow(document_, *steps_, this);
+    rigs_ = new RigFlow(document_, *files_, *steps_, *deck_, this);
     repairs_ = new RepairFlow(document_, *files_, this);
     precompute_ = new PrecomputeJob(document_, this);
     drafts_ = new DraftJob(document_, this);
@@ -70,12 +76,14 @@ MainWindow::MainWindow(const CommandRegistry& registry, std::shared_ptr<Response
     QList<QAction*> panels;
     for (QDockWidget* dock : docks_->all()) panels << dock->toggleViewAction();
     menus_ = new StudioMenus(*this, *actions_, files_->recent(), panels);
-    states_ = new ActionStates(*actions_, document_, *deck_, *precompute_, this);
+    states_ = new ActionStates(*actions_, document_, *deck_, *precompute_, *steps_, this);
+    next_ = new NextSteps(document_, *actions_, menus_->samplesMenu(), viewport_->parentWidget());
 
     connectDocument();
     connectFiles();
     connectPrecompute();
     connectRepairs();
+    connectSteps();
     connectPanels();
     connectView();
     connect(states_, &ActionStates::updated, this, &MainWindow::updateTitle);
@@ -102,7 +110,9 @@ MainWindow::~MainWindow() {
     delete precompute_;
     delete drafts_;
     delete repairs_;
+    delete rigs_;
     delete files_;
+    delete steps_;
     delete statusBar();
     document_.disconnect();
 }
@@ -176,6 +186,8 @@ void MainWindow::connectFiles() {
     connect(files_, &FileFlow::opened, this, [this] {
         precompute_->cancel();
         repairs_->cancel();
+        steps_->cancel();
+        rigs_->job().cancel();
         showStart(false);
         viewport_->frameAll(false);
         keepPicture();
@@ -188,7 +200,8 @@ void MainWindow::connectFiles() {
     connect(files_, &FileFlow::saved, this, &MainWindow::keepPicture);
     connect(start_, &StartPage::newWanted, files_, &FileFlow::newProject);
     connect(start_, &StartPage::openWanted, files_, &FileFlow::askOpen);
-    connect(start_, &StartPage::importWanted, files_, &FileFlow::askImport);
+    connect(start_, &StartPage::meshWanted, this, [this] { files_->askImport(FileFlow::Lead::Mesh); });
+    connect(start_, &StartPage::riggedFileWanted, this, [this] { files_->askImport(FileFlow::Lead::RiggedFile); });
     connect(start_, &StartPage::fileWanted, files_, &FileFlow::open, Qt::QueuedConnection);
     connect(menus_, &StudioMenus::fileWanted, this, [this](const QString& path) {
         settle();
@@ -233,6 +246,26 @@ void MainWindow::connectRepairs() {
     connect(repairs_, &RepairFlow::repaired, this, [this](const QString& text) {
         messages().offer(text, tr("Undo"), [this, position = document_.session().position()] {
             if (document_.session().position() == position) undo();
+        });
+    });
+}
+
+void MainWindow::connectSteps() {
+    overlays_->job().follow(&steps_->job(), [this] { return steps_->title(); });
+    overlays_->job().follow(&rigs_->job(), [this] { return tr("Looking at the bones of “%1”").arg(QString::fromStdString(rigs_->job().character()->name)); });
+    connect(steps_, &StepFlow::cancelled, this, [this] { messages().say(tr("Cancelled; nothing has changed."), MessageBar::Tone::Info); });
+    connect(steps_, &StepFlow::changed, this, [this] { next_->setWaiting(steps_->running()); });
+    connect(next_, &NextSteps::makeSoftWanted, this, [this](PartId character) {
+        settle();
+        files_->makeSoft(*document_.document().characters.at(character));
+    });
+    connect(rigs_, &RigFlow::said, this, [this](const QString& text) { messages().say(text, MessageBar::Tone::Good); });
+    connect(files_, &FileFlow::skeletonCame, this, [this](const QString& name, const QString& text) {
+        const CharacterSource* character = document_.document().characterNamed(name.toStdString());
+        if (!character || !canBecomeSoft(document_.document(), *character)) return messages().say(text, MessageBar::Tone::Good);
+        messages().offer(text, tr("Make it soft"), [this, id = character->id] {
+            const auto now = document_.document().characters.find(id);
+            if (now != document_.document().characters.end() && !steps_->running()) files_->makeSoft(*now->second);
         });
     });
 }
@@ -296,6 +329,7 @@ void MainWindow::retranslate() {
     viewport_->setAccessibleName(tr("View of the character"));
     status_->setAccessibleName(tr("Status"));
     states_->update();
+    next_->retranslate();
     overlays_->place();
 }
 
@@ -398,10 +432,23 @@ void MainWindow::closeEvent(QCloseEvent* event) {
 }
 
 void MainWindow::dragEnterEvent(QDragEnterEvent* event) {
-    if (event->mimeData()->hasUrls()) event->acceptProposedAction();
+    if (!event->mimeData()->hasUrls()) return;
+    event->acceptProposedAction();
+    setDropping(true);
+}
+
+void MainWindow::dragLeaveEvent(QDragLeaveEvent* event) {
+    setDropping(false);
+    QMainWindow::dragLeaveEvent(event);
+}
+
+void MainWindow::setDropping(bool dropping) {
+    start_->setDropping(dropping);
+    next_->setDropping(dropping);
 }
 
 void MainWindow::dropEvent(QDropEvent* event) {
+    setDropping(false);
     QStringList paths;
     for (const QUrl& url : event->mimeData()->urls())
         if (url.isLocalFile()) paths << url.toLocalFile();

@@ -27,11 +27,14 @@ class HistoryPanel;
 class InspectorPanel;
 class IssuesPanel;
 class MessageBar;
+class NextSteps;
 class OutlinerPanel;
 class Overlays;
 class RepairFlow;
+class RigFlow;
 class StartPage;
 class StatusStrip;
+class StepFlow;
 class StudioActions;
 class StudioDocks;
 class StudioMenus;
@@ -59,6 +62,8 @@ public:
     [[nodiscard]] TakeDeck& deck() { return *deck_; }
     [[nodiscard]] PrecomputeJob& precomputeJob() { return *precompute_; }
     [[nodiscard]] RepairFlow& repairs() { return *repairs_; }
+    [[nodiscard]] StepFlow& steps() { return *steps_; }
+    [[nodiscard]] RigFlow& rigs() { return *rigs_; }
     [[nodiscard]] IssuesPanel& issues();
     [[nodiscard]] StatusStrip& status() { return *status_; }
     [[nodiscard]] MessageBar& messages();
@@ -71,6 +76,7 @@ protected:
     void closeEvent(QCloseEvent* event) override;
     void changeEvent(QEvent* event) override;
     void dragEnterEvent(QDragEnterEvent* event) override;
+    void dragLeaveEvent(QDragLeaveEvent* event) override;
     void dropEvent(QDropEvent* event) override;
     void resizeEvent(QResizeEvent* event) override;
     void showEvent(QShowEvent* event) override;
@@ -83,6 +89,7 @@ private:
     void connectFiles();
     void connectPrecompute();
     void connectRepairs();
+    void connectSteps();
     /// What has a draft is precomputed as it is set, where that does not take long.
     void followDrafts();
     void connectPanels();
@@ -93,6 +100,8 @@ private:
     void takeSizes();
     /// Says what the last frame warns of, not every time.
     void warn();
+    /// A file is held over the window.
+    void setDropping(bool dropping);
     /// Takes a picture of the view for the start page.
     void keepPicture();
 
@@ -100,6 +109,7 @@ private:
     void connectActions();
     void connectFileActions();
     void connectEditActions();
+    void connectSoftActions();
     void connectTakeActions();
     void connectViewActions();
     void on(const char* action, std::function<void()> run);
@@ -120,7 +130,9 @@ private:
     StudioDocument document_;
     StudioActions* actions_;
     TakeDeck* deck_;
+    StepFlow* steps_;
     FileFlow* files_;
+    RigFlow* rigs_;
     RepairFlow* repairs_;
     PrecomputeJob* precompute_;
     DraftJob* drafts_;
@@ -130,6 +142,7 @@ private:
     ViewportWidget* viewport_ = nullptr;
     StartPage* start_ = nullptr;
     Overlays* overlays_ = nullptr;
+    NextSteps* next_ = nullptr;
     StatusStrip* status_ = nullptr;
     StudioDocks* docks_ = nullptr;
     StudioMenus* menus_ = nullptr;

@@ -18,6 +18,7 @@
 #include "ui/window/file_flow.h"
 #include "ui/window/main_window.h"
 #include "ui/window/message_bar.h"
+#include "ui/window/rig_flow.h"
 #include "ui/window/studio_actions.h"
 #include "ui/window/studio_docks.h"
 
@@ -46,6 +47,7 @@ void MainWindow::settle() {
 void MainWindow::connectActions() {
     connectFileActions();
     connectEditActions();
+    connectSoftActions();
     connectTakeActions();
     connectViewActions();
     on("search", [this] { (new CommandSearch(actions_->all(), this))->popUp(); });
@@ -116,6 +118,24 @@ void MainWindow::connectEditActions() {
     onSettled("rest", [this] { document_.execute(commands::rest()); });
     onSettled("hide", [this] { hideSelected(document_); });
     onSettled("show-all", [this] { showAll(document_); });
+}
+
+void MainWindow::connectSoftActions() {
+    const auto onCharacter = [this](const char* action, std::function<void(const CharacterSource&)> run) {
+        onSettled(action, [this, run = std::move(run)] {
+            const CharacterSource* character = chosenCharacter(document_);
+            if (!character) return;
+            showStart(false);
+            run(*character);
+        });
+    };
+    onCharacter("make-soft", [this](const CharacterSource& character) { files_->makeSoft(character); });
+    onCharacter("make-soft-bones", [this](const CharacterSource& character) { rigs_->chooseBones(character); });
+    onCharacter("import-skeleton", [this](const CharacterSource& character) { files_->askImportSkeleton(character); });
+    onCharacter("take-clip", [this](const CharacterSource& character) {
+        StudioDocks::raise(takes());
+        rigs_->takeClips(character);
+    });
 }
 
 void MainWindow::connectTakeActions() {

@@ -23,7 +23,7 @@ namespace imomushi {
 namespace {
 
 constexpr int kMaxColumns = 4, kFewestColumns = 3;
-constexpr int kTileWidth = 232, kPicture = 145, kTileHeight = 201, kGap = 16;
+constexpr int kTileWidth = 232, kPicture = 145, kTileHeight = 201, kGap = 16, kWayHeight = 134;
 
 // A project as a card: its picture, its name, and one line below.
 class Tile : public QAbstractButton {
@@ -79,6 +79,93 @@ private:
     QString note_, icon_;
 };
 
+// A way to begin, as a card: a sign, what it is from, and what comes of it.
+class WayCard : public QAbstractButton {
+public:
+    WayCard(QString icon, QString title, QString note, QWidget* parent) : QAbstractButton(parent), note_(std::move(note)), icon_(std::move(icon)) {
+        setText(title);
+        setAccessibleName(title);
+        setAccessibleDescription(note_);
+        setCursor(Qt::PointingHandCursor);
+        setFocusPolicy(Qt::StrongFocus);
+        setAttribute(Qt::WA_Hover);
+        setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Fixed);
+    }
+    [[nodiscard]] QSize sizeHint() const override { return {px(kTileWidth), px(kWayHeight)}; }
+
+protected:
+    void paintEvent(QPaintEvent*) override {
+        using Role = Appearance::Role;
+        QPainter p(this);
+        p.setRenderHint(QPainter::Antialiasing);
+        const QRectF frame = QRectF(rect()).adjusted(0.75, 0.75, -0.75, -0.75);
+        const bool lit = underMouse() || hasFocus();
+        p.setPen(QPen(themeColor(lit ? Role::Accent : Role::Line), lit ? 1.5 : 1.0));
+        p.setBrush(themeColor(lit ? Role::Hover : Role::Panel));
+        p.drawRoundedRect(frame, px(10), px(10));
+        QColor tint = themeColor(Role::Accent);
+        tint.setAlphaF(0.18f);
+        const QRectF plate(px(16), px(16), px(40), px(40));
+        p.setPen(Qt::NoPen);
+        p.setBrush(tint);
+        p.drawRoundedRect(plate, px(10), px(10));
+        themedIcon(icon_, Role::Accent).paint(&p, plate.adjusted(px(8), px(8), -px(8), -px(8)).toRect());
+        QFont bold = font();
+        bold.setWeight(QFont::DemiBold);
+        bold.setPointSizeF(bold.pointSizeF() * 1.12);
+        p.setFont(bold);
+        p.setPen(themeColor(Role::Text));
+        const QFontMetrics metrics(bold);
+        const QRectF title(plate.right() + px(12), plate.top(), frame.right() - plate.right() - px(24), plate.height());
+        p.drawText(title, Qt::AlignLeft | Qt::AlignVCenter, metrics.elidedText(text(), Qt::ElideRight, int(title.width())));
+        p.setFont(font());
+        p.setPen(themeColor(Role::Muted));
+        p.drawText(QRectF(px(16), plate.bottom() + px(9), frame.width() - px(32), frame.bottom() - plate.bottom() - px(18)), Qt::AlignLeft | Qt::AlignTop | Qt::TextWordWrap, note_);
+    }
+
+private:
+    QString note_, icon_;
+};
+
+// Where files may be dropped, which is everywhere; lit while one is held over the window.
+class DropPlace : public QWidget {
+public:
+    explicit DropPlace(QWidget* parent) : QWidget(parent) {
+        auto* row = new QHBoxLayout(this);
+        row->setContentsMargins(px(16), px(9), px(16), px(9));
+        row->setSpacing(px(10));
+        auto* sign = new QLabel(this);
+        sign->setPixmap(themedIcon(QStringLiteral("import"), Appearance::Role::Muted).pixmap(QSize(px(20), px(20)), devicePixelRatioF()));
+        auto* text = new QLabel(StartPage::tr("Or drop meshes (OBJ, PLY, STL, glTF, FBX, DAE) and projects anywhere on this window."), this);
+        text->setProperty("role", "muted");
+        text->setWordWrap(true);
+        row->addWidget(sign);
+        row->addWidget(text, 1);
+    }
+    void setLit(bool lit) {
+        lit_ = lit;
+        update();
+    }
+
+protected:
+    void paintEvent(QPaintEvent*) override {
+        QPainter p(this);
+        p.setRenderHint(QPainter::Antialiasing);
+        QPen pen(themeColor(lit_ ? Appearance::Role::Accent : Appearance::Role::Line), lit_ ? px(2) : 1.5);
+        pen.setDashPattern({5.0, 4.0});
+        p.setPen(pen);
+        if (lit_) {
+            QColor tint = themeColor(Appearance::Role::Accent);
+            tint.setAlphaF(0.12f);
+            p.setBrush(tint);
+        }
+        p.drawRoundedRect(QRectF(rect()).adjusted(1, 1, -1, -1), px(10), px(10));
+    }
+
+private:
+    bool lit_ = false;
+};
+
 QString sampleNote(const QString& name) {
     if (name == u"caterpillar") return StartPage::tr("Five elements in a row");
     if (name == u"octopus") return StartPage::tr("A body with eight arms");
@@ -109,6 +196,10 @@ StartPage::StartPage(RecentFiles& recent, QWidget* parent) : QWidget(parent), re
         if (isVisible()) rebuild();
     });
     connect(&Appearance::instance(), &Appearance::changed, this, &StartPage::rebuild);
+}
+
+void StartPage::setDropping(bool dropping) {
+    if (drop_) static_cast<DropPlace*>(drop_)->setLit(dropping);
 }
 
 void StartPage::showEvent(QShowEvent* event) {
@@ -165,19 +256,37 @@ void StartPage::rebuild() {
     layout->addLayout(head);
     layout->addSpacing(px(10));
 
+    const QList<Sample> all = samples();
+    auto* ways = new QBoxLayout(columns_ < kFewestColumns ? QBoxLayout::TopToBottom : QBoxLayout::LeftToRight);
+    ways->setSpacing(px(kGap));
+    const auto way = [&](const char* name, const char* icon, const QString& from, const QString& note) {
+        auto* card = new WayCard(QLatin1String(icon), from, note, column);
+        card->setObjectName(QLatin1String(name));
+        ways->addWidget(card, 1);
+        return card;
+    };
+    if (!all.isEmpty())
+        connect(way("wayFromSample", "play", tr("From a sample"), tr("%1 opens, ready to be dragged. The others are below.").arg(sampleTitle(all.first().name))), &QAbstractButton::clicked, this,
+                [this, path = all.first().path] { Q_EMIT fileWanted(path); });
+    connect(way("wayFromMesh", "soft", tr("From a mesh"), tr("Any mesh of a creature: cuts and bones follow its shape, and it can be dragged seconds later.")), &QAbstractButton::clicked, this,
+            &StartPage::meshWanted);
+    connect(way("wayFromRiggedFile", "bones", tr("From a rigged file"), tr("glTF, FBX or DAE with a skeleton: its bones become soft limbs, its clips takes.")), &QAbstractButton::clicked, this,
+            &StartPage::riggedFileWanted);
+    layout->addLayout(ways);
+
+    auto* drop = new DropPlace(column);
+    drop_ = drop;
     auto* buttons = new QHBoxLayout;
     buttons->setSpacing(px(10));
-    const auto button = [&](const QString& icon, const QString& text, bool primary, auto signal) {
-        auto* b = new QPushButton(themedIcon(icon, primary ? Appearance::Role::OnAccent : Appearance::Role::Text), text, column);
+    const auto button = [&](const QString& icon, const QString& text, auto signal) {
+        auto* b = new QPushButton(themedIcon(icon), text, column);
         b->setIconSize(QSize(px(18), px(18)));
-        b->setProperty("primary", primary);
         connect(b, &QPushButton::clicked, this, signal);
         buttons->addWidget(b);
     };
-    button(QStringLiteral("import"), tr("Import a mesh…"), true, &StartPage::importWanted);
-    button(QStringLiteral("open"), tr("Open a project…"), false, &StartPage::openWanted);
-    button(QStringLiteral("new"), tr("Empty project"), false, &StartPage::newWanted);
-    buttons->addStretch(1);
+    buttons->addWidget(drop, 1);
+    button(QStringLiteral("open"), tr("Open a project…"), &StartPage::openWanted);
+    button(QStringLiteral("new"), tr("Empty project"), &StartPage::newWanted);
     layout->addLayout(buttons);
 
     const auto group = [&](const QString& name) {
@@ -196,7 +305,6 @@ void StartPage::rebuild() {
         grid->addWidget(tile, n / columns_, n % columns_);
     };
 
-    const QList<Sample> all = samples();
     if (!all.isEmpty()) {
         QGridLayout* grid = group(tr("Samples"));
         for (const Sample& sample : all) {
@@ -225,11 +333,6 @@ void StartPage::rebuild() {
             place(grid, tile);
         }
     }
-    layout->addSpacing(px(12));
-    auto* drop = new QLabel(tr("You can also drop meshes (OBJ, PLY, STL, glTF, FBX, DAE) and projects anywhere on this window."), column);
-    drop->setProperty("role", "muted");
-    drop->setWordWrap(true);
-    layout->addWidget(drop);
     layout->addStretch(1);
     scroll->setWidget(content_);
 }

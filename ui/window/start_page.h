@@ -10,16 +10,19 @@ namespace imomushi {
 
 class RecentFiles;
 
-/// The first thing seen: begin, samples in one click, recent projects with pictures.
+/// The first thing seen: three ways to begin (from a sample, a mesh, a rigged file), samples in one click, recent projects with pictures.
 class StartPage : public QWidget {
     Q_OBJECT
 public:
     explicit StartPage(RecentFiles& recent, QWidget* parent = nullptr);
+    /// A file is held over the window: it may be dropped.
+    void setDropping(bool dropping);
 
 signals:
     void newWanted();
     void openWanted();
-    void importWanted();
+    void meshWanted();
+    void riggedFileWanted();
     void fileWanted(const QString& path);
 
 protected:
@@ -32,6 +35,7 @@ private:
     [[nodiscard]] int columnsThatFit() const;
     RecentFiles& recent_;
     QWidget* content_ = nullptr;
+    QWidget* drop_ = nullptr;
     int columns_ = 0;
 };
 

@@ -42,10 +42,10 @@ void StudioMenus::buildMenus(const QList<QAction*>& panels) {
     fill(*file, {"new", "open"});
     recentMenu_ = addMenu(file, QT_TR_NOOP("Open &recent"));
     samplesMenu_ = addMenu(file, QT_TR_NOOP("Sa&mples"));
-    fill(*file, {"start", "", "import", "append", "", "save", "save-as", "save-copy", "", "export", "write-mesh", "save-script", "", "quit"});
+    fill(*file, {"start", "", "import", "import-skeleton", "append", "", "save", "save-as", "save-copy", "", "export", "write-mesh", "save-script", "", "quit"});
     fill(*addMenu(nullptr, QT_TR_NOOP("&Edit")), {"undo", "redo", "", "rename", "delete", "", "duplicate", "mirror-x", "mirror-y", "mirror-z", "replace-mesh", "", "select-all", "select-none", "", "search", "preferences"});
-    fill(*addMenu(nullptr, QT_TR_NOOP("&Character")), {"tool-select", "tool-face", "tool-bone", "tool-handle", "tool-pose", "tool-touch", "", "passing-handles", "", "join", "", "precompute", "soft-at-once", "", "pin", "release", "rest"});
-    fill(*addMenu(nullptr, QT_TR_NOOP("&Perform")), {"record", "count-in", "", "play", "take-back", "take-forward", "loop", "leave-take", "", "mark-in", "mark-out", "mark-none", "trim-take", "",
+    fill(*addMenu(nullptr, QT_TR_NOOP("&Character")), {"tool-select", "tool-face", "tool-bone", "tool-handle", "tool-pose", "tool-touch", "", "passing-handles", "", "make-soft", "make-soft-bones", "", "join", "", "precompute", "soft-at-once", "", "pin", "release", "rest"});
+    fill(*addMenu(nullptr, QT_TR_NOOP("&Perform")), {"record", "count-in", "", "play", "take-back", "take-forward", "loop", "leave-take", "", "mark-in", "mark-out", "mark-none", "trim-take", "", "take-clip",
                                                      "rename-take", "duplicate-take", "remove-take"});
     QMenu* view = addMenu(nullptr, QT_TR_NOOP("&View"));
     fill(*view, {"frame-all", "frame-selection", "", "view-front", "view-right", "view-top", "orthographic", "", "bones", "grid", "bodies", "xray", "", "hide", "show-all", ""});
@@ -62,7 +62,7 @@ void StudioMenus::buildToolBar() {
     tools_->setContextMenuPolicy(Qt::PreventContextMenu);
     tools_->setToolButtonStyle(Qt::ToolButtonIconOnly);
     window_.addToolBar(Qt::LeftToolBarArea, tools_);
-    for (const char* id : {"tool-select", "tool-face", "tool-bone", "tool-handle", "tool-pose", "tool-touch", "", "precompute", "rest", "pin", "", "undo", "redo", "", "frame-all", "bones", "grid"}) {
+    for (const char* id : {"tool-select", "tool-face", "tool-bone", "tool-handle", "tool-pose", "tool-touch", "", "make-soft", "precompute", "rest", "pin", "", "undo", "redo", "", "frame-all", "bones", "grid"}) {
         if (*id) tools_->addAction(actions_[id]);
         else tools_->addSeparator();
     }
@@ -81,7 +81,7 @@ void StudioMenus::takeSizes() { tools_->setIconSize(QSize(px(22), px(22))); }
 
 void StudioMenus::popUpContextMenu(const QPoint& global) {
     QMenu menu(&window_);
-    fill(menu, {"rename", "delete", "", "duplicate", "mirror-x", "mirror-y", "mirror-z", "replace-mesh", "", "join", "pin", "", "hide", "show-all", "frame-selection"});
+    fill(menu, {"rename", "delete", "", "duplicate", "mirror-x", "mirror-y", "mirror-z", "replace-mesh", "", "make-soft", "make-soft-bones", "import-skeleton", "take-clip", "", "join", "pin", "", "hide", "show-all", "frame-selection"});
     menu.exec(global);
 }
 

@@ -24,6 +24,7 @@ public:
     StudioMenus(QMainWindow& window, ActionSet& actions, RecentFiles& recent, const QList<QAction*>& panels);
     void retranslate();
     void takeSizes();
+    [[nodiscard]] QMenu* samplesMenu() const { return samplesMenu_; }
     /// What can be done with what is selected.
     void popUpContextMenu(const QPoint& global);
 

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/document/prepared_step.h"
+
+#include <cassert>
+#include <utility>
+
+#include "core/document/document_change.h"
+#include "core/document/session_access.h"
+
+namespace imomushi {
+
+bool PreparedStep::fits(const Document& document) const {
+    DocumentChange change = difference(before, document);
+    change.pose.reset();
+    return change.empty() && document.nextId == before.nextId;
+}
+
+Result<PreparedStep> prepareStep(const CommandRegistry& registry, Project project, const Json& command, const std::function<void(Session&)>& arrange, const Progress& progress) {
+    PreparedStep made{command, project.document, {}, {}, {}, {}};
+    Session session(registry);
+    if (arrange) arrange(session);
+    SessionAccess(session).replace(std::move(project), {}, true, Json{{"do", "open"}});
+    auto answer = session.execute(command, progress);
+    if (!answer) return tl::unexpected(answer.error());
+    if (session.steps().size() != 1) return fail("internal", "A command that is prepared makes one step of the history.");
+    made.answer = std::move(*answer);
+    made.after = session.document();
+    made.step = session.steps().front();
+    made.lines.assign(session.script().begin() + 1, session.script().end());  // the first one says where the document came from
+    assert(!made.lines.empty());
+    return made;
+}
+
+}  // namespace imomushi

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <QObject>
+#include <QString>
+#include <QTimer>
+#include <deque>
+#include <functional>
+
+#include "ui/jobs/step_job.h"
+#include "ui/models/studio_document.h"
+
+namespace imomushi {
+
+/// Executes commands that take their time without holding up the window: the work is done in the background, on a copy of the document, and what comes of it is one step, taken over
+/// at once. Where the document has changed meanwhile it is done anew.
+class StepFlow : public QObject {
+    Q_OBJECT
+public:
+    struct Wish {
+        Json command;
+        QString title;                                  ///< what goes on: "Making “penguin” soft"
+        std::function<void(const Json& answer)> done;   ///< when it is part of the document
+        std::function<void(Session&)> arrange = {};     ///< see prepareStep()
+    };
+    /// `busy`: a gesture is open, which is not disturbed.
+    StepFlow(StudioDocument& document, std::function<bool()> busy, QObject* parent);
+    [[nodiscard]] StepJob& job() { return job_; }
+    [[nodiscard]] QString title() const { return waiting_.empty() ? QString() : waiting_.front().title; }
+    [[nodiscard]] bool running() const { return !waiting_.empty(); }
+
+    /// After those that are being done.
+    void start(Wish wish);
+    /// Gives up what is being done and what waits.
+    void cancel();
+
+signals:
+    void changed();    ///< running() may be another
+    void cancelled();
+
+private:
+    void next();
+    void finish();
+
+    StudioDocument& document_;
+    std::function<bool()> busy_;
+    StepJob job_;
+    QTimer later_;
+    std::deque<Wish> waiting_;
+    int tries_ = 0;
+};
+
+}  // namespace imomushi
