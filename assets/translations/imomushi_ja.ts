@@ -1464,6 +1464,10 @@
             <translation>部分の回転</translation>
         </message>
         <message>
+            <source>Set morph target</source>
+            <translation>モーフターゲットの設定</translation>
+        </message>
+        <message>
             <source>Add project</source>
             <translation>プロジェクトを追加</translation>
         </message>
@@ -4628,6 +4632,10 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>
                 <numerusform>ほか %n 件は問題の一覧にあります</numerusform>
             </translation>
+        </message>
+        <message>
+            <source>Morph targets</source>
+            <translation>モーフターゲット</translation>
         </message>
         <message>
             <source>How parts follow</source>

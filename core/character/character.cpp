@@ -20,6 +20,7 @@ void Character::State::update(const Pose& wanted, double seconds) {
     else
         frame.warn(FrameWarning::PoseRefused);
     for (auto& element : frame.elements) element.turns = element.askedTurns;
+    for (std::size_t m = 0; m < frame.morphs.size(); ++m) std::copy(frame.askedMorphs[m].begin(), frame.askedMorphs[m].end(), frame.morphs[m].begin());
     for (std::size_t e = 0; e < frame.elements.size(); ++e) placeElement(e);
     for (std::size_t h = 0; h < frame.handles.size(); ++h) placeHandle(h);
     for (auto& element : frame.elements) fitElement(element);
@@ -148,6 +149,8 @@ Points Character::renderPositions(int mesh) const {
     for (const auto e : tables.elements) bodies[static_cast<std::size_t>(e)] = positions(e);
     return state_->renderMeshes->positions(state_->frame, mesh, bodies);
 }
+
+const std::vector<double>& Character::morphWeights(int mesh) const { return state_->frame.morphs[static_cast<std::size_t>(mesh)]; }
 
 const Points& Character::renderRestPositions(int mesh) const { return state_->renderMeshes->tables(mesh).rest; }
 

@@ -104,6 +104,8 @@ public:
     /// How an attached part (of EmbeddedPoints::attached) is turned about its pivot in the next update(), from rest and in the axes of the rest pose: it turns with the
     /// body besides. False: no rotation, or it was turned so already, and nothing changes.
     bool setTurn(int element, int part, const Eigen::Quaterniond& turn);
+    /// The weight of a morph target of a render mesh in the next update(). False: it is no number or too large (kLargestMorphWeight), or it had that, and nothing changes.
+    bool setMorph(int mesh, int target, double weight);
     /// Forgets all motion: the next update() jumps to its pose, at rest.
     void stop();
 
@@ -140,6 +142,7 @@ public:
     [[nodiscard]] Points positions(int element) const;
     /// The same of a render mesh: #vertices x 3.
     [[nodiscard]] Points renderPositions(int mesh) const;
+    [[nodiscard]] const std::vector<double>& morphWeights(int mesh) const;  ///< as it is shown
     [[nodiscard]] const Points& renderRestPositions(int mesh) const;  ///< #vertices x 3, m
     /// Where the vertices of a render mesh that an element moves, in their order there, move in its axes per unit of its weights (ShapeLayout): vertexColumns().
     [[nodiscard]] Eigen::MatrixXd renderColumns(int mesh, int element) const;

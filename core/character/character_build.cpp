@@ -62,6 +62,8 @@ Result<void> Character::State::build(const ElementRuntimes& known, const RenderM
         if (auto ok = effect->addJob(frame, jobs); !ok) return ok;
     touch = jobs.find<TouchJob>();
     if (!input.renderMeshes.empty()) renderMeshes = &jobs.add<RenderMeshJob>(frame, knownMeshes);
+    for (int m = 0; m < static_cast<int>(input.renderMeshes.size()); ++m) frame.morphs.push_back(renderMeshes->restWeights(m));
+    frame.askedMorphs = frame.morphs;
     std::vector<std::vector<std::int32_t>> rimOf;
     for (const auto& e : frame.elements) rimOf.emplace_back(e.runtime->vertices, -1);
     for (const auto& joint : input.joints) buildSeam(joint, rimOf);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Joints whose pose is given, elements that move with them, and turns of attached parts.
+// Joints whose pose is given, elements that move with them, turns of attached parts, and weights of morph targets.
 #include <cmath>
 
 #include "core/base/finite.h"
@@ -87,6 +87,14 @@ bool Character::setTurn(int element, int part, const Quaterniond& turn) {
     const Vec3 asked = rotationVector(turn);
     if (to == asked) return false;
     to = asked;
+    return true;
+}
+
+bool Character::setMorph(int mesh, int target, double weight) {
+    if (!isFinite(weight) || std::abs(weight) > kLargestMorphWeight) return false;
+    double& to = state_->frame.askedMorphs[static_cast<std::size_t>(mesh)][static_cast<std::size_t>(target)];
+    if (to == weight) return false;
+    to = weight;
     return true;
 }
 

@@ -32,6 +32,7 @@ ShapeLayout Character::shapeLayout() const {
     layout.warping = f.warpingShapes;
     layout.nodes = static_cast<int>(f.offsets.size());
     for (const auto& e : f.elements) layout.turns += static_cast<int>(e.turns.size());
+    for (const auto& weights : f.morphs) layout.morphs += static_cast<int>(weights.size());
     return layout;
 }
 
@@ -53,6 +54,7 @@ void Character::shape(double* to) const {
     for (const auto& offset : s.offsets) to = put(to, offset.data(), 3);
     for (const auto& e : s.elements)
         for (const auto& turn : e.turns) to = put(to, turn.data(), 3);
+    for (const auto& weights : s.morphs) to = put(to, weights.data(), static_cast<Eigen::Index>(weights.size()));
 }
 
 void Character::show(const double* from) {
@@ -86,6 +88,7 @@ void Character::show(const double* from) {
     for (auto& offset : s.offsets) take(offset.data(), 3);
     for (auto& e : s.elements)
         for (auto& turn : e.turns) take(turn.data(), 3);
+    for (auto& weights : s.morphs) take(weights.data(), static_cast<Eigen::Index>(weights.size()));
     s.replaying = true;
     state_->showShape(start);
 }
@@ -133,6 +136,7 @@ void Character::between(const double* a, const double* b, double part, double* t
             const Vec3 mean = rotationVector(rotationOf(Eigen::Map<const Vec3>(a)).slerp(part, rotationOf(Eigen::Map<const Vec3>(b))));
             to = put(to, mean.data(), 3);
         }
+    for (const auto& weights : s.morphs) mix(static_cast<Eigen::Index>(weights.size()));
 }
 
 void Character::keepExact(bool exact) { state_->frame.exact = exact; }

@@ -12,6 +12,7 @@ namespace imomushi {
 ///                its warping, world, 3 per shape (JointEquilibrium)
 ///   per node     the offset (m) of a face vertex of the previous model, in the rest axes of its joint
 ///   per attached part  its turn about its pivot, a rotation vector in the axes of the rest pose (radians); by elements
+///   per morph target    its weight; by render meshes
 struct ShapeLayout {
     struct Element {
         int weights = 0;
@@ -23,6 +24,7 @@ struct ShapeLayout {
     int warping = 0;  ///< shapes per joint
     int nodes = 0;
     int turns = 0;
+    int morphs = 0;
     bool operator==(const ShapeLayout&) const = default;
 
     static constexpr int kFrame = 7, kJoint = 17;
@@ -33,7 +35,8 @@ struct ShapeLayout {
     }
     [[nodiscard]] int jointSize() const { return kJoint + 3 * warping; }
     [[nodiscard]] int joint(int j) const { return element(elements.size()) + j * jointSize(); }
-    [[nodiscard]] int size() const { return joint(joints) + 3 * (nodes + turns); }
+    [[nodiscard]] int size() const { return joint(joints) + 3 * (nodes + turns) + morphs; }
+    [[nodiscard]] int morph(int i) const { return size() - morphs + i; }
 };
 
 }  // namespace imomushi

@@ -72,6 +72,7 @@ Result<void> checkRenderMeshes(const CharacterInput& input) {
             return bad("a triangle of a render mesh has a corner that is not there");
         if (mesh->normals.rows() != 0 && mesh->normals.rows() != count) return bad("the normals of a render mesh are not as many as its vertices");
         if (!allFinite(mesh->normals)) return bad("a normal of a render mesh is not a number");
+        if (mesh->model && !checkMorphs(mesh->model->morphs, mesh->vertices.size()).empty()) return bad("the morph targets of a render mesh are of another one");
         for (const auto& v : mesh->vertices) {
             if (!in(v.element, static_cast<int>(input.elements.size()))) return bad("a render mesh names an element that is not there");
             const auto& element = input.elements[static_cast<std::size_t>(v.element)];

@@ -3,9 +3,10 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
-#include "core/mesh/mesh.h"
+#include "core/mesh/render_model.h"
 
 namespace imomushi {
 
@@ -36,6 +37,8 @@ struct EmbeddedMesh {
     Triangles triangles;  ///< #F x 3 of `vertices`
     /// #vertices x 3 or 0 x 3, those of the file: where they jump at one place, edges are hard.
     Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> normals;
+    std::shared_ptr<const RenderModel> model;  ///< whose morph targets move these vertices; null: none do
+    [[nodiscard]] std::size_t morphs() const { return model ? model->morphs.size() : 0; }
 };
 
 }  // namespace imomushi

@@ -161,6 +161,7 @@ struct Frame {
     bool smooth = false;       // joints take their shape in Stage::Equilibrium, none from lateral contraction
     int warpingShapes = 0;     // per joint, with smooth joints
     std::vector<Vec3> offsets; // per node of the previous model: m, in the rest axes of its joint
+    std::vector<std::vector<double>> askedMorphs, morphs;  // weights of morph targets, per render mesh: as asked for, and as of this frame
 
     Pose pose;                 // the last good one
     double seconds = 0.0;      // that pass in this frame

@@ -81,6 +81,10 @@ RenderMeshJob::RenderMeshJob(const Frame& frame, const RenderMeshJob* known) : F
         const std::size_t padded = (mesh->vertices.size() + kVertexBlock - 1) / kVertexBlock * kVertexBlock + kVertexBlock;
         made.positions = AlignedBuffer<float>(3 * padded);
         made.normals = AlignedBuffer<float>(3 * padded);
+        if (made.tables->morphs) {
+            made.morphs.emplace(made.tables->morphs);
+            made.shownWeights = made.morphs->restWeights();
+        }
         for (std::size_t i = 0; i < made.tables->normalPieces.size(); ++i) normals_.push_back({meshes_.size(), i, i + 1});
         const auto& runs = made.tables->runs;
         for (std::size_t begin = 0, end = 0; begin < runs.size(); begin = end) {
@@ -207,11 +211,26 @@ void RenderMeshJob::placeAttached(const Element& e, ElementFrame& of) {
                [&of, first](std::int32_t i, const Vec3& p) { shownAt(of, first + i) = p.cast<float>(); });
 }
 
+void RenderMeshJob::findMorphed(const Frame& frame) {
+    for (std::size_t m = 0; m < meshes_.size(); ++m) {
+        auto& mesh = meshes_[m];
+        if (!mesh.morphs) continue;
+        const bool moved = std::any_of(mesh.tables->elements.begin(), mesh.tables->elements.end(), [&frame](std::int32_t e) { return frame.elements[static_cast<std::size_t>(e)].moved; });
+        const bool other = mesh.shownWeights != frame.morphs[m];
+        const bool morphed = mesh.morphs->active(frame.morphs[m]);
+        // They are added to positions without them: all are made anew.
+        mesh.all = other || (moved && (morphed || mesh.morphed));
+        mesh.morphed = morphed;
+        if (other) std::copy(frame.morphs[m].begin(), frame.morphs[m].end(), mesh.shownWeights.begin());
+    }
+}
+
 void RenderMeshJob::gather(Frame& frame) {
+    findMorphed(frame);
     const auto moved = [&frame](std::int32_t e) { return frame.elements[static_cast<std::size_t>(e)].moved; };
     std::size_t bytes = 0;
     for (auto& mesh : meshes_) {
-        if (std::any_of(mesh.tables->elements.begin(), mesh.tables->elements.end(), moved)) ++mesh.revision;
+        if (mesh.all || std::any_of(mesh.tables->elements.begin(), mesh.tables->elements.end(), moved)) ++mesh.revision;
         bytes += 6 * sizeof(float) * mesh.tables->vertices();
     }
     frame.share(bytes, runs_, [&](const Piece& p) {
@@ -219,9 +238,11 @@ void RenderMeshJob::gather(Frame& frame) {
         for (std::size_t i = p.begin; i < p.end; ++i) {
             const auto& run = mesh.tables->runs[i];
             const float* from = frame.elements[static_cast<std::size_t>(run.element)].positions.data() + 3 * static_cast<std::ptrdiff_t>(run.from);
-            if (moved(run.element)) std::copy_n(from, 3 * run.count, mesh.positions.data() + 3 * static_cast<std::ptrdiff_t>(run.to));
+            if (mesh.all || moved(run.element)) std::copy_n(from, 3 * run.count, mesh.positions.data() + 3 * static_cast<std::ptrdiff_t>(run.to));
         }
     });
+    for (auto& mesh : meshes_)
+        if (mesh.all && mesh.morphed) mesh.morphs->add(mesh.shownWeights, mesh.tables->stencils.data(), mesh.positions.data());
 }
 
 void RenderMeshJob::findNormals(Frame& frame) {
@@ -231,20 +252,25 @@ void RenderMeshJob::findNormals(Frame& frame) {
         auto& mesh = meshes_[p.element];
         const auto& tables = *mesh.tables;
         const auto& piece = tables.normalPieces[p.begin];
-        if (std::any_of(piece.elements.begin(), piece.elements.end(), [&](std::int32_t e) { return frame.elements[static_cast<std::size_t>(e)].moved; }))
+        if (mesh.all || std::any_of(piece.elements.begin(), piece.elements.end(), [&](std::int32_t e) { return frame.elements[static_cast<std::size_t>(e)].moved; }))
             imomushi::findNormals(mesh.positions.data(), tables.stencils.data(), static_cast<float>(tables.scale), piece.begin, piece.end, mesh.normals.data());
     });
 }
 
 std::size_t RenderMeshJob::bytes() const {
     std::size_t sum = carriedBytes_;
-    for (const auto& mesh : meshes_) sum += mesh.tables->bytes() + mesh.positions.bytes() + mesh.normals.bytes();
+    for (const auto& mesh : meshes_) sum += mesh.tables->bytes() + (mesh.tables->morphs ? mesh.tables->morphs->bytes() : 0) + mesh.positions.bytes() + mesh.normals.bytes();
     return sum;
 }
 
 Character::Surface RenderMeshJob::surface(int mesh) const {
     const auto& m = meshes_[static_cast<std::size_t>(mesh)];
     return {m.positions.data(), m.normals.data(), static_cast<int>(m.tables->vertices()), m.revision};
+}
+
+std::vector<double> RenderMeshJob::restWeights(int mesh) const {
+    const auto& shapes = meshes_[static_cast<std::size_t>(mesh)].morphs;
+    return shapes ? shapes->restWeights() : std::vector<double>();
 }
 
 Points RenderMeshJob::elementPositions(const Frame& frame, const Element& element) {
@@ -302,6 +328,11 @@ Points RenderMeshJob::positions(const Frame& frame, int mesh, const std::vector<
         const auto e = static_cast<std::size_t>(run.element);
         const bool onBody = run.from < static_cast<std::int32_t>(frame.elements[e].runtime->vertices);
         out.middleRows(run.to, run.count) = (onBody ? bodies[e] : all[e]).middleRows(run.from, run.count);
+    }
+    if (tables.morphs) {
+        MorphShapes shapes(tables.morphs);
+        const auto& weights = frame.morphs[static_cast<std::size_t>(mesh)];
+        if (shapes.active(weights)) shapes.add(weights, tables.stencils.data(), out.data());
     }
     return out;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/character/aligned_buffer.h"
@@ -16,7 +17,7 @@ struct ElementFrame;
 
 /// The render meshes of a character: the last job of a frame. Embedded points of elements that are a product come with it (ResponseBlocks); those of
 /// elements that are more follow the surface here, and what a finger dents is carried to them. Joints add their part, attached parts are placed, and vertices are
-/// put into the order of the file.
+/// put into the order of the file, where morph targets move them (MorphTables).
 ///   reads   everything
 ///   writes  ElementFrame::positions behind those of the body
 class RenderMeshJob final : public FrameJob {
@@ -31,6 +32,8 @@ public:
     [[nodiscard]] Character::Surface surface(int mesh) const;
     /// In double precision: see Character::renderPositions(). bodies: Character::positions() of the elements that it has vertices of, else empty.
     [[nodiscard]] Points positions(const Frame& frame, int mesh, const std::vector<Points>& bodies) const;
+    /// Weights of the morph targets of a mesh at rest.
+    [[nodiscard]] std::vector<double> restWeights(int mesh) const;
     [[nodiscard]] const RenderMeshTables& tables(int mesh) const { return *meshes_[static_cast<std::size_t>(mesh)].tables; }
 
 private:
@@ -51,6 +54,10 @@ private:
         std::shared_ptr<const RenderMeshTables> tables;
         AlignedBuffer<float> positions, normals;
         std::uint64_t revision = 0;
+        std::optional<MorphShapes> morphs;   // none: it has no morph targets
+        std::vector<double> shownWeights;    // of these, as of the last frame
+        bool morphed = false;                // the positions of the last frame have some of them
+        bool all = false;                    // every vertex is another in this frame
     };
     struct Piece {
         std::size_t element = 0, begin = 0, end = 0;
@@ -64,6 +71,8 @@ private:
     static void addJointParts(const Element& element, const Frame& frame, ElementFrame& of);
     static void placeAttached(const Element& element, ElementFrame& of);
     void gather(Frame& frame);
+    // Morph targets: which meshes have other weights than before.
+    void findMorphed(const Frame& frame);
     void findNormals(Frame& frame);
 
     std::vector<Element> elements_;

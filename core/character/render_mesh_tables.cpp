@@ -85,6 +85,7 @@ std::shared_ptr<const RenderMeshTables> RenderMeshTables::build(std::shared_ptr<
     for (auto& c : corners) c = group[static_cast<std::size_t>(c)];
     out.stencils = normalStencils(out.rest, corners, out.scale);
     for (std::size_t i = 0; i < count; ++i) out.stencils[i] = out.stencils[static_cast<std::size_t>(group[i])];
+    if (mesh.morphs() > 0) out.morphs = MorphTables::build(mesh, out.rest, out.stencils);
     for (std::size_t begin = 0; begin < count; begin += kVerticesOfPiece) {
         NormalPiece piece{begin, std::min(begin + kVerticesOfPiece, count), {}};
         for (std::size_t i = begin; i < piece.end; ++i) {

@@ -9,6 +9,7 @@
 #include "core/base/result.h"
 #include "core/character/element_runtime.h"
 #include "core/character/embedded_mesh.h"
+#include "core/character/morph_shapes.h"
 
 namespace imomushi {
 
@@ -47,6 +48,7 @@ struct RenderMeshTables {
     std::vector<NormalStencil> stencils;   ///< padded
     std::vector<NormalPiece> normalPieces;
     double scale = 1.0;                    ///< see findNormals()
+    std::shared_ptr<const MorphTables> morphs;  ///< null: it has no morph targets
 
 private:
     struct Source {

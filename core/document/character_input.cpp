@@ -18,6 +18,8 @@ namespace {
 constexpr double kSamePoint = 1e-9;
 /// An endpoint that was given as coordinates and lies this near to the centroid of a face, relative to the face, sits at the face.
 constexpr double kAtFace = 1e-6;
+/// Bones of a file meet at its joints, which may lie this many sizes of the section beside its middle: where a cut was moved along the limb to a place that works.
+constexpr double kMeeting = 3.0;
 
 const Bone::Place& placeOf(const Bone& bone, bool atEnd) { return atEnd ? bone.end : bone.start; }
 
@@ -274,7 +276,7 @@ Result<CharacterPlan> planCharacter(const Document& document) {
         const auto set = pointOfSet.find(sets.find(nodes.faces.at(face)));
         return set == pointOfSet.end() ? -1 : set->second;
     };
-    // Where the bones of all elements of a joint meet within its section, -1: nowhere. Bones of a file's skeleton meet at its joints, beside the middle of the section.
+    // Where the bones of all elements of a joint meet near its section, -1: nowhere.
     const auto meetingPoint = [&](const Joint& joint) {
         const auto touches = [&](PartId element, int point) {
             const auto& bones = plan.input.elements[static_cast<std::size_t>(plan.elementIndex(element))].bones;
@@ -285,7 +287,7 @@ Result<CharacterPlan> planCharacter(const Document& document) {
         };
         const JointFace& face = *faceAt(document, joint.faces[0]);
         int nearest = -1;
-        double least = face.size;
+        double least = kMeeting * face.size;
         for (int p = 0; p < static_cast<int>(skeleton.points.size()); ++p) {
             const double distance = (skeleton.points[static_cast<std::size_t>(p)] - face.frame.origin).norm();
             if (distance > least || !std::all_of(joint.faces.begin(), joint.faces.end(), [&](const FaceRef& f) { return touches(f.element, p); })) continue;

@@ -159,6 +159,7 @@ void addCoreCommands(CommandRegistry& registry) {
     addMakeSoftCommand(registry);
     addHandleCommands(registry);
     addAttachCommands(registry);
+    addMorphCommands(registry);
     addBoneCommands(registry);
     addPropertyCommands(registry);
     addEffectCommands(registry);

@@ -98,6 +98,8 @@ Json characterJson(const Document& document, const CharacterSource& character);
 Json rigJson(const Rig* rig);
 /// What was found on a mesh, without its places.
 Json issueJson(const MeshIssue& issue);
+/// Morph targets: name, weight, weight at rest.
+Json morphsJson(const Document& document, const CharacterSource& character);
 /// A body and how it was made.
 Json bodyJson(const Body& body);
 
@@ -135,6 +137,7 @@ void addProposalCommands(CommandRegistry& registry);  // propose
 void addMakeSoftCommand(CommandRegistry& registry);   // make-soft
 void addHandleCommands(CommandRegistry& registry);    // handle, remove-handle
 void addAttachCommands(CommandRegistry& registry);    // attach, turn-part
+void addMorphCommands(CommandRegistry& registry);     // morph
 void addBoneCommands(CommandRegistry& registry);      // add-bone, edit-bone, remove-bone
 void addPropertyCommands(CommandRegistry& registry);  // set, rename
 void addEffectCommands(CommandRegistry& registry);    // enable, disable

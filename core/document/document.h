@@ -124,6 +124,13 @@ struct PartRef {
     auto operator<=>(const PartRef&) const = default;
 };
 
+/// A morph target of a character.
+struct MorphRef {
+    PartId character = 0;
+    std::int32_t target = 0;  ///< of RenderModel::morphs
+    auto operator<=>(const MorphRef&) const = default;
+};
+
 /// How a rigid part is turned about its pivot.
 struct TurnGoal {
     Eigen::Quaterniond target = Eigen::Quaterniond::Identity();  ///< unit, from rest, in the axes of the rest pose: the body turns it besides
@@ -166,6 +173,7 @@ struct Document {
     std::map<EndpointRef, EndpointGoal> goals;  ///< targets of drags, and pins
     std::map<FaceRef, HandleGoal> handleGoals;  ///< of handles that are not at rest
     std::map<PartRef, TurnGoal> turns; ///< of rigid parts that are turned
+    std::map<MorphRef, double> morphs; ///< weights of morph targets where they are not those at rest (MorphTarget::atRest)
     std::vector<Touch> touches;        ///< fingers that are down
     Pose pose;                         ///< empty: at rest
     PartId nextId = 1;

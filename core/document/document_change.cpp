@@ -77,7 +77,7 @@ bool sameFaces(const std::vector<JointFace>& a, const std::vector<JointFace>& b)
 
 bool DocumentChange::empty() const { return !structure() && !posing(); }
 bool DocumentChange::structure() const { return !elements.empty() || !joints.empty() || !bones.empty() || !characters.empty() || !takes.empty() || settings || effects; }
-bool DocumentChange::posing() const { return !goals.empty() || !handleGoals.empty() || !turns.empty() || touches || pose; }
+bool DocumentChange::posing() const { return !goals.empty() || !handleGoals.empty() || !turns.empty() || !morphs.empty() || touches || pose; }
 
 DocumentChange difference(const Document& before, const Document& after) {
     DocumentChange change;
@@ -89,6 +89,7 @@ DocumentChange difference(const Document& before, const Document& after) {
     change.goals = valuesThatDiffer(before.goals, after.goals);
     change.handleGoals = valuesThatDiffer(before.handleGoals, after.handleGoals);
     change.turns = valuesThatDiffer(before.turns, after.turns);
+    change.morphs = valuesThatDiffer(before.morphs, after.morphs);
     if (!(before.settings == after.settings)) change.settings = before.settings;
     if (!(before.effects == after.effects)) change.effects = before.effects;
     if (!(before.touches == after.touches)) change.touches = before.touches;
@@ -105,6 +106,7 @@ void exchange(Document& document, DocumentChange& change) {
     exchangeValues(document.goals, change.goals);
     exchangeValues(document.handleGoals, change.handleGoals);
     exchangeValues(document.turns, change.turns);
+    exchangeValues(document.morphs, change.morphs);
     if (change.settings) std::swap(document.settings, *change.settings);
     if (change.effects) std::swap(document.effects, *change.effects);
     if (change.touches) std::swap(document.touches, *change.touches);

@@ -21,6 +21,7 @@ struct DocumentChange {
     std::map<EndpointRef, std::optional<EndpointGoal>> goals;
     std::map<FaceRef, std::optional<HandleGoal>> handleGoals;
     std::map<PartRef, std::optional<TurnGoal>> turns;
+    std::map<MorphRef, std::optional<double>> morphs;
     std::optional<CharacterSettings> settings;
     std::optional<Effects> effects;
     std::map<PartId, std::shared_ptr<const Take>> takes;
@@ -30,7 +31,7 @@ struct DocumentChange {
     [[nodiscard]] bool empty() const;
     /// Elements, joints, bones, characters, settings, effects or takes differ.
     [[nodiscard]] bool structure() const;
-    /// Targets of endpoints or handles, turns of parts, fingers or the pose differ.
+    /// Targets of endpoints or handles, turns of parts, weights of morph targets, fingers or the pose differ.
     [[nodiscard]] bool posing() const;
 };
 

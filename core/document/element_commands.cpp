@@ -126,6 +126,7 @@ Result<Json> removeJointFace(DocumentEdit& edit, const Json& arguments, const Pr
 void eraseCharacter(Document& document, PartId character) {
     document.characters.erase(character);
     std::erase_if(document.turns, [character](const auto& turn) { return turn.first.character == character; });
+    std::erase_if(document.morphs, [character](const auto& morph) { return morph.first.character == character; });
 }
 
 /// What an element or a whole character leaves behind is free: see dropElement().

@@ -35,7 +35,7 @@ bool same(const EmbeddedPoints& a, const EmbeddedPoints& b) {
 bool same(const EmbeddedMesh& a, const EmbeddedMesh& b) {
     return std::equal(a.vertices.begin(), a.vertices.end(), b.vertices.begin(), b.vertices.end(),
                       [](const auto& p, const auto& q) { return p.element == q.element && p.index == q.index && p.onBody == q.onBody; }) &&
-           sameRows(a.triangles, b.triangles) && sameRows(a.normals, b.normals);
+           sameRows(a.triangles, b.triangles) && sameRows(a.normals, b.normals) && a.model == b.model;
 }
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
@@ -286,6 +286,7 @@ EmbeddedModel embedModel(const Document& document, const CharacterSource& charac
     mesh->vertices = std::move(vertices);
     mesh->triangles = model.triangles;
     mesh->normals = fileNormals(character.model->mesh);
+    if (!character.model->morphs.empty()) mesh->model = character.model;
     out.mesh = std::move(mesh);
     return out;
 }

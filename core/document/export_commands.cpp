@@ -6,6 +6,7 @@
 
 #include "core/document/command_support.h"
 #include "core/document/names.h"
+#include "core/document/rig_movers.h"
 #include "core/document/character_input.h"
 #include "core/document/session_access.h"
 
@@ -36,15 +37,14 @@ std::string listed(const List& list) {
 
 Json errorJson(const ExportError& error) { return Json{{"max_percent", 100.0 * error.largest}, {"rms_percent", 100.0 * error.rms}}; }
 
-/// Takes as clips. One that was recorded on another character is its poses.
-ExportClip clipOf(const std::shared_ptr<const Take>& take, const CharacterPlan& shown, const Character& character, std::vector<ExportWarning>& warnings) {
+/// Takes as clips; `rigged`: with their poses. One that was recorded on another character is its poses.
+ExportClip clipOf(const std::shared_ptr<const Take>& take, const CharacterPlan& shown, const Character& character, bool rigged, std::vector<ExportWarning>& warnings) {
     ExportClip clip{take->name, take->times, {}, {}};
-    if (take->elements == shown.elements && take->layout == character.shapeLayout()) {
-        clip.shape = [take](std::size_t frame, double* numbers) { take->shapes.at(frame, numbers); };
-        return clip;
-    }
-    warnings.push_back({"poses-only", take->name, "The character is not what it was when \"" + take->name + "\" was recorded: its poses are written without what effects added."});
-    for (std::size_t f = 0; f < take->times.size(); ++f) clip.poses.push_back(takePose(*take, {f, 0.0}, shown.bones, shown.input.skeleton));
+    const bool fits = take->elements == shown.elements && take->layout == character.shapeLayout();
+    if (fits) clip.shape = [take](std::size_t frame, double* numbers) { take->shapes.at(frame, numbers); };
+    if (!fits)
+        warnings.push_back({"poses-only", take->name, "The character is not what it was when \"" + take->name + "\" was recorded: its poses are written without what effects added."});
+    for (std::size_t f = 0; (!fits || rigged) && f < take->times.size(); ++f) clip.poses.push_back(takePose(*take, {f, 0.0}, shown.bones, shown.input.skeleton));
     return clip;
 }
 
@@ -167,6 +167,10 @@ Result<ExportPlan> planExport(Session& session, const Json& arguments) {
         ExportedMesh mesh{source.name, source.model, {}};
         for (const PartId element : document.elementsOf(id)) mesh.elements.push_back(shown.elementIndex(element));
         std::sort(mesh.elements.begin(), mesh.elements.end());
+        if (source.rig) {
+            plan.scene.rigs.push_back(rigMovers(document, shown, source, *plan.scene.character.renderMeshes[plan.scene.meshes.size()]));
+            plan.scene.rigs.back().mesh = static_cast<int>(plan.scene.meshes.size());
+        }
         plan.scene.meshes.push_back(std::move(mesh));
     }
     for (const PartId id : shown.bones) plan.scene.bones.push_back(document.bones.at(id)->name);
@@ -176,7 +180,7 @@ Result<ExportPlan> planExport(Session& session, const Json& arguments) {
 
     const auto takes = takesOf(document, find(arguments, "take"));
     if (!takes) return tl::unexpected(takes.error());
-    for (const auto& take : *takes) plan.scene.clips.push_back(clipOf(take, shown, character, plan.warnings));
+    for (const auto& take : *takes) plan.scene.clips.push_back(clipOf(take, shown, character, !plan.scene.rigs.empty(), plan.warnings));
     plan.performed = !plan.scene.clips.empty();
     const Json* pose = find(arguments, "pose");
     if (pose && !pose->is_boolean() && !pose->is_string()) return fail("bad-type", "\"pose\" must be true, false or the name of a clip.");
@@ -189,7 +193,8 @@ Result<ExportPlan> planExport(Session& session, const Json& arguments) {
         for (int n = 2; taken(name); ++n) name = wish + " " + std::to_string(n);
         std::vector<double> shape(static_cast<std::size_t>(character.shapeLayout().size()));
         character.shape(shape.data());
-        plan.scene.clips.push_back({name, {0.0}, [shape](std::size_t, double* numbers) { std::copy(shape.begin(), shape.end(), numbers); }, {}});
+        const Pose& now = session.shownPose();
+        plan.scene.clips.push_back({name, {0.0}, [shape](std::size_t, double* numbers) { std::copy(shape.begin(), shape.end(), numbers); }, {now.points.empty() ? restPose(shown.input.skeleton) : now}});
     }
     for (std::size_t k = 0; k < kEffects; ++k)
         if (const auto kind = static_cast<EffectKind>(k); document.effects.has(kind)) plan.effects.push_back(kind);

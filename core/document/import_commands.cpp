@@ -166,6 +166,7 @@ Json characterJson(const Document& document, const CharacterSource& character) {
     }
     Json answer{{"name", character.name}, {"parts", partsJson(document, character)}, {"body", bodyJson(*character.body)}, {"cuts", std::move(cuts)}, {"elements", std::move(elements)}};
     answer.update(rigJson(character.rig.get()));
+    if (!character.model->morphs.empty()) answer["morphs"] = morphsJson(document, character);
     return answer;
 }
 

@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "core/document/character_change.h"
+#include "core/document/morph_weights.h"
 #include "core/touch/touch_contact.h"
 
 namespace imomushi {
@@ -226,6 +227,7 @@ void LiveCharacter::showPose() {
     if (performance_ && !performance_->isDynamic()) performance_->reset(pose);
     applyHandles();
     applyTurns();
+    applyMorphs();
     applyTouches();
     character_->update(performance_ ? performance_->pose() : pose);
 }
@@ -274,6 +276,16 @@ bool LiveCharacter::applyTurns() {
     return moved;
 }
 
+bool LiveCharacter::applyMorphs() {
+    bool moved = false;
+    for (std::size_t m = 0; m < plan_.characters.size(); ++m) {
+        const CharacterSource& character = *document().characters.at(plan_.characters[m]);
+        for (std::size_t t = 0; t < plan_.input.renderMeshes[m]->morphs(); ++t)
+            moved = character_->setMorph(static_cast<int>(m), static_cast<int>(t), morphWeight(document(), character, static_cast<int>(t))) || moved;
+    }
+    return moved;
+}
+
 void LiveCharacter::applyTouches() {
     if (!document().effects.has(EffectKind::Touch)) return;
     for (std::size_t e = 0; e < plan_.elements.size(); ++e) {
@@ -316,12 +328,12 @@ void LiveCharacter::stepFrame(double seconds) {
         settledGoals_ = goals_;
     }
     if (!positions_.empty()) positions_.clear();
-    const bool handled = applyHandles(), turned = applyTurns();
+    const bool handled = applyHandles(), turned = applyTurns(), morphed = applyMorphs();
     applyTouches();
     if (performance_) {
         performance_->step(seconds, ownPose(), goals_);
         character_->update(performance_->pose(), seconds);
-    } else if (handled || turned || !document().pose.points.empty() || stirred_ || wasTake || !character_->resting()) {
+    } else if (handled || turned || morphed || !document().pose.points.empty() || stirred_ || wasTake || !character_->resting()) {
         character_->update(ownPose(), seconds);
     }
     measureEffects();

@@ -148,6 +148,8 @@ private:
     bool applyHandles();
     /// Turns rigid parts as the document has them. False: they were turned so.
     bool applyTurns();
+    /// Weights of morph targets as the document has them. False: they were so.
+    bool applyMorphs();
     /// Puts the fingers of the character where the document has them.
     void applyTouches();
     void measureEffects();

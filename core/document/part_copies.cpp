@@ -32,6 +32,7 @@ CharacterSource placed(const CharacterSource& character, const Placing& placing)
     if (!placing.moves()) return out;
     RenderModel model = *character.model;
     model.mesh = placing.mesh(character.model->mesh);
+    for (MorphTarget& target : model.morphs) target.deltas = (target.deltas * placing.linear.transpose().cast<float>()).eval();
     Body body = *character.body;
     body.mesh = placing.mesh(character.body->mesh);
     for (Vec3& place : body.report.gaps.places) place = placing.point(place);

@@ -185,6 +185,7 @@ Result<Json> rest(DocumentEdit& edit, const Json&, const Progress&) {
     document.pose = {};
     document.touches.clear();
     document.turns.clear();
+    document.morphs.clear();
     restHandles(document);
     std::erase_if(document.goals, [](const auto& held) { return !held.second.pinned; });
     for (auto& [end, held] : document.goals) {

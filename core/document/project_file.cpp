@@ -40,6 +40,7 @@ void createTables(Database& db, int version) {
     createCharacterTables(db);
     if (version >= 7) createAttachmentTables(db);
     if (version >= 8) createRigTables(db);
+    if (version >= 9) createMorphTables(db);
 }
 
 /// Each response once, though elements share it.
@@ -88,13 +89,14 @@ Project readProject(Database& db, std::int64_t version) {
     readSkeleton(db, document);
     if (version >= 3) readProjectResponses(db, project, version >= 4);  // older ones are of older solvers
     if (version >= 4) readEffects(db, document);
-    if (version >= 5) readTakes(db, document, version >= 7 ? readTakeTurns(db) : std::map<PartId, int>());
+    if (version >= 5) readTakes(db, document, version >= 7 ? readTakeTurns(db) : std::map<PartId, int>(), version >= 9 ? readTakeMorphs(db) : std::map<PartId, int>());
     if (version >= 6) {
         readHandles(db, document);
         readCharacters(db, document, meshes);
     }
     if (version >= 7) readAttachments(db, document);
-    if (version >= 8) readRigs(db, document);
+    if (version >= 8) readRigs(db, document, version >= 9);
+    if (version >= 9) readMorphs(db, document);
     std::set<PartId> ids;
     const auto unique = [&](PartId part) { require(part < document.nextId && ids.insert(part).second, "an id is used twice"); };
     for (const auto& [part, element] : document.elements) unique(part);
@@ -125,7 +127,12 @@ Result<std::vector<std::byte>> readBytes(const std::filesystem::path& path) {
 }  // namespace
 
 int projectVersion(const Document& document) {
-    if (std::any_of(document.characters.begin(), document.characters.end(), [](const auto& part) { return part.second->rig != nullptr; })) return kProjectVersion;
+    const auto anyCharacter = [&](const auto& has) { return std::any_of(document.characters.begin(), document.characters.end(), [&](const auto& part) { return has(*part.second); }); };
+    const auto named = [](const RigNode& node) { return !node.name.empty(); };
+    if (anyCharacter([&](const CharacterSource& c) { return !c.model->morphs.empty() || (c.rig && std::any_of(c.rig->nodes.begin(), c.rig->nodes.end(), named)); }) ||
+        std::any_of(document.takes.begin(), document.takes.end(), [](const auto& part) { return part.second->layout.morphs > 0; }))
+        return kProjectVersion;
+    if (anyCharacter([](const CharacterSource& c) { return c.rig != nullptr; })) return 8;
     const bool attached = std::any_of(document.characters.begin(), document.characters.end(), [](const auto& part) { return !part.second->attachments.empty(); });
     const bool turned = std::any_of(document.takes.begin(), document.takes.end(), [](const auto& part) { return part.second->layout.turns > 0; });
     if (attached || turned) return 7;
@@ -159,6 +166,7 @@ Result<void> saveProject(const std::filesystem::path& path, const Project& proje
         }
         if (version >= 7) writeAttachments(db, document);
         if (version >= 8) writeRigs(db, document);
+        if (version >= 9) writeMorphs(db, document);
         {
             const std::string digest = db.digest(projectTables(version));
             RowWriter info(db, "INSERT INTO info VALUES (?,?)");

@@ -56,7 +56,7 @@ void writeRigs(Database& db, const Document& document) {
     }
 }
 
-void readRigs(Database& db, Document& document) {
+void readRigs(Database& db, Document& document, bool named) {
     std::map<PartId, Rig> read;
     RowReader rigs(db, "SELECT * FROM rigs ORDER BY character");
     while (rigs.next()) {
@@ -117,6 +117,13 @@ void readRigs(Database& db, Document& document) {
         t.interpolation = static_cast<RigTrack::Interpolation>(tracks.integer(0, static_cast<int>(RigTrack::Interpolation::Cubic)));
         t.times = tracks.array<double>();
         t.values = tracks.array<double>();
+    }
+    for (const auto& [id, names] : named ? readNodeNames(db) : std::map<PartId, std::map<std::int64_t, std::string>>()) {
+        Rig& rig = rigAt(id);
+        for (const auto& [node, name] : names) {
+            require(static_cast<std::size_t>(node) < rig.nodes.size(), "a node of a skeleton is missing");
+            rig.nodes[static_cast<std::size_t>(node)].name = name;
+        }
     }
     for (auto& [id, rig] : read) {
         require(checkRig(rig, static_cast<std::size_t>(document.characters.at(id)->model->mesh.body.vertices.rows())).empty(), "a skeleton is broken");

@@ -53,12 +53,21 @@ std::map<PartId, int> readTakeTurns(Database& db);
 /// Skeletons of characters. Reads after the characters.
 void createRigTables(Database& db);
 void writeRigs(Database& db, const Document& document);
-void readRigs(Database& db, Document& document);
+/// `named`: nodes that are no bones have names.
+void readRigs(Database& db, Document& document, bool named);
+
+/// Morph targets of characters, their weights, for how many takes have weights, and names of nodes of rigs. Reads after the rigs, and takes after their weights.
+void createMorphTables(Database& db);
+void writeMorphs(Database& db, const Document& document);
+void readMorphs(Database& db, Document& document);
+std::map<PartId, int> readTakeMorphs(Database& db);
+/// Per character the names of its nodes by their number.
+std::map<PartId, std::map<std::int64_t, std::string>> readNodeNames(Database& db);
 
 void createTakeTables(Database& db);
 void writeTakes(Database& db, const Document& document);
-/// turns: ShapeLayout::turns of those that have any.
-void readTakes(Database& db, Document& document, const std::map<PartId, int>& turns);
+/// turns, morphs: of ShapeLayout, of those that have any.
+void readTakes(Database& db, Document& document, const std::map<PartId, int>& turns, const std::map<PartId, int>& morphs);
 
 /// Reads after the elements.
 void createEffectTables(Database& db);

@@ -55,7 +55,7 @@ void writeTakes(Database& db, const Document& document) {
     }
 }
 
-void readTakes(Database& db, Document& document, const std::map<PartId, int>& turns) {
+void readTakes(Database& db, Document& document, const std::map<PartId, int>& turns, const std::map<PartId, int>& morphs) {
     constexpr std::int64_t kMaxParts = 1'000'000;
     std::map<PartId, std::shared_ptr<Take>> read;
     RowReader rows(db, "SELECT * FROM takes ORDER BY id");
@@ -91,6 +91,7 @@ void readTakes(Database& db, Document& document, const std::map<PartId, int>& tu
         take->layout.warping = static_cast<int>(rows.integer(0, Warping::kMax));
         take->layout.nodes = static_cast<int>(rows.integer(0, kMaxParts));
         if (const auto turned = turns.find(take->id); turned != turns.end()) take->layout.turns = turned->second;
+        if (const auto weighed = morphs.find(take->id); weighed != morphs.end()) take->layout.morphs = weighed->second;
         require(numbers + 64 * kMaxParts < std::numeric_limits<int>::max(), "a take is too large");
         rotations.clear();
         for (std::size_t e = 0, at = 0; e < take->layout.elements.size(); ++e) {

@@ -217,6 +217,12 @@ void Replacement::findParts(PartId id, const RenderModel& was) {
         }
     }
     document_.turns = std::move(turns);
+    std::map<MorphRef, double> morphs;
+    for (const auto& [ref, weight] : document_.morphs) {
+        const int there = ref.character == id ? now.model->morphIndex(was.morphs[static_cast<std::size_t>(ref.target)].name) : ref.target;
+        if (there >= 0) morphs.emplace(MorphRef{ref.character, there}, weight);
+    }
+    document_.morphs = std::move(morphs);
 }
 
 Result<void> Replacement::character(PartId id, std::shared_ptr<const RenderModel> model, std::shared_ptr<const Body> body, std::vector<MeshIssue> issues, const Progress& progress) {

@@ -47,7 +47,8 @@ Result<ExportReport> exportScene(const ExportScene& scene, const ExportOptions& 
 
     GltfContent content{scene, options, *motion, {}, {}, {}, {}};
     // Normals are those of the positions that they go with: a skin begins with the body as loads leave it.
-    motion->character.show(options.layout == ExportLayout::Skinned ? motion->restShape.data() : plainShape(motion->layout).data());
+    const std::vector<double> plain = motion->withoutMorphs(plainShape(motion->layout).data());
+    motion->character.show(options.layout == ExportLayout::Skinned ? motion->restShape.data() : plain.data());
     for (std::size_t e = 0; e < scene.character.elements.size(); ++e)
         if (motion->seen[e].mesh < 0) content.surfaces.push_back(renderSurface(scene, static_cast<int>(e), motion->character.surface(static_cast<int>(e)).normals));
     for (int m = 0, parts = 0; m < static_cast<int>(scene.meshes.size()); ++m) {

@@ -10,6 +10,7 @@
 #include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/character/character.h"
+#include "core/export/rig_nodes.h"
 #include "core/mesh/render_model.h"
 
 namespace imomushi {
@@ -20,7 +21,7 @@ struct ExportClip {
     std::vector<double> times;  ///< s, ascending from 0
     /// The numbers of a frame (ShapeLayout); empty: `poses` instead.
     std::function<void(std::size_t frame, double* numbers)> shape;
-    std::vector<Pose> poses;
+    std::vector<Pose> poses;    ///< of the frames; beside `shape` only needed where the scene has rigs
 };
 
 /// What is seen of some elements instead of their bodies: the file's own mesh.
@@ -35,6 +36,7 @@ struct ExportScene {
     std::string name;
     CharacterInput character;
     std::vector<ExportedMesh> meshes;                  ///< of character.renderMeshes
+    std::vector<ExportedRig> rigs;                     ///< of some meshes
     std::vector<std::string> elements, bones, points;  ///< names of elements, bones, and joint points ("bone/end")
     std::vector<Eigen::Vector3f> colors;               ///< of elements whose meshes bring no colours, linear RGB
     std::vector<ExportClip> clips;                     ///< one at least
@@ -49,6 +51,9 @@ struct ExportScene {
 /// Elements under a mesh of the scene go out as that mesh: its triangles, parts, materials, texture coordinates and vertices in the order of the file, split where the file
 /// splits them. In glTF it has a mesh per part with a primitive per material and, also in Baked, a skin with a joint per element: each vertex follows one, and the
 /// targets of an element move its vertices alone. What is more than columns of A' (parts beside joints that turn far, attached parts) is fitted like large motions.
+/// A mesh with a rig brings the skeleton of its file in all glTF layouts: all its bones are joints of the skin, with their names, in its hierarchy and at rest where they were;
+/// each bone follows its piece, in animations of the takes too. Baked and Rigged move vertices by the elements' own joints, exactly; Skinned by the bones of the file, so
+/// that animations made for the old skeleton move it too.
 enum class ExportLayout { Baked, Rigged, Skinned, Cache };
 
 struct ExportOptions {

@@ -8,6 +8,7 @@
 
 #include "core/export/driver.h"
 #include "core/export/gltf_file.h"
+#include "core/export/gltf_rigs.h"
 #include "core/export/key_reduction.h"
 #include "core/mesh/bounds.h"
 
@@ -23,7 +24,7 @@ Json vector(const Vec3& v) { return Json::array({static_cast<float>(v.x()), stat
 class SceneWriter {
 public:
     SceneWriter(const GltfContent& content, ExportReport& report, const Progress& progress)
-        : content_(content), scene_(content.scene), options_(content.options), report_(report), progress_(progress) {}
+        : content_(content), scene_(content.scene), options_(content.options), report_(report), progress_(progress), rigs_(content.scene, file_) {}
 
     Result<std::string> write() {
         file_.root["asset"] = {{"version", "2.0"}, {"generator", "Imomushi"}};
@@ -85,6 +86,13 @@ private:
             const Points& at = rigid() ? content_.morphs[e].rest : content_.skin.bind[e];
             for (int k = 0; k < 3; ++k) out[3 * i + static_cast<std::size_t>(k)] = static_cast<float>(at(surface.rows[i], k) - from[k]);
         }
+        // Without the targets of the file, whose weights at rest the mesh says.
+        for (const int t : fileTargets(surface)) {
+            const auto weight = static_cast<float>(scene_.meshes[static_cast<std::size_t>(surface.mesh)].model->morphs[static_cast<std::size_t>(t)].atRest);
+            if (weight == 0.0f) continue;
+            const std::vector<float> moved = fileTarget(surface, t);
+            for (std::size_t i = 0; i < out.size(); ++i) out[i] -= weight * moved[i];
+        }
         return out;
     }
     void chooseUnits() {
@@ -135,12 +143,16 @@ private:
 
     void addSkeleton() {
         std::vector<float> inverse;
-        Json joints = Json::array();
+        Json joints = Json::array(), below = Json::array();
+        const auto bind = [&](int node, const Eigen::Affine3d& place, const Unit& unit) {
+            const Eigen::Matrix4d back = (place.inverse() * Eigen::Translation3d(unit.middle) * Eigen::Scaling(static_cast<double>(unit.size))).matrix();
+            joints.push_back(node);
+            for (int i = 0; i < 16; ++i) inverse.push_back(i == 15 ? 1.0f : i % 4 == 3 ? 0.0f : static_cast<float>(back.data()[i]));
+        };
         const auto addJoint = [&](const std::string& name, const Vec3& origin, const Unit& unit) {
-            joints.push_back(file_.add("nodes", {{"name", name}, {"translation", vector(origin)}}));
-            jointNodes_.push_back(joints.back());
-            for (int i = 0; i < 16; ++i)
-                inverse.push_back(i == 15 ? 1.0f : i % 5 == 0 ? unit.size : i >= 12 ? static_cast<float>(unit.middle[i - 12] - origin[i - 12]) : 0.0f);
+            below.push_back(file_.add("nodes", {{"name", name}, {"translation", vector(origin)}}));
+            jointNodes_.push_back(below.back());
+            bind(jointNodes_.back(), Eigen::Affine3d(Eigen::Translation3d(origin)), unit);
         };
         if (rigid()) {
             for (std::size_t e = 0; e < content_.morphs.size(); ++e) {
@@ -149,11 +161,22 @@ private:
                 addJoint(scene_.elements[e] + " frame", content_.morphs[e].middle, units_[e]);
                 movingNodes_[e] = jointNodes_.back();
             }
+            rigs_.add(below, names_);
+            for (std::size_t b = 0; b < rigs_.bones(); ++b) bind(rigs_.bone(b), rigs_.place(b), Unit{});
         } else {
+            rigs_.add(below, names_);
             const auto drawn = std::find_if(units_.begin(), units_.end(), [](const Unit& unit) { return unit.whole; });
-            for (const auto& joint : content_.skin.joints) addJoint(joint.name + " frame", joint.origin, drawn == units_.end() ? Unit{} : *drawn);
+            const Unit unit = drawn == units_.end() ? Unit{} : *drawn;
+            for (const auto& joint : content_.skin.joints) {
+                if (joint.rigBone < 0 && joint.parent < 0) {
+                    addJoint(joint.name, joint.origin, unit);
+                    continue;
+                }
+                jointNodes_.push_back(rigs_.joint(joint));
+                bind(jointNodes_.back(), joint.rigBone >= 0 ? rigs_.place(static_cast<std::size_t>(joint.rigBone)) : Eigen::Affine3d(Eigen::Translation3d(joint.origin)), unit);
+            }
         }
-        Json root{{"name", scene_.name}, {"children", joints}};
+        Json root{{"name", scene_.name}, {"children", below}};
         if (options_.layout == ExportLayout::Rigged) root["extras"] = {{"imomushi", driverData(content_)}};
         root_ = file_.add("nodes", std::move(root));
         file_.add("skins", {{"name", scene_.name}, {"joints", joints}, {"skeleton", root_}, {"inverseBindMatrices", file_.accessor(inverse, 16, Target::None, false)}});
@@ -219,11 +242,19 @@ private:
             addPrimitives(i, unit, factors, primitives);
             factor_[i] = factors;
         }
-        report_.targets = std::max(report_.targets, static_cast<int>(count));
+        // Those of the imported file come last, as they are there: the weights of its own animations suit them.
+        const std::vector<int> own = fileTargets(surface);
+        std::vector<double> standing(names.size(), 0.0);
+        for (const int t : own) {
+            const MorphTarget& target = scene_.meshes[static_cast<std::size_t>(surface.mesh)].model->morphs[static_cast<std::size_t>(t)];
+            names.push_back(target.name);
+            standing.push_back(target.atRest);
+        }
+        report_.targets = std::max(report_.targets, static_cast<int>(names.size()));
         if (unit.whole) tellRounding(movers, unit, factors);
         Json mesh{{"name", surface.name}, {"primitives", std::move(primitives)}};
         if (!names.empty()) {
-            mesh["weights"] = std::vector<double>(names.size(), 0.0);
+            mesh["weights"] = std::move(standing);
             mesh["extras"] = {{"targetNames", std::move(names)}};
         }
         node["mesh"] = file_.add("meshes", std::move(mesh));
@@ -272,6 +303,12 @@ private:
             if (!content_.normalTargets.empty()) target["NORMAL"] = file_.accessor(scaledBy(content_.normalTargets[s][t], factors[t]), 3, Target::Vertices, false);
             targets.push_back(std::move(target));
         }
+        for (const int t : fileTargets(surface)) {
+            const std::vector<float> moved = fileTarget(surface, t);
+            Json target{{"POSITION", file_.mostlyZero(scaledBy(moved, small ? 1.0f / unit.size : 1.0f), 0.0f)}};
+            if (!content_.normalTargets.empty()) target["NORMAL"] = file_.mostlyZero(std::vector<float>(moved.size(), 0.0f), 0.0f);
+            targets.push_back(std::move(target));
+        }
         int triangles = 0;
         for (const auto& part : surface.parts) {
             Json primitive{{"attributes", attributes}, {"indices", file_.indices(part.triangles, surface.vertices())}, {"material", addMaterial(surface, part.material)}};
@@ -298,7 +335,7 @@ private:
 
     /// Most programs want each object to have a name of its own; meshes of parts keep theirs.
     std::string onlyName(const std::string& wish) {
-        if (names_.empty()) names_.insert(scene_.elements.begin(), scene_.elements.end());
+        names_.insert(scene_.elements.begin(), scene_.elements.end());
         std::string name = wish;
         for (int n = 2; !names_.insert(name).second; ++n) name = wish + " " + std::to_string(n);
         return name;
@@ -318,6 +355,28 @@ private:
         told.parts += ofMesh && begins(s) ? 1 : 0;
         told.vertices += vertices;
         told.triangles += triangles;
+    }
+
+    /// The morph targets of its file that move vertices of the part of a surface.
+    [[nodiscard]] std::vector<int> fileTargets(const RenderSurface& surface) const {
+        if (surface.mesh < 0 || content_.motion.morphs(surface.mesh) == 0) return {};
+        const auto& morphs = scene_.meshes[static_cast<std::size_t>(surface.mesh)].model->morphs;
+        std::vector<int> out;
+        for (std::size_t t = 0; t < morphs.size(); ++t) {
+            const auto moves = [&](std::int32_t v) { return std::binary_search(morphs[t].vertices.begin(), morphs[t].vertices.end(), v); };
+            if (std::any_of(content_.surfaces.begin(), content_.surfaces.end(), [&](const RenderSurface& other) { return other.part == surface.part && std::any_of(other.seen.begin(), other.seen.end(), moves); }))
+                out.push_back(static_cast<int>(t));
+        }
+        return out;
+    }
+    [[nodiscard]] std::vector<float> fileTarget(const RenderSurface& surface, int target) const {
+        const MorphTarget& morph = scene_.meshes[static_cast<std::size_t>(surface.mesh)].model->morphs[static_cast<std::size_t>(target)];
+        std::vector<float> out(3 * surface.vertices(), 0.0f);
+        for (std::size_t i = 0; i < surface.vertices(); ++i) {
+            const auto at = std::lower_bound(morph.vertices.begin(), morph.vertices.end(), surface.seen[i]);
+            if (at != morph.vertices.end() && *at == surface.seen[i]) std::copy_n(morph.deltas.data() + 3 * (at - morph.vertices.begin()), 3, out.begin() + static_cast<std::ptrdiff_t>(3 * i));
+        }
+        return out;
     }
 
     /// What a unit of a target moves each vertex by, 3 per vertex, m.
@@ -406,24 +465,30 @@ private:
             channel(node, "translation", keys, shifts, 3);
             channel(node, "rotation", keys, turns, 4);
         };
+        std::vector<std::size_t> all(times.size());
+        for (std::size_t k = 0; k < all.size(); ++k) all[k] = k;
         if (!rigid()) {
-            std::vector<std::size_t> all(times.size());
-            for (std::size_t k = 0; k < all.size(); ++k) all[k] = k;
             for (std::size_t j = 0; j < content_.skin.joints.size(); ++j) {
+                if (content_.skin.joints[j].rigBone >= 0 || content_.skin.joints[j].parent >= 0) continue;
                 rigidMotion(jointNodes_[j], all, content_.skin.tracks[c][j].rotations, content_.skin.tracks[c][j].places);
                 report_.keys += all.size();
             }
+        }
+        for (const auto& track : rigs_.tracks(content_.motion.clips[c], rigid() ? nullptr : &content_.skin, c)) {
+            channel(track.node, track.path, all, track.numbers, track.path[0] == 't' ? 3 : 4);
+            report_.keys += all.size();
         }
         const double tolerance = std::max(options_.tolerance, kAlways) * content_.motion.diagonal;
         const auto needed = [&](std::size_t e) { return neededKeys(content_.morphs[e], content_.morphs[e].tracks[c], tolerance); };
         // All elements under a mesh have the keys of its weights.
         std::vector<std::vector<std::size_t>> keysOfMesh;
         for (const auto& mesh : scene_.meshes) {
-            std::set<std::size_t> all;
+            std::set<std::size_t> some;
             for (const int e : mesh.elements)
                 if (rigid())
-                    for (const std::size_t k : needed(static_cast<std::size_t>(e))) all.insert(k);
-            keysOfMesh.emplace_back(all.begin(), all.end());
+                    for (const std::size_t k : needed(static_cast<std::size_t>(e))) some.insert(k);
+            const bool every = content_.motion.morphsChange(c, static_cast<int>(keysOfMesh.size()));
+            keysOfMesh.push_back(every ? all : std::vector<std::size_t>(some.begin(), some.end()));
         }
         const auto surfaceOf = [&](std::size_t e) {
             return std::find_if(content_.surfaces.begin(), content_.surfaces.end(), [e](const RenderSurface& surface) { return surface.element == static_cast<int>(e); }) - content_.surfaces.begin();
@@ -436,7 +501,7 @@ private:
             rigidMotion(movingNodes_[e], keys, track.rotations, track.places);
             if (mesh < 0) weigh(static_cast<std::size_t>(surfaceOf(e)), c, keys, channel);
         }
-        for (std::size_t s = 0; rigid() && s < content_.surfaces.size(); ++s)
+        for (std::size_t s = 0; s < content_.surfaces.size(); ++s)
             if (const int mesh = content_.surfaces[s].mesh; mesh >= 0 && begins(s)) weigh(s, c, keysOfMesh[static_cast<std::size_t>(mesh)], channel);
         if (channels.empty()) return;
         file_.add("animations", {{"name", scene_.clips[c].name}, {"samplers", std::move(samplers)}, {"channels", std::move(channels)}});
@@ -445,13 +510,15 @@ private:
     template <class Channel>
     void weigh(std::size_t s, std::size_t c, const std::vector<std::size_t>& keys, const Channel& channel) {
         const RenderSurface& surface = content_.surfaces[s];
-        const auto movers = content_.movers(surface);
-        const Eigen::Index count = content_.targets(movers);
-        if (count == 0 || surface.parts.empty()) return;
+        const auto movers = rigid() ? content_.movers(surface) : std::vector<GltfContent::Mover>();
+        const std::vector<int> own = fileTargets(surface);
+        const auto elastic = static_cast<std::size_t>(content_.targets(movers)), count = elastic + own.size();
+        // The skin alone has no weights but those of the file, where they are other than at rest.
+        if (count == 0 || surface.parts.empty() || keys.empty()) return;
         std::vector<float> weights;
         for (const std::size_t k : keys) {
             const std::size_t first = weights.size();
-            weights.resize(first + static_cast<std::size_t>(count));
+            weights.resize(first + count);
             for (const auto& mover : movers) {
                 const auto& track = content_.morphs[static_cast<std::size_t>(mover.element)].tracks[c];
                 for (Eigen::Index t = 0; t < track.weights.rows(); ++t) {
@@ -459,6 +526,8 @@ private:
                     weights[first + at] = static_cast<float>(track.weights(t, static_cast<Eigen::Index>(k)) / factor_[s][at]);
                 }
             }
+            for (std::size_t t = 0; t < own.size(); ++t)
+                weights[first + elastic + t] = static_cast<float>(content_.motion.morphWeight(surface.mesh, own[t], content_.motion.clips[c].shapes[k].data()));
         }
         channel(surfaceNodes_[s], "weights", keys, weights, 1);
     }
@@ -471,6 +540,7 @@ private:
     ExportReport& report_;
     const Progress& progress_;
     GltfFile file_;
+    GltfRigs rigs_;
     int root_ = -1, toldMesh_ = -1;
     std::vector<int> surfaceNodes_, jointNodes_;
     std::vector<int> movingNodes_;            // per element: of its frame

@@ -213,6 +213,10 @@ private:
             for (Eigen::Index v = 0; v < at.rows(); ++v)
                 out.segment<3>(3 * v) = frame.linear().transpose() * (at.row(v).transpose() - shift) - w.rest.row(v).transpose();
             out.noalias() -= w.columns * weightsOf(e, key);
+            // Morph targets of the file go out as they are; what the body turns and stretches of them beyond its frame is left.
+            VectorXd added = VectorXd::Zero(out.size());
+            motion_.addMorphs(e, shape(key).data(), added);
+            out -= added;
         } else {
             for (Eigen::Index i = 0; i < at.rows(); ++i) {
                 const std::int32_t v = w.held[static_cast<std::size_t>(i)];

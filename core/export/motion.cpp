@@ -79,10 +79,20 @@ Result<Motion> Motion::build(const ExportScene& scene, double fps, const Progres
         }
     }
 
+    for (std::size_t m = 0, before = 0; m < scene.meshes.size(); ++m) {
+        const EmbeddedMesh& mesh = *scene.character.renderMeshes[m];
+        motion.morphs_.push_back({static_cast<int>(before), static_cast<int>(mesh.morphs()), mesh.model});
+        before += mesh.morphs();
+    }
+    motion.tree_ = boneTree(scene.character.skeleton);
+    std::vector<Vec3> heads;  // of bones of rigs
+    for (const ExportedRig& rig : scene.rigs)
+        for (const RigBone& bone : rig.rig->bones) heads.push_back(bone.head);
     for (const ExportClip& clip : scene.clips) {
         if (clip.times.empty()) return fail("bad-value", "The clip \"" + clip.name + "\" has no frames.");
         Clip out;
         std::vector<std::vector<double>> shapes(clip.times.size(), std::vector<double>(size));
+        if (!heads.empty() && clip.poses.size() != clip.times.size()) return fail("bad-value", "The clip \"" + clip.name + "\" has other poses than frames.");
         for (std::size_t i = 0; i < clip.times.size(); ++i) {
             if (progress.cancelled()) return fail(kCancelled, "The export was cancelled.");
             if (clip.shape) {
@@ -93,9 +103,12 @@ Result<Motion> Motion::build(const ExportScene& scene, double fps, const Progres
             character.update(clip.poses[i]);
             character.shape(shapes[i].data());
         }
+        std::vector<std::vector<Eigen::Isometry3d>> bones;
+        for (std::size_t i = 0; !heads.empty() && i < shapes.size(); ++i) bones.push_back(motion.rigBones(scene, clip.poses[i], shapes[i].data()));
         if (fps <= 0.0) {
             out.times = clip.times;
             out.shapes = std::move(shapes);
+            out.bones = std::move(bones);
         } else {
             const auto frames = static_cast<std::size_t>(std::floor(clip.times.back() * fps + 1e-6)) + 1;
             std::size_t at = 0;
@@ -104,14 +117,72 @@ Result<Motion> Motion::build(const ExportScene& scene, double fps, const Progres
                 while (at + 1 < clip.times.size() && clip.times[at + 1] <= time) ++at;
                 out.times.push_back(static_cast<double>(k) / fps);
                 auto& shape = out.shapes.emplace_back(shapes[at]);
+                if (!bones.empty()) out.bones.push_back(bones[at]);
                 if (at + 1 == clip.times.size()) continue;
                 const double part = (time - clip.times[at]) / (clip.times[at + 1] - clip.times[at]);
-                if (part > 1e-9) character.between(shapes[at].data(), shapes[at + 1].data(), part, shape.data());
+                if (part <= 1e-9) continue;
+                character.between(shapes[at].data(), shapes[at + 1].data(), part, shape.data());
+                for (std::size_t b = 0; b < heads.size(); ++b) {
+                    const Eigen::Isometry3d &from = bones[at][b], &to = bones[at + 1][b];
+                    const Eigen::Quaterniond turn = Eigen::Quaterniond(from.linear()).slerp(part, Eigen::Quaterniond(to.linear())).normalized();
+                    Eigen::Isometry3d& made = out.bones.back()[b];
+                    made.linear() = turn.toRotationMatrix();
+                    made.translation() = (1.0 - part) * (from * heads[b]) + part * (to * heads[b]) - made.linear() * heads[b];
+                }
             }
         }
         motion.clips.push_back(std::move(out));
     }
     return motion;
+}
+
+std::vector<Eigen::Isometry3d> Motion::rigBones(const ExportScene& scene, const Pose& pose, const double* shape) const {
+    const Skeleton& skeleton = scene.character.skeleton;
+    std::vector<Eigen::Isometry3d> out;
+    for (const ExportedRig& rig : scene.rigs)
+        for (const ExportedRig::Mover& mover : rig.movers) {
+            Eigen::Isometry3d& made = out.emplace_back(Eigen::Isometry3d::Identity());
+            if (mover.bone >= 0) {
+                // With its roll, as flesh follows it.
+                const auto b = static_cast<std::size_t>(mover.bone);
+                const auto start = static_cast<std::size_t>(skeleton.bones[b].start);
+                const Eigen::Quaterniond& plain = pose.frames[b];
+                const Eigen::AngleAxisd roll(boneRoll(skeleton, tree_, pose, mover.bone), (plain * tree_.restDirection[b]).normalized());
+                made.linear() = (Eigen::Quaterniond(roll) * plain).normalized().toRotationMatrix();
+                made.translation() = pose.points[start] - made.linear() * skeleton.points[start];
+            } else if (mover.element >= 0) {
+                const double* at = shape + layout.element(static_cast<std::size_t>(mover.element));
+                made.linear() = Eigen::Quaterniond(at).normalized().toRotationMatrix();
+                made.translation() = Eigen::Map<const Vec3>(at + 4);
+            }
+        }
+    return out;
+}
+
+bool Motion::morphsChange(std::size_t clip, int mesh) const {
+    for (const auto& shape : clips[clip].shapes)
+        for (int t = 0; t < morphs(mesh); ++t)
+            if (morphWeight(mesh, t, shape.data()) != morphs_[static_cast<std::size_t>(mesh)].model->morphs[static_cast<std::size_t>(t)].atRest) return true;
+    return false;
+}
+
+std::vector<double> Motion::withoutMorphs(const double* shape) const {
+    std::vector<double> out(shape, shape + layout.size());
+    for (const Morphs& of : morphs_)
+        for (int t = 0; t < of.count; ++t) out[static_cast<std::size_t>(layout.morph(of.first + t))] = of.model->morphs[static_cast<std::size_t>(t)].atRest;
+    return out;
+}
+
+void Motion::addMorphs(std::size_t element, const double* shape, Eigen::Ref<Eigen::VectorXd> to) const {
+    const int mesh = seen[element].mesh;
+    for (int t = 0; mesh >= 0 && t < morphs(mesh); ++t) {
+        const MorphTarget& target = morphs_[static_cast<std::size_t>(mesh)].model->morphs[static_cast<std::size_t>(t)];
+        const double weight = morphWeight(mesh, t, shape) - target.atRest;
+        for (std::size_t i = 0; weight != 0.0 && i < target.vertices.size(); ++i) {
+            const MeshVertex& v = meshVertices[static_cast<std::size_t>(mesh)][static_cast<std::size_t>(target.vertices[i])];
+            if (v.element == static_cast<std::int32_t>(element)) to.segment<3>(3 * v.row) += weight * target.deltas.row(static_cast<Eigen::Index>(i)).cast<double>().transpose();
+        }
+    }
 }
 
 std::vector<Points> Motion::meshPositions() const {

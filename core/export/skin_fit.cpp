@@ -10,6 +10,7 @@
 #include "core/character/standard_poses.h"
 #include "core/character/welded_surface.h"
 #include "core/export/body_frames.h"
+#include "core/export/skin_rig.h"
 
 namespace imomushi {
 
@@ -218,9 +219,10 @@ Result<FittedSkin> fitSkin(Motion& motion, const ExportScene& scene, const Progr
     const ShapeLayout& layout = motion.layout;
     const auto cancelled = [] { return fail(kCancelled, "The export was cancelled."); };
     FittedSkin skin;
+    const std::vector<int> leadBone = leadingJoints(scene, 0);
     for (std::size_t e = 0; e < elements; ++e) {
         const Points& v = input.elements[e].mesh->body.vertices;
-        skin.joints.push_back({scene.elements[e], v.rows() > 0 ? Vec3(0.5 * (v.colwise().minCoeff() + v.colwise().maxCoeff()).transpose()) : Vec3(Vec3::Zero())});
+        skin.joints.push_back({scene.elements[e] + " frame", v.rows() > 0 ? Vec3(0.5 * (v.colwise().minCoeff() + v.colwise().maxCoeff()).transpose()) : Vec3(Vec3::Zero()), -1, leadBone[e]});
     }
     std::vector<int> jointOf(joints, -1);
     std::vector<char> handle(joints, 0);  // of elements under meshes
@@ -234,8 +236,8 @@ Result<FittedSkin> fitSkin(Motion& motion, const ExportScene& scene, const Progr
         jointOf[j] = static_cast<int>(skin.joints.size());
         const auto& f = joint.faces[0];
         const auto& face = input.elements[static_cast<std::size_t>(f.element)].faces[static_cast<std::size_t>(f.face)];
-        skin.joints.push_back({scene.elements[static_cast<std::size_t>(f.element)] + " " + face.name,
-                               joint.point >= 0 ? input.skeleton.points[static_cast<std::size_t>(joint.point)] : face.frame.origin});
+        skin.joints.push_back({scene.elements[static_cast<std::size_t>(f.element)] + " " + face.name + " frame",
+                               joint.point >= 0 ? input.skeleton.points[static_cast<std::size_t>(joint.point)] : face.frame.origin, -1, leadBone[static_cast<std::size_t>(f.element)]});
     }
     // The rigid motion by body loads has a joint of its own.
     std::vector<LoadMotion> loadMotions;
@@ -244,14 +246,18 @@ Result<FittedSkin> fitSkin(Motion& motion, const ExportScene& scene, const Progr
         loadMotions.push_back(loadMotionOf(input.elements[e], character.loadColumns(static_cast<int>(e))));
         if (loadMotions[e].shift.cols() == 0) continue;
         loadJoint[e] = static_cast<int>(skin.joints.size());
-        skin.joints.push_back({scene.elements[e] + " flesh", loadMotions[e].middle});
+        skin.joints.push_back({scene.elements[e] + " flesh frame", loadMotions[e].middle, -1, leadBone[e]});
     }
+    const auto firstBone = static_cast<int>(skin.joints.size());
+    for (const ExportedRig& rig : scene.rigs)
+        for (const RigBone& bone : rig.rig->bones) skin.joints.push_back({bone.name, bone.head, static_cast<int>(skin.joints.size()) - firstBone, -1});
+    const std::vector<int> lead = leadingJoints(scene, firstBone);
     const auto rotationOf = [&](const double* shape, std::size_t j) { return Eigen::Quaterniond(shape + layout.joint(static_cast<int>(j))); };
     const auto placeOf = [&](const double* shape, std::size_t j) -> Vec3 {
         const double* at = shape + layout.joint(static_cast<int>(j)) + 4;
         return Eigen::Map<const Eigen::Matrix3d>(at) * skin.joints[static_cast<std::size_t>(jointOf[j])].origin + Eigen::Map<const Vec3>(at + 9);
     };
-    const auto motionsOf = [&](const double* shape) {
+    const auto motionsOf = [&](const double* shape, const std::vector<Eigen::Isometry3d>& bones) {
         Motions out;
         for (std::size_t e = 0; e < elements; ++e) {
             const double* at = shape + layout.element(e);
@@ -270,22 +276,31 @@ Result<FittedSkin> fitSkin(Motion& motion, const ExportScene& scene, const Progr
             const Eigen::Quaterniond rotation(angle > 0.0 ? Eigen::AngleAxisd(angle, turn / angle) : Eigen::AngleAxisd::Identity());
             out.push_back(out[e] * isometry(rotation, loadMotions[e].middle, place));
         }
+        out.insert(out.end(), bones.begin(), bones.end());
         return out;
     };
 
-    // Candidates of an element: its frame, its load joint, its joint planes, and the frames of the elements across them.
+    // Candidates of an element: its frame, its load joint, its joint planes, and the frames of the elements across them. The frame of an element with one bone is that bone, but for its
+    // stretch, which the bones and planes at its ends say better.
+    const auto addFrame = [&](int e, std::vector<int>& list) {
+        const auto add = [&list](int joint) {
+            if (std::find(list.begin(), list.end(), joint) == list.end()) list.push_back(joint);
+        };
+        const int bone = lead[static_cast<std::size_t>(e)];
+        if (bone >= 0) add(bone);
+        if (bone < 0 || input.elements[static_cast<std::size_t>(e)].bones.size() > 1) add(e);
+    };
     std::vector<std::vector<int>> candidates(elements);
     for (std::size_t e = 0; e < elements; ++e) {
         auto& list = candidates[e];
-        list.push_back(static_cast<int>(e));
+        addFrame(static_cast<int>(e), list);
         if (loadJoint[e] >= 0) list.push_back(loadJoint[e]);
         for (std::size_t j = 0; j < joints; ++j) {
             if (jointOf[j] < 0) continue;
             const auto& faces = input.joints[j].faces;
             if (std::none_of(faces.begin(), faces.end(), [&](const auto& f) { return f.element == static_cast<int>(e); })) continue;
             list.push_back(jointOf[j]);
-            for (const auto& f : faces)
-                if (std::find(list.begin(), list.end(), f.element) == list.end()) list.push_back(f.element);
+            for (const auto& f : faces) addFrame(f.element, list);
         }
     }
     const SeenSurface body = seenSurface(motion, input);
@@ -301,8 +316,11 @@ Result<FittedSkin> fitSkin(Motion& motion, const ExportScene& scene, const Progr
     // Frames: of the clips, as many as are affordable; then standard poses and the rest pose.
     const auto keys = motion.sample(Motion::affordable(200 * static_cast<Eigen::Index>(vertices)));
     std::vector<const double*> shapes;
+    std::vector<std::vector<Eigen::Isometry3d>> bones;  // per shape
     std::vector<double> importance;
+    const auto bonesOf = [&](std::size_t clip, std::size_t key) { return scene.rigs.empty() ? std::vector<Eigen::Isometry3d>() : motion.clips[clip].bones[key]; };
     for (const auto& key : keys) {
+        bones.push_back(bonesOf(key.first, key.second));
         shapes.push_back(motion.clips[key.first].shapes[key.second].data());
         importance.push_back(1.0 / static_cast<double>(keys.size()));
     }
@@ -312,14 +330,20 @@ Result<FittedSkin> fitSkin(Motion& motion, const ExportScene& scene, const Progr
         character.stop();
         character.update(pose.pose);
         character.shape(posed.emplace_back(motion.restShape.size()).data());
+        bones.push_back(motion.rigBones(scene, pose.pose, posed.back().data()));
     }
+    bones.push_back(motion.rigBones(scene, restPose(input.skeleton), motion.restShape.data()));
     for (const auto& shape : posed) shapes.push_back(shape.data());
     shapes.push_back(motion.restShape.data());
     importance.resize(shapes.size(), kStandard);
+    // The weights of morph targets are no matter of the skin, which comes after them.
+    std::vector<std::vector<double>> plain;
+    for (std::size_t k = 0; layout.morphs > 0 && k < shapes.size(); ++k) plain.push_back(motion.withoutMorphs(shapes[k]));
+    for (std::size_t k = 0; k < plain.size(); ++k) shapes[k] = plain[k].data();
     const auto frames = BodyFrames::build(motion, shapes, progress);
     if (!frames) return tl::unexpected(frames.error());
     std::vector<Motions> motions;
-    for (const double* shape : shapes) motions.push_back(motionsOf(shape));
+    for (std::size_t k = 0; k < shapes.size(); ++k) motions.push_back(motionsOf(shapes[k], bones[k]));
     for (std::size_t e = 0; e < elements; ++e) skin.settled = skin.settled || !character.loadColumns(static_cast<int>(e)).empty();
 
     const int threads = hardwareThreads();
@@ -416,12 +440,13 @@ Result<FittedSkin> fitSkin(Motion& motion, const ExportScene& scene, const Progr
         }
     }
 
-    for (const auto& clip : motion.clips) {
+    for (std::size_t c = 0; c < motion.clips.size(); ++c) {
+        const auto& clip = motion.clips[c];
         auto& tracks = skin.tracks.emplace_back(skin.joints.size());
         const auto count = static_cast<Eigen::Index>(clip.times.size());
         for (auto& track : tracks) track.rotations.resize(4, count), track.places.resize(3, count);
         for (Eigen::Index k = 0; k < count; ++k) {
-            const Motions now = motionsOf(clip.shapes[static_cast<std::size_t>(k)].data());
+            const Motions now = motionsOf(clip.shapes[static_cast<std::size_t>(k)].data(), bonesOf(c, static_cast<std::size_t>(k)));
             for (std::size_t j = 0; j < now.size(); ++j) {
                 tracks[j].rotations.col(k) = Eigen::Quaterniond(now[j].linear()).coeffs();
                 if (k > 0 && tracks[j].rotations.col(k).dot(tracks[j].rotations.col(k - 1)) < 0.0) tracks[j].rotations.col(k) *= -1.0;
@@ -429,6 +454,9 @@ Result<FittedSkin> fitSkin(Motion& motion, const ExportScene& scene, const Progr
             }
         }
     }
+    if (scene.rigs.empty()) return skin;
+    shareAmongMerged(scene, motion, firstBone, skin);
+    orderJoints(firstBone, skin);
     return skin;
 }
 

@@ -13,6 +13,9 @@ namespace imomushi {
 
 /// Linear blend skinning that is as near to the elastic body as its poses allow. Joints of the skin: the frame of each element, each plane where
 /// elements meet, handles of elements under a mesh of the scene, and, where body loads act, a load joint per element: the rigid motion that best fits its deformation by the loads.
+/// Where the scene has rigs their bones come first, in the order of their files. The bone that leads an element stands in for its frame (an element with several bones keeps
+/// both), and its weights are shared among the bones that were merged into it as the file shares them: while takes play these move as one, and animations of the old
+/// skeleton still bend what the file has there. The other joints hang on such bones, and those without weight are left out.
 struct FittedSkin {
     static constexpr int kMax = 4;
     struct Vertex {
@@ -22,6 +25,8 @@ struct FittedSkin {
     struct Joint {
         std::string name;
         Vec3 origin = Vec3::Zero();  ///< m, at rest
+        int rigBone = -1;            ///< the bone that it is, among those of all rigs; or
+        int parent = -1;             ///< the one that it hangs on; -1: it stands free
     };
     struct Track {
         Eigen::Matrix4Xd rotations;  ///< per key, x y z w, signs without jumps

@@ -60,10 +60,12 @@ Result<void> place(RawScene& scene, const ImportRequest& request, const std::str
     if (mesh.body.vertices.rows() > 0 && mesh.body.vertices.cwiseAbs().maxCoeff() > kMaxImportedCoordinate / std::max(1.0, answer.metresPerUnit))
         return fail("non-finite", quoted + " has coordinates that are too large to compute with: scale the mesh down in the program that made it.");
     if (answer.metresPerUnit != 1.0) mesh.body.vertices *= answer.metresPerUnit;
+    for (MorphTarget& target : scene.morphs) target.deltas *= static_cast<float>(answer.metresPerUnit);
     answer.zUpConverted = request.up == UpAxis::AsInFile ? scene.zUp : request.up == UpAxis::Z;
     if (answer.zUpConverted) {
         turnZUp(mesh.body.vertices);
         turnZUp(mesh.renderMesh.normals);
+        for (MorphTarget& target : scene.morphs) turnZUp(target.deltas);
     }
     return {};
 }
@@ -225,6 +227,9 @@ Result<CharacterFile> buildCharacter(RawScene scene, const ImportRequest& reques
     replaceZeroNormals(mesh);
     takeParts(scene, cleanName(request.path.stem().string(), "mesh"), file.renderModel);
     file.renderModel.mesh = std::move(mesh);
+    file.renderModel.morphs = std::move(scene.morphs);
+    if (const std::string fault = checkMorphs(file.renderModel.morphs, static_cast<std::size_t>(file.renderModel.mesh.body.vertices.rows())); !fault.empty())
+        return fail("non-finite", quoted + " has morph targets that cannot be computed with (" + fault + "): scale the scene down in the program that made it.");
     return file;
 }
 

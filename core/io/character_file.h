@@ -29,7 +29,8 @@ struct CharacterFile {
 ///   of nodes applied. A skin is posed by the file's joints, a vertex that they move by rounding alone stays as it is in the file. Points and lines are left out.
 /// - FBX, DAE: nodes depth first, the vertices of their meshes as assimp gives them (one per corner of a polygon), transformations of nodes applied.
 /// Bones are the joints of skins (glTF, FBX, DAE), with the file's animations of them; see RigBuilder for nodes that move parts without a skin. A file of bones without a mesh
-/// comes as its rig alone, where `request.bonesSuffice`. Morph targets are left out, except that the shape at rest has the file's own weights.
+/// comes as its rig alone, where `request.bonesSuffice`. Morph targets of glTF, FBX and DAE come with their names; the shape at rest has the file's own weights. Those of one name and weight are
+/// one, whichever meshes they are of.
 /// Triangles of mirrored nodes are turned over, so that they face as in the file. A coordinate that is not finite, of a vertex that no triangle uses, becomes 0 and an issue.
 /// `request.split` has no meaning. Errors: as importFile(); "empty-mesh" also where all triangles are degenerate().
 Result<CharacterFile> importCharacter(const ImportRequest& request, const Progress& progress);

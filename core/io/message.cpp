@@ -284,6 +284,13 @@ std::string encodeCharacter(const Result<CharacterFile>& answer) {
     w.items(model.part.data(), model.part.size());
     w.value(static_cast<std::uint64_t>(model.parts.size()));
     for (const std::string& name : model.parts) w.text(name);
+    w.value(static_cast<std::uint64_t>(model.morphs.size()));
+    for (const MorphTarget& target : model.morphs) {
+        w.text(target.name);
+        w.value(target.atRest);
+        w.items(target.vertices.data(), target.vertices.size());
+        w.matrix(target.deltas);
+    }
     write(w, answer->issues);
     w.value(static_cast<std::uint8_t>(answer->rig.has_value()));
     if (answer->rig) writeRig(w, *answer->rig);
@@ -299,7 +306,16 @@ Result<CharacterFile> decodeCharacter(std::string_view content) {
     model.part = r.items<std::int32_t>();
     const std::size_t parts = r.count(sizeof(std::uint64_t));
     for (std::size_t i = 0; i < parts && r.good(); ++i) model.parts.push_back(cleanName(r.text(), "mesh"));
+    const std::size_t morphs = r.count(1);
+    for (std::size_t i = 0; i < morphs && r.good(); ++i) {
+        MorphTarget& target = model.morphs.emplace_back();
+        target.name = cleanName(r.text(), "");
+        target.atRest = r.value<double>();
+        target.vertices = r.items<std::int32_t>();
+        r.matrix(target.deltas);
+    }
     const TriangleMesh& mesh = model.mesh.body;
+    if (r.good() && !checkMorphs(model.morphs, static_cast<std::size_t>(mesh.vertices.rows())).empty()) r.refuse();
     if (static_cast<Eigen::Index>(model.part.size()) != mesh.triangles.rows() || !inRange(model.part, static_cast<Eigen::Index>(model.parts.size()))) r.refuse();
     if (r.good()) file.issues = readIssues(r, mesh.triangles.rows(), mesh.vertices.rows());
     const auto rigged = r.value<std::uint8_t>();

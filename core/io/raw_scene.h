@@ -11,6 +11,7 @@
 
 #include "core/base/result.h"
 #include "core/mesh/mend.h"
+#include "core/mesh/render_model.h"
 #include "core/mesh/rig.h"
 
 namespace imomushi {
@@ -39,6 +40,7 @@ struct RawScene {
     /// Vertices with a coordinate that is not finite, and where the file has them ("line 12"). Only those in use matter.
     std::vector<std::pair<std::int32_t, std::string>> nonFinite;
     std::vector<MeshIssue> issues;       ///< of the file: what was dropped or not understood
+    std::vector<MorphTarget> morphs;     ///< of characters alone; deltas in the coordinates of the vertices
     std::optional<Rig> rig;              ///< of characters alone, whose surface may be empty then. `toScene` takes it to the coordinates of the vertices
 };
 

@@ -20,6 +20,7 @@
 #include "core/base/colour.h"
 #include "core/base/finite.h"
 #include "core/io/reader_support.h"
+#include "core/io/morph_builder.h"
 #include "core/io/rig_builder.h"
 #include "core/io/text_scanner.h"
 
@@ -246,7 +247,7 @@ private:
         const auto first = points_.size() / 3;
         if (first + from.mNumVertices > kMaxVertices) return tooManyVertices(file_);
         if (!from.mVertices || from.mNumVertices == 0) return {};
-        morphs_ += from.mNumAnimMeshes;
+        if (use_ == SceneUse::Elements) morphsLeftOut_ += from.mNumAnimMeshes;
         const std::string name = cleanName(text(at.mName), cleanName(text(from.mName), "mesh"));
         // Pieces of one node differ by material only: they are one part.
         if (&at != lastNode_) {
@@ -287,6 +288,18 @@ private:
             }
             colors_.insert(colors_.end(), color.data(), color.data() + 4);
         }
+        for (unsigned t = 0; use_ == SceneUse::Character && t < from.mNumAnimMeshes; ++t) {
+            // Its vertices are places; the mesh itself has the shape without them.
+            const aiAnimMesh& shape = *from.mAnimMeshes[t];
+            if (!shape.mVertices || shape.mNumVertices != from.mNumVertices) continue;
+            const std::string own(text(shape.mName));
+            const int target = morphs_.target(own.empty() ? name + " " + std::to_string(t + 1) : own, !own.empty(), 0.0);
+            for (unsigned v = 0; v < from.mNumVertices; ++v) {
+                const auto &to = shape.mVertices[v], &at3 = from.mVertices[v];
+                const Vec3 delta(static_cast<double>(to.x) - static_cast<double>(at3.x), static_cast<double>(to.y) - static_cast<double>(at3.y), static_cast<double>(to.z) - static_cast<double>(at3.z));
+                morphs_.move(target, static_cast<std::int32_t>(first + v), removed_ * (linear * delta));
+            }
+        }
         std::vector<std::int32_t> polygon;
         std::vector<std::array<std::int32_t, 3>> cut;
         for (unsigned f = 0; f < from.mNumFaces; ++f) {
@@ -318,6 +331,7 @@ private:
             scene_.surface.mesh.body.vertices = Eigen::Map<const Points>(points_.data(), static_cast<Eigen::Index>(points_.size() / 3), 3);
             skins();
             scene_.rig = rig_.finish(scene_);
+            morphs_.finish(scene_);
             if (scene_.rig) scene_.rig->toScene = inFile(Matrix::Identity());
             if (badBones_ > 0) tell(scene_, Severity::Warning, "skeleton", "Bones of skins that are not in the scene were left out.", badBones_);
             if (scene_.rig && triangles_.empty()) return std::move(scene_);
@@ -325,7 +339,7 @@ private:
         if (triangles_.empty()) return fail("empty-mesh", file_.quoted() + " has no triangles: choose a file with a mesh.");
         if (polygons_ > 0) tell(scene_, Severity::Info, "not-triangles", std::to_string(polygons_) + (polygons_ == 1 ? " polygon was" : " polygons were") + " cut into triangles.", polygons_);
         if (linesAndPoints_ > 0) tell(scene_, Severity::Info, "not-a-surface", std::to_string(linesAndPoints_) + " lines and points left out.", linesAndPoints_);
-        if (morphs_ > 0) tell(scene_, Severity::Info, "morph-targets", std::to_string(morphs_) + " morph targets left out.", morphs_);
+        if (morphsLeftOut_ > 0) tell(scene_, Severity::Info, "morph-targets", std::to_string(morphsLeftOut_) + " morph targets left out.", morphsLeftOut_);
         if (badAttributes_ > 0) tell(scene_, Severity::Warning, "non-finite", std::to_string(badAttributes_) + " normals or texture coordinates not finite; they were replaced.", badAttributes_);
         ElementMesh& mesh = scene_.surface.mesh;
         const auto vertices = static_cast<Eigen::Index>(points_.size() / 3);
@@ -356,6 +370,7 @@ private:
     RawScene scene_;
     TextureLoader textures_;
     RigBuilder rig_;
+    MorphBuilder morphs_;
     std::map<std::string, int, std::less<>> nodeNamed_;  // in rig_, the first of a name
     std::vector<Placed> placed_;
     std::size_t badBones_ = 0;
@@ -367,7 +382,7 @@ private:
     std::vector<float> normals_, texCoords_, colors_;
     std::vector<std::int32_t> triangles_, material_;
     bool anyNormals_ = false, anyUv_ = false, anyColors_ = false;
-    std::size_t polygons_ = 0, linesAndPoints_ = 0, morphs_ = 0, badAttributes_ = 0;
+    std::size_t polygons_ = 0, linesAndPoints_ = 0, morphsLeftOut_ = 0, badAttributes_ = 0;
 };
 
 }  // namespace

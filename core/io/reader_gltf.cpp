@@ -9,6 +9,7 @@
 #include "core/io/gltf_file_reader.h"
 #include "core/base/finite.h"
 #include "core/io/gltf_clips.h"
+#include "core/io/morph_builder.h"
 #include "core/io/reader_support.h"
 #include "core/io/rig_builder.h"
 
@@ -187,10 +188,11 @@ private:
         const Json& weights = member(from, "weights").is_null() ? member(mesh, "weights") : member(from, "weights");
         scene_.partNames.push_back(name);
         if (rigNode_[n] >= 0 && !bones) rig_.setPart(rigNode_[n]);
-        for (const Json& primitive : array(member(mesh, "primitives"))) this->primitive(primitive, name, n, bones, weights);
+        const Json& targetNames = array(member(member(mesh, "extras"), "targetNames"));
+        for (const Json& primitive : array(member(mesh, "primitives"))) this->primitive(primitive, name, n, bones, weights, targetNames);
     }
 
-    void primitive(const Json& from, const std::string& name, std::size_t at, const std::optional<Skin>& bones, const Json& weights) {
+    void primitive(const Json& from, const std::string& name, std::size_t at, const std::optional<Skin>& bones, const Json& weights, const Json& targetNames) {
         const std::uint64_t mode = number(member(from, "mode"), "mode", 4);
         if (mode > 6) refuse("has a primitive of unknown mode in '" + name + "': export it again.");
         if (mode < 4) {
@@ -215,13 +217,18 @@ private:
         };
         // The shape at rest is that of the default weights.
         const Json& targets = array(member(from, "targets"));
-        morphs_ += targets.size();
+        std::vector<std::pair<int, Values>> shifts;  // target of morphs_, and how far
+        if (use_ == SceneUse::Elements) morphsLeftOut_ += targets.size();
         for (std::size_t t = 0; t < targets.size(); ++t) {
             const double w = weights.is_array() && t < weights.size() ? number(weights[t], 0.0) : 0.0;
-            if (w == 0.0 || member(targets[t], "POSITION").is_null()) continue;
-            const Values shift = accessor(member(targets[t], "POSITION"), "morph target");
+            // Targets of all primitives have their numbers, whatever these move.
+            const std::string own = t < targetNames.size() ? text(targetNames[t]) : "";
+            const int target = use_ == SceneUse::Elements ? -1 : own.empty() ? unnamedTarget(at, t, name, w) : morphs_.target(own, true, w);
+            if ((w == 0.0 && target < 0) || member(targets[t], "POSITION").is_null()) continue;
+            Values shift = accessor(member(targets[t], "POSITION"), "morph target");
             if (shift.count != n || shift.width != 3) refuse("has a morph target of '" + name + "' that does not fit its positions: export it again.");
-            for (std::size_t i = 0; i < 3 * n; ++i) positions.at[i] += w * shift.at[i];
+            for (std::size_t i = 0; w != 0.0 && i < 3 * n; ++i) positions.at[i] += w * shift.at[i];
+            if (target >= 0) shifts.emplace_back(target, std::move(shift));
         }
 
         std::int32_t material = -1;
@@ -265,6 +272,8 @@ private:
             if (use_ == SceneUse::Character && bones && allFinite(x) && (x - p).cwiseAbs().maxCoeff() <= kRounding * reach) x = p;
             if (!allFinite(x)) scene_.nonFinite.emplace_back(first + static_cast<std::int32_t>(v), "vertex " + std::to_string(v) + " of '" + name + "'");
             points_.insert(points_.end(), x.data(), x.data() + 3);
+            for (const auto& [target, shift] : shifts)
+                morphs_.move(target, first + static_cast<std::int32_t>(v), m.topLeftCorner<3, 3>() * Vec3(shift.at[3 * v], shift.at[3 * v + 1], shift.at[3 * v + 2]));
             const double determinant = m.topLeftCorner<3, 3>().determinant();
             if (v == 0) mirrored = determinant < 0.0;
             Vec3 normal = Vec3::Zero();
@@ -324,6 +333,13 @@ private:
         }
     }
 
+    /// A target without a name is one of its node.
+    int unnamedTarget(std::size_t node, std::size_t target, const std::string& name, double atRest) {
+        const auto [known, isNew] = unnamed_.try_emplace({node, target}, -1);
+        if (isNew) known->second = morphs_.target(name + " " + std::to_string(target + 1), false, atRest);
+        return known->second;
+    }
+
     /// Vertex v of a primitive follows its joints, or the node of its mesh.
     void bind(std::int32_t vertex, std::size_t v, std::size_t at, const std::optional<Skin>& bones, const std::vector<Values>& joints, const std::vector<Values>& weights) {
         if (!bones) rig_.bind(vertex, rigNode_[at], 1.0);
@@ -343,6 +359,7 @@ private:
             if (triangles_.empty()) points_.clear();
             scene_.surface.mesh.body.vertices = Eigen::Map<const Points>(points_.data(), static_cast<Eigen::Index>(points_.size() / 3), 3);
             scene_.rig = rig_.finish(scene_);
+            morphs_.finish(scene_);
             if (badJoints_ > 0) tell(scene_, Severity::Warning, "skeleton", "Weights of bones that do not exist were left out.", badJoints_);
             if (scene_.rig && triangles_.empty()) return std::move(scene_);
         }
@@ -351,7 +368,7 @@ private:
             throw Refused{{"empty-mesh", file().quoted() + (rig && list("meshes").empty() ? " holds bones but no mesh" : " has no triangles") + ": choose a file with a mesh."}};
         }
         if (linesAndPoints_ > 0) tell(scene_, Severity::Info, "not-a-surface", "Lines and points left out.", linesAndPoints_);
-        if (morphs_ > 0) tell(scene_, Severity::Info, "morph-targets", "Morph targets left out.", morphs_);
+        if (morphsLeftOut_ > 0) tell(scene_, Severity::Info, "morph-targets", "Morph targets left out.", morphsLeftOut_);
         if (use_ == SceneUse::Elements && (!list("skins").empty() || !list("animations").empty()))
             tell(scene_, Severity::Info, "bones", "Bones and animations of the file left out.", list("skins").size() + list("animations").size());
         tellReplacedAttributes(scene_, badAttributes_);
@@ -395,12 +412,14 @@ private:
     std::vector<Matrix> global_;        // of each node, to the scene
     std::vector<std::size_t> placed_;   // the nodes of the scene, depth first
     RigBuilder rig_;
+    MorphBuilder morphs_;
+    std::map<std::pair<std::size_t, std::size_t>, int> unnamed_;  // by node and number
     std::vector<int> rigNode_;          // of each node, its index in rig_; -1: not in the scene, or no bones are wanted
     std::vector<double> points_;
     std::vector<float> normals_, texCoords_, colors_;
     std::vector<std::int32_t> triangles_, material_;
     bool anyNormals_ = false, anyUv_ = false, anyColors_ = false;
-    std::size_t linesAndPoints_ = 0, morphs_ = 0, badAttributes_ = 0, badJoints_ = 0;
+    std::size_t linesAndPoints_ = 0, morphsLeftOut_ = 0, badAttributes_ = 0, badJoints_ = 0;
 };
 
 }  // namespace

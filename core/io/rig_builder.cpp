@@ -110,6 +110,7 @@ void RigBuilder::keep(const std::vector<char>& chosen, Rig& rig) {
         node.kept = static_cast<int>(rig.nodes.size());
         rig.nodes.push_back(node.local);
         rig.nodes.back().parent = above ? above->kept : -1;
+        if (!chosen[i]) rig.nodes.back().name = node.name;
         if (!chosen[i]) continue;
         RigBone bone;
         bone.name = uniqueName(names, node.name);

@@ -43,6 +43,7 @@ void writeRig(MessageWriter& w, const Rig& rig) {
         w.matrix(node.translation);
         write(w, node.rotation);
         w.matrix(node.scale);
+        w.text(node.name);
     }
     w.matrix(rig.toScene);
     w.items(rig.weights.first.data(), rig.weights.first.size());
@@ -81,6 +82,7 @@ void readRig(MessageReader& r, std::size_t vertices, Rig& rig) {
         node.translation = readPlace(r);
         node.rotation = readRotation(r);
         node.scale = readPlace(r);
+        node.name = cleanName(r.text(), "");
     }
     Four scene;  // columns
     r.matrix(scene);

@@ -29,6 +29,7 @@ struct RigNode {
     Vec3 translation = Vec3::Zero();
     Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  ///< unit
     Vec3 scale = Vec3::Ones();
+    std::string name = {};  ///< UTF-8, not unique; empty: not known, or that of its bone
 };
 
 /// How much each bone moves each vertex of a render model (RenderModel::mesh.body). Vertex v has the entries [first[v], first[v + 1]).

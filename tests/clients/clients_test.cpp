@@ -21,6 +21,7 @@ namespace {
 
 constexpr int kFrames = 45, kKeys = 10;  // of a take at 60 frames per second, and times that are compared
 constexpr double kExact = 1e-5;          // of the diagonal
+constexpr double kJoints = 1e-4;         // joints of imported skeletons: of the diagonal
 constexpr double kLive = 1e-4;           // what follows a drag
 constexpr int kNoBrowser = 77;           // exit status of check_browser.js
 
@@ -179,6 +180,61 @@ TEST_CASE("clients: the validator finds nothing in any layout of any sample, and
             std::filesystem::copy_file(folder() / jobs[0]["picture"].get<std::string>(), std::filesystem::path(keep) / ("three-" + jobs[0]["picture"].get<std::string>()),
                                        std::filesystem::copy_options::overwrite_existing);
     }
+}
+
+TEST_CASE("clients: clips of imported skeletons, exported as takes, have the joints of the original file in three.js") {
+    namespace fs = std::filesystem;
+    if (!hasNode()) return;
+    if (!fs::exists(IMOMUSHI_SHARED_MESHES)) {
+        MESSAGE("skipped: no folder " IMOMUSHI_SHARED_MESHES);
+        return;
+    }
+    struct Rigged {
+        const char *file, *unit;
+        double scale;
+        std::vector<const char*> clips;
+        double seconds;  // of the shortest of these
+        int joints;      // that are not merged, at least
+    };
+    Json jobs = Json::array();
+    std::vector<int> least;
+    std::string files;
+    for (const Rigged& of : {Rigged{"Fox.glb", "cm", 0.01, {"Survey", "Walk", "Run"}, 0.7, 6}, Rigged{"snake-animations.glb", "m", 1.0, {"Side winding", "Bite", "Dance"}, 0.5, 5}}) {
+        CAPTURE(of.file);
+        const fs::path original = fs::path(IMOMUSHI_SHARED_MESHES) / of.file;
+        std::vector<Json> lines = {{{"do", "make-soft"}, {"path", original.string()}, {"unit", of.unit}, {"name", "it"}, {"precompute", false}}, {{"do", "list"}}};
+        const Json list = perform(lines)[1];
+        std::vector<const char*> clips;
+        for (const char* clip : of.clips)
+            for (const Json& known : list["characters"][0]["clips"])
+                if (known["name"] == clip) clips.push_back(clip);
+        REQUIRE(!clips.empty());
+        for (const char* clip : clips) lines.push_back({{"do", "take-clip"}, {"character", "it"}, {"clip", clip}});
+        for (const char* layout : {"skinned", "baked"}) lines.push_back(exported((original.stem().string() + "-" + layout + ".glb").c_str(), layout));
+        perform(lines);
+        Json names = Json::array(), times = Json::array();
+        for (const Json& bone : list["bones"]) names.push_back(bone["name"]);
+        // At keys of the takes: what lies between two is for each program to say.
+        for (int k = 0; k <= 6; ++k) times.push_back(std::floor(of.seconds * k / 6.0 * 60.0) / 60.0);
+        for (const char* layout : {"skinned", "baked"}) {
+            const std::string file = original.stem().string() + "-" + layout + ".glb";
+            files += " '" + file + "'";
+            for (const char* clip : clips) {
+                jobs.push_back({{"original", original.string()}, {"exported", file}, {"clip", clip}, {"scale", of.scale}, {"joints", names}, {"times", times}, {"tolerance", kJoints}});
+                least.push_back(of.joints);
+            }
+        }
+    }
+    std::ofstream(folder() / "jobs.json") << jobs.dump();
+    int status = 0;
+    const std::string out = run("node '" IMOMUSHI_CLIENTS "/check_joints.js' jobs.json", status);
+    INFO(out << readFile(folder() / "err"));
+    REQUIRE(status == 0);
+    const Json checks = Json::parse(out)["checks"];
+    for (std::size_t i = 0; i < checks.size(); ++i) CHECK(checks[i]["joints"].get<int>() >= least[i]);
+    const std::string found = run("node '" IMOMUSHI_CLIENTS "/validate.js'" + files, status);
+    INFO(found);
+    CHECK(status == 0);
 }
 
 TEST_CASE("clients: Blender shows what the studio shows, baked and rigged") {

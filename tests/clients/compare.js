@@ -18,7 +18,7 @@ export function drawnMeshes(scene) {
     const found = [];
     scene.traverse((mesh) => {
         if (!mesh.isMesh) return;
-        mesh.geometry.userData.drawn ??= [...new Set(mesh.geometry.index.array)];
+        mesh.geometry.userData.drawn ??= mesh.geometry.index ? [...new Set(mesh.geometry.index.array)] : [...mesh.geometry.attributes.position.array.keys()].slice(0, mesh.geometry.attributes.position.count);
         found.push({ mesh, vertices: mesh.geometry.userData.drawn });
     });
     return found;

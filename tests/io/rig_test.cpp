@@ -294,6 +294,46 @@ TEST_CASE("rig: the message of the worker brings it unchanged, and nothing that 
     CHECK(sound > 100);
 }
 
+TEST_CASE("rig: morph targets come with their names, turned with the skin and in metres, those of one name as one") {
+    Glb glb = arm();
+    const int up = glb.floats(std::vector<float>(3 * 12, 0.25f), "VEC3", 3), none = glb.floats(std::vector<float>(3 * 12, 0.0f), "VEC3", 3);
+    json& mesh = glb.json["meshes"][0];
+    REQUIRE(glb.json["accessors"][mesh["primitives"][0]["attributes"]["POSITION"].get<std::size_t>()]["count"] == 12);
+    mesh["primitives"][0]["targets"] = {{{"POSITION", up}}, {{"POSITION", none}}, {{"POSITION", up}}};
+    mesh["weights"] = {0.0, 0.0, 0.5};
+    mesh["extras"]["targetNames"] = {"smile", "nothing", ""};
+    // The same mesh again beside the skin: a target of the same name is the same.
+    glb.json["nodes"].push_back({{"mesh", 0}, {"name", "other"}, {"translation", {5, 0, 0}}});
+    glb.json["scenes"][0]["nodes"].push_back(3);
+    const auto read = rigged(glb.file(), "a.glb", false, Unit::Centimetre);
+    REQUIRE_MESSAGE(read, why(read));
+    const auto& morphs = read->renderModel.morphs;
+    REQUIRE(morphs.size() == 3);
+    CHECK(morphs[0].name == "smile");
+    CHECK(morphs[0].vertices.size() == 24);
+    CHECK(morphs[1].name == "body 3");
+    CHECK(morphs[1].atRest == 0.5);
+    CHECK(morphs[2].name == "other 3");
+    CHECK(morphs[2].vertices.front() == 12);
+    // Of a node at rest as they are, in metres.
+    CHECK((morphs[2].deltas.row(0) - Eigen::RowVector3f(0.0025f, 0.0025f, 0.0025f)).norm() < 1e-8f);
+    // The worker's message brings them unchanged.
+    const auto decoded = decodeCharacter(encodeCharacter(read));
+    REQUIRE_MESSAGE(decoded, why(decoded));
+    REQUIRE(decoded->renderModel.morphs.size() == 3);
+    for (std::size_t t = 0; t < 3; ++t) CHECK(decoded->renderModel.morphs[t].deltas == morphs[t].deltas);
+    // A number that is none makes the target, not the file, unusable.
+    Glb broken = arm();
+    std::vector<float> bad(3 * 12, 0.25f);
+    bad[5] = std::numeric_limits<float>::quiet_NaN();
+    const int at = broken.floats(bad, "VEC3", 3);
+    broken.json["meshes"][0]["primitives"][0]["targets"] = {{{"POSITION", at}}};
+    const auto without = rigged(broken.file());
+    REQUIRE_MESSAGE(without, why(without));
+    CHECK(without->renderModel.morphs.empty());
+    CHECK(told(*without, "morph-targets"));
+}
+
 TEST_CASE("rig: COLLADA skins and animations, in their own unit") {
     const std::string dae = R"(<?xml version="1.0" encoding="utf-8"?>
 <COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">

@@ -203,6 +203,8 @@ Json drag(const std::string& endpoint, const Vec3& to, std::optional<double> rol
     return command;
 }
 
+Json morph(const std::string& character, const std::string& target, double weight) { return {{"do", "morph"}, {"character", character}, {"target", target}, {"weight", weight}}; }
+
 Json turnPart(const std::string& character, const std::string& part, const Eigen::Quaterniond& turn) {
     return {{"do", "turn-part"}, {"character", character}, {"part", part}, {"rotation", Json::array({turn.x(), turn.y(), turn.z(), turn.w()})}};
 }

@@ -170,6 +170,7 @@ Json drag(const std::string& endpoint, const Vec3& to, std::optional<double> rol
 /// `turn`: from rest.
 Json dragHandle(const std::string& handle, const Vec3& to, const Eigen::Quaterniond& turn);
 /// `turn`: from rest, in the axes of the rest pose.
+Json morph(const std::string& character, const std::string& target, double weight);
 Json turnPart(const std::string& character, const std::string& part, const Eigen::Quaterniond& turn);
 /// Of an endpoint or a handle, as release().
 Json setPinned(const std::string& endpoint, bool pinned);

@@ -173,6 +173,7 @@ const std::map<std::string, const char*> kSteps = {
     {"remove-handle", QT_TRANSLATE_NOOP("Steps", "Remove handle")},
     {"attach", QT_TRANSLATE_NOOP("Steps", "Attach part")},
     {"turn-part", QT_TRANSLATE_NOOP("Steps", "Turn part")},
+    {"morph", QT_TRANSLATE_NOOP("Steps", "Set morph target")},
     {"add-bone", QT_TRANSLATE_NOOP("Steps", "Add bone")},
     {"edit-bone", QT_TRANSLATE_NOOP("Steps", "Change bone")},
     {"remove-element", QT_TRANSLATE_NOOP("Steps", "Remove element")},

@@ -60,7 +60,7 @@ void ActionStates::update() {
     a["pin"]->setEnabled(handles || count(Kind::Endpoint, Kind::Bone) > 0);
     const bool held = !d.goals.empty() || std::any_of(d.handleGoals.begin(), d.handleGoals.end(), [](const auto& goal) { return goal.second.target.held; });
     a["release"]->setEnabled(held);
-    a["rest"]->setEnabled(held || !d.handleGoals.empty() || !d.turns.empty() || !d.pose.points.empty());
+    a["rest"]->setEnabled(held || !d.handleGoals.empty() || !d.turns.empty() || !d.morphs.empty() || !d.pose.points.empty());
     for (const char* id : {"select-all", "export", "write-mesh"}) a[id]->setEnabled(!d.elements.empty());
     const bool stale = std::any_of(d.elements.begin(), d.elements.end(), [&](const auto& e) {
         return !e.second->faces.empty() && session.responseState(e.first) != Session::ResponseState::Fresh;

@@ -3,6 +3,7 @@
 #include <QPushButton>
 #include <algorithm>
 
+#include "core/document/morph_weights.h"
 #include "core/mesh/bounds.h"
 #include "ui/models/body_texts.h"
 #include "ui/models/paths.h"
@@ -15,6 +16,8 @@ namespace {
 
 /// Gaps that get a row of their own; the list of issues has all.
 constexpr std::size_t kGapRows = 6;
+/// Weight per pixel of a drag: a hundred for the whole of a target.
+constexpr double kMorphStep = 0.01;
 
 }  // namespace
 
@@ -24,9 +27,9 @@ WholeCharacterForm::WholeCharacterForm(StudioDocument& document, const Selection
     addName(item);
     const CharacterSource* character = characterOf(now(), item);
     if (!character) return;
-    follow([this, item, made = character->body] {
+    follow([this, item, made = character->body, model = character->model] {
         const CharacterSource* c = characterOf(now(), item);
-        if (c && c->body != made) askForRows();
+        if (c && (c->body != made || c->model != model)) askForRows();
     });
     addBody(*character);
     addGaps(*character);
@@ -43,6 +46,7 @@ WholeCharacterForm::WholeCharacterForm(StudioDocument& document, const Selection
         for (std::size_t i = 0; c && i < c->cuts.size(); ++i) names << QString::fromStdString(c->cuts[i].name);
         return names.isEmpty() ? tr("none") : names.join(QStringLiteral(", "));
     });
+    addMorphs(item);
     addParts(item);
 }
 
@@ -59,6 +63,22 @@ void WholeCharacterForm::addBody(const CharacterSource& character) {
     addFact(tr("Volume error"), [e = report.volumeError] { return e < 0.0 ? tr("unknown: the mesh encloses none") : tr("%1 %").arg(QLocale().toString(100.0 * e, 'g', 2)); });
     if (report.detail > 0.0) addFact(tr("Detail"), [d = report.detail] { return diagonalShareText(d); });
     if (report.components > 1) addFact(tr("Separate surfaces"), [n = report.components] { return QLocale().toString(n); });
+}
+
+void WholeCharacterForm::addMorphs(const SelectionItem& item) {
+    const CharacterSource& character = *characterOf(now(), item);
+    if (character.model->morphs.empty()) return;
+    addSection(tr("Morph targets"));
+    for (std::size_t t = 0; t < character.model->morphs.size(); ++t) {
+        const MorphTarget& target = character.model->morphs[t];
+        addNumber(QString::fromStdString(target.name), {{}, -kLargestMorphWeight, kLargestMorphWeight, kMorphStep, 3, 1.0, target.atRest}, {item},
+                  [this, name = target.name](const SelectionItem& of) -> std::optional<double> {
+                      const CharacterSource* c = characterOf(now(), of);
+                      const int known = c ? c->model->morphIndex(name) : -1;
+                      return known < 0 ? std::nullopt : std::optional(morphWeight(now(), *c, known));
+                  },
+                  [this, name = target.name](const SelectionItem& of, double weight) { return commands::morph(characterOf(now(), of)->name, name, weight); });
+    }
 }
 
 void WholeCharacterForm::addGaps(const CharacterSource& character) {
