@@ -14,14 +14,14 @@ build_packages=(
     qt6-base-dev qt6-tools-dev qt6-tools-dev-tools qt6-l10n-tools libqt6opengl6-dev 'qt6-svg-dev|libqt6svg6-dev'
     libgl-dev libegl-dev libepoxy-dev libpng-dev libturbojpeg0-dev
     # core
-    libeigen3-dev libassimp-dev libcgal-dev libopenblas-dev liblapacke-dev libhwy-dev libxxhash-dev libsqlite3-dev
+    libeigen3-dev libassimp-dev libcgal-dev libopenblas-dev liblapacke-dev libsuitesparse-dev libtet1.5-dev libhwy-dev libxxhash-dev libsqlite3-dev
     libexpected-dev nlohmann-json3-dev libtinygltf-dev
     # at run time: OpenGL without a graphics card or display, Qt's X11 and Wayland platforms, fonts for both languages
     libegl1 libgl1-mesa-dri libxcb-cursor0 libxkbcommon-x11-0 qt6-wayland qt6-translations-l10n fonts-inter fonts-noto-cjk
 )
 test_packages=(doctest-dev librapidcheck-dev libbenchmark-dev xvfb xauth xdotool imagemagick
     # finite elements to compare with
-    libgmsh-dev libsuitesparse-dev)
+    libgmsh-dev)
 fuzz_packages=(clang libclang-rt-14-dev)
 
 # npm may come from elsewhere, as one package with node.

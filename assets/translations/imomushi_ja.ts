@@ -2522,6 +2522,10 @@
             <translation>細分</translation>
         </message>
         <message>
+            <source>Volume</source>
+            <translation>体積（有限要素）</translation>
+        </message>
+        <message>
             <source>Decimated</source>
             <translation>間引き</translation>
         </message>
@@ -3950,6 +3954,14 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         <message>
             <source>draft mesh</source>
             <translation>下書きのメッシュ</translation>
+        </message>
+        <message>
+            <source>volume</source>
+            <translation>体積（有限要素）</translation>
+        </message>
+        <message>
+            <source>volume × %1</source>
+            <translation>体積（有限要素） × %1</translation>
         </message>
     </context>
     <context>

@@ -27,6 +27,7 @@ std::string meshName(const MeshChoice& mesh) {
         case Kind::Default: return "default" + tail;
         case Kind::Best: return "best" + tail;
         case Kind::Draft: return "draft" + tail;
+        case Kind::Volume: return (mesh.factor > 0.0 ? "volume x " + numberText(mesh.factor) : "volume") + tail;
     }
     return {};
 }
@@ -35,7 +36,7 @@ std::string meshName(const MeshChoice& mesh) {
 
 SolverMeshSetting MeshChoice::on(int vertices, const SolverMeshSetting& given) const {
     if (own) return given;
-    const bool counted = kind == Kind::Refined || kind == Kind::Decimated;
+    const bool counted = kind == Kind::Refined || kind == Kind::Decimated || (kind == Kind::Volume && factor > 0.0);
     const double count = std::clamp(std::round(factor * vertices), double{SolverMeshSetting::kFewest}, double{SolverMeshSetting::kMax});
     return {kind, counted ? static_cast<int>(count) : 0, tolerance};
 }
@@ -79,6 +80,7 @@ std::vector<AccuracySetting> studiedSettings(const AccuracySetting& present, con
     add(basis(some, false, usual));
     add({true, BasisKind::Full, false, usual, ResponseFormat::Float});
     add(basis(BasisKind::Full, true, usual));
+    add(basis(some, true, {false, Kind::Volume, 0.0}));
     add(basis(some, true, {false, Kind::Best, 0.0}));
     add(basis(most, true, {false, Kind::Best, 0.0}));
     for (AccuracySetting setting : {present, basis(some, true, {false, Kind::Best, 0.0})}) {

@@ -14,7 +14,7 @@ namespace imomushi {
 struct MeshChoice {
     bool own = false;    ///< each element the one that the document gives it
     SolverMeshSetting::Kind kind = SolverMeshSetting::Kind::Default;
-    double factor = 0.0; ///< of Refined and Decimated: its vertices in those of the body
+    double factor = 0.0; ///< of Refined, Decimated and, where it is not 0, Volume: its vertices in those of the body
     double tolerance = SolverMeshSetting::kUsualTolerance;
     /// For an element of so many vertices; `given`: what the document gives it.
     [[nodiscard]] SolverMeshSetting on(int vertices, const SolverMeshSetting& given) const;

@@ -103,6 +103,8 @@ Result<Json> precompute(SessionAccess& access, const Json& arguments, const Prog
             line["negative_energy"] = response->quality.negativeEnergy;
             line["solver_vertices"] = response->quality.solverVertices;
             line["solver_nodes"] = response->quality.solverNodes;
+            if (response->quality.tetrahedra > 0) line["tetrahedra"] = response->quality.tetrahedra;
+            if (!response->quality.noFilling.empty()) line["note"] = response->quality.noFilling;
             if (response->quality.error >= 0.0) line["error"] = response->quality.error;
             if (response->quality.decimated) {
                 line["mapping_error"] = response->quality.mappingError;

@@ -17,7 +17,7 @@ namespace imomushi {
 /// Accuracy and cost of a boundary problem.
 struct SolveQuality {
     bool hierarchical = false;  ///< solved with a hierarchical matrix: rcond is not known then
-    double residual = 0.0;  ///< largest |A x - b| / |b| over the solved columns (2-norm), after refinement
+    double residual = 0.0;  ///< largest |A x - b| / |b| over the solved columns (2-norm), after refinement; of finite elements: of one combination of them
     double rcond = 0.0;     ///< estimate of the reciprocal condition number of the scaled matrix in the maximum norm (Higham 1988, LAPACK slacn2)
     double assembleSeconds = 0.0, factoriseSeconds = 0.0, solveSeconds = 0.0;
     std::size_t peakBytes = 0;

@@ -35,7 +35,7 @@ Result<double> discretisationError(const TrimmedElement& element, const SolvedBo
     const auto cancelled = [] { return fail(kCancelled, "The precompute was cancelled."); };
     const ResponseInput& input = element.input;
     // A draft that is graded towards the outlines of discs has no coarser mesh that is graded alike: it was said to be wrong by 550 % where it was by 33 %.
-    if (!solved.inside.empty() && solved.plain.mesh.vertices.rows() == 0) return -1.0;
+    if (!solved.filling && !solved.inside.empty() && solved.plain.mesh.vertices.rows() == 0) return -1.0;
     const auto coarser = coarserLevel(input.mesh->body, input.faces, solved, progress);
     if (progress.cancelled()) return cancelled();
     if (!coarser) return -1.0;
@@ -66,20 +66,14 @@ Result<double> discretisationError(const TrimmedElement& element, const SolvedBo
     return coarser->share * std::sqrt(sum / static_cast<double>(held.cols()));
 }
 
-}  // namespace
-
-std::size_t ElementResponse::bytes() const {
-    return sizeof(double) * static_cast<std::size_t>(response.size() + stiffness.size() + tractions.size() + loads.size() + loadForces.size()) + sizeof(std::int32_t) * freeVertices.size() +
-           touch.bytes();
-}
-
-Result<ElementResponse> buildResponse(const ResponseInput& input, const Progress& progress) {
-    if (auto ok = checkInput(input); !ok) return tl::make_unexpected(ok.error());
+/// `tetrahedra`: whether they may be used; afterwards whether they were.
+Result<ElementResponse> buildWith(const ResponseInput& input, bool& tetrahedra, const Progress& progress) {
     const auto start = std::chrono::steady_clock::now();
     ElementResponse response;
     response.bases = basesOf(input, response.firstColumn);
     const int g = response.columns();
     if (input.faces.empty()) {
+        tetrahedra = false;
         response.freeVertices = freeVerticesOf(input);
         response.response.resize(3 * static_cast<Eigen::Index>(response.freeVertices.size()), 0);
         response.stiffness.resize(0, 0);
@@ -87,7 +81,8 @@ Result<ElementResponse> buildResponse(const ResponseInput& input, const Progress
     }
     auto element = trimmedElement(input, progress.part(0.0, 0.02));
     if (!element) return tl::make_unexpected(element.error());
-    auto solved = solvedBody(element->input.mesh->body, element->input.faces, input.solverMesh, progress.part(0.02, 0.1));
+    auto solved = solvedBody(element->input.mesh->body, element->input.faces, input.solverMesh, progress.part(0.02, 0.1), tetrahedra);
+    tetrahedra = solved && solved->filling;
     if (!solved) return tl::make_unexpected(solved.error());
     const SolverMesh& mesh = solved->mesh;
     const HeldModes modes = heldModes(element->input.mesh->body, element->input.faces, *solved, response.bases, response.firstColumn);
@@ -102,7 +97,7 @@ Result<ElementResponse> buildResponse(const ResponseInput& input, const Progress
     auto error = discretisationError(*element, *solved, response, modes.C, solution->response, progress.part(0.95, 1.0));
     if (!error) return tl::make_unexpected(error.error());
     const auto cancelled = [] { return fail(kCancelled, "The precompute was cancelled."); };
-    response.stiffness = Eigen::SparseMatrix<double>(modes.C.sparseView()).transpose() * faceMass(mesh, solution->traction);
+    response.stiffness = Eigen::SparseMatrix<double>(modes.C.sparseView()).transpose() * solution->forces;
     response.response = std::move(solution->response);
     SolvedLoads loads;
     if (loadsApart) {
@@ -121,7 +116,9 @@ Result<ElementResponse> buildResponse(const ResponseInput& input, const Progress
     ResponseQuality& quality = response.quality;
     quality.solve = solution->quality;
     quality.solverVertices = static_cast<int>(mesh.mesh.vertices.rows());
-    quality.solverNodes = solved->nodes();
+    quality.solverNodes = static_cast<int>(solution->nodes);
+    quality.tetrahedra = solved->filling ? static_cast<std::int64_t>(solved->filling->tetrahedra.rows()) : 0;
+    quality.noFilling = solved->noFilling;
     quality.decimated = solved->decimated;
     quality.error = *error;
     quality.mappingError = solution->mappingError;
@@ -145,6 +142,26 @@ Result<ElementResponse> buildResponse(const ResponseInput& input, const Progress
     if (input.basis == BasisKind::Full && response.tractions.size() == 0)
         return fail("singular", "A joint face has no area; choose a larger one.");
     response.quality.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return response;
+}
+
+}  // namespace
+
+std::size_t ElementResponse::bytes() const {
+    return sizeof(double) * static_cast<std::size_t>(response.size() + stiffness.size() + tractions.size() + loads.size() + loadForces.size()) + sizeof(std::int32_t) * freeVertices.size() +
+           touch.bytes();
+}
+
+Result<ElementResponse> buildResponse(const ResponseInput& input, const Progress& progress) {
+    if (auto ok = checkInput(input); !ok) return tl::make_unexpected(ok.error());
+    bool tetrahedra = fillable(input);
+    auto response = buildWith(input, tetrahedra, progress);
+    if (response || !tetrahedra || progress.cancelled()) return response;
+    // There is not enough memory, or a tetrahedron is too flat.
+    const std::string why = response.error().message;
+    tetrahedra = false;
+    response = buildWith(input, tetrahedra, progress);
+    if (response) response->quality.noFilling = why;
     return response;
 }
 

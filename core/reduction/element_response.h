@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "core/base/hash.h"
@@ -23,10 +24,12 @@ struct ResponseQuality {
     double asymmetry = 0.0;       ///< |K - K^T| / |K + K^T| (Frobenius) of the raw joint stiffness
     double negativeEnergy = 0.0;  ///< most negative eigenvalue of K over the largest, before the projection
     double seconds = 0.0;         ///< wall time of the whole precompute
-    int solverVertices = 0, solverNodes = 0;  ///< of the solver mesh; nodes: vertices and bubbles, three unknowns each
+    int solverVertices = 0, solverNodes = 0;  ///< of the solver mesh; nodes: three unknowns each
     /// Estimated error of the response, relative to the motion of the body, root mean square over the joint modes: what the discretisation
     /// leaves, by the difference from a coarser level; and what mapping from a decimated body adds. Negative: not known.
     double error = -1.0, mappingError = 0.0;
+    std::int64_t tetrahedra = 0;  ///< of finite elements; 0: solved by boundary elements, or read from a file, which does not tell
+    std::string noFilling;        ///< see SolvedBody::noFilling
     bool decimated = false;       ///< solved on a decimated body
     double shapeError = 0.0;      ///< of the decimated body: see DisplayMapping::Distance::shape
 };

@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "core/elasticity/volume_problem.h"
 #include "core/reduction/display_mapping.h"
 #include "core/reduction/held_modes.h"
 #include "core/reduction/touch_response.h"
@@ -35,14 +36,54 @@ BoundaryProblem::Input problemOf(const ResponseInput& input, const SolverMesh& m
     return problem;
 }
 
+/// A solution on the surface, whoever found it.
+struct SurfaceSolution {
+    Eigen::MatrixXd displacement, bubbles;    ///< see BoundaryProblem::Solution
+    Eigen::MatrixXd forces, compliance;       ///< see StaticSolution
+    std::vector<std::int32_t> freeVertices;
+    SolveQuality quality;
+    std::int64_t nodes = 0;
+};
+
+Result<SurfaceSolution> solveByBoundary(const ResponseInput& input, const SolverMesh& mesh, const Eigen::MatrixXd& held, const BoundaryProblem::Loads& loads, const Progress& progress) {
+    auto problem = BoundaryProblem::build(problemOf(input, mesh), progress.part(0.0, 0.9));
+    if (!problem) return tl::make_unexpected(problem.error());
+    auto solution = problem->solve(held, loads, progress.part(0.9, 1.0));
+    if (!solution) return tl::make_unexpected(solution.error());
+    SurfaceSolution out;
+    if (loads.tractions) out.compliance = patchCompliance(mesh, *loads.tractions, problem->freeVertices(), *solution);
+    out.forces = faceMass(mesh, solution->traction);
+    out.displacement = std::move(solution->displacement);
+    out.bubbles = std::move(solution->bubbles);
+    out.freeVertices = problem->freeVertices();
+    out.quality = problem->quality();
+    out.nodes = mesh.mesh.vertices.rows() + static_cast<Eigen::Index>(mesh.bubbles.size());
+    return out;
+}
+
+Result<SurfaceSolution> solveByVolume(const ResponseInput& input, const SolvedBody& solved, const Eigen::MatrixXd& held, const BoundaryProblem::Loads& loads, const Progress& progress) {
+    VolumeProblem::Input in;
+    in.surface = &solved.mesh.mesh;
+    in.tetrahedra = solved.filling.get();
+    for (const SolverMesh::Patch& face : solved.mesh.faces) in.held.push_back({face.vertices, face.triangles});
+    in.bubbles = solved.mesh.bubbles;
+    in.nu = input.nu;
+    in.threads = input.threads;
+    auto problem = VolumeProblem::build(in, progress.part(0.0, 0.7));
+    if (!problem) return tl::make_unexpected(problem.error());
+    auto solution = problem->solve(held, loads, progress.part(0.7, 1.0));
+    if (!solution) return tl::make_unexpected(solution.error());
+    return SurfaceSolution{std::move(solution->displacement), std::move(solution->bubbles), std::move(solution->forces), std::move(solution->compliance),
+                           problem->freeVertices(), problem->quality(), problem->nodes()};
+}
+
 /// Displacement of halvedAtBubbles(mesh): at the vertices of the solver mesh, then at the middles of its bubbles' edges.
-Eigen::MatrixXd nodalDisplacement(const SolverMesh& mesh, const std::vector<std::int32_t>& freeVertices, const Eigen::MatrixXd& held,
-                                 const BoundaryProblem::Solution& solution) {
+Eigen::MatrixXd nodalDisplacement(const SolverMesh& mesh, const Eigen::MatrixXd& held, const SurfaceSolution& solution) {
     const Eigen::Index vertices = mesh.mesh.vertices.rows(), bubbles = static_cast<Eigen::Index>(mesh.bubbles.size());
     const Eigen::Index loads = solution.displacement.cols() - held.cols();  // with the faces at rest
     Eigen::MatrixXd out = Eigen::MatrixXd::Zero(3 * (vertices + bubbles), held.cols() + loads);
-    for (std::size_t i = 0; i < freeVertices.size(); ++i)
-        out.middleRows(3 * freeVertices[i], 3) = solution.displacement.middleRows(3 * static_cast<Eigen::Index>(i), 3);
+    for (std::size_t i = 0; i < solution.freeVertices.size(); ++i)
+        out.middleRows(3 * solution.freeVertices[i], 3) = solution.displacement.middleRows(3 * static_cast<Eigen::Index>(i), 3);
     Eigen::Index row = 0;
     for (const SolverMesh::Patch& face : mesh.faces)
         for (const std::int32_t v : face.vertices) {
@@ -83,6 +124,8 @@ Eigen::MatrixXd onWhole(const TrimmedElement& element, Eigen::MatrixXd displacem
 }
 
 }  // namespace
+
+bool fillable(const ResponseInput& input) { return input.nu <= VolumeProblem::kLargestNu; }
 
 Result<void> checkInput(const ResponseInput& input) {
     if (!input.mesh) return fail("bad-value", "The element has no mesh.");
@@ -127,13 +170,12 @@ Result<StaticSolution> solveStatics(const TrimmedElement& element, const SolvedB
     // What lies in a disc moves with its handle.
     std::vector<std::int32_t> bodyFree = element.freeVertices;
     for (const DiscMesh::Inside& in : solved.inside) bodyFree.erase(std::lower_bound(bodyFree.begin(), bodyFree.end(), in.vertex));
-    auto problem = BoundaryProblem::build(problemOf(input, solved.mesh), progress.part(0.0, 0.9));
-    if (!problem) return tl::make_unexpected(problem.error());
-    auto solution = problem->solve(held, loads, progress.part(0.9, 0.98));
+    auto solution = solved.filling ? solveByVolume(input, solved, held, loads, progress.part(0.0, 0.98)) : solveByBoundary(input, solved.mesh, held, loads, progress.part(0.0, 0.98));
     if (!solution) return tl::make_unexpected(solution.error());
     StaticSolution out;
-    if (loads.tractions) out.compliance = patchCompliance(solved.mesh, *loads.tractions, problem->freeVertices(), *solution);
-    out.quality = problem->quality();
+    out.compliance = std::move(solution->compliance);
+    out.quality = solution->quality;
+    out.nodes = solution->nodes;
     if (!solved.decimated) {
         // The solver mesh begins with the body's vertices, and both lists ascend.
         out.response = solution->displacement.topRows(3 * static_cast<Eigen::Index>(bodyFree.size()));
@@ -145,7 +187,7 @@ Result<StaticSolution> solveStatics(const TrimmedElement& element, const SolvedB
         for (const SolverMesh::Patch& face : halved.faces) heldTriangles.insert(heldTriangles.end(), face.triangles.begin(), face.triangles.end());
         auto map = DisplayMapping::build({&input.mesh->body, leaveOut, &halved.mesh, heldTriangles, input.threads}, progress);
         if (!map) return tl::make_unexpected(map.error());
-        auto mapped = map->apply(nodalDisplacement(solved.mesh, problem->freeVertices(), held, *solution), input.nu, input.threads, progress);
+        auto mapped = map->apply(nodalDisplacement(solved.mesh, held, *solution), input.nu, input.threads, progress);
         if (!mapped) return tl::make_unexpected(mapped.error());
         out.response = std::move(mapped->displacement);
         if (mapped->error.size() > 0) out.mappingError = mapped->error.norm() / std::sqrt(static_cast<double>(mapped->error.size()));
@@ -153,7 +195,7 @@ Result<StaticSolution> solveStatics(const TrimmedElement& element, const SolvedB
     }
     if (!solved.inside.empty()) out.response = withInside(element.freeVertices, solved, out.response, inside);
     out.response = onWhole(element, std::move(out.response));
-    out.traction = std::move(solution->traction);
+    out.forces = std::move(solution->forces);
     return out;
 }
 
@@ -166,7 +208,7 @@ Result<Points> solveFull(const ResponseInput& input, const std::vector<Points>& 
     auto element = trimmedElement(input, progress.part(0.0, 0.02));
     if (!element) return tl::make_unexpected(element.error());
     for (JointFace& face : element->input.faces) face.disc.reset();  // displacements are given at the vertices of faces
-    auto solved = solvedBody(element->input.mesh->body, element->input.faces, input.solverMesh, progress.part(0.02, 0.1));
+    auto solved = solvedBody(element->input.mesh->body, element->input.faces, input.solverMesh, progress.part(0.02, 0.1), fillable(input));
     if (!solved) return tl::make_unexpected(solved.error());
     Points out = Points::Zero(input.mesh->body.vertices.rows(), 3), prescribed = Points::Zero(element->input.mesh->body.vertices.rows(), 3);
     for (std::size_t f = 0; f < input.faces.size(); ++f)

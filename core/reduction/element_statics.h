@@ -27,18 +27,22 @@ Result<TrimmedElement> trimmedElement(const ResponseInput& whole, const Progress
 /// Statics of one element on one solver mesh.
 struct StaticSolution {
     Eigen::MatrixXd response;    ///< 3 * #free x k: displacement of the free vertices of the whole body; the columns of loads come last
-    Eigen::MatrixXd traction;    ///< 3 * #held x k, for shear modulus 1
+    Eigen::MatrixXd forces;      ///< 3 * #held x k: what holds the vertices of the faces, linear on their triangles, for shear modulus 1
     Eigen::MatrixXd compliance;  ///< of touch patches, see patchCompliance()
     SolveQuality quality;
+    std::int64_t nodes = 0;      ///< three unknowns each
     double mappingError = 0.0, shapeError = 0.0;  ///< see ResponseQuality
 };
 /// `held`: displacements of the held vertices of the solver mesh, 3 * #held x k; `inside`: those of SolvedBody::inside, 3 * # x k. Errors: those of
-/// BoundaryProblem::build() and solve().
+/// BoundaryProblem::build() and solve(), or of VolumeProblem.
 Result<StaticSolution> solveStatics(const TrimmedElement& element, const SolvedBody& solved, const Eigen::MatrixXd& held, const Eigen::MatrixXd& inside,
                                     const BoundaryProblem::Loads& loads, const Progress& progress);
 
 /// Ascending body vertices that no joint face holds.
 std::vector<std::int32_t> freeVerticesOf(const ResponseInput& input);
+
+/// Whether finite elements can solve it, if its body can be filled.
+bool fillable(const ResponseInput& input);
 
 /// What buildResponse() refuses before it computes anything.
 Result<void> checkInput(const ResponseInput& input);

@@ -9,12 +9,20 @@
 #include <vector>
 
 #include "core/elasticity/dense_lu.h"
+#include "core/elasticity/volume_problem.h"
 #include "core/reduction/appendages.h"
 #include "core/reduction/element_response.h"
 #include "core/reduction/element_statics.h"
 #include "core/reduction/solved_body.h"
 
 namespace imomushi {
+namespace {
+
+BoundaryProblem::Estimate estimateOf(const SolvedSize& size, int columns, int tractions, int threads) {
+    return size.volume ? VolumeProblem::estimate(size.nodes, columns + tractions, threads) : BoundaryProblem::estimate(size.nodes, size.triangles, columns, threads, tractions);
+}
+
+}  // namespace
 
 ResponseEstimate estimateResponse(const ResponseInput& input) {
     ResponseEstimate out;
@@ -24,19 +32,19 @@ ResponseEstimate estimateResponse(const ResponseInput& input) {
     if (!checkInput(input)) return out;
     const auto body = withoutAppendages(input.mesh->body, input.faces, {});
     if (!body) return out;
-    const SolvedSize size = solvedSize(body->mesh, body->faces, input.solverMesh);
-    out.hierarchical = BoundaryProblem::hierarchical(size.nodes);
+    const SolvedSize size = solvedSize(body->mesh, body->faces, input.solverMesh, fillable(input));
+    out.hierarchical = !size.volume && BoundaryProblem::hierarchical(size.nodes);
     const int tractions = 3 * std::min<int>(input.touch, static_cast<int>(input.mesh->body.vertices.rows()) / 4);
     const bool loadsApart = (input.loads || tractions > 0) && !body->appendages.empty();
-    BoundaryProblem::Estimate solve = BoundaryProblem::estimate(size.nodes, size.triangles, out.columns, input.threads, loadsApart ? 0 : tractions);
+    BoundaryProblem::Estimate solve = estimateOf(size, out.columns, loadsApart ? 0 : tractions, input.threads);
     if (loadsApart) {
-        const SolvedSize whole = solvedSize(input.mesh->body, input.faces, input.solverMesh);
-        const BoundaryProblem::Estimate again = BoundaryProblem::estimate(whole.nodes, whole.triangles, out.columns, input.threads, tractions);
+        const SolvedSize whole = solvedSize(input.mesh->body, input.faces, input.solverMesh, fillable(input));
+        const BoundaryProblem::Estimate again = estimateOf(whole, out.columns, tractions, input.threads);
         solve.seconds += again.seconds;
         solve.bytes = std::max(solve.bytes, again.bytes);
     }
     solve.bytes += 3 * sizeof(double) * static_cast<std::size_t>(input.mesh->body.vertices.rows()) * static_cast<std::size_t>(tractions);
-    out.seconds = solve.seconds + BoundaryProblem::estimate(size.coarser, 2 * size.coarser, out.columns, input.threads).seconds;
+    out.seconds = solve.seconds + estimateOf({size.coarser, 2 * size.coarser, 0, size.volume}, out.columns, 0, input.threads).seconds;
     out.bytes = solve.bytes;
 
     useSingleThreadedBlas();

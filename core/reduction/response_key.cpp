@@ -13,7 +13,9 @@ constexpr int kModesVersion = 2;
 /// The same for touch alone.
 constexpr int kTouchVersion = 1;
 /// The same for discs alone.
-constexpr int kDiscVersion = 1;
+constexpr int kDiscVersion = 2;
+/// The same for tetrahedra that a setting names.
+constexpr int kVolumeVersion = 1;
 
 }  // namespace
 
@@ -28,6 +30,7 @@ ContentKey responseKey(const ResponseInput& input) {
     }
     hasher.number(static_cast<int>(input.solverMesh.kind));
     hasher.number(input.solverMesh.count);
+    if (input.solverMesh.kind == SolverMeshSetting::Kind::Volume) hasher.number(kVolumeVersion);
     if (input.solverMesh.tolerance != SolverMeshSetting::kUsualTolerance) hasher.number(input.solverMesh.tolerance);
     const TriangleMesh& body = input.mesh->body;
     hasher.array(std::span<const double>(body.vertices.data(), static_cast<std::size_t>(body.vertices.size())));

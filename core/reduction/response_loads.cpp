@@ -60,7 +60,7 @@ Eigen::MatrixXd WantedLoads::resultants(const SolverMesh& mesh, const HeldModes&
 Result<SolvedLoads> solveLoadsOnWhole(const ResponseInput& input, WantedLoads& wanted, const HeldModes& modes, const ElementResponse& response,
                                       const Progress& progress) {
     const TrimmedElement whole{&input, input, {}, response.freeVertices, response.freeVertices};
-    const auto solved = solvedBody(input.mesh->body, input.faces, input.solverMesh, progress.part(0.0, 0.1));
+    const auto solved = solvedBody(input.mesh->body, input.faces, input.solverMesh, progress.part(0.0, 0.1), fillable(input));
     if (!solved) return tl::make_unexpected(solved.error());
     wanted.place(*solved);
     const HeldModes solvedModes = heldModes(input.mesh->body, input.faces, *solved, response.bases, response.firstColumn);
@@ -68,7 +68,7 @@ Result<SolvedLoads> solveLoadsOnWhole(const ResponseInput& input, WantedLoads& w
     auto solution = solveStatics(whole, *solved, C, solvedModes.inside, wanted.columns(), progress.part(0.1, 1.0));
     if (!solution) return tl::make_unexpected(solution.error());
     const Eigen::Index count = wanted.columns().columns();
-    return SolvedLoads{solution->response.rightCols(count), C.transpose() * faceMass(solved->mesh, solution->traction.rightCols(count)), std::move(solution->compliance),
+    return SolvedLoads{solution->response.rightCols(count), C.transpose() * solution->forces.rightCols(count), std::move(solution->compliance),
                  wanted.resultants(solved->mesh, modes)};
 }
 

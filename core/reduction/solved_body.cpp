@@ -7,12 +7,14 @@
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "core/mesh/topology.h"
-#include "core/reduction/decimation.h"
+#include "core/reduction/body_surface.h"
 #include "core/reduction/mesh_pieces.h"
 #include "core/reduction/rim_layers.h"
+#include "core/reduction/volume_body.h"
 
 namespace imomushi {
 namespace {
@@ -38,11 +40,6 @@ constexpr int kDecimatedVerticesWithHandles[] = {900, 775, kDecimatedVertices};
 constexpr double kSparse = 0.8;
 /// A draft has strips at its rims up to as many nodes: half a second on two cores.
 constexpr int kDraftNodes = 1000;
-/// Edges of a decimated disc's outline, in radii, where strips follow and in drafts, which have none; and how far they may leave the outline, in square roots of
-/// the disc's area.
-constexpr double kOutlineEdge = 0.4, kOutlineEdgeOfDraft = 0.2, kOutlineTolerance = 0.02;
-/// Round rims of decimated bodies become polygons of about fifty sides, whose area is 0.2 % less.
-constexpr double kRimTolerance = 1e-3;
 /// A decimated body with more than this share of the nodes is not used.
 constexpr double kWorthDecimating = 0.9;
 /// Edges shorter than this times the mean have no bubble, on a decimated body and on the best one: the displacement is almost linear along them.
@@ -55,15 +52,11 @@ constexpr double kExtremeWall = 150.0, kExtremeShare = 0.05;
 constexpr std::int32_t kWallSamples = 250;  // triangles
 /// Part of the error that strips and bubbles leave, see coarserLevel().
 constexpr double kErrorLeft = 0.1;
+/// The same of tetrahedra.
+constexpr double kVolumeErrorLeft = 0.8;
+constexpr const char* kTooIncompressible = "Tetrahedra take a Poisson ratio up to 0.49; boundary elements took their place.";
 /// A plain mesh is compared with one of at most this share of its vertices.
 constexpr double kCoarserShare = 1.0 / 3.0;
-
-std::vector<std::int32_t> facesOfTriangles(const SolverMesh& mesh) {
-    std::vector<std::int32_t> face(static_cast<std::size_t>(mesh.mesh.triangles.rows()), -1);
-    for (std::size_t f = 0; f < mesh.faces.size(); ++f)
-        for (const std::int32_t t : mesh.faces[f].triangles) face[static_cast<std::size_t>(t)] = static_cast<std::int32_t>(f);
-    return face;
-}
 
 double meanEdge(const TriangleMesh& mesh) {
     double sum = 0.0;
@@ -72,56 +65,11 @@ double meanEdge(const TriangleMesh& mesh) {
     return sum / static_cast<double>(3 * mesh.triangles.rows());
 }
 
-/// The free edges that are at least `length` long.
-std::vector<std::array<std::int32_t, 2>> longFreeEdges(const SolverMesh& mesh, double length) {
-    const std::vector<std::int32_t> face = facesOfTriangles(mesh);
-    const EdgeTable edges(mesh.mesh.triangles);
-    std::vector<std::array<std::int32_t, 2>> out;
-    for (int e = 0; e < edges.size(); ++e) {
-        const auto uses = edges.uses(e);
-        const bool held = std::any_of(uses.begin(), uses.end(), [&](const EdgeUse& u) { return face[static_cast<std::size_t>(u.triangle)] >= 0; });
-        if (!held && (mesh.mesh.vertices.row(uses[0].low) - mesh.mesh.vertices.row(uses[0].high)).norm() >= (1.0 - kTie) * length)
-            out.push_back({uses[0].low, uses[0].high});
-    }
-    return out;
-}
-
 /// Adds strips and bubbles.
 void addDetail(SolvedBody& body, int layers, double straight) {
     body.plain = std::move(body.mesh);
     body.mesh = withLayers(body.plain, layers);
     body.mesh.bubbles = longFreeEdges(body.mesh, straight * meanEdge(body.plain.mesh));
-}
-
-/// A body as it is solved: with the outlines of discs, where it has any.
-struct Surface {
-    SolverMesh mesh;
-    std::vector<JointFace> faces;  ///< of `mesh`
-    DiscMesh discs;                ///< its mesh has gone to `mesh`
-    const TriangleMesh& body;
-    std::span<const JointFace> ofBody;
-
-    Surface(const TriangleMesh& whole, std::span<const JointFace> bodyFaces) : discs(discMesh(whole, bodyFaces)), body(whole), ofBody(bodyFaces) {
-        faces = discs.any() ? discs.faces(bodyFaces) : std::vector<JointFace>(bodyFaces.begin(), bodyFaces.end());
-        mesh = discs.any() ? std::move(discs.mesh) : plainSolverMesh(body, bodyFaces);
-    }
-    [[nodiscard]] const TriangleMesh& triangles() const { return mesh.mesh; }
-};
-
-/// `mesh` is the body's polyhedron.
-SolvedBody asItIs(const TriangleMesh& body, std::span<const JointFace> faces, SolverMesh mesh) {
-    SolvedBody out;
-    out.mesh = std::move(mesh);
-    out.faces.assign(faces.begin(), faces.end());
-    out.bodyVertex.resize(static_cast<std::size_t>(body.vertices.rows()));
-    std::iota(out.bodyVertex.begin(), out.bodyVertex.end(), 0);
-    return out;
-}
-
-SolvedBody onItself(SolverMesh mesh, const Surface& surface) {
-    SolvedBody out = asItIs(surface.body, surface.ofBody, std::move(mesh));
-    out.inside = surface.discs.inside;
-    return out;
 }
 
 /// Distance from the centroid of triangle t along its inner normal to where the ray leaves the body. Infinite where it does not.
@@ -139,44 +87,6 @@ double wallThickness(const TriangleMesh& body, std::int32_t t) {
         if (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0) nearest = std::min(nearest, distance);
     }
     return nearest;
-}
-
-/// The wanted edges at the outlines of discs, per vertex of the surface, as decimate() takes them.
-std::vector<double> outlineEdges(const Surface& surface, double inRadii) {
-    std::vector<double> out(static_cast<std::size_t>(surface.triangles().vertices.rows()), std::numeric_limits<double>::infinity());
-    const std::vector<std::int32_t> face = facesOfTriangles(surface.mesh);
-    const EdgeTable edges(surface.triangles().triangles);
-    for (int e = 0; e < edges.size(); ++e) {
-        const auto uses = edges.uses(e);
-        const std::int32_t f = face[static_cast<std::size_t>(uses[0].triangle)], g = face[static_cast<std::size_t>(uses[1].triangle)];
-        if (f == g || !surface.discs.exact[static_cast<std::size_t>(std::max(f, g))]) continue;
-        for (const std::int32_t v : {uses[0].low, uses[0].high})
-            out[static_cast<std::size_t>(v)] = inRadii * surface.ofBody[static_cast<std::size_t>(std::max(f, g))].disc->radius;
-    }
-    return out;
-}
-
-/// `outlineEdge`: at outlines of discs, in their radii.
-Result<SolvedBody> onDecimated(const Surface& surface, int vertices, const Progress& progress, double outlineEdge = kOutlineEdge) {
-    const TriangleMesh& mesh = surface.triangles();
-    std::vector<double> tolerance(surface.faces.size(), kRimTolerance), longest;
-    if (surface.discs.any()) {
-        longest = outlineEdges(surface, outlineEdge);
-        for (std::size_t f = 0; f < tolerance.size(); ++f)
-            if (surface.discs.exact[f]) tolerance[f] = kOutlineTolerance;
-    }
-    auto small = decimate(mesh, surface.faces, vertices, progress, tolerance, longest);
-    if (!small) return tl::make_unexpected(small.error());
-    SolvedBody out;
-    out.mesh = plainSolverMesh(small->mesh, small->faces);
-    out.faces = std::move(small->faces);
-    out.decimated = true;
-    out.volumeError = small->volumeError;
-    out.bodyVertex = std::move(small->bodyVertex);
-    for (std::int32_t& v : out.bodyVertex)
-        if (v >= surface.body.vertices.rows()) v = -1;
-    out.inside = surface.discs.inside;
-    return out;
 }
 
 /// Thickness of the walls relative to their triangles, from a sample of them.
@@ -198,7 +108,7 @@ Walls wallsOf(const TriangleMesh& body) {
 
 /// The body with at least `fewest` vertices. One of thin walls stays as it is: were the two sides of a wall refined unlike, their small errors would no longer
 /// cancel and bend it.
-Result<SolverMesh> refinedWhereCoarse(const Surface& surface, int fewest, bool thin) {
+Result<SolverMesh> refinedWhereCoarse(const BodySurface& surface, int fewest, bool thin) {
     if (thin || surface.triangles().vertices.rows() >= fewest) return surface.mesh;
     auto fine = refinedSolverMesh(surface.triangles(), surface.faces, fewest);
     if (fine) fine->origin.insert(fine->origin.begin(), surface.mesh.origin.begin(), surface.mesh.origin.end());
@@ -208,7 +118,7 @@ Result<SolverMesh> refinedWhereCoarse(const Surface& surface, int fewest, bool t
 /// Decimation would save less than it takes.
 bool asItIsForDraft(const TriangleMesh& body) { return body.vertices.rows() <= 2 * SolverMeshSetting::kDraftVertices; }
 
-SolvedBody withExtremeWalls(const Surface& surface) {
+SolvedBody withExtremeWalls(const BodySurface& surface) {
     SolvedBody out = onItself(surface.mesh, surface);
     out.extremeWalls = true;
     return out;
@@ -226,7 +136,7 @@ SolvedBody quadratic(const SolvedBody& plain, bool thin) {
 }
 
 /// On the body itself; nothing where the body alone is too large.
-Result<std::optional<SolvedBody>> quadraticOnItself(const Surface& surface) {
+Result<std::optional<SolvedBody>> quadraticOnItself(const BodySurface& surface) {
     if (surface.triangles().vertices.rows() > kMaxNodes) return std::nullopt;
     const Walls walls = wallsOf(surface.triangles());
     if (walls == Walls::Extreme) return withExtremeWalls(surface);
@@ -235,7 +145,7 @@ Result<std::optional<SolvedBody>> quadraticOnItself(const Surface& surface) {
     return quadratic(onItself(std::move(*base), surface), walls == Walls::Thin);
 }
 
-Result<SolvedBody> byDefault(const Surface& surface, const Progress& progress) {
+Result<SolvedBody> byDefault(const BodySurface& surface, const Progress& progress) {
     auto own = quadraticOnItself(surface);
     if (!own) return tl::make_unexpected(own.error());
     if (*own && (*own)->nodes() <= kMaxNodes) return std::move(**own);
@@ -265,7 +175,7 @@ Result<SolvedBody> byDefault(const Surface& surface, const Progress& progress) {
     return linear;
 }
 
-Result<SolvedBody> draft(const Surface& surface, const Progress& progress) {
+Result<SolvedBody> draft(const BodySurface& surface, const Progress& progress) {
     SolvedBody out = onItself(surface.mesh, surface);
     const bool discs = surface.discs.any();
     if (discs ? surface.triangles().vertices.rows() > kDraftNodes : !asItIsForDraft(surface.triangles())) {
@@ -282,29 +192,27 @@ Result<SolvedBody> draft(const Surface& surface, const Progress& progress) {
     return out;
 }
 
-}  // namespace
-
-Result<SolvedBody> solvedBody(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting, const Progress& progress) {
-    if (faces.empty()) return asItIs(body, faces, plainSolverMesh(body, faces));
+Result<SolvedBody> byBoundary(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting, const Progress& progress) {
     switch (setting.kind) {
         case SolverMeshSetting::Kind::AsIs:
             break;
         case SolverMeshSetting::Kind::Draft:
-            return draft(Surface(body, faces), progress);
+            return draft(BodySurface(body, faces), progress);
         case SolverMeshSetting::Kind::Refined: {
             auto fine = refinedSolverMesh(body, faces, setting.count);
             if (!fine) return tl::make_unexpected(fine.error());
             return asItIs(body, faces, std::move(*fine));
         }
         case SolverMeshSetting::Kind::Decimated: {
-            auto small = onDecimated(Surface(body, faces), setting.count, progress);
+            auto small = onDecimated(BodySurface(body, faces), setting.count, progress);
             if (small) addDetail(*small, 2, kStraight);
             return small;
         }
+        case SolverMeshSetting::Kind::Volume:  // where it cannot be filled
         case SolverMeshSetting::Kind::Default:
-            return byDefault(Surface(body, faces), progress);
+            return byDefault(BodySurface(body, faces), progress);
         case SolverMeshSetting::Kind::Best: {
-            const Surface surface(body, faces);
+            const BodySurface surface(body, faces);
             const Walls walls = wallsOf(surface.triangles());
             if (walls == Walls::Extreme) return withExtremeWalls(surface);
             const bool thin = walls == Walls::Thin;
@@ -318,8 +226,30 @@ Result<SolvedBody> solvedBody(const TriangleMesh& body, std::span<const JointFac
     return asItIs(body, faces, plainSolverMesh(body, faces));
 }
 
-SolvedSize solvedSize(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting) {
+}  // namespace
+
+Result<SolvedBody> solvedBody(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting, const Progress& progress, bool tetrahedra) {
+    if (faces.empty()) return asItIs(body, faces, plainSolverMesh(body, faces));
+    std::string noFilling;
+    if (const int vertices = volumeVertices(faces, setting); vertices > 0) {
+        if (tetrahedra) {
+            auto filled = volumeBody(BodySurface(body, faces), vertices, progress);
+            if (filled || progress.cancelled()) return filled;
+            noFilling = filled.error().message;
+        } else if (setting.kind == SolverMeshSetting::Kind::Volume) {
+            noFilling = kTooIncompressible;
+        }
+    }
+    auto out = byBoundary(body, faces, setting, progress);
+    if (out) out->noFilling = std::move(noFilling);
+    return out;
+}
+SolvedSize solvedSize(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting, bool tetrahedra) {
     const auto vertices = static_cast<int>(body.vertices.rows());
+    if (const int wanted = volumeVertices(faces, setting); wanted > 0 && tetrahedra) {
+        const int surface = std::min(vertices + vertices / 2, wanted);  // coarse bodies are refined
+        return {volumeNodes(surface), 2 * surface, volumeNodes(coarserVolumeVertices(surface)), true};
+    }
     if (setting.kind == SolverMeshSetting::Kind::Draft && !asItIsForDraft(body)) return {kDraftNodes, 2 * kDraftNodes, SolverMeshSetting::kDraftVertices};
     if (setting.kind == SolverMeshSetting::Kind::AsIs) return {vertices, static_cast<int>(body.triangles.rows()), vertices / 3};
     if (setting.kind == SolverMeshSetting::Kind::Refined) {
@@ -329,7 +259,7 @@ SolvedSize solvedSize(const TriangleMesh& body, std::span<const JointFace> faces
     // Cutting a body of so many vertices takes a fraction of a second.
     constexpr int kQuick = 20'000;
     if (vertices <= kQuick || (setting.kind == SolverMeshSetting::Kind::Default && vertices <= kMaxNodes))
-        if (const auto made = solvedBody(body, faces, setting, {}))
+        if (const auto made = solvedBody(body, faces, setting, {}, false))
             return {made->nodes(), static_cast<int>(made->mesh.mesh.triangles.rows()), static_cast<int>(made->plain.mesh.vertices.rows())};
     // Strips and bubbles make about five nodes of a vertex: measured on bodies of 500 to 100 000 vertices.
     const int plain = setting.kind == SolverMeshSetting::Kind::Default ? std::min(vertices, kDecimatedVertices)
@@ -340,6 +270,13 @@ SolvedSize solvedSize(const TriangleMesh& body, std::span<const JointFace> faces
 
 Result<CoarserLevel> coarserLevel(const TriangleMesh& body, std::span<const JointFace> faces, const SolvedBody& fine, const Progress& progress) {
     CoarserLevel out;
+    if (fine.filling) {
+        auto coarse = volumeBody(BodySurface(body, faces), coarserVolumeVertices(fine.volumeVertices), progress);
+        if (!coarse) return tl::make_unexpected(coarse.error());
+        out.body = std::move(*coarse);
+        out.share = kVolumeErrorLeft;
+        return out;
+    }
     if (fine.plain.mesh.vertices.rows() > 0) {
         out.body = fine;
         out.body.mesh = std::move(out.body.plain);
@@ -353,7 +290,7 @@ Result<CoarserLevel> coarserLevel(const TriangleMesh& body, std::span<const Join
     } else {
         std::vector<JointFace> triangles(faces.begin(), faces.end());
         for (JointFace& face : triangles) face.disc.reset();  // as those are solved that have no coarser level of their own
-        auto small = onDecimated(Surface(body, triangles), static_cast<int>(kCoarserShare * vertices), progress);
+        auto small = onDecimated(BodySurface(body, triangles), static_cast<int>(kCoarserShare * vertices), progress);
         if (!small) return tl::make_unexpected(small.error());
         out.body = std::move(*small);
     }

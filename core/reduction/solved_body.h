@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
+#include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/base/progress.h"
 #include "core/base/result.h"
+#include "core/elasticity/tetrahedral_mesh.h"
 #include "core/joints/joint_face.h"
 #include "core/reduction/disc_mesh.h"
 #include "core/reduction/solver_mesh.h"
@@ -13,7 +17,7 @@
 
 namespace imomushi {
 
-/// The mesh on which the boundary problem of an element is solved, and its relation to the body that is displayed.
+/// The mesh on which an element is solved, and its relation to the body that is displayed.
 struct SolvedBody {
     SolverMesh mesh;
     std::vector<JointFace> faces;  ///< of the body, or of the decimated body: with its vertices, the frames are the body's
@@ -25,6 +29,10 @@ struct SolvedBody {
     std::vector<std::int32_t> bodyVertex;
     /// Body vertices that no face has but that lie in what is held, see DiscMesh.
     std::vector<DiscMesh::Inside> inside;
+    /// What lies inside `mesh`, where finite elements solve it; none: boundary elements do.
+    std::shared_ptr<const TetrahedralMesh> filling;
+    int volumeVertices = 0;  ///< of a filled body: those that were asked for
+    std::string noFilling;   ///< why boundary elements took the place of finite elements that the setting asks for, one sentence; else empty
 
     [[nodiscard]] int nodes() const { return static_cast<int>(mesh.mesh.vertices.rows() + static_cast<Eigen::Index>(mesh.bubbles.size())); }
 };
@@ -34,23 +42,29 @@ struct SolvedBody {
 ///   as-is       the body, linear displacement
 ///   refined:N   the body bisected to N vertices, linear displacement
 ///   decimated:N a body of N vertices in its place, then like default
+///   volume:N    the body, or one of N vertices in its place, finer at rims, filled with tetrahedra for finite elements (VolumeProblem); volume: N = kVolumeVertices
 ///   default     strips at singular edges (withLayers) and quadratic displacement: on the body where that is cheap, otherwise on a decimated one
 ///               (as it is where walls are less than 1/150 of the triangles on them: see SolvedBody::extremeWalls)
 ///   draft       a body of kDraftVertices in its place (the body itself up to twice as many, or where it cannot be decimated), strips, linear displacement; one with
-///               handles has a thousand vertices instead of strips
+///               handles that is not filled has a thousand vertices instead of strips
 ///   best        more strips and quadratic displacement everywhere, on the body refined where it is coarse
+///
+/// With handles, draft, default and best are volume:600, volume:2500 and volume:5000. Where a body cannot be filled, or `tetrahedra` is false (as it must be beyond
+/// VolumeProblem::kLargestNu), boundary elements solve it: the settings above, default for volume. SolvedBody::noFilling says why.
 ///
 /// Measured against second-order finite elements (tests/data/reference): as-is is wrong by up to 23 %, default by less than 2 %, best by less than 1 %.
 /// Handles are held by their discs (DiscMesh), but for as-is and refined:N by their triangles: the mesh is as it is.
 /// Errors: those of refinedSolverMesh() and decimate(); "cancelled".
-Result<SolvedBody> solvedBody(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting, const Progress& progress);
+Result<SolvedBody> solvedBody(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting, const Progress& progress,
+                              bool tetrahedra = true);
 
-/// About the size of the mesh that solvedBody() makes, without making it where that takes long (a large body).
+/// About the size of the mesh that solvedBody() makes, without making it where that takes long (a large body, or a filled one).
 struct SolvedSize {
     int nodes = 0, triangles = 0;
     int coarser = 0;  ///< nodes of the coarser level
+    bool volume = false;  ///< of tetrahedra
 };
-SolvedSize solvedSize(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting);
+SolvedSize solvedSize(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting, bool tetrahedra = true);
 
 /// A coarser discretisation of the same body, to estimate the error of the finer one by the difference of their solutions.
 struct CoarserLevel {

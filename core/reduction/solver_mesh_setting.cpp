@@ -12,8 +12,8 @@ namespace {
 using Kind = SolverMeshSetting::Kind;
 
 /// Names that stand alone, and names that a count follows.
-constexpr std::array<std::pair<std::string_view, Kind>, 4> kPlain{{{"as-is", Kind::AsIs}, {"default", Kind::Default}, {"best", Kind::Best}, {"draft", Kind::Draft}}};
-constexpr std::array<std::pair<std::string_view, Kind>, 2> kCounted{{{"refined", Kind::Refined}, {"decimated", Kind::Decimated}}};
+constexpr std::array<std::pair<std::string_view, Kind>, 5> kPlain{{{"as-is", Kind::AsIs}, {"default", Kind::Default}, {"best", Kind::Best}, {"draft", Kind::Draft}, {"volume", Kind::Volume}}};
+constexpr std::array<std::pair<std::string_view, Kind>, 3> kCounted{{{"refined", Kind::Refined}, {"decimated", Kind::Decimated}, {"volume", Kind::Volume}}};
 
 }  // namespace
 
@@ -52,7 +52,7 @@ Result<SolverMeshSetting> parseSolverMesh(std::string_view text) {
         return SolverMeshSetting{kind, count};
     }
     return fail("bad-value", "There is no solver mesh \"" + std::string(text) +
-                                 "\"; choose \"as-is\", \"refined:N\", \"decimated:N\", \"default\", \"best\" or \"draft\".");
+                                 "\"; choose \"as-is\", \"refined:N\", \"decimated:N\", \"default\", \"best\", \"draft\", \"volume\" or \"volume:N\".");
 }
 
 std::string solverMeshName(const SolverMeshSetting& setting) {
@@ -62,7 +62,7 @@ std::string solverMeshName(const SolverMeshSetting& setting) {
         tail = "@" + std::string(digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), setting.tolerance).ptr);
     }
     for (const auto& [name, kind] : kPlain)
-        if (setting.kind == kind) return std::string(name) + tail;
+        if (setting.kind == kind && setting.count == 0) return std::string(name) + tail;
     for (const auto& [name, kind] : kCounted)
         if (setting.kind == kind) return std::string(name) + ":" + std::to_string(setting.count) + tail;
     return {};

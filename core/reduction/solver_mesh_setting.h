@@ -16,10 +16,11 @@ struct SolverMeshSetting {
         Decimated,  ///< a closed surface of about `count` vertices near the body; responses are mapped to the body
         Default,    ///< what serves most characters: accurate as far as that is cheap
         Best,       ///< the most accurate there is, whatever it costs
-        Draft       ///< kDraftVertices, or the body where that is hardly larger: soft in a fraction of a second, until a better answer is there
+        Draft,      ///< kDraftVertices, or the body where that is hardly larger: soft in a fraction of a second, until a better answer is there
+        Volume      ///< finite elements in a body of about `count` vertices (0: kVolumeVertices) that is filled with tetrahedra; responses are mapped to the body
     };
     Kind kind = Kind::Default;
-    int count = 0;  ///< vertices, kFewest...kMax where the kind is Refined or Decimated, 0 otherwise
+    int count = 0;  ///< vertices, kFewest...kMax where the kind is Refined or Decimated, 0 or the same where it is Volume, 0 otherwise
     /// What the solution may leave of its equations (see BoundaryProblem::Input), kFinest...kCoarsest. Only large meshes, which are solved in hierarchical form, take
     /// notice of it: the less, the longer.
     double tolerance = kUsualTolerance;
@@ -27,11 +28,12 @@ struct SolverMeshSetting {
     static constexpr double kUsualTolerance = 1e-5, kFinest = 1e-6, kCoarsest = 1e-2;
     static constexpr int kFewest = 4;         ///< a tetrahedron
     static constexpr int kDraftVertices = 400;
+    static constexpr int kVolumeVertices = 2500;
     static constexpr int kMax = 10'000'000;  ///< beyond any memory that could solve it
     bool operator==(const SolverMeshSetting&) const = default;
 };
 
-/// "as-is", "refined:N", "decimated:N", "default", "best", "draft"; N in decimal digits; with "@T" after it the tolerance T ("best@0.001"). Errors: "bad-value".
+/// "as-is", "refined:N", "decimated:N", "default", "best", "draft", "volume", "volume:N"; N in decimal digits; with "@T" after it the tolerance T ("best@0.001"). Errors: "bad-value".
 Result<SolverMeshSetting> parseSolverMesh(std::string_view text);
 
 /// What parseSolverMesh() reads back to the same setting.

@@ -16,6 +16,8 @@ TEST_CASE("solver mesh setting: every name is read and written back") {
     CHECK(parseSolverMesh("best").value() == SolverMeshSetting{Kind::Best, 0});
     CHECK(parseSolverMesh("refined:2000").value() == SolverMeshSetting{Kind::Refined, 2000});
     CHECK(parseSolverMesh("decimated:4").value() == SolverMeshSetting{Kind::Decimated, 4});
+    CHECK(parseSolverMesh("volume").value() == SolverMeshSetting{Kind::Volume, 0});
+    CHECK(parseSolverMesh("volume:900").value() == SolverMeshSetting{Kind::Volume, 900});
     CHECK(parseSolverMesh("best@0.001").value() == SolverMeshSetting{Kind::Best, 0, 1e-3});
     CHECK(solverMeshName({Kind::Refined, 2000, 1e-3}) == "refined:2000@0.001");
     CHECK(SolverMeshSetting{} == SolverMeshSetting{Kind::Default, 0});
@@ -25,7 +27,7 @@ TEST_CASE("solver mesh setting: every name is read and written back") {
         const SolverMeshSetting setting{refined ? Kind::Refined : Kind::Decimated, count, std::clamp(tolerance, SolverMeshSetting::kFinest, SolverMeshSetting::kCoarsest)};
         RC_ASSERT(parseSolverMesh(solverMeshName(setting)).value() == setting);
     }));
-    for (const Kind kind : {Kind::AsIs, Kind::Default, Kind::Best, Kind::Draft}) CHECK(parseSolverMesh(solverMeshName({kind, 0})).value().kind == kind);
+    for (const Kind kind : {Kind::AsIs, Kind::Default, Kind::Best, Kind::Draft, Kind::Volume}) CHECK(parseSolverMesh(solverMeshName({kind, 0})).value().kind == kind);
 }
 
 TEST_CASE("solver mesh setting: what is no setting is refused with what to write instead") {

@@ -31,6 +31,8 @@ QString settingText(const AccuracySetting& s) {
         mesh = QCoreApplication::translate("imomushi::settingText", "decimated × %1").arg(s.mesh.factor);
     else if (s.mesh.kind == Kind::Best)
         mesh = QCoreApplication::translate("imomushi::settingText", "best mesh");
+    else if (s.mesh.kind == Kind::Volume)
+        mesh = s.mesh.factor > 0.0 ? QCoreApplication::translate("imomushi::settingText", "volume × %1").arg(s.mesh.factor) : QCoreApplication::translate("imomushi::settingText", "volume");
     else if (s.mesh.kind == Kind::Draft)
         mesh = QCoreApplication::translate("imomushi::settingText", "draft mesh");
     else

@@ -24,6 +24,7 @@ SolverMeshSetting firstSetting(MeshKind kind, const Element& element) {
     int count = 0;
     if (kind == MeshKind::Refined) count = std::min(2 * vertices, SolverMeshSetting::kMax);
     if (kind == MeshKind::Decimated) count = std::max(vertices / 2, SolverMeshSetting::kFewest);
+    if (kind == MeshKind::Volume) count = SolverMeshSetting::kVolumeVertices;
     return {kind, count, element.solverMesh.tolerance};
 }
 
@@ -51,7 +52,7 @@ void ElementForm::addSolverMesh(const Items& items) {
         executeTogether(document_, wanted);
     };
     addChoice<MeshKind>(tr("Solver mesh"),
-                        {{tr("Default"), MeshKind::Default}, {tr("Best"), MeshKind::Best}, {tr("As it is"), MeshKind::AsIs}, {tr("Refined"), MeshKind::Refined}, {tr("Decimated"), MeshKind::Decimated}, {tr("Draft"), MeshKind::Draft}},
+                        {{tr("Default"), MeshKind::Default}, {tr("Best"), MeshKind::Best}, {tr("As it is"), MeshKind::AsIs}, {tr("Refined"), MeshKind::Refined}, {tr("Decimated"), MeshKind::Decimated}, {tr("Draft"), MeshKind::Draft}, {tr("Volume"), MeshKind::Volume}},
                         [common]() -> std::optional<MeshKind> {
                             const auto setting = common();
                             return setting ? std::optional(setting->kind) : std::nullopt;
@@ -59,7 +60,7 @@ void ElementForm::addSolverMesh(const Items& items) {
                         [changeAll](MeshKind kind) { changeAll([kind](const Element& e) { return e.solverMesh.kind == kind ? e.solverMesh : firstSetting(kind, e); }); });
     const auto counted = [common] {
         const auto setting = common();
-        return setting && (setting->kind == MeshKind::Refined || setting->kind == MeshKind::Decimated);
+        return setting && setting->count > 0;
     };
     if (counted())
         addNumber(tr("To vertices"), {{}, SolverMeshSetting::kFewest, SolverMeshSetting::kMax, 10.0, 0, 1.0, {}}, items,

@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/elasticity/tetrahedral_mesh.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <csignal>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cfenv>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+#include <string>
+#include <unordered_map>
+#include <utility>
+
+#include "core/base/clock.h"
+
+#define TETLIBRARY
+#include <tetgen.h>
+
+namespace imomushi {
+namespace {
+
+using Index = std::int32_t;
+
+constexpr const char* kNoFilling = "no-filling";
+/// Radius of the circumscribed sphere over the shortest edge, at most; TetGen's own measure. Larger: fewer tetrahedra, of worse shape.
+constexpr double kRadiusEdgeRatio = 2.0;
+/// A tetrahedron is too large where its longest edge is longer than this times the wanted length: the edges around it are then about as long as wanted.
+constexpr double kTooLong = 1.4;
+/// Seconds after which TetGen is believed to run for ever: a hundred times what a body of as many vertices takes.
+constexpr double kPatience = 20.0, kPatiencePerVertex = 1e-3;
+
+/// What TetGen's call-back asks for; it has no argument for it. The filling process has one thread.
+const SizeField* wantedSize = nullptr;
+
+bool tooLarge(REAL* a, REAL* b, REAL* c, REAL* d, REAL*, REAL) {
+    const std::array<Vec3, 4> corner{Vec3(a[0], a[1], a[2]), Vec3(b[0], b[1], b[2]), Vec3(c[0], c[1], c[2]), Vec3(d[0], d[1], d[2])};
+    double longest = 0.0;
+    for (std::size_t i = 0; i < 4; ++i)
+        for (std::size_t k = 0; k < i; ++k) longest = std::max(longest, (corner[i] - corner[k]).squaredNorm());
+    const double size = kTooLong * wantedSize->at(0.25 * (corner[0] + corner[1] + corner[2] + corner[3]));
+    return longest > size * size;
+}
+
+/// What the filling process sends: a status (0: done, otherwise what TetGen threw), two counts, then vertices and tetrahedra.
+struct Header {
+    std::int64_t status = 0, vertices = 0, tetrahedra = 0;
+};
+
+bool sendAll(int to, const void* data, std::size_t bytes) {
+    const char* at = static_cast<const char*>(data);
+    while (bytes > 0) {
+        const ssize_t sent = ::write(to, at, bytes);
+        if (sent < 0 && errno == EINTR) continue;
+        if (sent <= 0) return false;
+        at += sent;
+        bytes -= static_cast<std::size_t>(sent);
+    }
+    return true;
+}
+
+/// Of the filling process.
+void fillAndSend(const TriangleMesh& surface, const SizeField& size, int to) {
+    std::fenv_t before;
+    std::feholdexcept(&before);
+    wantedSize = &size;
+    Header header;
+    tetgenio in, out;
+    try {
+        in.numberofpoints = static_cast<int>(surface.vertices.rows());
+        in.pointlist = new REAL[static_cast<std::size_t>(3 * in.numberofpoints)];
+        for (Eigen::Index v = 0; v < surface.vertices.rows(); ++v)
+            for (int k = 0; k < 3; ++k) in.pointlist[3 * v + k] = surface.vertices(v, k);
+        in.numberoffacets = static_cast<int>(surface.triangles.rows());
+        in.facetlist = new tetgenio::facet[static_cast<std::size_t>(in.numberoffacets)];
+        for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
+            tetgenio::facet& facet = in.facetlist[t];
+            tetgenio::init(&facet);
+            facet.numberofpolygons = 1;
+            facet.polygonlist = new tetgenio::polygon[1];
+            tetgenio::polygon& polygon = facet.polygonlist[0];
+            polygon.numberofvertices = 3;
+            polygon.vertexlist = new int[3];
+            for (int c = 0; c < 3; ++c) polygon.vertexlist[c] = surface.triangles(t, c);
+        }
+        in.tetunsuitable = tooLarge;
+        // p: a polyhedron; Y: its triangles stay; M: coplanar ones too; q: no bad shapes; Q: no messages.
+        std::string switches = "pYMQq" + std::to_string(kRadiusEdgeRatio);
+        tetrahedralize(switches.data(), &in, &out);
+        header.vertices = out.numberofpoints;
+        header.tetrahedra = out.numberoftetrahedra;
+    } catch (int reason) {
+        header.status = reason == 0 ? -1 : reason;
+    } catch (...) {
+        header.status = -1;
+    }
+    if (!sendAll(to, &header, sizeof header) || header.status != 0) return;
+    if (sendAll(to, out.pointlist, 3 * sizeof(REAL) * static_cast<std::size_t>(header.vertices)))
+        sendAll(to, out.tetrahedronlist, 4 * sizeof(int) * static_cast<std::size_t>(header.tetrahedra));
+}
+
+std::string reasonOf(std::int64_t status) {
+    switch (status) {
+        case 1:
+            return "there is not enough memory";
+        case 3:
+            return "its triangles meet each other";
+        case 4:
+            return "some of its parts are too small or nearly touch";
+        default:
+            return "TetGen gave up";
+    }
+}
+
+tl::unexpected<Error> noFilling(const std::string& reason) {
+    return fail(kNoFilling, "The body cannot be filled with tetrahedra: " + reason + "; repair it, or choose a solver mesh that needs none, such as \"as-is\".");
+}
+
+/// Keeps the tetrahedra inside, turns them to positive volume, and checks that exactly the surface bounds them.
+Result<TetrahedralMesh> within(const TriangleMesh& surface, TetrahedralMesh mesh) {
+    const Eigen::Index count = mesh.tetrahedra.rows();
+    if (mesh.vertices.rows() < surface.vertices.rows() || mesh.vertices.topRows(surface.vertices.rows()) != surface.vertices)
+        return noFilling("TetGen moved its vertices");
+    for (Eigen::Index t = 0; t < count; ++t) {
+        const auto corner = [&](int c) -> Vec3 { return mesh.vertices.row(mesh.tetrahedra(t, c)).transpose(); };
+        const double volume = (corner(1) - corner(0)).cross(corner(2) - corner(0)).dot(corner(3) - corner(0));
+        if (volume < 0.0) std::swap(mesh.tetrahedra(t, 2), mesh.tetrahedra(t, 3));
+        if (!(volume != 0.0)) return noFilling("a tetrahedron has no volume");
+    }
+    // Sides by their corners; those of one tetrahedron look outwards in this order.
+    constexpr std::array<std::array<int, 3>, 4> kSides{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
+    struct Side {
+        std::array<Index, 3> sorted;
+        Index of;   ///< 4 * tetrahedron + side, -1 - triangle
+        bool even;  ///< the corners as they look outwards are an even permutation of the sorted ones
+    };
+    std::vector<Side> sides;
+    sides.reserve(static_cast<std::size_t>(4 * count + surface.triangles.rows()));
+    const auto add = [&](Index a, Index b, Index c, Index of) {
+        bool even = true;
+        if (a > b) std::swap(a, b), even = !even;
+        if (b > c) std::swap(b, c), even = !even;
+        if (a > b) std::swap(a, b), even = !even;
+        sides.push_back({{a, b, c}, of, even});
+    };
+    for (Eigen::Index t = 0; t < count; ++t)
+        for (int s = 0; s < 4; ++s) {
+            const auto& k = kSides[static_cast<std::size_t>(s)];
+            add(mesh.tetrahedra(t, k[0]), mesh.tetrahedra(t, k[1]), mesh.tetrahedra(t, k[2]), static_cast<Index>(4 * t + s));
+        }
+    for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t)
+        add(surface.triangles(t, 0), surface.triangles(t, 1), surface.triangles(t, 2), static_cast<Index>(-1 - t));
+    std::sort(sides.begin(), sides.end(), [](const Side& x, const Side& y) { return x.sorted != y.sorted ? x.sorted < y.sorted : x.of < y.of; });
+    std::vector<Index> neighbour(static_cast<std::size_t>(4 * count), -1);
+    std::vector<Index> open;
+    std::vector<char> inside(static_cast<std::size_t>(count));
+    for (std::size_t i = 0; i < sides.size();) {
+        std::size_t end = i;
+        while (end < sides.size() && sides[end].sorted == sides[i].sorted) ++end;
+        if (sides[i].of < 0) {
+            // Of the tetrahedra at a triangle of the surface, inside is the one whose side looks as the triangle does.
+            bool found = false;
+            for (std::size_t k = i + 1; k < end; ++k)
+                if (sides[k].of >= 0 && sides[k].even == sides[i].even) {
+                    found = true;
+                    if (!std::exchange(inside[static_cast<std::size_t>(sides[k].of / 4)], char{1})) open.push_back(sides[k].of / 4);
+                }
+            if (!found) return noFilling("TetGen did not keep its triangles");
+        } else if (end - i == 2) {
+            neighbour[static_cast<std::size_t>(sides[i].of)] = sides[i + 1].of / 4;
+            neighbour[static_cast<std::size_t>(sides[i + 1].of)] = sides[i].of / 4;
+        }
+        i = end;
+    }
+    while (!open.empty()) {
+        const Index t = open.back();
+        open.pop_back();
+        for (Index s = 0; s < 4; ++s) {
+            const Index next = neighbour[static_cast<std::size_t>(4 * t + s)];
+            if (next >= 0 && !std::exchange(inside[static_cast<std::size_t>(next)], char{1})) open.push_back(next);
+        }
+    }
+    TetrahedralMesh out;
+    std::vector<Index> number(static_cast<std::size_t>(mesh.vertices.rows()), -1);
+    std::iota(number.begin(), number.begin() + surface.vertices.rows(), 0);
+    auto vertices = static_cast<Index>(surface.vertices.rows());
+    Eigen::Index kept = 0;
+    double volume = 0.0, wanted = 0.0;
+    for (Eigen::Index t = 0; t < count; ++t) {
+        if (!inside[static_cast<std::size_t>(t)]) continue;
+        mesh.tetrahedra.row(kept++) = mesh.tetrahedra.row(t);
+        const auto corner = [&](int c) -> Vec3 { return mesh.vertices.row(mesh.tetrahedra(t, c)).transpose(); };
+        volume += (corner(1) - corner(0)).cross(corner(2) - corner(0)).dot(corner(3) - corner(0));
+    }
+    const Vec3 from = surface.vertices.row(0).transpose();
+    for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
+        const auto corner = [&](int c) -> Vec3 { return surface.vertices.row(surface.triangles(t, c)).transpose() - from; };
+        wanted += corner(0).cross(corner(1)).dot(corner(2));
+    }
+    if (!(std::abs(volume - wanted) <= 1e-6 * std::abs(wanted))) return noFilling("it overlaps itself");
+    out.tetrahedra = mesh.tetrahedra.topRows(kept);
+    for (Eigen::Index t = 0; t < kept; ++t)
+        for (int c = 0; c < 4; ++c)
+            if (Index& n = number[static_cast<std::size_t>(out.tetrahedra(t, c))]; n < 0) n = vertices++;
+    out.vertices.resize(vertices, 3);
+    for (std::size_t v = 0; v < number.size(); ++v)
+        if (number[v] >= 0) out.vertices.row(number[v]) = mesh.vertices.row(static_cast<Eigen::Index>(v));
+    for (Eigen::Index t = 0; t < kept; ++t)
+        for (int c = 0; c < 4; ++c) out.tetrahedra(t, c) = number[static_cast<std::size_t>(out.tetrahedra(t, c))];
+    return out;
+}
+
+/// Reads what the filling process sends; false: it ended early, or `stop` says so. Looks at `stop` every 50 ms.
+template <class Stop>
+bool receiveAll(int from, void* data, std::size_t bytes, const Stop& stop) {
+    char* at = static_cast<char*>(data);
+    while (bytes > 0) {
+        pollfd waiting{from, POLLIN, 0};
+        const int ready = ::poll(&waiting, 1, 50);
+        if (stop()) return false;
+        if (ready <= 0) continue;
+        const ssize_t got = ::read(from, at, bytes);
+        if (got < 0 && errno == EINTR) continue;
+        if (got <= 0) return false;
+        at += got;
+        bytes -= static_cast<std::size_t>(got);
+    }
+    return true;
+}
+
+}  // namespace
+
+double SizeField::at(const Vec3& p) const {
+    double least = most;
+    for (const Point& point : points) {
+        const double reach = (least - point.size) / growth;
+        if (const double d = (point.place - p).squaredNorm(); reach > 0.0 && d < reach * reach) least = point.size + growth * std::sqrt(d);
+    }
+    return least;
+}
+
+Result<TetrahedralMesh> fillWithTetrahedra(const TriangleMesh& surface, const SizeField& size, const Progress& progress) {
+    std::array<int, 2> pipe{};
+    if (::pipe2(pipe.data(), O_CLOEXEC) != 0) return noFilling("there are no more file handles");
+    const pid_t child = ::fork();
+    if (child < 0) {
+        ::close(pipe[0]);
+        ::close(pipe[1]);
+        return noFilling("there is not enough memory");
+    }
+    if (child == 0) {
+        ::close(pipe[0]);
+        // No core file and no handlers of the program's: the parent says what failed.
+        const rlimit none{0, 0};
+        ::setrlimit(RLIMIT_CORE, &none);
+        for (const int number : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGTERM, SIGPIPE}) std::signal(number, SIG_DFL);
+        ::close(STDERR_FILENO);  // of what its assertions say
+        fillAndSend(surface, size, pipe[1]);
+        ::_exit(0);
+    }
+    ::close(pipe[1]);
+    const auto start = Clock::now();
+    const double patience = kPatience + kPatiencePerVertex * static_cast<double>(surface.vertices.rows());
+    bool late = false;
+    const auto stop = [&] {
+        late = secondsSince(start) > patience;
+        return late || progress.cancelled();
+    };
+    Header header;
+    TetrahedralMesh mesh;
+    bool whole = receiveAll(pipe[0], &header, sizeof header, stop);
+    if (whole && header.status == 0) {
+        mesh.vertices.resize(header.vertices, 3);
+        mesh.tetrahedra.resize(header.tetrahedra, 4);
+        std::vector<double> points(static_cast<std::size_t>(3 * header.vertices));
+        whole = receiveAll(pipe[0], points.data(), sizeof(double) * points.size(), stop) &&
+                receiveAll(pipe[0], mesh.tetrahedra.data(), sizeof(Index) * static_cast<std::size_t>(mesh.tetrahedra.size()), stop);
+        for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
+            for (int k = 0; k < 3; ++k) mesh.vertices(v, k) = points[static_cast<std::size_t>(3 * v + k)];
+    }
+    ::close(pipe[0]);
+    ::kill(child, SIGKILL);
+    while (::waitpid(child, nullptr, 0) < 0 && errno == EINTR) {
+    }
+    if (progress.cancelled()) return fail(kCancelled, "The precompute was cancelled.");
+    if (late) return noFilling("TetGen does not come to an end");
+    if (!whole) return noFilling("TetGen broke down");
+    if (header.status != 0) return noFilling(reasonOf(header.status));
+    return within(surface, std::move(mesh));
+}
+
+}  // namespace imomushi

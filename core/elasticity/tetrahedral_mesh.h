@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/base/result.h"
+#include "core/mesh/mesh.h"
+
+namespace imomushi {
+
+/// Tetrahedra that fill a closed surface exactly: its triangles are sides of theirs.
+struct TetrahedralMesh {
+    Points vertices;  ///< those of the surface first, in their order
+    Eigen::Matrix<std::int32_t, Eigen::Dynamic, 4, Eigen::RowMajor> tetrahedra;  ///< of positive volume
+};
+
+/// Lengths of edges, m: the least of `most` and, at the distance d from each point, its size + growth * d.
+struct SizeField {
+    struct Point {
+        Vec3 place;
+        double size;
+    };
+    std::vector<Point> points;
+    double growth = 0.5, most = 0.0;
+    [[nodiscard]] double at(const Vec3& p) const;
+};
+
+/// Fills what lies inside `surface` (closed, outward; cavities stay empty) with tetrahedra of about the size `size` where the surface's own triangles are no
+/// larger. No vertex is put on the surface and none of its edges is moved. Deterministic.
+/// TetGen does it (Si 2015, ACM TOMS 41:11), in a process of its own: it has global state, cannot be cancelled, and ends its process on some input.
+/// Errors: "cancelled"; "no-filling" with the reason: the surface meets itself, or TetGen gave up.
+Result<TetrahedralMesh> fillWithTetrahedra(const TriangleMesh& surface, const SizeField& size, const Progress& progress);
+
+}  // namespace imomushi

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/reduction/volume_body.h"
+
+#include <doctest/doctest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "core/reduction/element_response.h"
+#include "tests/support/shapes.h"
+
+using namespace imomushi;
+
+namespace {
+
+JointFace smallPatch(const TriangleMesh& body, const Vec3& point, double radius) {
+    const SurfacePoint place = nearestOnSurface(body, point);
+    JointFace face = jointFaceByDisc(body, place.triangle, place.point, radius).value();
+    face.disc = SurfaceDisc{place.point, radius};
+    return face;
+}
+
+/// An egg of 2,562 vertices with three handles of about 6 % of its diagonal.
+ResponseInput egg(const std::string& solverMesh) {
+    const auto mesh = std::make_shared<ElementMesh>();
+    mesh->body = shapes::moved(shapes::sphere(1.0, 4), Vec3(1.0, 0.8, 1.6).asDiagonal()).mesh;
+    ResponseInput input;
+    input.mesh = mesh;
+    input.faces = {smallPatch(mesh->body, Vec3(0, 0, 1.6), 0.25), smallPatch(mesh->body, Vec3(1, 0, -0.3), 0.25), smallPatch(mesh->body, Vec3(0, 0, -1.6), 0.25)};
+    input.basis = BasisKind::Affine;
+    input.solverMesh = parseSolverMesh(solverMesh).value();
+    input.threads = 2;
+    return input;
+}
+
+/// Relative difference, root mean square over the joint modes: as ResponseQuality::error is meant.
+double difference(const ElementResponse& a, const ElementResponse& b) {
+    REQUIRE(a.freeVertices == b.freeVertices);
+    return (a.response - b.response).norm() / b.response.norm();
+}
+
+}  // namespace
+
+TEST_CASE("volume body: with handles a draft is within a tenth of the default, symmetric, and states its error") {
+    const auto exact = buildResponse(egg("default"), {}), draft = buildResponse(egg("draft"), {});
+    REQUIRE(exact);
+    REQUIRE(draft);
+    const double error = difference(*draft, *exact);
+    MESSAGE("draft: ", 100.0 * error, " %, stated ", 100.0 * draft->quality.error, " %, ", draft->quality.solverNodes, " nodes, ", draft->quality.seconds, " s; default states ",
+            100.0 * exact->quality.error, " %, ", exact->quality.solverNodes, " nodes, ", exact->quality.seconds, " s");
+    CHECK(error <= 0.1);
+    CHECK(draft->quality.error >= error / 1.5);
+    CHECK(draft->quality.error <= 0.2);
+    CHECK(exact->quality.error <= 0.05);
+    for (const ElementResponse* response : {&*exact, &*draft}) {
+        CHECK(response->quality.tetrahedra > 0);
+        CHECK(response->quality.noFilling.empty());
+        CHECK(response->quality.asymmetry <= 1e-9);
+        CHECK(response->quality.negativeEnergy >= -1e-9);
+    }
+}
+
+TEST_CASE("volume body: at ratios that tetrahedra cannot take, and where a body cannot be filled, boundary elements solve it and say why") {
+    ResponseInput input = egg("volume:600");
+    input.nu = 0.5;
+    const auto solid = solvedBody(input.mesh->body, input.faces, input.solverMesh, {}, false);
+    REQUIRE(solid);
+    CHECK(!solid->filling);
+    CHECK(solid->noFilling.find("0.49") != std::string::npos);
+    // Two overlapping boxes are closed, but meet each other.
+    const auto mesh = std::make_shared<ElementMesh>();
+    const shapes::Body one = shapes::box(Vec3(0, 0, 0), Vec3(1, 1, 2), 2, 2, 4), other = shapes::box(Vec3(0.6, 0.3, 0.7), Vec3(1.6, 0.8, 1.2), 1, 1, 1);
+    mesh->body.vertices.resize(one.mesh.vertices.rows() + other.mesh.vertices.rows(), 3);
+    mesh->body.vertices << one.mesh.vertices, other.mesh.vertices;
+    mesh->body.triangles.resize(one.mesh.triangles.rows() + other.mesh.triangles.rows(), 3);
+    mesh->body.triangles << one.mesh.triangles, other.mesh.triangles.array() + static_cast<std::int32_t>(one.mesh.vertices.rows());
+    const std::vector<JointFace> faces = {jointFaceByTriangles(mesh->body, one.ends[0].triangles).value()};
+    const auto crossed = solvedBody(mesh->body, faces, parseSolverMesh("volume:5000").value(), {});
+    REQUIRE(crossed);
+    CHECK(!crossed->filling);
+    CHECK(crossed->noFilling.find("filled") != std::string::npos);
+}
+
+TEST_CASE("volume body: a bar with flat faces, its weight and touch agree with boundary elements within what both state") {
+    const auto mesh = std::make_shared<ElementMesh>();
+    const shapes::Body bar = shapes::cylinder(0.5, 2.0, 16, 8);
+    mesh->body = bar.mesh;
+    ResponseInput input;
+    input.mesh = mesh;
+    for (const shapes::Patch& end : bar.ends) input.faces.push_back(jointFaceByTriangles(mesh->body, end.triangles).value());
+    input.basis = BasisKind::Affine;
+    input.nu = 0.45;
+    input.loads = true;
+    input.touch = 6;
+    input.threads = 2;
+    input.solverMesh = parseSolverMesh("default").value();
+    const auto boundary = buildResponse(input, {});
+    input.solverMesh = parseSolverMesh("volume:1500").value();
+    const auto volume = buildResponse(input, {});
+    REQUIRE(boundary);
+    REQUIRE_MESSAGE(volume, volume.error().message);
+    CHECK(volume->quality.tetrahedra > 0);
+    const double stated = boundary->quality.error + volume->quality.error, apart = difference(*volume, *boundary);
+    MESSAGE("boundary elements state ", 100.0 * boundary->quality.error, " %, finite elements ", 100.0 * volume->quality.error, " %; they differ by ", 100.0 * apart, " %");
+    CHECK(apart <= stated);
+    CHECK((volume->stiffness - boundary->stiffness).norm() <= 0.03 * boundary->stiffness.norm());
+    CHECK((volume->loads - boundary->loads).norm() <= 0.02 * boundary->loads.norm());
+    CHECK((volume->loadForces - boundary->loadForces).norm() <= 0.02 * boundary->loadForces.norm());
+    REQUIRE(volume->touch.patches.count() == boundary->touch.patches.count());
+    CHECK((volume->touch.compliance - boundary->touch.compliance).norm() <= 0.03 * boundary->touch.compliance.norm());
+    CHECK((volume->touch.forces - boundary->touch.forces).norm() <= 0.03 * boundary->touch.forces.norm());
+    CHECK(volume->touch.asymmetry <= 1e-9);
+}
