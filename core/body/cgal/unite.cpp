@@ -3,6 +3,8 @@
 
 #include <CGAL/Polygon_mesh_processing/corefinement.h>
 #include <CGAL/Polygon_mesh_processing/intersection.h>
+#include <CGAL/Polygon_mesh_processing/shape_predicates.h>
+#include <CGAL/boost/graph/Euler_operations.h>
 
 #include "core/base/floating_point_guard.h"
 #include "core/body/cgal/surface_mesh.h"
@@ -11,9 +13,21 @@ namespace imomushi {
 
 namespace pmp = CGAL::Polygon_mesh_processing;
 
+namespace {
+
+/// Without triangles that have no area: CGAL's predicates refuse them, and what they meet their neighbours meet too.
+cgal::SurfaceMesh withArea(const TriangleMesh& mesh) {
+    cgal::SurfaceMesh out = cgal::toSurfaceMesh(mesh);
+    for (const auto face : out.faces())
+        if (pmp::is_degenerate_triangle_face(face, out)) CGAL::Euler::remove_face(out.halfedge(face), out);
+    return out;
+}
+
+}  // namespace
+
 bool surfacesMeet(const TriangleMesh& a, const TriangleMesh& b) {
     const FloatingPointGuard guard;
-    return pmp::do_intersect(cgal::toSurfaceMesh(a), cgal::toSurfaceMesh(b));
+    return pmp::do_intersect(withArea(a), withArea(b));
 }
 
 std::optional<TriangleMesh> unite(const TriangleMesh& a, const TriangleMesh& b) {
