@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/elasticity/boundary_problem.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <fstream>
 #include <mutex>
 #include <new>
 #include <numbers>
@@ -50,20 +47,6 @@ constexpr std::int32_t kCheckedNodes = 1000;
 /// A hierarchical solution of kMeasuredNodes nodes and twelve columns, one thread (bench_hierarchical_solver): the time in pairs of a point and a triangle, the
 /// memory in bytes; and how both grow with the nodes.
 constexpr double kMeasuredNodes = 7586.0, kMeasuredPairs = 7.5e8, kMeasuredBytes = 6.5e8, kTimeExponent = 1.66, kMemoryExponent = 1.18;
-
-/// Bytes that can still be had without swapping; the largest number where the system does not say.
-std::size_t availableMemory() {
-    std::ifstream file("/proc/meminfo");
-    for (std::string key; file >> key;) {
-        if (key == "MemAvailable:") {
-            std::size_t kilobytes = 0;
-            file >> kilobytes;
-            return kilobytes * 1024;
-        }
-    }
-    const long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGE_SIZE);
-    return pages > 0 && size > 0 ? static_cast<std::size_t>(pages) * static_cast<std::size_t>(size) : ~std::size_t{0};
-}
 
 std::string gigabytes(std::size_t bytes) {
     const auto tenths = static_cast<long>(std::lround(static_cast<double>(bytes) / 1e8));

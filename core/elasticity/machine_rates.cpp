@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/elasticity/machine_rates.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <fstream>
 #include <mutex>
+#include <string>
 #include <vector>
 
 #include "core/base/clock.h"
@@ -81,6 +85,19 @@ MachineRates machineRates() {
         last = Clock::now();
     }
     return best;
+}
+
+std::size_t availableMemory() {
+    std::ifstream file("/proc/meminfo");
+    for (std::string key; file >> key;) {
+        if (key == "MemAvailable:") {
+            std::size_t kilobytes = 0;
+            file >> kilobytes;
+            return kilobytes * 1024;
+        }
+    }
+    const long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGE_SIZE);
+    return pages > 0 && size > 0 ? static_cast<std::size_t>(pages) * static_cast<std::size_t>(size) : ~std::size_t{0};
 }
 
 }  // namespace imomushi

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
+
 namespace imomushi {
 
 /// What one thread of this machine does while nothing disturbs it.
@@ -12,5 +14,8 @@ struct MachineRates {
 
 /// Measured in about 20 ms by the first caller, and by a few later ones again, since a machine may be disturbed just then: the best so far counts.
 MachineRates machineRates();
+
+/// Bytes that can still be had without swapping; the largest number where the system does not say.
+std::size_t availableMemory();
 
 }  // namespace imomushi

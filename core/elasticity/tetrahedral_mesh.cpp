@@ -35,8 +35,9 @@ constexpr const char* kNoFilling = "no-filling";
 constexpr double kRadiusEdgeRatio = 2.0;
 /// A tetrahedron is too large where its longest edge is longer than this times the wanted length: the edges around it are then about as long as wanted.
 constexpr double kTooLong = 1.4;
-/// Seconds after which TetGen is believed to run for ever: a hundred times what a body of as many vertices takes.
-constexpr double kPatience = 20.0, kPatiencePerVertex = 1e-3;
+/// Seconds of processor time after which TetGen is believed to run for ever: some twenty times what a body of as many vertices takes. The same in time of the
+/// clock, for what waits for ever, is many times as long: on a busy machine.
+constexpr double kPatience = 5.0, kPatiencePerVertex = 1e-3, kPatienceOfClock = 60.0;
 
 /// What TetGen's call-back asks for; it has no argument for it. The filling process has one thread.
 const SizeField* wantedSize = nullptr;
@@ -248,6 +249,7 @@ double SizeField::at(const Vec3& p) const {
 }
 
 Result<TetrahedralMesh> fillWithTetrahedra(const TriangleMesh& surface, const SizeField& size, const Progress& progress) {
+    const double patience = kPatience + kPatiencePerVertex * static_cast<double>(surface.vertices.rows());
     std::array<int, 2> pipe{};
     if (::pipe2(pipe.data(), O_CLOEXEC) != 0) return noFilling("there are no more file handles");
     const pid_t child = ::fork();
@@ -258,20 +260,24 @@ Result<TetrahedralMesh> fillWithTetrahedra(const TriangleMesh& surface, const Si
     }
     if (child == 0) {
         ::close(pipe[0]);
+        const auto seconds = static_cast<rlim_t>(patience);
+        const rlimit time{seconds, seconds + 1};
+        ::setrlimit(RLIMIT_CPU, &time);
         // No core file and no handlers of the program's: the parent says what failed.
         const rlimit none{0, 0};
         ::setrlimit(RLIMIT_CORE, &none);
-        for (const int number : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGTERM, SIGPIPE}) std::signal(number, SIG_DFL);
-        ::close(STDERR_FILENO);  // of what its assertions say
+        for (const int number : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGTERM, SIGPIPE, SIGXCPU}) std::signal(number, SIG_DFL);
+        // Neither the program's answers nor its messages are mixed with what TetGen says.
+        for (const int stream : {STDOUT_FILENO, STDERR_FILENO})
+            if (stream != pipe[1]) ::close(stream);
         fillAndSend(surface, size, pipe[1]);
         ::_exit(0);
     }
     ::close(pipe[1]);
     const auto start = Clock::now();
-    const double patience = kPatience + kPatiencePerVertex * static_cast<double>(surface.vertices.rows());
     bool late = false;
     const auto stop = [&] {
-        late = secondsSince(start) > patience;
+        late = secondsSince(start) > kPatienceOfClock * patience;
         return late || progress.cancelled();
     };
     Header header;

@@ -286,6 +286,10 @@ Result<void> VolumeProblem::State::factorise(const Progress& progress) {
         cholmod_l_free_sparse(&matrix, &common);
         return fail(kCancelled, "The precompute was cancelled.");
     }
+    if (factor && sizeof(double) * factor->xsize > availableMemory()) {
+        cholmod_l_free_sparse(&matrix, &common);
+        return noMemory();
+    }
     progress.report("factorise", 0.3);
     const bool done = factor && cholmod_l_factorize(matrix, factor, &common) != 0 && common.status != CHOLMOD_OUT_OF_MEMORY;
     const bool definite = common.status != CHOLMOD_NOT_POSDEF;

@@ -49,7 +49,7 @@ struct SolvedBody {
 ///               handles that is not filled has a thousand vertices instead of strips
 ///   best        more strips and quadratic displacement everywhere, on the body refined where it is coarse
 ///
-/// With handles, draft, default and best are volume:600, volume:2500 and volume:5000. Where a body cannot be filled, or `tetrahedra` is false (as it must be beyond
+/// With handles, draft, default and best are volume:600, volume:2500 and volume:5000, with more vertices for more than four handles. Where a body cannot be filled, or `tetrahedra` is false (as it must be beyond
 /// VolumeProblem::kLargestNu), boundary elements solve it: the settings above, default for volume. SolvedBody::noFilling says why.
 ///
 /// Measured against second-order finite elements (tests/data/reference): as-is is wrong by up to 23 %, default by less than 2 %, best by less than 1 %.

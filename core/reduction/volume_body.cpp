@@ -16,8 +16,11 @@ namespace {
 
 /// With handles: vertices of draft and best; default has SolverMeshSetting::kVolumeVertices.
 constexpr int kDraftVolume = 600, kBestVolume = 5000;
+/// So many vertices more for each handle after so many: rims need their own.
+constexpr int kPerHandle = 40, kUsualHandles = 4;
 /// Edges at a rim over the radius of its face, for kRimVertices vertices; with fewer they are longer, as edges elsewhere are.
 constexpr double kRimEdge = 0.15, kRimVertices = 2500.0, kFinestRim = 0.05, kCoarsestRim = 0.4;
+constexpr std::size_t kRimFaces = 6;  // up to so many
 /// By how much edges grow per distance from a rim.
 constexpr double kVolumeGrowth = 0.7;
 /// Longest edges of the surface and inside, over the mean edge of a surface of so many vertices: edges of decimated ones vary. Triangles of coarse bodies are bisected to it.
@@ -26,7 +29,7 @@ constexpr double kLongestEdge = 2.0;
 constexpr double kBisected = 1.4;
 /// A body is not decimated for less.
 constexpr double kWorthIt = 0.8;
-/// One that cannot be decimated is filled as it is while it has no more than so many times the vertices that were asked for, or so many.
+/// One that cannot be decimated is filled as it is while it has no more than so many times the vertices that were asked for.
 constexpr int kAtMostTimes = 4;
 
 /// Edges that lie between a face and another triangle, with the number of the face.
@@ -53,7 +56,9 @@ SizeField sizesFor(const SolverMesh& mesh, int vertices) {
         radius.push_back(std::sqrt(held / std::numbers::pi));
     }
     const double mean = std::sqrt(2.0 * area / (std::numbers::sqrt3 * vertices));
-    const double rim = std::clamp(kRimEdge * std::sqrt(kRimVertices / vertices), kFinestRim, kCoarsestRim);
+    // Many rims share the vertices.
+    const double share = static_cast<double>(std::max<std::size_t>(kRimFaces, mesh.faces.size())) / static_cast<double>(kRimFaces);
+    const double rim = std::clamp(kRimEdge * std::sqrt(share * kRimVertices / vertices), kFinestRim, kCoarsestRim);
     out.growth = kVolumeGrowth;
     out.most = kLongestEdge * mean;
     eachRimEdge(mesh, [&](std::int32_t a, std::int32_t b, std::int32_t f) {
@@ -70,11 +75,13 @@ SizeField sizesFor(const SolverMesh& mesh, int vertices) {
 int volumeVertices(std::span<const JointFace> faces, const SolverMeshSetting& setting) {
     using Kind = SolverMeshSetting::Kind;
     if (setting.kind == Kind::Volume) return setting.count > 0 ? setting.count : SolverMeshSetting::kVolumeVertices;
-    if (std::none_of(faces.begin(), faces.end(), [](const JointFace& face) { return face.disc.has_value(); })) return 0;
+    const auto handles = static_cast<int>(std::count_if(faces.begin(), faces.end(), [](const JointFace& face) { return face.disc.has_value(); }));
+    if (handles == 0) return 0;
+    const int more = kPerHandle * std::max(0, handles - kUsualHandles);
     switch (setting.kind) {
-        case Kind::Draft: return kDraftVolume;
-        case Kind::Default: return SolverMeshSetting::kVolumeVertices;
-        case Kind::Best: return kBestVolume;
+        case Kind::Draft: return kDraftVolume + more;
+        case Kind::Default: return SolverMeshSetting::kVolumeVertices + more;
+        case Kind::Best: return kBestVolume + more;
         default: return 0;
     }
 }
