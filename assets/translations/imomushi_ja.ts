@@ -3475,7 +3475,7 @@
         </message>
         <message>
             <source>Or drop meshes (OBJ, PLY, STL, glTF, FBX, DAE) and projects anywhere on this window.</source>
-            <translation>メッシュ（OBJ、PLY、STL、glTF、FBX、DAE）やプロジェクトをこのウィンドウにドロップすることもできます。</translation>
+            <translation>メッシュ（OBJ、PLY、STL、glTF、FBX、DAE）やプロジェクトは、ここへドロップしても開けます。</translation>
         </message>
         <message>
             <source>From a sample</source>

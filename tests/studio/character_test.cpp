@@ -232,6 +232,13 @@ TEST_CASE("studio: the view says what comes next, a mesh that is there is made s
     CHECK(!offered("nextImport"));
     CHECK(cutOff(*next) == "");
     w.shoot("next-soften");
+    Appearance::instance().setLanguage(QStringLiteral("ja"));
+    w.settle();
+    CHECK(offered("nextSoft")->text().startsWith(QStringLiteral("柔らかくする")));
+    CHECK(cutOff(*next) == "");
+    w.shoot("next-soften-japanese");
+    Appearance::instance().setLanguage(QStringLiteral("en"));
+    w.settle();
     CHECK(!w.shared->actions()["make-soft-bones"]->isEnabled());  // it has no skeleton
 
     const int before = w.document().session().position();

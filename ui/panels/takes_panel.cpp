@@ -64,6 +64,14 @@ TakesPanel::TakesPanel(StudioDocument& document, TakeDeck& deck, ActionSet& acti
     empty_->setWordWrap(true);
     empty_->setAlignment(Qt::AlignLeft | Qt::AlignTop);
 
+    clips_ = new QToolButton(this);
+    clips_->setObjectName(QStringLiteral("fromClip"));
+    clips_->setDefaultAction(actions["take-clip"]);
+    clips_->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
+    clips_->setFocusPolicy(Qt::TabFocus);
+    buttons_.push_back(clips_);
+    connect(actions["take-clip"], &QAction::changed, this, &TakesPanel::showClips);
+
     transport_ = new QWidget(this);
     auto* buttons = new QHBoxLayout(transport_);
     buttons->setContentsMargins(0, 0, 0, 0);
@@ -71,6 +79,7 @@ TakesPanel::TakesPanel(StudioDocument& document, TakeDeck& deck, ActionSet& acti
     for (const char* action : {"take-back", "play", "take-forward", "loop"}) button(action, buttons);
     buttons->addSpacing(10);
     for (const char* action : {"mark-in", "mark-out", "trim-take"}) button(action, buttons);
+    moreClips_ = button("take-clip", buttons);
     clock_ = new QLabel(this);
     buttons->addSpacing(10);
     buttons->addWidget(clock_);
@@ -88,17 +97,6 @@ TakesPanel::TakesPanel(StudioDocument& document, TakeDeck& deck, ActionSet& acti
     });
     connect(bar_, &TimeBar::spanWanted, &deck_, &TakeDeck::setSpan);
 
-    clips_ = new QWidget(this);
-    auto* clipRow = new QHBoxLayout(clips_);
-    clipRow->setContentsMargins(0, 0, 0, 0);
-    QToolButton* fromClip = button("take-clip", clipRow);
-    fromClip->setObjectName(QStringLiteral("fromClip"));
-    fromClip->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
-    fromClip->setProperty("small", true);
-    clipRow->addStretch();
-    connect(actions["take-clip"], &QAction::changed, this, [this] { clips_->setVisible(actions_["take-clip"]->isEnabled()); });
-    clips_->hide();
-
     takeButtons_ = new QWidget(this);
     auto* takeRow = new QHBoxLayout(takeButtons_);
     takeRow->setContentsMargins(0, 0, 0, 0);
@@ -115,12 +113,12 @@ TakesPanel::TakesPanel(StudioDocument& document, TakeDeck& deck, ActionSet& acti
     left->setContentsMargins(0, 0, 0, 0);
     left->setSpacing(6);
     left->addLayout(recordRow);
-    left->addWidget(clips_);
     left->addWidget(list_, 1);
     left->addStretch();  // the button stays where it is while there is no list
     auto* right = new QVBoxLayout;
     right->setSpacing(4);
-    right->addWidget(empty_, 1);
+    right->addWidget(empty_);
+    right->addWidget(clips_, 0, Qt::AlignLeft);
     right->addWidget(transport_);
     right->addStretch();
     right->addWidget(bar_);
@@ -196,6 +194,7 @@ void TakesPanel::follow() {
     empty_->setVisible(!any);
     transport_->setVisible(any);
     bar_->setVisible(any);
+    showClips();
     if (!any)
         empty_->setText(deck_.canRecord() ? tr("No takes yet. Press Record, then move the character with the drag tool: everything you see is kept, until you press it again.")
                                           : tr("What you perform is recorded here. Open a sample or import a mesh first."));
@@ -229,6 +228,12 @@ void TakesPanel::follow() {
     note_->setToolTip(changed ? tr("Elements, faces, basis or effects are not those of the recording. The take shows its poses, without what effects added.") : QString());
     live_->setVisible(deck_.shown());
     following_ = false;
+}
+
+void TakesPanel::showClips() {
+    const bool there = actions_["take-clip"]->isEnabled();
+    clips_->setVisible(there && empty_->isVisibleTo(this));
+    moreClips_->setVisible(there);
 }
 
 void TakesPanel::rename() {

@@ -38,6 +38,7 @@ private:
     void takeSizes();
     void retranslate();
     void dressRecord();
+    void showClips();
     void menu(const QPoint& global);
 
     StudioDocument& document_;
@@ -48,8 +49,8 @@ private:
     QListView* list_;
     QLabel* empty_;
     QWidget* left_;
-    QWidget* clips_;  // where the file of the character has some
     QWidget* takeButtons_;
+    QToolButton *clips_, *moreClips_;  // where the file of the character has clips: while there is no take, and then
     QWidget* transport_;
     std::vector<QToolButton*> buttons_;
     QLabel* clock_;

@@ -172,8 +172,8 @@ QPushButton[flat="true"]:hover, QPushButton[flat="true"]:focus { text-decoration
 QPushButton::menu-indicator { image: url(@down-icon); width: 13px; height: 13px; subcontrol-origin: border; subcontrol-position: right center; right: 6px; }
 
 QCheckBox { spacing: 8px; background: transparent; }
-QCheckBox::indicator { width: 16px; height: 16px; border: 1px solid @hoverline; border-radius: 4px; background: @field; }
-QCheckBox::indicator:checked { background: @accent; border-color: @accent; image: url(@checkmark-icon); }
+QCheckBox::indicator, QTreeView::indicator, QListView::indicator { width: 16px; height: 16px; border: 1px solid @hoverline; border-radius: 4px; background: @field; }
+QCheckBox::indicator:checked, QTreeView::indicator:checked, QListView::indicator:checked { background: @accent; border-color: @accent; image: url(@checkmark-icon); }
 QCheckBox::indicator:focus { border-color: @text; }
 QCheckBox:focus { color: @accent; }
 QCheckBox:disabled { color: @faint; }

@@ -6,6 +6,7 @@
 #include <QEvent>
 #include <QFileInfo>
 #include <QGridLayout>
+#include <QKeyEvent>
 #include <QLabel>
 #include <QLocale>
 #include <QMenu>
@@ -25,11 +26,23 @@ namespace {
 constexpr int kMaxColumns = 4, kFewestColumns = 3;
 constexpr int kTileWidth = 232, kPicture = 145, kTileHeight = 201, kGap = 16, kWayHeight = 134;
 
+// A button that is painted by itself and pressed by Enter, too.
+class Card : public QAbstractButton {
+public:
+    using QAbstractButton::QAbstractButton;
+
+protected:
+    void keyPressEvent(QKeyEvent* event) override {
+        if (event->key() == Qt::Key_Return || event->key() == Qt::Key_Enter) click();
+        else QAbstractButton::keyPressEvent(event);
+    }
+};
+
 // A project as a card: its picture, its name, and one line below.
-class Tile : public QAbstractButton {
+class Tile : public Card {
 public:
     Tile(QImage picture, QString title, QString note, QString icon, QWidget* parent)
-        : QAbstractButton(parent), picture_(std::move(picture)), note_(std::move(note)), icon_(std::move(icon)) {
+        : Card(parent), picture_(std::move(picture)), note_(std::move(note)), icon_(std::move(icon)) {
         setText(title);
         setAccessibleName(title);
         setAccessibleDescription(note_);
@@ -80,9 +93,9 @@ private:
 };
 
 // A way to begin, as a card: a sign, what it is from, and what comes of it.
-class WayCard : public QAbstractButton {
+class WayCard : public Card {
 public:
-    WayCard(QString icon, QString title, QString note, QWidget* parent) : QAbstractButton(parent), note_(std::move(note)), icon_(std::move(icon)) {
+    WayCard(QString icon, QString title, QString note, QWidget* parent) : Card(parent), note_(std::move(note)), icon_(std::move(icon)) {
         setText(title);
         setAccessibleName(title);
         setAccessibleDescription(note_);
