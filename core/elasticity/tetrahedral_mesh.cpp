@@ -40,7 +40,7 @@ constexpr double kTooLong = 1.4;
 constexpr double kPatience = 5.0, kPatiencePerVertex = 1e-3, kPatienceOfClock = 60.0;
 
 /// What TetGen's call-back asks for; it has no argument for it. The filling process has one thread.
-const SizeField* wantedSize = nullptr;
+const TetrahedronSizes* wantedSize = nullptr;
 
 bool tooLarge(REAL* a, REAL* b, REAL* c, REAL* d, REAL*, REAL) {
     const std::array<Vec3, 4> corner{Vec3(a[0], a[1], a[2]), Vec3(b[0], b[1], b[2]), Vec3(c[0], c[1], c[2]), Vec3(d[0], d[1], d[2])};
@@ -69,7 +69,7 @@ bool sendAll(int to, const void* data, std::size_t bytes) {
 }
 
 /// Of the filling process.
-void fillAndSend(const TriangleMesh& surface, const SizeField& size, int to) {
+void fillAndSend(const TriangleMesh& surface, const TetrahedronSizes& size, int to) {
     std::fenv_t before;
     std::feholdexcept(&before);
     wantedSize = &size;
@@ -239,7 +239,7 @@ bool receiveAll(int from, void* data, std::size_t bytes, const Stop& stop) {
 
 }  // namespace
 
-double SizeField::at(const Vec3& p) const {
+double TetrahedronSizes::at(const Vec3& p) const {
     double least = most;
     for (const Point& point : points) {
         const double reach = (least - point.size) / growth;
@@ -248,7 +248,7 @@ double SizeField::at(const Vec3& p) const {
     return least;
 }
 
-Result<TetrahedralMesh> fillWithTetrahedra(const TriangleMesh& surface, const SizeField& size, const Progress& progress) {
+Result<TetrahedralMesh> fillWithTetrahedra(const TriangleMesh& surface, const TetrahedronSizes& size, const Progress& progress) {
     const double patience = kPatience + kPatiencePerVertex * static_cast<double>(surface.vertices.rows());
     std::array<int, 2> pipe{};
     if (::pipe2(pipe.data(), O_CLOEXEC) != 0) return noFilling("there are no more file handles");

@@ -18,7 +18,7 @@ struct TetrahedralMesh {
 };
 
 /// Lengths of edges, m: the least of `most` and, at the distance d from each point, its size + growth * d.
-struct SizeField {
+struct TetrahedronSizes {
     struct Point {
         Vec3 place;
         double size;
@@ -32,6 +32,6 @@ struct SizeField {
 /// larger. No vertex is put on the surface and none of its edges is moved. Deterministic.
 /// TetGen does it (Si 2015, ACM TOMS 41:11), in a process of its own: it has global state, cannot be cancelled, and ends its process on some input.
 /// Errors: "cancelled"; "no-filling" with the reason: the surface meets itself, or TetGen gave up.
-Result<TetrahedralMesh> fillWithTetrahedra(const TriangleMesh& surface, const SizeField& size, const Progress& progress);
+Result<TetrahedralMesh> fillWithTetrahedra(const TriangleMesh& surface, const TetrahedronSizes& size, const Progress& progress);
 
 }  // namespace imomushi

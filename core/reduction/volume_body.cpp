@@ -45,8 +45,8 @@ void eachRimEdge(const SolverMesh& mesh, const Visit& visit) {
 }
 
 /// Sizes of edges around the rims of `mesh`.
-SizeField sizesFor(const SolverMesh& mesh, int vertices) {
-    SizeField out;
+TetrahedronSizes sizesFor(const SolverMesh& mesh, int vertices) {
+    TetrahedronSizes out;
     double area = 0.0;
     for (std::int32_t t = 0; t < mesh.mesh.triangles.rows(); ++t) area += 0.5 * areaVector(mesh.mesh, t).norm();
     std::vector<double> radius;  // of a disc of each face's area
@@ -104,7 +104,7 @@ Result<SolvedBody> volumeBody(const BodySurface& surface, int vertices, const Pr
         if (!out && own > kAtMostTimes * vertices) return fail("no-filling", "The body cannot be filled with tetrahedra: it has too many vertices and cannot be decimated; repair it.");
     }
     if (!out) out = onItself(surface.mesh, surface);
-    const SizeField sizes = sizesFor(out->mesh, vertices);
+    const TetrahedronSizes sizes = sizesFor(out->mesh, vertices);
     std::vector<double> longest(static_cast<std::size_t>(out->mesh.mesh.vertices.rows()));
     for (std::size_t v = 0; v < longest.size(); ++v) longest[v] = kBisected * sizes.at(out->mesh.mesh.vertices.row(static_cast<Eigen::Index>(v)).transpose());
     if (progress.cancelled()) return cancelled();

@@ -20,7 +20,7 @@ struct Filled {
     VolumeProblem::Input input;
 
     Filled(shapes::Body made, double size, double nu, int threads = 2) : body(std::move(made)) {
-        SizeField sizes;
+        TetrahedronSizes sizes;
         sizes.most = size;
         auto filled = fillWithTetrahedra(body.mesh, sizes, {});
         REQUIRE_MESSAGE(filled, filled.error().message);
@@ -74,7 +74,7 @@ TEST_CASE("tetrahedra: fill exactly the body, its cavity stays empty, the same b
     both.vertices << block.mesh.vertices, hole.mesh.vertices;
     both.triangles.resize(block.mesh.triangles.rows() + hole.mesh.triangles.rows(), 3);
     both.triangles << block.mesh.triangles, hole.mesh.triangles.array() + static_cast<std::int32_t>(block.mesh.vertices.rows());
-    SizeField sizes;
+    TetrahedronSizes sizes;
     sizes.most = 0.5;
     const auto filled = fillWithTetrahedra(both, sizes, {}), again = fillWithTetrahedra(both, sizes, {});
     REQUIRE_MESSAGE(filled, filled.error().message);
@@ -87,7 +87,7 @@ TEST_CASE("tetrahedra: fill exactly the body, its cavity stays empty, the same b
 
 TEST_CASE("tetrahedra: the smaller they are wanted, the more there are inside, graded around points") {
     const shapes::Body block = shapes::box(Vec3(0, 0, 0), Vec3(4, 4, 4), 4, 4, 4);
-    SizeField sizes;
+    TetrahedronSizes sizes;
     sizes.most = 4.0;
     const auto coarse = fillWithTetrahedra(block.mesh, sizes, {});
     sizes.points = {{Vec3(2, 2, 2), 0.3}};
@@ -106,7 +106,7 @@ TEST_CASE("tetrahedra: a surface that meets itself is refused with the reason, a
     both.vertices << one.mesh.vertices, other.mesh.vertices;
     both.triangles.resize(2 * one.mesh.triangles.rows(), 3);
     both.triangles << one.mesh.triangles, other.mesh.triangles.array() + static_cast<std::int32_t>(one.mesh.vertices.rows());
-    SizeField sizes;
+    TetrahedronSizes sizes;
     sizes.most = 1.0;
     const auto refused = fillWithTetrahedra(both, sizes, {});
     REQUIRE(!refused);
