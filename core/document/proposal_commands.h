@@ -20,6 +20,10 @@ Result<Proposal> proposeFor(const CharacterSource& character, const ProposalRequ
 /// {"from", "root", "cuts", "bones", "pins", "handles", "parts", "merged", "notes", "symmetry"}.
 Json proposalJson(const CharacterSource& character, const Proposal& proposal);
 
+/// The same back: "root", "cuts", "bones", "pins", "handles" and "parts" of what propose answered, changed or not; lists may be missing, other keys are not read. A bone hangs on the
+/// end of its parent unless it starts where that starts. Errors: "bad-proposal", "no-such-part".
+Result<Proposal> proposalFrom(const CharacterSource& character, const Json& json);
+
 /// The size of a character, and a unit if its size cannot be meant: {"height", "diagonal", "suggested_unit", "note"}, metres.
 Json sizeJson(const CharacterSource& character);
 
