@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/models/commands.h"
 
+#include "core/document/proposal_commands.h"
+
 namespace imomushi::commands {
 namespace {
 
@@ -71,6 +73,10 @@ Json makeSoft(const Import& import, const std::string& body, std::optional<doubl
     Json command = characterCommand("make-soft", import, body, detail);
     command["precompute"] = false;
     return command;
+}
+
+Json makeSoft(const CharacterSource& character, const Proposal& proposal) {
+    return {{"do", "make-soft"}, {"character", character.name}, {"proposal", proposalJson(character, proposal)}, {"precompute", false}};
 }
 
 Json append(const std::string& path, bool beside) {

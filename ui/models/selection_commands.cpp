@@ -15,6 +15,31 @@ namespace imomushi {
 
 using Kind = SelectionItem::Kind;
 
+bool mayPropose(const Document& d, PartId id) {
+    const auto character = d.characters.find(id);
+    if (character == d.characters.end() || !character->second->body || !character->second->cuts.empty()) return false;
+    const auto own = d.elementsOf(id);
+    if (std::any_of(own.begin(), own.end(), [&](PartId e) { return !d.elements.at(e)->handles.empty(); })) return false;
+    return std::none_of(d.bones.begin(), d.bones.end(), [&](const auto& bone) { return std::find(own.begin(), own.end(), bone.second->element) != own.end(); });
+}
+
+PartId proposable(const StudioDocument& document) {
+    const Document& d = document.document();
+    for (const SelectionItem& item : document.selection()) {
+        PartId character = item.kind == Kind::Character ? item.part : 0;
+        if (item.kind == Kind::Element)
+            if (const auto element = d.elements.find(item.part); element != d.elements.end() && element->second->piece) character = element->second->piece->character;
+        if (character != 0 && mayPropose(d, character)) return character;
+    }
+    PartId only = 0;
+    for (const auto& [id, character] : d.characters) {
+        if (!mayPropose(d, id)) continue;
+        if (only != 0) return 0;
+        only = id;
+    }
+    return only;
+}
+
 void selectAllElements(StudioDocument& document) {
     std::vector<SelectionItem> items;
     for (const auto& [id, element] : document.document().elements)

@@ -28,6 +28,10 @@ struct Replaceable {
     bool character = false;
 };
 [[nodiscard]] Replaceable replaceable(const StudioDocument& document);
+/// A character has no cuts, bones and handles yet, so that what is proposed for it can be done.
+[[nodiscard]] bool mayPropose(const Document& document, PartId character);
+/// Such a character that is selected, itself or by its element, or the only one there is; 0: none.
+[[nodiscard]] PartId proposable(const StudioDocument& document);
 /// Pins or unpins the selected endpoints, and the ends of the selected bones.
 void togglePins(StudioDocument& document);
 /// Joins the two joint faces that are selected and returns their paths; none where it failed or others than two are selected.

@@ -47,6 +47,7 @@ void ActionStates::update() {
     a["duplicate"]->setEnabled(canDuplicate(document_));
     for (const char* id : {"mirror-x", "mirror-y", "mirror-z"}) a[id]->setEnabled(canMirror(document_));
     a["replace-mesh"]->setEnabled(!replaceable(document_).name.empty());
+    a["propose"]->setEnabled(proposable(document_) != 0);
     a["hide"]->setEnabled(count(Kind::Element) > 0);
     a["join"]->setEnabled(count(Kind::Face) == 2);
     const bool handles = std::any_of(selection.begin(), selection.end(), [&](const SelectionItem& i) { return handleOf(d, i) != nullptr; });

@@ -29,6 +29,7 @@ class IssuesPanel;
 class MessageBar;
 class OutlinerPanel;
 class Overlays;
+class ProposalJob;
 class RepairFlow;
 class StartPage;
 class StatusStrip;
@@ -83,6 +84,7 @@ private:
     void connectFiles();
     void connectPrecompute();
     void connectRepairs();
+    void connectProposals();
     /// What has a draft is precomputed as it is set, where that does not take long.
     void followDrafts();
     void connectPanels();
@@ -110,6 +112,8 @@ private:
     void setTool(ToolKind tool);
     void setPassingHandles(bool on);
     void startPrecompute();
+    /// Asks how the character that is meant would be made soft, and shows it in the view.
+    void propose();
     void undo();
     void join();
     void mirror(char axis);
@@ -124,6 +128,7 @@ private:
     RepairFlow* repairs_;
     PrecomputeJob* precompute_;
     DraftJob* drafts_;
+    ProposalJob* proposals_;
     FrameCostMeter* costs_;
     QWidget* stage_ = nullptr;
     QStackedLayout* stack_ = nullptr;

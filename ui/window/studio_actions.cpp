@@ -43,6 +43,7 @@ constexpr Row kRows[] = {
     {"tool-handle", "handle", QT_TRANSLATE_NOOP("Actions", "Ha&ndle"), "N", true},
     {"tool-pose", "pose", QT_TRANSLATE_NOOP("Actions", "&Drag"), "D", true},
     {"tool-touch", "touch", QT_TRANSLATE_NOOP("Actions", "&Touch"), "T", true},
+    {"propose", "cut", QT_TRANSLATE_NOOP("Actions", "Propose bones and &cuts"), "Shift+B"},
     {"precompute", "precompute", QT_TRANSLATE_NOOP("Actions", "&Precompute"), "P"},
     {"soft-at-once", "", QT_TRANSLATE_NOOP("Actions", "Soft at &once"), "", true},
     {"passing-handles", "", QT_TRANSLATE_NOOP("Actions", "Dra&g flesh by passing handles"), "Shift+N", true},
