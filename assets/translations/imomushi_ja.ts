@@ -299,6 +299,10 @@
             <source>Takes from &amp;clips…</source>
             <translation>クリップからテイクを作る(&amp;C)…</translation>
         </message>
+        <message>
+            <source>Propose bones and &amp;cuts</source>
+            <translation>ボーンと切断を提案(&amp;C)</translation>
+        </message>
     </context>
     <context>
         <name>EffectTexts</name>
@@ -1071,6 +1075,18 @@
             <source>The take would not fit into memory: choose fewer frames per second.</source>
             <translation>テイクがメモリーに収まりません。1 秒あたりのフレーム数を減らしてください。</translation>
         </message>
+        <message>
+            <source>The proposal does not hang together. Give back what propose answers, or correct what was changed.</source>
+            <translation>提案が矛盾しています。propose の答えをそのまま返すか、変更した箇所を直してください。</translation>
+        </message>
+        <message>
+            <source>That end lies on a cut. Move the cut.</source>
+            <translation>その端は切断の上にあります。切断を動かしてください。</translation>
+        </message>
+        <message>
+            <source>A bone would have no length. Choose a place farther away.</source>
+            <translation>ボーンの長さがなくなります。もっと離れた場所を選んでください。</translation>
+        </message>
     </context>
     <context>
         <name>Issues</name>
@@ -1708,6 +1724,81 @@
         <message>
             <source>Click: cut across · Shift+click: plane · ↑: a patch of the surface instead</source>
             <translation>クリック：輪切りにする · Shift+クリック：平面 · ↑：代わりに表面の一部を面にする</translation>
+        </message>
+        <message>
+            <source>No plane cuts the flesh here.</source>
+            <translation>ここで肉を切断できる平面はありません。</translation>
+        </message>
+        <message>
+            <source>“%1” does not cut there: %2</source>
+            <comment>a plane, why</comment>
+            <translation>「%1」はそこでは切断できません: %2</translation>
+        </message>
+        <message numerus="yes">
+            <source>%n cut(s)</source>
+            <translation>
+                <numerusform>切断 %n</numerusform>
+            </translation>
+        </message>
+        <message numerus="yes">
+            <source>%n bone(s)</source>
+            <translation>
+                <numerusform>ボーン %n</numerusform>
+            </translation>
+        </message>
+        <message numerus="yes">
+            <source>%n handle(s)</source>
+            <translation>
+                <numerusform>ハンドル %n</numerusform>
+            </translation>
+        </message>
+        <message numerus="yes">
+            <source>%n pin(s)</source>
+            <translation>
+                <numerusform>ピン %n</numerusform>
+            </translation>
+        </message>
+        <message numerus="yes">
+            <source>%n plane(s) that do not cut</source>
+            <translation>
+                <numerusform>切断できない平面 %n</numerusform>
+            </translation>
+        </message>
+        <message>
+            <source>Enter: make it soft</source>
+            <translation>Enter: 柔らかくする</translation>
+        </message>
+        <message>
+            <source>Esc: leave it as it is</source>
+            <translation>Esc: そのままにする</translation>
+        </message>
+        <message>
+            <source>There is no flesh to cut here.</source>
+            <translation>ここには切断する肉がありません。</translation>
+        </message>
+        <message>
+            <source>Release: leave it here · Shift: fine · Right button: take back</source>
+            <translation>放す: ここに置く · Shift: 微調整 · 右ボタン: 元に戻す</translation>
+        </message>
+        <message>
+            <source>Drag: move the plane · Ctrl+drag, or its arrow: turn it · Delete: drop it</source>
+            <translation>ドラッグ: 平面を移動 · Ctrl+ドラッグまたは矢印: 回転 · Delete: 取り除く</translation>
+        </message>
+        <message>
+            <source>Drag: move the joint · Click: pin or unpin · Shift+drag: new bone</source>
+            <translation>ドラッグ: 関節点を移動 · クリック: ピンの切り替え · Shift+ドラッグ: 新しいボーン</translation>
+        </message>
+        <message>
+            <source>Delete: drop the bone</source>
+            <translation>Delete: ボーンを取り除く</translation>
+        </message>
+        <message>
+            <source>Drag: move the handle · Click: pin or unpin · Delete: drop it</source>
+            <translation>ドラッグ: ハンドルを移動 · クリック: ピンの切り替え · Delete: 取り除く</translation>
+        </message>
+        <message>
+            <source>Click: add a cut · Shift+drag: add a bone · Drag planes and joints · Delete: drop</source>
+            <translation>クリック: 切断を追加 · Shift+ドラッグ: ボーンを追加 · 平面と関節点をドラッグ · Delete: 取り除く</translation>
         </message>
     </context>
     <context>
@@ -2948,6 +3039,21 @@
             <source>Make it soft</source>
             <translation>柔らかくする</translation>
         </message>
+        <message>
+            <source>Finding limbs of %1</source>
+            <comment>a character</comment>
+            <translation>%1 の手足を探しています</translation>
+        </message>
+        <message>
+            <source>“%1” is soft: drag it, or change its cuts and bones.</source>
+            <translation>「%1」は柔らかくなりました。ドラッグするか、切断とボーンを変更できます。</translation>
+        </message>
+        <message numerus="yes">
+            <source>%n proposal(s) could not be made.</source>
+            <translation>
+                <numerusform>%n 件の提案は実行できませんでした。</numerusform>
+            </translation>
+        </message>
     </context>
     <context>
         <name>imomushi::AboutDialog</name>
@@ -3048,6 +3154,10 @@
         <message>
             <source>Precompute</source>
             <translation>前計算</translation>
+        </message>
+        <message>
+            <source>Propose bones and cuts</source>
+            <translation>ボーンと切断を提案</translation>
         </message>
         <message>
             <source>Record, play</source>

@@ -247,6 +247,9 @@ Result<Json> precomputeAll(SessionAccess& access, PartId character, Json& refuse
 Result<Json> makeSoft(SessionAccess& access, const Json& arguments, const Progress& progress) {
     const auto request = proposalRequestFrom(arguments);
     if (!request) return tl::unexpected(request.error());
+    if (arguments.contains("proposal"))
+        for (const char* key : {"from", "least"})
+            if (arguments.contains(key)) return fail("bad-value", std::string("\"") + key + "\" asks for a proposal: it does not go with \"proposal\", which is one.");
     StopWatch whole, watch;
     Json seconds;
     Step step(access);
@@ -255,7 +258,8 @@ Result<Json> makeSoft(SessionAccess& access, const Json& arguments, const Progre
     if (!character) return tl::unexpected(character.error());
     seconds["body"] = watch.lap();
     const auto source = access.document().characters.at(*character);
-    const auto proposal = access.propose(*source, *request, progress.part(0.1, 0.2));
+    const Json* given = find(arguments, "proposal");
+    const auto proposal = given ? proposalFrom(*source, *given) : access.propose(*source, *request, progress.part(0.1, 0.2));
     if (!proposal) return tl::unexpected(proposal.error());
     seconds["propose"] = watch.lap();
     const Progress rest = progress.part(0.2, 0.3);
@@ -315,6 +319,7 @@ void addMakeSoftCommand(CommandRegistry& registry) {
                         {"from", Type::Text, false, "As in propose."},
                         {"least", Type::Number, false, "As in propose."},
                         {"bones", Type::Array, false, "As in propose."},
+                        {"proposal", Type::Object, false, "Instead of these: what propose answered, with cuts, bones, pins, handles and parts changed, dropped or added."},
                         {"precompute", Type::Boolean, false, "Precomputes its elements (true)."},
                         {"draft", Type::Boolean, false, "Makes coarse answers first, some tenths of a second each (false)."},
                         {"name", Type::Text, false, "Of the file's character, as in import-character; so are the following."},

@@ -35,6 +35,10 @@ struct SizeDoubt {
 /// None: the size can be meant. `vertices`: of what is seen, m.
 std::optional<SizeDoubt> doubtedSize(const Points& vertices);
 
+/// The same back: "root", "cuts", "bones", "pins", "handles" and "parts" of what propose answered, changed or not; lists may be missing, other keys are not read. A bone hangs on the
+/// end of its parent unless it starts where that starts. Errors: "bad-proposal", "no-such-part".
+Result<Proposal> proposalFrom(const CharacterSource& character, const Json& json);
+
 /// The size of a character, and a unit if its size cannot be meant: {"height", "diagonal", "suggested_unit", "note"}, metres.
 Json sizeJson(const CharacterSource& character);
 

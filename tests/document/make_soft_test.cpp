@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <cmath>
+#include <functional>
 #include <set>
 #include <thread>
 
@@ -7,6 +8,7 @@
 #include "core/document/proposal_commands.h"
 #include "tests/document/workbench.h"
 #include "tests/support/capsules.h"
+#include "tests/support/random_edits.h"
 
 using namespace imomushi;
 
@@ -251,4 +253,71 @@ TEST_CASE("prepared steps: a command that was executed on a copy is taken over a
     const auto refused = prepared({{"do", "make-soft"}, {"character", "nobody"}});
     REQUIRE(!refused);
     CHECK(refused.error().code == "no-such-character");
+}
+
+TEST_CASE("make-soft: takes what propose answered back, changed, dropped and added to") {
+    Workbench w;
+    useCapsules(w);
+    w.good({{"do", "import-character"}, {"path", "animal"}, {"name", "it"}});
+    Json proposal = w.good({{"do", "propose"}, {"character", "it"}});
+    const Json unchanged = proposal;
+    const Json command{{"do", "make-soft"}, {"character", "it"}, {"precompute", false}};
+    const auto with = [&](const Json& changed) {
+        Json line = command;
+        line["proposal"] = changed;
+        return line;
+    };
+    const std::string before = w.content();
+    const Json same = w.good(with(unchanged));
+    CHECK(same["refused"] == Json::array());
+    CHECK(same["cuts"].size() == unchanged["cuts"].size());
+    CHECK(same["pins"] == unchanged["pins"]);
+    CHECK(same["proposal"]["cuts"] == unchanged["cuts"]);
+    CHECK(same["proposal"]["bones"] == unchanged["bones"]);
+    CHECK(w.session.steps().back().name == "make-soft");
+    w.good({{"do", "undo"}});
+    CHECK(w.content() == before);
+
+    // Faults change nothing and are told.
+    const auto faulty = [&](const std::function<void(Json&)>& spoil) {
+        Json changed = unchanged;
+        spoil(changed);
+        return w.code(with(changed));
+    };
+    CHECK(faulty([](Json& p) { p["cuts"] = 3; }) == "bad-proposal");
+    CHECK(faulty([](Json& p) { p["cuts"][0] = "neck"; }) == "bad-proposal");
+    CHECK(faulty([](Json& p) { p["cuts"][0].erase("normal"); }) == "bad-proposal");
+    CHECK(faulty([](Json& p) { p["cuts"][0]["normal"] = {0, 0, 0}; }) == "bad-proposal");
+    CHECK(faulty([](Json& p) { p["bones"][1]["parent"] = "nobody"; }) == "bad-proposal");
+    CHECK(faulty([](Json& p) { p["bones"][1]["piece"] = "nothing"; }) == "bad-proposal");
+    CHECK(faulty([](Json& p) { p["bones"][1]["start"] = {0.125, 0, 0}; }) == "bad-proposal");
+    CHECK(faulty([](Json& p) { p["pins"][0] = "nobody/end"; }) == "bad-proposal");
+    CHECK(faulty([](Json& p) { p["pins"][0] = 7; }) == "bad-proposal");
+    CHECK(faulty([](Json& p) { p["handles"].push_back({{"name", "h"}, {"point", {0, 0, 0}}}); }) == "bad-proposal");
+    CHECK(faulty([](Json& p) { p["parts"].push_back({{"name", "hat"}}); }) == "no-such-part");
+    Json both = with(unchanged);
+    both["from"] = "shape";
+    CHECK(w.code(both) == "bad-value");
+    CHECK(w.content() == before);
+
+    // Edited at random: one step, undone to the start and made again.
+    for (const std::uint64_t seed : {1, 2}) {
+        CAPTURE(seed);
+        RandomEdits random(seed);
+        Proposal edited = *proposalFrom(*w.session.document().characterNamed("it"), unchanged);
+        for (int step = 0; step < 8; ++step)
+            if (auto changed = random.edit(edited)) edited = std::move(*changed);
+        const Json given = proposalJson(*w.session.document().characterNamed("it"), edited);
+        const Json answer = w.good(with(given));
+        CHECK(answer["proposal"]["cuts"] == given["cuts"]);
+        CHECK(answer["proposal"]["bones"] == given["bones"]);
+        CHECK(answer["elements"].size() == answer["cuts"].size() + 1);
+        CHECK(answer["cuts"].size() + answer["refused"].size() >= given["cuts"].size());
+        const std::string made = w.content();
+        w.good({{"do", "undo"}});
+        CHECK(w.content() == before);
+        w.good({{"do", "redo"}});
+        CHECK(w.content() == made);
+        w.good({{"do", "undo"}});
+    }
 }

@@ -6,6 +6,7 @@
 #include <QTextStream>
 
 #include "tests/studio/window.h"
+#include "core/proposal/proposal.h"
 #include "tests/support/capsules.h"
 #include "tests/support/shapes.h"
 #include "ui/models/issue_model.h"
@@ -134,6 +135,56 @@ TEST_CASE("studio: an open mesh comes in as a whole character, is cut by a click
     w.trigger("delete");
     CHECK(character().cuts.empty());
     CHECK(w.now().elements.size() == 1);
+}
+
+TEST_CASE("studio: what is proposed for a character is seen in the view, changed with the mouse, and accepted with one key") {
+    Window w;
+    w.import(writeTube(w.folder.filePath(QStringLiteral("tube.obj"))));
+    REQUIRE(w.now().characters.size() == 1);
+    const auto character = [&]() -> const CharacterSource& { return *w.now().characters.begin()->second; };
+    const int before = w.document().session().position();
+    w.trigger("propose");
+    waitFor([&] { return w.view().tool() == ToolKind::Proposal; });
+    w.look(Vec3(0.3, 0.4, 1.0));
+    const auto* tool = w.view().proposal();
+    REQUIRE(tool != nullptr);
+    REQUIRE(!tool->cuts.empty());
+    const std::size_t cuts = tool->cuts.size();
+    w.shoot("proposal");
+    // A plane is taken by its rim and dragged.
+    const ProposedCut cut = tool->cuts.front();
+    const double side = cut.plane.normal.x() > 0.0 ? 1.0 : -1.0;
+    const Vec3 rim(cut.plane.origin.x(), 0.3, 0.4);
+    const QPoint from = w.onScreen(rim), to = w.onScreen(rim + 0.25 * side * Vec3::UnitX());
+    QTest::mouseMove(&w.view(), from);
+    w.settle();
+    QTest::mousePress(&w.view(), Qt::LeftButton, {}, from);
+    for (int i = 1; i <= 4; ++i) {
+        QTest::mouseMove(&w.view(), from + (to - from) * i / 4);
+        w.settle();
+    }
+    QTest::mouseRelease(&w.view(), Qt::LeftButton, {}, to);
+    w.settle();
+    const auto moved = [&] { return side * (w.view().proposal()->cuts.front().plane.origin.x() - cut.plane.origin.x()); };
+    CHECK(std::abs(moved() - 0.25) < 0.05);
+    QTest::keyClick(&w.view(), Qt::Key_Z, Qt::ControlModifier);
+    CHECK(moved() == 0.0);
+    QTest::keyClick(&w.view(), Qt::Key_Y, Qt::ControlModifier);
+    CHECK(std::abs(moved() - 0.25) < 0.05);
+    CHECK(w.document().session().position() == before);
+    w.shoot("proposal-moved");
+    // Esc leaves all as it was; asked again, Enter does it.
+    QTest::keyClick(&w.view(), Qt::Key_Escape);
+    waitFor([&] { return w.view().tool() == ToolKind::Select; });
+    CHECK(w.document().session().position() == before);
+    w.trigger("propose");
+    waitFor([&] { return w.view().tool() == ToolKind::Proposal; });
+    QTest::keyClick(&w.view(), Qt::Key_Return);
+    waitFor([&] { return w.view().tool() == ToolKind::Pose; });
+    CHECK(w.document().session().position() == before + 1);
+    CHECK(character().cuts.size() == cuts);
+    CHECK(!w.window().actions()["propose"]->isEnabled());
+    w.shoot("proposal-accepted");
 }
 
 TEST_CASE("studio: the import dialog offers what fits the file first, and the artist may choose otherwise") {

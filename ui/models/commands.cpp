@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/models/commands.h"
 
+#include "core/document/proposal_commands.h"
+
 namespace imomushi::commands {
 namespace {
 
@@ -86,6 +88,10 @@ bool isMakeSoft(const Json& command) { return command.at("do") == "make-soft"; }
 Json importSkeleton(const std::string& character, const std::string& path) { return {{"do", "import-skeleton"}, {"character", character}, {"path", path}}; }
 
 Json takeClip(const std::string& character, const std::string& clip, const std::string& take) { return {{"do", "take-clip"}, {"character", character}, {"clip", clip}, {"take", take}}; }
+
+Json makeSoft(const CharacterSource& character, const Proposal& proposal) {
+    return {{"do", "make-soft"}, {"character", character.name}, {"proposal", proposalJson(character, proposal)}, {"precompute", false}};
+}
 
 Json append(const std::string& path, bool beside) {
     Json command = {{"do", "append"}, {"path", path}};

@@ -15,6 +15,11 @@
 
 /// The commands that the studio issues: their names and keys are spelt here and nowhere else in ui. `imomushi run --help` says what each does.
 /// Elements, bones and takes go by their names, joint faces by "element/face", endpoints by "bone/start" and "bone/end" (see paths.h).
+namespace imomushi {
+struct CharacterSource;
+struct Proposal;
+}
+
 namespace imomushi::commands {
 
 // ---- files -----------------------------------------------------------------------------------------------------------------
@@ -51,6 +56,8 @@ Json makeSoft(const std::string& character, const ChosenBones& bones = {});
 Json importSkeleton(const std::string& character, const std::string& path);
 /// A take of a clip of the character's file. `take`: its name.
 Json takeClip(const std::string& character, const std::string& clip, const std::string& take);
+/// A character that is there, as a proposal says; nothing is precomputed.
+Json makeSoft(const CharacterSource& character, const Proposal& proposal);
 /// Another project's elements, beside what is there where they would lie on it.
 Json append(const std::string& path, bool beside);
 /// Another mesh for a character or an element, which keeps its rig. `body`: of a character, as of importCharacter().

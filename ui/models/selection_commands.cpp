@@ -99,7 +99,7 @@ const CharacterSource* chosenCharacter(const StudioDocument& document) {
 }
 
 bool canBecomeSoft(const Document& document, const CharacterSource& character) {
-    if (!character.cuts.empty()) return false;
+    if (!character.body || !character.cuts.empty()) return false;
     const auto elements = document.elementsOf(character.id);
     const auto own = [&](PartId element) { return std::find(elements.begin(), elements.end(), element) != elements.end(); };
     return std::all_of(elements.begin(), elements.end(), [&](PartId id) { return document.elements.at(id)->handles.empty(); }) &&

@@ -30,7 +30,7 @@ struct Replaceable {
 [[nodiscard]] Replaceable replaceable(const StudioDocument& document);
 /// The character that is selected, or whose part is, or the only one there is; null: none.
 [[nodiscard]] const CharacterSource* chosenCharacter(const StudioDocument& document);
-/// A character without cuts, bones and handles, which "make-soft" can take.
+/// A character without cuts, bones and handles, for which "propose" and "make-soft" can be done.
 [[nodiscard]] bool canBecomeSoft(const Document& document, const CharacterSource& character);
 /// Pins or unpins the selected endpoints, and the ends of the selected bones.
 void togglePins(StudioDocument& document);

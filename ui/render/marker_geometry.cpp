@@ -27,7 +27,7 @@ constexpr double kBoneRadius = 0.075, kBoneWaist = 0.16;
 // Radii of handles and half widths of lines in logical pixels.
 constexpr float kPointRadius = 5.5f, kHandleRadius = 7.5f, kOutlineHalfWidth = 1.1f, kGlow = 5.0f;
 // How visible things stay behind bodies: bones live inside, gizmos are tools, the far side of an outline is a hint.
-constexpr float kBoneBehind = 0.62f, kOutlineBehind = 0.34f, kPointBehind = 0.85f, kGizmoBehind = 1.0f;
+constexpr float kBoneBehind = 0.62f, kOutlineBehind = 0.34f, kPointBehind = 0.85f, kGizmoBehind = 1.0f, kDiscBehind = 0.8f;
 // How far beside a shape, in logical pixels, a click still means it.
 constexpr double kReach = 4.0;
 
@@ -84,6 +84,17 @@ void addCone(const Vec3& base, const Vec3& tip, double radius, const Vector4f& c
     }
 }
 
+/// The flat region in a closed line, from its middle.
+void addDisc(const std::vector<Vec3>& p, const Vector4f& color, float behind, std::vector<SolidVertex>& out) {
+    Vec3 middle = Vec3::Zero();
+    for (const Vec3& q : p) middle += q / static_cast<double>(p.size());
+    for (std::size_t i = 0; i < p.size(); ++i) {
+        const Vec3 &a = p[i], &b = p[(i + 1) % p.size()];
+        addTriangle(out, middle, a, b, color, behind);
+        addTriangle(out, middle, b, a, color, behind);
+    }
+}
+
 void addPolyline(const std::vector<Vec3>& p, bool closed, const Vector4f& color, Vector3f widths, std::vector<LineSegment>& out) {
     const int n = static_cast<int>(p.size());
     for (int i = 0; i < (closed ? n : n - 1); ++i) {
@@ -123,9 +134,12 @@ void MarkerGeometry::build(const Scene& scene, int height) {
     points.clear();
     const float unit = scene.unit();
     // Handles stand out against the background: light on dark, dark on light.
-    const Vector3f ivory = scene.darkTheme ? linear(232, 228, 216) : linear(72, 80, 98), sky = linear(86, 190, 240), green = linear(64, 200, 160), purple = linear(226, 150, 206);
+    const Vector3f ivory = scene.darkTheme ? linear(232, 228, 216) : linear(72, 80, 98), sky = linear(86, 190, 240), green = linear(64, 200, 160), purple = linear(226, 150, 206), vermilion = linear(235, 104, 40);
     for (const Marker& m : scene.markers) {
-        const auto colored = [&](const Vector3f& own) { return m.selected ? selectionColor() : m.hovered ? Vector3f(0.5f * own + 0.5f * hoverColor()) : own; };
+        const auto colored = [&](const Vector3f& usual) {
+            const Vector3f& own = m.refused ? vermilion : usual;
+            return m.selected && !m.refused ? selectionColor() : m.hovered ? Vector3f(0.5f * own + 0.5f * hoverColor()) : own;
+        };
         const float grow = m.selected || m.hovered ? 1.3f : 1.0f;
         switch (m.shape) {
             case Marker::Shape::Bone:
@@ -143,6 +157,7 @@ void MarkerGeometry::build(const Scene& scene, int height) {
             case Marker::Shape::FaceOutline:
                 if (m.outline.size() > 1)
                     addPolyline(m.outline, true, with(colored(sky), 1.0f), Vector3f(kOutlineHalfWidth * grow * unit, kGlow * grow * unit, kOutlineBehind), lines);
+                if (m.filled && m.outline.size() > 2) addDisc(m.outline, with(colored(sky), m.selected || m.hovered ? 0.5f : 0.34f), kDiscBehind, sheets);
                 break;
             case Marker::Shape::PlaneGizmo: {
                 if ((m.to - m.from).norm() < 1e-9) break;

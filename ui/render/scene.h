@@ -48,7 +48,7 @@ struct Seam {
 /// Overlay primitives, drawn over the bodies, dimmer where a body hides them. Lines and points keep their size in pixels.
 ///   Bone         tapered octahedron from `from` to `to`
 ///   JointPoint   ring at `from`; HeldPoint: disc in a ring; PinnedPoint: diamond
-///   FaceOutline  glowing closed polyline `outline` (the last point joins the first)
+///   FaceOutline  glowing closed polyline `outline` (the last point joins the first), with a translucent disc in it if it is `filled`
 ///   PlaneGizmo   translucent square around `from`, half as wide as `to` is away, with an arrow along its normal to `to`
 ///   Axis         arrow from `from` to `to`, in the colour of the world axis nearest to its direction
 struct Marker {
@@ -57,6 +57,8 @@ struct Marker {
     Vec3 from = Vec3::Zero(), to = Vec3::Zero();   ///< m, world, finite
     std::vector<Vec3> outline;       ///< FaceOutline only; m, world, finite
     bool selected = false, hovered = false;
+    bool filled = false;             ///< FaceOutline only
+    bool refused = false;            ///< it cannot be done as it lies: in the colour of a warning
 };
 
 struct Scene {

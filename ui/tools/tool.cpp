@@ -17,6 +17,7 @@ std::unique_ptr<Tool> makeTool(ToolKind kind, StudioDocument& document) {
         case ToolKind::Handle: return std::make_unique<HandleTool>(document);
         case ToolKind::Pose: return std::make_unique<PoseTool>(document);
         case ToolKind::Touch: return std::make_unique<TouchTool>(document);
+        case ToolKind::Proposal:  // begins with a proposal, not by itself
         case ToolKind::Select: break;
     }
     return std::make_unique<SelectTool>(document);

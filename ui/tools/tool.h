@@ -80,6 +80,14 @@ public:
     [[nodiscard]] virtual bool busy() const { return false; }
     /// Something is unfinished that cancel() would end (an open gesture, a chain of bones, a placed plane).
     [[nodiscard]] virtual bool pending() const { return busy(); }
+    /// It keeps steps of its own, which undo and redo go along; the document's wait.
+    [[nodiscard]] virtual bool hasSteps() const { return false; }
+    virtual void undo() {}
+    virtual void redo() {}
+    /// Its work is done: another tool follows.
+    [[nodiscard]] virtual bool over() const { return false; }
+    /// What must be known to go on, translated, shown over the view; empty: nothing.
+    [[nodiscard]] virtual QString banner() const { return {}; }
     /// What the mouse buttons do now, translated, for the status bar.
     [[nodiscard]] virtual QString hint() const = 0;
     /// Adds what the tool shows to the scene (previews, handles).

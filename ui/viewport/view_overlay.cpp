@@ -19,7 +19,8 @@ constexpr float kBoxOpacity = 0.12f;
 
 void ViewOverlay::paint(QPainter& painter, StudioDocument& document) const {
     if (box) paintBox(painter);
-    if (deck) paintTake(painter, document);
+    if (!banner.isEmpty()) paintPill(painter, banner, false);
+    else if (deck) paintTake(painter, document);
     if (deck && deck->counting()) paintCountdown(painter);
 }
 
@@ -38,6 +39,15 @@ void ViewOverlay::paintTake(QPainter& painter, StudioDocument& document) const {
     if (!recording && !(deck->shown() && take)) return;
     const QString text = recording ? QStringLiteral("%1   %2").arg(QString::fromStdString(recording->take), clockText(recording->seconds))
                                    : ViewportWidget::tr("%1 – drag the character to leave it", "a take that is shown").arg(QString::fromStdString(take->name));
+    paintPill(painter, text, recording.has_value());
+    if (!recording) return;
+    const double frame = QFontMetricsF(painter.font()).height() * 1.7 / 7.0;
+    painter.setPen(QPen(QColor(kRecordRed), frame, Qt::SolidLine, Qt::SquareCap, Qt::MiterJoin));
+    painter.setBrush(Qt::NoBrush);
+    painter.drawRect(QRectF({}, QSizeF(size)).adjusted(frame / 2.0, frame / 2.0, -frame / 2.0, -frame / 2.0));
+}
+
+void ViewOverlay::paintPill(QPainter& painter, const QString& text, bool recording) const {
     const QFontMetricsF metrics(painter.font());
     const double high = metrics.height() * 1.7, dot = metrics.ascent() * 0.6, wide = metrics.horizontalAdvance(text) + (recording ? dot + high * 0.4 : 0.0) + high;
     const QRectF pill((size.width() - wide) / 2.0, high * 0.6, wide, high);
@@ -54,11 +64,6 @@ void ViewOverlay::paintTake(QPainter& painter, StudioDocument& document) const {
     }
     painter.setPen(ink);
     painter.drawText(line, Qt::AlignLeft | Qt::AlignVCenter, text);
-    if (!recording) return;
-    const double frame = high / 7.0;
-    painter.setPen(QPen(QColor(kRecordRed), frame, Qt::SolidLine, Qt::SquareCap, Qt::MiterJoin));
-    painter.setBrush(Qt::NoBrush);
-    painter.drawRect(QRectF({}, QSizeF(size)).adjusted(frame / 2.0, frame / 2.0, -frame / 2.0, -frame / 2.0));
 }
 
 // In the middle and large, where nobody overlooks it.

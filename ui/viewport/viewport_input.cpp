@@ -22,6 +22,9 @@ namespace {
 /// Keypad 4, 6, 8, 2 turn the view by 15 degrees.
 constexpr double kKeyTurn = std::numbers::pi / 12.0;
 
+/// Both of the studio's keys.
+bool isRedo(const QKeyEvent& key) { return key.matches(QKeySequence::Redo) || (key.key() == Qt::Key_Y && key.modifiers() == Qt::ControlModifier); }
+
 }  // namespace
 
 PointerEvent ViewportWidget::pointer(QPointF position, Qt::MouseButton button, Qt::MouseButtons buttons, Qt::KeyboardModifiers modifiers) const {
@@ -51,7 +54,8 @@ void ViewportWidget::withTool(const Act& act) {
 // While something is unfinished, its keys belong to the tool and not to the menu.
 bool ViewportWidget::belongsToTool(const QKeyEvent& key) const {
     const bool plain = !(key.modifiers() & (Qt::ControlModifier | Qt::AltModifier | Qt::MetaModifier));
-    return (tool_->busy() && (plain || key.matches(QKeySequence::Undo))) || (plain && tool_->wants(key.key())) || (key.key() == Qt::Key_Escape && tool_->pending());
+    return (tool_->busy() && (plain || key.matches(QKeySequence::Undo))) || (plain && tool_->wants(key.key())) ||
+           (tool_->hasSteps() && (key.matches(QKeySequence::Undo) || isRedo(key))) || (key.key() == Qt::Key_Escape && tool_->pending());
 }
 
 bool ViewportWidget::event(QEvent* e) {
@@ -227,6 +231,14 @@ void ViewportWidget::keyPressEvent(QKeyEvent* e) {
         cancel();
         return;
     }
+    if (tool_->hasSteps() && e->matches(QKeySequence::Undo)) {
+        undo();
+        return;
+    }
+    if (tool_->hasSteps() && isRedo(*e)) {
+        redo();
+        return;
+    }
     const bool arrow = e->key() == Qt::Key_Up || e->key() == Qt::Key_Down || e->key() == Qt::Key_Left || e->key() == Qt::Key_Right;
     if (!e->isAutoRepeat() || arrow) {
         QElapsedTimer since;
@@ -235,6 +247,7 @@ void ViewportWidget::keyPressEvent(QKeyEvent* e) {
             meter_.addWork(elapsedMs(since));
             redraw();
             updateHint();
+            if (tool_->over()) leaveTool();
             return;
         }
     }

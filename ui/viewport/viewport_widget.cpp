@@ -11,6 +11,7 @@
 #include "core/mesh/bounds.h"
 #include "ui/models/texts.h"
 #include "ui/tools/picking.h"
+#include "ui/tools/proposal_tool.h"
 #include "ui/viewport/view_overlay.h"
 
 namespace imomushi {
@@ -78,9 +79,47 @@ ViewportWidget::~ViewportWidget() {
 // ---- tools -----------------------------------------------------------------------------------------------------------
 
 void ViewportWidget::setTool(ToolKind kind) {
-    if (kind == kind_) return;
+    if (kind != kind_) useTool(kind, makeTool(kind, document_));
+}
+
+void ViewportWidget::propose(PartId character, Proposal proposal) {
+    const auto accepted = [this](const Json& answer) { QMetaObject::invokeMethod(this, [this, answer] { Q_EMIT madeSoft(answer); }, Qt::QueuedConnection); };
+    useTool(ToolKind::Proposal, std::make_unique<ProposalTool>(document_, character, std::move(proposal), accepted));
+}
+
+const Proposal* ViewportWidget::proposal() const {
+    const auto* tool = dynamic_cast<const ProposalTool*>(tool_.get());
+    return tool ? &tool->proposal() : nullptr;
+}
+
+bool ViewportWidget::undo() {
+    const bool own = tool_->hasSteps();
+    if (own) tool_->undo();
+    redraw();
+    updateHint();
+    return own;
+}
+
+bool ViewportWidget::redo() {
+    const bool own = tool_->hasSteps();
+    if (own) tool_->redo();
+    redraw();
+    updateHint();
+    return own;
+}
+
+void ViewportWidget::leaveTool() {
+    QMetaObject::invokeMethod(
+        this,
+        [this] {
+            if (tool_->over()) setTool(ToolKind::Select);
+        },
+        Qt::QueuedConnection);
+}
+
+void ViewportWidget::useTool(ToolKind kind, std::unique_ptr<Tool> tool) {
     tool_->cancel();
-    tool_ = makeTool(kind, document_);
+    tool_ = std::move(tool);
     tool_->setOptions(toolOptions_);
     kind_ = kind;
     document_.setHovered(std::nullopt);
@@ -225,6 +264,7 @@ void ViewportWidget::structureChanged() {
     if (marked_ && !document_.document().characters.contains(marked_->character)) setMarked(std::nullopt);
     poseChanged();
     updateHint();
+    if (tool_->over()) leaveTool();
 }
 
 void ViewportWidget::poseChanged() {
@@ -347,7 +387,7 @@ void ViewportWidget::paint() {
                   int(std::lround(height() * devicePixelRatioF())));
     QPainter painter(canvas_);
     navigator_.paintBall(painter, dark());
-    ViewOverlay{size(), dark(), palette().color(QPalette::Highlight), tool_->box(), deck_}.paint(painter, document_);
+    ViewOverlay{size(), dark(), palette().color(QPalette::Highlight), tool_->box(), tool_->banner(), deck_}.paint(painter, document_);
     painter.end();
 
     if (fade_.active()) redraw();

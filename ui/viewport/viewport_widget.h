@@ -34,6 +34,13 @@ public:
     /// Steps the frames of what this plays and records, and says in the view that it does. Must outlive the view.
     void follow(TakeDeck& deck);
     void setTool(ToolKind kind);
+    /// Shows how a character would be made soft, to be changed, accepted or left.
+    void propose(PartId character, Proposal proposal);
+    /// What is shown now; null: no proposal is.
+    [[nodiscard]] const Proposal* proposal() const;
+    /// Steps of the tool's own come before those of the document. False: it has none.
+    bool undo();
+    bool redo();
     /// What all tools follow from now on.
     void setToolOptions(ToolOptions options);
     /// Says of an element whether a response that fits it is on its way: until then what was seen of it stays.
@@ -89,6 +96,8 @@ Q_SIGNALS:
     /// cpuMs: solving, updating and drawing of one frame (about ten times a second while frames are drawn); fps: 0 while nothing moves.
     void frameMeasured(double cpuMs, double fps, int vertices, double uploadMs);
     void toolChanged(imomushi::ToolKind kind);
+    /// A proposal was accepted; the answer of make-soft.
+    void madeSoft(const imomushi::Json& answer);
     /// Projection, bones, grid, bodies or x-ray were switched, by whom ever.
     void viewChanged();
 
@@ -110,6 +119,9 @@ protected:
 
 private:
     // viewport_widget.cpp
+    void useTool(ToolKind kind, std::unique_ptr<Tool> tool);
+    /// Another tool follows one whose work is done, once nothing of it runs any more.
+    void leaveTool();
     void paint();
     void redraw();
     [[nodiscard]] ShapeFade shapeKept();  ///< from which what is seen fades into what comes

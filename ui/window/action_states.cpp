@@ -54,6 +54,7 @@ void ActionStates::update() {
     a["make-soft"]->setEnabled(soften);
     a["make-soft-bones"]->setEnabled(soften && character->rig);
     a["import-skeleton"]->setEnabled(character && idle);
+    a["propose"]->setEnabled(soften);
     a["hide"]->setEnabled(count(Kind::Element) > 0);
     a["join"]->setEnabled(count(Kind::Face) == 2);
     const bool handles = std::any_of(selection.begin(), selection.end(), [&](const SelectionItem& i) { return handleOf(d, i) != nullptr; });

@@ -19,9 +19,11 @@
 
 #include "ui/dialogs/export_dialog.h"
 #include "ui/jobs/export_job.h"
+#include "ui/jobs/proposal_job.h"
 #include "ui/models/commands.h"
 #include "ui/models/effect_texts.h"
 #include "ui/models/selection_commands.h"
+#include "ui/models/texts.h"
 #include "ui/panels/accuracy/accuracy_panel.h"
 #include "ui/panels/effects_panel.h"
 #include "ui/panels/history_panel.h"
@@ -68,6 +70,7 @@ MainWindow::MainWindow(const CommandRegistry& registry, std::shared_ptr<Response
     repairs_ = new RepairFlow(document_, *files_, this);
     precompute_ = new PrecomputeJob(document_, this);
     drafts_ = new DraftJob(document_, this);
+    proposals_ = new ProposalJob(this);
     costs_ = new FrameCostMeter(document_, this);
     buildStage();
     buildStatusBar();
@@ -84,6 +87,7 @@ MainWindow::MainWindow(const CommandRegistry& registry, std::shared_ptr<Response
     connectPrecompute();
     connectRepairs();
     connectSteps();
+    connectProposals();
     connectPanels();
     connectView();
     connect(states_, &ActionStates::updated, this, &MainWindow::updateTitle);
@@ -109,6 +113,7 @@ MainWindow::~MainWindow() {
     delete deck_;
     delete precompute_;
     delete drafts_;
+    delete proposals_;
     delete repairs_;
     delete rigs_;
     delete files_;
@@ -188,6 +193,7 @@ void MainWindow::connectFiles() {
         repairs_->cancel();
         steps_->cancel();
         rigs_->job().cancel();
+        proposals_->cancel();
         showStart(false);
         viewport_->frameAll(false);
         keepPicture();
@@ -267,6 +273,28 @@ void MainWindow::connectSteps() {
             const auto now = document_.document().characters.find(id);
             if (now != document_.document().characters.end() && !steps_->running()) files_->makeSoft(*now->second);
         });
+    });
+}
+
+void MainWindow::connectProposals() {
+    overlays_->job().follow(proposals_, [this] { return tr("Finding limbs of %1", "a character").arg(proposals_->character() ? QString::fromStdString(proposals_->character()->name) : QString()); });
+    connect(proposals_, &BackgroundJob::finished, this, [this](bool completed) {
+        if (!completed || !proposals_->result()) return;
+        const Result<Proposal>& proposal = *proposals_->result();
+        const PartId character = proposals_->character()->id;
+        if (!proposal) return messages().say(errorText(proposal.error()), MessageBar::Tone::Warning);
+        // It may be another one by now.
+        const auto now = document_.document().characters.find(character);
+        if (now == document_.document().characters.end() || now->second->body != proposals_->character()->body || !canBecomeSoft(document_.document(), *now->second)) return;
+        showStart(false);
+        viewport_->propose(character, *proposal);
+        viewport_->setFocus();
+    });
+    connect(viewport_, &ViewportWidget::madeSoft, this, [this](const Json& answer) {
+        QString text = tr("“%1” is soft: drag it, or change its cuts and bones.").arg(QString::fromStdString(answer.at("character").get<std::string>()));
+        if (const int n = int(answer.at("refused").size()); n > 0) text += u' ' + tr("%n proposal(s) could not be made.", nullptr, n);
+        messages().say(text, MessageBar::Tone::Good);
+        (*actions_)["tool-pose"]->trigger();
     });
 }
 

@@ -30,6 +30,7 @@ class MessageBar;
 class NextSteps;
 class OutlinerPanel;
 class Overlays;
+class ProposalJob;
 class RepairFlow;
 class RigFlow;
 class StartPage;
@@ -90,6 +91,7 @@ private:
     void connectPrecompute();
     void connectRepairs();
     void connectSteps();
+    void connectProposals();
     /// What has a draft is precomputed as it is set, where that does not take long.
     void followDrafts();
     void connectPanels();
@@ -120,6 +122,8 @@ private:
     void setTool(ToolKind tool);
     void setPassingHandles(bool on);
     void startPrecompute();
+    /// Asks how the character that is meant would be made soft, and shows it in the view.
+    void propose();
     void undo();
     void join();
     void mirror(char axis);
@@ -136,6 +140,7 @@ private:
     RepairFlow* repairs_;
     PrecomputeJob* precompute_;
     DraftJob* drafts_;
+    ProposalJob* proposals_;
     FrameCostMeter* costs_;
     QWidget* stage_ = nullptr;
     QStackedLayout* stack_ = nullptr;

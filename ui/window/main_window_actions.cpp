@@ -6,6 +6,7 @@
 #include "ui/dialogs/export_dialog.h"
 #include "ui/dialogs/help_dialogs.h"
 #include "ui/dialogs/preferences_dialog.h"
+#include "ui/jobs/proposal_job.h"
 #include "ui/models/commands.h"
 #include "ui/models/selection_commands.h"
 #include "ui/panels/outliner_panel.h"
@@ -72,7 +73,9 @@ void MainWindow::connectFileActions() {
 
 void MainWindow::connectEditActions() {
     on("undo", [this] { undo(); });
-    onSettled("redo", [this] { document_.execute(commands::redo()); });
+    onSettled("redo", [this] {
+        if (!viewport_->redo()) document_.execute(commands::redo());
+    });
     onSettled("delete", [this] { removeSelection(document_); });
     onSettled("duplicate", [this] { duplicateSelected(document_); });
     for (const char* axis : {"x", "y", "z"}) onSettled(QByteArray("mirror-").append(axis).constData(), [this, axis] { mirror(*axis); });
@@ -94,6 +97,7 @@ void MainWindow::connectEditActions() {
         for (const auto& [id, tool] : kTools)
             if (tool == kind) (*actions_)[id]->setChecked(true);
     });
+    onSettled("propose", [this] { propose(); });
     on("precompute", [this] { startPrecompute(); });
     const QString softAtOnce = QStringLiteral("precompute/soft-at-once");
     onToggle("soft-at-once", [this, softAtOnce](bool checked) {
@@ -221,10 +225,15 @@ void MainWindow::startPrecompute() {
     states_->update();
 }
 
+void MainWindow::propose() {
+    const CharacterSource* character = chosenCharacter(document_);
+    if (character && canBecomeSoft(document_.document(), *character)) proposals_->start(document_.document().characters.at(character->id));
+}
+
 void MainWindow::undo() {
     // Undo in the middle of a drag takes the drag back, nothing more.
     if (viewport_->busy()) viewport_->cancel();
-    else document_.execute(commands::undo());
+    else if (!viewport_->undo()) document_.execute(commands::undo());
 }
 
 void MainWindow::join() {
