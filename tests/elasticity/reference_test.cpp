@@ -130,6 +130,11 @@ TEST_CASE("element: the default moves as second-order finite elements say, withi
         compare(name, "default", {{0.3, bound}, {0.45, bound}});
 }
 
+TEST_CASE("element: a thousand vertices filled with tetrahedra are within 5 % of second-order finite elements with many more at rims") {
+    const Bound bound{.05, .05, .05, .05};
+    for (const char* name : {"a_cylinder_coarse", "e_body_coarse", "i_hollow_elbow_coarse"}) compare(name, "volume:1000", {{0.45, bound}});
+}
+
 TEST_CASE("element: fine meshes are within 2 % of the finite elements by default, on the body itself or on a decimated one") {
     const Bound bound{.02, .02, .02, .02};
     compare("a_cylinder_fine", "default", {{0.45, {.01, .01, .01, .01}}});
