@@ -300,8 +300,8 @@
             <translation>クリップからテイクを作る(&amp;C)…</translation>
         </message>
         <message>
-            <source>Propose bones and &amp;cuts</source>
-            <translation>ボーンと切断を提案(&amp;C)</translation>
+            <source>Propose bones &amp;and cuts</source>
+            <translation>ボーンと切断を提案(&amp;A)</translation>
         </message>
     </context>
     <context>

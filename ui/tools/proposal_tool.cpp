@@ -317,7 +317,7 @@ void ProposalTool::addCut(const CutPlane& plane) {
     if (take(std::move(changed))) selected_ = {Grip::Kind::Cut, added};
 }
 
-void ProposalTool::drop(const Grip& grip) {
+void ProposalTool::drop(Grip grip) {
     const Proposal& p = history_.now();
     selected_ = {};
     switch (grip.kind) {

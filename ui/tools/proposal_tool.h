@@ -83,7 +83,7 @@ private:
     /// Makes a change a step. False: it is refused, which is said.
     bool take(Result<Proposal> changed);
     void addCut(const CutPlane& plane);
-    void drop(const Grip& grip);
+    void drop(Grip grip);
     void accept();
     /// Brings what is drawn in step with the proposal.
     void show();

@@ -46,7 +46,7 @@ constexpr Row kRows[] = {
     {"tool-touch", "touch", QT_TRANSLATE_NOOP("Actions", "&Touch"), "T", true},
     {"make-soft", "soft", QT_TRANSLATE_NOOP("Actions", "&Make soft"), "Shift+M"},
     {"make-soft-bones", "", QT_TRANSLATE_NOOP("Actions", "Make soft by &chosen bones…"), ""},
-    {"propose", "cut", QT_TRANSLATE_NOOP("Actions", "Propose bones and &cuts"), "Shift+B"},
+    {"propose", "cut", QT_TRANSLATE_NOOP("Actions", "Propose bones &and cuts"), "Shift+B"},
     {"precompute", "precompute", QT_TRANSLATE_NOOP("Actions", "&Precompute"), "P"},
     {"soft-at-once", "", QT_TRANSLATE_NOOP("Actions", "Soft at &once"), "", true},
     {"passing-handles", "", QT_TRANSLATE_NOOP("Actions", "Dra&g flesh by passing handles"), "Shift+N", true},
