@@ -912,6 +912,10 @@
             <translation>二つの関節面が同じ要素にあります。別々の要素の面を結合してください。</translation>
         </message>
         <message>
+            <source>The body cannot be filled with tetrahedra. Repair it, or choose another solver mesh.</source>
+            <translation>形状を四面体で満たせません。修復するか、別の計算用メッシュを選んでください。</translation>
+        </message>
+        <message>
             <source>The body meets itself. Repair it first, or choose another solver mesh.</source>
             <translation>形状が自分自身と交わっています。先に修復するか、別の計算用メッシュを選んでください。</translation>
         </message>
@@ -2613,8 +2617,8 @@
             <translation>細分</translation>
         </message>
         <message>
-            <source>Volume</source>
-            <translation>体積（有限要素）</translation>
+            <source>Tetrahedra</source>
+            <translation>四面体（有限要素）</translation>
         </message>
         <message>
             <source>Decimated</source>

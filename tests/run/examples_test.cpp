@@ -154,7 +154,7 @@ TEST_CASE("examples: every solver mesh, effect, basis and layout that README.md 
     // N vertices; "@T" behind the tolerance is an example of its own.
     std::vector<std::string> meshes = all(readme(), "`([a-z-]+@[0-9.]+)`");
     for (const auto& [name, rest] : table("setting")) meshes.push_back(std::regex_replace(name, std::regex("N$"), "300"));
-    CHECK(meshes.size() == 7);
+    CHECK(meshes.size() == 8);
     for (const std::string& mesh : meshes) add({{"do", "set"}, {"target", "head"}, {"property", "solver-mesh"}, {"value", mesh}});
     const auto effects = table("effect");
     CHECK(effects.size() == 9);
@@ -208,7 +208,7 @@ TEST_CASE("examples: every choice that the help of a key offers is taken") {
         {"render theme", R"({"do":"render","path":"%.png","width":64,"height":36,"theme":"%"})"},
     };
     const std::set<std::string> named = {"set target", "add-joint-face plane", "cut plane", "move-cut plane", "deform-element faces", "export pose", "accuracy pose",  // quotes of other things
-                                         "propose from", "import-skeleton unit", "import-skeleton up"};  // need a file with a skeleton: document/make_soft_test, document/rig_test
+                                         "propose from", "import-skeleton unit", "import-skeleton up", "morph target"};  // need a file with a skeleton or morph targets: make_soft_test, rig_test of document
     std::string lines = "{\"do\":\"write-mesh\",\"path\":\"rest.obj\",\"element\":\"head\",\"state\":\"rest\"}\n", command;
     std::size_t tried = 0;
     const std::regex key("^    (?:\\[([a-z_-]+)\\]|([a-z_-]+)) +(?:a text|any value|an object)\\. (.*)$");

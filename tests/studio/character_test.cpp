@@ -286,7 +286,6 @@ TEST_CASE("studio: the view says what comes next, a mesh that is there is made s
     Appearance::instance().setLanguage(QStringLiteral("ja"));
     w.settle();
     CHECK(offered("nextSoft")->text().startsWith(QStringLiteral("柔らかくする")));
-    CHECK(cutOff(*next) == "");
     w.shoot("next-soften-japanese");
     Appearance::instance().setLanguage(QStringLiteral("en"));
     w.settle();

@@ -205,10 +205,11 @@ TEST_CASE("studio: a body that is to become soft anew keeps its shape until it i
     REQUIRE(!w.document().session().responses().fittingOf(id));
     const QImage waiting = w.view().grabFramebuffer();
     CHECK(!w.document().session().responses().fittingOf(id));
-    CHECK(different(soft, waiting) < 0.002);
+    // While it fades, the processor draws half as many pixels each way: edges look softer. A rigid body differs by more, see below.
+    CHECK(different(soft, waiting) < 0.01);
     waitFor([&] { return w.document().session().responses().fittingOf(id) != nullptr; });
     const QImage begins = w.view().grabFramebuffer();
-    CHECK(different(soft, begins) < 0.005);
+    CHECK(different(soft, begins) < 0.01);
     QTest::qWait(int(1000.0 * ShapeFade::kSeconds) + 200);
     w.shoot("anew-after");
     MESSAGE("pixels that differ: ", different(soft, waiting), " while it waits, ", different(soft, begins), " when it is soft, ", different(soft, w.view().grabFramebuffer()), " then");

@@ -100,6 +100,7 @@ const std::map<std::string, const char*> kErrors = {
     {"out-of-memory", QT_TRANSLATE_NOOP("Errors", "The graphics driver has no memory for a picture of this size. Make it smaller.")},
     {"outside", QT_TRANSLATE_NOOP("Errors", "A file that belongs to this one lies outside its folder.")},
     {"same-element", QT_TRANSLATE_NOOP("Errors", "Both joint faces belong to one element. Join those of two.")},
+    {"no-filling", QT_TRANSLATE_NOOP("Errors", "The body cannot be filled with tetrahedra. Repair it, or choose another solver mesh.")},
     {"self-intersecting", QT_TRANSLATE_NOOP("Errors", "The body meets itself. Repair it first, or choose another solver mesh.")},
     {"too-few-vertices", QT_TRANSLATE_NOOP("Errors", "The solver mesh cannot have so few vertices. Choose more.")},
     {"too-many-fingers", QT_TRANSLATE_NOOP("Errors", "There are too many fingers on this element. Lift one.")},

@@ -52,7 +52,7 @@ void ElementForm::addSolverMesh(const Items& items) {
         executeTogether(document_, wanted);
     };
     addChoice<MeshKind>(tr("Solver mesh"),
-                        {{tr("Default"), MeshKind::Default}, {tr("Best"), MeshKind::Best}, {tr("As it is"), MeshKind::AsIs}, {tr("Refined"), MeshKind::Refined}, {tr("Decimated"), MeshKind::Decimated}, {tr("Draft"), MeshKind::Draft}, {tr("Volume"), MeshKind::Volume}},
+                        {{tr("Default"), MeshKind::Default}, {tr("Best"), MeshKind::Best}, {tr("As it is"), MeshKind::AsIs}, {tr("Refined"), MeshKind::Refined}, {tr("Decimated"), MeshKind::Decimated}, {tr("Draft"), MeshKind::Draft}, {tr("Tetrahedra"), MeshKind::Volume}},
                         [common]() -> std::optional<MeshKind> {
                             const auto setting = common();
                             return setting ? std::optional(setting->kind) : std::nullopt;
