@@ -150,6 +150,7 @@ TEST_CASE("studio: what is proposed for a character is seen in the view, changed
     REQUIRE(tool != nullptr);
     REQUIRE(!tool->cuts.empty());
     const std::size_t cuts = tool->cuts.size();
+    CHECK(!w.window().findChild<NextSteps*>()->isVisible());  // the banner is there
     w.shoot("proposal");
     // A plane is taken by its rim and dragged.
     const ProposedCut cut = tool->cuts.front();

@@ -260,7 +260,10 @@ void MainWindow::connectSteps() {
     overlays_->job().follow(&steps_->job(), [this] { return steps_->title(); });
     overlays_->job().follow(&rigs_->job(), [this] { return tr("Looking at the bones of “%1”").arg(QString::fromStdString(rigs_->job().character()->name)); });
     connect(steps_, &StepFlow::cancelled, this, [this] { messages().say(tr("Cancelled; nothing has changed."), MessageBar::Tone::Info); });
-    connect(steps_, &StepFlow::changed, this, [this] { next_->setWaiting(steps_->running()); });
+    // What comes next is out of the way while it is being done, also by changing a proposal, which has a banner there.
+    const auto wait = [this] { next_->setWaiting(steps_->running() || viewport_->proposal()); };
+    connect(steps_, &StepFlow::changed, this, wait);
+    connect(viewport_, &ViewportWidget::toolChanged, this, wait);
     connect(next_, &NextSteps::makeSoftWanted, this, [this](PartId character) {
         settle();
         files_->makeSoft(*document_.document().characters.at(character));
