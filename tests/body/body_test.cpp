@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/body/body.h"
+#include "core/body/cgal/unite.h"
 
 #include <doctest/doctest.h>
 
@@ -269,4 +270,20 @@ TEST_CASE("body: whatever is broken, there is a sound body or a reason") {
             ++bodies;
         }
     CHECK(bodies > 0.9 * tries);
+}
+
+TEST_CASE("body: whether two surfaces meet is told of surfaces with triangles without area too") {
+    // A tetrahedron whose edge from the first to the second vertex has its middle on one side only.
+    TriangleMesh split;
+    split.vertices.resize(5, 3);
+    split.vertices << 0, 0, 0, 2, 0, 0, 0, 2, 0, 0, 0, -2, 1, 0, 0;
+    split.triangles.resize(6, 3);
+    split.triangles << 0, 1, 2, 1, 0, 4, 4, 0, 3, 1, 4, 3, 2, 1, 3, 0, 2, 3;
+    const auto shifted = [&](double by) {
+        TriangleMesh mesh = split;
+        mesh.vertices.col(0).array() += by;
+        return mesh;
+    };
+    CHECK(surfacesMeet(split, shifted(0.5)));
+    CHECK(!surfacesMeet(split, shifted(5.0)));
 }
