@@ -41,6 +41,7 @@ void createTables(Database& db, int version) {
     if (version >= 7) createAttachmentTables(db);
     if (version >= 8) createRigTables(db);
     if (version >= 9) createMorphTables(db);
+    if (version >= 10) createFilledTable(db);
 }
 
 /// Each response once, though elements share it.
@@ -54,8 +55,8 @@ void writeProjectResponses(Database& db, const Project& project) {
     for (const auto& [element, r] : project.responses) uses.row(element, ids.at(r.key));
 }
 
-void readProjectResponses(Database& db, Project& project, bool withTouch) {
-    auto read = readResponses(db, withTouch);
+void readProjectResponses(Database& db, Project& project, const ResponseTables& tables) {
+    auto read = readResponses(db, tables);
     std::set<std::int64_t> warped;  // elements that share a response are the same
     RowReader uses(db, "SELECT * FROM element_responses ORDER BY element");
     while (uses.next()) {
@@ -87,7 +88,7 @@ Project readProject(Database& db, std::int64_t version) {
     const ReadMeshes meshes = readMeshes(db);
     readElements(db, document, meshes);
     readSkeleton(db, document);
-    if (version >= 3) readProjectResponses(db, project, version >= 4);  // older ones are of older solvers
+    if (version >= 3) readProjectResponses(db, project, {version >= 4, version >= 10});  // older ones are of older solvers
     if (version >= 4) readEffects(db, document);
     if (version >= 5) readTakes(db, document, version >= 7 ? readTakeTurns(db) : std::map<PartId, int>(), version >= 9 ? readTakeMorphs(db) : std::map<PartId, int>());
     if (version >= 6) {
@@ -131,7 +132,7 @@ int projectVersion(const Document& document) {
     const auto named = [](const RigNode& node) { return !node.name.empty(); };
     if (anyCharacter([&](const CharacterSource& c) { return !c.model->morphs.empty() || (c.rig && std::any_of(c.rig->nodes.begin(), c.rig->nodes.end(), named)); }) ||
         std::any_of(document.takes.begin(), document.takes.end(), [](const auto& part) { return part.second->layout.morphs > 0; }))
-        return kProjectVersion;
+        return 9;
     if (anyCharacter([](const CharacterSource& c) { return c.rig != nullptr; })) return 8;
     const bool attached = std::any_of(document.characters.begin(), document.characters.end(), [](const auto& part) { return !part.second->attachments.empty(); });
     const bool turned = std::any_of(document.takes.begin(), document.takes.end(), [](const auto& part) { return part.second->layout.turns > 0; });
@@ -140,13 +141,18 @@ int projectVersion(const Document& document) {
     return handles || !document.characters.empty() ? 6 : 5;
 }
 
+int projectVersion(const Project& project) {
+    const bool filled = std::any_of(project.responses.begin(), project.responses.end(), [](const auto& part) { return saysFilling(*part.second.response); });
+    return filled ? kProjectVersion : projectVersion(project.document);
+}
+
 Result<void> saveProject(const std::filesystem::path& path, const Project& project) {
     try {
         Database db;
         db.run("PRAGMA page_size=4096");
         db.run(("PRAGMA application_id=" + std::to_string(kProjectApplicationId)).c_str());
         const Document& document = project.document;
-        const int version = projectVersion(document);
+        const int version = projectVersion(project);
         db.run(("PRAGMA user_version=" + std::to_string(version)).c_str());
         db.run("BEGIN");
         createTables(db, version);
