@@ -1781,6 +1781,10 @@
             <translation>ここには切断する肉がありません。</translation>
         </message>
         <message>
+            <source>It is being made soft …</source>
+            <translation>柔らかくしています…</translation>
+        </message>
+        <message>
             <source>Release: leave it here · Shift: fine · Right button: take back</source>
             <translation>放す: ここに置く · Shift: 微調整 · 右ボタン: 元に戻す</translation>
         </message>
@@ -3049,14 +3053,12 @@
             <translation>%1 の手足を探しています</translation>
         </message>
         <message>
-            <source>“%1” is soft: drag it, or change its cuts and bones.</source>
-            <translation>「%1」は柔らかくなりました。ドラッグするか、切断とボーンを変更できます。</translation>
+            <source>The proposal is kept as it is.</source>
+            <translation>提案はそのまま残っています。</translation>
         </message>
-        <message numerus="yes">
-            <source>%n proposal(s) could not be made.</source>
-            <translation>
-                <numerusform>%n 件の提案は実行できませんでした。</numerusform>
-            </translation>
+        <message>
+            <source>Show it</source>
+            <translation>表示</translation>
         </message>
     </context>
     <context>

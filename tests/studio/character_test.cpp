@@ -180,8 +180,37 @@ TEST_CASE("studio: what is proposed for a character is seen in the view, changed
     CHECK(w.document().session().position() == before);
     w.trigger("propose");
     waitFor([&] { return w.view().tool() == ToolKind::Proposal; });
+    CHECK(w.view().proposal()->cuts.front().plane.origin == cut.plane.origin);
+    // Another tool leaves it as it is.
+    w.look(Vec3(0.3, 0.4, 1.0));
+    QTest::mouseMove(&w.view(), w.onScreen(rim));
+    w.settle();
+    QTest::keyClick(&w.view(), Qt::Key_Delete);
+    CHECK(w.view().proposal()->cuts.size() == cuts - 1);
+    w.trigger("tool-select");
+    CHECK(w.window().messages().isVisible());
+    CHECK(!w.view().proposal());
+    w.trigger("propose");
+    REQUIRE(w.view().proposal());
+    CHECK(w.view().proposal()->cuts.size() == cuts - 1);
+    QTest::keyClick(&w.view(), Qt::Key_Z, Qt::ControlModifier);
+    CHECK(w.view().proposal()->cuts.size() == cuts);
+    // It is done beside the window, which hears of it later; cancelled, the artist goes on where it was.
     QTest::keyClick(&w.view(), Qt::Key_Return);
+    CHECK(w.window().steps().running());
+    CHECK(w.document().session().position() == before);
+    w.window().steps().cancel();
+    CHECK(w.view().tool() == ToolKind::Proposal);
+    int turns = 0;  // of the window's events
+    QTimer heart;
+    QObject::connect(&heart, &QTimer::timeout, [&] { turns += w.window().steps().running(); });
+    heart.start(1);
+    QTest::keyClick(&w.view(), Qt::Key_Return);
+    CHECK(turns == 0);
+    CHECK(w.document().session().position() == before);
     waitFor([&] { return w.view().tool() == ToolKind::Pose; });
+    heart.stop();
+    CHECK(turns > 1);
     CHECK(w.document().session().position() == before + 1);
     CHECK(character().cuts.size() == cuts);
     CHECK(!w.window().actions()["propose"]->isEnabled());

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <QCoreApplication>
+#include <QDeadlineTimer>
 #include <algorithm>
+#include <utility>
 
 #include "tests/tools/stage.h"
 #include "ui/tools/proposal_tool.h"
@@ -49,13 +52,34 @@ Proposal eelProposal() {
 
 Vec3 onSkin(double x) { return {x, 0.3, 0.4}; }
 
+/// What tries the cuts says so by events.
+void needEvents() {
+    static int arguments = 1;
+    static char name[] = "test_tools", *values[] = {name, nullptr};
+    static QCoreApplication application(arguments, values);
+}
+
+/// Until it is known what the cuts do, and all that waits for it is done.
+void tried(const ProposalTool& tool) {
+    for (QDeadlineTimer end(60'000); tool.trying() && !end.hasExpired();) QCoreApplication::processEvents(QEventLoop::WaitForMoreEvents, 100);
+    REQUIRE(!tool.trying());
+}
+
 }  // namespace
 
 TEST_CASE("proposals: planes are dragged, turned, dropped and added before anything is done; Enter does what is shown in one step") {
+    needEvents();
     ToolStage stage;
     addEel(stage);
-    std::vector<Json> answers;
-    ProposalTool tool(stage.document(), eel(stage).id, eelProposal(), [&](const Json& answer) { answers.push_back(answer); });
+    std::vector<Json> answers, handed;
+    ProposalTool::Host host;
+    host.accept = [&](const Json& command) { handed.push_back(command); };
+    int changed = 0;
+    host.changed = [&] { ++changed; };
+    ProposalTool tool(stage.document(), eel(stage).id, eelProposal(), host);
+    CHECK(tool.trying());
+    tried(tool);
+    CHECK(changed == 1);
     const int before = stage.steps();
     CHECK(!tool.over());
     CHECK(tool.wants(Qt::Key_Return));
@@ -74,6 +98,7 @@ TEST_CASE("proposals: planes are dragged, turned, dropped and added before anyth
     CHECK(tool.proposal().bones[0].end.x() == doctest::Approx(moved).epsilon(1e-6));
     CHECK(tool.proposal().bones[1].start == tool.proposal().bones[0].end);
     CHECK((tool.proposal().cuts[0].plane.normal - Vec3::UnitX()).norm() < 1e-12);
+    tried(tool);
     CHECK(!tool.refused()[0].has_value());
     tool.undo();
     CHECK(tool.proposal().cuts[0].plane.origin.x() == 1.03);
@@ -89,9 +114,13 @@ TEST_CASE("proposals: planes are dragged, turned, dropped and added before anyth
     stage.pull(tool, onSkin(2.5));
     stage.pull(tool, onSkin(3.4));
     stage.letGo(tool, onSkin(3.4));
+    CHECK(tool.trying());  // the window goes on
+    CHECK(stage.refusals.empty());
+    tried(tool);
     CHECK(tool.refused()[0].has_value());
     CHECK(stage.refusals.size() == 1);
     tool.undo();
+    tried(tool);
     CHECK(!tool.refused()[0].has_value());
 
     // With Ctrl it turns.
@@ -99,6 +128,7 @@ TEST_CASE("proposals: planes are dragged, turned, dropped and added before anyth
     stage.pull(tool, onSkin(moved) + Vec3(0, 0.15, 0), Qt::ControlModifier);
     stage.letGo(tool, onSkin(moved));
     CHECK(tool.proposal().cuts[0].plane.normal.y() > 0.1);
+    tried(tool);
     CHECK(!tool.refused()[0].has_value());
     tool.undo();
 
@@ -107,7 +137,13 @@ TEST_CASE("proposals: planes are dragged, turned, dropped and added before anyth
     REQUIRE(tool.proposal().cuts.size() == 1);
     CHECK(tool.proposal().bones[2].piece == -1);
 
+    // A click while others are tried waits for them, and so does Enter.
     stage.click(tool, onSkin(-1.72));
+    CHECK(tool.trying());
+    CHECK(tool.proposal().cuts.size() == 1);
+    CHECK(tool.key(Qt::Key_Return, {}));
+    CHECK(!tool.handedOver());
+    tried(tool);
     REQUIRE(tool.proposal().cuts.size() == 2);
     const CutPlane added = tool.proposal().cuts[1].plane;
     CHECK(added.normal.x() < -0.99);
@@ -118,9 +154,25 @@ TEST_CASE("proposals: planes are dragged, turned, dropped and added before anyth
     // Nothing happened to the document until now.
     CHECK(stage.steps() == before);
     CHECK(eel(stage).cuts.empty());
+    // What is handed over does not change, unless it is handed back.
+    REQUIRE(handed.size() == 1);
+    CHECK(tool.handedOver());
+    stage.click(tool, onSkin(0.2));
+    tool.undo();
+    CHECK(tool.key(Qt::Key_Delete, {}));
     CHECK(tool.key(Qt::Key_Return, {}));
+    CHECK(!tool.trying());
+    CHECK(tool.proposal().cuts.size() == 2);
+    CHECK(handed.size() == 1);
+    tool.handBack();
+    CHECK(!tool.over());
+    CHECK(tool.key(Qt::Key_Return, {}));
+    REQUIRE(handed.size() == 2);
+    CHECK(handed[0] == handed[1]);
+    const auto answer = stage.document().execute(handed[1]);
+    REQUIRE(answer.has_value());
+    answers.push_back(*answer);
     CHECK(tool.over());
-    REQUIRE(answers.size() == 1);
     CHECK(answers[0]["refused"] == Json::array());
     CHECK(stage.steps() == before + 1);
     REQUIRE(eel(stage).cuts.size() == 2);
@@ -135,6 +187,7 @@ TEST_CASE("proposals: planes are dragged, turned, dropped and added before anyth
 }
 
 TEST_CASE("proposals: joints are dragged and pinned, bones added and dropped, and Esc leaves everything as it is") {
+    needEvents();
     ToolStage stage;
     addEel(stage);
     ProposalTool tool(stage.document(), eel(stage).id, eelProposal(), {});
@@ -159,6 +212,7 @@ TEST_CASE("proposals: joints are dragged and pinned, bones added and dropped, an
     stage.pull(tool, Vec3(-0.5, 0.3, 0), Qt::ShiftModifier);
     stage.pull(tool, Vec3(0.2, 0.3, 0), Qt::ShiftModifier);
     stage.letGo(tool, Vec3(0.2, 0.3, 0));
+    tried(tool);  // which flesh it runs through
     REQUIRE(tool.proposal().bones.size() == 4);
     CHECK(tool.proposal().bones[3].parent == 0);
     CHECK(tool.proposal().bones[3].fromParentStart);
@@ -174,6 +228,7 @@ TEST_CASE("proposals: joints are dragged and pinned, bones added and dropped, an
     CHECK(tool.proposal().pins.size() == 1);
     CHECK(tool.key(Qt::Key_Escape, {}));
     CHECK(tool.over());
+    CHECK(tool.dropped());
     CHECK(!tool.wants(Qt::Key_Return));
     CHECK(stage.steps() == before);
     CHECK(stage.refusals.empty());
@@ -181,5 +236,6 @@ TEST_CASE("proposals: joints are dragged and pinned, bones added and dropped, an
     ProposalTool other(stage.document(), eel(stage).id, eelProposal(), {});
     stage.run({{"do", "undo"}});
     CHECK(other.over());
+    CHECK(!other.dropped());
     CHECK(!other.key(Qt::Key_Return, {}));
 }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "ui/models/commands.h"
+#include "ui/models/selection_commands.h"
 #include "ui/models/texts.h"
 #include "ui/tools/tool_texts.h"
 
@@ -40,25 +41,34 @@ double pixelsToSegment(const PointerEvent& e, const Vec3& a, const Vec3& b) {
 
 bool samePlane(const CutPlane& a, const CutPlane& b) { return a.origin == b.origin && a.normal == b.normal; }
 
+std::vector<CutPlane> planesOf(const Proposal& proposal) {
+    std::vector<CutPlane> planes;
+    for (const ProposedCut& cut : proposal.cuts) planes.push_back(cut.plane);
+    return planes;
+}
+
 bool within(int index, std::size_t size) { return index >= 0 && std::size_t(index) < size; }
 
 }  // namespace
 
-ProposalTool::ProposalTool(StudioDocument& document, PartId character, Proposal proposal, std::function<void(const Json&)> accepted)
+ProposalTool::ProposalTool(StudioDocument& document, PartId character, Proposal proposal, Host host)
     : Tool(document),
       character_(character),
       kept_(document.document().characters.at(character)),
       sections_(kept_->body, kept_->body->mesh),
       history_(std::move(proposal)),
-      accepted_(std::move(accepted)) {
+      host_(std::move(host)) {
+    QObject::connect(&trial_, &BackgroundJob::finished, &trial_, [this](bool completed) {
+        if (completed) takeTrial();
+    });
     show();
-    tryAll();
+    tryNext();
 }
 
 const CharacterSource* ProposalTool::source() const {
     const auto found = document_.document().characters.find(character_);
     if (found == document_.document().characters.end()) return nullptr;
-    return found->second->body == kept_->body && found->second->cuts.empty() ? found->second.get() : nullptr;
+    return found->second->body == kept_->body && canBecomeSoft(document_.document(), *found->second) ? found->second.get() : nullptr;
 }
 
 // ---- what is under the pointer -------------------------------------------------------------------------------------------
@@ -132,7 +142,7 @@ int ProposalTool::pieceAt(const Vec3& place) const {
 // ---- drags ---------------------------------------------------------------------------------------------------------------
 
 void ProposalTool::press(const PointerEvent& e) {
-    if (e.button != Qt::LeftButton || drag_ || over()) return;
+    if (e.button != Qt::LeftButton || drag_ || handedOver_ || over()) return;
     using Kind = Grip::Kind;
     const Proposal& p = history_.now();
     const bool shift = e.modifiers & Qt::ShiftModifier, turning = onArrow(e) || (e.modifiers & Qt::ControlModifier);
@@ -178,7 +188,7 @@ void ProposalTool::begin(Drag drag, const PointerEvent& e) {
 }
 
 void ProposalTool::move(const PointerEvent& e) {
-    if (over()) return;
+    if (handedOver_ || over()) return;
     if (drag_) return dragTo(e);
     hovered_ = gripUnder(e);
     wouldCut_.reset();
@@ -246,7 +256,9 @@ void ProposalTool::release(const PointerEvent& e) {
     Drag drag = std::move(*drag_);
     drag_.reset();
     if (drag.moved) {
-        if (drag.shown) {
+        if (drag.shown && drag.does == Drag::Does::AddsBone && !isTried(history_.now())) {
+            wait({{}, drag.from, drag.to});
+        } else if (drag.shown) {
             if (drag.does == Drag::Does::AddsBone) selected_ = {Grip::Kind::Bone, int(drag.shown->bones.size()) - 1};
             if (drag.grip.kind == Grip::Kind::Cut) selected_ = drag.grip;
             take(std::move(*drag.shown));
@@ -268,7 +280,7 @@ void ProposalTool::release(const PointerEvent& e) {
             selected_ = {};
             if (drag.does != Drag::Does::AddsCut) break;
             if (const auto flesh = fleshUnder(e)) {
-                if (const auto plane = sections_.across(flesh->rest, flesh->normal)) addCut(*plane);
+                if (const auto plane = sections_.across(flesh->rest, flesh->normal)) wait({*plane, {}, {}});
                 else Q_EMIT document_.failed(ToolTexts::tr("No plane cuts the flesh here."));
             }
             break;
@@ -283,27 +295,27 @@ bool ProposalTool::take(Result<Proposal> changed) {
         Q_EMIT document_.failed(errorText(changed.error()));
         return false;
     }
-    const auto before = tried_.refused;
     history_.push(std::move(*changed));
     hovered_ = {};
+    told_ = false;
     show();
-    tryAll();
-    // What was refused before was said before.
-    for (std::size_t c = 0; c < tried_.refused.size(); ++c)
-        if (tried_.refused[c] && !(before.size() == tried_.refused.size() && before[c])) {
-            Q_EMIT document_.failed(ToolTexts::tr("“%1” does not cut there: %2", "a plane, why").arg(QString::fromStdString(proposal().cuts[c].name), errorText(*tried_.refused[c])));
-            break;
-        }
+    tryNext();
     return true;
 }
 
-void ProposalTool::addCut(const CutPlane& plane) {
+void ProposalTool::wait(Waiting waiting) {
+    waiting_.push_back(std::move(waiting));
+    tryNext();
+}
+
+Result<Proposal> ProposalTool::withCut(const CutPlane& plane, const Shown& shown) const { return withCutAdded(history_.now(), plane, shown.centre, shown.reach, std::nullopt); }
+
+void ProposalTool::addCut(const CutPlane& plane, const Result<TriedCuts>& tried) {
     const Shown shown = shownAt(plane);
     const Proposal& p = history_.now();
     const int added = int(p.cuts.size());
-    auto changed = withCutAdded(p, plane, shown.centre, shown.reach, std::nullopt);
+    auto changed = withCut(plane, shown);
     if (changed) {
-        const auto tried = tryCuts(sections_.body(), *changed);
         std::optional<Error> why = tried ? tried->refused.back() : std::optional(tried.error());
         if (why) return Q_EMIT document_.failed(errorText(*why));
         if (changed->bones.size() == p.bones.size()) {
@@ -313,8 +325,20 @@ void ProposalTool::addCut(const CutPlane& plane) {
                 if (const Vec3 place = sections_.body().vertices.row(v); tried->piece[std::size_t(v)] == added && (place - shown.centre).norm() > (tip - shown.centre).norm()) tip = place;
             if (tip != shown.centre) changed = withCutAdded(p, plane, shown.centre, shown.reach, Vec3(shown.centre + kWithin * (tip - shown.centre)));
         }
+        tried_ = *tried;
+        triedPlanes_ = planesOf(*changed);
     }
     if (take(std::move(changed))) selected_ = {Grip::Kind::Cut, added};
+}
+
+void ProposalTool::addBone(const Vec3& from, const Vec3& to) {
+    const Proposal& p = history_.now();
+    const int piece = pieceAt(0.5 * (from + to));
+    std::optional<ProposedEnd> end;  // ends may have been numbered anew since the drag
+    for (int b = 0; b < int(p.bones.size()) && !end; ++b)
+        for (const bool atEnd : {true, false})
+            if (placeOf(p, {b, atEnd}) == from) end = jointOf(p, {b, atEnd}).front();
+    if (take(end ? withBoneAdded(p, *end, to, piece) : withBoneAdded(p, from, to, piece))) selected_ = {Grip::Kind::Bone, int(history_.now().bones.size()) - 1};
 }
 
 void ProposalTool::drop(Grip grip) {
@@ -334,10 +358,17 @@ void ProposalTool::drop(Grip grip) {
 void ProposalTool::accept() {
     const CharacterSource* of = source();
     if (!of) return;
-    const auto answer = document_.execute(commands::makeSoft(*of, history_.now()));
-    if (!answer) return;
-    finished_ = true;
-    if (accepted_) accepted_(*answer);
+    acceptsNext_ = !waiting_.empty();
+    if (acceptsNext_) return;
+    hovered_ = selected_ = {};
+    wouldCut_.reset();
+    handedOver_ = true;
+    host_.accept(commands::makeSoft(*of, history_.now()));
+}
+
+void ProposalTool::handBack() {
+    handedOver_ = false;
+    tryNext();
 }
 
 bool ProposalTool::wants(int key) const {
@@ -346,7 +377,7 @@ bool ProposalTool::wants(int key) const {
 
 bool ProposalTool::key(int key, Qt::KeyboardModifiers) {
     if (over()) return false;
-    if (drag_) return wants(key);  // it ends by the mouse
+    if (drag_ || handedOver_) return wants(key);  // it ends by the mouse, or by itself
     switch (key) {
         case Qt::Key_Return:
         case Qt::Key_Enter: accept(); return true;
@@ -363,17 +394,21 @@ void ProposalTool::cancel() {
 }
 
 void ProposalTool::undo() {
+    if (handedOver_) return;
     cancel();
-    if (history_.undo()) tryAll();
+    if (!history_.undo()) return;
     hovered_ = selected_ = {};
     show();
+    tryNext();
 }
 
 void ProposalTool::redo() {
+    if (handedOver_) return;
     cancel();
-    if (history_.redo()) tryAll();
+    if (!history_.redo()) return;
     hovered_ = selected_ = {};
     show();
+    tryNext();
 }
 
 // ---- what is shown ---------------------------------------------------------------------------------------------------------
@@ -406,32 +441,79 @@ void ProposalTool::show() {
     cuts_ = std::move(shown);
 }
 
-void ProposalTool::tryAll() {
-    const Proposal& p = history_.now();
-    std::vector<CutPlane> planes;
-    for (const ProposedCut& cut : p.cuts) planes.push_back(cut.plane);
-    if (!tried_.piece.empty() && std::equal(planes.begin(), planes.end(), triedPlanes_.begin(), triedPlanes_.end(), samePlane)) return;
-    triedPlanes_ = std::move(planes);
-    if (auto tried = tryCuts(sections_.body(), p)) tried_ = std::move(*tried);
-    else tried_ = {std::vector<std::optional<Error>>(p.cuts.size(), tried.error()), std::vector<int>(std::size_t(sections_.body().vertices.rows()), -1)};
+bool ProposalTool::isTried(const Proposal& proposal) const {
+    const auto& cuts = proposal.cuts;
+    return !tried_.piece.empty() && std::equal(cuts.begin(), cuts.end(), triedPlanes_.begin(), triedPlanes_.end(), [](const ProposedCut& cut, const CutPlane& plane) { return samePlane(cut.plane, plane); });
+}
+
+bool ProposalTool::isTried(int cut) const {
+    const auto at = std::size_t(cut);
+    return at < tried_.refused.size() && at < triedPlanes_.size() && samePlane(triedPlanes_[at], proposal().cuts[at].plane);
+}
+
+void ProposalTool::tryNext() {
+    if (trial_.running() || handedOver_) return;
+    const auto body = std::shared_ptr<const TriangleMesh>(kept_->body, &kept_->body->mesh);
+    if (!isTried(history_.now())) return trial_.start(body, history_.now());
+    while (!waiting_.empty()) {
+        const Waiting next = waiting_.front();
+        if (next.cut) {
+            if (auto with = withCut(*next.cut, shownAt(*next.cut))) return trial_.start(body, std::move(*with));
+            Q_EMIT document_.failed(errorText(withCut(*next.cut, shownAt(*next.cut)).error()));
+        }
+        waiting_.pop_front();
+        if (!next.cut) addBone(next.from, next.to);
+    }
+    if (acceptsNext_) accept();
+}
+
+void ProposalTool::takeTrial() {
+    const Proposal& of = trial_.proposal();
+    const Result<TriedCuts>& tried = *trial_.result();
+    const auto planes = planesOf(of);
+    const auto isOf = [&](const Proposal& proposal) {
+        const auto wanted = planesOf(proposal);
+        return std::equal(wanted.begin(), wanted.end(), planes.begin(), planes.end(), samePlane);
+    };
+    // Another change may have come between: then it is tried anew.
+    if (!isTried(history_.now()) && isOf(history_.now())) {
+        const auto before = std::exchange(tried_, tried ? *tried : TriedCuts{std::vector<std::optional<Error>>(of.cuts.size(), tried.error()), std::vector<int>(std::size_t(sections_.body().vertices.rows()), -1)}).refused;
+        triedPlanes_ = planes;
+        // What was refused before was said before.
+        for (std::size_t c = 0; c < tried_.refused.size() && !told_; ++c) {
+            told_ = tried_.refused[c] && !(before.size() == tried_.refused.size() && before[c]);
+            if (told_) Q_EMIT document_.failed(ToolTexts::tr("“%1” does not cut there: %2", "a plane, why").arg(QString::fromStdString(of.cuts[c].name), errorText(*tried_.refused[c])));
+        }
+        told_ = true;
+    } else if (isTried(history_.now()) && !waiting_.empty() && waiting_.front().cut) {
+        const CutPlane plane = *waiting_.front().cut;
+        if (const auto with = withCut(plane, shownAt(plane)); with && isOf(*with)) {
+            waiting_.pop_front();
+            addCut(plane, tried);
+        }
+    }
+    tryNext();
+    if (host_.changed) host_.changed();
 }
 
 QString ProposalTool::banner() const {
     if (over()) return {};
+    if (handedOver_) return ToolTexts::tr("It is being made soft …");
     const Proposal& p = history_.now();
     QStringList parts;
     if (const int n = int(p.cuts.size()); n > 0) parts << ToolTexts::tr("%n cut(s)", nullptr, n);
     if (const int n = int(p.bones.size()); n > 0) parts << ToolTexts::tr("%n bone(s)", nullptr, n);
     if (const int n = int(p.handles.size()); n > 0) parts << ToolTexts::tr("%n handle(s)", nullptr, n);
     if (const int n = int(p.pins.size()); n > 0) parts << ToolTexts::tr("%n pin(s)", nullptr, n);
-    const auto none = std::count_if(tried_.refused.begin(), tried_.refused.end(), [](const auto& why) { return why.has_value(); });
-    if (none > 0) parts << ToolTexts::tr("%n plane(s) that do not cut", nullptr, int(none));
+    int none = 0;
+    for (int c = 0; c < int(proposal().cuts.size()); ++c) none += isTried(c) && tried_.refused[std::size_t(c)];
+    if (none > 0) parts << ToolTexts::tr("%n plane(s) that do not cut", nullptr, none);
     parts << ToolTexts::tr("Enter: make it soft") << ToolTexts::tr("Esc: leave it as it is");
     return parts.join(QStringLiteral("  ·  "));
 }
 
 QString ProposalTool::hint() const {
-    if (over()) return {};
+    if (handedOver_ || over()) return {};
     if (drag_ && drag_->moved) {
         const bool cuts = drag_->does == Drag::Does::Slides || drag_->does == Drag::Does::Turns;
         if (cuts && drag_->grip.kind == Grip::Kind::Cut && within(drag_->grip.index, cuts_.size()) && cuts_[std::size_t(drag_->grip.index)].loops.empty())
@@ -465,11 +547,11 @@ void ProposalTool::decorate(render::Scene& scene) const {
     for (int c = 0; c < int(cuts_.size()); ++c) {
         const Shown& cut = cuts_[std::size_t(c)];
         const Grip grip{Grip::Kind::Cut, c};
-        const bool refused = cut.loops.empty() || (std::size_t(c) < tried_.refused.size() && tried_.refused[std::size_t(c)] && std::size_t(c) < triedPlanes_.size() && samePlane(triedPlanes_[std::size_t(c)], p.cuts[std::size_t(c)].plane));
+        const bool tried = isTried(c), refused = cut.loops.empty() || (tried && tried_.refused[std::size_t(c)]);
         for (const auto& loop : cut.loops) {
             render::Marker& rim = add(Shape::FaceOutline, loop.front(), loop.front(), grip);
             rim.outline = loop;
-            rim.filled = true;
+            rim.filled = tried;
             rim.refused = refused;
         }
         if (grip == selected_ || cut.loops.empty()) add(Shape::PlaneGizmo, cut.centre, cut.centre + kArrow * cut.reach * cut.plane.normal, grip).refused = refused;
@@ -484,6 +566,11 @@ void ProposalTool::decorate(render::Scene& scene) const {
     for (int h = 0; h < int(p.handles.size()); ++h) {
         const ProposedHandle& handle = p.handles[std::size_t(h)];
         add(handle.pinned ? Shape::PinnedPoint : Shape::HeldPoint, handle.point, handle.point, {Grip::Kind::Handle, h});
+    }
+    for (const Waiting& waiting : waiting_) {
+        if (!waiting.cut) add(Shape::Bone, waiting.from, waiting.to, {});
+        else
+            for (const auto& loop : shownAt(*waiting.cut).loops) add(Shape::FaceOutline, loop.front(), loop.front(), {}).outline = loop;
     }
     if (!wouldCut_ || drag_) return;
     for (const auto& loop : wouldCutRim_) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "core/proposal/proposal_edit.h"
+#include "ui/jobs/cut_trial_job.h"
 #include "ui/tools/cut_preview.h"
 #include "ui/tools/picking.h"
 #include "ui/tools/tool.h"
@@ -16,11 +18,16 @@ namespace imomushi {
 
 /// Shows how a character would be made soft and changes that, before anything is done: planes are dragged along their normals and turned (Ctrl, or the arrow of the selected
 /// one), ends of bones dragged, a click on the flesh adds a cut, on a joint a pin; Shift and a drag add a bone; Delete drops. Steps of its own can be undone. Enter makes the
-/// character soft as it is shown, by one make-soft command; Esc leaves everything as it is.
+/// character soft as it is shown, by one make-soft command; Esc leaves everything as it is. Cuts are tried in the background: until it is known what they do they are drawn
+/// unfilled, and what depends on it waits.
 class ProposalTool : public Tool {
 public:
-    /// `accepted`: gets the answer of make-soft.
-    ProposalTool(StudioDocument& document, PartId character, Proposal proposal, std::function<void(const Json&)> accepted);
+    struct Host {
+        /// Does make-soft, now or later. handBack() where it is not done.
+        std::function<void(const Json& command)> accept;
+        std::function<void()> changed = {};  ///< what is shown has changed by itself
+    };
+    ProposalTool(StudioDocument& document, PartId character, Proposal proposal, Host host);
 
     void press(const PointerEvent& e) override;
     void move(const PointerEvent& e) override;
@@ -41,7 +48,15 @@ public:
 
     /// As it is shown.
     [[nodiscard]] const Proposal& proposal() const { return drag_ && drag_->shown ? *drag_->shown : history_.now(); }
-    /// Per cut: why it does not cut; none: it does.
+    [[nodiscard]] PartId character() const { return character_; }
+    /// The artist left it by Esc: it is not wanted any more.
+    [[nodiscard]] bool dropped() const { return finished_; }
+    /// It was accepted, and nothing changes until it is done or handed back.
+    [[nodiscard]] bool handedOver() const { return handedOver_; }
+    void handBack();
+    /// What its cuts do is not known yet.
+    [[nodiscard]] bool trying() const { return trial_.running(); }
+    /// Per cut: why it does not cut; none: it does. As far as they were tried.
     [[nodiscard]] const std::vector<std::optional<Error>>& refused() const { return tried_.refused; }
 
 private:
@@ -80,28 +95,46 @@ private:
     [[nodiscard]] int pieceAt(const Vec3& place) const;
     void begin(Drag drag, const PointerEvent& e);
     void dragTo(const PointerEvent& e);
+    /// What waits until it is known which flesh lies in front of which cut.
+    struct Waiting {
+        std::optional<CutPlane> cut;  ///< of a new one, its origin on the flesh
+        Vec3 from = Vec3::Zero(), to = Vec3::Zero();  ///< of a new bone, m
+    };
     /// Makes a change a step. False: it is refused, which is said.
     bool take(Result<Proposal> changed);
-    void addCut(const CutPlane& plane);
+    void wait(Waiting waiting);
+    /// The proposal with a cut, and the section of that.
+    [[nodiscard]] Result<Proposal> withCut(const CutPlane& plane, const Shown& shown) const;
+    void addCut(const CutPlane& plane, const Result<TriedCuts>& tried);
+    void addBone(const Vec3& from, const Vec3& to);
     void drop(Grip grip);
     void accept();
     /// Brings what is drawn in step with the proposal.
     void show();
-    void tryAll();
+    /// Tries the cuts, where that was not done, and then does what waits.
+    void tryNext();
+    void takeTrial();
+    /// What the cuts of a proposal do is known.
+    [[nodiscard]] bool isTried(const Proposal& proposal) const;
+    [[nodiscard]] bool isTried(int cut) const;
 
     PartId character_;
     std::shared_ptr<const CharacterSource> kept_;
     SectionFinder sections_;
     ProposalHistory history_;
-    std::function<void(const Json&)> accepted_;
+    Host host_;
     std::vector<Shown> cuts_;
     TriedCuts tried_;
     std::vector<CutPlane> triedPlanes_;
+    bool told_ = true;  ///< which of its cuts are refused
+    CutTrialJob trial_;
+    std::deque<Waiting> waiting_;
+    bool acceptsNext_ = false;  ///< when nothing waits any more
     Grip hovered_, selected_;
     std::optional<CutPlane> wouldCut_;  ///< what a click would add
     std::vector<std::vector<Vec3>> wouldCutRim_;
     std::optional<Drag> drag_;
-    bool finished_ = false;
+    bool finished_ = false, handedOver_ = false;
 };
 
 }  // namespace imomushi

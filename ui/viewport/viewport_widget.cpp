@@ -83,8 +83,28 @@ void ViewportWidget::setTool(ToolKind kind) {
 }
 
 void ViewportWidget::propose(PartId character, Proposal proposal) {
-    const auto accepted = [this](const Json& answer) { QMetaObject::invokeMethod(this, [this, answer] { Q_EMIT madeSoft(answer); }, Qt::QueuedConnection); };
-    useTool(ToolKind::Proposal, std::make_unique<ProposalTool>(document_, character, std::move(proposal), accepted));
+    ProposalTool::Host host;
+    host.accept = [this](const Json& command) { Q_EMIT proposalAccepted(command); };
+    host.changed = [this] {
+        redraw();
+        updateHint();
+    };
+    useTool(ToolKind::Proposal, std::make_unique<ProposalTool>(document_, character, std::move(proposal), std::move(host)));
+}
+
+bool ViewportWidget::resumeProposal(PartId character) {
+    const auto fits = [&](const ProposalTool* tool) { return tool && !tool->over() && tool->character() == character; };
+    if (fits(dynamic_cast<const ProposalTool*>(tool_.get()))) return true;
+    if (!fits(keptProposal_.get())) return false;
+    keptProposal_->handBack();  // it may have been accepted, and that undone
+    useTool(ToolKind::Proposal, std::move(keptProposal_));
+    return true;
+}
+
+void ViewportWidget::handBackProposal() {
+    if (auto* tool = dynamic_cast<ProposalTool*>(tool_.get()); tool && tool->handedOver()) tool->handBack();
+    redraw();
+    updateHint();
 }
 
 const Proposal* ViewportWidget::proposal() const {
@@ -119,6 +139,12 @@ void ViewportWidget::leaveTool() {
 
 void ViewportWidget::useTool(ToolKind kind, std::unique_ptr<Tool> tool) {
     tool_->cancel();
+    bool kept = false;
+    if (auto* proposal = dynamic_cast<ProposalTool*>(tool_.get()); proposal && !proposal->dropped()) {
+        kept = !proposal->over() && !proposal->handedOver();
+        (void)tool_.release();
+        keptProposal_.reset(proposal);
+    }
     tool_ = std::move(tool);
     tool_->setOptions(toolOptions_);
     kind_ = kind;
@@ -126,6 +152,7 @@ void ViewportWidget::useTool(ToolKind kind, std::unique_ptr<Tool> tool) {
     redraw();
     updateHint();
     Q_EMIT toolChanged(kind);
+    if (kept) Q_EMIT proposalKept();
     tool_->begin();
 }
 

@@ -23,6 +23,8 @@ class QLabel;
 
 namespace imomushi {
 
+class ProposalTool;
+
 /// The view of the character: draws it, hands the pointer to the tool, and moves the camera. It draws when something changed, and
 /// at 60 Hz only while something moves. Where there is no OpenGL 3.3 it says so and the rest of the studio goes on.
 class ViewportWidget : public QWidget {
@@ -36,6 +38,10 @@ public:
     void setTool(ToolKind kind);
     /// Shows how a character would be made soft, to be changed, accepted or left.
     void propose(PartId character, Proposal proposal);
+    /// Shows the proposal for a character again that another tool took the place of, with its steps. False: there is none.
+    bool resumeProposal(PartId character);
+    /// What was accepted is not done: the artist goes on.
+    void handBackProposal();
     /// What is shown now; null: no proposal is.
     [[nodiscard]] const Proposal* proposal() const;
     /// Steps of the tool's own come before those of the document. False: it has none.
@@ -96,8 +102,10 @@ Q_SIGNALS:
     /// cpuMs: solving, updating and drawing of one frame (about ten times a second while frames are drawn); fps: 0 while nothing moves.
     void frameMeasured(double cpuMs, double fps, int vertices, double uploadMs);
     void toolChanged(imomushi::ToolKind kind);
-    /// A proposal was accepted; the answer of make-soft.
-    void madeSoft(const imomushi::Json& answer);
+    /// A proposal was accepted: this make-soft is to be done. handBackProposal() where it is not.
+    void proposalAccepted(const imomushi::Json& command);
+    /// Another tool took the place of a proposal that is neither accepted nor left.
+    void proposalKept();
     /// Projection, bones, grid, bodies or x-ray were switched, by whom ever.
     void viewChanged();
 
@@ -148,6 +156,7 @@ private:
     TakeDeck* deck_ = nullptr;
     ToolKind kind_ = ToolKind::Select;
     std::unique_ptr<Tool> tool_;
+    std::unique_ptr<ProposalTool> keptProposal_;  ///< while another tool is chosen
     ToolOptions toolOptions_;
     CameraController camera_;
     ViewNavigator navigator_{camera_};

@@ -267,6 +267,8 @@ void FileFlow::makeSoft(const CharacterSource& character, const std::optional<st
     startSoft(commands::makeSoft(character.name, bones), QString::fromStdString(character.name), nullptr);
 }
 
+void FileFlow::makeSoft(const Json& command) { startSoft(command, QString::fromStdString(command.at("character").get<std::string>()), nullptr); }
+
 void FileFlow::askImportSkeleton(const CharacterSource& character) {
     const std::string name = character.name;  // the document may be another one after the dialog
     const QString start = QSettings().value(kMeshFolder, folder()).toString();

@@ -46,6 +46,8 @@ public:
     void import(const QStringList& paths, Lead lead = Lead::Anything);  ///< one dialog after another
     /// Makes a character soft that is there, by these bones of its skeleton or as proposed.
     void makeSoft(const CharacterSource& character, const std::optional<std::vector<std::string>>& bones = {});
+    /// By a command that says how, of a character that is there.
+    void makeSoft(const Json& command);
     /// Asks for a file whose bones and clips a character gets.
     void askImportSkeleton(const CharacterSource& character);
     void importSkeleton(const CharacterSource& character, const QString& path);

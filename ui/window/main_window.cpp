@@ -293,11 +293,11 @@ void MainWindow::connectProposals() {
         viewport_->propose(character, *proposal);
         viewport_->setFocus();
     });
-    connect(viewport_, &ViewportWidget::madeSoft, this, [this](const Json& answer) {
-        QString text = tr("“%1” is soft: drag it, or change its cuts and bones.").arg(QString::fromStdString(answer.at("character").get<std::string>()));
-        if (const int n = int(answer.at("refused").size()); n > 0) text += u' ' + tr("%n proposal(s) could not be made.", nullptr, n);
-        messages().say(text, MessageBar::Tone::Good);
-        (*actions_)["tool-pose"]->trigger();
+    connect(viewport_, &ViewportWidget::proposalAccepted, this, [this](const Json& command) { files_->makeSoft(command); });
+    connect(viewport_, &ViewportWidget::proposalKept, this, [this] { messages().offer(tr("The proposal is kept as it is."), tr("Show it"), [this] { propose(); }); });
+    // Cancelled or refused; what is done is not there any more.
+    connect(steps_, &StepFlow::changed, this, [this] {
+        if (!steps_->running()) viewport_->handBackProposal();
     });
 }
 

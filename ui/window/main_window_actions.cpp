@@ -227,7 +227,10 @@ void MainWindow::startPrecompute() {
 
 void MainWindow::propose() {
     const CharacterSource* character = chosenCharacter(document_);
-    if (character && canBecomeSoft(document_.document(), *character)) proposals_->start(document_.document().characters.at(character->id));
+    if (!character || !canBecomeSoft(document_.document(), *character)) return;
+    if (!viewport_->resumeProposal(character->id)) return proposals_->start(document_.document().characters.at(character->id));
+    showStart(false);
+    viewport_->setFocus();
 }
 
 void MainWindow::undo() {
