@@ -213,7 +213,7 @@ void ProposalTool::dragTo(const PointerEvent& e) {
             }
             plane.origin += drag.along * plane.normal;
             const Shown shown = shownAt(plane);
-            changed = withCutMoved(p, cut, plane, shown.centre);
+            changed = withCutMoved(p, cut, plane, shown.centre, sides());
             break;
         }
         case Drag::Does::Moves: {
@@ -221,9 +221,9 @@ void ProposalTool::dragTo(const PointerEvent& e) {
             drag.to += e.pace() * (under - drag.held);
             drag.held = under;
             if (drag.grip.kind == Grip::Kind::Handle) {
-                if (const auto flesh = fleshUnder(e)) changed = withHandleMoved(p, drag.grip.index, flesh->rest);
+                if (const auto flesh = fleshUnder(e)) changed = withHandleMoved(p, drag.grip.index, flesh->rest, sides());
             } else {
-                changed = withEndMoved(p, {drag.grip.index, drag.grip.atEnd}, drag.to);
+                changed = withEndMoved(p, {drag.grip.index, drag.grip.atEnd}, drag.to, sides());
             }
             break;
         }
@@ -231,7 +231,7 @@ void ProposalTool::dragTo(const PointerEvent& e) {
             const Vec3 beside = e.onPlane(drag.from, e.viewForward, drag.from);
             drag.to = insideUnder(e).value_or(beside);
             const int piece = pieceAt(0.5 * (drag.from + drag.to));
-            changed = drag.grip.kind == Grip::Kind::End ? withBoneAdded(p, ProposedEnd{drag.grip.index, drag.grip.atEnd}, drag.to, piece) : withBoneAdded(p, drag.from, drag.to, piece);
+            changed = drag.grip.kind == Grip::Kind::End ? withBoneAdded(p, ProposedEnd{drag.grip.index, drag.grip.atEnd}, drag.to, piece, sides()) : withBoneAdded(p, drag.from, drag.to, piece, sides());
             break;
         }
         case Drag::Does::AddsCut:
@@ -247,7 +247,7 @@ void ProposalTool::release(const PointerEvent& e) {
     drag_.reset();
     if (drag.moved) {
         if (drag.shown) {
-            if (drag.does == Drag::Does::AddsBone) selected_ = {Grip::Kind::Bone, int(drag.shown->bones.size()) - 1};
+            if (drag.does == Drag::Does::AddsBone) selected_ = {Grip::Kind::Bone, int(history_.now().bones.size())};
             if (drag.grip.kind == Grip::Kind::Cut) selected_ = drag.grip;
             take(std::move(*drag.shown));
         }
@@ -256,11 +256,11 @@ void ProposalTool::release(const PointerEvent& e) {
     switch (drag.grip.kind) {
         case Grip::Kind::End:
             selected_ = {};
-            take(withPinToggled(history_.now(), {drag.grip.index, drag.grip.atEnd}));
+            take(withPinToggled(history_.now(), {drag.grip.index, drag.grip.atEnd}, sides()));
             break;
         case Grip::Kind::Handle:
             selected_ = drag.grip;
-            take(withHandlePinToggled(history_.now(), drag.grip.index));
+            take(withHandlePinToggled(history_.now(), drag.grip.index, sides()));
             break;
         case Grip::Kind::Cut:
         case Grip::Kind::Bone: selected_ = drag.grip; break;
@@ -301,17 +301,17 @@ void ProposalTool::addCut(const CutPlane& plane) {
     const Shown shown = shownAt(plane);
     const Proposal& p = history_.now();
     const int added = int(p.cuts.size());
-    auto changed = withCutAdded(p, plane, shown.centre, shown.reach, std::nullopt);
+    auto changed = withCutAdded(p, plane, shown.centre, shown.reach, std::nullopt, sides());
     if (changed) {
         const auto tried = tryCuts(sections_.body(), *changed);
-        std::optional<Error> why = tried ? tried->refused.back() : std::optional(tried.error());
+        std::optional<Error> why = tried ? tried->refused[std::size_t(added)] : std::optional(tried.error());
         if (why) return Q_EMIT document_.failed(errorText(*why));
         if (changed->bones.size() == p.bones.size()) {
             // A limb that has no bone gets one to the place of its flesh that is farthest out.
             Vec3 tip = shown.centre;
             for (Eigen::Index v = 0; v < sections_.body().vertices.rows(); ++v)
                 if (const Vec3 place = sections_.body().vertices.row(v); tried->piece[std::size_t(v)] == added && (place - shown.centre).norm() > (tip - shown.centre).norm()) tip = place;
-            if (tip != shown.centre) changed = withCutAdded(p, plane, shown.centre, shown.reach, Vec3(shown.centre + kWithin * (tip - shown.centre)));
+            if (tip != shown.centre) changed = withCutAdded(p, plane, shown.centre, shown.reach, Vec3(shown.centre + kWithin * (tip - shown.centre)), sides());
         }
     }
     if (take(std::move(changed))) selected_ = {Grip::Kind::Cut, added};
@@ -321,11 +321,11 @@ void ProposalTool::drop(Grip grip) {
     const Proposal& p = history_.now();
     selected_ = {};
     switch (grip.kind) {
-        case Grip::Kind::Cut: take(withoutCut(p, grip.index)); break;
-        case Grip::Kind::Bone: take(withoutBone(p, grip.index)); break;
-        case Grip::Kind::Handle: take(withoutHandle(p, grip.index)); break;
+        case Grip::Kind::Cut: take(withoutCut(p, grip.index, sides())); break;
+        case Grip::Kind::Bone: take(withoutBone(p, grip.index, sides())); break;
+        case Grip::Kind::Handle: take(withoutHandle(p, grip.index, sides())); break;
         case Grip::Kind::End:
-            if (isPinned(p, {grip.index, grip.atEnd})) take(withPinToggled(p, {grip.index, grip.atEnd}));
+            if (isPinned(p, {grip.index, grip.atEnd})) take(withPinToggled(p, {grip.index, grip.atEnd}, sides()));
             break;
         case Grip::Kind::Nothing: break;
     }
@@ -341,7 +341,8 @@ void ProposalTool::accept() {
 }
 
 bool ProposalTool::wants(int key) const {
-    return !over() && (key == Qt::Key_Return || key == Qt::Key_Enter || key == Qt::Key_Delete || key == Qt::Key_Backspace || key == Qt::Key_Escape);
+    return !over() && (key == Qt::Key_Return || key == Qt::Key_Enter || key == Qt::Key_Delete || key == Qt::Key_Backspace || key == Qt::Key_Escape ||
+                       (key == Qt::Key_X && history_.now().symmetry));
 }
 
 bool ProposalTool::key(int key, Qt::KeyboardModifiers) {
@@ -353,6 +354,10 @@ bool ProposalTool::key(int key, Qt::KeyboardModifiers) {
         case Qt::Key_Escape: finished_ = true; return true;
         case Qt::Key_Delete:
         case Qt::Key_Backspace: drop(hovered_.kind != Grip::Kind::Nothing ? hovered_ : selected_); return true;
+        case Qt::Key_X:
+            if (!history_.now().symmetry) return false;
+            mirrors_ = !mirrors_;
+            return true;
         default: return false;
     }
 }
@@ -426,6 +431,7 @@ QString ProposalTool::banner() const {
     if (const int n = int(p.pins.size()); n > 0) parts << ToolTexts::tr("%n pin(s)", nullptr, n);
     const auto none = std::count_if(tried_.refused.begin(), tried_.refused.end(), [](const auto& why) { return why.has_value(); });
     if (none > 0) parts << ToolTexts::tr("%n plane(s) that do not cut", nullptr, int(none));
+    if (p.symmetry) parts << (mirrors_ ? ToolTexts::tr("Mirror: on (X)") : ToolTexts::tr("Mirror: off (X)"));
     parts << ToolTexts::tr("Enter: make it soft") << ToolTexts::tr("Esc: leave it as it is");
     return parts.join(QStringLiteral("  ·  "));
 }
