@@ -42,6 +42,7 @@ void createTables(Database& db, int version) {
     if (version >= 8) createRigTables(db);
     if (version >= 9) createMorphTables(db);
     if (version >= 10) createFilledTable(db);
+    if (version >= 10) createMorphTrackTable(db);
 }
 
 /// Each response once, though elements share it.
@@ -96,7 +97,7 @@ Project readProject(Database& db, std::int64_t version) {
         readCharacters(db, document, meshes);
     }
     if (version >= 7) readAttachments(db, document);
-    if (version >= 8) readRigs(db, document, version >= 9);
+    if (version >= 8) readRigs(db, document, version);
     if (version >= 9) readMorphs(db, document);
     std::set<PartId> ids;
     const auto unique = [&](PartId part) { require(part < document.nextId && ids.insert(part).second, "an id is used twice"); };
@@ -130,6 +131,8 @@ Result<std::vector<std::byte>> readBytes(const std::filesystem::path& path) {
 int projectVersion(const Document& document) {
     const auto anyCharacter = [&](const auto& has) { return std::any_of(document.characters.begin(), document.characters.end(), [&](const auto& part) { return has(*part.second); }); };
     const auto named = [](const RigNode& node) { return !node.name.empty(); };
+    const auto weighs = [](const RigClip& clip) { return !clip.morphs.empty(); };
+    if (anyCharacter([&](const CharacterSource& c) { return c.rig && std::any_of(c.rig->clips.begin(), c.rig->clips.end(), weighs); })) return kProjectVersion;
     if (anyCharacter([&](const CharacterSource& c) { return !c.model->morphs.empty() || (c.rig && std::any_of(c.rig->nodes.begin(), c.rig->nodes.end(), named)); }) ||
         std::any_of(document.takes.begin(), document.takes.end(), [](const auto& part) { return part.second->layout.morphs > 0; }))
         return 9;
@@ -173,6 +176,7 @@ Result<void> saveProject(const std::filesystem::path& path, const Project& proje
         if (version >= 7) writeAttachments(db, document);
         if (version >= 8) writeRigs(db, document);
         if (version >= 9) writeMorphs(db, document);
+        if (version >= 10) writeMorphTracks(db, document);
         {
             const std::string digest = db.digest(projectTables(version));
             RowWriter info(db, "INSERT INTO info VALUES (?,?)");
