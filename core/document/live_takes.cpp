@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/document/live_character.h"
+#include "core/mesh/bounds.h"
 
 namespace imomushi {
 
@@ -81,9 +82,11 @@ Result<Take> LiveCharacter::playThrough(const std::string& name, const std::vect
     if (times.size() * frameBytes > kMaxTakeBytes) return fail("too-long", "The take would not fit into memory: choose fewer frames per second.");
     std::vector<std::vector<double>> poses, shapes;
     character_->keepExact(true);
-    bool cancelled = false;
+    bool cancelled = false, tooFar = false;
     for (std::size_t f = 0; f < times.size() && !cancelled; ++f) {
         const PlayedFrame frame = frameAt(times[f]);
+        tooFar = std::any_of(frame.pose.points.begin(), frame.pose.points.end(), [](const Vec3& p) { return !(p.cwiseAbs().maxCoeff() <= kMaxCoordinate); });
+        if (tooFar) break;
         for (const auto& [ref, weight] : frame.morphs)
             if (const auto mesh = std::find(plan_.characters.begin(), plan_.characters.end(), ref.character); mesh != plan_.characters.end())
                 character_->setMorph(static_cast<int>(mesh - plan_.characters.begin()), ref.target, weight);
@@ -101,6 +104,7 @@ Result<Take> LiveCharacter::playThrough(const std::string& name, const std::vect
     character_->keepExact(recording_.has_value());
     jumpToPose();
     if (cancelled) return fail(kCancelled, "Recording the take was cancelled.");
+    if (tooFar) return fail("bad-value", "The clip takes bones farther away than 1e9 m: its file is broken.");
     take.poses = FrameNumbers(poses);
     take.shapes = FrameNumbers(shapes);
     return take;

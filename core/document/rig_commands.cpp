@@ -28,9 +28,7 @@ Result<Json> importSkeleton(DocumentEdit& edit, const Json& arguments, const Pro
     if (!imported) return tl::unexpected(imported.error());
     if (!imported->rig || imported->rig->bones.empty()) return fail("no-skeleton", "\"" + request->path.string() + "\" holds no bones: choose a file with a skeleton.");
     // Weights are for the vertices of its own mesh.
-    const Eigen::Index vertices = (*character)->model->mesh.body.vertices.rows();
-    const bool sameMesh = imported->renderModel.mesh.body.vertices.rows() == vertices && imported->renderModel.mesh.body.vertices == (*character)->model->mesh.body.vertices;
-    if (!sameMesh) imported->rig->weights = {};
+    if (!imported->renderModel.sameVertices(*(*character)->model)) imported->rig->weights = {};
     const auto rig = std::make_shared<const Rig>(std::move(*imported->rig));
     exchangePart(document.characters, (*character)->id, [&](CharacterSource& c) { c.rig = rig; });
     Json answer = rigJson(rig.get());

@@ -68,6 +68,8 @@ bool inRange(const Numbers& numbers) {
     return allFinite(numbers) && std::all_of(numbers.data(), numbers.data() + numbers.size(), [](double x) { return std::abs(x) <= kMaxImportedCoordinate; });
 }
 
+bool inScene(const Vec3& place) { return allFinite(place) && place.cwiseAbs().maxCoeff() <= kMaxCoordinate; }
+
 /// `width`: numbers of a value.
 const char* faultOfKeys(Interpolation interpolation, const std::vector<double>& times, const std::vector<double>& values, std::size_t width) {
     if (times.empty() || values.size() != width * (interpolation == Interpolation::Cubic ? 3 : 1) * times.size()) return "a track has a wrong number of keys";
@@ -135,14 +137,14 @@ std::string checkRig(const Rig& rig, std::size_t vertices) {
         if (bone.name.empty() || !names.insert(bone.name).second) return "two bones have one name";
         if (!before(bone.parent, b)) return "a bone comes before its parent";
         if (bone.node < 0 || static_cast<std::size_t>(bone.node) >= rig.nodes.size()) return "a bone has no node";
-        if (!inRange(bone.head) || !inRange(bone.tail) || !isUnit(bone.rotation)) return "a bone has a number that is not finite or too large";
+        if (!inScene(bone.head) || !inScene(bone.tail) || !isUnit(bone.rotation)) return "a bone has a number that is not finite or too large";
     }
     const RigWeights& w = rig.weights;
     if (!w.first.empty() || !w.bone.empty() || !w.weight.empty()) {
         if (w.first.size() != vertices + 1 || w.first.front() != 0 || static_cast<std::size_t>(w.first.back()) != w.bone.size() || w.bone.size() != w.weight.size())
             return "the skin has a wrong size";
+        if (!std::is_sorted(w.first.begin(), w.first.end())) return "the skin has a wrong size";
         for (std::size_t v = 0; v < vertices; ++v) {
-            if (w.first[v] > w.first[v + 1]) return "the skin has a wrong size";
             for (auto i = static_cast<std::size_t>(w.first[v]); i < static_cast<std::size_t>(w.first[v + 1]); ++i) {
                 if (w.bone[i] < 0 || static_cast<std::size_t>(w.bone[i]) >= rig.bones.size()) return "the skin refers to a bone that does not exist";
                 if (i > static_cast<std::size_t>(w.first[v]) && w.bone[i] <= w.bone[i - 1]) return "the bones of a vertex are out of order";
