@@ -3633,6 +3633,14 @@
             <translation>頂点 %1</translation>
         </message>
         <message>
+            <source>%1 of %2 out of date</source>
+            <translation>%2 個中 %1 個が古い</translation>
+        </message>
+        <message>
+            <source>Precompute what is out of date (P)</source>
+            <translation>古くなったものを前計算する (P)</translation>
+        </message>
+        <message>
             <source>%1 of %2 out of date · about %3, %4</source>
             <translation>%2 個中 %1 個が古い · 約 %3、%4</translation>
         </message>

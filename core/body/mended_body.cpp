@@ -214,13 +214,16 @@ std::optional<TriangleMesh> united(std::vector<TriangleMesh> bodies, std::size_t
     return whole;
 }
 
+/// Triangles of a union that are flatter than this lie between walls that were modelled in one place and differ by rounding: much flatter than any that were modelled.
+constexpr double kUnionFlat = 1e-5;
+
 /// A union without its voids, which nobody modelled, and without the flat triangles that it leaves.
 TriangleMesh tidied(const TriangleMesh& mesh) {
     RawSurface raw;
     raw.mesh.body = mesh;
     MendSurface s(std::move(raw));
     dropUnused(s);
-    mendDegenerate(s);
+    mendDegenerate(s, kUnionFlat);
     const TriangleMesh all{s.points, s.triangles()};
     const EdgeTable edges(all.triangles);
     int count = 0;

@@ -211,15 +211,19 @@ Result<PartId> characterFor(SessionAccess& access, const Json& arguments, Json& 
     return access.document().characterNamed(answer["characters"][0]["name"].get<std::string>())->id;
 }
 
-/// Makes elements soft at once: coarse answers for those that have none. What fails is left to the precompute. Errors: "cancelled".
-Result<int> draftAll(SessionAccess& access, PartId character, const Progress& progress) {
+/// Makes elements soft at once: coarse answers for those that have none. One that fails is told and does not stop the others. Errors: "cancelled".
+Result<int> draftAll(SessionAccess& access, PartId character, Json& refused, const Progress& progress) {
     int made = 0;
     for (const PartId id : access.document().elementsOf(character)) {
         if (access.document().elements.at(id)->faces.empty() || access.responses.fittingOf(id)) continue;
         if (progress.cancelled()) return fail(kCancelled, "Making drafts was cancelled; what was made stays.");
         const ResponseInput input = access.responses.inputOfDraft(id);
         auto response = buildResponse(input, progress);
-        if (!response) continue;
+        if (!response && response.error().code == kCancelled) return tl::unexpected(response.error());
+        if (!response) {
+            refused.push_back({{"what", "The draft of the element \"" + access.document().elements.at(id)->name + "\""}, {"code", response.error().code}, {"text", response.error().message}});
+            continue;
+        }
         access.responses.bring(id, {responseKey(input), access.responses.shapeOf(id), std::make_shared<const ElementResponse>(std::move(*response))});
         ++made;
     }
@@ -275,7 +279,7 @@ Result<Json> makeSoft(SessionAccess& access, const Json& arguments, const Progre
     Json precomputed = Json::array();
     int drafts = 0;
     if (arguments.value("draft", false)) {
-        const auto made = draftAll(access, *character, progress.part(0.3, 0.4));
+        const auto made = draftAll(access, *character, maker.refused, progress.part(0.3, 0.4));
         if (!made) return tl::unexpected(made.error());
         drafts = *made;
         seconds["draft"] = watch.lap();

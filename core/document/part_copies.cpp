@@ -169,6 +169,12 @@ void PartCopier::copyCharacters(const std::set<PartId>& wanted, const std::set<P
         CharacterSource made = placed(character, placing());
         made.id = idOf(id);
         for (auto& [part, attachment] : made.attachments) attachment.element = with.contains(attachment.element) ? idOf(attachment.element) : PartId(0);
+        if (made.rig && placing().mirrors()) {  // its bones change sides as those of the document do
+            Rig rig = *made.rig;
+            std::set<std::string> names;
+            for (RigBone& bone : rig.bones) names.insert(bone.name = nameFor(bone.name));
+            if (names.size() == rig.bones.size()) made.rig = std::make_shared<const Rig>(std::move(rig));
+        }
         made.name = nextName(here, nameFor(character.name));
         characters.emplace_back(made.name, character.name);
         const PartId known = made.id;

@@ -13,27 +13,26 @@ namespace imomushi {
 namespace {
 
 constexpr int kDegeneratePasses = 20;
-/// A triangle whose shortest side is below this part of its longest is a needle and is collapsed; others are flipped away.
-constexpr double kNeedle = 1e-6;
-
+/// A triangle whose shortest side is below this many times the flatness of its longest is a needle and is collapsed; others are flipped away.
+constexpr double kNeedle = 10.0;
 
 double length(const MendSurface& s, std::int32_t a, std::int32_t b) { return (s.points.row(a) - s.points.row(b)).norm(); }
 
-bool flat(const MendSurface& s, std::int32_t a, std::int32_t b, std::int32_t c) {
+bool flat(const MendSurface& s, std::int32_t a, std::int32_t b, std::int32_t c, double flatness) {
     const double longest = std::max({length(s, a, b), length(s, b, c), length(s, c, a)});
     if (!(longest > 0.0)) return true;
     const Vec3 p = (s.points.row(b) - s.points.row(a)).transpose() / longest, q = (s.points.row(c) - s.points.row(a)).transpose() / longest;
-    return p.cross(q).norm() < kFlat;
+    return p.cross(q).norm() < flatness;
 }
 
 }  // namespace
 
 // Each pass changes places that do not touch.
-void mendDegenerate(MendSurface& s) {
+void mendDegenerate(MendSurface& s, double flatness) {
     for (int pass = 0; pass < kDegeneratePasses; ++pass) {
         std::vector<std::int32_t> bad;
         for (std::size_t f = 0; f < s.faces.size(); ++f)
-            if (flat(s, s.faces[f].v[0], s.faces[f].v[1], s.faces[f].v[2])) bad.push_back(static_cast<std::int32_t>(f));
+            if (flat(s, s.faces[f].v[0], s.faces[f].v[1], s.faces[f].v[2], flatness)) bad.push_back(static_cast<std::int32_t>(f));
         if (bad.empty()) return;
         const EdgeTable edges(s.triangles());
         std::unordered_map<std::int32_t, std::vector<std::int32_t>> around;  // faces at the vertices of the bad ones
@@ -71,7 +70,7 @@ void mendDegenerate(MendSurface& s) {
             if (!manifold) {
                 remove[at(f)] = 1;
                 for (const std::int32_t v : face.v) touched.insert(v);
-            } else if (length(s, p, q) <= kNeedle * length(s, a, b)) {
+            } else if (length(s, p, q) <= kNeedle * flatness * length(s, a, b)) {
                 // The link condition: the two ends share just the tips of the two triangles at the side, or the surface would pinch.
                 const std::set<std::int32_t> ringP = neighbours(p), ringQ = neighbours(q);
                 std::vector<std::int32_t> common;
@@ -89,7 +88,7 @@ void mendDegenerate(MendSurface& s) {
                 const std::int32_t d = next.v[corner(other.corner + 2)];
                 if (other.forward == (a < b)) continue;  // wound against each other: a flip would tear
                 if (touched.contains(d) || neighbours(m).contains(d)) continue;
-                if (flat(s, m, a, d) && flat(s, m, b, d)) continue;
+                if (flat(s, m, a, d, flatness) && flat(s, m, b, d, flatness)) continue;
                 const MendFace mine = face, theirs = next;
                 const std::int32_t rm = mine.r[corner(longest + 2)], rd = theirs.r[corner(other.corner + 2)];
                 const std::int32_t rb = theirs.r[corner(other.corner)], ra = theirs.r[corner(other.corner + 1)];

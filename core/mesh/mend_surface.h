@@ -51,7 +51,8 @@ void dropDuplicates(MendSurface& s);
 void weldVertices(MendSurface& s);
 /// Triangles without area are removed where an edge of theirs is open or has too many triangles, collapsed where two corners (nearly)
 /// coincide, else flipped with the neighbour at the longest side.
-void mendDegenerate(MendSurface& s);
+/// `flatness`: height over longest side below which a triangle counts as one without area.
+void mendDegenerate(MendSurface& s, double flatness = kFlat);
 /// Turns triangles so that neighbours are wound alike, the fewer of each piece.
 void windConsistently(MendSurface& s);
 /// Closes holes with caps where these are small and leave the surface sound.

@@ -339,6 +339,39 @@ TEST_CASE("mirror: a limb of a character is mirrored on the same body, with cuts
     CHECK((elementNamed(w, "uncut").handleOf("right ear")->point - Vec3(-0.5, 0, 28)).norm() < 1e-12);
 }
 
+TEST_CASE("mirror: limbs beside each other get an image each") {
+    Workbench w;
+    w.good({{"do", "import-character"}, {"path", "trunk"}, {"name", "T"}});
+    // Two cuts nearer to each other than what still counts as the same place across a cut.
+    w.good({{"do", "cut"}, {"element", "T"}, {"plane", {{"origin", {0, 0, 8}}, {"normal", {0, 0, 1}}}}, {"names", {"trunk", "arm.L"}}, {"name", "shoulder.L"}});
+    w.good({{"do", "cut"}, {"element", "arm.L"}, {"plane", {{"origin", {0, 0, 8.1}}, {"normal", {0, 0, 1}}}}, {"names", {"ring.L", "hand.L"}}, {"name", "wrist.L"}});
+    const Json answer = w.good({{"do", "mirror"}, {"from", {"shoulder.L", "wrist.L"}}, {"axis", "z"}, {"at", 6}});
+    CHECK(answer["not_mirrored"].empty());
+    CHECK(answer["cuts"].size() == 2);
+    CHECK(w.session.document().elements.size() == 5);
+}
+
+TEST_CASE("copies: the disc of a handle stays apart from a joint face that gets its name, and drafts stay drafts") {
+    Workbench w;
+    w.good({{"do", "import-element"}, {"path", "bar0"}, {"name", "palm"}});
+    w.addFace("palm", "grip.L", 0, -1);
+    w.good({{"do", "handle"}, {"element", "palm"}, {"name", "grip.R"}, {"point", {0.5, 0, 1.5}}, {"radius", 0.3}});
+    w.good({{"do", "mirror"}, {"from", {"palm"}}, {"at", 4}});
+    const Element& image = *std::prev(w.session.document().elements.end())->second;
+    REQUIRE(image.handles.size() == 1);
+    const JointFace& disc = image.faces[static_cast<std::size_t>(image.faceIndex(image.handles[0].face))];
+    CHECK((disc.frame.origin - image.handles[0].point).norm() < 0.1);
+
+    // As drafts they are not solved again, and not out of date.
+    Workbench drafts;
+    drafts.good({{"do", "import-character"}, {"path", "trunk"}, {"name", "T"}});
+    drafts.good({{"do", "make-soft"}, {"character", "T"}, {"draft", true}, {"precompute", false}});
+    const Document& d = drafts.session.document();
+    for (const auto& [id, element] : d.elements) REQUIRE(drafts.session.responses().isDraft(id));
+    drafts.good({{"do", "duplicate"}, {"names", {"T"}}, {"offset", {4, 0, 0}}});
+    for (const auto& [id, element] : d.elements) CHECK(drafts.session.responses().isDraft(id));
+}
+
 TEST_CASE("mirror: a whole character is copied with its cuts, which can be moved; textures stay where they are on it") {
     Workbench w;
     w.session.setCharacterImporter([](const ImportRequest& request, const Progress& progress) {

@@ -81,8 +81,9 @@ struct RigBench : Workbench {
                 file.rig = spine(longBar(), false);
                 return file;
             }
-            auto file = characterFile({name == "worm" ? "trunk" : request.path, {}, {}, {}, {}}, progress);
+            auto file = characterFile({name.ends_with("worm") ? "trunk" : request.path, {}, {}, {}, {}}, progress);
             if (file && name == "worm") file->rig = spine(file->renderModel.mesh.body);
+            if (name == "finer worm") return characterOf({shapes::box({-0.5, -0.5, 0.0}, {0.5, 0.5, 12.0}, 4, 4, 41).mesh}, {"trunk"});
             return file;
         });
     }
@@ -235,12 +236,30 @@ TEST_CASE("skeletons: a project appended beside brings its bones along") {
     CHECK((here.bones[6].tail - there.bones[6].tail - Vec3(5, 0, 1)).norm() < 1e-12);
 }
 
+TEST_CASE("skeletons: a mesh of other vertices loses the skin, which is told, and stays a project that can be opened") {
+    RigBench w;
+    w.good({{"do", "import-character"}, {"path", "worm"}, {"name", "worm"}});
+    REQUIRE(!rigOf(w.session).weights.empty());
+    w.good({{"do", "replace-mesh"}, {"character", "worm"}, {"path", "worm"}});
+    CHECK(!rigOf(w.session).weights.empty());
+    const Json answer = w.good({{"do", "replace-mesh"}, {"character", "worm"}, {"path", "finer worm"}});
+    CHECK(answer["lost"][0]["what"] == "skin");
+    CHECK(rigOf(w.session).weights.empty());
+    CHECK(!rigOf(w.session).bones.empty());
+    CHECK(w.good({{"do", "propose"}, {"character", "worm"}})["bones"].size() > 1);
+    const auto path = w.folder() / "other-mesh.imomushi";
+    w.good({{"do", "save"}, {"path", path}});
+    CHECK(RigBench().good({{"do", "open"}, {"path", path}})["characters"].size() == 1);
+}
+
 TEST_CASE("skeletons: what a project file says of them is not trusted") {
     RigBench w;
     w.good({{"do", "import-character"}, {"path", "worm"}, {"name", "worm"}});
     const auto path = w.folder() / "tampered.imomushi";
     for (const char* change : {"UPDATE rig_bones SET parent=6 WHERE position=2", "UPDATE rig_bones SET node=99 WHERE position=2", "UPDATE rig_bones SET name='hips' WHERE position=2",
                                "UPDATE rig_bones SET position=9 WHERE position=2", "DELETE FROM rig_bones", "DELETE FROM rig_nodes WHERE position=6", "UPDATE rigs SET first=x'00'",
+                               // in the middle an index beyond all: the fourth of 32 bits
+                               "UPDATE rigs SET first=CAST(substr(first,1,12)||x'40420f00'||substr(first,17) AS BLOB)",
                                "UPDATE rigs SET bone=zeroblob(8)", "UPDATE rigs SET character=77", "UPDATE rig_tracks SET node=-1 WHERE position=1", "UPDATE rig_tracks SET times=zeroblob(16) WHERE position=1",
                                "UPDATE rig_tracks SET path=7 WHERE position=1", "UPDATE rig_clips SET seconds=-1.0", "UPDATE rig_clips SET seconds=0.25", "DELETE FROM rig_clips WHERE position=0",
                                "UPDATE rig_bones SET rotation=zeroblob(32)", "UPDATE rigs SET to_scene=x''", "UPDATE rig_node_names SET node=99"}) {

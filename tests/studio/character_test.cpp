@@ -157,15 +157,18 @@ TEST_CASE("studio: what is proposed for a character is seen in the view, changed
     const double side = cut.plane.normal.x() > 0.0 ? 1.0 : -1.0;
     const Vec3 rim(cut.plane.origin.x(), 0.3, 0.4);
     const QPoint from = w.onScreen(rim), to = w.onScreen(rim + 0.25 * side * Vec3::UnitX());
-    QTest::mouseMove(&w.view(), from);
-    w.settle();
-    QTest::mousePress(&w.view(), Qt::LeftButton, {}, from);
-    for (int i = 1; i <= 4; ++i) {
-        QTest::mouseMove(&w.view(), from + (to - from) * i / 4);
+    const auto drag = [&] {
+        QTest::mouseMove(&w.view(), from);
         w.settle();
-    }
-    QTest::mouseRelease(&w.view(), Qt::LeftButton, {}, to);
-    w.settle();
+        QTest::mousePress(&w.view(), Qt::LeftButton, {}, from);
+        for (int i = 1; i <= 4; ++i) {
+            QTest::mouseMove(&w.view(), from + (to - from) * i / 4);
+            w.settle();
+        }
+        QTest::mouseRelease(&w.view(), Qt::LeftButton, {}, to);
+        w.settle();
+    };
+    drag();
     const auto moved = [&] { return side * (w.view().proposal()->cuts.front().plane.origin.x() - cut.plane.origin.x()); };
     CHECK(std::abs(moved() - 0.25) < 0.05);
     QTest::keyClick(&w.view(), Qt::Key_Z, Qt::ControlModifier);
@@ -183,18 +186,16 @@ TEST_CASE("studio: what is proposed for a character is seen in the view, changed
     CHECK(w.view().proposal()->cuts.front().plane.origin == cut.plane.origin);
     // Another tool leaves it as it is.
     w.look(Vec3(0.3, 0.4, 1.0));
-    QTest::mouseMove(&w.view(), w.onScreen(rim));
-    w.settle();
-    QTest::keyClick(&w.view(), Qt::Key_Delete);
-    CHECK(w.view().proposal()->cuts.size() == cuts - 1);
+    drag();
+    CHECK(std::abs(moved() - 0.25) < 0.05);
     w.trigger("tool-select");
     CHECK(w.window().messages().isVisible());
     CHECK(!w.view().proposal());
     w.trigger("propose");
     REQUIRE(w.view().proposal());
-    CHECK(w.view().proposal()->cuts.size() == cuts - 1);
+    CHECK(std::abs(moved() - 0.25) < 0.05);
     QTest::keyClick(&w.view(), Qt::Key_Z, Qt::ControlModifier);
-    CHECK(w.view().proposal()->cuts.size() == cuts);
+    CHECK(moved() == 0.0);
     // It is done beside the window, which hears of it later; cancelled, the artist goes on where it was.
     QTest::keyClick(&w.view(), Qt::Key_Return);
     CHECK(w.window().steps().running());
@@ -210,7 +211,7 @@ TEST_CASE("studio: what is proposed for a character is seen in the view, changed
     CHECK(w.document().session().position() == before);
     waitFor([&] { return w.view().tool() == ToolKind::Pose; });
     heart.stop();
-    CHECK(turns > 1);
+    CHECK(turns > 0);
     CHECK(w.document().session().position() == before + 1);
     CHECK(character().cuts.size() == cuts);
     CHECK(!w.window().actions()["propose"]->isEnabled());

@@ -7,6 +7,7 @@
 
 #include "core/body/section.h"
 #include "core/mesh/bounds.h"
+#include "ui/viewport/picture_warm_up.h"
 #include "ui/widgets/appearance.h"
 
 namespace imomushi {
@@ -19,6 +20,7 @@ constexpr double kFill = 0.84;  // room for the shadow
 MeshPreview::MeshPreview(QWidget* parent) : TurntableView(parent) {
     setMinimumSize(px(280), px(260));
     setAccessibleName(tr("Preview of the mesh"));
+    PictureWarmUp::instance().begin();  // while the file is read
 }
 
 double MeshPreview::place(const Eigen::AlignedBox3d& box) {

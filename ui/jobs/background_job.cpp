@@ -54,14 +54,15 @@ double BackgroundJob::secondsLeft() const {
 
 void BackgroundJob::poll() {
     bool ended = false;
+    const auto shared = shared_;
     {
-        const std::scoped_lock lock(shared_->mutex);
-        stage_ = stageText(shared_->stage);
-        fraction_ = shared_->fraction;
-        ended = shared_->ended;
+        const std::scoped_lock lock(shared->mutex);
+        stage_ = stageText(shared->stage);
+        fraction_ = shared->fraction;
+        ended = shared->ended;
     }
     Q_EMIT progressed();
-    if (!ended) return;
+    if (!ended || !running_ || shared != shared_) return;  // whoever heard of it may have cancelled it, or begun anew
     running_ = false;
     timer_.stop();
     thread_.join();

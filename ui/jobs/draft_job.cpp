@@ -1,20 +1,28 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/jobs/draft_job.h"
 
+#include <algorithm>
+#include <atomic>
+
 namespace imomushi {
 
 /// A plane that is dragged changes the document in every frame: what follows another change within this time waits as long.
 static constexpr int kSoonMs = 80;
 
 struct DraftJob::Work {
-    PartId element = 0;
-    ResponseInput input;
-    ContentKey key, shape;
-    std::shared_ptr<const ElementResponse> response;  // null: it could not be solved
+    struct Item {
+        PartId element = 0;
+        ResponseInput input;
+        ContentKey key, shape;
+        std::shared_ptr<const ElementResponse> response;  // null: it could not be solved
+    };
+    std::vector<Item> items;
+    std::atomic<std::size_t> done{0};  // items before it stay as they are
 };
 
 DraftJob::DraftJob(StudioDocument& document, QObject* parent) : BackgroundJob(parent), document_(document) {
     connect(&document, &StudioDocument::structureChanged, this, &DraftJob::follow);
+    connect(this, &BackgroundJob::progressed, this, &DraftJob::takeDone);
     soon_.setSingleShot(true);
     connect(&soon_, &QTimer::timeout, this, &DraftJob::start);
 }
@@ -31,8 +39,13 @@ void DraftJob::setEnabled(bool on) {
 
 void DraftJob::follow() {
     if (!enabled_) return;
-    const auto& responses = document_.session().responses();
-    if (running() && !(document_.document().elements.contains(work_->element) && responses.shapeOf(work_->element) == work_->shape)) cancel();
+    if (running()) {
+        takeDone();
+        const auto& parts = document_.document().elements;
+        const auto& responses = document_.session().responses();
+        const auto asked = [&](const Work::Item& item) { return parts.contains(item.element) && responses.shapeOf(item.element) == item.shape; };
+        if (!std::all_of(work_->items.begin() + std::ptrdiff_t(taken_), work_->items.end(), asked)) cancel();
+    }
     const bool follows = changed_.isValid() && changed_.elapsed() < kSoonMs;
     changed_.start();
     soon_.start(follows ? kSoonMs : 0);
@@ -46,58 +59,61 @@ bool DraftJob::wants(PartId id) const {
 }
 
 void DraftJob::start() {
-    waiting_.clear();
-    for (const auto& [id, element] : document_.document().elements)
-        if (wants(id)) waiting_.push_back(id);
-    if (running()) return;  // next() goes on
-    if (!waiting_.empty()) {
+    if (running()) return;  // asks again when it is done
+    DocumentResponses& responses = document_.session().responses();
+    auto work = std::make_shared<Work>();
+    std::vector<std::pair<PartId, StoredResponse>> known;
+    for (const auto& [id, element] : document_.document().elements) {
+        if (!wants(id)) continue;
+        Work::Item item{id, responses.inputOfDraft(id), {}, responses.shapeOf(id), nullptr};
+        item.key = responseKey(item.input);
+        // Undo, and a handle that passes, lead back to what had one before.
+        if (auto response = responses.store().find(item.key)) known.emplace_back(id, StoredResponse{item.key, item.shape, std::move(response)});
+        else work->items.push_back(std::move(item));
+    }
+    if (!told_ && (!known.empty() || !work->items.empty())) {
         told_ = true;
         Q_EMIT drafting();
-    } else if (!told_) {
+    }
+    bring(known);
+    if (work->items.empty()) {
+        if (std::exchange(told_, false)) Q_EMIT drafted();
         return;
     }
-    next();
+    work_ = work;
+    taken_ = 0;
+    launch(
+        [work](const Progress& progress) {
+            for (Work::Item& item : work->items) {
+                if (progress.cancelled()) return;
+                if (auto made = buildResponse(item.input, progress)) item.response = std::make_shared<const ElementResponse>(std::move(*made));
+                ++work->done;
+            }
+        },
+        [this] {
+            takeDone();
+            start();
+        });
 }
 
-void DraftJob::next() {
-    Session& session = document_.session();
-    while (!waiting_.empty()) {
-        const PartId id = waiting_.front();
-        waiting_.pop_front();
-        if (!wants(id)) continue;
-        auto work = std::make_shared<Work>();
-        work->element = id;
-        work->input = session.responses().inputOfDraft(id);
-        work->key = responseKey(work->input);
-        work->shape = session.responses().shapeOf(id);
-        // Undo, and a handle that passes, lead back to what had one before.
-        if (auto known = session.responses().store().find(work->key)) {
-            bring(id, {work->key, work->shape, std::move(known)});
-            if (!wants(id)) continue;
-        }
-        work_ = work;
-        launch(
-            [work](const Progress& progress) {
-                if (auto made = buildResponse(work->input, progress)) work->response = std::make_shared<const ElementResponse>(std::move(*made));
-            },
-            [this, work] {
-                if (work->response)
-                    bring(work->element, {work->key, work->shape, work->response});
-                else
-                    failed_.insert(work->shape);
-                next();
-            });
-        return;
+void DraftJob::takeDone() {
+    std::vector<std::pair<PartId, StoredResponse>> made;
+    for (const std::size_t done = work_->done; taken_ < done; ++taken_) {
+        const Work::Item& item = work_->items[taken_];
+        if (item.response) made.emplace_back(item.element, StoredResponse{item.key, item.shape, item.response});
+        else failed_.insert(item.shape);
     }
-    told_ = false;
-    Q_EMIT drafted();
+    bring(made);
 }
 
-void DraftJob::bring(PartId element, const StoredResponse& response) {
+void DraftJob::bring(const std::vector<std::pair<PartId, StoredResponse>>& made) {
     DocumentResponses& responses = document_.session().responses();
-    if (!document_.document().elements.contains(element) || responses.shapeOf(element) != response.shape || responses.fittingOf(element)) return;
+    std::vector<std::pair<PartId, StoredResponse>> fitting;
+    for (const auto& one : made)
+        if (document_.document().elements.contains(one.first) && responses.shapeOf(one.first) == one.second.shape && !responses.fittingOf(one.first)) fitting.push_back(one);
+    if (fitting.empty()) return;
     Q_EMIT document_.responsesArriving();
-    responses.bring(element, response);
+    for (const auto& [element, response] : fitting) responses.bring(element, response);
     Q_EMIT document_.responsesChanged();
     Q_EMIT document_.poseChanged();
 }

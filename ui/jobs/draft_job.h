@@ -3,8 +3,11 @@
 
 #include <QElapsedTimer>
 #include <QTimer>
-#include <deque>
+#include <cstddef>
+#include <memory>
 #include <set>
+#include <utility>
+#include <vector>
 
 #include "ui/jobs/background_job.h"
 #include "ui/models/studio_document.h"
@@ -37,16 +40,17 @@ private:
     struct Work;
     void follow();
     [[nodiscard]] bool wants(PartId element) const;
-    /// Uses a response from inputOfDraft(), where the element still asks for it.
-    void bring(PartId element, const StoredResponse& response);
-    /// Asks again who waits, and begins with the first.
+    /// Begins with those that wait now.
     void start();
-    void next();
+    /// Uses what is done by now, where the element still asks for it.
+    void takeDone();
+    /// Responses of inputOfDraft().
+    void bring(const std::vector<std::pair<PartId, StoredResponse>>& responses);
 
     StudioDocument& document_;
-    std::deque<PartId> waiting_;
     std::set<ContentKey> failed_;
     std::shared_ptr<Work> work_;
+    std::size_t taken_ = 0;  ///< of the work
     QTimer soon_;  // while changes follow each other, nothing is begun
     QElapsedTimer changed_;  // the last time
     bool told_ = false;      // drafting(), and not drafted() since

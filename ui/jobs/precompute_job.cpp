@@ -17,7 +17,7 @@ struct PrecomputeJob::Item {
     QString name;
     ResponseInput input;
     ContentKey key;
-    double seconds = 0.0;  // estimated
+    double seconds = 0.0;  // estimated, by the thread
     // Taken over from a congruent element: an earlier item, or one that is known.
     std::shared_ptr<const Congruence> how;
     const Item* earlier = nullptr;
@@ -44,18 +44,6 @@ PrecomputeJob::PrecomputeJob(StudioDocument& document, QObject* parent) : Backgr
     });
 }
 
-PrecomputeEstimate PrecomputeJob::estimate() const {
-    PrecomputeEstimate sum;
-    for (const auto& [id, element] : document_.document().elements) {
-        if (!needsPrecompute(document_, *element)) continue;
-        const ResponseEstimate e = document_.session().responseEstimate(id);
-        ++sum.elements;
-        sum.seconds += e.seconds;
-        sum.bytes = std::max(sum.bytes, double(e.bytes));  // one after another
-    }
-    return sum;
-}
-
 bool PrecomputeJob::start() {
     if (running()) return true;
     auto work = std::make_shared<Work>();
@@ -67,7 +55,6 @@ bool PrecomputeJob::start() {
         item.element = id;
         item.name = QString::fromStdString(element->name);
         item.input = session.responseInput(id);
-        item.seconds = std::max(1e-3, session.responseEstimate(id).seconds);
         items[id] = &item;
         // The one that is computed comes first in the document: it is an item already, or fresh.
         if (const auto* shared = session.sharedResponse(id)) {
@@ -83,7 +70,11 @@ bool PrecomputeJob::start() {
     launch(
         [work](const Progress& progress) {
             double total = 0.0, done = 0.0;
-            for (const Item& item : work->items) total += item.seconds;
+            for (Item& item : work->items) {
+                if (progress.cancelled()) return;
+                item.seconds = std::max(1e-3, item.how ? 0.0 : estimateResponse(item.input).seconds);
+                total += item.seconds;
+            }
             for (std::size_t i = 0; i < work->items.size(); ++i) {
                 Item& item = work->items[i];
                 if (progress.cancelled()) return;

@@ -9,13 +9,6 @@
 
 namespace imomushi {
 
-/// What precomputing all elements that are not fresh would cost on this machine.
-struct PrecomputeEstimate {
-    int elements = 0;
-    double seconds = 0.0;
-    double bytes = 0.0;
-};
-
 /// Precomputes the elements that are not fresh in the background, from copies of what they depend on. The document stays usable; results of elements that
 /// were changed meanwhile are kept in the store but leave the element out of date. What is done when it is cancelled is kept.
 class PrecomputeJob : public BackgroundJob {
@@ -23,7 +16,6 @@ class PrecomputeJob : public BackgroundJob {
 public:
     explicit PrecomputeJob(StudioDocument& document, QObject* parent = nullptr);
 
-    [[nodiscard]] PrecomputeEstimate estimate() const;
     /// False: nothing to do.
     bool start();
     /// The element that is being computed.

@@ -24,8 +24,6 @@ namespace {
 
 /// Measured times are told so often: numbers that change faster cannot be read.
 constexpr int kTellMs = 350;
-/// Estimating tries some effects out: not while changes follow each other.
-constexpr int kEstimateMs = 250;
 
 /// How a setting is shown and dragged: times below a second in ms, steps of a twentieth of the default's power of ten.
 NumberField::Spec specOf(EffectKind effect, const EffectProperty& property, int part) {
@@ -67,26 +65,14 @@ EffectsPanel::EffectsPanel(StudioDocument& document, QWidget* parent) : QScrollA
         scheduled_ = true;
         QMetaObject::invokeMethod(this, &EffectsPanel::refresh, Qt::QueuedConnection);
     };
-    const auto asked = [this, soon] {
-        soon();
-        askPrices();
-    };
-    connect(&document, &StudioDocument::structureChanged, this, asked);
-    connect(&document, &StudioDocument::responsesChanged, this, asked);
+    connect(&document, &StudioDocument::structureChanged, this, soon);
+    connect(&document, &StudioDocument::responsesChanged, this, soon);
     connect(&document, &StudioDocument::fileChanged, this, soon);
     connect(&document, &StudioDocument::frameStepped, this, [this] {
         stepped_.start();
         if (!tell_.isActive() && isVisible()) tell_.start();
     });
     connect(&Appearance::instance(), &Appearance::changed, this, &EffectsPanel::rebuild);
-    estimate_.setSingleShot(true);
-    estimate_.setInterval(kEstimateMs);
-    connect(&estimate_, &QTimer::timeout, this, [this] {
-        if (gesture_) return;  // the end of the gesture asks again
-        for (std::size_t k = 0; k < kEffects; ++k) costs_[k] = document_.session().effectCost(EffectKind(k));
-        known_ = true;
-        showPrices();
-    });
     tell_.setInterval(kTellMs);
     connect(&tell_, &QTimer::timeout, this, [this] {
         showPrices();
@@ -102,13 +88,10 @@ void EffectsPanel::changeEvent(QEvent* event) {
     if (event->type() == QEvent::LanguageChange) rebuild();
 }
 
-void EffectsPanel::showEvent(QShowEvent* event) {
-    QScrollArea::showEvent(event);
-    askPrices();
-}
-
-void EffectsPanel::askPrices() {
-    if (isVisible()) estimate_.start();
+void EffectsPanel::setCosts(const std::array<EffectCost, kEffects>& costs) {
+    costs_ = costs;
+    known_ = true;
+    if (!gesture_) showPrices();  // the end of the gesture shows them
 }
 
 void EffectsPanel::rebuild() {
@@ -294,7 +277,7 @@ void EffectsPanel::addNumber(Row& r, QGridLayout& grid, EffectKind effect, const
         if (keep && gesture_) gesture_->commit();
         gesture_.reset();
         refresh();
-        askPrices();
+        showPrices();
     });
     r.refreshers.push_back([this, field, effect, at, part] { field->setValue(document_.document().effects[effect].values[at + std::size_t(part)]); });
 }

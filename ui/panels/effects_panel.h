@@ -30,13 +30,14 @@ class EffectsPanel : public QScrollArea {
 public:
     explicit EffectsPanel(StudioDocument& document, QWidget* parent = nullptr);
     ~EffectsPanel() override;
+    /// What effects cost, on or off now.
+    void setCosts(const std::array<EffectCost, kEffects>& costs);
 
 signals:
     void precomputeWanted();
 
 protected:
     void changeEvent(QEvent* event) override;
-    void showEvent(QShowEvent* event) override;
 
 private:
     struct Row {
@@ -53,7 +54,6 @@ private:
     void rebuild();
     void refresh();        ///< takes over what the document says
     void showPrices();
-    void askPrices();      ///< estimates what effects cost, soon
     void buildSettings(EffectKind effect);
     void addNumber(Row& row, QGridLayout& grid, EffectKind effect, const EffectProperty& property, int part);
     void addElements(Row& row, QGridLayout& grid, EffectKind effect);
@@ -65,7 +65,7 @@ private:
     std::array<EffectCost, kEffects> costs_;
     FigureLabel* sum_ = nullptr;
     std::unique_ptr<Gesture> gesture_;
-    QTimer estimate_, tell_;
+    QTimer tell_;
     QElapsedTimer stepped_;            ///< since the last frame
     bool scheduled_ = false, known_ = false;
 };

@@ -10,6 +10,7 @@
 #include "core/base/colour.h"
 #include "ui/models/texts.h"
 #include "ui/scene/framing.h"
+#include "ui/viewport/picture_warm_up.h"
 
 namespace imomushi {
 
@@ -20,6 +21,7 @@ Eigen::Vector3f linearColor(const QColor& color) {
 TurntableView::TurntableView(QWidget* parent) : QWidget(parent) {
     setCursor(Qt::OpenHandCursor);
     scene_.transparentBackground = true;
+    connect(&PictureWarmUp::instance(), &BackgroundJob::finished, this, qOverload<>(&QWidget::update));
 }
 
 void TurntableView::invalidate() {
@@ -46,7 +48,10 @@ QImage TurntableView::drawn(const QSize& size, double fill) {
 }
 
 void TurntableView::paintEvent(QPaintEvent*) {
-    if (drawnRatio_ != devicePixelRatioF()) {
+    PictureWarmUp& first = PictureWarmUp::instance();
+    if (!first.done()) {
+        first.begin();
+    } else if (drawnRatio_ != devicePixelRatioF()) {
         drawPictures();
         drawnRatio_ = devicePixelRatioF();
     }

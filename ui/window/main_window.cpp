@@ -70,6 +70,7 @@ MainWindow::MainWindow(const CommandRegistry& registry, std::shared_ptr<Response
     repairs_ = new RepairFlow(document_, *files_, this);
     precompute_ = new PrecomputeJob(document_, this);
     drafts_ = new DraftJob(document_, this);
+    estimates_ = new EstimateJob(document_, [this] { return drafts_->running(); }, this);
     proposals_ = new ProposalJob(this);
     costs_ = new FrameCostMeter(document_, this);
     buildStage();
@@ -112,6 +113,7 @@ MainWindow::~MainWindow() {
     delete states_;
     delete deck_;
     delete precompute_;
+    delete estimates_;
     delete drafts_;
     delete proposals_;
     delete repairs_;
@@ -150,7 +152,7 @@ void MainWindow::buildStage() {
 }
 
 void MainWindow::buildStatusBar() {
-    status_ = new StatusStrip(document_, [this] { return precompute_->estimate(); }, this);
+    status_ = new StatusStrip(document_, [this] { return estimates_->latest() ? std::optional(estimates_->latest()->precompute) : std::nullopt; }, this);
     auto* bar = new QStatusBar(this);
     bar->setSizeGripEnabled(false);
     bar->setStyleSheet(QStringLiteral("QStatusBar::item { border: none; } QStatusBar { border: none; }"));
@@ -240,6 +242,13 @@ void MainWindow::connectPrecompute() {
         if (byItself_) precompute_->cancel();  // it would hold the draft up
     });
     connect(drafts_, &DraftJob::drafted, this, &MainWindow::followDrafts);
+    connect(drafts_, &BackgroundJob::finished, estimates_, &EstimateJob::ask);
+    connect(estimates_, &EstimateJob::estimated, this, [this] {
+        status_->update();
+        effects().setCosts(estimates_->latest()->effects);
+        costs_->setPredicted(estimates_->latest()->effects);
+        if (followsDrafts_) followDrafts();
+    });
 }
 
 void MainWindow::connectRepairs() {
@@ -305,7 +314,9 @@ void MainWindow::followDrafts() {
     // A passing handle is gone soon, and all is as it was.
     if (viewport_->busy()) return QTimer::singleShot(kAskAgainMs, this, &MainWindow::followDrafts);
     draftedMeanwhile_ = precompute_->running();
-    if (draftedMeanwhile_ || precompute_->estimate().seconds > kSoon) return;
+    followsDrafts_ = !draftedMeanwhile_ && !estimates_->latest();
+    if (followsDrafts_) return estimates_->ask();
+    if (draftedMeanwhile_ || estimates_->latest()->precompute.seconds > kSoon) return;
     precomputeFailed_ = false;
     byItself_ = precompute_->start();
     states_->update();

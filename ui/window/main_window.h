@@ -8,6 +8,7 @@
 #include <map>
 
 #include "ui/jobs/draft_job.h"
+#include "ui/jobs/estimate_job.h"
 #include "ui/jobs/precompute_job.h"
 #include "ui/models/studio_document.h"
 #include "ui/models/take_deck.h"
@@ -140,6 +141,7 @@ private:
     RepairFlow* repairs_;
     PrecomputeJob* precompute_;
     DraftJob* drafts_;
+    EstimateJob* estimates_;
     ProposalJob* proposals_;
     FrameCostMeter* costs_;
     QWidget* stage_ = nullptr;
@@ -156,6 +158,7 @@ private:
     std::map<FrameWarning, QElapsedTimer> warned_;  ///< since each was last said
     bool precomputeFailed_ = false;
     bool byItself_ = false;          // the precompute that runs follows drafts: nobody asked for it
+    bool followsDrafts_ = false;     // once it is known what a precompute costs
     bool draftedMeanwhile_ = false;  // while it precomputed: there is more to do
     bool shown_ = false;
 };

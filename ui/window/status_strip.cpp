@@ -17,7 +17,7 @@ namespace {
 constexpr int kWarnedMs = 1500;
 }
 
-StatusStrip::StatusStrip(StudioDocument& document, std::function<PrecomputeEstimate()> estimate, QWidget* parent)
+StatusStrip::StatusStrip(StudioDocument& document, std::function<std::optional<PrecomputeEstimate>()> estimate, QWidget* parent)
     : QWidget(parent), document_(document), estimate_(std::move(estimate)) {
     setObjectName(QStringLiteral("statusBar"));
     setAttribute(Qt::WA_StyledBackground);
@@ -134,9 +134,13 @@ void StatusStrip::update() {
         state_->setText(busy_);
     } else if (stale > 0) {
         state_->setIcon(themedIcon(QStringLiteral("stale"), Appearance::Role::Warning));
-        const PrecomputeEstimate cost = estimate_();
-        state_->setText(tr("%1 of %2 out of date · about %3, %4").arg(stale).arg(all).arg(durationText(cost.seconds), bytesText(cost.bytes)));
-        state_->setToolTip(tr("Precompute what is out of date (P): about %1, %2").arg(durationText(cost.seconds), bytesText(cost.bytes)));
+        if (const auto cost = estimate_()) {
+            state_->setText(tr("%1 of %2 out of date · about %3, %4").arg(stale).arg(all).arg(durationText(cost->seconds), bytesText(cost->bytes)));
+            state_->setToolTip(tr("Precompute what is out of date (P): about %1, %2").arg(durationText(cost->seconds), bytesText(cost->bytes)));
+        } else {
+            state_->setText(tr("%1 of %2 out of date").arg(stale).arg(all));
+            state_->setToolTip(tr("Precompute what is out of date (P)"));
+        }
     } else {
         state_->setIcon(themedIcon(QStringLiteral("fresh"), Appearance::Role::Good));
         state_->setText(tr("Precomputed"));

@@ -5,7 +5,7 @@
 #include <QWidget>
 #include <functional>
 
-#include "ui/jobs/precompute_job.h"
+#include "ui/jobs/estimate_job.h"
 #include "ui/models/studio_document.h"
 
 class QLabel;
@@ -19,9 +19,10 @@ class ElidedLabel;
 class StatusStrip : public QWidget {
     Q_OBJECT
 public:
-    /// `estimate`: what a precompute would cost now.
-    StatusStrip(StudioDocument& document, std::function<PrecomputeEstimate()> estimate, QWidget* parent = nullptr);
+    /// `estimate`: what a precompute would cost now; none: not known yet, update() when it is.
+    StatusStrip(StudioDocument& document, std::function<std::optional<PrecomputeEstimate>()> estimate, QWidget* parent = nullptr);
     void setHint(const QString& hint);
+    void update();
     void setFrame(double cpuMs, double fps, int vertices);
     void setBusy(const QString& text);  ///< empty: not busy
     [[nodiscard]] QString hint() const;
@@ -33,11 +34,10 @@ protected:
     void changeEvent(QEvent* event) override;
 
 private:
-    void update();
     void showFrame();
     void showWarnings();
     StudioDocument& document_;
-    std::function<PrecomputeEstimate()> estimate_;
+    std::function<std::optional<PrecomputeEstimate>()> estimate_;
     QLabel* mouse_;
     ElidedLabel* hint_;
     QToolButton* warning_;

@@ -15,7 +15,7 @@ namespace imomushi {
 namespace {
 
 constexpr double kSmooth = 0.12;  // share of a new frame
-constexpr int kTellMs = 350, kPredictMs = 600;
+constexpr int kTellMs = 350;
 
 /// Safe for colour-blind readers (after Okabe and Ito), and told apart by their order too.
 QColor stageColor(std::size_t stage) {
@@ -33,15 +33,8 @@ FrameCostMeter::FrameCostMeter(StudioDocument& document, QObject* parent) : QObj
     tell_.setSingleShot(true);
     tell_.setInterval(kTellMs);
     connect(&tell_, &QTimer::timeout, this, &FrameCostMeter::changed);
-    predict_.setSingleShot(true);
-    predict_.setInterval(kPredictMs);
-    connect(&predict_, &QTimer::timeout, this, [this] {
-        for (std::size_t k = 0; k < kEffects; ++k)
-            predicted_[k] = document_.document().effects.has(EffectKind(k)) ? document_.session().effectCost(EffectKind(k)).milliseconds : -1.0;
-    });
     connect(&document, &StudioDocument::structureChanged, this, [this] {
         ms_.fill(-1.0);
-        predict_.start();
         tell_.start();
     });
 }
@@ -60,6 +53,11 @@ void FrameCostMeter::take(double cpuMs, double, int, double uploadMs) {
         mean = value < 0.0 ? -1.0 : mean < 0.0 ? value : mean + kSmooth * (value - mean);
     }
     if (!tell_.isActive()) tell_.start();
+}
+
+void FrameCostMeter::setPredicted(const std::array<EffectCost, kEffects>& costs) {
+    for (std::size_t k = 0; k < kEffects; ++k) predicted_[k] = document_.document().effects.has(EffectKind(k)) ? costs[k].milliseconds : -1.0;
+    tell_.start();
 }
 
 FrameCosts FrameCostMeter::costs() const {

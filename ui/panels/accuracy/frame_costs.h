@@ -31,6 +31,8 @@ public:
     /// cpuMs: of the frame altogether, drawing included; uploadMs: of it, to bring what changed onto the graphics card.
     void take(double cpuMs, double fps, int vertices, double uploadMs);
     [[nodiscard]] FrameCosts costs() const;
+    /// What effects were predicted to cost.
+    void setPredicted(const std::array<EffectCost, kEffects>& costs);
 
 signals:
     void changed();  ///< about three times a second
@@ -41,7 +43,7 @@ private:
     std::array<double, Stages> ms_;
     std::array<double, kEffects> predicted_;
     bool known_ = false;
-    QTimer tell_, predict_;
+    QTimer tell_;
 };
 
 /// One stacked bar of the character's stages, small enough for a status line; the tooltip lists them, and drawing too.
