@@ -1769,6 +1769,14 @@
             </translation>
         </message>
         <message>
+            <source>Mirror: on (X)</source>
+            <translation>ミラー: オン (X)</translation>
+        </message>
+        <message>
+            <source>Mirror: off (X)</source>
+            <translation>ミラー: オフ (X)</translation>
+        </message>
+        <message>
             <source>Enter: make it soft</source>
             <translation>Enter: 柔らかくする</translation>
         </message>

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/document/command_support.h"
+#include "core/document/copied_parts.h"
 #include "core/document/document_edit.h"
 #include "core/document/part_copies.h"
 #include "core/document/project_file.h"
@@ -86,33 +87,30 @@ Result<Json> append(DocumentEdit& edit, const Json& arguments, const Progress&) 
     if (wanted.empty()) return fail("no-element", "There is nothing to append: the other project has no elements, or none was named.");
 
     Vec3 offset = Vec3::Zero();
-    if (const Json* given = find(arguments, "offset")) {
-        offset = *vector3(*given);
-        for (const PartId id : wanted)
-            if (const Points& v = there.elements.at(id)->mesh->body.vertices; v.rows() > 0 && !((v.rowwise() + offset.transpose()).cwiseAbs().maxCoeff() <= kMaxCoordinate))
-                return fail("bad-value", "\"offset\" takes the elements too far away.");
-    }
-    if (arguments.value("beside", false)) {
-        if (arguments.contains("offset")) return fail("bad-value", "Give either \"offset\" or \"beside\".");
-        offset = beside(edit.document, there, wanted);
-    }
+    const Json* given = find(arguments, "offset");
+    const bool placedBeside = arguments.value("beside", false);
+    if (given && placedBeside) return fail("bad-value", "Give either \"offset\" or \"beside\".");
+    if (given) offset = *vector3(*given);
+    if (placedBeside) offset = beside(edit.document, there, wanted);
 
+    CopiedParts parts;
+    parts.elements = wanted;
+    for (const auto& [id, character] : there.characters)
+        if (wanted.contains(there.elementsOf(id).front())) parts.characters.insert(id);
+    for (const auto& [id, bone] : there.bones)
+        if (wanted.size() == there.elements.size() || wanted.contains(bone->element)) parts.bones.insert(id);
     PartCopier::Options options;
     options.placing.shift = offset;
+    if (auto ok = checkPlaces(there, parts, options.placing, placedBeside ? "beside" : "offset"); !ok) return tl::unexpected(ok.error());
     options.response = [&](PartId id) {
         const auto known = project->responses.find(id);
         return known == project->responses.end() ? nullptr : &known->second;
     };
     PartCopier copier(edit, there, options);
-    std::set<PartId> characters, bones;
-    for (const auto& [id, character] : there.characters)
-        if (wanted.contains(there.elementsOf(id).front())) characters.insert(id);
-    for (const auto& [id, bone] : there.bones)
-        if (wanted.size() == there.elements.size() || wanted.contains(bone->element)) bones.insert(id);
-    copier.copyCharacters(characters, wanted);
-    copier.copyElements(wanted, bones);
+    copier.copyCharacters(parts.characters, wanted);
+    copier.copyElements(wanted, parts.bones);
     copier.copyJoints();
-    copier.copyBones(bones);
+    copier.copyBones(parts.bones);
 
     Document& here = edit.document;
     Json answer{{"offset", json(offset)}, {"elements", Json::array()}, {"bones", Json::array()}, {"handles", Json::array()}, {"takes", Json::array()}, {"renamed", Json::array()}};

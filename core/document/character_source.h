@@ -41,7 +41,7 @@ struct CharacterSource {
     std::string name;
     std::shared_ptr<const RenderModel> model;
     std::shared_ptr<const Body> body;
-    std::shared_ptr<const Rig> rig;   ///< the skeleton that came with the file or was imported for it; null: none
+    std::shared_ptr<const Rig> rig;   ///< the skeleton that came with the file or was imported for it, or clips of morph targets alone; null: none
     std::vector<Cut> cuts;            ///< in order of creation
     std::vector<MeshIssue> issues;    ///< as found on import; places are those of the model
     std::map<ModelPart, Attachment> attachments;  ///< what is not here follows as its part does, or by itself (embedModel())

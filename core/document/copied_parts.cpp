@@ -23,11 +23,28 @@ void CopiedParts::addBones(const Document& document) {
 }
 
 Result<void> checkPlaces(const Document& document, const CopiedParts& parts, const Placing& placing, const char* key) {
-    for (const PartId id : parts.elements) {
-        const Points& v = document.elements.at(id)->mesh->body.vertices;
-        for (Eigen::Index i = 0; i < v.rows(); ++i)
-            if (!(placing.point(v.row(i).transpose()).cwiseAbs().maxCoeff() <= kMaxCoordinate))
-                return fail("bad-value", std::string("\"") + key + "\" takes \"" + document.elements.at(id)->name + "\" too far away.");
+    const auto within = [&](const Vec3& place) { return placing.point(place).cwiseAbs().maxCoeff() <= kMaxCoordinate; };
+    const auto allWithin = [&](const Points& places) {
+        for (Eigen::Index i = 0; i < places.rows(); ++i)
+            if (!within(places.row(i).transpose())) return false;
+        return true;
+    };
+    const auto tooFar = [&](const std::string& name) { return fail("bad-value", std::string("\"") + key + "\" takes \"" + name + "\" too far away."); };
+    for (const PartId id : parts.elements)
+        if (const Element& element = *document.elements.at(id); !allWithin(element.mesh->body.vertices)) return tooFar(element.name);
+    for (const PartId id : parts.bones) {
+        const Bone& bone = *document.bones.at(id);
+        for (const Bone::Place& place : {bone.start, bone.end})
+            if (const auto at = restPosition(document, place); at && !within(*at)) return tooFar(bone.name);
+    }
+    for (const PartId id : parts.characters) {
+        const CharacterSource& character = *document.characters.at(id);
+        bool all = allWithin(character.model->mesh.body.vertices) && allWithin(character.body->mesh.vertices);
+        for (const Cut& cut : character.cuts) all = all && within(cut.plane.origin);
+        if (character.rig)
+            for (const RigBone& bone : character.rig->bones) all = all && within(bone.head) && within(bone.tail);
+        for (const auto& [part, attachment] : character.attachments) all = all && (!attachment.pivot || within(*attachment.pivot));
+        if (!all) return tooFar(character.name);
     }
     return {};
 }

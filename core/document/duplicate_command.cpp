@@ -7,6 +7,7 @@
 #include "core/document/document_edit.h"
 #include "core/document/names.h"
 #include "core/document/part_copies.h"
+#include "core/document/take_copies.h"
 
 namespace imomushi {
 
@@ -56,7 +57,10 @@ Result<Json> duplicate(DocumentEdit& edit, const Json& arguments, const Progress
     copier.copyJoints();
     copier.copyBones(wanted.bones);
     findElements(edit.document, from, copier);
+    auto performing = performCopies(edit.document, from, copier);
+    if (!performing) return tl::unexpected(performing.error());
     Json answer = copiesJson(copier);
+    answer["takes"] = *performing;
     answer["offset"] = json(options.placing.shift);
     return answer;
 }
@@ -67,7 +71,7 @@ void addDuplicateCommand(CommandRegistry& registry) {
     using Type = CommandKey::Type;
     registry.addChange("duplicate",
                        "Copies elements, characters or bones with their joint faces, handles, cuts, joints among them, the bones through them, their pins and their effects. Results come "
-                       "along, so that nothing is solved again. Characters are copied with all of their elements; names get a number.",
+                       "along, so that nothing is solved again, and in takes the copies do what the first ones do, beside them. Characters are copied with all of their elements; names get a number.",
                        {{"names", Type::Array, true, "Names of elements, characters or bones."},
                         {"offset", Type::Vector3, false, "Metres that the copies are shifted by (beside them, along x)."}},
                        duplicate);

@@ -167,7 +167,7 @@ Result<ExportPlan> planExport(Session& session, const Json& arguments) {
         ExportedMesh mesh{source.name, source.model, {}};
         for (const PartId element : document.elementsOf(id)) mesh.elements.push_back(shown.elementIndex(element));
         std::sort(mesh.elements.begin(), mesh.elements.end());
-        if (source.rig) {
+        if (source.rig && !source.rig->bones.empty()) {
             plan.scene.rigs.push_back(rigMovers(document, shown, source, *plan.scene.character.renderMeshes[plan.scene.meshes.size()]));
             plan.scene.rigs.back().mesh = static_cast<int>(plan.scene.meshes.size());
         }

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/character/character.h"
@@ -98,9 +99,14 @@ public:
     Result<void> startRecording(const std::string& name);
     /// What was recorded, without an id.
     Take stopRecording();
-    /// A take of poses that are shown one after the other, without an id: what the flesh makes of them, without bone dynamics. Afterwards the document is shown, at rest.
+    /// A frame of a take that is made at once.
+    struct PlayedFrame {
+        Pose pose;
+        std::vector<std::pair<MorphRef, double>> morphs;  ///< weights of morph targets; others are as the document has them
+    };
+    /// A take of frames that are shown one after the other, without an id: what the flesh makes of them, without bone dynamics. Afterwards the document is shown, at rest.
     /// times: as Take::times. Errors: those of built(), "no-element", "too-long", "cancelled".
-    Result<Take> playThrough(const std::string& name, const std::vector<double>& times, const std::function<Pose(double time)>& poseAt, const Progress& progress);
+    Result<Take> playThrough(const std::string& name, const std::vector<double>& times, const std::function<PlayedFrame(double time)>& frameAt, const Progress& progress);
     /// Shows a take at a time (s). False: its poses alone, as the character is another one. Errors: those of built(), "no-element".
     Result<bool> showTake(const Take& take, double time);
     [[nodiscard]] bool showsTake() const { return shownTake_.has_value(); }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/document/live_character.h"
+#include "core/mesh/bounds.h"
 
 namespace imomushi {
 
@@ -71,7 +72,7 @@ Take LiveCharacter::stopRecording() {
     return std::move(recorded.take);
 }
 
-Result<Take> LiveCharacter::playThrough(const std::string& name, const std::vector<double>& times, const std::function<Pose(double time)>& poseAt, const Progress& progress) {
+Result<Take> LiveCharacter::playThrough(const std::string& name, const std::vector<double>& times, const std::function<PlayedFrame(double time)>& frameAt, const Progress& progress) {
     auto alive = built();
     if (!alive) return tl::unexpected(alive.error());
     if (!*alive) return fail("no-element", "There is nothing to record: import an element or add a bone first.");
@@ -81,16 +82,21 @@ Result<Take> LiveCharacter::playThrough(const std::string& name, const std::vect
     if (times.size() * frameBytes > kMaxTakeBytes) return fail("too-long", "The take would not fit into memory: choose fewer frames per second.");
     std::vector<std::vector<double>> poses, shapes;
     character_->keepExact(true);
-    bool cancelled = false;
+    bool cancelled = false, tooFar = false;
     for (std::size_t f = 0; f < times.size() && !cancelled; ++f) {
-        const Pose pose = poseAt(times[f]);
+        const PlayedFrame frame = frameAt(times[f]);
+        tooFar = std::any_of(frame.pose.points.begin(), frame.pose.points.end(), [](const Vec3& p) { return !(p.cwiseAbs().maxCoeff() <= kMaxCoordinate); });
+        if (tooFar) break;
+        for (const auto& [ref, weight] : frame.morphs)
+            if (const auto mesh = std::find(plan_.characters.begin(), plan_.characters.end(), ref.character); mesh != plan_.characters.end())
+                character_->setMorph(static_cast<int>(mesh - plan_.characters.begin()), ref.target, weight);
         if (f == 0) {
             character_->stop();
-            character_->update(pose);
+            character_->update(frame.pose);
         } else {
-            character_->update(pose, times[f] - times[f - 1]);
+            character_->update(frame.pose, times[f] - times[f - 1]);
         }
-        poses.push_back(poseNumbers(pose));
+        poses.push_back(poseNumbers(frame.pose));
         character_->shape(shapes.emplace_back(static_cast<std::size_t>(take.layout.size())).data());
         progress.report("record", static_cast<double>(f + 1) / static_cast<double>(times.size()));
         cancelled = progress.cancelled();
@@ -98,6 +104,7 @@ Result<Take> LiveCharacter::playThrough(const std::string& name, const std::vect
     character_->keepExact(recording_.has_value());
     jumpToPose();
     if (cancelled) return fail(kCancelled, "Recording the take was cancelled.");
+    if (tooFar) return fail("bad-value", "The clip takes bones farther away than 1e9 m: its file is broken.");
     take.poses = FrameNumbers(poses);
     take.shapes = FrameNumbers(shapes);
     return take;

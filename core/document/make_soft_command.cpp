@@ -252,7 +252,7 @@ Result<Json> makeSoft(SessionAccess& access, const Json& arguments, const Progre
     const auto request = proposalRequestFrom(arguments);
     if (!request) return tl::unexpected(request.error());
     if (arguments.contains("proposal"))
-        for (const char* key : {"from", "least"})
+        for (const char* key : {"from", "least", "bones"})
             if (arguments.contains(key)) return fail("bad-value", std::string("\"") + key + "\" asks for a proposal: it does not go with \"proposal\", which is one.");
     StopWatch whole, watch;
     Json seconds;

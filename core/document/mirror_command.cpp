@@ -56,7 +56,8 @@ private:
     void leaveOut(const std::string& name, const Error& why) { left_.push_back({{"name", name}, {"code", why.code}, {"why", why.message}}); }
     void leaveOutCentred();
     Result<void> mirrorCuts(const Progress& progress);
-    [[nodiscard]] std::optional<MirroredCut> cutThere(const CharacterSource& character, const CutPlane& plane) const;
+    /// Cuts that a cut of the character is mirrored onto, by its id: its own in the plane.
+    [[nodiscard]] std::map<PartId, MirroredCut> imagesThere(const CharacterSource& character) const;
     void matchPieces();
     void mirrorFaces();
     void mirrorFace(const Element& was, const JointFace& face, PartId target);
@@ -95,15 +96,30 @@ void Mirror::leaveOutCentred() {
     });
 }
 
-std::optional<MirroredCut> Mirror::cutThere(const CharacterSource& character, const CutPlane& plane) const {
+std::map<PartId, MirroredCut> Mirror::imagesThere(const CharacterSource& character) const {
+    struct Pair {
+        double apart;
+        PartId cut, image;
+        bool flipped;
+    };
+    std::vector<Pair> pairs;
     const double diagonal = diagonalOf(character.body->mesh.vertices);
-    const Vec3 normal = plane.normal.stableNormalized();
     for (const Cut& cut : character.cuts) {
-        const Vec3 n = cut.plane.normal.stableNormalized(), between = plane.origin - cut.plane.origin;
-        if (std::abs(n.dot(normal)) < kSameLean || std::abs(between.dot(n)) > kSameAlong * diagonal || between.norm() > kSameAcross * diagonal) continue;
-        return MirroredCut{cut.id, n.dot(normal) < 0.0};
+        const CutPlane plane = copier_.placing().plane(cut.plane);
+        const Vec3 normal = plane.normal.stableNormalized();
+        for (const Cut& other : character.cuts) {
+            const Vec3 n = other.plane.normal.stableNormalized(), between = plane.origin - other.plane.origin;
+            if (std::abs(n.dot(normal)) < kSameLean || std::abs(between.dot(n)) > kSameAlong * diagonal || between.norm() > kSameAcross * diagonal) continue;
+            pairs.push_back({between.norm(), cut.id, other.id, n.dot(normal) < 0.0});
+        }
     }
-    return std::nullopt;
+    // Of limbs beside each other the nearest one takes it, and each is the image of one.
+    std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.apart < b.apart; });
+    std::map<PartId, MirroredCut> images;
+    std::set<PartId> taken;
+    for (const Pair& pair : pairs)
+        if (!images.contains(pair.cut) && taken.insert(pair.image).second) images.emplace(pair.cut, MirroredCut{pair.image, pair.flipped});
+    return images;
 }
 
 Result<void> Mirror::mirrorCuts(const Progress& progress) {
@@ -111,13 +127,13 @@ Result<void> Mirror::mirrorCuts(const Progress& progress) {
     for (const PartId piece : asked_.pieces)
         for (const CutSide& side : from_.elements.at(piece)->piece->sides) asked_.cuts.insert(side.cut);
     for (const auto& [id, source] : from_.characters) {
+        const auto images = imagesThere(*source);
         for (const Cut& cut : source->cuts) {
             const CutPlane plane = copier_.placing().plane(cut.plane);
-            if (const auto there = cutThere(*document_.characters.at(id), plane)) {
-                cuts_.emplace(cut.id, *there);
-                if (!named.contains(cut.id)) continue;
-                const CharacterSource& now = *document_.characters.at(id);
-                leaveOut(cut.name, there->cut == cut.id ? ownImage() : thereAlready("cut", now.cuts[static_cast<std::size_t>(now.cutIndex(there->cut))].name));
+            if (const auto there = images.find(cut.id); there != images.end()) {
+                const PartId image = there->second.cut;
+                cuts_.emplace(cut.id, there->second);
+                if (named.contains(cut.id)) leaveOut(cut.name, image == cut.id ? ownImage() : thereAlready("cut", source->cuts[static_cast<std::size_t>(source->cutIndex(image))].name));
                 continue;
             }
             if (!asked_.cuts.contains(cut.id)) continue;
@@ -286,7 +302,8 @@ void Mirror::joinMeeting() {
             if (document_.jointOf(b) || (x.frame.origin - y.frame.origin).norm() > kLargestGap * size || x.frame.axes.col(2).dot(y.frame.axes.col(2)) > kFacing ||
                 faceGap(document_, a, b).share > kLargestGap)
                 continue;
-            if (joinFaces(document_, a, b)) joined_.push_back(Json::array({faceText(document_, a), faceText(document_, b)}));
+            if (!joinFaces(document_, a, b)) continue;
+            joined_.push_back(Json::array({faceText(document_, a), faceText(document_, b)}));
             break;
         }
 }

@@ -11,25 +11,28 @@ namespace imomushi {
 
 namespace {
 
-/// "IMOR": SQLite's application id of a packed response. Its version changes with the tables.
-constexpr std::int64_t kApplicationId = 0x494d4f52, kPackVersion = 1;
+/// "IMOR": SQLite's application id of a packed response. Its version changes with the tables: 2 has "filled_responses", where the response has something to say there.
+constexpr std::int64_t kApplicationId = 0x494d4f52, kPackVersion = 2;
 
-constexpr std::array<const char*, 2> kPackedTables = {"responses", "touch_responses"};
+constexpr std::array<const char*, 3> kPackedTables = {"responses", "touch_responses", "filled_responses"};
+[[nodiscard]] std::span<const char* const> packedTables(std::int64_t version) { return std::span<const char* const>(kPackedTables).first(version >= 2 ? 3 : 2); }
 
 }  // namespace
 
 Result<std::vector<std::byte>> packResponse(const ElementResponse& response) {
     try {
         Database db;
+        const std::int64_t version = saysFilling(response) ? kPackVersion : 1;
         db.run(("PRAGMA application_id=" + std::to_string(kApplicationId)).c_str());
-        db.run(("PRAGMA user_version=" + std::to_string(kPackVersion)).c_str());
+        db.run(("PRAGMA user_version=" + std::to_string(version)).c_str());
         db.run("BEGIN");
         db.run("CREATE TABLE info (digest TEXT)");
         createResponseTable(db);
         createTouchTable(db);
+        if (version >= 2) createFilledTable(db);
         const StoredResponse one{{}, {}, std::shared_ptr<const ElementResponse>(std::shared_ptr<void>(), &response)};
         writeResponses(db, {&one, 1});
-        RowWriter(db, "INSERT INTO info VALUES (?)").row(db.digest(kPackedTables));
+        RowWriter(db, "INSERT INTO info VALUES (?)").row(db.digest(packedTables(version)));
         db.run("COMMIT");
         return db.file();
     } catch (const DatabaseError& error) {
@@ -40,10 +43,11 @@ Result<std::vector<std::byte>> packResponse(const ElementResponse& response) {
 Result<ElementResponse> unpackResponse(std::span<const std::byte> bytes, const TriangleMesh& body, std::span<const JointFace> faces) {
     try {
         Database db(bytes);
-        require(db.number("PRAGMA application_id") == kApplicationId && db.number("PRAGMA user_version") == kPackVersion, "it has another format");
+        const std::int64_t version = db.number("PRAGMA user_version");
+        require(db.number("PRAGMA application_id") == kApplicationId && version >= 1 && version <= kPackVersion, "it has another format");
         RowReader info(db, "SELECT digest FROM info");
-        require(info.next() && info.text() == db.digest(kPackedTables), "its content does not match its digest");
-        auto rows = readResponses(db, true);
+        require(info.next() && info.text() == db.digest(packedTables(version)), "its content does not match its digest");
+        auto rows = readResponses(db, {true, version >= 2});
         require(rows.size() == 1, "it does not hold one response");
         ElementResponse response = std::move(*rows.begin()->second.response);
         require(response.bases.size() == faces.size() && (response.freeVertices.empty() || response.freeVertices.back() < body.vertices.rows()), "it belongs to another element");

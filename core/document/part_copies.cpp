@@ -13,7 +13,7 @@ namespace imomushi {
 
 namespace {
 
-/// Ends of bones nearer to a place than this, of the distance between the parts, are at it.
+/// Ends of bones nearer to a place than this, of the largest coordinate or 1 m, are at it.
 constexpr double kThere = 1e-6;
 
 void turnRound(Triangles& triangles) { triangles.col(1).swap(triangles.col(2)); }
@@ -57,14 +57,15 @@ void placeElement(DocumentEdit& edit, PartId id, const Placing& placing, const S
     const DocumentResponses& responses = edit.responses();
     const ResponseInput from = responses.inputOf(id);
     const ContentKey key = responses.keyOf(id), shape = responses.shapeOf(id);
+    const bool draft = known && known->key == responseKey(responses.inputOfDraft(id));
     exchangePart(edit.document.elements, id, [&](Element& element) { element = placed(element, placing); });
     if (!known || (key != known->key && shape != known->shape)) return;
     const auto congruence = findCongruence(from, responses.inputOf(id));
     if (!congruence) return;
     auto carried = congruence->carry(*known->response);
     if (!carried) return;
-    ContentKey carriedKey = responses.keyOf(id);
-    if (key != known->key) {  // it only fits, and no precompute would give it: neither has another one its key
+    ContentKey carriedKey = draft ? responseKey(responses.inputOfDraft(id)) : responses.keyOf(id);
+    if (key != known->key && !draft) {  // it only fits, and no precompute would give it: neither has another one its key
         ContentHasher hasher;
         hasher.text("carried");
         hasher.text(known->key.hex());
@@ -185,6 +186,7 @@ void PartCopier::copyCharacters(const std::set<PartId>& wanted, const std::set<P
 
 void PartCopier::copyElements(const std::set<PartId>& wanted, const std::set<PartId>& withBones) {
     Document& here = edit_.document;
+    for (const PartId bone : withBones) idOf(bone);  // in their order, which decides what is a root, whatever handle names one first
     for (const PartId id : wanted) {
         const Element& original = *from_.elements.at(id);
         Element element = original;
@@ -219,7 +221,7 @@ void PartCopier::copyElements(const std::set<PartId>& wanted, const std::set<Par
             faces_.insert_or_assign(was, FaceRef{made, handle.face});
             handles.emplace_back(handle.face, was.face);
             exchangePart(here.elements, made, [&](Element& changed) {
-                changed.faces[static_cast<std::size_t>(changed.faceIndex(was.face))].name = handle.face;
+                changed.faces[static_cast<std::size_t>(original.faceIndex(was.face))].name = handle.face;
                 changed.handles.push_back(std::move(handle));
             });
         }

@@ -61,6 +61,8 @@ public:
     void match(const FaceRef& face, const FaceRef& counterpart) { faces_.insert_or_assign(face, counterpart); }
 
     [[nodiscard]] bool has(PartId part) const { return ids_.contains(part); }
+    /// Copies by what they are copies of, and counterparts.
+    [[nodiscard]] const std::map<PartId, PartId>& ids() const { return ids_; }
     /// The id of the copy, given out when first asked for; 0 of 0.
     PartId idOf(PartId part);
     /// The face of the copy, none: it has none.

@@ -41,6 +41,8 @@ void createTables(Database& db, int version) {
     if (version >= 7) createAttachmentTables(db);
     if (version >= 8) createRigTables(db);
     if (version >= 9) createMorphTables(db);
+    if (version >= 10) createFilledTable(db);
+    if (version >= 10) createMorphTrackTable(db);
 }
 
 /// Each response once, though elements share it.
@@ -54,8 +56,8 @@ void writeProjectResponses(Database& db, const Project& project) {
     for (const auto& [element, r] : project.responses) uses.row(element, ids.at(r.key));
 }
 
-void readProjectResponses(Database& db, Project& project, bool withTouch) {
-    auto read = readResponses(db, withTouch);
+void readProjectResponses(Database& db, Project& project, const ResponseTables& tables) {
+    auto read = readResponses(db, tables);
     std::set<std::int64_t> warped;  // elements that share a response are the same
     RowReader uses(db, "SELECT * FROM element_responses ORDER BY element");
     while (uses.next()) {
@@ -87,7 +89,7 @@ Project readProject(Database& db, std::int64_t version) {
     const ReadMeshes meshes = readMeshes(db);
     readElements(db, document, meshes);
     readSkeleton(db, document);
-    if (version >= 3) readProjectResponses(db, project, version >= 4);  // older ones are of older solvers
+    if (version >= 3) readProjectResponses(db, project, {version >= 4, version >= 10});  // older ones are of older solvers
     if (version >= 4) readEffects(db, document);
     if (version >= 5) readTakes(db, document, version >= 7 ? readTakeTurns(db) : std::map<PartId, int>(), version >= 9 ? readTakeMorphs(db) : std::map<PartId, int>());
     if (version >= 6) {
@@ -95,7 +97,7 @@ Project readProject(Database& db, std::int64_t version) {
         readCharacters(db, document, meshes);
     }
     if (version >= 7) readAttachments(db, document);
-    if (version >= 8) readRigs(db, document, version >= 9);
+    if (version >= 8) readRigs(db, document, version);
     if (version >= 9) readMorphs(db, document);
     std::set<PartId> ids;
     const auto unique = [&](PartId part) { require(part < document.nextId && ids.insert(part).second, "an id is used twice"); };
@@ -129,9 +131,11 @@ Result<std::vector<std::byte>> readBytes(const std::filesystem::path& path) {
 int projectVersion(const Document& document) {
     const auto anyCharacter = [&](const auto& has) { return std::any_of(document.characters.begin(), document.characters.end(), [&](const auto& part) { return has(*part.second); }); };
     const auto named = [](const RigNode& node) { return !node.name.empty(); };
+    const auto weighs = [](const RigClip& clip) { return !clip.morphs.empty(); };
+    if (anyCharacter([&](const CharacterSource& c) { return c.rig && std::any_of(c.rig->clips.begin(), c.rig->clips.end(), weighs); })) return kProjectVersion;
     if (anyCharacter([&](const CharacterSource& c) { return !c.model->morphs.empty() || (c.rig && std::any_of(c.rig->nodes.begin(), c.rig->nodes.end(), named)); }) ||
         std::any_of(document.takes.begin(), document.takes.end(), [](const auto& part) { return part.second->layout.morphs > 0; }))
-        return kProjectVersion;
+        return 9;
     if (anyCharacter([](const CharacterSource& c) { return c.rig != nullptr; })) return 8;
     const bool attached = std::any_of(document.characters.begin(), document.characters.end(), [](const auto& part) { return !part.second->attachments.empty(); });
     const bool turned = std::any_of(document.takes.begin(), document.takes.end(), [](const auto& part) { return part.second->layout.turns > 0; });
@@ -140,13 +144,18 @@ int projectVersion(const Document& document) {
     return handles || !document.characters.empty() ? 6 : 5;
 }
 
+int projectVersion(const Project& project) {
+    const bool filled = std::any_of(project.responses.begin(), project.responses.end(), [](const auto& part) { return saysFilling(*part.second.response); });
+    return filled ? kProjectVersion : projectVersion(project.document);
+}
+
 Result<void> saveProject(const std::filesystem::path& path, const Project& project) {
     try {
         Database db;
         db.run("PRAGMA page_size=4096");
         db.run(("PRAGMA application_id=" + std::to_string(kProjectApplicationId)).c_str());
         const Document& document = project.document;
-        const int version = projectVersion(document);
+        const int version = projectVersion(project);
         db.run(("PRAGMA user_version=" + std::to_string(version)).c_str());
         db.run("BEGIN");
         createTables(db, version);
@@ -167,6 +176,7 @@ Result<void> saveProject(const std::filesystem::path& path, const Project& proje
         if (version >= 7) writeAttachments(db, document);
         if (version >= 8) writeRigs(db, document);
         if (version >= 9) writeMorphs(db, document);
+        if (version >= 10) writeMorphTracks(db, document);
         {
             const std::string digest = db.digest(projectTables(version));
             RowWriter info(db, "INSERT INTO info VALUES (?,?)");

@@ -16,6 +16,9 @@ CREATE TABLE morph_weights (character INTEGER, target INTEGER, weight REAL, PRIM
 CREATE TABLE take_morphs (take INTEGER PRIMARY KEY, morphs INTEGER);
 )";
 
+constexpr const char* kTrackTable =
+    "CREATE TABLE rig_morph_tracks (character INTEGER, clip INTEGER, position INTEGER, target TEXT, interpolation INTEGER, times BLOB, weights BLOB, PRIMARY KEY (character, clip, position));";
+
 using Deltas = decltype(MorphTarget::deltas);
 
 }  // namespace
@@ -89,6 +92,34 @@ std::map<PartId, std::map<std::int64_t, std::string>> readNodeNames(Database& db
         names[character][node] = readUtf8(rows);
     }
     return names;
+}
+
+void createMorphTrackTable(Database& db) { db.run(kTrackTable); }
+
+void writeMorphTracks(Database& db, const Document& document) {
+    RowWriter tracks(db, "INSERT INTO rig_morph_tracks VALUES (?,?,?,?,?,?,?)");
+    for (const auto& [id, character] : document.characters)
+        for (std::size_t i = 0; character->rig && i < character->rig->clips.size(); ++i) {
+            const std::vector<MorphTrack>& morphs = character->rig->clips[i].morphs;
+            for (std::size_t k = 0; k < morphs.size(); ++k) tracks.row(id, i, k, morphs[k].target, static_cast<int>(morphs[k].interpolation), morphs[k].times, morphs[k].weights);
+        }
+}
+
+void readMorphTracks(Database& db, std::map<PartId, Rig>& rigs) {
+    RowReader tracks(db, "SELECT * FROM rig_morph_tracks ORDER BY character, clip, position");
+    while (tracks.next()) {
+        const auto rig = rigs.find(readId(tracks));
+        require(rig != rigs.end(), "a skeleton is missing");
+        const auto clip = static_cast<std::size_t>(tracks.integer(0, std::numeric_limits<std::int32_t>::max()));
+        require(clip < rig->second.clips.size(), "a track belongs to no clip");
+        auto& morphs = rig->second.clips[clip].morphs;
+        readPosition(tracks, morphs.size());
+        MorphTrack& t = morphs.emplace_back();
+        t.target = readUtf8(tracks);
+        t.interpolation = static_cast<RigTrack::Interpolation>(tracks.integer(0, static_cast<int>(RigTrack::Interpolation::Cubic)));
+        t.times = tracks.array<double>();
+        t.weights = tracks.array<double>();
+    }
 }
 
 }  // namespace imomushi

@@ -56,7 +56,7 @@ void writeRigs(Database& db, const Document& document) {
     }
 }
 
-void readRigs(Database& db, Document& document, bool named) {
+void readRigs(Database& db, Document& document, std::int64_t version) {
     std::map<PartId, Rig> read;
     RowReader rigs(db, "SELECT * FROM rigs ORDER BY character");
     while (rigs.next()) {
@@ -118,7 +118,8 @@ void readRigs(Database& db, Document& document, bool named) {
         t.times = tracks.array<double>();
         t.values = tracks.array<double>();
     }
-    for (const auto& [id, names] : named ? readNodeNames(db) : std::map<PartId, std::map<std::int64_t, std::string>>()) {
+    if (version >= 10) readMorphTracks(db, read);
+    for (const auto& [id, names] : version >= 9 ? readNodeNames(db) : std::map<PartId, std::map<std::int64_t, std::string>>()) {
         Rig& rig = rigAt(id);
         for (const auto& [node, name] : names) {
             require(static_cast<std::size_t>(node) < rig.nodes.size(), "a node of a skeleton is missing");

@@ -6,6 +6,7 @@
 
 #include "core/document/document.h"
 #include "core/document/sqlite.h"
+#include "core/mesh/rig.h"
 
 // The tables of a project file, in groups: each group is created, written, read and checked in the file project_<group>.cpp. Readers trust nothing and
 // throw DatabaseError with what is wrong; writers throw it when a number is not finite or a value is larger than SQLite holds.
@@ -53,8 +54,7 @@ std::map<PartId, int> readTakeTurns(Database& db);
 /// Skeletons of characters. Reads after the characters.
 void createRigTables(Database& db);
 void writeRigs(Database& db, const Document& document);
-/// `named`: nodes that are no bones have names.
-void readRigs(Database& db, Document& document, bool named);
+void readRigs(Database& db, Document& document, std::int64_t version);
 
 /// Morph targets of characters, their weights, for how many takes have weights, and names of nodes of rigs. Reads after the rigs, and takes after their weights.
 void createMorphTables(Database& db);
@@ -63,6 +63,11 @@ void readMorphs(Database& db, Document& document);
 std::map<PartId, int> readTakeMorphs(Database& db);
 /// Per character the names of its nodes by their number.
 std::map<PartId, std::map<std::int64_t, std::string>> readNodeNames(Database& db);
+
+/// What clips of rigs weigh morph targets by. Read with the rigs, into one per character.
+void createMorphTrackTable(Database& db);
+void writeMorphTracks(Database& db, const Document& document);
+void readMorphTracks(Database& db, std::map<PartId, Rig>& rigs);
 
 void createTakeTables(Database& db);
 void writeTakes(Database& db, const Document& document);

@@ -193,7 +193,7 @@ Result<ProposalRequest> proposalRequestFrom(const Json& arguments) {
 
 Result<Proposal> proposeFor(const CharacterSource& character, const ProposalRequest& request, const Progress& progress) {
     using From = ProposalRequest::From;
-    if (character.rig && request.from != From::Shape) {
+    if (character.rig && !character.rig->bones.empty() && request.from != From::Shape) {
         std::optional<std::vector<int>> chosen;
         if (request.bones) {
             chosen.emplace();

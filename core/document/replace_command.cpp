@@ -244,6 +244,13 @@ Result<void> Replacement::character(PartId id, std::shared_ptr<const RenderModel
     if (!changed) return tl::unexpected(changed.error());
     elements_ = *changed;
     exchangePart(document_.characters, id, [&](CharacterSource& source) {
+        // Weights are for the vertices of the mesh that they came with.
+        if (source.rig && !source.rig->weights.empty() && !model->sameVertices(*source.model)) {
+            Rig rig = *source.rig;
+            rig.weights = {};
+            source.rig = std::make_shared<const Rig>(std::move(rig));
+            lose("skin", source.name, {"other-vertices", "The skin of its skeleton is for the vertices of the mesh before: flesh follows the nearest bone. Import the skeleton of the new file for its own."});
+        }
         source.model = std::move(model);
         source.issues = std::move(issues);
     });

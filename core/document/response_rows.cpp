@@ -21,6 +21,10 @@ CREATE TABLE touch_responses (response INTEGER PRIMARY KEY, centres BLOB, reach 
     forces BLOB, compliance BLOB, probes BLOB, gradients BLOB, asymmetry REAL, negative_energy REAL);
 )";
 
+constexpr const char* kFilledTable = R"(
+CREATE TABLE filled_responses (response INTEGER PRIMARY KEY, tetrahedra INTEGER, note TEXT);
+)";
+
 constexpr std::size_t kMaxTouchPatches = 100'000;
 constexpr int kMaxFaceVertices = 1'000'000;  // of all faces of an element
 
@@ -72,6 +76,8 @@ TouchResponse readTouch(RowReader& rows, const std::vector<std::int32_t>& freeVe
 
 void createResponseTable(Database& db) { db.run(kResponseTable); }
 void createTouchTable(Database& db) { db.run(kTouchTable); }
+void createFilledTable(Database& db) { db.run(kFilledTable); }
+bool saysFilling(const ElementResponse& response) { return response.quality.tetrahedra > 0 || !response.quality.noFilling.empty(); }
 
 void writeResponses(Database& db, std::span<const StoredResponse> responses) {
     RowWriter rows(db, "INSERT INTO responses VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
@@ -95,9 +101,16 @@ void writeResponses(Database& db, std::span<const StoredResponse> responses) {
         touches.row(id, t.patches.centre, t.patches.reach, t.patches.first, t.patches.patch, t.patches.weight, t.displacement, t.forces, t.compliance, t.probes, t.gradients,
                     t.asymmetry, t.negativeEnergy);
     }
+    if (std::none_of(responses.begin(), responses.end(), [](const StoredResponse& r) { return saysFilling(*r.response); })) return;
+    RowWriter filled(db, "INSERT INTO filled_responses VALUES (?,?,?)");
+    id = 0;
+    for (const StoredResponse& r : responses) {
+        ++id;
+        if (saysFilling(*r.response)) filled.row(id, r.response->quality.tetrahedra, r.response->quality.noFilling);
+    }
 }
 
-std::map<std::int64_t, ResponseRow> readResponses(Database& db, bool withTouch) {
+std::map<std::int64_t, ResponseRow> readResponses(Database& db, const ResponseTables& tables) {
     std::map<std::int64_t, ResponseRow> read;
     const auto touchOf = [&](std::int64_t response, const ElementResponse& of) {
         RowReader rows(db, ("SELECT * FROM touch_responses WHERE response=" + std::to_string(response)).c_str());
@@ -160,9 +173,18 @@ std::map<std::int64_t, ResponseRow> readResponses(Database& db, bool withTouch) 
         a->quality.error = rows.real();
         a->quality.mappingError = rows.real();
         a->quality.shapeError = rows.real();
-        if (withTouch) a->touch = touchOf(responseId, *a);
+        if (tables.touch) a->touch = touchOf(responseId, *a);
         r.response = std::move(a);
         read.emplace(responseId, std::move(r));
+    }
+    if (!tables.filled) return read;
+    RowReader filled(db, "SELECT * FROM filled_responses ORDER BY response");
+    while (filled.next()) {
+        const auto of = read.find(filled.integer());
+        require(of != read.end(), "a filling belongs to no response");
+        ResponseQuality& quality = of->second.response->quality;
+        quality.tetrahedra = filled.integer(0, std::numeric_limits<std::int32_t>::max());
+        quality.noFilling = readUtf8(filled);
     }
     return read;
 }

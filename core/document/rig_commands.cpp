@@ -26,11 +26,9 @@ Result<Json> importSkeleton(DocumentEdit& edit, const Json& arguments, const Pro
     request->bonesSuffice = true;
     auto imported = edit.importCharacter(*request, progress);
     if (!imported) return tl::unexpected(imported.error());
-    if (!imported->rig) return fail("no-skeleton", "\"" + request->path.string() + "\" holds no bones: choose a file with a skeleton.");
+    if (!imported->rig || imported->rig->bones.empty()) return fail("no-skeleton", "\"" + request->path.string() + "\" holds no bones: choose a file with a skeleton.");
     // Weights are for the vertices of its own mesh.
-    const Eigen::Index vertices = (*character)->model->mesh.body.vertices.rows();
-    const bool sameMesh = imported->renderModel.mesh.body.vertices.rows() == vertices && imported->renderModel.mesh.body.vertices == (*character)->model->mesh.body.vertices;
-    if (!sameMesh) imported->rig->weights = {};
+    if (!imported->renderModel.sameVertices(*(*character)->model)) imported->rig->weights = {};
     const auto rig = std::make_shared<const Rig>(std::move(*imported->rig));
     exchangePart(document.characters, (*character)->id, [&](CharacterSource& c) { c.rig = rig; });
     Json answer = rigJson(rig.get());
@@ -78,12 +76,21 @@ Result<Json> takeClip(SessionAccess& access, const Json& arguments, const Progre
     if (!alive) return tl::unexpected(alive.error());
     const RigFollower follower(document, access.live.plan(), **character);
     const auto following = std::count_if(follower.follows().begin(), follower.follows().end(), [](int bone) { return bone >= 0; });
-    if (following == 0) return fail("no-bone", "\"" + (*character)->name + "\" has no bones that a clip could move: add bones to it, or make it soft.");
-    auto taken = access.live.playThrough(name, times, [&](double time) { return follower.pose(clip, time); }, progress);
+    // By their names, as the clip may have come with another file.
+    std::vector<std::pair<MorphRef, const MorphTrack*>> weighed;
+    for (const MorphTrack& track : clip.morphs)
+        if (const int target = (*character)->model->morphIndex(track.target); target >= 0) weighed.push_back({{(*character)->id, target}, &track});
+    if (following == 0 && weighed.empty()) return fail("no-bone", "\"" + (*character)->name + "\" has no bones that a clip could move: add bones to it, or make it soft.");
+    const auto frameAt = [&](double time) {
+        LiveCharacter::PlayedFrame frame{follower.pose(clip, time), {}};
+        for (const auto& [ref, track] : weighed) frame.morphs.emplace_back(ref, weightAt(*track, time));
+        return frame;
+    };
+    auto taken = access.live.playThrough(name, times, frameAt, progress);
     if (!taken) return tl::unexpected(taken.error());
     const auto take = access.addTake(std::move(*taken), arguments);
     return Json{{"take", take->name},     {"frames", take->times.size()},          {"seconds", take->duration()}, {"bytes", take->bytes()},
-                {"bones", following}, {"exact_joints", follower.exactPoints()}, {"carried_joints", follower.carriedPoints()}};
+                {"bones", following}, {"morphs", weighed.size()}, {"exact_joints", follower.exactPoints()}, {"carried_joints", follower.carriedPoints()}};
 }
 
 }  // namespace
@@ -109,8 +116,8 @@ void addRigCommands(CommandRegistry& registry) {
                         {"up", Type::Text, false, "\"y\" or \"z\": the axis of the file that points up (its own unless given; y where it has none)."}},
                        importSkeleton);
     registry.addAction("take-clip",
-                       "Makes a take of an animation clip that came with a character: its bones move as those of the file do, exactly where they start at a joint of the file. Effects of the flesh "
-                       "have their part in it, bone dynamics have none. One step of the history.",
+                       "Makes a take of an animation clip that came with a character: its bones move as those of the file do, exactly where they start at a joint of the file, and "
+                       "its morph targets have the clip's weights. Effects of the flesh have their part in it, bone dynamics have none. One step of the history.",
                        {{"character", Type::Text, true, "The character."},
                         {"clip", Type::Text, true, "One of its clips, as import-character and list answer them."},
                         {"take", Type::Text, false, "A name that no other take has (the clip's unless given)."},

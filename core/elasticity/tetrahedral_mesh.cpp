@@ -3,7 +3,6 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <csignal>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -14,10 +13,9 @@
 #include <cerrno>
 #include <cfenv>
 #include <cmath>
-#include <cstring>
+#include <csignal>
 #include <numeric>
 #include <string>
-#include <unordered_map>
 #include <utility>
 
 #include "core/base/clock.h"

@@ -4,7 +4,6 @@
 #include <cholmod.h>
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <mutex>
@@ -18,20 +17,13 @@
 #include "core/elasticity/boundary_input.h"
 #include "core/elasticity/dense_lu.h"
 #include "core/elasticity/machine_rates.h"
+#include "core/elasticity/quadratic_stiffness.h"
 #include "core/mesh/topology.h"
 
 namespace imomushi {
 namespace {
 
 using Index = std::int32_t;
-using Block = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-/// xyz of each node, a column per right-hand side.
-using NodeValues = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-/// Corners at the ends of each middle: nodes 4...9 of a tetrahedron.
-constexpr std::array<std::array<int, 2>, 6> kEdges{{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
-/// Tetrahedra that a thread integrates at once.
-constexpr std::size_t kTetrahedronGrain = 256;
 /// Right-hand sides that a thread solves at once.
 constexpr std::size_t kColumnGrain = 24;
 /// Up to so many nodes the approximate minimum degree (Amestoy et al. 2004) gives factors as small as METIS does, in a fifth of the time; at 42,000, half as much work again.
@@ -49,73 +41,6 @@ constexpr double kSparseRate = 0.12;
 /// Filling, assembly and ordering.
 constexpr double kNodeSeconds = 25e-6;
 
-/// Stiffness of one tetrahedron for shear modulus 1: blocks (a, b) with a >= b, at a (a + 1) / 2 + b. Exact: gradients are linear, the rule has degree 2.
-using ElementBlocks = std::array<Block, 55>;
-void stiffnessOf(const std::array<Vec3, 4>& corner, double lambda, ElementBlocks& out) {
-    Eigen::Matrix3d edges;
-    for (int c = 0; c < 3; ++c) edges.row(c) = corner[static_cast<std::size_t>(c + 1)] - corner[0];
-    const double volume = edges.determinant() / 6.0;
-    const Eigen::Matrix3d inverse = edges.inverse();
-    std::array<Vec3, 4> slope;
-    slope[0] = -inverse.rowwise().sum();
-    for (int c = 0; c < 3; ++c) slope[static_cast<std::size_t>(c + 1)] = inverse.col(c);
-    constexpr double kNear = 0.585410196624968454, kFar = 0.138196601125010515;  // (5 + 3 sqrt 5) / 20, (5 - sqrt 5) / 20
-    const double weight = std::sqrt(0.25 * volume);
-    std::array<Eigen::Matrix<double, 3, 4>, 10> g;  // gradient of each node's function at each point, times the root of its weight
-    for (int q = 0; q < 4; ++q) {
-        const auto l = [&](int c) { return c == q ? kNear : kFar; };
-        for (int c = 0; c < 4; ++c) g[static_cast<std::size_t>(c)].col(q) = weight * (4.0 * l(c) - 1.0) * slope[static_cast<std::size_t>(c)];
-        for (std::size_t e = 0; e < 6; ++e) {
-            const auto [a, b] = kEdges[e];
-            g[4 + e].col(q) = weight * 4.0 * (l(a) * slope[static_cast<std::size_t>(b)] + l(b) * slope[static_cast<std::size_t>(a)]);
-        }
-    }
-    std::size_t k = 0;
-    for (std::size_t a = 0; a < 10; ++a)
-        for (std::size_t b = 0; b <= a; ++b, ++k) {
-            const Block m = g[a] * g[b].transpose();
-            out[k] = lambda * m + m.transpose();
-            out[k].diagonal().array() += m.trace();
-        }
-}
-
-/// The middles of the edges of a mesh, found by their ends.
-class Middles {
-public:
-    /// `tetrahedra`: #T x 4; fills `nodes`, #T x 10. Middles are numbered after `corners` corners, as they come.
-    Middles(const TetrahedralMesh& mesh) : corners_(static_cast<Index>(mesh.vertices.rows())) {
-        const Eigen::Index count = mesh.tetrahedra.rows();
-        struct Use {
-            std::uint64_t key;
-            Index at;
-        };
-        std::vector<Use> uses(static_cast<std::size_t>(6 * count));
-        for (Eigen::Index t = 0; t < count; ++t)
-            for (std::size_t e = 0; e < 6; ++e)
-                uses[static_cast<std::size_t>(6 * t) + e] = {keyOf(mesh.tetrahedra(t, kEdges[e][0]), mesh.tetrahedra(t, kEdges[e][1])), static_cast<Index>(6 * t) + static_cast<Index>(e)};
-        std::sort(uses.begin(), uses.end(), [](const Use& x, const Use& y) { return x.key != y.key ? x.key < y.key : x.at < y.at; });
-        nodes.resize(count, 10);
-        nodes.leftCols<4>() = mesh.tetrahedra;
-        for (const Use& use : uses) {
-            if (keys_.empty() || keys_.back() != use.key) keys_.push_back(use.key);
-            nodes(use.at / 6, 4 + use.at % 6) = corners_ + static_cast<Index>(keys_.size()) - 1;
-        }
-    }
-    [[nodiscard]] Index count() const { return corners_ + static_cast<Index>(keys_.size()); }
-    /// -1: no such edge.
-    [[nodiscard]] Index at(Index a, Index b) const {
-        const auto place = std::lower_bound(keys_.begin(), keys_.end(), keyOf(a, b));
-        return place != keys_.end() && *place == keyOf(a, b) ? corners_ + static_cast<Index>(place - keys_.begin()) : -1;
-    }
-
-    Eigen::Matrix<Index, Eigen::Dynamic, 10, Eigen::RowMajor> nodes;
-
-private:
-    static std::uint64_t keyOf(Index a, Index b) { return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(std::min(a, b))) << 32) | static_cast<std::uint32_t>(std::max(a, b)); }
-    Index corners_;
-    std::vector<std::uint64_t> keys_;  ///< ascending
-};
-
 }  // namespace
 
 struct VolumeProblem::State {
@@ -129,18 +54,14 @@ struct VolumeProblem::State {
         Index node, from, to;           ///< the middle of an edge of a patch; its ends in heldVertices
     };
     std::vector<HeldMiddle> heldMiddles;
-    std::unique_ptr<Middles> middles;
+    std::unique_ptr<QuadraticNodes> middles;
     /// Unknowns: free nodes, then held vertices in the order of heldVertices, then the middles of held edges.
     std::vector<Index> place;           ///< of each node
     Index freeNodes = 0;
     double nu = 0.0;
     int threads = 1;
     SolveQuality quality;
-    /// Stiffness by columns of blocks, rows >= column, ascending.
-    std::vector<std::size_t> start;
-    std::vector<Index> row;
-    std::vector<Block> block;
-    std::vector<std::size_t> freeRows;  ///< of each free column: its rows that are free, which come first
+    QuadraticStiffness stiffness;
 
     cholmod_common common{};
     cholmod_factor* factor = nullptr;
@@ -159,81 +80,15 @@ struct VolumeProblem::State {
         for (int c = 0; c < 4; ++c) out[static_cast<std::size_t>(c)] = mesh->vertices.row(mesh->tetrahedra(t, c)).transpose();
         return out;
     }
-    void structure();
-    bool assemble(const Progress& progress);
     Result<void> factorise(const Progress& progress);
-    /// K x. `heldOnly`: only the blocks of held nodes.
-    [[nodiscard]] NodeValues times(const NodeValues& x, bool heldOnly) const;
     [[nodiscard]] NodeValues loads(const BoundaryProblem::Loads& loads) const;
     bool solveFactor(NodeValues& x, const Progress& progress) const;
 };
 
-void VolumeProblem::State::structure() {
-    const auto n = static_cast<std::size_t>(nodeCount());
-    // Tetrahedra around each node, by its place.
-    std::vector<std::size_t> first(n + 1);
-    const auto& nodes = middles->nodes;
-    for (Eigen::Index t = 0; t < nodes.rows(); ++t)
-        for (int a = 0; a < 10; ++a) ++first[static_cast<std::size_t>(place[static_cast<std::size_t>(nodes(t, a))]) + 1];
-    for (std::size_t i = 0; i < n; ++i) first[i + 1] += first[i];
-    std::vector<Index> around(first[n]);
-    std::vector<std::size_t> next(first.begin(), first.end() - 1);
-    for (Eigen::Index t = 0; t < nodes.rows(); ++t)
-        for (int a = 0; a < 10; ++a) around[next[static_cast<std::size_t>(place[static_cast<std::size_t>(nodes(t, a))])]++] = static_cast<Index>(t);
-    std::vector<std::vector<Index>> rows(n);
-    parallelFor(threads, n, 512, [&](std::size_t begin, std::size_t end) {
-        std::vector<Index> some;
-        for (std::size_t i = begin; i < end; ++i) {
-            some.clear();
-            for (std::size_t k = first[i]; k < first[i + 1]; ++k)
-                for (int a = 0; a < 10; ++a)
-                    if (const Index other = place[static_cast<std::size_t>(nodes(around[k], a))]; other >= static_cast<Index>(i)) some.push_back(other);
-            std::sort(some.begin(), some.end());
-            rows[i].assign(some.begin(), std::unique(some.begin(), some.end()));
-        }
-    });
-    start.assign(n + 1, 0);
-    for (std::size_t i = 0; i < n; ++i) start[i + 1] = start[i] + rows[i].size();
-    row.resize(start[n]);
-    for (std::size_t i = 0; i < n; ++i) std::copy(rows[i].begin(), rows[i].end(), row.begin() + static_cast<std::ptrdiff_t>(start[i]));
-    for (std::size_t i = 0; i < static_cast<std::size_t>(freeNodes); ++i)
-        freeRows.push_back(static_cast<std::size_t>(std::lower_bound(rows[i].begin(), rows[i].end(), freeNodes) - rows[i].begin()));
-}
-
-bool VolumeProblem::State::assemble(const Progress& progress) {
-    block.assign(row.size(), Block::Zero());
-    const double lambda = 2.0 * nu / (1.0 - 2.0 * nu);
-    const auto& nodes = middles->nodes;
-    const auto count = static_cast<std::size_t>(nodes.rows());
-    // Integrals by many threads, added up by one.
-    constexpr std::size_t kRound = 32 * kTetrahedronGrain;
-    std::vector<ElementBlocks> blocks(std::min(count, kRound));
-    for (std::size_t from = 0; from < count; from += kRound) {
-        if (progress.cancelled()) return false;
-        const std::size_t some = std::min(kRound, count - from);
-        parallelFor(threads, some, kTetrahedronGrain, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) stiffnessOf(corners(static_cast<Eigen::Index>(from + i)), lambda, blocks[i]);
-        });
-        for (std::size_t i = 0; i < some; ++i) {
-            std::size_t k = 0;
-            for (int a = 0; a < 10; ++a)
-                for (int b = 0; b <= a; ++b, ++k) {
-                    const Index p = place[static_cast<std::size_t>(nodes(static_cast<Eigen::Index>(from + i), a))], q = place[static_cast<std::size_t>(nodes(static_cast<Eigen::Index>(from + i), b))];
-                    const auto column = static_cast<std::size_t>(std::min(p, q));
-                    const auto at = std::lower_bound(row.begin() + static_cast<std::ptrdiff_t>(start[column]), row.begin() + static_cast<std::ptrdiff_t>(start[column + 1]), std::max(p, q)) - row.begin();
-                    if (p >= q)
-                        block[static_cast<std::size_t>(at)] += blocks[i][k];
-                    else
-                        block[static_cast<std::size_t>(at)] += blocks[i][k].transpose();
-                }
-        }
-    }
-    return true;
-}
-
 Result<void> VolumeProblem::State::factorise(const Progress& progress) {
     const auto n = static_cast<std::size_t>(freeNodes);
     const auto noMemory = [] { return fail("no-memory", "The equations of the tetrahedra do not fit into memory; choose a solver mesh of fewer vertices."); };
+    const auto& [start, row, block, freeRows] = stiffness;
     std::size_t entries = 0;
     for (const std::size_t rows : freeRows) entries += rows;
     // The graph of nodes: three times fewer rows to order than unknowns.
@@ -297,40 +152,6 @@ Result<void> VolumeProblem::State::factorise(const Progress& progress) {
     if (!done) return noMemory();
     if (!definite) return fail("singular", "The equations of this body have no unique answer; check that every separate part of it has a joint face.");
     return {};
-}
-
-NodeValues VolumeProblem::State::times(const NodeValues& x, bool heldOnly) const {
-    NodeValues y = NodeValues::Zero(x.rows(), x.cols());
-    const auto width = static_cast<std::size_t>(x.cols());
-    const auto all = static_cast<std::size_t>(start.size()) - 1;
-    // Columns by threads: each of them reads the whole matrix.
-    parallelFor(threads, width, kColumnGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t j = 0; j < all; ++j) {
-            const double* xj = x.data() + 3 * j * width;
-            double* yj = y.data() + 3 * j * width;
-            const std::size_t from = heldOnly && j < static_cast<std::size_t>(freeNodes) ? start[j] + freeRows[j] : start[j];
-            for (std::size_t k = from; k < start[j + 1]; ++k) {
-                const auto i = static_cast<std::size_t>(row[k]);
-                const double* b = block[k].data();
-                const double* xi = x.data() + 3 * i * width;
-                double* yi = y.data() + 3 * i * width;
-                for (std::size_t c = begin; c < end; ++c) {
-                    const double p = xj[c], q = xj[c + width], r = xj[c + 2 * width];
-                    yi[c] += b[0] * p + b[1] * q + b[2] * r;
-                    yi[c + width] += b[3] * p + b[4] * q + b[5] * r;
-                    yi[c + 2 * width] += b[6] * p + b[7] * q + b[8] * r;
-                }
-                if (i == j) continue;
-                for (std::size_t c = begin; c < end; ++c) {
-                    const double p = xi[c], q = xi[c + width], r = xi[c + 2 * width];
-                    yj[c] += b[0] * p + b[3] * q + b[6] * r;
-                    yj[c + width] += b[1] * p + b[4] * q + b[7] * r;
-                    yj[c + 2 * width] += b[2] * p + b[5] * q + b[8] * r;
-                }
-            }
-        }
-    });
-    return y;
 }
 
 /// Forces on all nodes, by their places.
@@ -416,8 +237,8 @@ Result<VolumeProblem> VolumeProblem::build(const Input& input, const Progress& p
     s.nu = input.nu;
     s.threads = input.threads;
     s.bubbles = input.bubbles;
-    s.middles = std::make_unique<Middles>(*input.tetrahedra);
-    const Middles& middles = *s.middles;
+    s.middles = std::make_unique<QuadraticNodes>(*input.tetrahedra);
+    const QuadraticNodes& middles = *s.middles;
     s.heldTriangle.assign(static_cast<std::size_t>(s.surface.triangles.rows()), 0);
     s.place.assign(static_cast<std::size_t>(middles.count()), -1);
     std::vector<Index> heldAt(static_cast<std::size_t>(s.surface.vertices.rows()), -1);
@@ -449,15 +270,14 @@ Result<VolumeProblem> VolumeProblem::build(const Input& input, const Progress& p
     for (std::size_t i = 0; i < s.heldVertices.size(); ++i) s.place[static_cast<std::size_t>(s.heldVertices[i])] = s.freeNodes + static_cast<Index>(i);
     for (std::size_t i = 0; i < s.heldMiddles.size(); ++i) s.place[static_cast<std::size_t>(s.heldMiddles[i].node)] = s.freeNodes + static_cast<Index>(s.heldVertices.size() + i);
     progress.report("assemble", 0.0);
-    s.structure();
-    if (progress.cancelled() || !s.assemble(progress)) return cancelled();
+    if (!s.stiffness.build(*input.tetrahedra, middles, s.place, s.freeNodes, input.nu, input.threads, progress)) return cancelled();
     s.quality.assembleSeconds = secondsSince(start);
     progress.report("factorise", 0.2);
     const auto factorStart = Clock::now();
     const FloatingPointGuard guard;
     if (auto ok = s.factorise(progress); !ok) return tl::make_unexpected(ok.error());
     s.quality.factoriseSeconds = secondsSince(factorStart);
-    s.quality.peakBytes = s.common.memory_usage + s.block.size() * (sizeof(Block) + sizeof(Index));
+    s.quality.peakBytes = s.common.memory_usage + s.stiffness.bytes();
     return VolumeProblem(std::move(state));
 }
 
@@ -478,7 +298,7 @@ Result<VolumeProblem::Solution> VolumeProblem::solve(const Eigen::MatrixXd& held
         const auto& middle = s.heldMiddles[i];
         u.block(unknowns + held.rows() + 3 * static_cast<Eigen::Index>(i), 0, 3, prescribed) = 0.5 * (held.middleRows<3>(3 * middle.from) + held.middleRows<3>(3 * middle.to));
     }
-    NodeValues x = (force - s.times(u, true)).topRows(unknowns);
+    NodeValues x = (force - s.stiffness.times(u, true, s.threads)).topRows(unknowns);
     // The residual of a combination of all columns: that of each would take as long as solving.
     NodeValues weights(k, 1);
     for (Eigen::Index c = 0; c < k; ++c) weights(c, 0) = c % 2 == 0 ? 1.0 : -0.7;
@@ -494,13 +314,13 @@ Result<VolumeProblem::Solution> VolumeProblem::solve(const Eigen::MatrixXd& held
     if (!allFinite(x)) return fail("singular", "The equations of this body have no unique answer; check that every separate part of it has a joint face.");
     u.topRows(unknowns) = x;
     if (progress.cancelled()) return cancelled();
-    const Eigen::VectorXd expected = (force * weights).topRows(unknowns), found = s.times(u * weights, false).topRows(unknowns);
+    const Eigen::VectorXd expected = (force * weights).topRows(unknowns), found = s.stiffness.times(u * weights, false, s.threads).topRows(unknowns);
     const double residual = (found - expected).norm(), size = right.norm();
     const double worst = size > 0.0 ? residual / size : 0.0;
     s.quality.residual = std::max(s.quality.residual, worst);
     if (!(worst <= kLargestResidual))
         return fail("inaccurate", "The equations of this body are too ill-conditioned to be solved accurately; repair thin spikes and nearly coinciding surfaces, or remesh it more evenly.");
-    const NodeValues rest = s.times(u, true).bottomRows(all - unknowns) - force.bottomRows(all - unknowns);  // what holds the held nodes
+    const NodeValues rest = s.stiffness.times(u, true, s.threads).bottomRows(all - unknowns) - force.bottomRows(all - unknowns);  // what holds the held nodes
     Solution out;
     out.displacement.resize(3 * static_cast<Eigen::Index>(s.freeVertices.size()), k);
     for (std::size_t i = 0; i < s.freeVertices.size(); ++i)

@@ -70,8 +70,30 @@ def complete():
 def frames(low, high):
     return [round((high - low) * i / 9) for i in range(10)]
 
+# The importer of Blender connects a bone whose head is exactly where it guesses the tip of its parent, along +Y, and a connected bone
+# keeps its length. A head that is beside that by a few rounding errors stays free to stretch.
+def loosen():
+    for rig in [o for o in bpy.context.scene.objects if o.type == "ARMATURE"]:
+        bpy.context.view_layer.objects.active = rig
+        bpy.ops.object.mode_set(mode="EDIT")
+        for bone in rig.data.edit_bones:
+            if not bone.parent:
+                continue
+            arm = bone.head - bone.parent.head
+            sides = [bone.parent.x_axis, bone.parent.z_axis]
+            if max(abs(arm.dot(s)) for s in sides) > 1e-4 * arm.length:
+                continue
+            # Heads are compared coordinate by coordinate, each relative to itself.
+            reach, side = min(((abs(bone.head[k] / s[k]), s) for s in sides for k in range(3) if abs(s[k]) > 0.1), key=lambda found: found[0])
+            shift = max(4e-6 * reach, 1e-6 * arm.length) * (side if arm.dot(side) >= 0.0 else -side)
+            bone.head += shift
+            bone.tail += shift
+        bpy.ops.object.mode_set(mode="OBJECT")
+
 empty()
-bpy.ops.import_scene.gltf(filepath=source)
+# Bones with the axes of their nodes, so that animations of the same skeleton fit.
+bpy.ops.import_scene.gltf(filepath=source, bone_heuristic="BLENDER")
+loosen()
 for item in [o for o in bpy.context.scene.objects if o.name.startswith("Icosphere")]:
     bpy.data.objects.remove(item)
 parts = []

@@ -87,6 +87,11 @@ int GltfRigs::joint(const FittedSkin::Joint& joint) {
     return helpers_.back();
 }
 
+Eigen::Affine3d GltfRigs::place(const FittedSkin::Joint& joint) const {
+    if (joint.rigBone >= 0) return place(static_cast<std::size_t>(joint.rigBone));
+    return Eigen::Affine3d(Eigen::Translation3d(joint.origin) * Eigen::Scaling(bonePlaces_[static_cast<std::size_t>(joint.parent)].scale));
+}
+
 std::vector<GltfRigs::Track> GltfRigs::tracks(const Motion::Clip& clip, const FittedSkin* skin, std::size_t c) const {
     std::vector<Track> out;
     std::vector<RigNodes::Local> keys(clip.bones.size());

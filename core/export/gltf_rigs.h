@@ -22,8 +22,9 @@ public:
     [[nodiscard]] std::size_t bones() const { return boneNodes_.size(); }
     [[nodiscard]] int bone(std::size_t b) const { return boneNodes_[b]; }  ///< node in the file
     [[nodiscard]] Eigen::Affine3d place(std::size_t b) const { return bonePlaces_[b].matrix(); }
-    /// The node of a joint of a skin that is a bone, or hangs on one: that is made now.
+    /// The node of a joint of a skin that is a bone, or hangs on one: that is made now. And where it is at rest.
     int joint(const FittedSkin::Joint& joint);
+    [[nodiscard]] Eigen::Affine3d place(const FittedSkin::Joint& joint) const;
 
     /// A channel with a number, or four, per key of a clip.
     struct Track {

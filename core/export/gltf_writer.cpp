@@ -173,7 +173,7 @@ private:
                     continue;
                 }
                 jointNodes_.push_back(rigs_.joint(joint));
-                bind(jointNodes_.back(), joint.rigBone >= 0 ? rigs_.place(static_cast<std::size_t>(joint.rigBone)) : Eigen::Affine3d(Eigen::Translation3d(joint.origin)), unit);
+                bind(jointNodes_.back(), rigs_.place(joint), unit);
             }
         }
         Json root{{"name", scene_.name}, {"children", below}};

@@ -99,7 +99,8 @@ RigNodes::Local RigNodes::restLocal(std::size_t node) const {
 }
 
 RigNodes::Local RigNodes::below(int bone, const Eigen::Isometry3d* motions, const Vec3& origin, const Eigen::Isometry3d& motion) const {
-    return between(moved(static_cast<std::size_t>(rig_.bones[static_cast<std::size_t>(bone)].node), motions), Place{motion * origin, Eigen::Quaterniond(motion.linear()), 1.0});
+    const Place parent = moved(static_cast<std::size_t>(rig_.bones[static_cast<std::size_t>(bone)].node), motions);
+    return between(parent, Place{motion * origin, Eigen::Quaterniond(motion.linear()), parent.scale});
 }
 
 }  // namespace imomushi

@@ -56,7 +56,7 @@ public:
     /// `motions`: rest to world, per bone of the rig.
     [[nodiscard]] Local local(std::size_t node, const Eigen::Isometry3d* motions) const;
     [[nodiscard]] Local restLocal(std::size_t node) const;
-    /// The same of something that moves by `motion` below a bone.
+    /// The same of something that moves by `motion` below a bone, and has its scale: programs bear no others within a skeleton.
     [[nodiscard]] Local below(int bone, const Eigen::Isometry3d* motions, const Vec3& origin, const Eigen::Isometry3d& motion) const;
 
 private:

@@ -17,7 +17,7 @@ struct CharacterFile {
     double metresPerUnit = 1.0;     ///< scale that was applied
     bool zUpConverted = false;
     RenderModel renderModel;        ///< without triangles where the file brings bones alone
-    std::optional<Rig> rig;         ///< the skeleton of the file, none: it has no bones
+    std::optional<Rig> rig;         ///< the skeleton of the file, or its clips that weigh morph targets; none: it has neither
     std::vector<MeshIssue> issues;  ///< of the file; places are triangles and vertices of the render model's `mesh.body`
 };
 
@@ -30,7 +30,7 @@ struct CharacterFile {
 /// - FBX, DAE: nodes depth first, the vertices of their meshes as assimp gives them (one per corner of a polygon), transformations of nodes applied.
 /// Bones are the joints of skins (glTF, FBX, DAE), with the file's animations of them; see RigBuilder for nodes that move parts without a skin. A file of bones without a mesh
 /// comes as its rig alone, where `request.bonesSuffice`. Morph targets of glTF, FBX and DAE come with their names; the shape at rest has the file's own weights. Those of one name and weight are
-/// one, whichever meshes they are of.
+/// one, whichever meshes they are of; clips weigh them by their names.
 /// Triangles of mirrored nodes are turned over, so that they face as in the file. A coordinate that is not finite, of a vertex that no triangle uses, becomes 0 and an issue.
 /// `request.split` has no meaning. Errors: as importFile(); "empty-mesh" also where all triangles are degenerate().
 Result<CharacterFile> importCharacter(const ImportRequest& request, const Progress& progress);

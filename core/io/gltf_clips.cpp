@@ -16,41 +16,60 @@ using Json = GltfFileReader::Json;
 using Path = RigTrack::Path;
 using Interpolation = RigTrack::Interpolation;
 
+/// The keys of a channel, of as many numbers each.
+struct Keys {
+    Interpolation interpolation = Interpolation::Linear;
+    std::vector<double> times, values;
+};
+
 /// Keys at one time: the last one counts, as a player that looks for the next key sees it.
-void dropRepeatedTimes(RigTrack& track) {
-    const std::size_t stride = track.values.size() / track.times.size();
+void dropRepeatedTimes(Keys& keys) {
+    const std::size_t stride = keys.values.size() / keys.times.size();
     std::size_t kept = 0;
-    for (std::size_t k = 0; k < track.times.size(); ++k) {
-        if (k + 1 < track.times.size() && track.times[k + 1] == track.times[k]) continue;
-        track.times[kept] = track.times[k];
-        std::copy_n(track.values.begin() + static_cast<std::ptrdiff_t>(k * stride), stride, track.values.begin() + static_cast<std::ptrdiff_t>(kept * stride));
+    for (std::size_t k = 0; k < keys.times.size(); ++k) {
+        if (k + 1 < keys.times.size() && keys.times[k + 1] == keys.times[k]) continue;
+        keys.times[kept] = keys.times[k];
+        std::copy_n(keys.values.begin() + static_cast<std::ptrdiff_t>(k * stride), stride, keys.values.begin() + static_cast<std::ptrdiff_t>(kept * stride));
         ++kept;
     }
-    track.times.resize(kept);
-    track.values.resize(kept * stride);
+    keys.times.resize(kept);
+    keys.values.resize(kept * stride);
 }
 
-RigTrack readTrack(GltfFileReader& file, const Json& samplers, const Json& channel, int node, Path path) {
+/// `width`: of what the file calls a value, `perValue`: how many of these a key has.
+Keys readKeys(GltfFileReader& file, const Json& samplers, const Json& channel, std::size_t width, std::size_t perValue) {
     const Json& sampler = samplers[file.index(GltfFileReader::member(channel, "sampler"), samplers.size(), "sampler")];
     const std::string how = GltfFileReader::text(GltfFileReader::member(sampler, "interpolation"));
-    RigTrack track;
-    track.node = node;
-    track.path = path;
-    track.interpolation = how == "STEP" ? Interpolation::Step : how == "CUBICSPLINE" ? Interpolation::Cubic : Interpolation::Linear;
+    Keys keys;
+    keys.interpolation = how == "STEP" ? Interpolation::Step : how == "CUBICSPLINE" ? Interpolation::Cubic : Interpolation::Linear;
     auto times = file.accessor(GltfFileReader::member(sampler, "input"), "times of an animation");
     auto values = file.accessor(GltfFileReader::member(sampler, "output"), "keys of an animation");
-    const std::size_t width = path == Path::Rotation ? 4 : 3, perKey = track.interpolation == Interpolation::Cubic ? 3 : 1;
+    const std::size_t perKey = perValue * (keys.interpolation == Interpolation::Cubic ? 3 : 1);
     if (times.width != 1 || values.width != width || times.count == 0 || values.count != perKey * times.count) file.refuse("has an animation with a wrong number of keys.");
     if (!allFinite(times.at) || !allFinite(values.at)) file.refuse("has an animation with a number that is not finite.");
-    track.times = std::move(times.at);
-    track.values = std::move(values.at);
-    dropRepeatedTimes(track);
-    return track;
+    keys.times = std::move(times.at);
+    keys.values = std::move(values.at);
+    dropRepeatedTimes(keys);
+    return keys;
+}
+
+/// All weights of a mesh are in one channel. A target that other meshes have too is weighed by the first.
+void addWeights(GltfFileReader& file, const Json& samplers, const Json& channel, const std::vector<std::string>& targets, RigClip& clip) {
+    const Keys keys = readKeys(file, samplers, channel, 1, targets.size());
+    const std::size_t perKey = keys.interpolation == Interpolation::Cubic ? 3 : 1;
+    for (std::size_t t = 0; t < targets.size(); ++t) {
+        if (targets[t].empty() || std::any_of(clip.morphs.begin(), clip.morphs.end(), [&](const MorphTrack& known) { return known.target == targets[t]; })) continue;
+        MorphTrack& track = clip.morphs.emplace_back();
+        track.target = targets[t];
+        track.interpolation = keys.interpolation;
+        track.times = keys.times;
+        for (std::size_t k = 0; k < perKey * keys.times.size(); ++k) track.weights.push_back(keys.values[k * targets.size() + t]);
+    }
 }
 
 }  // namespace
 
-void readGltfClips(GltfFileReader& file, const std::vector<int>& rigNode, RigBuilder& rig, RawScene& scene) {
+void readGltfClips(GltfFileReader& file, const std::vector<int>& rigNode, const std::map<std::size_t, std::vector<std::string>>& morphs, RigBuilder& rig, RawScene& scene) {
     static const std::map<std::string, Path> kPaths = {{"translation", Path::Translation}, {"rotation", Path::Rotation}, {"scale", Path::Scale}};
     for (const Json& from : file.list("animations")) {
         RigClip clip;
@@ -59,10 +78,15 @@ void readGltfClips(GltfFileReader& file, const std::vector<int>& rigNode, RigBui
             const Json& samplers = file.array(GltfFileReader::member(from, "samplers"));
             for (const Json& channel : file.array(GltfFileReader::member(from, "channels"))) {
                 const Json& target = GltfFileReader::member(channel, "target");
-                const auto path = kPaths.find(GltfFileReader::text(GltfFileReader::member(target, "path")));
-                if (path == kPaths.end() || GltfFileReader::member(target, "node").is_null()) continue;  // morph targets, and what extensions move
-                const int node = rigNode[file.index(GltfFileReader::member(target, "node"), rigNode.size(), "node")];
-                if (node >= 0) clip.tracks.push_back(readTrack(file, samplers, channel, node, path->second));
+                const std::string what = GltfFileReader::text(GltfFileReader::member(target, "path"));
+                if (GltfFileReader::member(target, "node").is_null()) continue;  // what extensions move
+                const std::size_t at = file.index(GltfFileReader::member(target, "node"), rigNode.size(), "node");
+                const int node = rigNode[at];
+                if (const auto weighed = morphs.find(at); what == "weights" && weighed != morphs.end()) addWeights(file, samplers, channel, weighed->second, clip);
+                const auto path = kPaths.find(what);
+                if (path == kPaths.end() || node < 0) continue;
+                Keys keys = readKeys(file, samplers, channel, path->second == Path::Rotation ? 4 : 3, 1);
+                clip.tracks.push_back({node, path->second, keys.interpolation, std::move(keys.times), std::move(keys.values)});
             }
         } catch (const GltfFileReader::Refused& refused) {
             tell(scene, Severity::Warning, "clip", "The animation '" + clip.name + "' is damaged and was left out: " + refused.error.message, 1);

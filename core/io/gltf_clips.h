@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <map>
+#include <string>
 #include <vector>
 
 #include "core/io/gltf_file_reader.h"
@@ -8,7 +10,8 @@
 
 namespace imomushi {
 
-/// Gives the animations of a glTF file to `rig`. `rigNode`: per node of the file its index there, -1: none. An animation that is damaged is left out and told in `scene`.
-void readGltfClips(GltfFileReader& file, const std::vector<int>& rigNode, RigBuilder& rig, RawScene& scene);
+/// Gives the animations of a glTF file to `rig`. `rigNode`: per node of the file its index there, -1: none. `morphs`: per node the names of the morph targets of its mesh, empty: left out.
+/// An animation that is damaged is left out and told in `scene`.
+void readGltfClips(GltfFileReader& file, const std::vector<int>& rigNode, const std::map<std::size_t, std::vector<std::string>>& morphs, RigBuilder& rig, RawScene& scene);
 
 }  // namespace imomushi

@@ -19,7 +19,7 @@ constexpr std::size_t kLongestMorphStem = 180;  // bytes of a name that gets a n
 int MorphBuilder::target(const std::string& name, bool named, double atRest) {
     if (!isFinite(atRest) || std::abs(atRest) > kLargestMorphWeight) atRest = 0.0;
     const auto add = [&] {
-        targets_.push_back({cleanName(name, "morph target"), atRest, {}});
+        targets_.push_back({cleanName(name, "morph target"), atRest, {}, {}});
         return static_cast<int>(targets_.size()) - 1;
     };
     if (!named) return add();
@@ -37,7 +37,7 @@ void MorphBuilder::move(int target, std::int32_t vertex, const Vec3& delta) {
 void MorphBuilder::finish(RawScene& scene) {
     std::set<std::string> names;
     std::size_t deltas = 0, tooMany = 0, broken = 0;
-    for (const Target& target : targets_) {
+    for (Target& target : targets_) {
         if (target.moved.empty()) continue;
         if (scene.morphs.size() == kMostMorphs || deltas + target.moved.size() > kMostMorphDeltas) {
             ++tooMany;
@@ -65,6 +65,7 @@ void MorphBuilder::finish(RawScene& scene) {
                 if (made.name = stem + " (" + std::to_string(n) + ")"; names.insert(made.name).second) break;
         }
         deltas += made.vertices.size();
+        target.given = made.name;
         scene.morphs.push_back(std::move(made));
     }
     if (tooMany > 0) tell(scene, Severity::Warning, "morph-targets", "Morph targets left out: the file has too many.", tooMany);

@@ -20,12 +20,15 @@ public:
     void move(int target, std::int32_t vertex, const Vec3& delta);
     /// Gives the targets that move something to the scene, in their order. What exceeds the limits or is broken is left out and told.
     void finish(RawScene& scene);
+    /// What the scene calls a target after that; empty: it was left out.
+    [[nodiscard]] const std::string& nameOf(int target) const { return targets_[static_cast<std::size_t>(target)].given; }
 
 private:
     struct Target {
         std::string name;
         double atRest = 0.0;
         std::map<std::int32_t, Vec3> moved;
+        std::string given = {};
     };
     std::vector<Target> targets_;
     std::map<std::pair<std::string, double>, int> named_;

@@ -90,7 +90,6 @@ public:
         if (!scene->mRootNode || (scene->mNumMeshes == 0 && use_ == SceneUse::Elements)) return fail("empty-mesh", file_.quoted() + " has no mesh: choose a file with one.");
         materials();
         if (auto done = node(*scene->mRootNode, Matrix::Identity(), -1, 0); !done) return tl::unexpected(done.error());
-        if (use_ == SceneUse::Character) clips();
         return finish();
     }
 
@@ -239,7 +238,32 @@ private:
                 addTrack(clip, node->second, RigTrack::Path::Rotation, channel.mRotationKeys, channel.mNumRotationKeys, perSecond);
                 addTrack(clip, node->second, RigTrack::Path::Scale, channel.mScalingKeys, channel.mNumScalingKeys, perSecond);
             }
+            for (unsigned c = 0; c < from.mNumMorphMeshChannels; ++c) addWeights(clip, *from.mMorphMeshChannels[c], perSecond);
             rig_.addClip(std::move(clip));
+        }
+    }
+
+    /// A channel is called as its node, in FBX files with "*" and the number of a mesh behind. Each key weighs some targets, the others are as at the key before.
+    void addWeights(RigClip& clip, const aiMeshMorphAnim& channel, double perSecond) {
+        const std::string_view name = text(channel.mName);
+        auto known = targetsOf_.find(name);
+        if (known == targetsOf_.end()) known = targetsOf_.find(name.substr(0, name.rfind('*')));
+        if (known == targetsOf_.end()) return;
+        for (std::size_t t = 0; t < known->second.size(); ++t) {
+            MorphTrack track;
+            track.target = morphs_.nameOf(known->second[t]);
+            const auto same = [&](const MorphTrack& other) { return other.target == track.target; };
+            if (track.target.empty() || std::any_of(clip.morphs.begin(), clip.morphs.end(), same)) continue;
+            for (unsigned k = 0; k < channel.mNumKeys; ++k) {
+                const aiMeshMorphKey& key = channel.mKeys[k];
+                const double time = std::max(0.0, key.mTime / perSecond);
+                for (unsigned v = 0; v < key.mNumValuesAndWeights; ++v) {
+                    if (key.mValues[v] != t || (!track.times.empty() && !(time > track.times.back()))) continue;
+                    track.times.push_back(time);
+                    track.weights.push_back(key.mWeights[v]);
+                }
+            }
+            if (!track.times.empty()) clip.morphs.push_back(std::move(track));
         }
     }
 
@@ -294,6 +318,7 @@ private:
             if (!shape.mVertices || shape.mNumVertices != from.mNumVertices) continue;
             const std::string own(text(shape.mName));
             const int target = morphs_.target(own.empty() ? name + " " + std::to_string(t + 1) : own, !own.empty(), 0.0);
+            if (auto& known = targetsOf_[std::string(text(at.mName))]; known.size() == t) known.push_back(target);
             for (unsigned v = 0; v < from.mNumVertices; ++v) {
                 const auto &to = shape.mVertices[v], &at3 = from.mVertices[v];
                 const Vec3 delta(static_cast<double>(to.x) - static_cast<double>(at3.x), static_cast<double>(to.y) - static_cast<double>(at3.y), static_cast<double>(to.z) - static_cast<double>(at3.z));
@@ -330,8 +355,9 @@ private:
             if (triangles_.empty()) points_.clear();
             scene_.surface.mesh.body.vertices = Eigen::Map<const Points>(points_.data(), static_cast<Eigen::Index>(points_.size() / 3), 3);
             skins();
-            scene_.rig = rig_.finish(scene_);
             morphs_.finish(scene_);
+            clips();
+            scene_.rig = rig_.finish(scene_);
             if (scene_.rig) scene_.rig->toScene = inFile(Matrix::Identity());
             if (badBones_ > 0) tell(scene_, Severity::Warning, "skeleton", "Bones of skins that are not in the scene were left out.", badBones_);
             if (scene_.rig && triangles_.empty()) return std::move(scene_);
@@ -372,6 +398,7 @@ private:
     RigBuilder rig_;
     MorphBuilder morphs_;
     std::map<std::string, int, std::less<>> nodeNamed_;  // in rig_, the first of a name
+    std::map<std::string, std::vector<int>, std::less<>> targetsOf_;  // by node: of morphs_, as assimp counts them
     std::vector<Placed> placed_;
     std::size_t badBones_ = 0;
     const aiScene* ai_ = nullptr;

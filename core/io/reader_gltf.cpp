@@ -137,12 +137,11 @@ private:
         for (const Json& child : array(member(node, "children"))) place(index(child, visited.size(), "node"), global_[n], rigNode_[n], visited, depth + 1);
     }
 
-    /// Joints and clips, of the nodes of the scene.
+    /// Joints, of the nodes of the scene.
     void bones() {
         for (const Json& skin : list("skins"))
             for (const Json& joint : array(member(skin, "joints")))
                 if (const int node = rigNode_[index(joint, rigNode_.size(), "node")]; node >= 0) rig_.setJoint(node);
-        readGltfClips(*this, rigNode_, rig_, scene_);
     }
 
     /// What turns the coordinates of a skinned vertex into the scene's: a matrix per joint, or one for all.
@@ -224,6 +223,11 @@ private:
             // Targets of all primitives have their numbers, whatever these move.
             const std::string own = t < targetNames.size() ? text(targetNames[t]) : "";
             const int target = use_ == SceneUse::Elements ? -1 : own.empty() ? unnamedTarget(at, t, name, w) : morphs_.target(own, true, w);
+            if (target >= 0) {
+                auto& known = targetsOf_[at];
+                known.resize(targets.size(), -1);
+                known[t] = target;
+            }
             if ((w == 0.0 && target < 0) || member(targets[t], "POSITION").is_null()) continue;
             Values shift = accessor(member(targets[t], "POSITION"), "morph target");
             if (shift.count != n || shift.width != 3) refuse("has a morph target of '" + name + "' that does not fit its positions: export it again.");
@@ -358,8 +362,12 @@ private:
         if (use_ == SceneUse::Character) {
             if (triangles_.empty()) points_.clear();
             scene_.surface.mesh.body.vertices = Eigen::Map<const Points>(points_.data(), static_cast<Eigen::Index>(points_.size() / 3), 3);
-            scene_.rig = rig_.finish(scene_);
             morphs_.finish(scene_);
+            std::map<std::size_t, std::vector<std::string>> names;
+            for (const auto& [node, targets] : targetsOf_)
+                for (const int target : targets) names[node].push_back(target < 0 ? std::string() : morphs_.nameOf(target));
+            readGltfClips(*this, rigNode_, names, rig_, scene_);
+            scene_.rig = rig_.finish(scene_);
             if (badJoints_ > 0) tell(scene_, Severity::Warning, "skeleton", "Weights of bones that do not exist were left out.", badJoints_);
             if (scene_.rig && triangles_.empty()) return std::move(scene_);
         }
@@ -414,6 +422,7 @@ private:
     RigBuilder rig_;
     MorphBuilder morphs_;
     std::map<std::pair<std::size_t, std::size_t>, int> unnamed_;  // by node and number
+    std::map<std::size_t, std::vector<int>> targetsOf_;           // by node, of its mesh: of morphs_, -1: left out
     std::vector<int> rigNode_;          // of each node, its index in rig_; -1: not in the scene, or no bones are wanted
     std::vector<double> points_;
     std::vector<float> normals_, texCoords_, colors_;

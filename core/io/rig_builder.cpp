@@ -156,12 +156,16 @@ void RigBuilder::takeClips(RawScene& scene, Rig& rig) {
     std::size_t numbers = 0, tooMany = 0;
     for (RigClip& clip : clips_) {
         std::erase_if(clip.tracks, [&](const RigTrack& track) { return nodes_[static_cast<std::size_t>(track.node)].kept < 0; });
-        if (clip.tracks.empty()) continue;  // it moves cameras, or nothing
+        if (clip.tracks.empty() && clip.morphs.empty()) continue;  // it moves cameras, or nothing
         std::size_t own = 0;
         clip.seconds = 0.0;
         for (RigTrack& track : clip.tracks) {
             track.node = nodes_[static_cast<std::size_t>(track.node)].kept;
             own += track.times.size() + track.values.size();
+            if (!track.times.empty() && isFinite(track.times.back())) clip.seconds = std::max(clip.seconds, track.times.back());
+        }
+        for (const MorphTrack& track : clip.morphs) {
+            own += track.times.size() + track.weights.size();
             if (!track.times.empty() && isFinite(track.times.back())) clip.seconds = std::max(clip.seconds, track.times.back());
         }
         if (numbers + own > kMostRigNumbers || rig.clips.size() == kMostRigClips) {
@@ -184,7 +188,7 @@ std::optional<Rig> RigBuilder::finish(RawScene& scene) {
         for (const RigTrack& track : clip.tracks) nodes_[static_cast<std::size_t>(track.node)].moved = true;
     const std::vector<char> chosen = chosenBones();
     const auto bones = static_cast<std::size_t>(std::count(chosen.begin(), chosen.end(), 1));
-    if (bones == 0) return std::nullopt;
+    if (bones == 0 && std::all_of(clips_.begin(), clips_.end(), [](const RigClip& clip) { return clip.morphs.empty(); })) return std::nullopt;
     const auto leftOut = [&](const std::string& why) {
         tell(scene, Severity::Warning, "skeleton", "The skeleton was left out: " + why + ".", bones);
         return std::nullopt;
@@ -194,10 +198,11 @@ std::optional<Rig> RigBuilder::finish(RawScene& scene) {
     keep(chosen, rig);
     if (rig.nodes.size() > kMostRigNodes) return leftOut("its bones hang on more than " + std::to_string(kMostRigNodes) + " nodes");
     const auto vertices = static_cast<std::size_t>(scene.surface.mesh.body.vertices.rows());
-    if (const std::string fault = checkRig(rig, vertices); !fault.empty()) return leftOut(fault);
+    if (const std::string fault = bones > 0 ? checkRig(rig, vertices) : std::string(); !fault.empty()) return leftOut(fault);
     weigh(vertices, rig);
     guessTails(rig);
     takeClips(scene, rig);
+    if (rig.bones.empty() && rig.clips.empty()) return std::nullopt;
     if (const std::string fault = checkRig(rig, vertices); !fault.empty()) return leftOut(fault);
     return rig;
 }

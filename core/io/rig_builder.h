@@ -28,7 +28,7 @@ public:
     void addClip(RigClip clip) { clips_.push_back(std::move(clip)); }
 
     /// Bones are the joints of skins. What no skin moves has a bone where a clip moves it; in a file without skins also where meshes hang on meshes, and without any
-    /// mesh every node is a bone. What exceeds the limits of a rig, or is broken, is left out and told. Nothing: the file has no bones.
+    /// mesh every node is a bone. What exceeds the limits of a rig, or is broken, is left out and told. Nothing: the file has neither bones nor clips that weigh morph targets.
     std::optional<Rig> finish(RawScene& scene);
 
 private:

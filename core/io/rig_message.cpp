@@ -61,6 +61,13 @@ void writeRig(MessageWriter& w, const Rig& rig) {
             w.items(track.times.data(), track.times.size());
             w.items(track.values.data(), track.values.size());
         }
+        w.value(static_cast<std::uint64_t>(clip.morphs.size()));
+        for (const MorphTrack& track : clip.morphs) {
+            w.text(track.target);
+            w.value(static_cast<std::uint8_t>(track.interpolation));
+            w.items(track.times.data(), track.times.size());
+            w.items(track.weights.data(), track.weights.size());
+        }
     }
 }
 
@@ -106,6 +113,16 @@ void readRig(MessageReader& r, std::size_t vertices, Rig& rig) {
             track.interpolation = static_cast<RigTrack::Interpolation>(interpolation);
             track.times = r.items<double>();
             track.values = r.items<double>();
+        }
+        const std::size_t morphs = r.count(1);
+        for (std::size_t t = 0; t < morphs && r.good(); ++t) {
+            MorphTrack& track = clip.morphs.emplace_back();
+            track.target = cleanName(r.text(), "");
+            const auto interpolation = r.value<std::uint8_t>();
+            if (interpolation > static_cast<std::uint8_t>(RigTrack::Interpolation::Cubic)) r.refuse();
+            track.interpolation = static_cast<RigTrack::Interpolation>(interpolation);
+            track.times = r.items<double>();
+            track.weights = r.items<double>();
         }
     }
     if (r.good() && !checkRig(rig, vertices).empty()) r.refuse();

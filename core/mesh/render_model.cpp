@@ -27,6 +27,11 @@ std::string checkMorphs(const std::vector<MorphTarget>& morphs, std::size_t vert
     return deltas > kMostMorphDeltas ? "the morph targets move too many vertices" : "";
 }
 
+bool RenderModel::sameVertices(const RenderModel& other) const {
+    const Points &own = mesh.body.vertices, &others = other.mesh.body.vertices;
+    return own.rows() == others.rows() && own == others;
+}
+
 int RenderModel::morphIndex(std::string_view name) const {
     const auto found = std::find_if(morphs.begin(), morphs.end(), [&](const MorphTarget& target) { return target.name == name; });
     return found == morphs.end() ? -1 : static_cast<int>(found - morphs.begin());

@@ -48,6 +48,8 @@ struct RenderModel {
     std::vector<std::string> parts;   ///< names by the file's objects or nodes; UTF-8, not empty, not unique
     std::vector<MorphTarget> morphs = {};  ///< in the order of the file
 
+    /// The vertices of the file are those of another one, bit for bit: what is said of one by its number is true of the other.
+    [[nodiscard]] bool sameVertices(const RenderModel& other) const;
     /// Made when first asked for and kept with this object, which must not change afterwards. Any thread may ask.
     [[nodiscard]] const ModelParts& namedParts() const;
     [[nodiscard]] int morphIndex(std::string_view name) const;  ///< -1: no such target

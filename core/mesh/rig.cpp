@@ -9,6 +9,7 @@
 
 #include "core/base/finite.h"
 #include "core/mesh/bounds.h"
+#include "core/mesh/render_model.h"
 
 namespace imomushi {
 
@@ -25,28 +26,32 @@ constexpr double kLongestClip = 1e9;      // s
 
 std::size_t widthOf(Path path) { return path == Path::Rotation ? 4 : 3; }
 
-/// The value of a track, 3 or 4 numbers.
-Eigen::Vector4d valueAt(const RigTrack& track, double time) {
-    const std::size_t width = widthOf(track.path), stride = track.interpolation == Interpolation::Cubic ? 3 * width : width;
-    const std::size_t middle = track.interpolation == Interpolation::Cubic ? width : 0;
+/// The value of keys of `width` numbers, 4 at most, at a time; `turns`: these are rotations.
+Eigen::Vector4d valueAt(Interpolation interpolation, const std::vector<double>& times, const std::vector<double>& values, std::size_t width, bool turns, double time) {
+    const std::size_t stride = interpolation == Interpolation::Cubic ? 3 * width : width;
+    const std::size_t middle = interpolation == Interpolation::Cubic ? width : 0;
     const auto read = [&](std::size_t key, std::size_t offset) {
         Eigen::Vector4d v = Eigen::Vector4d::Zero();
-        for (std::size_t i = 0; i < width; ++i) v[static_cast<Eigen::Index>(i)] = track.values[key * stride + offset + i];
+        for (std::size_t i = 0; i < width; ++i) v[static_cast<Eigen::Index>(i)] = values[key * stride + offset + i];
         return v;
     };
-    const auto after = std::upper_bound(track.times.begin(), track.times.end(), time);
-    if (after == track.times.begin()) return read(0, middle);
-    const auto key = static_cast<std::size_t>(after - track.times.begin()) - 1;
-    if (after == track.times.end() || track.interpolation == Interpolation::Step) return read(key, middle);
-    const double length = track.times[key + 1] - track.times[key], t = (time - track.times[key]) / length;
+    const auto after = std::upper_bound(times.begin(), times.end(), time);
+    if (after == times.begin()) return read(0, middle);
+    const auto key = static_cast<std::size_t>(after - times.begin()) - 1;
+    if (after == times.end() || interpolation == Interpolation::Step) return read(key, middle);
+    const double length = times[key + 1] - times[key], t = (time - times[key]) / length;
     const Eigen::Vector4d from = read(key, middle), to = read(key + 1, middle);
-    if (track.interpolation == Interpolation::Cubic) {
+    if (interpolation == Interpolation::Cubic) {
         const Eigen::Vector4d out = length * read(key, 2 * width), in = length * read(key + 1, 0);
         const double t2 = t * t, t3 = t2 * t;
         return (2.0 * t3 - 3.0 * t2 + 1.0) * from + (t3 - 2.0 * t2 + t) * out + (3.0 * t2 - 2.0 * t3) * to + (t3 - t2) * in;
     }
-    if (track.path != Path::Rotation) return from + t * (to - from);
+    if (!turns) return from + t * (to - from);
     return Eigen::Quaterniond(from).normalized().slerp(t, Eigen::Quaterniond(to).normalized()).coeffs();
+}
+
+Eigen::Vector4d valueAt(const RigTrack& track, double time) {
+    return valueAt(track.interpolation, track.times, track.values, widthOf(track.path), track.path == Path::Rotation, time);
 }
 
 Matrix matrixOf(const RigNode& node) {
@@ -63,14 +68,27 @@ bool inRange(const Numbers& numbers) {
     return allFinite(numbers) && std::all_of(numbers.data(), numbers.data() + numbers.size(), [](double x) { return std::abs(x) <= kMaxImportedCoordinate; });
 }
 
-const char* faultOf(const RigTrack& track, std::size_t nodes) {
-    const std::size_t width = widthOf(track.path) * (track.interpolation == Interpolation::Cubic ? 3 : 1);
-    if (track.node < 0 || static_cast<std::size_t>(track.node) >= nodes) return "a track moves a node that does not exist";
-    if (track.times.empty() || track.values.size() != width * track.times.size()) return "a track has a wrong number of keys";
-    if (!allFinite(track.times) || !inRange(track.values)) return "a track has a number that is not finite or too large";
-    if (track.times.front() < 0.0) return "a track begins before 0 s";
-    if (std::adjacent_find(track.times.begin(), track.times.end(), std::greater_equal<>()) != track.times.end()) return "the times of a track do not rise";
+bool inScene(const Vec3& place) { return allFinite(place) && place.cwiseAbs().maxCoeff() <= kMaxCoordinate; }
+
+/// `width`: numbers of a value.
+const char* faultOfKeys(Interpolation interpolation, const std::vector<double>& times, const std::vector<double>& values, std::size_t width) {
+    if (times.empty() || values.size() != width * (interpolation == Interpolation::Cubic ? 3 : 1) * times.size()) return "a track has a wrong number of keys";
+    if (!allFinite(times) || !inRange(values)) return "a track has a number that is not finite or too large";
+    if (times.front() < 0.0) return "a track begins before 0 s";
+    if (std::adjacent_find(times.begin(), times.end(), std::greater_equal<>()) != times.end()) return "the times of a track do not rise";
     return nullptr;
+}
+
+const char* faultOf(const RigTrack& track, std::size_t nodes) {
+    if (track.node < 0 || static_cast<std::size_t>(track.node) >= nodes) return "a track moves a node that does not exist";
+    return faultOfKeys(track.interpolation, track.times, track.values, widthOf(track.path));
+}
+
+const char* faultOf(const MorphTrack& track) {
+    if (track.target.empty()) return "a track weighs a morph target without a name";
+    if (const char* fault = faultOfKeys(track.interpolation, track.times, track.weights, 1)) return fault;
+    const auto large = [](double weight) { return std::abs(weight) > kLargestMorphWeight; };
+    return std::any_of(track.weights.begin(), track.weights.end(), large) ? "a weight of a morph target is too large" : nullptr;
 }
 
 }  // namespace
@@ -93,11 +111,18 @@ std::string checkClip(const RigClip& clip, std::size_t nodes) {
         if (!moved.emplace(track.node, track.path).second) return "a clip moves a node twice";
         if (track.times.back() > clip.seconds) return "a clip is shorter than its tracks";
     }
+    std::set<std::string_view> weighed;
+    for (const MorphTrack& track : clip.morphs) {
+        if (const char* fault = faultOf(track)) return fault;
+        if (!weighed.insert(track.target).second) return "a clip weighs a morph target twice";
+        if (track.times.back() > clip.seconds) return "a clip is shorter than its tracks";
+    }
     return "";
 }
 
 std::string checkRig(const Rig& rig, std::size_t vertices) {
-    if (rig.bones.empty()) return "it has no bones";
+    const auto weighs = [](const RigClip& clip) { return !clip.morphs.empty(); };
+    if (rig.bones.empty() && std::none_of(rig.clips.begin(), rig.clips.end(), weighs)) return "it has no bones";
     if (rig.bones.size() > kMostRigBones || rig.nodes.size() > kMostRigNodes || rig.clips.size() > kMostRigClips) return "it has too many bones or clips";
     if (!inRange(rig.toScene)) return "its unit is out of range";
     const auto before = [](std::int32_t parent, std::size_t own) { return parent >= -1 && parent < static_cast<std::int64_t>(own); };
@@ -112,14 +137,14 @@ std::string checkRig(const Rig& rig, std::size_t vertices) {
         if (bone.name.empty() || !names.insert(bone.name).second) return "two bones have one name";
         if (!before(bone.parent, b)) return "a bone comes before its parent";
         if (bone.node < 0 || static_cast<std::size_t>(bone.node) >= rig.nodes.size()) return "a bone has no node";
-        if (!inRange(bone.head) || !inRange(bone.tail) || !isUnit(bone.rotation)) return "a bone has a number that is not finite or too large";
+        if (!inScene(bone.head) || !inScene(bone.tail) || !isUnit(bone.rotation)) return "a bone has a number that is not finite or too large";
     }
     const RigWeights& w = rig.weights;
     if (!w.first.empty() || !w.bone.empty() || !w.weight.empty()) {
         if (w.first.size() != vertices + 1 || w.first.front() != 0 || static_cast<std::size_t>(w.first.back()) != w.bone.size() || w.bone.size() != w.weight.size())
             return "the skin has a wrong size";
+        if (!std::is_sorted(w.first.begin(), w.first.end())) return "the skin has a wrong size";
         for (std::size_t v = 0; v < vertices; ++v) {
-            if (w.first[v] > w.first[v + 1]) return "the skin has a wrong size";
             for (auto i = static_cast<std::size_t>(w.first[v]); i < static_cast<std::size_t>(w.first[v + 1]); ++i) {
                 if (w.bone[i] < 0 || static_cast<std::size_t>(w.bone[i]) >= rig.bones.size()) return "the skin refers to a bone that does not exist";
                 if (i > static_cast<std::size_t>(w.first[v]) && w.bone[i] <= w.bone[i - 1]) return "the bones of a vertex are out of order";
@@ -133,6 +158,7 @@ std::string checkRig(const Rig& rig, std::size_t vertices) {
         if (clip.name.empty() || !names.insert(clip.name).second) return "two clips have one name";
         if (std::string fault = checkClip(clip, rig.nodes.size()); !fault.empty()) return fault;
         for (const RigTrack& track : clip.tracks) numbers += track.times.size() + track.values.size();
+        for (const MorphTrack& track : clip.morphs) numbers += track.times.size() + track.weights.size();
     }
     return numbers > kMostRigNumbers ? "its clips have too many keys" : "";
 }
@@ -217,5 +243,7 @@ std::vector<RigPose> posedRig(const Rig& rig, const RigClip& clip, double time) 
     }
     return pose;
 }
+
+double weightAt(const MorphTrack& track, double time) { return valueAt(track.interpolation, track.times, track.weights, 1, false, time)[0]; }
 
 }  // namespace imomushi

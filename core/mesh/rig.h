@@ -51,14 +51,23 @@ struct RigTrack {
     std::vector<double> values;    ///< per time 3, or 4 of rotations (x y z w, not zero); thrice as many where cubic: in-tangent, value, out-tangent
 };
 
+/// What weighs a morph target in a clip.
+struct MorphTrack {
+    std::string target;            ///< MorphTarget::name
+    RigTrack::Interpolation interpolation = RigTrack::Interpolation::Linear;
+    std::vector<double> times;     ///< s, ascending, the first >= 0
+    std::vector<double> weights;   ///< per time one; thrice as many where cubic: in-tangent, value, out-tangent
+};
+
 /// An animation of the file.
 struct RigClip {
     std::string name;              ///< UTF-8, not empty, unique in the rig
     double seconds = 0.0;          ///< the last time of its tracks
     std::vector<RigTrack> tracks;  ///< at most one per node and path
+    std::vector<MorphTrack> morphs = {};  ///< at most one per target
 };
 
-/// The skeleton that a file brings: bones, which of them moves which vertex, and animations.
+/// The skeleton that a file brings: bones, which of them moves which vertex, and animations. A file without bones whose clips weigh morph targets brings these clips alone.
 struct Rig {
     std::vector<RigBone> bones;    ///< parents before children
     std::vector<RigNode> nodes;    ///< parents before children
@@ -98,5 +107,7 @@ struct RigPose {
 };
 /// All bones at a time of a clip (s; outside of a track its first or last key holds). #bones.
 std::vector<RigPose> posedRig(const Rig& rig, const RigClip& clip, double time);
+/// The same of a weight.
+double weightAt(const MorphTrack& track, double time);
 
 }  // namespace imomushi

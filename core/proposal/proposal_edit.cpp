@@ -157,20 +157,32 @@ Result<Proposal> withoutCut(const Proposal& proposal, int cut) {
     return p;
 }
 
-Result<Proposal> withCutAdded(const Proposal& proposal, const CutPlane& plane, const Vec3& middle, double radius, const std::optional<Vec3>& tip) {
-    if (!goodPlane(plane) || !std::isfinite(radius)) return badPlane();
-    if (!goodPoint(middle) || (tip && !goodPoint(*tip))) return badPlace();
-    Proposal p = proposal;
-    Vec3 normal = plane.normal.stableNormalized();
-    // Of the bones that cross the section the one whose crossing is nearest to its middle.
-    int crossed = -1;
+CutPlace placeOfCut(const Proposal& p, const CutPlane& plane, const Vec3& middle, double radius) {
+    const Vec3 normal = plane.normal.stableNormalized();
+    CutPlace place;
     double nearest = std::max(radius, 0.0);
     for (int b = 0; b < static_cast<int>(p.bones.size()); ++b) {
         const ProposedBone& bone = p.bones[at(b)];
         const double s = normal.dot(bone.start - middle), e = normal.dot(bone.end - middle);
         if (s * e >= 0.0) continue;
-        if (const double off = (bone.start + s / (s - e) * (bone.end - bone.start) - middle).norm(); off <= nearest) nearest = off, crossed = b;
+        if (const double off = (bone.start + s / (s - e) * (bone.end - bone.start) - middle).norm(); off <= nearest) nearest = off, place.crossed = b;
     }
+    if (place.crossed < 0) place.from = nearestEnd(p, middle);
+    return place;
+}
+
+Result<Proposal> withCutAdded(const Proposal& proposal, const CutPlane& plane, const Vec3& middle, double radius, const std::optional<Vec3>& tip) {
+    if (!goodPlane(plane) || !std::isfinite(radius)) return badPlane();
+    if (!goodPoint(middle)) return badPlace();
+    return withCutAdded(proposal, plane, middle, placeOfCut(proposal, plane, middle, radius), tip);
+}
+
+Result<Proposal> withCutAdded(const Proposal& proposal, const CutPlane& plane, const Vec3& middle, const CutPlace& place, const std::optional<Vec3>& tip) {
+    if (!goodPlane(plane)) return badPlane();
+    if (!goodPoint(middle) || (tip && !goodPoint(*tip))) return badPlace();
+    Proposal p = proposal;
+    Vec3 normal = plane.normal.stableNormalized();
+    const int crossed = place.crossed;
     const int added = static_cast<int>(p.cuts.size());
     ProposedCut cut;
     const auto nameIt = [&](int piece) {
@@ -207,7 +219,7 @@ Result<Proposal> withCutAdded(const Proposal& proposal, const CutPlane& plane, c
         insertBone(p, std::move(outer));
         moveBone(p, static_cast<int>(p.bones.size()) - 1, crossed + 1);
     } else {
-        const ProposedEnd from = nearestEnd(p, middle);
+        const ProposedEnd& from = place.from;
         const Vec3 away = tip ? *tip - middle : from.bone < 0 ? Vec3(normal) : Vec3(middle - placeOf(p, from));
         if (normal.dot(away) < 0.0) normal = -normal;
         const int behind = from.bone < 0 ? -1 : p.bones[at(from.bone)].piece;

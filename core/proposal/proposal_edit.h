@@ -35,6 +35,15 @@ struct ProposedEnd {
     bool atEnd = true;
     bool operator==(const ProposedEnd&) const = default;
 };
+/// What a cut is added to: the bone that crosses its section nearest to the middle; where none does, -1, a bone begins at the joint nearest to it (bone -1: there is none).
+struct CutPlace {
+    int crossed = -1;
+    ProposedEnd from{-1, true};
+};
+CutPlace placeOfCut(const Proposal& proposal, const CutPlane& plane, const Vec3& middle, double radius);
+/// As above, at a place that is known.
+Result<Proposal> withCutAdded(const Proposal& proposal, const CutPlane& plane, const Vec3& middle, const CutPlace& place, const std::optional<Vec3>& tip);
+
 inline const Vec3& placeOf(const Proposal& proposal, const ProposedEnd& end) {
     const ProposedBone& bone = proposal.bones[static_cast<std::size_t>(end.bone)];
     return end.atEnd ? bone.end : bone.start;

@@ -249,6 +249,9 @@ MergedRig mergeRig(const Rig& rig, const RigFlesh& flesh, double least, const st
         int child = -1;
         for (int b = 0; b < bones; ++b)
             if (isKept(b) && parent[at(b)] == root && (child < 0 || subtree[at(b)] > subtree[at(child)])) child = b;
+        // Nothing is kept below it: another root takes its place.
+        for (int b = 0; child < 0 && b < bones; ++b)
+            if (isKept(b) && b != root && parent[at(b)] < 0 && !forbidden[at(b)] && share[at(b)] >= least) child = b;
         if (child < 0) break;
         parent[at(child)] = -1;
         for (int b = 0; b < bones; ++b)

@@ -87,10 +87,17 @@ public:
             if (fitted.size() == tried->size()) break;
             merged_ = mergeRig(rig_, flesh_, smallest, never);
         }
-        // Rounds may end before all is settled: what is not cut is merged.
-        for (std::size_t k = 1; k < merged_.kept.size(); ++k)
-            if (!fitted.contains(merged_.kept[k])) never.emplace_back(merged_.kept[k], "No cut works there.");
-        merged_ = mergeRig(rig_, flesh_, smallest, never);
+        // Rounds may end before all is settled: what is not cut is merged, and then what is kept instead.
+        const auto uncut = [&] {
+            std::vector<int> bones;
+            for (std::size_t k = 1; k < merged_.kept.size(); ++k)
+                if (!fitted.contains(merged_.kept[k])) bones.push_back(merged_.kept[k]);
+            return bones;
+        };
+        for (std::vector<int> bones = uncut(); !bones.empty(); bones = uncut()) {
+            for (const int bone : bones) never.emplace_back(bone, "No cut works there.");
+            merged_ = mergeRig(rig_, flesh_, smallest, never);
+        }
         proposal_.share = flesh_.share;
         proposal_.symmetry = mirror_;
         proposal_.from = Proposal::Source::Skeleton;

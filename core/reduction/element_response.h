@@ -28,7 +28,7 @@ struct ResponseQuality {
     /// Estimated error of the response, relative to the motion of the body, root mean square over the joint modes: what the discretisation
     /// leaves, by the difference from a coarser level; and what mapping from a decimated body adds. Negative: not known.
     double error = -1.0, mappingError = 0.0;
-    std::int64_t tetrahedra = 0;  ///< of finite elements; 0: solved by boundary elements, or read from a file, which does not tell
+    std::int64_t tetrahedra = 0;  ///< of finite elements; 0: solved by boundary elements, or read from a file of an older program, which does not tell
     std::string noFilling;        ///< see SolvedBody::noFilling
     bool decimated = false;       ///< solved on a decimated body
     double shapeError = 0.0;      ///< of the decimated body: see DisplayMapping::Distance::shape

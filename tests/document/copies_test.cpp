@@ -95,6 +95,78 @@ TEST_CASE("duplicate: elements with bones, joints, pins and effects stand beside
     CHECK(listed(other, "elements", "B 2")["state"] == "fresh");
 }
 
+TEST_CASE("duplicate: in takes copies do what the first ones do, which stay as they were to the byte, with any effects") {
+    const Vec3 offset(4, 0.5, -0.25);
+    constexpr double kSingle = 5e-6;  // m: single precision at ten metres
+    for (const std::vector<const char*>& effects : {std::vector<const char*>{}, {"bend-warp", "joint-dynamics", "gravity", "smooth-joints"}}) {
+        CAPTURE(effects.size());
+        Workbench w;
+        w.buildChain();
+        if (!effects.empty()) w.good({{"do", "set"}, {"target", "character"}, {"property", "basis"}, {"value", "modes:6"}});
+        for (const char* effect : effects) w.good({{"do", "enable"}, {"effect", effect}});
+        w.good({{"do", "precompute"}});
+        w.good({{"do", "record"}, {"take", "dance"}, {"action", "start"}});
+        w.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {1.2, 0.4, 5.2}}, {"roll", 0.4}, {"seconds", 0.1}});
+        w.good({{"do", "step"}, {"frames", 12}});
+        w.good({{"do", "release"}});
+        w.good({{"do", "record"}, {"take", "dance"}, {"action", "stop"}});
+        const auto first = [&](const char* name) {
+            w.good({{"do", "play"}, {"take", "dance"}, {"time", 0.1}});
+            return w.session.positionsOf(elementNamed(w, name).id);
+        };
+        const std::map<std::string, Points> was = {{"A", first("A")}, {"B", first("B")}};
+        w.good({{"do", "step"}, {"frames", 1}});
+        const std::string before = w.content();
+        CHECK(w.good({{"do", "duplicate"}, {"names", {"A", "B"}}, {"offset", {offset.x(), offset.y(), offset.z()}}})["takes"] == Json::array({"dance"}));
+        CHECK(w.good({{"do", "play"}, {"take", "dance"}, {"time", 0.1}})["exact"] == true);
+        for (const char* name : {"A", "B"}) {
+            CHECK(first(name) == was.at(name));
+            CHECK(((first((std::string(name) + " 2").c_str()) - was.at(name)).rowwise() - offset.transpose()).cwiseAbs().maxCoeff() < kSingle);
+        }
+        // Between frames, too, and in poses alone, which is what another character shows.
+        w.good({{"do", "play"}, {"take", "dance"}, {"time", 0.109}});
+        CHECK(((w.session.positionsOf(elementNamed(w, "B 2").id) - w.session.positionsOf(elementNamed(w, "B").id)).rowwise() - offset.transpose()).cwiseAbs().maxCoeff() < kSingle);
+        const Json end = w.good({{"do", "measure"}, {"what", "position"}, {"endpoint", "b/end"}})["value"], copy = w.good({{"do", "measure"}, {"what", "position"}, {"endpoint", "b 2/end"}})["value"];
+        for (std::size_t k = 0; k < 3; ++k) CHECK(copy[k].get<double>() - end[k].get<double>() == doctest::Approx(offset[static_cast<Eigen::Index>(k)]));
+        CHECK(w.session.document().takeNamed("dance")->targets.size() == 2);
+        w.good({{"do", "step"}, {"frames", 1}});
+        const std::string after = w.content();
+        w.good({{"do", "undo"}});
+        CHECK(w.content() == before);
+        w.good({{"do", "redo"}});
+        CHECK(w.content() == after);
+        // An arm alone performs where it is put, but for what smooth joints made of its neighbour; bones that are put onto others are led by these, and rest in takes.
+        CHECK(w.good({{"do", "duplicate"}, {"names", {"B"}}, {"offset", {-4, 0, 0}}})["takes"] == Json::array({"dance"}));
+        CHECK(((first("B 3") - was.at("B")).rowwise() - Eigen::RowVector3d(-4, 0, 0)).cwiseAbs().maxCoeff() < (effects.empty() ? kSingle : 0.15));
+        CHECK(w.good({{"do", "duplicate"}, {"names", {"B 3"}}, {"offset", {0, 0, 3}}})["takes"] == Json::array());
+    }
+}
+
+TEST_CASE("duplicate: characters with attached parts and morph targets perform as the first ones") {
+    Workbench w;
+    w.session.setCharacterImporter([](const ImportRequest&, const Progress& progress) -> Result<CharacterFile> {
+        auto file = Workbench::characterFile({"snowman", {}, {}, {}, {}}, progress);
+        MorphTarget smile{"smile", 0.0, {0, 1, 2}, {}};
+        smile.deltas = decltype(smile.deltas)::Constant(3, 3, 0.1f);
+        file->renderModel.morphs.push_back(smile);
+        return file;
+    });
+    w.good({{"do", "import-character"}, {"path", "snowman"}, {"name", "man"}});
+    w.good({{"do", "attach"}, {"character", "man"}, {"part", "eye"}, {"mode", "rigid"}});
+    w.good({{"do", "add-bone"}, {"name", "back"}, {"from", {0, 0, 0.5}}, {"to", {0, 0, 11.5}}});
+    w.good({{"do", "record"}, {"take", "look"}, {"action", "start"}});
+    w.good({{"do", "turn-part"}, {"character", "man"}, {"part", "eye"}, {"rotation", {0.0, 0.6, 0.0, 0.8}}});
+    w.good({{"do", "morph"}, {"character", "man"}, {"target", "smile"}, {"weight", 0.75}});
+    w.good({{"do", "drag"}, {"endpoint", "back/end"}, {"to", {3.0, 1.0, 10.0}}});
+    w.good({{"do", "step"}, {"frames", 3}});
+    w.good({{"do", "record"}, {"take", "look"}, {"action", "stop"}});
+    CHECK(w.good({{"do", "duplicate"}, {"names", {"man"}}, {"offset", {5, 0, 0}}})["takes"] == Json::array({"look"}));
+    CHECK(w.good({{"do", "play"}, {"take", "look"}, {"time", 0.03}})["exact"] == true);
+    const auto seen = [&](const char* name) { return w.session.renderPositionsOf(w.session.document().characterNamed(name)->id); };
+    CHECK(((seen("man 2") - seen("man")).rowwise() - Eigen::RowVector3d(5, 0, 0)).cwiseAbs().maxCoeff() < 1e-5);
+    CHECK(w.session.character()->morphWeights(1)[0] == 0.75);
+}
+
 TEST_CASE("duplicate: beside the first unless told, bones alone, a whole character for its piece; what is not there is refused") {
     Workbench w;
     w.buildChain();

@@ -36,6 +36,17 @@ TEST_CASE("storage: the response of touch opens as it was saved, and a broken on
     CHECK(b.gradients == a.gradients);
     CHECK(b.asymmetry == a.asymmetry);
     CHECK(b.negativeEnergy == a.negativeEnergy);
+    CHECK(projectVersion(project) == 5);
+    auto told = std::make_shared<ElementResponse>(*response);
+    told->quality.tetrahedra = 12'345;
+    told->quality.noFilling = "Why not.";
+    project.responses[id].response = told;
+    CHECK(projectVersion(project) == kProjectVersion);
+    REQUIRE(saveProject(path, project));
+    const auto again = openProject(path);
+    REQUIRE(again);
+    CHECK(again->responses.at(id).response->quality.tetrahedra == 12'345);
+    CHECK(again->responses.at(id).response->quality.noFilling == "Why not.");
 
     const auto refused = [&](auto breaks) {
         auto broken = std::make_shared<ElementResponse>(*response);
@@ -79,6 +90,13 @@ TEST_CASE("packed response: it comes back bit by bit, and what is damaged or bel
     CHECK(back->touch.displacement == response.touch.displacement);
     CHECK(back->quality.error == response.quality.error);
     CHECK(packResponse(*back).value() == *packed);
+    ElementResponse filled = response;
+    filled.quality.tetrahedra = 12'345;
+    filled.quality.noFilling = "ただの例";
+    const auto told = unpackResponse(packResponse(filled).value(), input.mesh->body, input.faces);
+    REQUIRE(told);
+    CHECK(told->quality.tetrahedra == 12'345);
+    CHECK(told->quality.noFilling == filled.quality.noFilling);
 
     CHECK(unpackResponse({}, input.mesh->body, input.faces).error().code == "damaged");
     CHECK(unpackResponse(std::span(*packed).first(packed->size() / 2), input.mesh->body, input.faces).error().code == "damaged");

@@ -9,6 +9,7 @@
 
 #include "core/io/build_result.h"
 #include "core/mesh/bounds.h"
+#include "tests/document/tamper.h"
 #include "tests/document/workbench.h"
 #include "tests/export/read_glb.h"
 #include "tests/support/obj.h"
@@ -79,10 +80,22 @@ CharacterFile smilingWorm() {
     return file;
 }
 
+/// It says a word by a clip that weighs both targets, a second long; keys of one are between frames.
+CharacterFile talkingWorm() {
+    CharacterFile file = smilingWorm();
+    RigClip word{"word", 1.0, {}, {}};
+    word.morphs.push_back({"笑顔", RigTrack::Interpolation::Linear, {0.0, 0.25, 0.5, 1.0}, {0.0, 1.0, -0.25, 0.5}});
+    word.morphs.push_back({"blink", RigTrack::Interpolation::Cubic, {0.0, 0.7}, {0, 0.25, 1.0, -1.0, 1.0, 0}});
+    word.morphs.push_back({"of another file", RigTrack::Interpolation::Linear, {0.0}, {1.0}});
+    file.rig = Rig{};
+    file.rig->clips.push_back(std::move(word));
+    return file;
+}
+
 struct Worm : Workbench {
     explicit Worm(const char* basis = "affine", std::initializer_list<const char*> effects = {}, const char* path = "worm") {
         session.setCharacterImporter([](const ImportRequest& request, const Progress& progress) -> Result<CharacterFile> {
-            return request.path == "worm" ? wormFile() : request.path == "smiling worm" ? smilingWorm() : characterFile(request, progress);
+            return request.path == "worm" ? wormFile() : request.path == "smiling worm" ? smilingWorm() : request.path == "talking worm" ? talkingWorm() : characterFile(request, progress);
         });
         good({{"do", "import-character"}, {"path", path}, {"name", "芋虫"}, {"body", "wrapped"}, {"detail", 0.03}});
         good({{"do", "set"}, {"target", "character"}, {"property", "basis"}, {"value", basis}});
@@ -167,14 +180,16 @@ double farthest(Worm& w, const ReadGlb& file, const WormPrimitive& of) {
     return most / w.diagonal();
 }
 
-RenderModel readModel(const std::filesystem::path& path) {
+CharacterFile readCharacter(const std::filesystem::path& path) {
     const std::string bytes = readFile(path);
     auto scene = readScene({path, bytes}, SceneUse::Character);
     REQUIRE_MESSAGE(scene.has_value(), scene.error().message);
     auto file = buildCharacter(std::move(*scene), {.path = path}, {});
     REQUIRE_MESSAGE(file.has_value(), file.error().message);
-    return std::move(file->renderModel);
+    return std::move(*file);
 }
+
+RenderModel readModel(const std::filesystem::path& path) { return std::move(readCharacter(path).renderModel); }
 
 }  // namespace
 
@@ -427,6 +442,64 @@ TEST_CASE("characters: morph targets of a file are weights of the character, of 
         CHECK(again.morphs[static_cast<std::size_t>(blink)].deltas.colwise().norm().isApprox(model->morphs[1].deltas.colwise().norm(), 0.5f));
         CHECK(again.morphs[static_cast<std::size_t>(smile)].deltas.col(1).maxCoeff() == doctest::Approx(model->morphs[0].deltas.col(1).maxCoeff()).epsilon(1e-5));
     }
+}
+
+TEST_CASE("characters: clips that weigh morph targets become takes, stay in projects and go out with the weights of the file") {
+    Worm w("affine", {}, "talking worm");
+    const Rig& rig = *w.source().rig;
+    CHECK(w.good({{"do", "list"}})["characters"][0]["clips"] == Json::parse(R"([{"name": "word", "seconds": 1.0}])"));
+    CHECK(w.code({{"do", "propose"}, {"character", "芋虫"}, {"from", "skeleton"}}) == "no-skeleton");
+    const std::string before = w.content();
+    w.good({{"do", "morph"}, {"character", "芋虫"}, {"target", "笑顔"}, {"weight", 0.125}});
+    const Json answer = w.good({{"do", "take-clip"}, {"character", "芋虫"}, {"clip", "word"}, {"take", kTake}});
+    CHECK(answer["morphs"] == 2);
+    CHECK(answer["bones"] == 0);
+    CHECK(answer["frames"] == 61);
+    CHECK(w.session.character()->morphWeights(0)[0] == 0.125);  // the document is shown again
+    for (const double time : {0.0, 0.25, 0.5, 0.7, 1.0}) {
+        CHECK(w.good({{"do", "play"}, {"take", kTake}, {"time", time}})["exact"] == true);
+        for (std::size_t t = 0; t < 2; ++t) CHECK(w.session.character()->morphWeights(0)[t] == doctest::Approx(weightAt(rig.clips[0].morphs[t], time)).epsilon(1e-12));
+    }
+    // Vertices with it.
+    const RenderModel& model = *w.source().model;
+    const Points half = w.live(0.5);
+    Points goal = model.mesh.body.vertices;
+    for (std::size_t t = 0; t < 2; ++t)
+        for (std::size_t i = 0; i < model.morphs[t].vertices.size(); ++i)
+            goal.row(model.morphs[t].vertices[i]) += (weightAt(rig.clips[0].morphs[t], 0.5) - model.morphs[t].atRest) * model.morphs[t].deltas.row(static_cast<Eigen::Index>(i)).cast<double>();
+    CHECK((half - goal).cwiseAbs().maxCoeff() < 1e-6);
+
+    for (const char* layout : {"skinned", "baked"}) {
+        CAPTURE(layout);
+        w.write({{"layout", layout}}, "talking.glb");
+        const CharacterFile again = readCharacter(Worm::at("talking.glb"));
+        REQUIRE(again.rig);
+        REQUIRE(again.rig->clips.size() == 1);
+        for (const MorphTrack& track : {rig.clips[0].morphs[0], rig.clips[0].morphs[1]}) {
+            const auto& tracks = again.rig->clips[0].morphs;
+            const auto written = std::find_if(tracks.begin(), tracks.end(), [&](const MorphTrack& t) { return t.target == track.target; });
+            REQUIRE(written != tracks.end());
+            for (const double time : track.times) CHECK(weightAt(*written, time) == doctest::Approx(weightAt(track, time)).epsilon(1e-6));
+        }
+    }
+
+    const auto project = Worm::at("talking.imomushi");
+    w.good({{"do", "save"}, {"path", project.string()}});
+    CHECK(projectVersion(w.session.document()) == 10);
+    Workbench other;
+    other.good({{"do", "open"}, {"path", project.string()}});
+    CHECK(other.content() == w.content());
+    CHECK(other.session.document().characters.begin()->second->rig->clips[0].morphs[1].weights == rig.clips[0].morphs[1].weights);
+    for (const char* change : {"UPDATE rig_morph_tracks SET target='' WHERE position=1", "UPDATE rig_morph_tracks SET times=zeroblob(16) WHERE position=1", "UPDATE rig_morph_tracks SET interpolation=9",
+                               "UPDATE rig_morph_tracks SET clip=4", "UPDATE rig_morph_tracks SET position=7 WHERE position=0", "UPDATE rig_morph_tracks SET character=77"}) {
+        CAPTURE(change);
+        w.good({{"do", "save"}, {"path", project.string()}});
+        sql(project, change);
+        sign(project);
+        CHECK(Workbench().code({{"do", "open"}, {"path", project.string()}}) == "damaged");
+    }
+    w.good({{"do", "undo"}, {"count", 2}});
+    CHECK(w.content() == before);
 }
 
 TEST_CASE("characters: elements without one are written as before beside them, and each character has a cache of its own") {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/io/raw_scene.h"
+#include "tests/io/bytes.h"
 
 namespace imomushi::io_test {
 

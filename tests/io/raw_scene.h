@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <algorithm>
-#include <cstring>
 #include <string>
 
 #include "core/io/build_result.h"
+#include "tests/io/bytes.h"
 #include "tests/io/files.h"
 
 /// What the readers make of bytes, before anything is built of it.
@@ -19,14 +18,6 @@ inline Result<RawScene> scene(const std::string& name, const std::string& bytes)
 
 inline std::string code(const Result<RawScene>& r) { return r ? "read" : r.error().code; }
 inline std::string said(const Result<RawScene>& r) { return r ? "" : r.error().message; }
-
-template <class T>
-void put(std::string& bytes, T value, bool swap = false) {
-    char b[sizeof(T)];
-    std::memcpy(b, &value, sizeof b);
-    if (swap) std::reverse(b, b + sizeof b);
-    bytes.append(b, sizeof b);
-}
 
 inline const MeshIssue* find(const RawScene& s, const std::string& issue) {
     for (const MeshIssue& i : s.issues)

@@ -334,6 +334,64 @@ TEST_CASE("rig: morph targets come with their names, turned with the skin and in
     CHECK(told(*without, "morph-targets"));
 }
 
+TEST_CASE("rig: clips weigh morph targets by their names, with or without bones, and what is wrong with them is told") {
+    Glb glb = arm();
+    json& root = glb.json;
+    const int up = glb.floats(std::vector<float>(3 * 12, 0.25f), "VEC3", 3), none = glb.floats(std::vector<float>(3 * 12, 0.0f), "VEC3", 3);
+    root["meshes"][0]["primitives"][0]["targets"] = {{{"POSITION", up}}, {{"POSITION", none}}, {{"POSITION", up}}};
+    root["meshes"][0]["weights"] = {0.0, 0.0, 0.5};
+    root["meshes"][0]["extras"]["targetNames"] = {"smile", "nothing", ""};
+    const int times = glb.floats({0.0f, 1.0f, 3.0f}, "SCALAR", 1), weights = glb.floats({0, 9, 0.5f, 1, 9, 0.25f, -0.5f, 9, 0}, "SCALAR", 1);
+    const int two = glb.floats({0.0f, 1.0f}, "SCALAR", 1), cubic = glb.floats({0, 0, 0, 0.5f, 9, 0.25f, 2, 0, 0, 0, 0, 0, 1, 9, 1, 0, 0, 0}, "SCALAR", 1);
+    const auto weigh = [&](int input, int output, const char* how) {
+        return json{{"samplers", {{{"input", input}, {"output", output}, {"interpolation", how}}}}, {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "weights"}}}}}}, {"name", how}};
+    };
+    root["animations"].push_back(weigh(times, weights, "LINEAR"));
+    root["animations"].push_back(weigh(times, weights, "STEP"));
+    root["animations"].push_back(weigh(two, cubic, "CUBICSPLINE"));
+    root["animations"].push_back(weigh(two, weights, "LINEAR"));
+    root["animations"].back()["name"] = "wrong";
+    const auto read = rigged(glb.file());
+    REQUIRE_MESSAGE(read, why(read));
+    CHECK(told(*read, "clip"));
+    const auto decoded = decodeCharacter(encodeCharacter(read));
+    REQUIRE_MESSAGE(decoded, why(decoded));
+    REQUIRE(decoded->rig->clips.size() == 4);  // "bend", and three that weigh
+    CHECK(decoded->rig->clips[0].morphs.empty());
+    const RigClip &linear = decoded->rig->clips[1], &step = decoded->rig->clips[2], &spline = decoded->rig->clips[3];
+    CHECK(linear.seconds == 3.0);
+    REQUIRE(linear.morphs.size() == 2);  // not of the target that moves nothing
+    CHECK(linear.morphs[0].target == read->renderModel.morphs[0].name);
+    CHECK(linear.morphs[1].target == read->renderModel.morphs[1].name);
+    for (const auto& [time, smile, other] : {std::array{-1.0, 0.0, 0.5}, {0.5, 0.5, 0.375}, {1.0, 1.0, 0.25}, {2.0, 0.25, 0.125}, {9.0, -0.5, 0.0}}) {
+        CHECK(weightAt(linear.morphs[0], time) == doctest::Approx(smile));
+        CHECK(weightAt(linear.morphs[1], time) == doctest::Approx(other));
+    }
+    CHECK(weightAt(step.morphs[0], 2.9) == 1.0);
+    // From 0.5 with a slope of 2 to 1 with none.
+    CHECK(weightAt(spline.morphs[0], 0.5) == doctest::Approx(0.5 * (0.5 + 1.0) + 2.0 * 0.125));
+    CHECK(weightAt(spline.morphs[1], 0.5) == doctest::Approx(0.625));
+
+    // Without a skeleton the clips come alone, and nothing else makes bones of it.
+    root.erase("skins");
+    root["nodes"][0].erase("skin");
+    root["animations"].erase(0);
+    const auto face = rigged(glb.file());
+    REQUIRE_MESSAGE(face, why(face));
+    REQUIRE(face->rig);
+    CHECK(face->rig->bones.empty());
+    CHECK(face->rig->weights.empty());
+    CHECK(face->rig->clips.size() == 3);
+    REQUIRE(decodeCharacter(encodeCharacter(face)));
+    // Weights that no artist means make the clip unusable, not the file.
+    const int huge = glb.floats({0, 0, 0, 1e9f, 0, 0}, "SCALAR", 1);
+    root["animations"] = {weigh(two, huge, "LINEAR")};
+    const auto wild = rigged(glb.file());
+    REQUIRE_MESSAGE(wild, why(wild));
+    CHECK_FALSE(wild->rig);
+    CHECK(told(*wild, "clip"));
+}
+
 TEST_CASE("rig: COLLADA skins and animations, in their own unit") {
     const std::string dae = R"(<?xml version="1.0" encoding="utf-8"?>
 <COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">

@@ -8,9 +8,10 @@
 #include <vector>
 
 #include "core/mesh/bounds.h"
-#include "core/proposal/proposal_edit.h"
+#include "core/proposal/proposal_mirror.h"
 #include "core/proposal/shape_proposal.h"
 #include "tests/support/capsules.h"
+#include "tests/support/proposals.h"
 #include "tests/support/random_edits.h"
 
 using namespace imomushi;
@@ -37,21 +38,15 @@ const Proposal& animalProposal() {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// A trunk from x = -1 to 1 with a cut at both ends, each with a limb and its bone.
+/// Both tips are pinned.
 Proposal threeBones() {
-    Proposal p;
-    p.root = "trunk";
-    p.cuts = {{"right cut", "right", {Vec3(1, 0, 0), Vec3(1, 0, 0)}}, {"left cut", "left", {Vec3(-1, 0, 0), Vec3(-1, 0, 0)}}};
-    ProposedBone bone;
-    bone.name = "trunk bone", bone.start = Vec3(-1, 0, 0), bone.end = Vec3(1, 0, 0), bone.startCut = 1, bone.endCut = 0;
-    p.bones.push_back(bone);
-    bone = {};
-    bone.name = "right bone", bone.parent = 0, bone.start = Vec3(1, 0, 0), bone.end = Vec3(3, 0, 0), bone.piece = bone.startCut = 0;
-    p.bones.push_back(bone);
-    bone = {};
-    bone.name = "left bone", bone.parent = 0, bone.fromParentStart = true, bone.start = Vec3(-1, 0, 0), bone.end = Vec3(-3, 0, 0), bone.piece = bone.startCut = 1;
-    p.bones.push_back(bone);
+    Proposal p = trunkWithTwoLimbs(1.0, 3.0);
     p.pins = {{1, true}, {2, true}};
+    return p;
+}
+
+Proposal mirroredByX(Proposal p) {
+    p.symmetry = CutPlane{Vec3::Zero(), Vec3::UnitX()};
     return p;
 }
 
@@ -154,20 +149,74 @@ TEST_CASE("edited proposals: all cuts are tried together, and the one in the way
     for (std::size_t c = 1; c + 1 < p.cuts.size(); ++c) CHECK(!tried->refused[c].has_value());
 }
 
-TEST_CASE("edited proposals: 1,000 random sequences hang together, undo to the start and redo to the end") {
+TEST_CASE("edited proposals: what is done to one side of a shape that mirrors itself is done to the other") {
+    const Proposal p = mirroredByX(threeBones());
+    CHECK(mirrorError(p) == 0.0);
+    const auto image = [](const Vec3& v) { return Vec3(-v.x(), v.y(), v.z()); };
+    const auto moved = withCutMoved(p, 0, {Vec3(1.5, 0.1, 0), Vec3(2, 1, 0)}, Vec3(1.5, 0.125, 0), Sides::Both);
+    REQUIRE(moved.has_value());
+    CHECK(moved->cuts[1].plane.origin == image(moved->cuts[0].plane.origin));
+    CHECK(moved->cuts[1].plane.normal == image(moved->cuts[0].plane.normal));
+    CHECK(moved->bones[2].start == Vec3(-1.5, 0.125, 0));
+    CHECK(mirrorError(*moved) <= kMirrored);
+    CHECK(!(mirrorError(*withCutMoved(p, 0, {Vec3(1.5, 0, 0), Vec3(1, 0, 0)}, Vec3(1.5, 0, 0), Sides::One)) < 1.0));  // infinite
+    CHECK(withEndMoved(p, {2, true}, Vec3(-2, 1, 0), Sides::Both)->bones[1].end == Vec3(2, 1, 0));
+    CHECK(withoutCut(p, 0, Sides::Both)->cuts.empty());
+    CHECK(withoutBone(p, 1, Sides::Both)->bones.size() == 1);
+    CHECK(withPinToggled(p, {1, true}, Sides::Both)->pins.empty());
+
+    // A second cut through each limb divides its bone; across the middle there is one cut, at a right angle to the plane of symmetry.
+    const auto with = withCutAdded(p, {Vec3(-2, 0, 0), Vec3(1, 0.25, 0)}, Vec3(-2, 0, 0), 0.5, std::nullopt, Sides::Both);
+    REQUIRE_MESSAGE(with.has_value(), with.error().message);
+    REQUIRE(checkProposal(*with).has_value());
+    REQUIRE(with->cuts.size() == 4);
+    CHECK(with->cuts[2].piece == "left 2");
+    CHECK(with->cuts[3].piece == "right 2");
+    CHECK(with->bones.size() == 5);
+    CHECK(mirrorError(*with) <= kMirrored);
+    Proposal upright = p;
+    upright.cuts.clear();
+    upright.pins.clear();
+    upright.bones = {p.bones[0]};
+    upright.bones[0].start = Vec3(0, 0, 0), upright.bones[0].end = Vec3(0, 4, 0), upright.bones[0].startCut = upright.bones[0].endCut = -1;
+    const auto neck = withCutAdded(upright, {Vec3(0.1, 2, 0), Vec3(0.2, -1, 0)}, Vec3(0.1, 2, 0), 0.5, std::nullopt, Sides::Both);
+    REQUIRE_MESSAGE(neck.has_value(), neck.error().message);
+    REQUIRE(neck->cuts.size() == 1);
+    CHECK(neck->cuts[0].plane.normal == Vec3(0, 1, 0));
+    CHECK(neck->bones[1].start == Vec3(0, 2, 0));
+    // Two ears near to each other hang on the head, not one on the other.
+    const auto ears = withCutAdded(upright, {Vec3(0.3, 5, 0), Vec3(0, 1, 0)}, Vec3(0.3, 5, 0), 0.2, Vec3(0.3, 6, 0), Sides::Both);
+    REQUIRE_MESSAGE(ears.has_value(), ears.error().message);
+    REQUIRE(ears->bones.size() == 5);
+    CHECK(ears->bones[3].start == Vec3(0, 4, 0));
+    CHECK(ears->bones[4].end == Vec3(-0.3, 6, 0));
+    CHECK(withEndMoved(upright, {0, true}, Vec3(1, 3, 0), Sides::Both)->bones[0].end == Vec3(0, 3, 0));
+    // What has no mirror image on the same limbs is refused: the middle piece would be the root's on one side only.
+    const auto inTrunk = withCutAdded(p, {Vec3(0.5, 0, 0), Vec3(1, 0, 0)}, Vec3(0.5, 0, 0), 0.5, std::nullopt, Sides::Both);
+    REQUIRE(!inTrunk.has_value());
+    CHECK(inTrunk.error().code == "not-mirrored");
+    // Without a symmetry both sides are one.
+    CHECK(withCutMoved(threeBones(), 0, {Vec3(1.5, 0, 0), Vec3(1, 0, 0)}, Vec3(1.5, 0, 0), Sides::Both)->cuts[1].plane.origin == p.cuts[1].plane.origin);
+}
+
+TEST_CASE("edited proposals: 1,000 random sequences hang together, undo to the start and redo to the end; mirrored ones stay mirrored") {
     Proposal handles;
-    for (int h = 0; h < 4; ++h) handles.handles.push_back({"handle " + std::to_string(h), Vec3(h, 0, 0), 0.3, false});
-    const std::vector<Proposal> starts{animalProposal(), threeBones(), handles};
+    for (int h = 0; h < 4; ++h) handles.handles.push_back({"handle " + std::to_string(h), Vec3(h - 1.5, 0, 0), 0.3, false});
+    const std::vector<Proposal> starts{animalProposal(), mirroredByX(threeBones()), mirroredByX(handles)};
     RandomEdits random(20260);
-    int made = 0, refused = 0, faults = 0;
+    int made = 0, refused = 0, faults = 0, mirrored = 0, oneSided = 0;
+    double error = 0.0;
     for (int sequence = 0; sequence < 1000; ++sequence) {
         ProposalHistory history(starts[at(sequence) % starts.size()]);
         std::vector<std::string> states{written(history.now())};
+        random.sides = sequence % 2 == 0 ? Sides::Both : Sides::One;
         for (int step = 0; step < 10; ++step) {
             if (random.below(8) == 0 && history.undo()) continue;
             auto changed = random.edit(history.now());
             refused += changed ? 0 : 1;
+            oneSided += !changed && changed.error().code == "not-mirrored" ? 1 : 0;
             if (!changed) continue;
+            if (random.sides == Sides::Both) error = std::max(error, mirrorError(*changed)), ++mirrored;
             faults += checkProposal(*changed) ? 0 : 1;
             states.resize(history.position() + 1);
             states.push_back(written(*changed));
@@ -189,4 +238,7 @@ TEST_CASE("edited proposals: 1,000 random sequences hang together, undo to the s
     }
     CHECK(made > 5000);
     CHECK(refused < made);
+    MESSAGE("mirrored edits: ", mirrored, ", refused as not to be mirrored: ", oneSided, ", largest error: ", error, " of the size");
+    CHECK(error <= kMirrored);
+    CHECK(oneSided < mirrored / 10);
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "tests/support/proposals.h"
 #include "tests/tools/stage.h"
 #include "ui/tools/proposal_tool.h"
 
@@ -32,20 +33,9 @@ void addEel(ToolStage& stage) {
 
 const CharacterSource& eel(ToolStage& stage) { return *stage.now().characters.begin()->second; }
 
-/// A trunk from x = -1 to 1, "right" in front of it, "left" behind, a bone in each.
+/// A trunk from x = -1.03 to 1.03; the right tip is pinned.
 Proposal eelProposal() {
-    Proposal p;
-    p.root = "trunk";
-    p.cuts = {{"right cut", "right", {Vec3(1.03, 0, 0), Vec3(1, 0, 0)}}, {"left cut", "left", {Vec3(-1.03, 0, 0), Vec3(-1, 0, 0)}}};
-    ProposedBone bone;
-    bone.name = "trunk bone", bone.start = Vec3(-1.03, 0, 0), bone.end = Vec3(1.03, 0, 0), bone.startCut = 1, bone.endCut = 0;
-    p.bones.push_back(bone);
-    bone = {};
-    bone.name = "right bone", bone.parent = 0, bone.start = Vec3(1.03, 0, 0), bone.end = Vec3(2.8, 0, 0), bone.piece = bone.startCut = 0;
-    p.bones.push_back(bone);
-    bone = {};
-    bone.name = "left bone", bone.parent = 0, bone.fromParentStart = true, bone.start = Vec3(-1.03, 0, 0), bone.end = Vec3(-2.8, 0, 0), bone.piece = bone.startCut = 1;
-    p.bones.push_back(bone);
+    Proposal p = trunkWithTwoLimbs(1.03, 2.8);
     p.pins = {{1, true}};
     return p;
 }
@@ -238,4 +228,45 @@ TEST_CASE("proposals: joints are dragged and pinned, bones added and dropped, an
     CHECK(other.over());
     CHECK(!other.dropped());
     CHECK(!other.key(Qt::Key_Return, {}));
+}
+
+TEST_CASE("proposals: on a shape that mirrors itself the other side follows, until X switches that off") {
+    needEvents();
+    ToolStage stage;
+    addEel(stage);
+    Proposal p = eelProposal();
+    p.pins = {};
+    p.symmetry = CutPlane{Vec3::Zero(), Vec3::UnitX()};
+    ProposalTool tool(stage.document(), eel(stage).id, p, {});
+    const auto drag = [&](double from, double to) {
+        stage.press(tool, onSkin(from));
+        stage.pull(tool, onSkin(0.5 * (from + to)));
+        stage.pull(tool, onSkin(to));
+        stage.letGo(tool, onSkin(to));
+    };
+    drag(1.03, 1.6);
+    CHECK(tool.proposal().cuts[0].plane.origin.x() == doctest::Approx(1.6).epsilon(0.01));
+    CHECK(mirrorError(tool.proposal()) <= kMirrored);
+    // One click adds two planes, and Delete drops two.
+    stage.click(tool, onSkin(-2.2));
+    tried(tool);
+    CHECK(tool.proposal().cuts.size() == 4);
+    CHECK(tool.proposal().bones.size() == 5);
+    CHECK(mirrorError(tool.proposal()) <= kMirrored);
+    for (const auto& why : tool.refused()) CHECK(!why.has_value());
+    CHECK(tool.key(Qt::Key_Delete, {}));
+    CHECK(tool.proposal().cuts.size() == 2);
+    CHECK(mirrorError(tool.proposal()) <= kMirrored);
+    stage.click(tool, Vec3(-2.8, 0, 0));
+    // The bones stay as they were divided.
+    CHECK(isPinned(tool.proposal(), {2, true}));
+    CHECK(isPinned(tool.proposal(), {4, true}));
+    CHECK(tool.wants(Qt::Key_X));
+    CHECK(tool.key(Qt::Key_X, {}));
+    const double left = tool.proposal().cuts[1].plane.origin.x();
+    drag(1.6, 1.3);
+    CHECK(tool.proposal().cuts[0].plane.origin.x() == doctest::Approx(1.3).epsilon(0.01));
+    CHECK(tool.proposal().cuts[1].plane.origin.x() == left);
+    CHECK(!ProposalTool(stage.document(), eel(stage).id, eelProposal(), {}).wants(Qt::Key_X));
+    CHECK(stage.refusals.empty());
 }

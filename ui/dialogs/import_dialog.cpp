@@ -428,7 +428,7 @@ void ImportDialog::showCharacter() {
     }
     facts_->setText(lines.join(u'\n'));
     if (made.proposal && !proposal) issues_->addItem(new QListWidgetItem(themedIcon(QStringLiteral("warning"), Appearance::Role::Warning), errorText(made.proposal->error())));
-    if (wantsSkeleton_ && !file.rig)
+    if (wantsSkeleton_ && (!file.rig || file.rig->bones.empty()))
         issues_->addItem(new QListWidgetItem(themedIcon(QStringLiteral("info"), Appearance::Role::Info), tr("The file holds no skeleton: cuts and bones follow the shape.")));
     for (const MeshIssue& issue : file.issues) addIssue(issue);
     if (body && replaced_.empty()) askAboutSize(doubtedSize(mesh.vertices));

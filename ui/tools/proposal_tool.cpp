@@ -223,7 +223,7 @@ void ProposalTool::dragTo(const PointerEvent& e) {
             }
             plane.origin += drag.along * plane.normal;
             const Shown shown = shownAt(plane);
-            changed = withCutMoved(p, cut, plane, shown.centre);
+            changed = withCutMoved(p, cut, plane, shown.centre, sides());
             break;
         }
         case Drag::Does::Moves: {
@@ -231,9 +231,9 @@ void ProposalTool::dragTo(const PointerEvent& e) {
             drag.to += e.pace() * (under - drag.held);
             drag.held = under;
             if (drag.grip.kind == Grip::Kind::Handle) {
-                if (const auto flesh = fleshUnder(e)) changed = withHandleMoved(p, drag.grip.index, flesh->rest);
+                if (const auto flesh = fleshUnder(e)) changed = withHandleMoved(p, drag.grip.index, flesh->rest, sides());
             } else {
-                changed = withEndMoved(p, {drag.grip.index, drag.grip.atEnd}, drag.to);
+                changed = withEndMoved(p, {drag.grip.index, drag.grip.atEnd}, drag.to, sides());
             }
             break;
         }
@@ -241,7 +241,7 @@ void ProposalTool::dragTo(const PointerEvent& e) {
             const Vec3 beside = e.onPlane(drag.from, e.viewForward, drag.from);
             drag.to = insideUnder(e).value_or(beside);
             const int piece = pieceAt(0.5 * (drag.from + drag.to));
-            changed = drag.grip.kind == Grip::Kind::End ? withBoneAdded(p, ProposedEnd{drag.grip.index, drag.grip.atEnd}, drag.to, piece) : withBoneAdded(p, drag.from, drag.to, piece);
+            changed = drag.grip.kind == Grip::Kind::End ? withBoneAdded(p, ProposedEnd{drag.grip.index, drag.grip.atEnd}, drag.to, piece, sides()) : withBoneAdded(p, drag.from, drag.to, piece, sides());
             break;
         }
         case Drag::Does::AddsCut:
@@ -259,7 +259,7 @@ void ProposalTool::release(const PointerEvent& e) {
         if (drag.shown && drag.does == Drag::Does::AddsBone && !isTried(history_.now())) {
             wait({{}, drag.from, drag.to});
         } else if (drag.shown) {
-            if (drag.does == Drag::Does::AddsBone) selected_ = {Grip::Kind::Bone, int(drag.shown->bones.size()) - 1};
+            if (drag.does == Drag::Does::AddsBone) selected_ = {Grip::Kind::Bone, int(history_.now().bones.size())};
             if (drag.grip.kind == Grip::Kind::Cut) selected_ = drag.grip;
             take(std::move(*drag.shown));
         }
@@ -268,11 +268,11 @@ void ProposalTool::release(const PointerEvent& e) {
     switch (drag.grip.kind) {
         case Grip::Kind::End:
             selected_ = {};
-            take(withPinToggled(history_.now(), {drag.grip.index, drag.grip.atEnd}));
+            take(withPinToggled(history_.now(), {drag.grip.index, drag.grip.atEnd}, sides()));
             break;
         case Grip::Kind::Handle:
             selected_ = drag.grip;
-            take(withHandlePinToggled(history_.now(), drag.grip.index));
+            take(withHandlePinToggled(history_.now(), drag.grip.index, sides()));
             break;
         case Grip::Kind::Cut:
         case Grip::Kind::Bone: selected_ = drag.grip; break;
@@ -308,7 +308,7 @@ void ProposalTool::wait(Waiting waiting) {
     tryNext();
 }
 
-Result<Proposal> ProposalTool::withCut(const CutPlane& plane, const Shown& shown) const { return withCutAdded(history_.now(), plane, shown.centre, shown.reach, std::nullopt); }
+Result<Proposal> ProposalTool::withCut(const CutPlane& plane, const Shown& shown) const { return withCutAdded(history_.now(), plane, shown.centre, shown.reach, std::nullopt, sides()); }
 
 void ProposalTool::addCut(const CutPlane& plane, const Result<TriedCuts>& tried) {
     const Shown shown = shownAt(plane);
@@ -316,14 +316,14 @@ void ProposalTool::addCut(const CutPlane& plane, const Result<TriedCuts>& tried)
     const int added = int(p.cuts.size());
     auto changed = withCut(plane, shown);
     if (changed) {
-        std::optional<Error> why = tried ? tried->refused.back() : std::optional(tried.error());
+        std::optional<Error> why = tried ? tried->refused[std::size_t(added)] : std::optional(tried.error());
         if (why) return Q_EMIT document_.failed(errorText(*why));
         if (changed->bones.size() == p.bones.size()) {
             // A limb that has no bone gets one to the place of its flesh that is farthest out.
             Vec3 tip = shown.centre;
             for (Eigen::Index v = 0; v < sections_.body().vertices.rows(); ++v)
                 if (const Vec3 place = sections_.body().vertices.row(v); tried->piece[std::size_t(v)] == added && (place - shown.centre).norm() > (tip - shown.centre).norm()) tip = place;
-            if (tip != shown.centre) changed = withCutAdded(p, plane, shown.centre, shown.reach, Vec3(shown.centre + kWithin * (tip - shown.centre)));
+            if (tip != shown.centre) changed = withCutAdded(p, plane, shown.centre, shown.reach, Vec3(shown.centre + kWithin * (tip - shown.centre)), sides());
         }
         tried_ = *tried;
         triedPlanes_ = planesOf(*changed);
@@ -338,18 +338,19 @@ void ProposalTool::addBone(const Vec3& from, const Vec3& to) {
     for (int b = 0; b < int(p.bones.size()) && !end; ++b)
         for (const bool atEnd : {true, false})
             if (placeOf(p, {b, atEnd}) == from) end = jointOf(p, {b, atEnd}).front();
-    if (take(end ? withBoneAdded(p, *end, to, piece) : withBoneAdded(p, from, to, piece))) selected_ = {Grip::Kind::Bone, int(history_.now().bones.size()) - 1};
+    const int added = int(p.bones.size());
+    if (take(end ? withBoneAdded(p, *end, to, piece, sides()) : withBoneAdded(p, from, to, piece, sides()))) selected_ = {Grip::Kind::Bone, added};
 }
 
 void ProposalTool::drop(Grip grip) {
     const Proposal& p = history_.now();
     selected_ = {};
     switch (grip.kind) {
-        case Grip::Kind::Cut: take(withoutCut(p, grip.index)); break;
-        case Grip::Kind::Bone: take(withoutBone(p, grip.index)); break;
-        case Grip::Kind::Handle: take(withoutHandle(p, grip.index)); break;
+        case Grip::Kind::Cut: take(withoutCut(p, grip.index, sides())); break;
+        case Grip::Kind::Bone: take(withoutBone(p, grip.index, sides())); break;
+        case Grip::Kind::Handle: take(withoutHandle(p, grip.index, sides())); break;
         case Grip::Kind::End:
-            if (isPinned(p, {grip.index, grip.atEnd})) take(withPinToggled(p, {grip.index, grip.atEnd}));
+            if (isPinned(p, {grip.index, grip.atEnd})) take(withPinToggled(p, {grip.index, grip.atEnd}, sides()));
             break;
         case Grip::Kind::Nothing: break;
     }
@@ -372,7 +373,8 @@ void ProposalTool::handBack() {
 }
 
 bool ProposalTool::wants(int key) const {
-    return !over() && (key == Qt::Key_Return || key == Qt::Key_Enter || key == Qt::Key_Delete || key == Qt::Key_Backspace || key == Qt::Key_Escape);
+    return !over() && (key == Qt::Key_Return || key == Qt::Key_Enter || key == Qt::Key_Delete || key == Qt::Key_Backspace || key == Qt::Key_Escape ||
+                       (key == Qt::Key_X && history_.now().symmetry));
 }
 
 bool ProposalTool::key(int key, Qt::KeyboardModifiers) {
@@ -384,6 +386,10 @@ bool ProposalTool::key(int key, Qt::KeyboardModifiers) {
         case Qt::Key_Escape: finished_ = true; return true;
         case Qt::Key_Delete:
         case Qt::Key_Backspace: drop(hovered_.kind != Grip::Kind::Nothing ? hovered_ : selected_); return true;
+        case Qt::Key_X:
+            if (!history_.now().symmetry) return false;
+            mirrors_ = !mirrors_;
+            return true;
         default: return false;
     }
 }
@@ -508,6 +514,7 @@ QString ProposalTool::banner() const {
     int none = 0;
     for (int c = 0; c < int(proposal().cuts.size()); ++c) none += isTried(c) && tried_.refused[std::size_t(c)];
     if (none > 0) parts << ToolTexts::tr("%n plane(s) that do not cut", nullptr, none);
+    if (p.symmetry) parts << (mirrors_ ? ToolTexts::tr("Mirror: on (X)") : ToolTexts::tr("Mirror: off (X)"));
     parts << ToolTexts::tr("Enter: make it soft") << ToolTexts::tr("Esc: leave it as it is");
     return parts.join(QStringLiteral("  ·  "));
 }

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/proposal/proposal_edit.h"
+#include "core/proposal/proposal_mirror.h"
 #include "ui/jobs/cut_trial_job.h"
 #include "ui/tools/cut_preview.h"
 #include "ui/tools/picking.h"
@@ -17,9 +17,9 @@
 namespace imomushi {
 
 /// Shows how a character would be made soft and changes that, before anything is done: planes are dragged along their normals and turned (Ctrl, or the arrow of the selected
-/// one), ends of bones dragged, a click on the flesh adds a cut, on a joint a pin; Shift and a drag add a bone; Delete drops. Steps of its own can be undone. Enter makes the
-/// character soft as it is shown, by one make-soft command; Esc leaves everything as it is. Cuts are tried in the background: until it is known what they do they are drawn
-/// unfilled, and what depends on it waits.
+/// one), ends of bones dragged, a click on the flesh adds a cut, on a joint a pin; Shift and a drag add a bone; Delete drops. On a shape that mirrors itself the other
+/// side follows, until X switches that off. Steps of its own can be undone. Enter makes the character soft as it is shown, by one make-soft command; Esc leaves everything
+/// as it is. Cuts are tried in the background: until it is known what they do they are drawn unfilled, and what depends on it waits.
 class ProposalTool : public Tool {
 public:
     struct Host {
@@ -86,6 +86,8 @@ private:
         std::optional<Proposal> shown;                      ///< with what the drag changes
     };
 
+    /// Whether the other side follows.
+    [[nodiscard]] Sides sides() const { return mirrors_ ? Sides::Both : Sides::One; }
     [[nodiscard]] const CharacterSource* source() const;
     [[nodiscard]] Grip gripUnder(const PointerEvent& e) const;
     [[nodiscard]] bool onArrow(const PointerEvent& e) const;  ///< of the selected cut
@@ -134,6 +136,7 @@ private:
     std::optional<CutPlane> wouldCut_;  ///< what a click would add
     std::vector<std::vector<Vec3>> wouldCutRim_;
     std::optional<Drag> drag_;
+    bool mirrors_ = true;  ///< where the shape has a plane of symmetry
     bool finished_ = false, handedOver_ = false;
 };
 

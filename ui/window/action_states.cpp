@@ -52,7 +52,7 @@ void ActionStates::update() {
     const CharacterSource* character = chosenCharacter(document_);
     const bool idle = !steps_.running(), soften = character && idle && canBecomeSoft(d, *character);
     a["make-soft"]->setEnabled(soften);
-    a["make-soft-bones"]->setEnabled(soften && character->rig);
+    a["make-soft-bones"]->setEnabled(soften && character->rig && !character->rig->bones.empty());
     a["import-skeleton"]->setEnabled(character && idle);
     a["propose"]->setEnabled(soften);
     a["hide"]->setEnabled(count(Kind::Element) > 0);
@@ -93,7 +93,9 @@ void ActionStates::updateTakes() {
     const bool chosen = deck_.take() && !deck_.recording();
     a["record"]->setEnabled(deck_.canRecord());
     const CharacterSource* character = chosenCharacter(document_);
-    a["take-clip"]->setEnabled(character && character->rig && !character->rig->clips.empty() && !document_.document().bones.empty() && !deck_.recording() && !steps_.running());
+    // Bones move as a clip does, and morph targets without any.
+    const auto plays = [&](const RigClip& clip) { return !clip.morphs.empty() || !document_.document().bones.empty(); };
+    a["take-clip"]->setEnabled(character && character->rig && std::any_of(character->rig->clips.begin(), character->rig->clips.end(), plays) && !deck_.recording() && !steps_.running());
     for (const char* id : {"play", "take-back", "take-forward", "mark-in", "mark-out", "rename-take", "duplicate-take", "remove-take"}) a[id]->setEnabled(chosen);
     for (const char* id : {"mark-none", "trim-take"}) a[id]->setEnabled(chosen && deck_.marked());
     a["count-in"]->setChecked(deck_.countsIn());
