@@ -216,6 +216,11 @@ TEST_CASE("studio: what is proposed for a character is seen in the view, changed
     CHECK(character().cuts.size() == cuts);
     CHECK(!w.window().actions()["propose"]->isEnabled());
     w.shoot("proposal-accepted");
+    // Taken back, it can be changed again.
+    w.trigger("undo");
+    w.trigger("propose");
+    REQUIRE(w.view().proposal());
+    CHECK(moved() == 0.0);
 }
 
 TEST_CASE("studio: the import dialog offers what fits the file first, and the artist may choose otherwise") {
