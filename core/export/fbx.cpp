@@ -90,10 +90,26 @@ def loosen():
             bone.tail += shift
         bpy.ops.object.mode_set(mode="OBJECT")
 
+# The exporter of FBX finds a texture only where nothing is between it and the shader, as the importer of glTF puts vertex colours and factors.
+def show_textures():
+    def above(socket):
+        for link in socket.links:
+            if link.from_node.type == "TEX_IMAGE":
+                yield link.from_node
+            for own in link.from_node.inputs:
+                yield from above(own)
+    for tree in [m.node_tree for m in bpy.data.materials if m.node_tree]:
+        for node in [n for n in tree.nodes if n.type == "BSDF_PRINCIPLED"]:
+            color = node.inputs["Base Color"]
+            picture = next(above(color), None)
+            if picture:
+                tree.links.new(picture.outputs["Color"], color)
+
 empty()
 # Bones with the axes of their nodes, so that animations of the same skeleton fit.
 bpy.ops.import_scene.gltf(filepath=source, bone_heuristic="BLENDER")
 loosen()
+show_textures()
 for item in [o for o in bpy.context.scene.objects if o.name.startswith("Icosphere")]:
     bpy.data.objects.remove(item)
 parts = []

@@ -98,7 +98,7 @@ def draw(job, scene, first):
     at = Vector((middle[0], -middle[2], middle[1]))
     away = Vector((0.75, -1.0, 0.45)).normalized()
     camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
-    camera.location = at + 1.9 * float(size) * away
+    camera.location = at + 2.4 * float(size) * away
     camera.rotation_euler = away.to_track_quat("Z", "Y").to_euler()
     camera.data.lens = 60.0
     camera.data.clip_end = 100.0 * float(size)
@@ -118,6 +118,19 @@ def draw(job, scene, first):
     scene.render.resolution_x, scene.render.resolution_y = wish.get("size", [320, 240])
     scene.render.filepath = wish["path"]
     bpy.ops.render.render(write_still=True)
+
+
+def textures():
+    # Pictures that colour what is seen.
+    def above(socket):
+        for link in socket.links:
+            if link.from_node.type == "TEX_IMAGE":
+                yield link.from_node.image.name
+            for own in link.from_node.inputs:
+                yield from above(own)
+
+    nodes = [n for m in bpy.data.materials if m.node_tree for n in m.node_tree.nodes if n.type == "BSDF_PRINCIPLED"]
+    return len({name for n in nodes for name in above(n.inputs["Base Color"])})
 
 
 def check(job):
@@ -154,6 +167,7 @@ def check(job):
     answer = {
         "file": job["file"],
         "vertices": len(points),
+        "textures": textures(),
         "objects": [o.name for o in meshes(scene)],
         "bones": sum(len(o.data.bones) for o in scene.objects if o.type == "ARMATURE"),
         "joints": len(joints(scene, job["frames"][0].get("joints", {}))),

@@ -3,7 +3,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -160,7 +162,12 @@ Json inBlender(const Json& jobs) {
     return answers;
 }
 
-/// A worm of 1.2 m that stands up, in the way of many programs: a skeleton in centimetres under a node that makes metres of them, five bones along their own +Y, a skin. "fat" is a morph target; the clip
+/// A PNG picture of one orange pixel.
+const std::vector<std::uint8_t> kOrange = {
+    137, 80, 78, 71, 13, 10, 26, 10, 0, 0, 0, 13, 73, 72, 68, 82, 0, 0, 0, 1, 0, 0, 0, 1, 8, 2, 0, 0, 0, 144, 119, 83, 222, 0, 0, 0, 12, 73, 68, 65, 84, 120,
+    218, 99, 120, 208, 96, 0, 0, 3, 212, 1, 145, 127, 44, 229, 236, 0, 0, 0, 0, 73, 69, 78, 68, 174, 66, 96, 130};
+
+/// A worm of 1.2 m that stands up, in the way of many programs: a skeleton in centimetres under a node that makes metres of them, five bones along their own +Y, a skin. A texture under white vertex colours. "fat" is a morph target; the clip
 /// "talk" bends the upper bones and weighs it, within half a second.
 std::string wormGlb() {
     imomushi::io_test::Glb glb;
@@ -183,7 +190,13 @@ std::string wormGlb() {
     const int at = glb.floats(positions, "VEC3", 3), index = glb.indices(corners), j = glb.bytes(joints, "VEC4", 4), w = glb.floats(weights, "VEC4", 4), target = glb.floats(fat, "VEC3", 3);
     const int inverse = glb.floats(bind, "MAT4", 16), times = glb.floats({0.0f, 0.25f, 0.5f}, "SCALAR", 1), turn = glb.floats({0, 0, 0, 1, 0, 0, 0.2f, 0.979796f, 0.2f, 0, 0, 0.979796f}, "VEC4", 4),
               weigh = glb.floats({0.0f, 1.0f, -0.5f}, "SCALAR", 1);
-    glb.json["meshes"] = {{{"primitives", {{{"attributes", {{"POSITION", at}, {"JOINTS_0", j}, {"WEIGHTS_0", w}}}, {"indices", index}, {"targets", {{{"POSITION", target}}}}}}},
+    const auto vertices = positions.size() / 3;
+    const int white = glb.floats(std::vector<float>(3 * vertices, 1.0f), "VEC3", 3), uv = glb.floats(std::vector<float>(2 * vertices, 0.5f), "VEC2", 2);
+    const nlohmann::json picture = glb.json["accessors"][static_cast<std::size_t>(glb.bytes(kOrange, "SCALAR", 1))]["bufferView"];
+    glb.json["images"] = {{{"bufferView", picture}, {"mimeType", "image/png"}}};
+    glb.json["textures"] = {{{"source", 0}}};
+    glb.json["materials"] = {{{"name", "skin"}, {"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}};
+    glb.json["meshes"] = {{{"primitives", {{{"attributes", {{"POSITION", at}, {"COLOR_0", white}, {"TEXCOORD_0", uv}, {"JOINTS_0", j}, {"WEIGHTS_0", w}}}, {"indices", index}, {"material", 0}, {"targets", {{{"POSITION", target}}}}}}},
                            {"weights", {0.0}}, {"extras", {{"targetNames", {"fat"}}}}}};
     glb.json["nodes"] = {{{"mesh", 0}, {"skin", 0}, {"name", "skin"}}, {{"name", "Armature"}, {"scale", {0.01, 0.01, 0.01}}, {"children", {2}}}};
     nlohmann::json channels = nlohmann::json::array(), own = nlohmann::json::array();
@@ -330,7 +343,7 @@ TEST_CASE("clients: a character that was made soft goes to Blender as what the s
         }
     const std::size_t first = lines.size();
     for (const auto& [path, layout] : {std::pair{"baked.glb", "baked"}, {"skinned.glb", "skinned"}, {"baked.fbx", "baked"}, {"skinned.fbx", "skinned"}, {"worm.pc2", "cache"}, {"worm.mdd", "cache"},
-                                       {"talk.glb", "skinned"}, {"talk.fbx", "baked"}}) {
+                                       {"talk.glb", "baked"}, {"talk.fbx", "skinned"}}) {
         lines.push_back(exported(path, layout, "blender"));
         lines.back()["take"] = std::string(path).starts_with("talk") ? "talk" : "t";
     }
@@ -355,13 +368,22 @@ TEST_CASE("clients: a character that was made soft goes to Blender as what the s
         CAPTURE(told[i].dump());
         const bool cache = jobs[i].contains("object");
         CHECK(told[i]["vertices"] == 202);
+        CHECK(told[i]["textures"] == 1);
         CHECK(told[i]["joints"].get<std::size_t>() >= (cache ? 0 : bones.size()));
-        if (jobs[i]["file"].get<std::string>().starts_with("skinned") || cache) continue;
         for (const Json& distance : told[i]["joint_distances"]) CHECK(distance.get<double>() < kJoints);
     }
-    // FBX comes back with the weights, too: "fat" by one after a quarter of a second widens the top by half.
-    const auto back = perform({{{"do", "import-character"}, {"path", "talk.fbx"}, {"name", "again"}}, {{"do", "take-clip"}, {"character", "again"}, {"clip", "talk"}}});
-    CHECK(back[1]["morphs"].get<int>() >= 1);
+    // FBX comes back with the weights, too: by one after a quarter of a second "fat" makes the top twice as wide.
+    const auto back = perform({{{"do", "import-character"}, {"path", "talk.fbx"}, {"name", "again"}}, {{"do", "write-mesh"}, {"path", "before.obj"}, {"character", "again"}},
+                               {{"do", "take-clip"}, {"character", "again"}, {"clip", "talk"}, {"take", "again"}}, {{"do", "play"}, {"take", "again"}, {"time", 0.25}}, {{"do", "write-mesh"}, {"path", "again.obj"}, {"character", "again"}}});
+    CHECK(back[2]["morphs"] == 1);
+    const auto widest = [](const char* file) {
+        double most = 0.0;
+        std::istringstream written(readFile(folder() / file));
+        for (std::string line; std::getline(written, line);)
+            if (double x = 0.0, y = 0.0, z = 0.0; std::sscanf(line.c_str(), "v %lf %lf %lf", &x, &y, &z) == 3) most = std::max(most, std::abs(z));
+        return most;
+    };
+    CHECK(widest("again.obj") == doctest::Approx(2.0 * widest("before.obj")).epsilon(1e-3));
 }
 
 TEST_CASE("clients: FBX files are made by Blender and come back from it as they were, or are refused with the reason") {
