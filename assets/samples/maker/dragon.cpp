@@ -19,18 +19,19 @@ const Vec3 kSkull(0, 1.36, 0.03);
 const Vec3 kEye(0.195, 1.425, 0.285);
 constexpr double kEyeRadius = 0.118;
 const Vec3 kLook = Vec3(0.28, 0.06, 1).normalized();
-const Vec3 kShoulderPoint(0.24, 0.84, 0.05), kWrist(0.545, 0.66, 0.20), kHand(0.60, 0.635, 0.225);
-const Vec3 kHip(0.20, 0.36, 0.02), kAnkle(0.245, 0.13, 0.06), kFoot(0.26, 0.088, 0.15);
+const Vec3 kShoulderPoint(0.24, 0.85, 0.04), kWrist(0.58, 0.775, 0.17), kHand(0.645, 0.76, 0.20);
+const Vec3 kHip(0.21, 0.34, 0.02), kAnkle(0.245, 0.13, 0.06), kFoot(0.26, 0.088, 0.15);
+const Vec3 kShoulder = kShoulderPoint + 0.32 * (kWrist - kShoulderPoint), kThigh(0.225, 0.26, 0.03);  // joints
 const Vec3 kHornFoot(0.17, 1.66, -0.02), kHornTip(0.27, 1.90, -0.13);
 
 const Tube& tail() {
-    static const Tube tube({{0, 0.46, -0.12}, {0, 0.27, -0.46}, {0, 0.20, -0.80}, {0, 0.33, -1.08}, {0, 0.54, -1.16}}, {0.23, 0.165, 0.115, 0.08, 0.05}, 40);
+    static const Tube tube({{0, 0.52, -0.10}, {0, 0.30, -0.46}, {0, 0.20, -0.80}, {0, 0.33, -1.08}, {0, 0.54, -1.16}}, {0.20, 0.155, 0.115, 0.08, 0.05}, 40);
     return tube;
 }
 
 // Fields of the limbs: what they are blended from, and what the weights come from.
 double trunkField(const Vec3& p) {
-    const double belly = ellipsoid(p, {0, 0.58, 0.02}, {0.345, 0.36, 0.31});
+    const double belly = ellipsoid(p, {0, 0.62, 0.02}, {0.345, 0.33, 0.31});
     return blend(belly, taperedCapsule(p, {0, 0.80, 0.01}, {0, 1.10, 0.02}, 0.24, 0.185), 0.16);
 }
 double snout(const Vec3& p) { return ellipsoid(p, {0, 1.255, 0.33}, {0.255, 0.165, 0.19}); }
@@ -40,12 +41,12 @@ double headField(const Vec3& p) {
     return blend(d, sphere(q, {0.085, 1.372, 0.455}, 0.038), 0.06);
 }
 double armField(const Vec3& q) { return blend(taperedCapsule(q, kShoulderPoint, kWrist, 0.112, 0.085), ellipsoid(q, kHand, {0.105, 0.09, 0.10}), 0.05); }
-double legField(const Vec3& q) { return blend(taperedCapsule(q, kHip, kAnkle, 0.19, 0.145), ellipsoid(q, kFoot, {0.15, 0.088, 0.215}), 0.07); }
+double legField(const Vec3& q) { return blend(taperedCapsule(q, kHip, kAnkle, 0.175, 0.14), ellipsoid(q, kFoot, {0.15, 0.088, 0.215}), 0.07); }
 double tailField(const Vec3& p) { return blend(tail().nearest(p).distance, ellipsoid(p, tail().at(1.0) + Vec3(0, 0.05, -0.01), {0.05, 0.095, 0.085}), 0.05); }
 
-/// A row of rounded spikes from the back of the head to the tail.
-double spikes(const Vec3& p) {
-    static const std::vector<std::pair<Vec3, Vec3>> rows = [] {
+/// A row of rounded spikes from the back of the head to the tail: foot and tip of each.
+const std::vector<std::pair<Vec3, Vec3>>& spikeRow() {
+    static const std::vector<std::pair<Vec3, Vec3>> row = [] {
         std::vector<std::pair<Vec3, Vec3>> all = {{{0, 1.68, -0.10}, {0, 1.80, -0.17}}, {{0, 1.50, -0.29}, {0, 1.60, -0.42}}, {{0, 1.24, -0.28}, {0, 1.29, -0.41}},
                                                   {{0, 0.97, -0.19}, {0, 1.01, -0.33}}, {{0, 0.70, -0.27}, {0, 0.76, -0.42}}};
         for (double s : {0.36, 0.58, 0.78}) {
@@ -55,8 +56,12 @@ double spikes(const Vec3& p) {
         }
         return all;
     }();
+    return row;
+}
+double spike(const Vec3& p, const std::pair<Vec3, Vec3>& one) { return taperedCapsule(p, one.first, one.second, 0.062, 0.028); }
+double spikes(const Vec3& p) {
     double d = 1e9;
-    for (const auto& [a, b] : rows) d = std::min(d, taperedCapsule(p, a, b, 0.062, 0.022));
+    for (const auto& one : spikeRow()) d = std::min(d, spike(p, one));
     return d;
 }
 
@@ -83,8 +88,11 @@ double bodyShape(const Vec3& p) {
 
 // A wing in its own plane: along the arm, up, and across.
 struct WingFrame {
-    Vec3 origin{0.12, 0.90, -0.24}, along = Vec3(0.80, 0.42, -0.43).normalized(), up, across;
+    Vec3 origin, along = Vec3(0.85, 0.14, -0.50).normalized(), up, across;
     WingFrame() {
+        // A hair off the back, so that the thin wings are no flesh.
+        origin = project(bodyShape, {0.10, 0.86, -0.21});
+        origin += 0.005 * normal(bodyShape, origin);
         across = along.cross(Vec3(0.0, 0.9, -0.1)).normalized();
         up = across.cross(along);
     }
@@ -95,13 +103,15 @@ const WingFrame& wingFrame() {
     return frame;
 }
 
-constexpr int kFan = 24, kRings = 8;      // of the wing's grid: around its root, and outwards
-constexpr double kFanFrom = 1.15, kFanTo = -0.75;  // radians in its plane
+constexpr int kFan = 24, kRings = 5;             // of the wing's grid: around its root, and outwards
+constexpr double kFanFrom = 0.95, kFanTo = -0.80;  // radians in its plane
+
+constexpr double kWingThickness = 0.03;             // m, each side
 
 /// How far the wing reaches: three fingers, hollows between them.
 double wingReach(double angle) {
     const double s = (kFanFrom - angle) / (kFanFrom - kFanTo);
-    return (0.50 - 0.16 * s) * (1.0 - 0.24 * std::abs(std::sin(3 * M_PI * s)));
+    return (0.60 - 0.18 * s) * (1.0 - 0.24 * std::abs(std::sin(3 * M_PI * s)));
 }
 
 double wingHollow(const Vec3& l) { return 0.30 * l.x() * l.x() - 0.4 * l.y() * l.y(); }
@@ -128,7 +138,7 @@ Mesh wingMesh() {
                 }
                 const double s = double(i) / kFan, r = double(k) / kRings, angle = kFanFrom + s * (kFanTo - kFanFrom), reach = r * wingReach(angle);
                 Vec3 l(reach * std::cos(angle), reach * std::sin(angle), 0);
-                const double thick = 0.022 * std::sqrt(std::max(0.0, 4 * s * (1 - s))) * std::sqrt(std::max(0.0, r * (1 - r)));
+                const double thick = kWingThickness * std::sqrt(4 * s * (1 - s) * r * (1 - r));
                 l.z() = wingHollow(l) + (side == 0 ? thick : -thick);
                 at[side][i][k] = int(mesh.points.size());
                 mesh.points.push_back(f.origin + l.x() * f.along + l.y() * f.up + l.z() * f.across);
@@ -137,23 +147,30 @@ Mesh wingMesh() {
         for (int i = 0; i < kFan; ++i)
             for (int k = 0; k < kRings; ++k) {
                 const auto add = [&](int a, int b, int c) {
+                    if (a == b || b == c || c == a) return;  // at the root
                     if (side == 0) std::swap(b, c);
                     mesh.triangles.push_back({a, b, c});
                 };
                 const int a = at[side][i][k], b = at[side][i][k + 1], c = at[side][i + 1][k + 1], d = at[side][i + 1][k];
-                add(a, b, c);
-                if (k > 0) add(a, c, d);
+                if (i < kFan / 2) {  // no triangle has all its corners on the rim: both sheets would have it
+                    add(a, b, d);
+                    add(b, c, d);
+                } else {
+                    add(a, b, c);
+                    add(a, c, d);
+                }
             }
     return mesh;
 }
 
 double hornShape(const Vec3& p) {
     const Vec3 q = mirrored(p);
-    static const Tube horn({kHornFoot, {0.235, 1.79, -0.045}, kHornTip}, {0.072, 0.055, 0.02}, 12);
+    static const Tube horn({kHornFoot, {0.235, 1.79, -0.045}, kHornTip}, {0.072, 0.055, 0.026}, 12);
     return horn.nearest(q).distance;
 }
 
-double tongueShape(const Vec3& p) { return ellipsoid(p, {0, 1.150, 0.40}, {0.088, 0.028, 0.105}); }
+double tongueShape(const Vec3& p) { return ellipsoid(p, {0, 1.155, 0.385}, {0.088, 0.030, 0.105}); }
+double toothShape(const Vec3& p) { return taperedCapsule(mirrored(p), {0.078, 1.252, 0.480}, {0.080, 1.208, 0.492}, 0.019, 0.008); }
 double eyeShape(const Vec3& p) { return sphere(mirrored(p), kEye, kEyeRadius); }
 
 Vec3 paintBody(const Vec3& p, const Vec3& n, double texel) {
@@ -166,7 +183,7 @@ Vec3 paintBody(const Vec3& p, const Vec3& n, double texel) {
                                     {Vec3(0.14, 0.31, -0.56), 0.042}, {Vec3(0.10, 0.24, -0.82), 0.034}, {Vec3(0.14, 1.66, 0.20), 0.03}, {Vec3(0.20, 1.645, 0.13), 0.022}})
         c = mix(c, rgb(0x2c8a86), 0.75 * cover((q - centre).norm() - r, 0.03));
     // The belly, cream, with soft bands; and the chin.
-    const double under = ovalDistance({p.x(), p.y()}, {0, 0.62}, {0.235, 0.36});
+    const double under = ovalDistance({p.x(), p.y()}, {0, 0.65}, {0.235, 0.32});
     if (n.z() > 0.05 && p.z() > 0.05 && p.y() < 1.06) {
         const double band = std::abs(std::remainder(p.y() - 0.5 * p.x() * p.x(), 0.105));
         const Vec3 cream = mix(rgb(0xffedc4), rgb(0xf3cf95), 0.8 * cover(band - 0.008, 0.018));
@@ -180,8 +197,7 @@ Vec3 paintBody(const Vec3& p, const Vec3& n, double texel) {
     // Eyelids, a little deeper, with a light rim.
     c = mix(c, rgb(0x2f8d8a), 0.55 * cover(sphere(q, kEye, kEyeRadius + 0.026), 0.02));
     // Spikes and the tail's tip: warm orange.
-    const double spike = spikes(p);
-    c = mix(c, mix(rgb(0xf08a3c), rgb(0xffc65c), cover(0.03 - std::max(0.0, bodyShape(p) + 0.0), 0.1)), cover(spike - 0.012, 0.014));
+    c = mix(c, rgb(0xf6a047), cover(spikes(p) - 0.012, 0.014));
     c = mix(c, rgb(0xf59a43), cover(ellipsoid(p, tail().at(1.0) + Vec3(0, 0.05, -0.01), {0.05, 0.095, 0.085}) - 0.008, 0.02));
     // Claws: three on each foot and hand.
     for (double x : {0.175, 0.262, 0.348}) c = mix(c, rgb(0xfff1d2), cover(ellipsoid(q, {x, 0.055, 0.335 - 0.9 * std::abs(x - 0.262) * 0.35}, {0.03, 0.035, 0.05}), 0.5 * 0.012 + texel));
@@ -223,7 +239,9 @@ Vec3 paintHorn(const Vec3& p, const Vec3&, double) {
 
 Vec3 paintTongue(const Vec3& p, const Vec3&, double) { return mix(rgb(0xff8a92), rgb(0xd9566a), cover(std::abs(p.x()) - 0.008, 0.02)); }
 
-enum Joint { kRoot, kSpine, kHead, kArmL, kHandL, kArmR, kHandR, kLegL, kFootL, kLegR, kFootR, kTail1, kTail2, kTail3, kJoints };
+Vec3 paintTooth(const Vec3& p, const Vec3&, double) { return mix(rgb(0xfffdf2), rgb(0xf2e3c4), cover(1.235 - p.y(), 0.03)); }
+
+enum Joint { kRoot, kSpine, kHead, kArmL, kHandL, kArmR, kHandR, kLegL, kFootL, kLegR, kFootR, kTail1, kTail2, kTail3, kWingL, kWingR, kJoints };
 
 std::vector<double> bodyWeights(const Vec3& p) {
     std::vector<double> w(kJoints, 0.0);
@@ -288,8 +306,8 @@ Mesh ball(const Vec3& centre, double radius, int vertices) {
     return remesh(surfaceOf(shape, centre - reach, centre + reach, 0.3 * radius), 0, shape, [=](const Vec3&) { return 0.25 * radius; }, vertices);
 }
 
-/// One side of a mirrored shape, and its mirror image for the other: x below 0 is far outside.
-Mesh leftOf(const Shape& shape, const Vec3& low, const Vec3& high, double step, double size, int vertices) {
+/// A small part inside a box; of a mirrored shape its left side, or both.
+Mesh partOf(const Shape& shape, const Vec3& low, const Vec3& high, double step, double size, int vertices) {
     return remesh(surfaceOf(shape, low, high, step), 0, shape, [=](const Vec3&) { return size; }, vertices);
 }
 
@@ -299,11 +317,10 @@ Mesh mirrorImage(Mesh mesh) {
     return mesh;
 }
 
-/// Without the triangles in the depth of the mouth: the throat is open.
-void openThroat(Mesh& mesh) {
+/// Without the triangles that the eyes hide: the sockets are open.
+void openSockets(Mesh& mesh) {
     std::erase_if(mesh.triangles, [&](const auto& t) {
-        const Vec3 p = (mesh.points[t[0]] + mesh.points[t[1]] + mesh.points[t[2]]) / 3;
-        return mouth(p) < 0.012 && p.z() < 0.335 && p.z() > 0.2;
+        return std::all_of(t.begin(), t.end(), [&](int v) { return eyeShape(mesh.points[v]) < -0.02; });
     });
     std::vector<int> now(mesh.points.size(), -1);
     std::vector<Vec3> kept;
@@ -329,11 +346,11 @@ void makeDragon(const std::filesystem::path& folder) {
         h = std::min(h, 0.026 + 0.25 * std::max(std::abs(sphere(q, kEye, kEyeRadius + 0.02)), 0.0));
         h = std::min(h, 0.020 + 0.25 * std::max(mouth(p), 0.0));
         h = std::min(h, 0.022 + 0.25 * std::max(sphere(q, {0.088, 1.378, 0.497}, 0.03), 0.0));
-        h = std::min(h, 0.032 + 0.30 * std::max(spikes(p), 0.0));
+        h = std::min(h, 0.026 + 0.30 * std::max(spikes(p), 0.0));
         return std::min(h, 0.036 + 0.3 * std::max((q - kHand).norm() - 0.1, 0.0));
     };
-    body.mesh = remesh(surfaceOf(bodyShape, {-0.85, -0.06, -1.35}, {0.85, 1.95, 0.70}, 0.03), 0, bodyShape, size, 3300);
-    openThroat(body.mesh);
+    body.mesh = remesh(surfaceOf(bodyShape, {-0.85, -0.06, -1.35}, {0.85, 1.95, 0.70}, 0.03), 0, bodyShape, size, 2700);
+    openSockets(body.mesh);
     body.shape = bodyShape;
     body.paint = paintBody;
     body.weights = bodyWeights;
@@ -344,6 +361,14 @@ void makeDragon(const std::filesystem::path& folder) {
         const double side = p.x() < 0 ? -1 : 1;
         return Vec3(side * (0.02 * corner + 0.02 * cheek), 0.035 * corner + 0.015 * cheek, 0.01 * cheek);
     };
+    // All spikes are of one colour and share their two charts: seen from each side, from their feet.
+    for (double side : {1.0, -1.0})
+        body.charts.push_back({[=](const Vec3& p, const Vec3&) { return spikes(p) < 0.004 && (p.x() >= 0) == (side > 0); },
+                               [](const Vec3& p) {
+                                   const auto& row = spikeRow();
+                                   const auto near = std::min_element(row.begin(), row.end(), [&](const auto& a, const auto& b) { return spike(p, a) < spike(p, b); });
+                                   return Eigen::Vector2d(p.z() - near->first.z(), p.y() - near->first.y());
+                               }});
     const auto limb = [](const Vec3& p) {  // 0: trunk, 1: head, 2: arms, 3: legs, 4: tail
         const Vec3 q = mirrored(p);
         if (p.y() > 1.06) return 1;
@@ -370,15 +395,23 @@ void makeDragon(const std::filesystem::path& folder) {
     dragon.parts.push_back(std::move(body));
 
     RiggedPart tongue{"tongue", "tongue", 0.35};
-    tongue.mesh = leftOf(tongueShape, {-0.12, 1.10, 0.25}, {0.12, 1.20, 0.55}, 0.014, 0.03, 130);
+    tongue.mesh = partOf(tongueShape, {-0.12, 1.10, 0.25}, {0.12, 1.20, 0.55}, 0.014, 0.03, 130);
     tongue.shape = tongueShape;
     tongue.paint = paintTongue;
     tongue.weights = [](const Vec3&) { return only(kHead); };
     addBall(tongue.charts, [](const Vec3&) { return true; }, {0, 1.15, 0.40}, Vec3::UnitY());
     dragon.parts.push_back(std::move(tongue));
 
+    RiggedPart teeth{"teeth", "tooth", 0.25};
+    teeth.mesh = partOf(toothShape, {-0.12, 1.18, 0.44}, {0.12, 1.29, 0.53}, 0.008, 0.011, 120);
+    teeth.shape = toothShape;
+    teeth.paint = paintTooth;
+    teeth.weights = [](const Vec3&) { return only(kHead); };
+    for (double side : {1.0, -1.0}) addBall(teeth.charts, [=](const Vec3& p) { return p.x() * side > 0; }, {0.079 * side, 1.23, 0.486}, Vec3::UnitZ());
+    dragon.parts.push_back(std::move(teeth));
+
     const Mesh eye = ball(kEye, kEyeRadius, 230);
-    const Mesh horn = leftOf(hornShape, {0.04, 1.54, -0.25}, {0.40, 2.0, 0.12}, 0.022, 0.03, 150);
+    const Mesh horn = partOf(hornShape, {0.04, 1.54, -0.25}, {0.40, 2.0, 0.12}, 0.018, 0.024, 240);
     const Mesh wing = wingMesh();
     for (const double side : {1.0, -1.0}) {
         const std::string mark = side > 0 ? ".L" : ".R";
@@ -398,7 +431,7 @@ void makeDragon(const std::filesystem::path& folder) {
         put(hornPart, horn, hornShape, {0.23, 1.78, -0.05}, Vec3::UnitZ(), kHead);
         wingPart.mesh = side > 0 ? wing : mirrorImage(wing);
         wingPart.shape = [](const Vec3& p) { return std::abs(wingSheet(p)); };
-        wingPart.weights = [](const Vec3&) { return only(kSpine); };
+        wingPart.weights = [=](const Vec3&) { return only(side > 0 ? kWingL : kWingR); };
         for (const double face : {1.0, -1.0})
             wingPart.charts.push_back({[=](const Vec3& p, const Vec3&) { return face * wingSheet(p) >= 0; },
                                        [](const Vec3& p) { return Eigen::Vector2d(wingFrame().local(mirrored(p)).head<2>()); }});
@@ -409,17 +442,19 @@ void makeDragon(const std::filesystem::path& folder) {
     dragon.joints = {{"root", -1, {0, 0.42, 0}},
                      {"spine", kRoot, {0, 0.66, 0.0}},
                      {"head", kSpine, {0, 1.10, 0.02}},
-                     {"arm.L", kSpine, kShoulderPoint + Vec3(0.05, -0.03, 0.02)},
+                     {"arm.L", kSpine, kShoulder},
                      {"hand.L", kArmL, kWrist - Vec3(0.04, -0.02, 0.02)},
-                     {"arm.R", kSpine, right(kShoulderPoint + Vec3(0.05, -0.03, 0.02))},
+                     {"arm.R", kSpine, right(kShoulder)},
                      {"hand.R", kArmR, right(kWrist - Vec3(0.04, -0.02, 0.02))},
-                     {"leg.L", kRoot, kHip},
+                     {"leg.L", kRoot, kThigh},
                      {"foot.L", kLegL, kAnkle},
-                     {"leg.R", kRoot, right(kHip)},
+                     {"leg.R", kRoot, right(kThigh)},
                      {"foot.R", kLegR, right(kAnkle)},
                      {"tail.1", kRoot, tail().at(0.22)},
                      {"tail.2", kTail1, tail().at(0.45)},
-                     {"tail.3", kTail2, tail().at(0.74)}};
+                     {"tail.3", kTail2, tail().at(0.74)},
+                     {"wing.L", kSpine, wingFrame().origin},
+                     {"wing.R", kSpine, right(wingFrame().origin)}};
     const Vec3 z = Vec3::UnitZ(), y = Vec3::UnitY(), x = Vec3::UnitX();
     dragon.clips = {{"wave",
                      {{kArmL, z, {0, 0.4f, 0.7f, 1.0f, 1.3f, 1.6f, 2.0f}, {0, 1.1, 0.75, 1.1, 0.75, 1.1, 0}},

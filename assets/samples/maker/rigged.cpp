@@ -247,7 +247,6 @@ void addMaterials(Writer& out, const RiggedCharacter& c, std::vector<int>& ofPar
         material.pbrMetallicRoughness.baseColorTexture.index = 0;
         material.pbrMetallicRoughness.metallicFactor = 0.0;
         material.pbrMetallicRoughness.roughnessFactor = part.roughness;
-        material.doubleSided = part.name == "body";  // one looks into its mouth
         out.model.materials.push_back(material);
     }
 }
