@@ -3558,6 +3558,10 @@
             <translation>頭、胴、腕、脚</translation>
         </message>
         <message>
+            <source>A file with a skeleton, made soft</source>
+            <translation>骨格のあるファイルをやわらかく</translation>
+        </message>
+        <message>
             <source>Caterpillar</source>
             <translation>イモムシ</translation>
         </message>
@@ -3568,6 +3572,10 @@
         <message>
             <source>Cartoon figure</source>
             <translation>カートゥーンの人物</translation>
+        </message>
+        <message>
+            <source>Baby dragon</source>
+            <translation>ドラゴンの赤ちゃん</translation>
         </message>
         <message>
             <source>Soft characters that bend, stretch and squash as you drag them</source>

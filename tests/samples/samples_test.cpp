@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -28,7 +29,8 @@ struct Sample {
     const char* name;
     int elements, bones, joints;
 };
-constexpr Sample kAll[] = {{"caterpillar", 5, 5, 4}, {"octopus", 25, 33, 24}, {"figure", 14, 19, 13}};
+constexpr Sample kAll[] = {{"caterpillar", 5, 5, 4}, {"octopus", 25, 33, 24}, {"figure", 14, 19, 13}, {"dragon", 9, 14, 8}};
+constexpr std::span kInParts(kAll, 3);  // those with a mesh per element
 
 /// Runs a script inside a folder, without a display; every line must succeed. The answers.
 std::vector<Json> run(const fs::path& folder, const fs::path& script) {
@@ -95,7 +97,7 @@ TEST_CASE("samples: each opens with all its parts, precomputed, and 1978 vertice
 }
 
 TEST_CASE("samples: the script beside the meshes makes what the project file holds, from sound meshes and flat faces that match") {
-    for (const Sample& sample : kAll) {
+    for (const Sample& sample : kInParts) {
         CAPTURE(sample.name);
         const std::string name = sample.name;
         const TestFolder folder;
@@ -139,6 +141,57 @@ TEST_CASE("samples: the script beside the meshes makes what the project file hol
         CHECK((a - b).cwiseAbs().maxCoeff() < 1e-6);
         CHECK((a - rest).cwiseAbs().maxCoeff() > 0.1);
     }
+}
+
+TEST_CASE("samples: the dragon's file has parts, openings, a skeleton, clips and a morph target, and its script makes what the project file holds, here with coarse answers") {
+    const TestFolder folder;
+    fs::create_directory(folder / "dragon");
+    fs::copy(kSamples / "dragon/dragon.glb", folder / "dragon");
+    std::ifstream lines(kSamples / "dragon/make.jsonl");
+    std::ofstream script(folder / "dragon/make.jsonl", std::ios::binary);
+    for (std::string line; std::getline(lines, line);) {
+        if (line.empty() || line[0] == '#') continue;
+        Json command = Json::parse(line);
+        if (command["do"] == "make-soft") command["draft"] = true, command["precompute"] = false;
+        script << command.dump() << "\n";
+    }
+    script << Json{{"do", "drag"}, {"endpoint", "head/end"}, {"to", {0.4, 1.7, 0.3}}} << "\n"
+           << Json{{"do", "step"}, {"frames", 5}} << "\n"
+           << Json{{"do", "measure"}, {"what", "gap"}} << "\n"
+           << Json{{"do", "write-mesh"}, {"path", "rest.obj"}, {"state", "rest"}} << "\n"
+           << Json{{"do", "write-mesh"}, {"path", "posed.obj"}, {"state", "current"}} << "\n";
+    script.close();
+    Json soft;
+    for (const Json& answer : run(folder / "dragon", folder / "dragon/make.jsonl")) {
+        if (answer["do"] == "make-soft") soft = answer;
+        if (answer["do"] == "step") CHECK(answer["finite"] == true);
+        if (answer["do"] == "measure") CHECK(answer["value"].get<double>() < 1e-12);
+    }
+    const auto names = [](const Json& list) {
+        std::vector<std::string> all;
+        for (const Json& item : list) all.push_back(item["name"]);
+        return all;
+    };
+    CHECK(names(soft["parts"]) == std::vector<std::string>{"body", "tongue", "teeth", "eye.L", "horn.L", "wing.L", "eye.R", "horn.R", "wing.R"});
+    CHECK(soft["skeleton"].size() == 16);
+    CHECK(names(soft["clips"]) == std::vector<std::string>{"wave", "breathe"});
+    CHECK(names(soft["morphs"]) == std::vector<std::string>{"smile"});
+    CHECK(soft["body"]["how"] == "mended");
+    CHECK(soft["refused"].empty());
+    const auto open = std::find_if(soft["issues"].begin(), soft["issues"].end(), [](const Json& issue) { return issue["code"] == "open"; });
+    REQUIRE(open != soft["issues"].end());
+    CHECK((*open)["count"] == 2);  // the sockets of its eyes
+    const fs::path files[] = {folder / "dragon.imomushi", kSamples / "dragon.imomushi"};
+    Json opened[2];
+    for (int i = 0; i < 2; ++i) opened[i] = run(folder, {{{"do", "open"}, {"path", files[i].string()}}})[0];
+    CHECK(names(opened[0]["elements"]) == names(opened[1]["elements"]));
+    CHECK(opened[0]["bones"] == opened[1]["bones"]);
+    CHECK(opened[0]["joints"] == opened[1]["joints"]);
+    CHECK(opened[0]["takes"] == opened[1]["takes"]);
+    const Points rest = readVertices(folder / "dragon/rest.obj"), posed = readVertices(folder / "dragon/posed.obj");
+    REQUIRE(rest.rows() == posed.rows());
+    CHECK(posed.allFinite());
+    CHECK((posed - rest).cwiseAbs().maxCoeff() > 0.1);
 }
 
 TEST_CASE("samples: each performs headless, keeps its joints closed and leaves a picture and a mesh") {

@@ -183,6 +183,7 @@ QString sampleNote(const QString& name) {
     if (name == u"caterpillar") return StartPage::tr("Five elements in a row");
     if (name == u"octopus") return StartPage::tr("A body with eight arms");
     if (name == u"figure") return StartPage::tr("Head, trunk, arms and legs");
+    if (name == u"dragon") return StartPage::tr("A file with a skeleton, made soft");
     return {};
 }
 
@@ -192,6 +193,7 @@ QString sampleTitle(const QString& name) {
     if (name == u"caterpillar") return StartPage::tr("Caterpillar");
     if (name == u"octopus") return StartPage::tr("Octopus");
     if (name == u"figure") return StartPage::tr("Cartoon figure");
+    if (name == u"dragon") return StartPage::tr("Baby dragon");
     return name;
 }
 
