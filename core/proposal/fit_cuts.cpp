@@ -45,9 +45,11 @@ public:
                 at = which[static_cast<std::size_t>(refusal.other)];
                 nearest.reset();  // was of the one that stays
             }
-            const double by = nearest ? (1.0 + kBeyond) * fitted_[at].plane.normal.dot(nearest->origin - fitted_[at].plane.origin) : 0.0;
+            // Where it works is known of the cut that stays only; the other one goes outward.
+            const bool outward = !nearest && refusal.other >= 0;
+            const double by = nearest ? (1.0 + kBeyond) * fitted_[at].plane.normal.dot(nearest->origin - fitted_[at].plane.origin) : wished_[at].reach / kMostMoves;
             fitted_[at].code = refusal.code;
-            if (nearest && std::abs(fitted_[at].moved + by) <= wished_[at].reach && moves_[at] < kMostMoves) {
+            if ((nearest || outward) && std::abs(fitted_[at].moved + by) <= wished_[at].reach && moves_[at] < kMostMoves) {
                 move(at, by);
                 fitted_[at].why = "It was moved along the limb: " + refusal.message;
             } else {

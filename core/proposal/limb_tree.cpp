@@ -24,6 +24,8 @@ constexpr double kLeastReach = 0.035, kLeastSlenderness = 0.6;
 constexpr double kTouching = 0.15, kHubNeck = 0.7, kTrunkLength = 2.2, kHubLength = 0.4, kLongLimb = 0.35;
 /// Balls of a hub are one point where they are nearer to each other than this part of their radius.
 constexpr double kOnePoint = 1.2;
+/// Edges of skeletons. The fine one is made where flesh lies farther than this from all balls along the coarse one, all in diagonals: a limb may have shrunk into its neighbours.
+constexpr double kCoarse = 4e-3, kFine = 2e-3, kUnexplained = 0.08;
 /// A line without branches is a chain of pieces from so many thicknesses on.
 constexpr double kChain = 2.5;
 
@@ -348,6 +350,28 @@ private:
     LimbTree tree_;
 };
 
+/// How far the farthest vertex is from the balls along a skeleton.
+double farthestFlesh(const TriangleMesh& mesh, const FlowSkeleton& skeleton) {
+    const TriangleTree surface(mesh);
+    std::vector<double> radius;
+    for (const Vec3& p : skeleton.points) radius.push_back(std::sqrt(surface.nearest(p).squaredDistance));
+    double farthest = 0.0;
+    for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
+        const Vec3 place = mesh.vertices.row(v);
+        double nearest = HUGE_VAL;
+        for (std::size_t i = 0; i < radius.size() && nearest > farthest; ++i) nearest = std::min(nearest, (place - skeleton.points[i]).norm() - radius[i]);
+        farthest = std::max(farthest, nearest);
+    }
+    return farthest;
+}
+
+std::size_t limbCount(const Hub& hub) {
+    std::size_t count = hub.limbs.size();
+    for (const Limb& limb : hub.limbs)
+        for (const Hub& end : limb.end) count += limbCount(end);
+    return count;
+}
+
 }  // namespace
 
 double Limb::length() const { return lengthOf(line); }
@@ -368,9 +392,14 @@ Vec3 pointAlong(const std::vector<Vec3>& line, double way) {
 }
 
 Result<LimbTree> findLimbs(const TriangleMesh& mesh, double least, const Progress& progress) {
-    const auto skeleton = flowSkeleton(mesh, progress);
-    if (!skeleton) return tl::unexpected(skeleton.error());
-    return Builder(mesh, least).build(*skeleton);
+    const auto coarse = flowSkeleton(mesh, kCoarse, progress);
+    if (!coarse) return tl::unexpected(coarse.error());
+    LimbTree tree = Builder(mesh, least).build(*coarse);
+    if (farthestFlesh(mesh, *coarse) <= kUnexplained) return tree;
+    const auto fine = flowSkeleton(mesh, kFine, progress);
+    if (!fine) return fine.error().code == kCancelled ? Result<LimbTree>(tl::unexpected(fine.error())) : tree;
+    LimbTree finer = Builder(mesh, least).build(*fine);
+    return limbCount(finer.root) > limbCount(tree.root) ? std::move(finer) : std::move(tree);
 }
 
 }  // namespace imomushi

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
+#include <utility>
 
 #include "core/mesh/bounds.h"
 #include "core/proposal/mirror_plane.h"
@@ -94,6 +96,24 @@ bool oneSided(const Proposal& p, Sides sides) { return sides == Sides::One || !p
 Result<Proposal> stillMirrored(const Proposal& before, Result<Proposal> after) {
     if (after && mirrorError(before) <= kMirrored && !(mirrorError(*after) <= kMirrored)) return notMirrored();
     return after;
+}
+
+/// Two cuts that were added last, one for each side of the trunk, get names of sides: "trunk 2.L" and "trunk 2.R", with their bones.
+void nameSides(Proposal& p) {
+    const int first = static_cast<int>(p.cuts.size()) - 2;
+    const std::string common = p.cuts[nth(first)].piece;
+    const auto withoutNumber = [&](int cut) { return p.cuts[nth(cut)].piece.substr(0, p.cuts[nth(cut)].piece.find_last_not_of("0123456789") + 1); };
+    if (withoutNumber(first) != withoutNumber(first + 1)) return;  // of limbs that have sides in their names
+    for (const int c : {first, first + 1}) {
+        ProposedCut& cut = p.cuts[nth(c)];
+        const std::string old = cut.piece + ' ', side = p.symmetry->normal.dot(cut.plane.origin - p.symmetry->origin) > 0.0 ? ".L" : ".R";
+        const auto rename = [&](std::string& name) {
+            if (name.starts_with(old)) name = common + name.substr(old.size() - 1) + side;
+        };
+        rename(cut.name);
+        for (ProposedBone& bone : p.bones) rename(bone.name);
+        cut.piece = common + side;
+    }
 }
 
 /// The joint nearest to a place: of all, or of those in the plane of symmetry.
@@ -205,7 +225,13 @@ Result<Proposal> withCutAdded(const Proposal& p, const CutPlane& plane, const Ve
         other.from = jointImage(p, images, place.from);
     }
     if (place.crossed >= 0 ? other.crossed < 0 : place.from.bone >= 0 && other.from.bone < 0) return stillMirrored(p, std::move(changed));
-    return stillMirrored(p, withCutAdded(*changed, image(mirror, plane), mirroredPoint(mirror, middle), other, image(mirror, tip)));
+    changed = withCutAdded(*changed, image(mirror, plane), mirroredPoint(mirror, middle), other, image(mirror, tip));
+    if (changed) {
+        Proposal named = *changed;
+        nameSides(named);
+        if (checkProposal(named)) changed = std::move(named);  // names that are taken stay away
+    }
+    return stillMirrored(p, std::move(changed));
 }
 
 // ---- bones -------------------------------------------------------------------------------------------------------------

@@ -26,12 +26,14 @@ constexpr double kPerPiece = 2.0, kLonger = 1.3;
 constexpr std::size_t kMostCuts = 40;
 constexpr int kMostOfLimb = 3, kMostOfTentacle = 8, kMostOfChain = 15;
 constexpr double kTentacle = 0.6;  // diagonals long
-/// A cut may be moved by this much of the radius of its section.
-constexpr double kCutReach = 0.7;
+/// A cut may be moved by this much of the radius of its section: as far as necks are looked for.
+constexpr double kCutReach = 1.3;
 /// A limb stands on the ground where its tip is at most this far above the lowest point: of the height, or of the diagonal.
 constexpr double kGround = 0.06, kGroundOfDiagonal = 0.02;
 /// Bones end this far inside of the tip, in lengths of the last one.
 constexpr double kInside = 0.05;
+/// A handle lies across the plane of symmetry where its direction has more than this of the plane's normal.
+constexpr double kAcrossPlane = 0.5;
 /// Radius of proposed handles, in diagonals.
 constexpr double kHandle = 0.08;
 
@@ -414,9 +416,15 @@ private:
         const RayTree rays(scaled_.mesh);
         Vec3 middle = tree_.root.points.empty() ? Vec3(Vec3::Zero()) : tree_.root.points[0];
         const auto add = [&](std::string name, const Vec3& direction, bool pinned) {
-            const auto hit = rays.first(middle, direction, 2.0, -1);
+            // What lies across the plane of symmetry is the image of what lies in front of it; what looks along it lies in it.
+            const double across = mirror_ ? mirror_->normal.dot(direction) : 0.0;
+            const bool image = across < -kAcrossPlane;
+            const Vec3 way = image ? mirroredDirection(*mirror_, direction) : direction;
+            const auto hit = rays.first(middle, way, 2.0, -1);
             if (hit.triangle < 0) return;
-            const Vec3 at = middle + hit.distance * direction;
+            Vec3 at = middle + hit.distance * way;
+            if (image) at = mirroredPoint(*mirror_, at);
+            else if (mirror_ && across <= kAcrossPlane) at = ontoPlane(*mirror_, at);
             for (const ProposedHandle& other : proposal_.handles)
                 if ((scaled_.back(at) - other.point).norm() < 3.0 * kHandle * scaled_.diagonal) return;
             proposal_.handles.push_back({std::move(name), scaled_.back(at), kHandle * scaled_.diagonal, pinned});

@@ -189,6 +189,9 @@ TEST_CASE("edited proposals: what is done to one side of a shape that mirrors it
     REQUIRE_MESSAGE(ears.has_value(), ears.error().message);
     REQUIRE(ears->bones.size() == 5);
     CHECK(ears->bones[3].start == Vec3(0, 4, 0));
+    CHECK(ears->cuts[0].piece == "trunk 2.L");
+    CHECK(ears->cuts[1].piece == "trunk 2.R");
+    CHECK(ears->bones[4].name == "trunk 2 bone.R");
     CHECK(ears->bones[4].end == Vec3(-0.3, 6, 0));
     CHECK(withEndMoved(upright, {0, true}, Vec3(1, 3, 0), Sides::Both)->bones[0].end == Vec3(0, 3, 0));
     // What has no mirror image on the same limbs is refused: the middle piece would be the root's on one side only.

@@ -23,14 +23,12 @@ using Flow = CGAL::Mean_curvature_flow_skeletonization<cgal::SurfaceMesh>;
 /// The flow ends when a step changes the area by less than this part of the whole, as in CGAL, or after so many steps: characters take 10 to 60.
 constexpr double kSettled = 1e-4;
 constexpr int kMostSteps = 200;
-/// Edges that the flow has made shorter than this vanish, in diagonals. CGAL's 0.002 takes three times as long and makes the same branches.
-constexpr double kShortest = 4e-3;
 /// Bytes; 3,000 vertices take a tenth. What is not used is never touched.
 constexpr std::size_t kArena = std::size_t(1) << 29;
 
 }  // namespace
 
-Result<FlowSkeleton> flowSkeleton(const TriangleMesh& mesh, const Progress& progress) {
+Result<FlowSkeleton> flowSkeleton(const TriangleMesh& mesh, double shortest, const Progress& progress) {
     const FloatingPointGuard guard;
     const cgal::Arena arena(kArena);
     const auto none = [] { return fail("no-skeleton", "The body does not shrink to lines: it has no limbs that can be told, or touches itself. Cut it by hand, or use handles."); };
@@ -39,7 +37,7 @@ Result<FlowSkeleton> flowSkeleton(const TriangleMesh& mesh, const Progress& prog
     Flow::Skeleton skeleton;
     try {
         Flow flow(surface);
-        flow.set_min_edge_length(kShortest * (mesh.vertices.colwise().maxCoeff() - mesh.vertices.colwise().minCoeff()).norm());
+        flow.set_min_edge_length(shortest * (mesh.vertices.colwise().maxCoeff() - mesh.vertices.colwise().minCoeff()).norm());
         const double whole = pmp::area(surface);
         double last = 0.0;
         for (int step = 0; step < kMostSteps; ++step) {

@@ -19,7 +19,7 @@ struct FlowSkeleton {
 };
 
 /// The skeleton to which a closed surface of one component shrinks under its mean curvature (Tagliasacchi et al. 2012, "Mean curvature skeletons"). Coordinates of about 1.
-/// Errors: "no-skeleton" (the surface is no closed manifold of one component, or did not shrink to lines), "cancelled".
-Result<FlowSkeleton> flowSkeleton(const TriangleMesh& mesh, const Progress& progress);
+/// `shortest`: edges that the flow has made shorter than this vanish, in diagonals; 0.004 takes two thirds of the time of 0.002, CGAL's, and may shrink a head on a short neck into the shoulders. Errors: "no-skeleton" (the surface is no closed manifold of one component, or did not shrink to lines), "cancelled".
+Result<FlowSkeleton> flowSkeleton(const TriangleMesh& mesh, double shortest, const Progress& progress);
 
 }  // namespace imomushi
