@@ -171,7 +171,9 @@ Result<SolvedElements> solveElements(const std::vector<ResponseInput>& elements,
 
 bool anyHierarchical(const std::vector<ResponseInput>& elements) {
     return std::any_of(elements.begin(), elements.end(), [](const ResponseInput& in) {
-        return !in.faces.empty() && BoundaryProblem::hierarchical(solvedSize(in.mesh->body, in.faces, in.solverMesh).nodes);
+        if (in.faces.empty()) return false;
+        const SolvedSize size = solvedSize(in.mesh->body, in.faces, in.solverMesh, in.tetrahedra ? Tetrahedra::All : Tetrahedra::WithHandles);
+        return !size.volume && BoundaryProblem::hierarchical(size.nodes);
     });
 }
 

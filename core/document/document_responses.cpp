@@ -60,6 +60,7 @@ ResponseInput DocumentResponses::inputOf(PartId element) const {
     input.loads = wish.loads;
     input.touch = wish.touch;
     input.solverMesh = e.solverMesh;
+    input.tetrahedra = e.piece.has_value();
     input.threads = document_.settings.threads > 0 ? document_.settings.threads : hardwareThreads();
     return input;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/reduction/element_response.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/SparseCore>
 #include <chrono>
 #include <cmath>
@@ -27,8 +28,35 @@ std::vector<FaceBasis> basesOf(const ResponseInput& input, std::vector<int>& fir
     return bases;
 }
 
+/// The motions in which responses are compared, #columns x #motions, by the columns of `bases`: handles move rigidly (Character::Handle), other faces in all their modes. Modes
+/// that stretch the flesh under a handle are wrong by ten times as much as those that move and turn it.
+Eigen::MatrixXd comparedMotions(const std::vector<JointFace>& faces, const std::vector<FaceBasis>& bases, const std::vector<int>& firstColumn) {
+    std::vector<Eigen::VectorXd> motions;
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+        const int columns = bases[f].columns();
+        const auto add = [&] { return motions.emplace_back(Eigen::VectorXd::Zero(firstColumn.back())).data() + firstColumn[f]; };
+        if (!faces[f].disc || bases[f].kind == BasisKind::Paper) {
+            for (int c = 0; c < columns; ++c) add()[c] = 1.0;
+            continue;
+        }
+        for (int axis = 0; axis < 3; ++axis) {
+            JointMap move, turn;
+            move.shift = Vec3::Unit(axis);
+            const int next = (axis + 1) % 3, last = (axis + 2) % 3;
+            turn.linear(last, next) = 1.0;
+            turn.linear(next, last) = -1.0;
+            double lost = 0.0;
+            bases[f].coefficients(move, faces[f].size, add(), lost);
+            bases[f].coefficients(turn, faces[f].size, add(), lost);
+        }
+    }
+    Eigen::MatrixXd out(firstColumn.back(), static_cast<Eigen::Index>(motions.size()));
+    for (std::size_t m = 0; m < motions.size(); ++m) out.col(static_cast<Eigen::Index>(m)) = motions[m];
+    return out;
+}
+
 /// Discretisation error of `fineResponse` by its difference from a coarser level (see coarserLevel()), relative to the motion of free and held vertices
-/// together, root mean square over the joint modes. Of a full basis the affine motions of its faces are compared, which are the modes of other bases.
+/// together, root mean square over comparedMotions(). Of a full basis the affine motions of its faces are compared, which are the modes of other bases.
 /// Negative where there is no coarser level.
 Result<double> discretisationError(const TrimmedElement& element, const SolvedBody& solved, const ElementResponse& response, const Eigen::MatrixXd& C,
                                    const Eigen::MatrixXd& fineResponse, const Progress& progress) {
@@ -44,7 +72,8 @@ Result<double> discretisationError(const TrimmedElement& element, const SolvedBo
     std::vector<int> firstColumn;
     const std::vector<FaceBasis> bases = basesOf(compared, firstColumn);
     const HeldModes modes = heldModes(input.mesh->body, compared.faces, coarser->body, bases, firstColumn);
-    const auto coarse = solveStatics(element, coarser->body, modes.C, modes.inside, {}, progress);
+    const Eigen::MatrixXd motions = comparedMotions(compared.faces, bases, firstColumn);
+    const auto coarse = solveStatics(element, coarser->body, modes.C * motions, modes.inside * motions, {}, progress);
     if (progress.cancelled()) return cancelled();
     if (!coarse) return -1.0;
     Eigen::MatrixXd held = C, fine = fineResponse.leftCols(response.columns());
@@ -58,6 +87,8 @@ Result<double> discretisationError(const TrimmedElement& element, const SolvedBo
         held = (held * affine).eval();
         fine = (fine * affine).eval();
     }
+    held = (held * motions).eval();
+    fine = (fine * motions).eval();
     double sum = 0.0;
     for (Eigen::Index c = 0; c < held.cols(); ++c) {
         const double size = fine.col(c).squaredNorm() / static_cast<double>(fine.rows()) + held.col(c).squaredNorm() / static_cast<double>(held.rows());
@@ -66,14 +97,14 @@ Result<double> discretisationError(const TrimmedElement& element, const SolvedBo
     return coarser->share * std::sqrt(sum / static_cast<double>(held.cols()));
 }
 
-/// `tetrahedra`: whether they may be used; afterwards whether they were.
-Result<ElementResponse> buildWith(const ResponseInput& input, bool& tetrahedra, const Progress& progress) {
+/// `tetrahedra`: where they may be used; afterwards None where they were not.
+Result<ElementResponse> buildWith(const ResponseInput& input, Tetrahedra& tetrahedra, const Progress& progress) {
     const auto start = std::chrono::steady_clock::now();
     ElementResponse response;
     response.bases = basesOf(input, response.firstColumn);
     const int g = response.columns();
     if (input.faces.empty()) {
-        tetrahedra = false;
+        tetrahedra = Tetrahedra::None;
         response.freeVertices = freeVerticesOf(input);
         response.response.resize(3 * static_cast<Eigen::Index>(response.freeVertices.size()), 0);
         response.stiffness.resize(0, 0);
@@ -82,7 +113,7 @@ Result<ElementResponse> buildWith(const ResponseInput& input, bool& tetrahedra, 
     auto element = trimmedElement(input, progress.part(0.0, 0.02));
     if (!element) return tl::make_unexpected(element.error());
     auto solved = solvedBody(element->input.mesh->body, element->input.faces, input.solverMesh, progress.part(0.02, 0.1), tetrahedra);
-    tetrahedra = solved && solved->filling;
+    if (!solved || !solved->filling) tetrahedra = Tetrahedra::None;
     if (!solved) return tl::make_unexpected(solved.error());
     const SolverMesh& mesh = solved->mesh;
     const HeldModes modes = heldModes(element->input.mesh->body, element->input.faces, *solved, response.bases, response.firstColumn);
@@ -154,12 +185,12 @@ std::size_t ElementResponse::bytes() const {
 
 Result<ElementResponse> buildResponse(const ResponseInput& input, const Progress& progress) {
     if (auto ok = checkInput(input); !ok) return tl::make_unexpected(ok.error());
-    bool tetrahedra = fillable(input);
+    Tetrahedra tetrahedra = tetrahedraOf(input);
     auto response = buildWith(input, tetrahedra, progress);
-    if (response || !tetrahedra || progress.cancelled()) return response;
+    if (response || tetrahedra == Tetrahedra::None || progress.cancelled()) return response;
     // There is not enough memory, or a tetrahedron is too flat.
     const std::string why = response.error().message;
-    tetrahedra = false;
+    tetrahedra = Tetrahedra::None;
     response = buildWith(input, tetrahedra, progress);
     if (response) response->quality.noFilling = why;
     return response;

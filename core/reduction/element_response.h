@@ -25,8 +25,8 @@ struct ResponseQuality {
     double negativeEnergy = 0.0;  ///< most negative eigenvalue of K over the largest, before the projection
     double seconds = 0.0;         ///< wall time of the whole precompute
     int solverVertices = 0, solverNodes = 0;  ///< of the solver mesh; nodes: three unknowns each
-    /// Estimated error of the response, relative to the motion of the body, root mean square over the joint modes: what the discretisation
-    /// leaves, by the difference from a coarser level; and what mapping from a decimated body adds. Negative: not known.
+    /// Estimated error of the response, relative to the motion of the body, root mean square over the joint modes (of handles, which move rigidly, over moves
+    /// and turns): what the discretisation leaves, by the difference from a coarser level; and what mapping from a decimated body adds. Negative: not known.
     double error = -1.0, mappingError = 0.0;
     std::int64_t tetrahedra = 0;  ///< of finite elements; 0: solved by boundary elements, or read from a file of an older program, which does not tell
     std::string noFilling;        ///< see SolvedBody::noFilling
@@ -67,6 +67,9 @@ struct ResponseInput {
     double nu = 0.45;
     BasisChoice basis;
     SolverMeshSetting solverMesh;
+    /// Draft, default and best are solved in tetrahedra, as they are with handles: bodies that cuts leave hang from faces close together, which boundary elements get wrong
+    /// by multiples (a penguin's trunk from neck and shoulders: 68 % by default, in tetrahedra 0.7 %).
+    bool tetrahedra = false;
     bool loads = false;  ///< body loads too
     /// Number of touch patches, about; 0: none. They are about sqrt(free surface / touch) wide: 24 are for large soft dents, 96 for small ones. A
     /// patch costs three columns. On small meshes there are fewer, see touchPatches().
@@ -75,7 +78,7 @@ struct ResponseInput {
     int threads = 1;  ///< not part of the key: it changes no byte of the response
 };
 
-/// The content key of the response: mesh, faces, nu, basis, solver mesh, whether with loads, touch, and the version of the solver.
+/// The content key of the response: mesh, faces, nu, basis, solver mesh, whether in tetrahedra, with loads, touch, and the version of the solver.
 ContentKey responseKey(const ResponseInput& input);
 
 /// Solved on the body without its appendages, which follow (see TrimmedBody); only body loads and touch patches are solved on the whole body, as appendages

@@ -13,9 +13,9 @@ constexpr int kModesVersion = 2;
 /// The same for touch alone.
 constexpr int kTouchVersion = 1;
 /// The same for discs alone.
-constexpr int kDiscVersion = 2;
-/// The same for tetrahedra that a setting names.
-constexpr int kVolumeVersion = 1;
+constexpr int kDiscVersion = 3;
+/// The same for tetrahedra that a setting or the input names.
+constexpr int kVolumeVersion = 2;
 
 }  // namespace
 
@@ -47,6 +47,10 @@ ContentKey responseKey(const ResponseInput& input) {
             hasher.array(std::span<const double>(face.disc->point.data(), 3));
             hasher.number(face.disc->radius);
         }
+    }
+    if (input.tetrahedra) {
+        hasher.text("tetrahedra");
+        hasher.number(kVolumeVersion);
     }
     if (input.loads) hasher.text("loads");
     if (input.touch > 0) {

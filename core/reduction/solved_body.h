@@ -37,6 +37,10 @@ struct SolvedBody {
     [[nodiscard]] int nodes() const { return static_cast<int>(mesh.mesh.vertices.rows() + static_cast<Eigen::Index>(mesh.bubbles.size())); }
 };
 
+/// Where finite elements take part: nowhere, not even where the setting asks for them; where it asks and where there are handles; in draft, default and best of any
+/// body too.
+enum class Tetrahedra { None, WithHandles, All };
+
 /// Makes the solver mesh that `setting` asks for.
 ///
 ///   as-is       the body, linear displacement
@@ -49,14 +53,15 @@ struct SolvedBody {
 ///               handles that is not filled has a thousand vertices instead of strips
 ///   best        more strips and quadratic displacement everywhere, on the body refined where it is coarse
 ///
-/// With handles, draft, default and best are volume:600, volume:2500 and volume:5000, with more vertices for more than four handles. Where a body cannot be filled, or `tetrahedra` is false (as it must be beyond
-/// VolumeProblem::kLargestNu), boundary elements solve it: the settings above, default for volume. SolvedBody::noFilling says why.
+/// With handles, draft, default and best are volume:600, volume:2500 and volume:5000, with more vertices for more than four handles; with Tetrahedra::All also
+/// without. Where a body cannot be filled, or with Tetrahedra::None (as it must be beyond VolumeProblem::kLargestNu), boundary elements solve it: the settings above,
+/// default for volume. SolvedBody::noFilling says why.
 ///
 /// Measured against second-order finite elements (tests/data/reference): as-is is wrong by up to 23 %, default by less than 2 %, best by less than 1 %.
 /// Handles are held by their discs (DiscMesh), but for as-is and refined:N by their triangles: the mesh is as it is.
 /// Errors: those of refinedSolverMesh() and decimate(); "cancelled".
 Result<SolvedBody> solvedBody(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting, const Progress& progress,
-                              bool tetrahedra = true);
+                              Tetrahedra tetrahedra = Tetrahedra::WithHandles);
 
 /// About the size of the mesh that solvedBody() makes, without making it where that takes long (a large body, or a filled one).
 struct SolvedSize {
@@ -64,7 +69,7 @@ struct SolvedSize {
     int coarser = 0;  ///< nodes of the coarser level
     bool volume = false;  ///< of tetrahedra
 };
-SolvedSize solvedSize(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting, bool tetrahedra = true);
+SolvedSize solvedSize(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting, Tetrahedra tetrahedra = Tetrahedra::WithHandles);
 
 /// A coarser discretisation of the same body, to estimate the error of the finer one by the difference of their solutions.
 struct CoarserLevel {

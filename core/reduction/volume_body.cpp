@@ -14,7 +14,7 @@
 namespace imomushi {
 namespace {
 
-/// With handles: vertices of draft and best; default has SolverMeshSetting::kVolumeVertices.
+/// Vertices of draft and best; default has SolverMeshSetting::kVolumeVertices.
 constexpr int kDraftVolume = 600, kBestVolume = 5000;
 /// So many vertices more for each handle after so many: rims need their own.
 constexpr int kPerHandle = 40, kUsualHandles = 4;
@@ -72,11 +72,11 @@ TetrahedronSizes sizesFor(const SolverMesh& mesh, int vertices) {
 
 }  // namespace
 
-int volumeVertices(std::span<const JointFace> faces, const SolverMeshSetting& setting) {
+int volumeVertices(std::span<const JointFace> faces, const SolverMeshSetting& setting, bool all) {
     using Kind = SolverMeshSetting::Kind;
     if (setting.kind == Kind::Volume) return setting.count > 0 ? setting.count : SolverMeshSetting::kVolumeVertices;
     const auto handles = static_cast<int>(std::count_if(faces.begin(), faces.end(), [](const JointFace& face) { return face.disc.has_value(); }));
-    if (handles == 0) return 0;
+    if (handles == 0 && !all) return 0;
     const int more = kPerHandle * std::max(0, handles - kUsualHandles);
     switch (setting.kind) {
         case Kind::Draft: return kDraftVolume + more;

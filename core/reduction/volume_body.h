@@ -16,8 +16,8 @@ namespace imomushi {
 /// Errors: "cancelled", "no-filling".
 Result<SolvedBody> volumeBody(const BodySurface& surface, int vertices, const Progress& progress);
 
-/// The vertices of the body that a setting fills with tetrahedra; 0: it is solved by boundary elements.
-int volumeVertices(std::span<const JointFace> faces, const SolverMeshSetting& setting);
+/// The vertices of the body that a setting fills with tetrahedra; 0: it is solved by boundary elements. `all`: see Tetrahedra::All.
+int volumeVertices(std::span<const JointFace> faces, const SolverMeshSetting& setting, bool all);
 /// About the nodes of a body that is filled from so many vertices.
 int volumeNodes(int vertices);
 /// Vertices of the coarser level that the error is estimated from.

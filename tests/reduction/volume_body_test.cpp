@@ -33,10 +33,37 @@ ResponseInput egg(const std::string& solverMesh) {
     return input;
 }
 
-/// Relative difference, root mean square over the joint modes: as ResponseQuality::error is meant.
+/// Relative difference of all joint modes together.
 double difference(const ElementResponse& a, const ElementResponse& b) {
     REQUIRE(a.freeVertices == b.freeVertices);
     return (a.response - b.response).norm() / b.response.norm();
+}
+
+/// Of moves and turns of handles that are not flat, relative to free and held vertices together, root mean square: as ResponseQuality::error is meant.
+double differenceOfMotions(const ResponseInput& input, const ElementResponse& a, const ElementResponse& b) {
+    REQUIRE(a.freeVertices == b.freeVertices);
+    std::size_t held = 0;
+    for (const JointFace& face : input.faces) held += face.vertices.size();
+    double sum = 0.0;
+    for (std::size_t f = 0; f < input.faces.size(); ++f) {
+        REQUIRE(b.bases[f].columns() == 12);
+        const int c = b.firstColumn[f];
+        // Columns of the affine basis (FaceBasis) that move the face, and that turn it about its x, y and z.
+        for (const auto& [plus, minus] : {std::pair(5, -1), {6, -1}, {7, -1}, {4, 10}, {9, 3}, {8, -1}}) {
+            const auto of = [plus = plus, minus = minus](const Eigen::MatrixXd& columns) {
+                Eigen::VectorXd out = columns.col(plus);
+                if (minus >= 0) out -= columns.col(minus);
+                return out;
+            };
+            double moved = 0.0;
+            for (const std::int32_t v : input.faces[f].vertices)
+                moved += of(b.bases[f].at(input.faces[f].frame.toLocal(input.mesh->body.vertices.row(v).transpose()))).squaredNorm();
+            const Eigen::VectorXd wanted = of(b.response.middleCols(c, 12)), found = of(a.response.middleCols(c, 12));
+            const double all = static_cast<double>(wanted.size());
+            sum += (found - wanted).squaredNorm() / all / (wanted.squaredNorm() / all + moved / (3.0 * static_cast<double>(held)));
+        }
+    }
+    return std::sqrt(sum / (6.0 * static_cast<double>(input.faces.size())));
 }
 
 }  // namespace
@@ -45,13 +72,14 @@ TEST_CASE("volume body: with handles a draft is within a tenth of the default, s
     const auto exact = buildResponse(egg("default"), {}), draft = buildResponse(egg("draft"), {});
     REQUIRE(exact);
     REQUIRE(draft);
-    const double error = difference(*draft, *exact);
+    const double error = differenceOfMotions(egg("draft"), *draft, *exact);
     MESSAGE("draft: ", 100.0 * error, " %, stated ", 100.0 * draft->quality.error, " %, ", draft->quality.solverNodes, " nodes, ", draft->quality.seconds, " s; default states ",
             100.0 * exact->quality.error, " %, ", exact->quality.solverNodes, " nodes, ", exact->quality.seconds, " s");
-    CHECK(error <= 0.1);
+    CHECK(difference(*draft, *exact) <= 0.1);
+    // An estimate from two levels, and the default has an error of its own.
     CHECK(draft->quality.error >= error / 1.5);
-    CHECK(draft->quality.error <= 0.2);
-    CHECK(exact->quality.error <= 0.05);
+    CHECK(draft->quality.error <= 4.0 * error);
+    CHECK(exact->quality.error < draft->quality.error);
     for (const ElementResponse* response : {&*exact, &*draft}) {
         CHECK(response->quality.tetrahedra > 0);
         CHECK(response->quality.noFilling.empty());
@@ -63,7 +91,7 @@ TEST_CASE("volume body: with handles a draft is within a tenth of the default, s
 TEST_CASE("volume body: at ratios that tetrahedra cannot take, and where a body cannot be filled, boundary elements solve it and say why") {
     ResponseInput input = egg("volume:600");
     input.nu = 0.5;
-    const auto solid = solvedBody(input.mesh->body, input.faces, input.solverMesh, {}, false);
+    const auto solid = solvedBody(input.mesh->body, input.faces, input.solverMesh, {}, Tetrahedra::None);
     REQUIRE(solid);
     CHECK(!solid->filling);
     CHECK(solid->noFilling.find("0.49") != std::string::npos);
@@ -79,6 +107,35 @@ TEST_CASE("volume body: at ratios that tetrahedra cannot take, and where a body 
     REQUIRE(crossed);
     CHECK(!crossed->filling);
     CHECK(crossed->noFilling.find("filled") != std::string::npos);
+}
+
+TEST_CASE("volume body: flesh that hangs from two faces close together moves in a draft of tetrahedra as with twice as many, within what it states") {
+    const auto mesh = std::make_shared<ElementMesh>();
+    mesh->body = shapes::moved(shapes::sphere(1.0, 3), Vec3(0.8, 0.8, 1.6).asDiagonal()).mesh;
+    ResponseInput input;
+    input.mesh = mesh;
+    for (const double side : {-0.45, 0.45}) {
+        input.faces.push_back(smallPatch(mesh->body, Vec3(side, 0, 1.4), 0.35));
+        input.faces.back().disc.reset();  // a cut's: its triangles are held
+    }
+    input.basis = BasisKind::Affine;
+    input.solverMesh = parseSolverMesh("draft").value();
+    input.threads = 2;
+    const ContentKey plain = responseKey(input);
+    input.tetrahedra = true;
+    CHECK(!(responseKey(input) == plain));
+    const auto draft = buildResponse(input, {});
+    input.solverMesh = parseSolverMesh("volume:1200").value();
+    const auto fine = buildResponse(input, {});
+    REQUIRE(draft);
+    REQUIRE(fine);
+    CHECK(draft->quality.tetrahedra > 0);
+    CHECK(fine->quality.tetrahedra > draft->quality.tetrahedra);
+    const double apart = difference(*draft, *fine);
+    MESSAGE("draft: ", 100.0 * apart, " %, stated ", 100.0 * draft->quality.error, " %, ", draft->quality.seconds, " s; with 1,200 vertices ", 100.0 * fine->quality.error, " %, ", fine->quality.seconds, " s");
+    CHECK(apart <= 0.1);
+    CHECK(draft->quality.error >= apart / 1.5);
+    CHECK(draft->quality.error <= 0.2);
 }
 
 TEST_CASE("volume body: a bar with flat faces, its weight and touch agree with boundary elements within what both state") {
