@@ -1044,6 +1044,14 @@
             <translation>ミラー面の中央にあります。</translation>
         </message>
         <message>
+            <source>That cannot be done on both sides at once. Press X for one side.</source>
+            <translation>両側を同時に変えることはできません。X で片側だけにできます。</translation>
+        </message>
+        <message>
+            <source>The skin of the skeleton is for the vertices of the mesh before. Import the skeleton of the new file.</source>
+            <translation>骨格のスキンは前のメッシュの頂点のものです。新しいファイルの骨格を読み込んでください。</translation>
+        </message>
+        <message>
             <source>It is its own mirror image.</source>
             <translation>それ自身が鏡像です。</translation>
         </message>
