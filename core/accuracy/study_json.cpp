@@ -55,9 +55,8 @@ std::optional<AccuracySetting> settingFromJson(const Json& json) {
     if (s.mesh.own) return s;
     s.mesh.tolerance = number(json, "tolerance");
     const std::string mesh = text(json, "solver_mesh");
-    using Kind = SolverMeshSetting::Kind;
     if (mesh == "refined" || mesh == "decimated") {
-        s.mesh.kind = mesh == "refined" ? Kind::Refined : Kind::Decimated;
+        s.mesh.kind = mesh == "refined" ? SolverMeshSetting::Kind::Refined : SolverMeshSetting::Kind::Decimated;
         s.mesh.factor = number(json, "solver_mesh_factor");
     } else if (const auto parsed = parseSolverMesh(mesh)) {
         s.mesh.kind = parsed->kind;

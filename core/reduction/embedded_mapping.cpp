@@ -49,11 +49,10 @@ public:
     [[nodiscard]] int faceOf(std::int32_t triangle) const { return faceOf_[static_cast<std::size_t>(triangle)]; }
 
     [[nodiscard]] TriangleTree::Hit find(const Vec3& x, const Vec3& normal) const {
-        constexpr double kReach = EmbeddedMapping::kReach;
         const auto hit = seen_->nearest(x);
         if (normal == Vec3::Zero()) return hit;
         const auto facing = seen_->nearestFacing(x, normal);
-        return facing.triangle >= 0 && facing.squaredDistance <= std::min(kReach * kReach * hit.squaredDistance, deep_ * deep_) ? facing : hit;
+        return facing.triangle >= 0 && facing.squaredDistance <= std::min(EmbeddedMapping::kReach * EmbeddedMapping::kReach * hit.squaredDistance, deep_ * deep_) ? facing : hit;
     }
     /// w of a point that is `far` from its place p, and the face that it belongs to; 0: none.
     [[nodiscard]] double fade(const Vec3& p, double far, int& face) const {
