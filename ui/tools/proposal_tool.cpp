@@ -464,8 +464,9 @@ void ProposalTool::tryNext() {
     while (!waiting_.empty()) {
         const Waiting next = waiting_.front();
         if (next.cut) {
-            if (auto with = withCut(*next.cut, shownAt(*next.cut))) return trial_.start(body, std::move(*with));
-            Q_EMIT document_.failed(errorText(withCut(*next.cut, shownAt(*next.cut)).error()));
+            auto with = withCut(*next.cut, shownAt(*next.cut));
+            if (with) return trial_.start(body, std::move(*with));
+            Q_EMIT document_.failed(errorText(with.error()));
         }
         waiting_.pop_front();
         if (!next.cut) addBone(next.from, next.to);

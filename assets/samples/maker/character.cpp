@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "character.h"
 
-#include <png.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <map>
-#include <stdexcept>
 
 #include "core/base/parallel.h"
 #include "element.h"
+#include "encode_png.h"
 #include "glb.h"
 
 namespace imomushi::samples {
@@ -72,17 +70,7 @@ std::vector<unsigned char> bakeTexture(const CharacterSpec& c, int element, cons
             const Vec3 lit = c.paint(element, p, n, 2 * M_PI * kPad * far / width) * (1 - c.shade * (1 - open / weight));
             for (int k = 0; k < 3; ++k) pixels[3 * (std::size_t(y) * width + x) + k] = static_cast<unsigned char>(std::lround(255 * std::clamp(lit[k], 0.0, 1.0)));
         }
-    png_image image{};
-    image.version = PNG_IMAGE_VERSION;
-    image.width = png_uint_32(width);
-    image.height = png_uint_32(height);
-    image.format = PNG_FORMAT_RGB;
-    png_alloc_size_t bytes = 0;
-    if (!png_image_write_to_memory(&image, nullptr, &bytes, 0, pixels.data(), 0, nullptr)) throw std::runtime_error("PNG failed.");
-    std::vector<unsigned char> png(bytes);
-    if (!png_image_write_to_memory(&image, png.data(), &bytes, 0, pixels.data(), 0, nullptr)) throw std::runtime_error("PNG failed.");
-    png.resize(bytes);
-    return png;
+    return encodePng(pixels, width, height);
 }
 
 RenderMesh dress(const CharacterSpec& c, const Mesh& mesh, const Projection& projection) {

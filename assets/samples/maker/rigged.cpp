@@ -1,23 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "rigged.h"
 
-#define TINYGLTF_NO_STB_IMAGE
-#define TINYGLTF_NO_STB_IMAGE_WRITE
-#define TINYGLTF_NO_EXTERNAL_IMAGE
-#define TINYGLTF_NO_INCLUDE_STB_IMAGE
-#define TINYGLTF_NO_INCLUDE_STB_IMAGE_WRITE
-#define TINYGLTF_NO_INCLUDE_JSON
-#include <nlohmann/json.hpp>
-#include <tiny_gltf.h>
-
-#include <png.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <numeric>
 #include <stdexcept>
 #include <utility>
+
+#include "encode_png.h"
+#include "gltf.h"
 
 namespace imomushi::samples {
 
@@ -135,16 +127,7 @@ std::vector<unsigned char> bake(const RiggedCharacter& c, const std::vector<Unro
     std::vector<unsigned char> pixels(3 * colour.size(), 0);
     for (std::size_t i = 0; i < colour.size(); ++i)
         for (int k = 0; k < 3; ++k) pixels[3 * i + k] = static_cast<unsigned char>(std::lround(255 * std::clamp(colour[i][k], 0.0, 1.0)));
-    png_image image{};
-    image.version = PNG_IMAGE_VERSION;
-    image.width = image.height = png_uint_32(size);
-    image.format = PNG_FORMAT_RGB;
-    png_alloc_size_t bytes = 0;
-    if (!png_image_write_to_memory(&image, nullptr, &bytes, 0, pixels.data(), 0, nullptr)) throw std::runtime_error("PNG failed.");
-    std::vector<unsigned char> png(bytes);
-    if (!png_image_write_to_memory(&image, png.data(), &bytes, 0, pixels.data(), 0, nullptr)) throw std::runtime_error("PNG failed.");
-    png.resize(bytes);
-    return png;
+    return encodePng(pixels, size, size);
 }
 
 /// A glTF model with its one buffer.
