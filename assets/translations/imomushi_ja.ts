@@ -490,8 +490,16 @@
             <translation>自由落下の加速度（世界座標）。</translation>
         </message>
         <message>
-            <source>Shear modulus of elements with stiffness 1: softer flesh sags more.</source>
-            <translation>硬さ 1 の要素のせん断弾性率。小さいほど大きく垂れ下がります。</translation>
+            <source>Shear modulus of elements with stiffness 1, instead of the sag: softer flesh sags more. 0: as the sag says.</source>
+            <translation>硬さ 1 の要素のせん断弾性率（垂れの代わりに使う）。小さいほど大きく垂れ下がります。0 では垂れの値に従います。</translation>
+        </message>
+        <message>
+            <source>Sag</source>
+            <translation>垂れ</translation>
+        </message>
+        <message>
+            <source>How far flesh sags under the gravity of the Earth, over the height of the character.</source>
+            <translation>地球の重力で肉が垂れ下がる長さ（キャラクターの高さに対する割合）。</translation>
         </message>
         <message>
             <source>Inertia</source>

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "core/base/union_find.h"
 #include "core/character/frame.h"
 
 namespace imomushi {
@@ -12,6 +14,8 @@ namespace {
 
 constexpr Eigen::Index kGravityColumns = 3;
 constexpr int kPressureColumn = 3;  // of ElementResponse::loads
+constexpr double kEarth = 9.81;     // m/s^2
+constexpr double kLeastHeight = 0.1;       // a height below that part of the diagonal does not count as one
 
 void askFor(std::vector<int>& loads, std::initializer_list<int> columns) {
     loads.insert(loads.end(), columns);
@@ -19,6 +23,35 @@ void askFor(std::vector<int>& loads, std::initializer_list<int> columns) {
 }
 
 }  // namespace
+
+std::vector<double> modulusForSag(const CharacterInput& input, double sag) {
+    UnionFind connected(input.elements.size());
+    for (const auto& joint : input.joints)
+        for (const auto& face : joint.faces) connected.unite(joint.faces.front().element, face.element);
+    struct Whole {
+        Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+        double softest = 0.0;  // Pa m: how far it sags, times the shear modulus
+    };
+    std::vector<Whole> wholes(input.elements.size());
+    const auto wholeOf = [&](std::size_t e) -> Whole& { return wholes[static_cast<std::size_t>(connected.find(static_cast<std::int32_t>(e)))]; };
+    for (std::size_t e = 0; e < input.elements.size(); ++e) {
+        const auto& element = input.elements[e];
+        Whole& whole = wholeOf(e);
+        whole.low = whole.low.cwiseMin(element.mesh->body.vertices.colwise().minCoeff().transpose());
+        whole.high = whole.high.cwiseMax(element.mesh->body.vertices.colwise().maxCoeff().transpose());
+        if (!element.response || element.response->loads.cols() < kGravityColumns) continue;
+        const auto down = element.response->loads.col(1);
+        for (Eigen::Index i = 0; i < down.size(); i += 3)
+            whole.softest = std::max(whole.softest, kEarth * element.density / element.stiffness * down.segment<3>(i).norm());
+    }
+    std::vector<double> moduli;
+    for (std::size_t e = 0; e < input.elements.size(); ++e) {
+        const Whole& whole = wholeOf(e);
+        const Vec3 size = whole.high - whole.low;
+        moduli.push_back(whole.softest > 0.0 ? whole.softest / (sag * std::max(size.y(), kLeastHeight * size.norm())) : 0.0);
+    }
+    return moduli;
+}
 
 void GravityEffect::ask(ElementTables& tables) const { askFor(tables.loads, {0, 1, 2}); }
 void InflateEffect::ask(ElementTables& tables) const { askFor(tables.loads, {kPressureColumn}); }
@@ -34,11 +67,13 @@ Result<void> InflateEffect::addJob(Frame& frame, FrameJobs& jobs) const {
 }
 
 BodyLoadsJob::BodyLoadsJob(const Frame& frame) : FrameJob({}, {Stage::Loads}) {
+    const std::vector<double> moduli = modulusForSag(frame.input, 1.0);
     for (const auto& e : frame.elements) {
         const auto& loads = e.runtime->input.tables.loads;
         auto& made = elements_.emplace_back();
         made.gravity = !loads.empty() && loads.front() == 0;
         made.inflated = !loads.empty() && loads.back() == kPressureColumn;
+        made.modulus = moduli[elements_.size() - 1];
         made.acceleration.reset(e.runtime->middle);
     }
 }
@@ -63,7 +98,8 @@ void BodyLoadsJob::load(Frame& frame, std::size_t e) {
         const Vec3 place = out.frame(runtime.middle);
         if (frame.stopped) own.acceleration.reset(place);
         own.acceleration.step(frame.seconds, place);
-        const double softness = given.density / (gravity_->shearModulus * given.stiffness);
+        const double modulus = gravity_->shearModulus > 0.0 ? gravity_->shearModulus : own.modulus / gravity_->sag;
+        const double softness = modulus > 0.0 ? given.density / (modulus * given.stiffness) : 0.0;
         all.segment<kGravityColumns>(first) =
             softness * (out.frame.linear.transpose() * (gravity_->acceleration - gravity_->inertia * own.acceleration.value()));
     }

@@ -46,14 +46,21 @@ void readEffects(Database& db, Document& document) {
         document.effects[kind].enabled = effects.boolean();
     }
     RowReader settings(db, "SELECT * FROM effect_settings");
+    bool sag = false;
     while (settings.next()) {
         const EffectKind kind = kindOf(settings);
         const std::string name = settings.text();
         const auto properties = effectProperties(kind);
         const auto property = std::find_if(properties.begin(), properties.end(), [&](const EffectProperty& p) { return p.name == name; });
         require(property != properties.end(), "a setting of an effect is unknown");
+        sag = sag || (kind == EffectKind::Gravity && name == "sag");
         for (int i = 0; i < property->size; ++i)
             document.effects[kind].values[static_cast<std::size_t>(Effects::place(kind, name) + i)] = settings.real(property->low, property->high);
+    }
+    // Files from before the sag keep every number, set or not: the modulus that it had at first, where there is no gravity, was never chosen.
+    if (Effect& gravity = document.effects[EffectKind::Gravity]; !sag && !gravity.enabled) {
+        double& modulus = gravity.values[static_cast<std::size_t>(Effects::place(EffectKind::Gravity, "shear-modulus"))];
+        if (modulus == 3000.0) modulus = 0.0;
     }
     RowReader elements(db, "SELECT * FROM effect_elements");
     while (elements.next()) {

@@ -43,7 +43,11 @@ Json loadsOf(const GltfContent& content, std::size_t e) {
         out["sizes"].push_back(largest);
         forces.col(static_cast<Eigen::Index>(i)) = element.stiffness * element.response->loadForces.col(columns[i]);
     }
-    if (columns.front() == 0) out["softness"] = element.density / (effects.find<GravityEffect>()->shearModulus * element.stiffness);
+    if (columns.front() == 0) {
+        const auto& gravity = *effects.find<GravityEffect>();
+        const double modulus = gravity.shearModulus > 0.0 ? gravity.shearModulus : modulusForSag(content.scene.character, gravity.sag)[e];
+        out["softness"] = modulus > 0.0 ? element.density / (modulus * element.stiffness) : 0.0;
+    }
     if (columns.back() == 3) out["pressure"] = effects.find<InflateEffect>()->pressure / element.stiffness;
     if (effects.has<SmoothJointsEffect>()) out["forces"] = rowByRow(forces);
     return out;

@@ -154,7 +154,7 @@ TEST_CASE("effects: numbers that are none are refused, and say which rule they b
     };
     const double nan = std::numeric_limits<double>::quiet_NaN();
     GravityEffect gravity;
-    gravity.shearModulus = 0.0;
+    gravity.shearModulus = -1.0;
     CHECK(refused(gravity));
     gravity = {};
     gravity.acceleration.y() = nan;

@@ -4,17 +4,22 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <numbers>
+#include <set>
 #include <span>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "core/document/session.h"
+#include "core/mesh/topology.h"
 #include "tests/support/folder.h"
 
 using namespace imomushi;
@@ -213,6 +218,114 @@ TEST_CASE("samples: each performs headless, keeps its joints closed and leaves a
         CHECK(gap < 1e-12);
         CHECK(fs::file_size(folder / (name + ".png")) > 10'000);
         CHECK(readVertices(folder / (name + ".obj")).allFinite());
+    }
+}
+
+namespace {
+
+/// The bodies of a character without their joint faces, as one surface welded where elements are joined.
+struct Skin {
+    std::vector<std::pair<int, std::int32_t>> vertices;  ///< element of the character and vertex
+    Triangles triangles;
+
+    explicit Skin(const CharacterInput& input) {
+        std::map<std::array<long long, 3>, std::int32_t> known;
+        std::vector<std::array<std::int32_t, 3>> list;
+        for (std::size_t e = 0; e < input.elements.size(); ++e) {
+            const auto& element = input.elements[e];
+            const TriangleMesh& body = element.mesh->body;
+            std::set<std::int32_t> inside;
+            for (const JointFace& face : element.faces) inside.insert(face.triangles.begin(), face.triangles.end());
+            for (std::int32_t t = 0; t < body.triangles.rows(); ++t) {
+                if (inside.contains(t)) continue;
+                auto& corners = list.emplace_back();
+                for (int k = 0; k < 3; ++k) {
+                    const std::int32_t v = body.triangles(t, k);
+                    std::array<long long, 3> place{};
+                    for (int axis = 0; axis < 3; ++axis) place[static_cast<std::size_t>(axis)] = std::llround(1e7 * body.vertices(v, axis));
+                    const auto [at, added] = known.try_emplace(place, static_cast<std::int32_t>(vertices.size()));
+                    if (added) vertices.emplace_back(static_cast<int>(e), v);
+                    corners[static_cast<std::size_t>(k)] = at->second;
+                }
+            }
+        }
+        triangles.resize(static_cast<Eigen::Index>(list.size()), 3);
+        for (std::size_t t = 0; t < list.size(); ++t)
+            for (int k = 0; k < 3; ++k) triangles(static_cast<Eigen::Index>(t), k) = list[t][static_cast<std::size_t>(k)];
+    }
+
+    [[nodiscard]] TriangleMesh of(const Character& character) const {
+        std::vector<Points> positions;
+        for (std::size_t e = 0; e < character.input().elements.size(); ++e) positions.push_back(character.positions(static_cast<int>(e)));
+        TriangleMesh mesh{Points(static_cast<Eigen::Index>(vertices.size()), 3), triangles};
+        for (std::size_t v = 0; v < vertices.size(); ++v)
+            mesh.vertices.row(static_cast<Eigen::Index>(v)) = positions[static_cast<std::size_t>(vertices[v].first)].row(vertices[v].second);
+        return mesh;
+    }
+};
+
+/// The largest angle between the triangles at an edge whose ends `joint` both marks, degrees.
+double sharpest(const TriangleMesh& mesh, const std::vector<char>& joint) {
+    double largest = 0.0;
+    std::map<std::pair<std::int32_t, std::int32_t>, Vec3> normals;
+    for (std::int32_t t = 0; t < mesh.triangles.rows(); ++t)
+        for (int k = 0; k < 3; ++k) {
+            const std::int32_t a = mesh.triangles(t, k), b = mesh.triangles(t, (k + 1) % 3);
+            if (!joint[static_cast<std::size_t>(a)] || !joint[static_cast<std::size_t>(b)]) continue;
+            const Vec3 normal = areaVector(mesh, t).normalized();
+            if (const auto other = normals.find({b, a}); other != normals.end())
+                largest = std::max(largest, std::atan2(normal.cross(other->second).norm(), normal.dot(other->second)));
+            normals[{a, b}] = normal;
+        }
+    return largest * 180.0 / std::numbers::pi;
+}
+
+}  // namespace
+
+TEST_CASE("samples: gravity by default sags flesh by 2 to 8 % of the height, without folds or warnings") {
+    CommandRegistry registry;
+    addCoreCommands(registry);
+    for (const Sample& sample : kAll) {
+        CAPTURE(sample.name);
+        Session session(registry);
+        const auto good = [&](const Json& command) {
+            const auto answer = session.execute(command);
+            if (!answer) FAIL(answer.error().message);
+            return *answer;
+        };
+        good({{"do", "open"}, {"path", (kSamples / (std::string(sample.name) + ".imomushi")).string()}});
+        std::vector<std::string> names;
+        for (const auto& [id, element] : session.document().elements) names.push_back(element->name);
+        for (const std::string& name : names) good({{"do", "set"}, {"target", name}, {"property", "solver-mesh"}, {"value", "as-is"}});
+        good({{"do", "enable"}, {"effect", "gravity"}});
+        good({{"do", "precompute"}});
+        const Skin skin(session.character()->input());
+        const auto& elements = session.character()->input().elements;
+        std::vector<char> joint(skin.vertices.size(), 0);
+        TriangleMesh rest{Points(static_cast<Eigen::Index>(joint.size()), 3), skin.triangles};
+        for (std::size_t v = 0; v < joint.size(); ++v) {
+            const auto& [e, vertex] = skin.vertices[v];
+            const auto& element = elements[static_cast<std::size_t>(e)];
+            rest.vertices.row(static_cast<Eigen::Index>(v)) = element.mesh->body.vertices.row(vertex);
+            for (const JointFace& face : element.faces) joint[v] = joint[v] || std::binary_search(face.vertices.begin(), face.vertices.end(), vertex);
+        }
+        CHECK(good({{"do", "step"}, {"frames", 2}})["warnings"].empty());
+        const TriangleMesh now = skin.of(*session.character());
+        const double height = (rest.vertices.colwise().maxCoeff() - rest.vertices.colwise().minCoeff()).y();
+        const double sag = (now.vertices - rest.vertices).rowwise().norm().maxCoeff() / height;
+        double slip = 0.0;
+        for (const auto& [endpoint, goal] : session.document().goals) {
+            if (!goal.pinned) continue;
+            Eigen::Index nearest = 0;
+            (rest.vertices.rowwise() - goal.target.transpose()).rowwise().squaredNorm().minCoeff(&nearest);
+            slip = std::max(slip, (now.vertices.row(nearest) - rest.vertices.row(nearest)).norm() / height);
+        }
+        const double crease = sharpest(now, joint), before = sharpest(rest, joint);
+        MESSAGE(std::string(sample.name) << ": sag " << 100.0 * sag << " % of the height, beside pins " << 100.0 * slip << " %, sharpest edge at joints " << crease << " degrees, " << before << " at rest");
+        CHECK(sag >= 0.02);
+        CHECK(sag <= 0.08);
+        CHECK(crease <= before + 20.0);  // bones hold faces, flesh hangs between them
+        CHECK(slip <= sag);
     }
 }
 

@@ -35,7 +35,7 @@ NumberField::Spec specOf(EffectKind effect, const EffectProperty& property, int 
     spec.standard = standard[part];
     double size = 0.0;
     for (int i = 0; i < property.size; ++i) size = std::max(size, std::abs(standard[i]));
-    if (size == 0.0) size = 0.2;
+    if (size == 0.0) size = property.unit == "Pa" ? 1000.0 : 0.2;
     if (property.unit == "s" && size < 1.0) {
         spec.factor = 1000.0;
         spec.unit = QStringLiteral("ms");
