@@ -243,6 +243,26 @@ TEST_CASE("storage: hostile values under a valid digest are refused one by one")
     CHECK(openCode(bad) == "ok");
 }
 
+TEST_CASE("storage: files from before the sag keep a shear modulus that was chosen, and only that") {
+    Workbench w;
+    w.buildChain();
+    const auto path = Workbench::folder() / "sag.imomushi", older = Workbench::folder() / "older.imomushi";
+    const auto opened = [&](double modulus, bool enabled) {
+        if (enabled) w.good({{"do", "enable"}, {"effect", "gravity"}});
+        w.good({{"do", "save"}, {"path", path.string()}});
+        Workbench::writeFile(older, readFile(path));
+        sql(older, "DELETE FROM effect_settings WHERE property='sag'");
+        sql(older, "UPDATE effect_settings SET x=" + std::to_string(modulus) + " WHERE effect='gravity' AND property='shear-modulus'");
+        sign(older);
+        Workbench again;
+        again.good({{"do", "open"}, {"path", older.string()}});
+        return again.session.document().effects.number(EffectKind::Gravity, "shear-modulus");
+    };
+    CHECK(opened(3000.0, false) == 0.0);
+    CHECK(opened(5000.0, false) == 5000.0);
+    CHECK(opened(3000.0, true) == 3000.0);
+}
+
 TEST_CASE("storage: a response that does not belong to its element is not used") {
     Workbench w;
     w.buildChain();
