@@ -9,9 +9,14 @@ namespace imomushi {
 using Eigen::Matrix3d;
 
 RollField::RollField(const Skeleton& skeleton, const BoneTree& tree, double unit)
-    : skeleton_(skeleton), rollSign_(tree.rollSign), unit_(unit), rolls_(skeleton.points.size(), Vec3::Zero()) {
+    : skeleton_(skeleton), rollSign_(tree.rollSign), branches_(skeleton.points.size(), 0), fixed_(branches_), unit_(unit), rolls_(skeleton.points.size(), Vec3::Zero()) {
     std::vector<std::pair<int, int>> pairs;
-    for (const auto& bone : skeleton.bones) pairs.emplace_back(bone.start, bone.end);
+    std::vector<int> bones(skeleton.points.size(), 0);
+    for (const auto& bone : skeleton.bones) {
+        pairs.emplace_back(bone.start, bone.end);
+        for (const int point : {bone.start, bone.end})
+            if (++bones[point] >= 3) branches_[point] = 1;
+    }
     system_ = BlockCholesky<3>(std::vector<int>(skeleton.points.size(), 3), pairs);
 }
 
@@ -33,23 +38,24 @@ void RollField::spread(const std::vector<IkGoal>& goals, const std::vector<char>
     const Matrix3d eye = Matrix3d::Identity();
     system_.setZero();
     for (std::size_t i = 0; i < rolls_.size(); ++i) {
-        const double weight = held[i] ? 1.0 : kKeep;
+        fixed_[i] = held[i] || branches_[i];
+        const double weight = fixed_[i] ? 1.0 : kKeep;
         system_.add(static_cast<int>(i), static_cast<int>(i), weight * eye);
         rolls_[i] = Vec3::Constant(weight * pose.roll[i]);
     }
     for (const auto& bone : skeleton_.bones) {
         const double weight = unit_ / bone.length;
         for (const auto& [one, other] : {std::pair(bone.start, bone.end), std::pair(bone.end, bone.start)}) {
-            if (held[one]) continue;
+            if (fixed_[one]) continue;
             system_.add(one, one, weight * eye);
-            if (held[other]) rolls_[one].array() += weight * pose.roll[other];
+            if (fixed_[other]) rolls_[one].array() += weight * pose.roll[other];
         }
-        if (!held[bone.start] && !held[bone.end]) system_.add(bone.start, bone.end, -weight * eye);
+        if (!fixed_[bone.start] && !fixed_[bone.end]) system_.add(bone.start, bone.end, -weight * eye);
     }
     if (!system_.factorise()) return;
     system_.solve(rolls_);
     for (std::size_t i = 0; i < rolls_.size(); ++i)
-        if (!held[i]) pose.roll[i] = rolls_[i].x();
+        if (!fixed_[i]) pose.roll[i] = rolls_[i].x();
 }
 
 }  // namespace imomushi

@@ -9,8 +9,8 @@
 
 namespace imomushi {
 
-/// Roll per joint point, harmonic along the bones (Laplace's equation on the forest with weights 1 / length) between the held points. Allocates in its
-/// constructor only.
+/// Roll per joint point, harmonic along the bones (Laplace's equation on the forest with weights 1 / length) between points that are held and points where
+/// limbs branch: these keep the roll that they have, so that a twist stays in its limb. Allocates in its constructor only.
 class RollField {
 public:
     /// unit: m, mean rest length of the bones.
@@ -22,6 +22,8 @@ public:
 private:
     Skeleton skeleton_;
     std::vector<double> rollSign_;  // see BoneTree
+    std::vector<char> branches_;    // three bones or more meet there
+    std::vector<char> fixed_;       // held, or a branch
     double unit_ = 0.0;
     BlockCholesky<3> system_;       // the same scalar in all three components
     std::vector<Vec3> rolls_;

@@ -329,6 +329,41 @@ TEST_CASE("samples: gravity by default sags flesh by 2 to 8 % of the height, wit
     }
 }
 
+TEST_CASE("figure: a hand that is twisted twice round turns its arm, and not the head") {
+    CommandRegistry registry;
+    addCoreCommands(registry);
+    for (const bool dynamics : {false, true}) {
+        CAPTURE(dynamics);
+        Session session(registry);
+        const auto good = [&](const Json& command) {
+            const auto answer = session.execute(command);
+            if (!answer) FAIL(answer.error().message);
+            return *answer;
+        };
+        good({{"do", "open"}, {"path", (kSamples / "figure.imomushi").string()}});
+        if (dynamics) good({{"do", "enable"}, {"effect", "bone-dynamics"}});
+        const auto turnOf = [&](const char* element) {
+            return Eigen::Quaterniond(session.character()->frame(session.elementIndex(session.document().elementNamed(element)->id)).linear());
+        };
+        // The trunk follows its shoulder, a little.
+        const std::pair<const char*, double> parts[] = {{"head", 2.0}, {"hand.R", 2.0}, {"foot.L", 2.0}, {"trunk", 30.0}};
+        const auto twisted = [&](double roll) {
+            good({{"do", "drag"}, {"endpoint", "hand-bone.L/end"}, {"to", {1.021725, 0.758997, 0.08016}}, {"roll", roll}, {"seconds", 1.0}});
+            good({{"do", "step"}, {"frames", 300}});
+            std::vector<Eigen::Quaterniond> turns;
+            for (const auto& part : parts) turns.push_back(turnOf(part.first));
+            return turns;
+        };
+        const auto before = twisted(0.0), after = twisted(4.0 * std::numbers::pi);
+        for (std::size_t i = 0; i < before.size(); ++i) {
+            const double degrees = before[i].angularDistance(after[i]) * 180.0 / std::numbers::pi;
+            MESSAGE(std::string(parts[i].first), std::string(dynamics ? ", with bone dynamics: " : ": "), degrees, " degrees");
+            CHECK(degrees < parts[i].second);
+        }
+        CHECK(good({{"do", "measure"}, {"what", "gap"}})["value"].get<double>() < 1e-12);
+    }
+}
+
 namespace {
 
 constexpr double kLength = 2.55;                   // of the caterpillar, m, rounded down
