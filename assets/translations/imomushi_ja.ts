@@ -1909,6 +1909,50 @@
             <source>%1 of %2 elements</source>
             <translation>%1 / %2 要素</translation>
         </message>
+        <message>
+            <source>This pose folds the surface.</source>
+            <translation>このポーズでは表面が折れ込みます。</translation>
+        </message>
+        <message>
+            <source>In this pose an element passes through its joint.</source>
+            <translation>このポーズでは要素が関節を突き抜けます。</translation>
+        </message>
+        <message>
+            <source>In this pose the volume is off by %1 %.</source>
+            <translation>このポーズでは体積が %1 % ずれます。</translation>
+        </message>
+        <message>
+            <source>This pose creases the surface at a joint.</source>
+            <translation>このポーズでは関節のところに折り目がつきます。</translation>
+        </message>
+        <message>
+            <source>Only where a pose calls for it</source>
+            <translation>ポーズに必要なところだけ</translation>
+        </message>
+        <message>
+            <source>Comes by itself, element by element, before anything folds, and costs nothing meanwhile.</source>
+            <translation>折れ込む前に要素ごとに自動でかかり、それまでは計算しません。</translation>
+        </message>
+        <message>
+            <source>Turn on</source>
+            <translation>オンにする</translation>
+        </message>
+        <message>
+            <source>Turns it on only where a pose calls for it.</source>
+            <translation>ポーズに必要なところだけでオンにします。</translation>
+        </message>
+        <message>
+            <source>Hold to compare</source>
+            <translation>押している間比較</translation>
+        </message>
+        <message>
+            <source>Shows the pose with it for as long as you press.</source>
+            <translation>押している間、かけた状態のポーズを表示します。</translation>
+        </message>
+        <message>
+            <source>Not now</source>
+            <translation>今はしない</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::FileFlow</name>

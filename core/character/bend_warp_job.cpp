@@ -27,6 +27,7 @@ public:
         std::size_t bytes = 0;
         for (auto& e : elements_) {
             const VertexWork work = frame.elements[e.index].work;
+            if (frame.elements[e.index].warpPart == 0.0) continue;
             if (work != VertexWork::Evaluate && work != VertexWork::EvaluateAndKeep) continue;
             work_.push_back(&e);
             bytes += e.bytes;
@@ -58,20 +59,27 @@ private:
         Eigen::VectorXd warping;           // what smooth joints add to motions, see BendWarp::evaluate()
         Points held;                       // of warp.heldVertices()
         std::vector<std::size_t> heldOf;   // where they are in ElementFrame::held
-        AlignedBuffer<float> loaded;       // with body loads: local positions under these alone
+        AlignedBuffer<float> loaded;       // with body loads: local positions under these alone; where the warp fades, then those of the product
         double warpMs = 0.0, loadMs = 0.0;  // of the last run
     };
 
     void add(Frame& frame, std::size_t index) {
         const auto& given = frame.input.elements[index];
-        const auto& of = frame.elements[index];
+        auto& of = frame.elements[index];
+        of.fades = of.runtime->watch != nullptr;
+        of.warpPart = of.fades ? 0.0 : 1.0;
+        if (of.fades) {
+            of.watched.resize(given.faces.size());
+            of.watchRoom = of.runtime->watch->room();
+        }
         Element made(index, of.runtime->warp);
         made.motions.resize(given.faces.size());
         made.warping = Eigen::VectorXd::Zero(of.v.size());
-        if (of.withLoads.size() > 0) made.loaded = AlignedBuffer<float>(of.local.size());
+        if (of.withLoads.size() > 0 || of.fades) made.loaded = AlignedBuffer<float>(of.local.size());
         for (const int j : of.jointOf) {
             auto& joint = frame.joints[static_cast<std::size_t>(j)];
             joint.warped = true;
+            joint.fades = of.fades;
             joint.nu = given.nu;
             const int bone = frame.input.joints[static_cast<std::size_t>(j)].faces[0].bone;
             made.sameTree.push_back(!given.bones.empty() && bone >= 0 && frame.tree.tree[bone] == frame.tree.tree[given.bones[0]]);
@@ -106,6 +114,8 @@ private:
         const auto warped = std::chrono::steady_clock::now();
         w.warpMs = milliseconds(start, warped);
         w.loadMs = 0.0;
+        // Embedded points follow the warp later (RenderMeshJob).
+        const std::size_t bodyNumbers = 3 * static_cast<std::size_t>(kVertexBlock) * out.runtime->bodyBlocks;
         if (out.withLoads.size() > 0) {
             // What loads do to the shape at rest is added: weights without those of joints are what they do alone.
             out.withLoads.head(out.v.size()).setZero();
@@ -113,8 +123,15 @@ private:
             evaluateAndPlace(out.blocks.view(), out.blocks.weights(), out.placement, 0, out.blocks.count(), w.loaded.data(), out.positions.data());
             out.withLoads.head(out.v.size()) = out.v;
             const float* rest = out.blocks.rest().data();
-            for (std::size_t i = 0; i < out.local.size(); ++i) out.local[i] += w.loaded[i] - rest[i];
+            for (std::size_t i = 0; i < bodyNumbers; ++i) out.local[i] += w.loaded[i] - rest[i];
             w.loadMs = milliseconds(warped, std::chrono::steady_clock::now());
+        }
+        if (out.warpPart < 1.0) {
+            out.blocks.weigh(out.weights());
+            evaluateAndPlace(out.blocks.view(), out.blocks.weights(), out.placement, 0, out.blocks.count(), w.loaded.data(), out.positions.data());
+            const auto part = static_cast<float>(out.warpPart);
+            for (std::size_t i = 0; i < bodyNumbers; ++i) out.local[i] = w.loaded[i] + part * (out.local[i] - w.loaded[i]);
+            std::copy(w.loaded.data() + bodyNumbers, w.loaded.data() + out.local.size(), out.local.data() + bodyNumbers);
         }
         out.localShown = true;
         out.work = VertexWork::Place;
@@ -126,7 +143,10 @@ private:
 
 }  // namespace
 
-void BendWarpEffect::ask(ElementTables& tables) const { tables.warp = true; }
+void BendWarpEffect::ask(ElementTables& tables) const {
+    tables.warp = true;
+    tables.fades = automatic;
+}
 
 Result<void> BendWarpEffect::addJob(Frame& frame, FrameJobs& jobs) const {
     jobs.add<BendWarpJob>(frame);

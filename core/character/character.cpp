@@ -28,6 +28,7 @@ void Character::State::update(const Pose& wanted, double seconds) {
         if (!frame.joints[j].handle) placeJoint(j);
     jobs.run(Stage::Joints, frame);
     for (auto& joint : frame.joints) mapJoint(joint);
+    if (weighs) weighEffects();
     jobs.run(Stage::JointMaps, frame);
     for (std::size_t e = 0; e < frame.elements.size(); ++e) findParameters(e);
     for (const Stage stage : {Stage::Loads, Stage::FaceOffsets, Stage::Equilibrium}) jobs.run(stage, frame);
@@ -135,7 +136,7 @@ Points Character::positions(int element) const {
         out.row(free[i]) = e.frame(rest + x.segment<3>(3 * static_cast<Eigen::Index>(i))).transpose();
     }
     // What only a frame knows is as precise as it is shown.
-    if (e.runtime->warp || e.dented)
+    if (e.warpPart > 0.0 || e.dented)
         for (const auto v : free) out.row(v) = e.frame(e.localAt(v, e.dented ? e.dented : e.local.data())).transpose();
     for (std::size_t i = 0; i < e.held.size(); ++i) out.row(e.held[i].vertex) = state_->frame.heldAt(e, i).transpose();
     return out;
@@ -162,6 +163,23 @@ Eigen::MatrixXd Character::renderColumns(int mesh, int element) const {
         if (vertex.element == element)
             for (Eigen::Index k = 0; k < 3; ++k) rows.push_back(3 * elementVertex(vertex, runtime) + k);
     return all(rows, Eigen::indexing::all);
+}
+
+std::vector<PoseMeasures> Character::measurePose() {
+    auto& elements = state_->frame.elements;
+    auto& watches = state_->watches;
+    std::vector<PoseMeasures> out(elements.size());
+    watches.resize(elements.size());
+    for (std::size_t e = 0; e < elements.size(); ++e) {
+        const auto& given = elements[e].runtime->input;
+        if (!given.response || given.faces.empty()) continue;
+        if (!watches[e]) watches[e] = elements[e].runtime->watch ? elements[e].runtime->watch : PoseWatch::build(given.mesh->body, given.faces, *given.response);
+        elements[e].watched.resize(given.faces.size());
+        state_->findMotions(elements[e]);
+        auto room = watches[e]->room();
+        out[e] = watches[e]->measure(elements[e].v, elements[e].watched, room);
+    }
+    return out;
 }
 
 const Eigen::VectorXd& Character::jointParameters(int element) const { return state_->frame.elements[element].v; }

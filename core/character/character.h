@@ -14,6 +14,7 @@
 #include "core/character/embedded_mesh.h"
 #include "core/character/frame_job.h"
 #include "core/character/handle_pose.h"
+#include "core/character/pose_watch.h"
 #include "core/character/response_format.h"
 #include "core/joints/joint_face.h"
 #include "core/reduction/element_response.h"
@@ -171,6 +172,11 @@ public:
     [[nodiscard]] std::vector<int> loadColumns(int element) const;
     /// Its vertices are more than v and loads: bend warp.
     [[nodiscard]] bool isWarped(int element) const;
+    /// How much of the bend warp is shown, 0 ... 1: less than all where it is automatic.
+    [[nodiscard]] double warpPart(int element) const;
+
+    /// What the product A' v does in the pose of the last update(), per element, whatever effects make of it; at rest without a response. The first call makes tables.
+    [[nodiscard]] std::vector<PoseMeasures> measurePose();
 
     struct Stats {
         unsigned warnings = 0;          ///< of FrameWarning

@@ -126,8 +126,8 @@ void Character::State::placeJoint(std::size_t j) {
     out.turn = rotation.normalized();
     out.rotation = out.turn.toRotationMatrix();
     out.stretch = 1.0;
-    if (shifted && !frame.smooth)
-        out.stretch = out.warped ? freeStretch(out.contraction * outward / shifted, out.nu) : boundedStretch(out.contraction * outward / shifted);
+    out.pull = shifted && !frame.smooth ? out.contraction * outward / shifted : 0.0;
+    if (out.pull != 0.0) out.stretch = out.warped && !out.fades ? freeStretch(out.pull, out.nu) : boundedStretch(out.pull);
 }
 
 void Character::State::mapJoint(JointFrame& joint) const {
@@ -155,6 +155,37 @@ void Character::State::findParameters(std::size_t e) {
         double lost = 0.0;
         given.response->bases[f].coefficients(local, out.runtime->restOfFace[f], face.size, out.v.data() + given.response->firstColumn[f], lost);
         if (lost > kVisibleLoss) frame.warn(FrameWarning::BasisLosesTwist);
+    }
+}
+
+void Character::State::weighEffects() {
+    for (auto& joint : frame.joints)
+        if (joint.fades) joint.warpPart = 0.0;
+    for (std::size_t e = 0; e < frame.elements.size(); ++e) {
+        auto& out = frame.elements[e];
+        if (!out.fades) continue;
+        findMotions(out);
+        out.warpPart = 0.0;
+        if (out.runtime->watch->isCalm(out.watched)) continue;
+        findParameters(e);
+        out.warpPart = PoseWatch::callForWarp(out.runtime->watch->measure(out.v, out.watched, out.watchRoom));
+        for (const int j : jointsOf[e]) {
+            auto& part = frame.joints[static_cast<std::size_t>(j)].warpPart;
+            part = std::max(part, out.warpPart);
+        }
+    }
+    for (auto& joint : frame.joints) {
+        if (!joint.fades || joint.warpPart == 0.0 || joint.pull == 0.0) continue;
+        joint.stretch += joint.warpPart * (freeStretch(joint.pull, joint.nu) - joint.stretch);
+        mapJoint(joint);
+    }
+}
+
+void Character::State::findMotions(ElementFrame& element) const {
+    const Matrix3d toElement = element.frame.linear.transpose();
+    for (std::size_t f = 0; f < element.watched.size(); ++f) {
+        const auto& joint = frame.joints[static_cast<std::size_t>(element.jointOf[f])];
+        element.watched[f] = {toElement * joint.map.linear, toElement * (joint.map.shift - element.frame.shift), element.rotation.conjugate() * joint.turn};
     }
 }
 

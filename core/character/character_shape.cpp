@@ -27,7 +27,7 @@ Quaterniond turned(const double* a, const double* b, double part) {
 ShapeLayout Character::shapeLayout() const {
     ShapeLayout layout;
     const Frame& f = state_->frame;
-    for (const auto& e : f.elements) layout.elements.push_back({static_cast<int>(e.weights().size()), static_cast<int>(e.patchForces.size())});
+    for (const auto& e : f.elements) layout.elements.push_back({static_cast<int>(e.weights().size()), static_cast<int>(e.patchForces.size()), e.fades ? 1 : 0});
     layout.joints = static_cast<int>(f.joints.size());
     layout.warping = f.warpingShapes;
     layout.nodes = static_cast<int>(f.offsets.size());
@@ -43,6 +43,7 @@ void Character::shape(double* to) const {
         to = put(to, e.frame.shift.data(), 3);
         to = put(to, e.weights().data(), e.weights().size());
         to = put(to, e.patchForces.data(), e.patchForces.size());
+        if (e.fades) *to++ = e.warpPart;
     }
     for (const auto& j : s.joints) {
         to = put(to, j.turn.coeffs().data(), 4);
@@ -77,6 +78,7 @@ void Character::show(const double* from) {
             take(e.v.data(), e.v.size());
         }
         take(e.patchForces.data(), e.patchForces.size());
+        if (e.fades) take(&e.warpPart, 1);
     }
     for (auto& j : s.joints) {
         take(j.turn.coeffs().data(), 4);
@@ -112,7 +114,7 @@ void Character::between(const double* a, const double* b, double part, double* t
         const Vec3 shift = place - q.toRotationMatrix() * e.runtime->middle;
         to = put(to, shift.data(), 3);
         a += 3, b += 3;
-        mix(e.weights().size() + e.patchForces.size());
+        mix(e.weights().size() + e.patchForces.size() + (e.fades ? 1 : 0));
     }
     for (const auto& j : s.joints) {
         const Matrix3d fromTurn = Eigen::Map<const Quaterniond>(a).toRotationMatrix(), toTurn = Eigen::Map<const Quaterniond>(b).toRotationMatrix();
@@ -163,5 +165,7 @@ Points Character::heldPositions(int element) const {
 std::vector<int> Character::loadColumns(int element) const { return state_->frame.elements[static_cast<std::size_t>(element)].runtime->input.tables.loads; }
 
 bool Character::isWarped(int element) const { return state_->frame.elements[static_cast<std::size_t>(element)].runtime->warp != nullptr; }
+
+double Character::warpPart(int element) const { return state_->frame.elements[static_cast<std::size_t>(element)].warpPart; }
 
 }  // namespace imomushi

@@ -62,6 +62,10 @@ struct Character::State {
     void mapJoint(JointFrame& joint) const;
     // The joints of an element in its own frame, as coefficients of its bases.
     void findParameters(std::size_t e);
+    // How much of automatic effects this pose calls for, by what the product would show; joints with it.
+    void weighEffects();
+    // Of its faces, into `watched`.
+    void findMotions(ElementFrame& element) const;
 
     // v -> vertices (character_surface.cpp).
     void decideWork(std::size_t e);
@@ -73,7 +77,7 @@ struct Character::State {
     bool closeSeam(const SeamNormal& s);
 
     // Deformation by others (deform_input.cpp).
-    [[nodiscard]] bool canDeformExternally(const ElementFrame& e) const { return !e.runtime->warp && !e.unseen && frame.offsets.empty(); }
+    [[nodiscard]] bool canDeformExternally(const ElementFrame& e) const { return (!e.runtime->warp || e.fades) && !e.unseen && frame.offsets.empty(); }
     void buildDeformInput();
     void fillDeformInput(std::size_t e);
     // Positions and normals of an element as of the last update().
@@ -83,6 +87,8 @@ struct Character::State {
 
     Frame frame;
     FrameJobs jobs;
+    std::vector<std::shared_ptr<const PoseWatch>> watches;  // of measurePose(): per element, null: not asked for yet
+    bool weighs = false;  // effects are automatic
     const Pose poseOfRest = restPose(frame.input.skeleton);
     TouchJob* touch = nullptr;  // of jobs, null: none
     RenderMeshJob* renderMeshes = nullptr;

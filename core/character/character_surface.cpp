@@ -18,6 +18,7 @@ void Character::State::decideWork(std::size_t e) {
     auto& out = frame.elements[e];
     const auto& joints = frame.joints;
     const auto& runtime = *out.runtime;
+    const bool warped = runtime.warp && out.warpPart > 0.0;
     out.moved = !out.shown || !(out.frame == out.shownFrame);
     for (std::size_t f = 0; f < out.jointOf.size(); ++f) {
         out.moved = out.moved || !(joints[out.jointOf[f]].map == out.shownJoints[f]);
@@ -34,9 +35,11 @@ void Character::State::decideWork(std::size_t e) {
     bool sameShape =
         out.shown && ((out.weights() - out.shownWeights).cwiseAbs().cwiseProduct(runtime.columnSize).array() <= kSameShape * runtime.size).all();
     // The bend warp bends by more than v says where the basis loses twist.
-    if (runtime.warp && out.moved && frame.input.basis == BasisKind::Paper) sameShape = false;
-    if (frame.exact || frame.replaying) sameShape = sameShape && out.weights() == out.shownWeights && !(runtime.warp && out.moved);
-    const bool external = out.wantsExternal && !out.wantsLocal;
+    if (warped && out.moved && frame.input.basis == BasisKind::Paper) sameShape = false;
+    if (frame.exact || frame.replaying) sameShape = sameShape && out.weights() == out.shownWeights && !(warped && out.moved);
+    sameShape = sameShape && out.warpPart == out.shownWarpPart;
+    out.shownWarpPart = out.warpPart;
+    const bool external = out.wantsExternal && !out.wantsLocal && !warped;
     out.moved = out.moved || !sameShape || out.wantsLocal || external != out.external;
     out.external = external;
     out.work = VertexWork::None;
@@ -51,7 +54,7 @@ void Character::State::decideWork(std::size_t e) {
         for (int k = 0; k < 3; ++k) out.placement.linear[3 * i + k] = static_cast<float>(out.frame.linear(i, k));
     }
     out.pending = external || out.unseen;
-    out.partial = out.unseen && !out.wantsLocal && !runtime.warp;
+    out.partial = out.unseen && !out.wantsLocal && !warped;
     if (sameShape && out.localShown && (out.partial || !out.localPart)) {
         out.work = external ? VertexWork::None : VertexWork::Place;
         return;

@@ -25,6 +25,7 @@ struct ElementTables;
 /// own in the header of its job, by EffectOf.
 struct EffectSettings {
     std::vector<char> elements;  ///< per element of the character, 0: it does not act there; empty: it acts on all
+    bool automatic = false;      ///< only where and while a pose calls for it, as far as it does (PoseWatch); effects that know how
 
     EffectSettings() = default;
     EffectSettings(const EffectSettings&) = default;

@@ -125,7 +125,7 @@ ResponseBlocks blocksOf(ElementRuntime& runtime) {
     const auto& given = runtime.input;
     const Points& body = given.mesh->body.vertices;
     const Eigen::MatrixXd response = responseWithLoads(runtime);
-    const bool warped = given.response && !given.faces.empty() && given.tables.warp;
+    const bool warped = given.response && !given.faces.empty() && given.tables.warp && !given.tables.fades;
     if (!runtime.embedded || warped || runtime.embedded->rows.empty()) return {body, runtime.free, runtime.middle, response, given.format};
     const EmbeddedTables& embedded = *runtime.embedded;
     const auto own = static_cast<Eigen::Index>(3 * runtime.free.size()), more = static_cast<Eigen::Index>(3 * embedded.rows.size());
@@ -205,6 +205,7 @@ Result<std::shared_ptr<const ElementRuntime>> ElementRuntime::build(Input input,
     if (like) {
         out.stencils = like->stencils;
         out.warp = like->warp;
+        out.watch = like->watch;
         out.touch = like->touch;
         out.touchBlocks = like->touchBlocks;
         return std::shared_ptr<const ElementRuntime>(std::move(made));
@@ -216,6 +217,7 @@ Result<std::shared_ptr<const ElementRuntime>> ElementRuntime::build(Input input,
             auto warp = BendWarpTables::build(body, given.faces, *given.response, given.nu, first, out.middle, {});
             if (!warp) return tl::unexpected(warp.error());
             out.warp = std::move(*warp);
+            if (given.tables.fades) out.watch = PoseWatch::build(body, given.faces, *given.response);
         }
         if (given.tables.touch && given.response->touch.columns() > 0) {
             auto surface = TouchSurface::build(*given.mesh, given.faces, given.response);

@@ -9,6 +9,7 @@
 
 #include "core/base/result.h"
 #include "core/character/embedded_mesh.h"
+#include "core/character/pose_watch.h"
 #include "core/character/response_blocks.h"
 #include "core/character/vertex_kernels.h"
 #include "core/joints/joint_face.h"
@@ -24,6 +25,7 @@ namespace imomushi {
 struct ElementTables {
     std::vector<int> loads;  ///< columns of ElementResponse::loads that follow v, ascending
     bool warp = false;       ///< ElementRuntime::warp
+    bool fades = false;      ///< ElementRuntime::watch; frames without the warp are a product
     bool touch = false;      ///< ElementRuntime::touch
     bool operator==(const ElementTables&) const = default;
 };
@@ -85,10 +87,11 @@ struct ElementRuntime {
     std::vector<Hidden> hidden;
     std::vector<NormalStencil> stencils;  ///< per vertex
     Eigen::VectorXd columnSize;           ///< per column (of v, then loads): the largest displacement per unit, m
-    ResponseBlocks blocks;                ///< of free body vertices; of embedded points behind them where they are a product: without a warp
+    ResponseBlocks blocks;                ///< of free body vertices; of embedded points behind them where they are a product: without a warp, or with one that fades
     std::size_t bodyBlocks = 0;           ///< those of the body
     std::shared_ptr<const EmbeddedTables> embedded;  ///< null: there are none
     std::shared_ptr<const BendWarpTables> warp;  ///< null: not asked for
+    std::shared_ptr<const PoseWatch> watch;      ///< null: not asked for
     std::shared_ptr<const TouchSurface> touch;   ///< null: not asked for
     TouchBlocks touchBlocks;
 };

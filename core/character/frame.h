@@ -13,6 +13,7 @@
 #include "core/character/aligned_buffer.h"
 #include "core/character/character.h"
 #include "core/character/element_runtime.h"
+#include "core/character/pose_watch.h"
 #include "core/character/rigid_fit.h"
 #include "core/character/vertex_kernels.h"
 #include "core/skeleton/bone_tree.h"
@@ -36,6 +37,7 @@ struct JointFrame {
     double contraction = 0.0;         // 1/m, see lateral_contraction.h
     bool led = false;                 // its plane turns with elements that lead (CharacterInput::Element::leadsJointPlanes)
     bool warped = false;              // an element keeps its volume here
+    bool fades = false;               // as far as its pose calls for it: warpPart changes from frame to frame
     double nu = 0.45;                 // Poisson ratio of that element
     bool handle = false;              // placed by a handle: it moves rigidly
 
@@ -44,6 +46,8 @@ struct JointFrame {
     Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();    // the same
     Vec3 at = Vec3::Zero();                                    // where restPlace is, m, world
     double stretch = 1.0;                                      // in its plane
+    double pull = 0.0;                                         // what it follows from, relative
+    double warpPart = 1.0;                                     // where it is warped: of ElementFrame::warpPart the largest around it
     // Stage::JointMaps; Stage::Equilibrium
     AffineMap map;
     Eigen::Matrix3Xd warping;  // with smooth joints: world, per scalar shape
@@ -97,6 +101,12 @@ struct ElementFrame {
     /// Where a free vertex is in the element's frame, m, by `local` or what has its layout.
     [[nodiscard]] Vec3 localAt(std::int32_t vertex, const float* blocksOf) const;
 
+    // Of the bend warp: how much of it is shown, 0 (the product alone, nothing is computed) ... 1; it fades where it is automatic (weighEffects()).
+    double warpPart = 0.0;
+    bool fades = false;              // fixed by the character
+    std::vector<FaceMotion> watched; // where it fades: the motions of its faces
+    PoseWatch::Room watchRoom;
+
     // Of attached parts (EmbeddedPoints): rotation vectors about their pivots in the axes of the rest pose, radians. As asked for, as of this frame, and as shown last.
     std::vector<Vec3> askedTurns, turns, shownTurns;
 
@@ -107,6 +117,7 @@ struct ElementFrame {
     std::vector<Eigen::Matrix3Xd> shownWarping;  // per face, with smooth joints
     bool shown = false, moved = false;
     bool localShown = false;         // `local` belongs to shownWeights
+    double shownWarpPart = 0.0;
 
     // Vertices.
     ResponseBlocks blocks;           // of the runtime, with the weights of this frame

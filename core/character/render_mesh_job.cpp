@@ -43,10 +43,10 @@ void placeParts(const EmbeddedPoints& points, const EmbeddedTables& tables, cons
     }
 }
 
-/// What a joint does to the part of an embedded point that is its own, beyond what the frame of the element does.
-Eigen::Matrix3d jointPart(const Frame& frame, const ElementFrame& of, int face, bool carried) {
+/// What a joint does to the part of an embedded point that is its own, beyond what the frame of the element does. product: how much of the point is a product.
+Eigen::Matrix3d jointPart(const Frame& frame, const ElementFrame& of, int face, double product) {
     const Eigen::Matrix3d& linear = frame.joints[static_cast<std::size_t>(of.jointOf[static_cast<std::size_t>(face)])].map.linear;
-    return carried ? linear : Eigen::Matrix3d(linear - of.frame.linear);
+    return linear - product * of.frame.linear;
 }
 
 }  // namespace
@@ -128,7 +128,7 @@ void RenderMeshJob::follow(Frame& frame) {
     bool any = false;
     for (auto& e : elements_) {
         const auto& of = frame.elements[e.index];
-        e.carry = !of.moved ? Carry::Nothing : of.runtime->warp ? Carry::Bodies : of.dented ? Carry::Dents : Carry::Nothing;
+        e.carry = !of.moved ? Carry::Nothing : of.warpPart > 0.0 ? Carry::Bodies : of.dented ? Carry::Dents : Carry::Nothing;
         if (e.carry == Carry::Dents) findDents(e, of);
         any = any || e.carry != Carry::Nothing;
     }
@@ -148,8 +148,10 @@ void RenderMeshJob::follow(Frame& frame) {
             auto& of = frame.elements[e.index];
             for (std::size_t i = p.begin; e.carry != Carry::Nothing && i < p.end; ++i) {
                 const Vec3 at = e.tables->mapping.at(i, values(e), e.gradients);
-                if (e.carry == Carry::Bodies)
+                if (e.carry == Carry::Bodies && of.warpPart == 1.0)
                     shownAt(of, e.tables->rows[i]) = at.cast<float>();
+                else if (e.carry == Carry::Bodies)
+                    shownAt(of, e.tables->rows[i]) += static_cast<float>(of.warpPart) * (at.cast<float>() - shownAt(of, e.tables->rows[i]));
                 else
                     shownAt(of, e.tables->rows[i]) += (of.frame.linear * at).cast<float>();
             }
@@ -159,11 +161,12 @@ void RenderMeshJob::follow(Frame& frame) {
         auto& of = frame.elements[e.index];
         if (!of.moved) continue;
         addJointParts(e, frame, of);
-        if (!e.heldOf.empty() && e.carry != Carry::Bodies) {
+        const double product = productPart(e, of);
+        if (!e.heldOf.empty() && product > 0.0) {
             findMissing(e, frame);
             for (std::size_t i = 0; i < e.heldOf.size(); ++i) {
                 const auto& part = e.tables->mapping.heldParts()[i];
-                shownAt(of, e.tables->rows[static_cast<std::size_t>(part.point)]) += (part.weight * e.missing.row(e.heldOf[i]).transpose()).cast<float>();
+                shownAt(of, e.tables->rows[static_cast<std::size_t>(part.point)]) += (product * part.weight * e.missing.row(e.heldOf[i]).transpose()).cast<float>();
             }
         }
         placeAttached(e, of);
@@ -193,13 +196,15 @@ void RenderMeshJob::findMissing(Element& e, const Frame& frame) {
     }
 }
 
+double RenderMeshJob::productPart(const Element& e, const ElementFrame& of) { return e.carry == Carry::Bodies ? 1.0 - of.warpPart : 1.0; }
+
 void RenderMeshJob::addJointParts(const Element& e, const Frame& frame, ElementFrame& of) {
     int face = -1;
     Eigen::Matrix3f motion = Eigen::Matrix3f::Zero();
     for (const auto& part : e.tables->mapping.jointParts()) {
         if (part.face != face) {
             face = part.face;
-            motion = jointPart(frame, of, face, e.carry == Carry::Bodies).cast<float>();
+            motion = jointPart(frame, of, face, productPart(e, of)).cast<float>();
         }
         shownAt(of, e.tables->rows[static_cast<std::size_t>(part.point)]) += motion * part.offset.cast<float>();
     }
@@ -284,7 +289,7 @@ Points RenderMeshJob::elementPositions(const Frame& frame, const Element& elemen
                    [&](std::int32_t i, const Vec3& p) { out.row(static_cast<Eigen::Index>(tables.first) + i) = p.transpose(); });
     };
     // What only a frame knows is as precise as it is shown; attached parts keep their shape all the same.
-    if (runtime.warp || of.dented) {
+    if (of.warpPart > 0.0 || of.dented) {
         Points out = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(of.positions.data(), count, 3).cast<double>();
         placeAll(out);
         return out;
@@ -309,7 +314,7 @@ Points RenderMeshJob::elementPositions(const Frame& frame, const Element& elemen
         out.row(row) = of.frame(at).transpose();
     }
     for (const auto& part : tables.mapping.jointParts())
-        out.row(tables.rows[static_cast<std::size_t>(part.point)]) += (jointPart(frame, of, part.face, false) * part.offset).transpose();
+        out.row(tables.rows[static_cast<std::size_t>(part.point)]) += (jointPart(frame, of, part.face, 1.0) * part.offset).transpose();
     for (std::size_t i = 0; i < element.heldOf.size(); ++i) {
         const auto& part = tables.mapping.heldParts()[i];
         out.row(tables.rows[static_cast<std::size_t>(part.point)]) += part.weight * element.missing.row(element.heldOf[i]);

@@ -65,6 +65,8 @@ private:
     void follow(Frame& frame);
     // In double precision, as ElementFrame::positions; those of the body are left out.
     static Points elementPositions(const Frame& frame, const Element& element);
+    // How much of its points is a product, besides what carries them.
+    static double productPart(const Element& element, const ElementFrame& of);
     static void findDents(Element& element, const ElementFrame& of);
     static Element madeFor(const Frame& frame, std::size_t index);
     static void findMissing(Element& element, const Frame& frame);

@@ -43,7 +43,7 @@ public:
         for (std::size_t j = 0; j < joints.size(); ++j) {
             auto& out = joints[j];
             const Vec3 at = out.map(out.restPlace);
-            out.part = out.warped ? shownPart(frame, j) : 1.0;
+            out.part = !out.warped ? 1.0 : out.fades ? 1.0 + out.warpPart * (shownPart(frame, j) - 1.0) : shownPart(frame, j);
             Matrix3d stretch = equilibrium_.stretch(static_cast<int>(j));
             if (out.warped) stretch = (Matrix3d::Identity() + out.part * (stretch - Matrix3d::Identity())).eval();
             out.map.linear = out.rotation * stretch;

@@ -163,6 +163,7 @@ void addCoreCommands(CommandRegistry& registry) {
     addBoneCommands(registry);
     addPropertyCommands(registry);
     addEffectCommands(registry);
+    addPoseCheckCommands(registry);
     addSolveCommands(registry);
     addPoseCommands(registry);
     addTakeCommands(registry);

@@ -141,6 +141,7 @@ void addMorphCommands(CommandRegistry& registry);     // morph
 void addBoneCommands(CommandRegistry& registry);      // add-bone, edit-bone, remove-bone
 void addPropertyCommands(CommandRegistry& registry);  // set, rename
 void addEffectCommands(CommandRegistry& registry);    // enable, disable
+void addPoseCheckCommands(CommandRegistry& registry); // check-pose
 void addSolveCommands(CommandRegistry& registry);     // estimate, precompute, deform-element
 void addPoseCommands(CommandRegistry& registry);      // pin, unpin, drag, release, touch, rest, step
 void addTakeCommands(CommandRegistry& registry);      // record, play, rename-take, duplicate-take, trim-take, remove-take

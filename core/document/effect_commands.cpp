@@ -51,7 +51,12 @@ Result<Json> enable(DocumentEdit& edit, const Json& arguments, const Progress&) 
     const auto wanted = wantedOf(document, arguments);
     if (!wanted) return tl::unexpected(wanted.error());
     const auto [kind, target] = *wanted;
+    const Json* given = find(arguments, "auto");
+    const bool automatic = given ? given->get<bool>() : document.effects[kind].automatic;
+    if (automatic && !effectDescriptor(kind).canBeAutomatic)
+        return fail("not-automatic", "\"" + std::string(effectName(kind)) + "\" cannot wait for poses that call for it: leave \"auto\" out.");
     Effect& effect = document.effects[kind];
+    effect.automatic = automatic;
     if (target == 0)
         effect.elements.clear();
     else if (!effect.enabled)
@@ -61,6 +66,7 @@ Result<Json> enable(DocumentEdit& edit, const Json& arguments, const Progress&) 
     effect.enabled = true;
     Json answer;
     answer["on"] = names(document, effect);
+    if (automatic) answer["auto"] = true;
     const EffectCost cost = edit.responses().costOf(kind);
     answer["columns"] = cost.columns;
     answer["bytes"] = cost.bytes;
@@ -85,7 +91,7 @@ Result<Json> disable(DocumentEdit& edit, const Json& arguments, const Progress&)
     }
     if (target == 0 || effect.elements.empty()) {
         effect.elements.clear();
-        effect.enabled = false;
+        effect.enabled = effect.automatic = false;
     }
     if (kind == EffectKind::Touch)
         std::erase_if(document.touches, [&](const Touch& touch) { return !document.effects.has(EffectKind::Touch, touch.element); });
@@ -173,6 +179,7 @@ Json effectsJson(const Document& document, bool all) {
         const Effect& effect = document.effects[kind];
         Json one;
         one["enabled"] = effect.enabled;
+        if (effect.automatic) one["auto"] = true;
         if (effect.enabled) one["on"] = names(document, effect);
         for (const EffectProperty& p : effectProperties(kind))
             one[std::string(p.name)] = p.size == 3 ? json(document.effects.vector(kind, p.name)) : Json(document.effects.number(kind, p.name));
@@ -200,15 +207,17 @@ std::string effectsHelp() {
 
 void addEffectCommands(CommandRegistry& registry) {
     using Type = CommandKey::Type;
-    std::string list, ofElements;
+    std::string list, ofElements, automatic;
     for (std::size_t k = 0; k < kEffects; ++k) {
         const auto kind = static_cast<EffectKind>(k);
         list += (list.empty() ? "\"" : ", \"") + std::string(effectName(kind)) + "\"";
+        if (effectDescriptor(kind).canBeAutomatic) automatic += (automatic.empty() ? "" : ", ") + std::string(effectName(kind));
         if (isOfElements(kind)) ofElements += (ofElements.empty() ? "" : ", ") + std::string(effectName(kind));
     }
     const CommandKey effect{"effect", Type::Text, true, "One of " + list + "."};
     registry.addChange("enable", "Turns an effect on and says what it will cost; what is off costs nothing. Some effects need a precompute then.",
-                       {effect, {"target", Type::Text, false, "On this element alone (" + ofElements + "); all unless given."}}, enable);
+                       {effect, {"target", Type::Text, false, "On this element alone (" + ofElements + "); all unless given."},
+                        {"auto", Type::Boolean, false, "Only where and while a pose calls for it, element by element, fading in and out (" + automatic + "). Unless given: as it is, at first always."}}, enable);
     registry.addChange("disable", "Turns an effect off; its settings stay.",
                        {effect, {"target", Type::Text, false, "On this element alone; all unless given."}}, disable);
 }

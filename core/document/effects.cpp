@@ -78,7 +78,7 @@ double jointDynamicsPairs(const Document& document) { return kDynamicPairs * joi
 constexpr EffectDescriptor kTable[] = {
     row<BoneDynamicsEffect>(EffectKind::BoneDynamics, {.scope = EffectScope::Bones, .inTime = true}),
     row<SmoothJointsEffect>(EffectKind::SmoothJoints, {.pairs = smoothJointsPairs}),
-    row<BendWarpEffect>(EffectKind::BendWarp, {.scope = EffectScope::Elements, .pairs = bendWarpPairs}),
+    row<BendWarpEffect>(EffectKind::BendWarp, {.scope = EffectScope::Elements, .canBeAutomatic = true, .pairs = bendWarpPairs}),
     row<JointDynamicsEffect>(EffectKind::JointDynamics, {.inTime = true, .pairs = jointDynamicsPairs}),
     row<PreviousModelEffect>(EffectKind::PreviousModel, {.tractions = true, .inTime = true, .pairs = previousModelPairs}),
     row<GravityEffect>(EffectKind::Gravity, {.scope = EffectScope::Elements, .ask = askForLoads, .columns = [](const Effects&) { return 3; }}),
@@ -118,7 +118,7 @@ bool sameOnCharacter(const Effects& a, const Effects& b) {
         if (d.scope == EffectScope::Bones) continue;
         if (a.has(d.kind) != b.has(d.kind)) return false;
         if (!a.has(d.kind)) continue;
-        if (a[d.kind].elements != b[d.kind].elements) return false;
+        if (a[d.kind].elements != b[d.kind].elements || a[d.kind].automatic != b[d.kind].automatic) return false;
         for (const EffectProperty& p : d.properties)
             if (p.rebuilds && a.number(d.kind, p.name) != b.number(d.kind, p.name)) return false;
     }
@@ -148,6 +148,7 @@ Effects::Effects() {
 std::shared_ptr<EffectSettings> Effects::settings(EffectKind kind) const {
     const EffectDescriptor& d = effectDescriptor(kind);
     auto settings = d.settings();
+    settings->automatic = (*this)[kind].automatic;
     const double* value = (*this)[kind].values.data();
     for (const EffectProperty& p : d.properties) {
         std::copy_n(value, p.size, p.at(*settings));

@@ -28,6 +28,7 @@ inline constexpr std::size_t kEffects = static_cast<std::size_t>(EffectKind::kCo
 
 struct Effect {
     bool enabled = false;
+    bool automatic = false;      ///< enabled, and acts only where and while a pose calls for it (EffectDescriptor::canBeAutomatic)
     std::set<PartId> elements;   ///< on these alone; empty: on all
     std::vector<double> values;  ///< of effectProperties(), vectors as three numbers
     bool operator==(const Effect&) const = default;
@@ -89,6 +90,8 @@ struct EffectDescriptor {
     bool tractions = false;
     /// It follows from how a character moves in time: an export without a take drops it.
     bool inTime = false;
+    /// It can wait until a pose calls for it, on each element as far as it does, and costs nothing meanwhile.
+    bool canBeAutomatic = false;
     /// Predicted cost of a frame besides its columns, in pairs of a collocation point and a triangle, whose time is measured on every machine (machineRates()).
     /// Predictions are replaced by what is measured once frames pass. Null: nearly nothing; for effects on bones, a few frames are tried out.
     double (*pairs)(const Document&) = nullptr;

@@ -24,7 +24,7 @@ void writeEffects(Database& db, const Document& document) {
     for (std::size_t k = 0; k < kEffects; ++k) {
         const Effect& effect = document.effects[static_cast<EffectKind>(k)];
         const std::string name(effectName(static_cast<EffectKind>(k)));
-        effects.row(name, effect.enabled);
+        effects.row(name, effect.automatic ? 2 : effect.enabled ? 1 : 0);  // 2: automatic
         const double* at = effect.values.data();
         for (const EffectProperty& p : effectProperties(static_cast<EffectKind>(k))) {
             settings.row(name, std::string(p.name), at[0], p.size == 3 ? at[1] : 0.0, p.size == 3 ? at[2] : 0.0);
@@ -43,7 +43,10 @@ void readEffects(Database& db, Document& document) {
     RowReader effects(db, "SELECT * FROM effects");
     while (effects.next()) {
         const EffectKind kind = kindOf(effects);
-        document.effects[kind].enabled = effects.boolean();
+        const auto state = effects.integer(0, 2);
+        require(state < 2 || effectDescriptor(kind).canBeAutomatic, "an effect cannot be automatic");
+        document.effects[kind].enabled = state > 0;
+        document.effects[kind].automatic = state == 2;
     }
     RowReader settings(db, "SELECT * FROM effect_settings");
     bool sag = false;

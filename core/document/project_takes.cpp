@@ -44,8 +44,14 @@ void writeTakes(Database& db, const Document& document) {
     for (const auto& [id, take] : document.takes) {
         std::vector<PartId> bones;
         for (const Take::Bone& b : take->bones) bones.insert(bones.end(), {b.bone, static_cast<PartId>(b.start), static_cast<PartId>(b.end)});
+        // Three where an effect fades, else two per element.
+        const auto& elements = take->layout.elements;
+        const bool fades = std::any_of(elements.begin(), elements.end(), [](const auto& e) { return e.fades != 0; });
         std::vector<std::int32_t> sizes;
-        for (const auto& e : take->layout.elements) sizes.insert(sizes.end(), {e.weights, e.forces});
+        for (const auto& e : elements) {
+            sizes.insert(sizes.end(), {e.weights, e.forces});
+            if (fades) sizes.push_back(e.fades);
+        }
         takes.row(id, take->name, take->times, bones, take->points, take->poses.first(), take->poses.varying(), take->poses.values(), take->elements, sizes,
                   take->layout.joints, take->layout.warping, take->layout.nodes, take->shapes.first(), take->shapes.varying(), take->shapes.values());
         for (std::size_t i = 0; i < take->targets.size(); ++i) {
@@ -79,13 +85,16 @@ void readTakes(Database& db, Document& document, const std::map<PartId, int>& tu
         for (std::size_t b = 0; b < take->bones.size(); ++b) rotations.push_back(3 * points + 4 * b);
         take->poses = readFrames(rows, 4 * points + 4 * take->bones.size(), frames, rotations);
         take->elements = rows.array<PartId>();
-        const auto sizes = rows.array<std::int32_t>(2);
-        require(sizes.size() == 2 * take->elements.size(), "the elements of a take are broken");
+        const auto sizes = rows.array<std::int32_t>();
+        const std::size_t each = sizes.size() == 3 * take->elements.size() ? 3 : 2;
+        require(sizes.size() == each * take->elements.size(), "the elements of a take are broken");
         std::int64_t numbers = 0;
-        for (std::size_t i = 0; i < sizes.size(); i += 2) {
+        for (std::size_t i = 0; i < sizes.size(); i += each) {
             require(sizes[i] >= 0 && sizes[i] <= kMaxParts && sizes[i + 1] >= 0 && sizes[i + 1] <= kMaxParts, "the elements of a take are broken");
-            numbers += ShapeLayout::kFrame + sizes[i] + sizes[i + 1];
-            take->layout.elements.push_back({sizes[i], sizes[i + 1]});
+            const int fades = each == 3 ? sizes[i + 2] : 0;
+            require(fades == 0 || fades == 1, "the elements of a take are broken");
+            take->layout.elements.push_back({sizes[i], sizes[i + 1], fades});
+            numbers += take->layout.elements.back().size();
         }
         take->layout.joints = static_cast<int>(rows.integer(0, kMaxParts));
         take->layout.warping = static_cast<int>(rows.integer(0, Warping::kMax));
@@ -96,7 +105,7 @@ void readTakes(Database& db, Document& document, const std::map<PartId, int>& tu
         rotations.clear();
         for (std::size_t e = 0, at = 0; e < take->layout.elements.size(); ++e) {
             rotations.push_back(at);
-            at += static_cast<std::size_t>(ShapeLayout::kFrame + take->layout.elements[e].weights + take->layout.elements[e].forces);
+            at += static_cast<std::size_t>(take->layout.elements[e].size());
         }
         for (int j = 0; j < take->layout.joints; ++j) rotations.push_back(static_cast<std::size_t>(take->layout.joint(j)));
         take->shapes = readFrames(rows, static_cast<std::size_t>(take->layout.size()), frames, rotations);

@@ -8,6 +8,7 @@
 
 #include "core/document/command_support.h"
 #include "core/document/document_edit.h"
+#include "core/document/pose_check.h"
 #include "core/document/prepared_step.h"
 #include "core/document/project_file.h"
 #include "core/document/proposal_commands.h"
@@ -179,6 +180,7 @@ Result<Character*> Session::builtCharacter() { return live_->built(); }
 const CharacterPlan& Session::plan() const { return live_->plan(); }
 int Session::elementIndex(PartId element) const { return live_->built() ? live_->plan().elementIndex(element) : -1; }
 int Session::pointIndex(const EndpointRef& end) const { return live_->built() ? live_->plan().pointIndex(end) : -1; }
+Result<std::vector<PoseFinding>> Session::checkPose() { return imomushi::checkPose(*live_); }
 const Pose& Session::shownPose() { return live_->shownPose(); }
 Result<Vec3> Session::positionOf(const EndpointRef& end) { return live_->positionOf(end); }
 Result<HandlePose> Session::poseOf(const FaceRef& handle) { return live_->poseOf(handle); }

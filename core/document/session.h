@@ -21,6 +21,7 @@ namespace imomushi {
 
 class LiveCharacter;
 struct CharacterPlan;
+struct PoseFinding;
 struct PreparedStep;
 struct Project;
 struct ProposalRequest;
@@ -77,6 +78,8 @@ public:
     [[nodiscard]] int elementIndex(PartId element) const;        ///< in character(), -1: none
     [[nodiscard]] int pointIndex(const EndpointRef& end) const;  ///< joint point in the skeleton, -1: none
     const Pose& shownPose();
+    /// See pose_check.h. Errors: those of LiveCharacter::built().
+    Result<std::vector<PoseFinding>> checkPose();
     Result<Vec3> positionOf(const EndpointRef& end);
     Result<HandlePose> poseOf(const FaceRef& handle);
     [[nodiscard]] Points positionsOf(PartId element);

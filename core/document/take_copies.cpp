@@ -146,7 +146,7 @@ private:
             const auto& size = now.elements.emplace_back(was.elements[static_cast<std::size_t>(e)]);
             const int at = was.element(static_cast<std::size_t>(e));
             pieces.push_back({isCopy(id) ? CopiedNumbers::Kind::Frame : CopiedNumbers::Kind::Same, at, ShapeLayout::kFrame});
-            same(at + ShapeLayout::kFrame, size.weights + size.forces);
+            same(at + ShapeLayout::kFrame, size.weights + size.forces + size.fades);
         }
         now.joints = static_cast<int>(after_.input.joints.size());
         for (const auto& joint : after_.input.joints) {

@@ -56,6 +56,7 @@ inline CharacterInput randomCharacter(std::mt19937& random) {
         REQUIRE_MESSAGE(made.has_value(), (made ? "" : made.error().message));
         element.response = std::make_shared<const ElementResponse>(std::move(*made));
     }
+    warp.automatic = chance(0.5);
     input.effects.set(std::move(warp));
     return input;
 }

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
 #include "tests/document/workbench.h"
 
 using namespace imomushi;
@@ -437,6 +441,75 @@ TEST_CASE("bend warp: a bent body keeps its volume, a body at rest its bytes") {
     CHECK(w.good({{"do", "measure"}, {"what", "gap"}})["value"] == 0.0);
     w.good({{"do", "rest"}});
     CHECK(volumes() == doctest::Approx(6.0).epsilon(1e-6));
+}
+
+TEST_CASE("automatic bend warp: a pose that leaves what is linear is said with what mends it, which comes by itself, is saved, undone, and kept by takes to the bit") {
+    Workbench w;
+    w.buildChain();
+    w.good({{"do", "precompute"}});
+    const Json check = {{"do", "check-pose"}};
+    CHECK(w.good(check)["fits"] == true);
+    w.good({{"do", "pin"}, {"endpoint", "a/start"}});
+    w.good({{"do", "pin"}, {"endpoint", "a/end"}});
+    w.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {3.0, 0.0, 3.0}}});
+    const Json said = w.good(check);
+    CHECK(said["fits"] == false);
+    REQUIRE(!said["leaves"].empty());
+    CHECK(said["leaves"][0]["effect"] == "bend-warp");
+    const Json mend = said["mend"]["command"];
+    CHECK(mend == Json{{"do", "enable"}, {"effect", "bend-warp"}, {"auto", true}});
+    CHECK(said["mend"]["ms_per_frame"].get<double>() >= 0.0);
+    CHECK(said["mend"]["precompute"] == false);
+
+    const auto volumeOff = [&](Workbench& of) { return std::abs(of.good({{"do", "measure"}, {"what", "volume"}})["value"].get<double>() / 6.0 - 1.0); };
+    CHECK(volumeOff(w) > 0.02);
+    CHECK(w.good(mend)["auto"] == true);
+    CHECK(volumeOff(w) < 0.02);
+    CHECK(w.good(check)["fits"] == true);
+    const Character& bent = *w.session.character();
+    const int a = w.session.elementIndex(w.session.document().elementNamed("A")->id);
+    CHECK(bent.warpPart(a) == 1.0);
+
+    w.good({{"do", "undo"}});
+    CHECK(!w.session.document().effects.has(EffectKind::BendWarp));
+    w.good({{"do", "redo"}});
+    CHECK(w.session.document().effects[EffectKind::BendWarp].automatic);
+    CHECK(w.good({{"do", "enable"}, {"effect", "bend-warp"}, {"target", "A"}}).contains("auto"));
+    CHECK(!w.good({{"do", "enable"}, {"effect", "bend-warp"}, {"auto", false}}).contains("auto"));
+    w.good(mend);
+    CHECK(w.code({{"do", "enable"}, {"effect", "gravity"}, {"auto", true}}) == "not-automatic");
+
+    // From straight, through where it fades, to the bend: a take shows what was seen.
+    w.good({{"do", "rest"}});
+    CHECK(w.session.character()->warpPart(a) == 0.0);
+    w.good({{"do", "record"}, {"take", "bend"}, {"action", "start"}});
+    w.good({{"do", "pin"}, {"endpoint", "a/start"}});
+    w.good({{"do", "pin"}, {"endpoint", "a/end"}});
+    std::vector<Points> seen;
+    std::vector<double> parts;
+    for (int i = 1; i <= 12; ++i) {
+        const double angle = i * 0.13;
+        w.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {3.0 * std::sin(angle), 0.0, 3.0 + 3.0 * std::cos(angle)}}});
+        w.good({{"do", "step"}, {"frames", 1}});
+        seen.push_back(w.session.character()->positions(a));
+        parts.push_back(w.session.character()->warpPart(a));
+    }
+    w.good({{"do", "record"}, {"take", "bend"}, {"action", "stop"}});
+    CHECK(parts.front() == 0.0);
+    CHECK(parts.back() == 1.0);
+    CHECK(std::any_of(parts.begin(), parts.end(), [](double p) { return p > 0.0 && p < 1.0; }));
+    const auto path = (Workbench::folder() / "automatic.imomushi").string();
+    w.good({{"do", "save"}, {"path", path}});
+    Workbench other;
+    other.good({{"do", "open"}, {"path", path}});
+    CHECK(other.session.document().effects == w.session.document().effects);
+    const Take& take = *other.session.document().takes.begin()->second;
+    REQUIRE(take.times.size() >= 13);
+    other.good({{"do", "precompute"}});
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+        other.good({{"do", "play"}, {"take", "bend"}, {"time", take.times[take.times.size() - seen.size() + i]}});
+        CHECK(other.session.character()->positions(other.session.elementIndex(other.session.document().elementNamed("A")->id)) == seen[i]);
+    }
 }
 
 TEST_CASE("previous model: joint faces move by themselves in the full basis, and their divergence is said and survived") {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -18,8 +19,11 @@
 #include <string>
 #include <vector>
 
+#include "core/character/character.h"
+#include "core/character/welded_surface.h"
 #include "core/document/session.h"
 #include "core/mesh/topology.h"
+#include "core/mesh/cgal/intersections.h"
 #include "tests/support/folder.h"
 
 using namespace imomushi;
@@ -460,4 +464,76 @@ TEST_CASE("caterpillar: a random walk of 10,000 steps headless is finite and clo
     }
     CHECK(meshes[0] == meshes[1]);
     CHECK(answers[0] == answers[1]);
+}
+
+TEST_CASE("caterpillar: rolled up and back in 600 frames the automatic bend warp folds and crosses nothing, jumps nowhere, and is the product while straight") {
+    constexpr int kRolled = 600;
+    CommandRegistry registry;
+    addCoreCommands(registry);
+    Session session(registry);
+    REQUIRE(session.execute({{"do", "open"}, {"path", (kSamples / "caterpillar.imomushi").string()}}));
+    struct Run {
+        double step = 0.0;
+        std::vector<double> ms, straightMs;
+        int straight = 0, crossings = 0;
+        std::vector<std::vector<Points>> frames;
+    };
+    const auto perform = [&] {
+        Run run;
+        Character& c = **session.builtCharacter();
+        const Skeleton& skeleton = c.input().skeleton;
+        const WeldedSurface welded = weldedSurface(c.input(), false);
+        const int elements = static_cast<int>(c.input().elements.size());
+        c.stop();
+        for (int f = 0; f <= kRolled; ++f) {
+            const double each = (0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * f / kRolled)) * 1.2;  // rad, per joint
+            Pose pose = restPose(skeleton);
+            for (std::size_t b = 0; b < skeleton.bones.size(); ++b) {
+                const auto& bone = skeleton.bones[b];
+                const Vec3 along = skeleton.points[static_cast<std::size_t>(bone.end)] - skeleton.points[static_cast<std::size_t>(bone.start)];
+                if (bone.parent >= 0)
+                    pose.frames[b] = pose.frames[static_cast<std::size_t>(bone.parent)] * Eigen::Quaterniond(Eigen::AngleAxisd(each, Vec3::UnitZ()));
+                pose.points[static_cast<std::size_t>(bone.end)] = pose.points[static_cast<std::size_t>(bone.start)] + pose.frames[b] * along;
+            }
+            const auto start = std::chrono::steady_clock::now();
+            c.update(pose, 1.0 / 60.0);
+            const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+            run.ms.push_back(ms);
+            double part = 0.0;
+            std::vector<Points> now;
+            for (int e = 0; e < elements; ++e) {
+                part = std::max(part, c.warpPart(e));
+                now.push_back(c.positions(e));
+                if (f > 0) run.step = std::max(run.step, (now.back() - run.frames.back()[static_cast<std::size_t>(e)]).rowwise().norm().maxCoeff());
+            }
+            // Straight: less than 4 degrees at a joint.
+            if (part == 0.0) ++run.straight;
+            if (each < 0.07) run.straightMs.push_back(ms);
+            if (f % 20 == 0) {
+                TriangleMesh shown{welded.vertices, welded.triangles};
+                for (int e = 0; e < elements; ++e) shown.vertices.middleRows(welded.first[static_cast<std::size_t>(e)], now[static_cast<std::size_t>(e)].rows()) = now[static_cast<std::size_t>(e)];
+                // Flesh of elements that are no neighbours meets where the body is rolled up far enough, whatever its shape.
+                const auto elementOf = [&](std::int32_t t) { return std::upper_bound(welded.first.begin(), welded.first.end(), shown.triangles(t, 0)) - welded.first.begin(); };
+                for (const auto& [a, b] : selfIntersections(shown, 10000)) run.crossings += std::abs(elementOf(a) - elementOf(b)) <= 1;
+            }
+            run.frames.push_back(std::move(now));
+        }
+        std::sort(run.ms.begin(), run.ms.end());
+        std::sort(run.straightMs.begin(), run.straightMs.end());
+        return run;
+    };
+    const Run plain = perform();
+    REQUIRE(session.execute({{"do", "enable"}, {"effect", "bend-warp"}, {"auto", true}}));
+    const Run automatic = perform();
+    REQUIRE(session.execute({{"do", "enable"}, {"effect", "bend-warp"}, {"auto", false}}));
+    const Run always = perform();
+    int same = 0;
+    for (int f = 0; f <= kRolled; ++f) same += plain.frames[static_cast<std::size_t>(f)] == automatic.frames[static_cast<std::size_t>(f)];
+    MESSAGE("product: largest step ", plain.step, " m, ", plain.crossings, " crossing pairs, ", plain.ms[kRolled / 2], " ms per frame (median), straight ", plain.straightMs[plain.straightMs.size() / 2], "; automatic: ", automatic.step, " m, ", automatic.crossings, " (always on: ", always.crossings, "), ", automatic.ms[kRolled / 2], " ms, straight ", automatic.straightMs[automatic.straightMs.size() / 2], " ms; always on ", always.ms[kRolled / 2], " ms; ",
+            automatic.straight, " frames without, ", same, " the same bytes");
+    CHECK(plain.crossings > 0);
+    CHECK(automatic.crossings == 0);
+    CHECK(automatic.step < 1.5 * plain.step);
+    CHECK(automatic.straight > 50);
+    CHECK(same >= automatic.straight);
 }

@@ -4,6 +4,7 @@
 #include <QSignalSpy>
 
 #include "tests/studio/window.h"
+#include "core/document/pose_check.h"
 #include "ui/models/effect_texts.h"
 #include "ui/models/recent_files.h"
 #include "ui/models/texts.h"
@@ -211,4 +212,54 @@ TEST_CASE("effects: every effect and every setting has its words in the studio")
             CHECK(effectPropertyHelp(property).endsWith(u'.'));
         }
     }
+}
+
+TEST_CASE("effects: a pose that leaves what is linear is told beside the effect that mends it, which is shown while a button is held and taken with a click") {
+    Effective w;
+    auto& panel = w.window().effects();
+    const auto part = [&](const char* name) {
+        for (auto* button : panel.findChildren<QAbstractButton*>(QLatin1String(name)))
+            if (button->isVisible()) return button;
+        return static_cast<QAbstractButton*>(nullptr);
+    };
+    w.settle();
+    CHECK(stays([&] { return part("take") == nullptr; }));
+    REQUIRE(w.document().execute({{"do", "drag"}, {"endpoint", "head-bone/end"}, {"to", {0.1, 1.15, 0.0}}}));
+    REQUIRE(w.document().session().checkPose().has_value());
+    waitFor([&] { return part("take") != nullptr; });
+    const auto position = w.document().session().position();
+    panel.ensureWidgetVisible(part("take"));
+    w.settle();
+    CHECK(cutOff(panel) == "");
+    w.shoot("effects-offer");
+
+    QAbstractButton* compare = part("compare");
+    QTest::mousePress(compare, Qt::LeftButton, {}, compare->rect().center());
+    CHECK(w.now().effects.has(EffectKind::BendWarp));
+    w.settle();
+    w.shoot("effects-offer-compared");
+    QTest::mouseRelease(compare, Qt::LeftButton, {}, compare->rect().center());
+    CHECK(!w.now().effects.has(EffectKind::BendWarp));
+    CHECK(w.document().session().position() == position);
+    w.settle();
+
+    waitFor([&] { return part("take") != nullptr; });
+    QTest::mouseClick(part("take"), Qt::LeftButton);
+    CHECK(w.now().effects[EffectKind::BendWarp].automatic);
+    CHECK(w.document().session().position() == position + 1);
+    w.settle();
+    CHECK(part("take") == nullptr);
+    REQUIRE(part("automatic"));
+    CHECK(part("automatic")->isChecked());
+    QTest::mouseClick(part("automatic"), Qt::LeftButton, {}, QPoint(8, part("automatic")->height() / 2));
+    CHECK(w.now().effects.has(EffectKind::BendWarp));
+    CHECK(!w.now().effects[EffectKind::BendWarp].automatic);
+
+    // What is dismissed does not come again.
+    w.flip("bend-warp");
+    waitFor([&] { return part("dismiss") != nullptr; });
+    QTest::mouseClick(part("dismiss"), Qt::LeftButton);
+    w.settle();
+    REQUIRE(w.document().execute({{"do", "drag"}, {"endpoint", "head-bone/end"}, {"to", {0.0, 1.1, 0.1}}}));
+    CHECK(stays([&] { return part("take") == nullptr; }));
 }

@@ -139,7 +139,11 @@ Json set(EffectKind effect, const EffectProperty& property, std::span<const doub
 
 Json rename(const std::string& target, const std::string& name) { return {{"do", "rename"}, {"target", target}, {"name", name}}; }
 
-Json enable(EffectKind effect, const std::optional<std::string>& element) { return effectCommand("enable", effect, element); }
+Json enable(EffectKind effect, const std::optional<std::string>& element, std::optional<bool> automatic) {
+    Json command = effectCommand("enable", effect, element);
+    add(command, "auto", automatic);
+    return command;
+}
 Json disable(EffectKind effect, const std::optional<std::string>& element) { return effectCommand("disable", effect, element); }
 
 Json duplicate(const std::vector<std::string>& names) { return {{"do", "duplicate"}, {"names", names}}; }

@@ -119,8 +119,8 @@ Json rename(const std::string& target, const std::string& name);
 
 // ---- effects ---------------------------------------------------------------------------------------------------------------
 
-/// On one element, or on all.
-Json enable(EffectKind effect, const std::optional<std::string>& element = {});
+/// On one element, or on all. automatic: only where and while a pose calls for it; nothing: as it is.
+Json enable(EffectKind effect, const std::optional<std::string>& element = {}, std::optional<bool> automatic = {});
 Json disable(EffectKind effect, const std::optional<std::string>& element = {});
 inline Json setEnabled(EffectKind effect, bool on, const std::optional<std::string>& element = {}) { return on ? enable(effect, element) : disable(effect, element); }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/panels/effects_panel.h"
 
+#include <QCheckBox>
 #include <QEvent>
 #include <QGridLayout>
 #include <QLabel>
@@ -12,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/document/pose_check.h"
 #include "ui/models/commands.h"
 #include "ui/models/effect_texts.h"
 #include "ui/models/texts.h"
@@ -24,6 +26,20 @@ namespace {
 
 /// Measured times are told so often: numbers that change faster cannot be read.
 constexpr int kTellMs = 350;
+/// A pose is looked at so long after it changed.
+constexpr int kCheckMs = 400;
+
+/// What an effect would mend, in one sentence.
+QString findingText(PoseFinding::Kind kind, double measure) {
+    switch (kind) {
+        case PoseFinding::Kind::Fold: return EffectsPanel::tr("This pose folds the surface.");
+        case PoseFinding::Kind::Crossing: return EffectsPanel::tr("In this pose an element passes through its joint.");
+        case PoseFinding::Kind::Volume: return EffectsPanel::tr("In this pose the volume is off by %1 %.").arg(QLocale().toString(100.0 * std::abs(measure), 'f', 0));
+        case PoseFinding::Kind::Crease: return EffectsPanel::tr("This pose creases the surface at a joint.");
+        case PoseFinding::Kind::Twist: break;
+    }
+    return {};
+}
 
 /// How a setting is shown and dragged: times below a second in ms, steps of a twentieth of the default's power of ten.
 NumberField::Spec specOf(EffectKind effect, const EffectProperty& property, int part) {
@@ -78,6 +94,15 @@ EffectsPanel::EffectsPanel(StudioDocument& document, QWidget* parent) : QScrollA
         showPrices();
         if (stepped_.elapsed() > kTellMs) tell_.stop();
     });
+    check_.setInterval(kCheckMs);
+    check_.setSingleShot(true);
+    connect(&check_, &QTimer::timeout, this, &EffectsPanel::checkPose);
+    const auto look = [this] {
+        if (!check_.isActive() && isVisible()) check_.start();
+    };
+    connect(&document, &StudioDocument::poseChanged, this, look);
+    connect(&document, &StudioDocument::frameStepped, this, look);
+    connect(&document, &StudioDocument::structureChanged, this, look);
     rebuild();
 }
 
@@ -88,6 +113,11 @@ void EffectsPanel::changeEvent(QEvent* event) {
     if (event->type() == QEvent::LanguageChange) rebuild();
 }
 
+void EffectsPanel::showEvent(QShowEvent* event) {
+    QScrollArea::showEvent(event);
+    if (!check_.isActive()) check_.start();
+}
+
 void EffectsPanel::setCosts(const std::array<EffectCost, kEffects>& costs) {
     costs_ = costs;
     known_ = true;
@@ -96,6 +126,8 @@ void EffectsPanel::setCosts(const std::array<EffectCost, kEffects>& costs) {
 
 void EffectsPanel::rebuild() {
     gesture_.reset();
+    comparison_.reset();
+    check_.start();
     auto* old = takeWidget();
     if (old) old->deleteLater();
     auto* body = new QWidget;
@@ -125,7 +157,9 @@ void EffectsPanel::rebuild() {
         const auto effect = EffectKind(k);
         const QString name = QString::fromUtf8(effectName(effect).data(), qsizetype(effectName(effect).size()));
         Row& r = rows_[k];
+        const bool dismissed = r.dismissed;
         r = {};
+        r.dismissed = dismissed;
         auto* holder = new QWidget(body);
         r.layout = new QVBoxLayout(holder);
         r.layout->setContentsMargins(0, px(3), 0, px(3));
@@ -178,8 +212,9 @@ void EffectsPanel::refresh() {
         const auto effect = EffectKind(k);
         Row& r = rows_[k];
         const bool on = document_.document().effects.has(effect);
+        if (on && r.offer && !comparison_) r.offer->hide();
         r.button->setChecked(on);
-        if (on && !r.settings && (!effectProperties(effect).empty() || isOfElements(effect))) buildSettings(effect);
+        if (on && !r.settings && (!effectProperties(effect).empty() || isOfElements(effect) || effectDescriptor(effect).canBeAutomatic)) buildSettings(effect);
         if (!on && r.settings) {
             gesture_.reset();
             r.refreshers.clear();
@@ -242,10 +277,98 @@ void EffectsPanel::buildSettings(EffectKind effect) {
     grid->setVerticalSpacing(px(5));
     grid->setColumnMinimumWidth(0, px(104));
     grid->setColumnStretch(1, 1);
+    if (effectDescriptor(effect).canBeAutomatic) addAutomatic(r, *grid, effect);
     if (isOfElements(effect)) addElements(r, *grid, effect);
     for (const EffectProperty& property : effectProperties(effect))
         for (int part = 0; part < property.size; ++part) addNumber(r, *grid, effect, property, part);
     r.layout->addWidget(r.settings);
+}
+
+void EffectsPanel::addAutomatic(Row& r, QGridLayout& grid, EffectKind effect) {
+    auto* box = new QCheckBox(tr("Only where a pose calls for it"), r.settings);
+    box->setObjectName(QStringLiteral("automatic"));
+    box->setToolTip(tr("Comes by itself, element by element, before anything folds, and costs nothing meanwhile."));
+    grid.addWidget(box, grid.rowCount(), 0, 1, 2);
+    connect(box, &QCheckBox::clicked, this, [this, effect](bool automatic) {
+        // On the elements that it has: naming one of them keeps the others.
+        const Document& d = document_.document();
+        const auto& chosen = d.effects[effect].elements;
+        std::optional<std::string> target;
+        for (const auto& [id, element] : d.elements)
+            if (chosen.contains(id)) target = element->name;
+        document_.execute(commands::enable(effect, target, automatic));
+        refresh();
+    });
+    r.refreshers.push_back([this, box, effect] { box->setChecked(document_.document().effects[effect].automatic); });
+}
+
+void EffectsPanel::buildOffer(EffectKind effect) {
+    Row& r = row(effect);
+    r.offer = new QWidget(r.layout->parentWidget());
+    r.offer->setObjectName(QStringLiteral("offer"));
+    auto* all = new QVBoxLayout(r.offer);
+    all->setContentsMargins(r.button->sizeHint().width() + px(9), 0, 0, px(4));
+    all->setSpacing(px(4));
+    r.offerText = new QLabel(r.offer);
+    r.offerText->setWordWrap(true);
+    auto* dismiss = new QToolButton(r.offer);
+    dismiss->setObjectName(QStringLiteral("dismiss"));
+    dismiss->setText(QStringLiteral("✕"));
+    dismiss->setAutoRaise(true);
+    dismiss->setAccessibleName(tr("Not now"));
+    dismiss->setToolTip(tr("Not now"));
+    auto* said = new QHBoxLayout;
+    said->addWidget(r.offerText, 1);
+    said->addWidget(dismiss, 0, Qt::AlignTop);
+    all->addLayout(said);
+    auto* line = new QHBoxLayout;
+    line->setSpacing(px(6));
+    const bool automatic = effectDescriptor(effect).canBeAutomatic;
+    r.take = new QPushButton(tr("Turn on"), r.offer);
+    r.take->setToolTip(automatic ? tr("Turns it on only where a pose calls for it.") : effectHelp(effect));
+    r.compare = new QPushButton(tr("Hold to compare"), r.offer);
+    r.compare->setToolTip(tr("Shows the pose with it for as long as you press."));
+    r.take->setObjectName(QStringLiteral("take"));
+    r.compare->setObjectName(QStringLiteral("compare"));
+    for (QPushButton* button : {r.take, r.compare}) line->addWidget(button);
+    line->addStretch(1);
+    all->addLayout(line);
+    r.layout->addWidget(r.offer);
+    connect(r.take, &QPushButton::clicked, this, [this, effect, automatic] {
+        document_.execute(commands::enable(effect, {}, automatic ? std::optional(true) : std::nullopt));
+        refresh();
+    });
+    connect(r.compare, &QPushButton::pressed, this, [this, effect] { compare(effect, true); });
+    connect(r.compare, &QPushButton::released, this, [this, effect] { compare(effect, false); });
+    connect(dismiss, &QToolButton::clicked, this, [this, effect] {
+        row(effect).dismissed = true;
+        row(effect).offer->hide();
+    });
+}
+
+void EffectsPanel::compare(EffectKind effect, bool on) {
+    comparison_.reset();
+    if (!on) return;
+    comparison_ = std::make_unique<Gesture>(document_);
+    document_.execute(commands::enable(effect), true);
+}
+
+void EffectsPanel::checkPose() {
+    if (comparison_ || gesture_ || !isVisible()) return;
+    const auto findings = document_.session().checkPose();
+    const auto mend = findings ? mendOf(*findings) : std::nullopt;
+    for (std::size_t k = 0; k < kEffects; ++k) {
+        const auto effect = EffectKind(k);
+        Row& r = row(effect);
+        const bool wanted = mend == effect && !r.dismissed && !document_.document().effects.has(effect);
+        if (wanted && !r.offer) buildOffer(effect);
+        if (!r.offer) continue;
+        if (wanted) {
+            const auto first = std::find_if(findings->begin(), findings->end(), [&](const PoseFinding& f) { return f.mend == effect; });
+            r.offerText->setText(findingText(first->kind, first->measure));
+        }
+        r.offer->setVisible(wanted);
+    }
 }
 
 void EffectsPanel::addNumber(Row& r, QGridLayout& grid, EffectKind effect, const EffectProperty& property, int part) {

@@ -38,6 +38,7 @@ signals:
 
 protected:
     void changeEvent(QEvent* event) override;
+    void showEvent(QShowEvent* event) override;
 
 private:
     struct Row {
@@ -47,6 +48,11 @@ private:
         QLabel* needsText = nullptr;
         QPushButton* precompute = nullptr;  ///< the same line, to be clicked
         QVBoxLayout* layout = nullptr;
+        QWidget* offer = nullptr;      ///< the line that says that it would mend the pose; null: no pose calls for such an effect
+        QLabel* offerText = nullptr;
+        QPushButton* take = nullptr;   ///< one click takes it
+        QPushButton* compare = nullptr;  ///< while it is held, the pose is shown with the effect
+        bool dismissed = false;
         QWidget* settings = nullptr;   ///< null: off, or there are none
         std::vector<std::function<void()>> refreshers;
     };
@@ -54,6 +60,10 @@ private:
     void rebuild();
     void refresh();        ///< takes over what the document says
     void showPrices();
+    void buildOffer(EffectKind effect);
+    void checkPose();      ///< offers what mends the pose that is shown
+    void compare(EffectKind effect, bool on);
+    void addAutomatic(Row& row, QGridLayout& grid, EffectKind effect);
     void buildSettings(EffectKind effect);
     void addNumber(Row& row, QGridLayout& grid, EffectKind effect, const EffectProperty& property, int part);
     void addElements(Row& row, QGridLayout& grid, EffectKind effect);
@@ -64,8 +74,8 @@ private:
     std::array<Row, kEffects> rows_;
     std::array<EffectCost, kEffects> costs_;
     FigureLabel* sum_ = nullptr;
-    std::unique_ptr<Gesture> gesture_;
-    QTimer tell_;
+    std::unique_ptr<Gesture> gesture_, comparison_;
+    QTimer tell_, check_;
     QElapsedTimer stepped_;            ///< since the last frame
     bool scheduled_ = false, known_ = false;
 };
