@@ -1107,6 +1107,10 @@
             <source>A bone would have no length. Choose a place farther away.</source>
             <translation>ボーンの長さがなくなります。もっと離れた場所を選んでください。</translation>
         </message>
+        <message>
+            <source>This effect cannot wait for poses that call for it.</source>
+            <translation>このエフェクトは、必要なポーズになるのを待つことができません。</translation>
+        </message>
     </context>
     <context>
         <name>Issues</name>

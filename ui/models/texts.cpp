@@ -62,6 +62,7 @@ const std::map<std::string, const char*> kErrors = {
     {"nothing-to-redo", QT_TRANSLATE_NOOP("Errors", "There is nothing to redo.")},
     {"no-such-effect", QT_TRANSLATE_NOOP("Errors", "There is no effect of that name.")},
     {"not-enabled", QT_TRANSLATE_NOOP("Errors", "The effect is not turned on.")},
+    {"not-automatic", QT_TRANSLATE_NOOP("Errors", "This effect cannot wait for poses that call for it.")},
     {"bad-target", QT_TRANSLATE_NOOP("Errors", "This effect works on the whole character, not on a single element.")},
     {"no-such-take", QT_TRANSLATE_NOOP("Errors", "There is no take of that name.")},
     {"no-element", QT_TRANSLATE_NOOP("Errors", "There is no character yet. Import an element first.")},
