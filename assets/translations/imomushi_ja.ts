@@ -2741,6 +2741,14 @@
             <translation>不明</translation>
         </message>
         <message>
+            <source>Error of the wrap</source>
+            <translation>包んだ面の誤差</translation>
+        </message>
+        <message>
+            <source>Errors together</source>
+            <translation>誤差の合計</translation>
+        </message>
+        <message>
             <source>Mapping error</source>
             <translation>転写の誤差</translation>
         </message>

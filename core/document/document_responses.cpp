@@ -61,9 +61,11 @@ ResponseInput DocumentResponses::inputOf(PartId element) const {
     input.touch = wish.touch;
     input.solverMesh = e.solverMesh;
     input.tetrahedra = e.piece.has_value();
-    input.threads = document_.settings.threads > 0 ? document_.settings.threads : hardwareThreads();
+    input.threads = threads();
     return input;
 }
+
+int DocumentResponses::threads() const { return document_.settings.threads > 0 ? document_.settings.threads : hardwareThreads(); }
 
 ResponseInput DocumentResponses::inputOfDraft(PartId element) const {
     ResponseInput input = inputOf(element);
@@ -216,6 +218,31 @@ Result<std::shared_ptr<const ElementResponse>> DocumentResponses::compute(PartId
     insert(keyOf(element), response, sharedOf(element) != nullptr);
     last_.insert_or_assign(element, StoredResponse{keyOf(element), shapeOf(element), response});
     return response;
+}
+
+std::set<PartId> DocumentResponses::computeTogether(std::span<const PartId> elements, const Progress& progress) {
+    std::vector<PartId> ids;
+    std::vector<ResponseInput> inputs;
+    for (const PartId id : elements) {
+        if (document_.elements.at(id)->faces.empty() || freshOf(id) || sharedOf(id)) continue;
+        ResponseInput input = inputOf(id);
+        if (!solvedBesideOthers(input)) continue;
+        ids.push_back(id);
+        inputs.push_back(std::move(input));
+    }
+    if (ids.size() < 2) return {};
+    std::vector<std::shared_ptr<const ElementResponse>> made(ids.size());
+    buildResponses(inputs, threads(), [&](std::size_t i, Result<ElementResponse> response) {
+        if (response) made[i] = std::make_shared<const ElementResponse>(std::move(*response));
+    }, progress);
+    std::set<PartId> done;
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+        if (!made[i]) continue;
+        insert(keyOf(ids[i]), made[i], false);
+        last_.insert_or_assign(ids[i], StoredResponse{keyOf(ids[i]), shapeOf(ids[i]), made[i]});
+        done.insert(ids[i]);
+    }
+    return done;
 }
 
 void DocumentResponses::insert(const ContentKey& key, std::shared_ptr<const ElementResponse> response, bool carried) {

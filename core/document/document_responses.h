@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "core/base/progress.h"
@@ -49,6 +50,8 @@ public:
     [[nodiscard]] ResponseInput inputOf(PartId element) const;
     /// The same on the solver mesh "draft".
     [[nodiscard]] ResponseInput inputOfDraft(PartId element) const;
+    /// Threads of a precompute, by the settings.
+    [[nodiscard]] int threads() const;
     [[nodiscard]] const ContentKey& keyOf(PartId element) const { return asked(element).key; }
     /// The key without nu and what effects ask for: a response of the same shape still fits the element.
     [[nodiscard]] const ContentKey& shapeOf(PartId element) const { return asked(element).shape; }
@@ -73,6 +76,9 @@ public:
     // ---- computing
     /// The fresh response of an element with joint faces: known, taken over from a congruent element, or solved now. Errors: those of buildResponse().
     Result<std::shared_ptr<const ElementResponse>> compute(PartId element, const Progress& progress);
+    /// Solves those of the elements that are not known yet and are not taken over from others at once, as many as there are threads, where tetrahedra solve them and memory lets
+    /// them: what follows finds them fresh. Those that were; one that fails is left for compute() to tell.
+    std::set<PartId> computeTogether(std::span<const PartId> elements, const Progress& progress);
     /// Takes in a response that was computed from inputOf(), or carried over from a congruent element.
     void insert(const ContentKey& key, std::shared_ptr<const ElementResponse> response, bool carried);
     /// Takes in a response that came with an element from a project file, or a draft.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <chrono>
 #include <algorithm>
+#include <chrono>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -213,37 +214,46 @@ Result<PartId> characterFor(SessionAccess& access, const Json& arguments, Json& 
 
 /// Makes elements soft at once: coarse answers for those that have none. One that fails is told and does not stop the others. Errors: "cancelled".
 Result<int> draftAll(SessionAccess& access, PartId character, Json& refused, const Progress& progress) {
-    int made = 0;
+    std::vector<PartId> ids;
+    std::vector<ResponseInput> inputs;
     for (const PartId id : access.document().elementsOf(character)) {
         if (access.document().elements.at(id)->faces.empty() || access.responses.fittingOf(id)) continue;
-        if (progress.cancelled()) return fail(kCancelled, "Making drafts was cancelled; what was made stays.");
-        const ResponseInput input = access.responses.inputOfDraft(id);
-        auto response = buildResponse(input, progress);
-        if (!response && response.error().code == kCancelled) return tl::unexpected(response.error());
-        if (!response) {
-            refused.push_back({{"what", "The draft of the element \"" + access.document().elements.at(id)->name + "\""}, {"code", response.error().code}, {"text", response.error().message}});
-            continue;
-        }
-        access.responses.bring(id, {responseKey(input), access.responses.shapeOf(id), std::make_shared<const ElementResponse>(std::move(*response))});
-        ++made;
+        ids.push_back(id);
+        inputs.push_back(access.responses.inputOfDraft(id));
     }
+    std::vector<std::optional<Result<ElementResponse>>> responses(ids.size());
+    buildResponses(inputs, access.responses.threads(), [&](std::size_t i, Result<ElementResponse> response) { responses[i] = std::move(response); }, progress);
+    int made = 0;
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+        if (!responses[i]) continue;
+        if (auto& response = *responses[i]) {
+            access.responses.bring(ids[i], {responseKey(inputs[i]), access.responses.shapeOf(ids[i]), std::make_shared<const ElementResponse>(std::move(*response))});
+            ++made;
+        } else if (response.error().code != kCancelled) {
+            refused.push_back({{"what", "The draft of the element \"" + access.document().elements.at(ids[i])->name + "\""}, {"code", response.error().code}, {"text", response.error().message}});
+        }
+    }
+    if (progress.cancelled()) return fail(kCancelled, "Making drafts was cancelled; what was made stays.");
     return made;
 }
 
-/// Precomputes element by element; one that fails is told and does not stop the others. Errors: "cancelled".
+/// Precomputes all elements that have joint faces; where one fails it is told and does not stop the others. Errors: "cancelled".
 Result<Json> precomputeAll(SessionAccess& access, PartId character, Json& refused, const Progress& progress) {
+    std::vector<std::string> names;
+    for (const PartId id : access.document().elementsOf(character))
+        if (const Element& element = *access.document().elements.at(id); !element.faces.empty()) names.push_back(element.name);
     Json list = Json::array();
-    const auto elements = access.document().elementsOf(character);
-    for (std::size_t e = 0; e < elements.size(); ++e) {
-        const Element& element = *access.document().elements.at(elements[e]);
-        if (element.faces.empty()) continue;
-        const double share = 1.0 / static_cast<double>(elements.size());
-        const auto done = access.execute({{"do", "precompute"}, {"elements", Json::array({element.name})}}, progress.part(static_cast<double>(e) * share, static_cast<double>(e + 1) * share));
-        if (progress.cancelled()) return fail(kCancelled, "Precomputing was cancelled; what was made stays, and what was precomputed.");
+    if (names.empty()) return list;
+    const auto cancelled = [] { return fail(kCancelled, "Precomputing was cancelled; what was made stays, and what was precomputed."); };
+    if (auto all = access.execute({{"do", "precompute"}, {"elements", names}}, progress)) return std::move((*all)["elements"]);
+    if (progress.cancelled()) return cancelled();
+    for (const std::string& name : names) {
+        const auto done = access.execute({{"do", "precompute"}, {"elements", Json::array({name})}}, progress);
+        if (progress.cancelled()) return cancelled();
         if (done)
             list.push_back((*done)["elements"][0]);
         else
-            refused.push_back({{"what", "The element \"" + element.name + "\""}, {"code", done.error().code}, {"text", done.error().message}});
+            refused.push_back({{"what", "The element \"" + name + "\""}, {"code", done.error().code}, {"text", done.error().message}});
     }
     return list;
 }

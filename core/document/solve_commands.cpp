@@ -5,6 +5,7 @@
 #include <chrono>
 #include <set>
 
+#include "core/document/body_error.h"
 #include "core/document/command_support.h"
 #include "core/base/finite.h"
 #include "core/document/session_access.h"
@@ -74,26 +75,29 @@ Result<Json> precompute(SessionAccess& access, const Json& arguments, const Prog
     DocumentResponses& responses = access.responses;
     const auto ids = chosen(document, arguments);
     if (!ids) return tl::unexpected(ids.error());
+    constexpr double kTogether = 0.9;
+    const std::set<PartId> together = responses.computeTogether(*ids, progress.part(0.0, kTogether));
+    if (progress.cancelled()) return fail(kCancelled, "The precompute was cancelled.");
     Json list = Json::array();
-    double done = 0.0;
+    double done = kTogether;
     for (const PartId id : *ids) {
         const Element& element = *document.elements.at(id);
         Json line;
         line["name"] = element.name;
         line["vertices"] = element.mesh->body.vertices.rows();
-        const double next = done + 1.0 / static_cast<double>(ids->size());
+        const double next = done + (1.0 - kTogether) / static_cast<double>(ids->size());
         if (element.faces.empty()) {
             if (arguments.contains("elements"))
                 return fail("no-face", "The element \"" + element.name + "\" has no joint face: add one, or leave it rigid.");
             line["columns"] = 0;
             line["note"] = "no joint face: the element follows its bone rigidly";
         } else {
-            const bool cached = responses.freshOf(id) != nullptr;
+            const bool solved = together.contains(id), cached = !solved && responses.freshOf(id) != nullptr;
             const auto start = std::chrono::steady_clock::now();
             const auto fresh = responses.compute(id, progress.part(done, next));
             if (!fresh) return tl::unexpected(fresh.error());
-            const double seconds = cached ? 0.0 : std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
             const auto& response = *fresh;
+            const double seconds = cached ? 0.0 : solved ? response->quality.seconds : std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
             line["columns"] = response->columns();
             line["seconds"] = seconds;
             line["bytes"] = response->bytes();
@@ -106,6 +110,12 @@ Result<Json> precompute(SessionAccess& access, const Json& arguments, const Prog
             if (response->quality.tetrahedra > 0) line["tetrahedra"] = response->quality.tetrahedra;
             if (!response->quality.noFilling.empty()) line["note"] = response->quality.noFilling;
             if (response->quality.error >= 0.0) line["error"] = response->quality.error;
+            const double ofBody = bodyError(document, element);
+            if (ofBody < 0.0) line["body_error"] = nullptr;
+            if (ofBody > 0.0) {
+                line["body_error"] = ofBody;
+                if (response->quality.error >= 0.0) line["error_sum"] = response->quality.error + response->quality.mappingError + ofBody;
+            }
             if (response->quality.decimated) {
                 line["mapping_error"] = response->quality.mappingError;
                 line["shape_error"] = response->quality.shapeError;

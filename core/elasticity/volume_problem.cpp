@@ -20,6 +20,9 @@
 #include "core/elasticity/quadratic_stiffness.h"
 #include "core/mesh/topology.h"
 
+/// Of libgomp, which CHOLMOD runs short loops with; <omp.h> comes with GCC alone.
+extern "C" void omp_set_max_active_levels(int);
+
 namespace imomushi {
 namespace {
 
@@ -221,6 +224,7 @@ bool VolumeProblem::State::solveFactor(NodeValues& x, const Progress& progress) 
 Result<VolumeProblem> VolumeProblem::build(const Input& input, const Progress& progress) {
     const auto cancelled = [] { return fail(kCancelled, "The precompute was cancelled."); };
     useSingleThreadedBlas();
+    omp_set_max_active_levels(0);  // CHOLMOD starts four threads for loops that are too short for them, and several problems are solved at once
     BoundaryProblem::Input checked;
     checked.mesh = input.surface;
     checked.held = input.held;

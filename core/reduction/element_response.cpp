@@ -3,10 +3,15 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/SparseCore>
+#include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
+#include <mutex>
+#include <numeric>
 #include <utility>
 
+#include "core/base/parallel.h"
 #include "core/reduction/element_statics.h"
 #include "core/reduction/held_modes.h"
 #include "core/reduction/joint_stiffness.h"
@@ -194,6 +199,32 @@ Result<ElementResponse> buildResponse(const ResponseInput& input, const Progress
     response = buildWith(input, tetrahedra, progress);
     if (response) response->quality.noFilling = why;
     return response;
+}
+
+bool solvedBesideOthers(const ResponseInput& input) {
+    using Kind = SolverMeshSetting::Kind;
+    return input.tetrahedra && tetrahedraOf(input) == Tetrahedra::All && (input.solverMesh.kind == Kind::Draft || input.solverMesh.kind == Kind::Default);
+}
+
+void buildResponses(std::span<const ResponseInput> inputs, int threads, const std::function<void(std::size_t, Result<ElementResponse>)>& done, const Progress& progress) {
+    std::vector<std::size_t> order(inputs.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    const auto vertices = [&](std::size_t i) { return inputs[i].mesh ? inputs[i].mesh->body.vertices.rows() : 0; };
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return vertices(a) > vertices(b); });
+    std::mutex mutex;
+    std::atomic<std::size_t> finished{0};
+    const auto share = [&] { return static_cast<double>(finished.load()) / static_cast<double>(inputs.size()); };
+    parallelFor(threads, inputs.size(), 1, [&](std::size_t k, std::size_t) {
+        if (progress.cancelled()) return;
+        ResponseInput input = inputs[order[k]];
+        const bool alone = inputs.size() == 1;
+        input.threads = alone ? threads : 1;
+        auto response = buildResponse(input, alone ? progress : progress.part(share(), share()));
+        if (progress.cancelled()) return;
+        const std::scoped_lock lock(mutex);
+        ++finished;
+        done(order[k], std::move(response));
+    });
 }
 
 }  // namespace imomushi

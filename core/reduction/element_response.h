@@ -2,7 +2,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
+#include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -85,6 +88,15 @@ ContentKey responseKey(const ResponseInput& input);
 /// bend under them.
 /// Errors: those of BoundaryProblem::build and solve, and of solvedBody().
 Result<ElementResponse> buildResponse(const ResponseInput& input, const Progress& progress);
+
+/// Those of several elements, each with the bytes that buildResponse() gives it: up to `threads` of them at once, the largest bodies first, each on one thread; one alone on
+/// all of them. `done` has the place of each input and its response as soon as that is there, in any order and on any of the threads, one at a time; when cancelled, not of all.
+/// `progress` is told from any of the threads too.
+void buildResponses(std::span<const ResponseInput> inputs, int threads, const std::function<void(std::size_t, Result<ElementResponse>)>& done, const Progress& progress);
+
+/// Whether several such inputs are better solved at once than one after the other by all threads: tetrahedra solve it, of which the factorisation has one thread, and it is no larger
+/// than a default one (some 100 MB).
+bool solvedBesideOthers(const ResponseInput& input);
 
 /// Seconds and bytes of buildResponse() on this machine, and the milliseconds per frame of its product.
 struct ResponseEstimate {

@@ -14,8 +14,10 @@ constexpr int kModesVersion = 2;
 constexpr int kTouchVersion = 1;
 /// The same for discs alone.
 constexpr int kDiscVersion = 3;
-/// The same for tetrahedra that a setting or the input names.
+/// The same for tetrahedra that a setting names.
 constexpr int kVolumeVersion = 2;
+/// The same for tetrahedra that the input names.
+constexpr int kPieceVersion = 3;
 
 }  // namespace
 
@@ -50,7 +52,7 @@ ContentKey responseKey(const ResponseInput& input) {
     }
     if (input.tetrahedra) {
         hasher.text("tetrahedra");
-        hasher.number(kVolumeVersion);
+        hasher.number(kPieceVersion);
     }
     if (input.loads) hasher.text("loads");
     if (input.touch > 0) {

@@ -55,6 +55,9 @@ constexpr double kErrorLeft = 0.1;
 /// The same of tetrahedra, measured on six bodies: 0.25 to 0.63 where the body keeps its shape or at least 2,500 vertices take its place. Of fewer vertices the
 /// coarser level differs less from the finer one than that from the truth: 0.3 to 1.1 with 600.
 constexpr double kVolumeErrorLeft = 0.65, kShapeLost = 1.0 / 3.0, kKeepShape = 2500.0;
+/// The same where only rims have small edges, for a rim of kRimOfDraft, times the fourth root of a finer one over it: stated are 0.65 to 3.3 times the errors of
+/// 70 pieces.
+constexpr double kRimErrorLeft = 1.1, kRimOfDraft = 0.2;
 constexpr const char* kTooIncompressible = "Tetrahedra take a Poisson ratio up to 0.49; boundary elements took their place.";
 /// A plain mesh is compared with one of at most this share of its vertices.
 constexpr double kCoarserShare = 1.0 / 3.0;
@@ -232,9 +235,9 @@ Result<SolvedBody> byBoundary(const TriangleMesh& body, std::span<const JointFac
 Result<SolvedBody> solvedBody(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting, const Progress& progress, Tetrahedra tetrahedra) {
     if (faces.empty()) return asItIs(body, faces, plainSolverMesh(body, faces));
     std::string noFilling;
-    if (const int vertices = volumeVertices(faces, setting, tetrahedra == Tetrahedra::All); vertices > 0) {
+    if (const VolumeDetail detail = volumeDetail(faces, setting, tetrahedra == Tetrahedra::All); detail.vertices > 0) {
         if (tetrahedra != Tetrahedra::None) {
-            auto filled = volumeBody(BodySurface(body, faces), vertices, progress);
+            auto filled = volumeBody(BodySurface(body, faces), detail, progress);
             if (filled || progress.cancelled()) return filled;
             noFilling = filled.error().message;
         } else if (setting.kind == SolverMeshSetting::Kind::Volume) {
@@ -248,9 +251,9 @@ Result<SolvedBody> solvedBody(const TriangleMesh& body, std::span<const JointFac
 
 SolvedSize solvedSize(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting, Tetrahedra tetrahedra) {
     const auto vertices = static_cast<int>(body.vertices.rows());
-    if (const int wanted = volumeVertices(faces, setting, tetrahedra == Tetrahedra::All); wanted > 0 && tetrahedra != Tetrahedra::None) {
-        const int surface = std::min(vertices + vertices / 2, wanted);  // coarse bodies are refined
-        return {volumeNodes(surface), 2 * surface, volumeNodes(coarserVolumeVertices(surface)), true};
+    if (VolumeDetail detail = volumeDetail(faces, setting, tetrahedra == Tetrahedra::All); detail.vertices > 0 && tetrahedra != Tetrahedra::None) {
+        if (detail.rim <= 0.0) detail.vertices = std::min(vertices + vertices / 2, detail.vertices);  // coarse bodies are refined
+        return {volumeNodes(body, faces, detail), 2 * detail.vertices, volumeNodes(body, faces, coarserVolume(detail)), true};
     }
     if (setting.kind == SolverMeshSetting::Kind::Draft && !asItIsForDraft(body)) return {kDraftNodes, 2 * kDraftNodes, SolverMeshSetting::kDraftVertices};
     if (setting.kind == SolverMeshSetting::Kind::AsIs) return {vertices, static_cast<int>(body.triangles.rows()), vertices / 3};
@@ -273,10 +276,11 @@ SolvedSize solvedSize(const TriangleMesh& body, std::span<const JointFace> faces
 Result<CoarserLevel> coarserLevel(const TriangleMesh& body, std::span<const JointFace> faces, const SolvedBody& fine, const Progress& progress) {
     CoarserLevel out;
     if (fine.filling) {
-        auto coarse = volumeBody(BodySurface(body, faces), coarserVolumeVertices(fine.volumeVertices), progress);
+        auto coarse = volumeBody(BodySurface(body, faces), coarserVolume(fine.detail), progress);
         if (!coarse) return tl::make_unexpected(coarse.error());
         out.body = std::move(*coarse);
-        out.share = kVolumeErrorLeft * (fine.decimated ? std::pow(std::max(1.0, kKeepShape / fine.volumeVertices), kShapeLost) : 1.0);
+        out.share = fine.detail.rim > 0.0 ? kRimErrorLeft * std::pow(fine.detail.rim / kRimOfDraft, 0.25) : kVolumeErrorLeft;
+        if (fine.decimated) out.share *= std::pow(std::max(1.0, kKeepShape / fine.detail.vertices), kShapeLost);
         return out;
     }
     if (fine.plain.mesh.vertices.rows() > 0) {

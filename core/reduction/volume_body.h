@@ -12,15 +12,15 @@
 
 namespace imomushi {
 
-/// The body, or one of `vertices` vertices in its place, with smaller triangles at the rims of faces, filled with tetrahedra that grow from there.
+/// The body, or one of `detail.vertices` vertices in its place, with smaller triangles at the rims of faces, filled with tetrahedra that grow from there.
 /// Errors: "cancelled", "no-filling".
-Result<SolvedBody> volumeBody(const BodySurface& surface, int vertices, const Progress& progress);
+Result<SolvedBody> volumeBody(const BodySurface& surface, const VolumeDetail& detail, const Progress& progress);
 
-/// The vertices of the body that a setting fills with tetrahedra; 0: it is solved by boundary elements. `all`: see Tetrahedra::All.
-int volumeVertices(std::span<const JointFace> faces, const SolverMeshSetting& setting, bool all);
-/// About the nodes of a body that is filled from so many vertices.
-int volumeNodes(int vertices);
-/// Vertices of the coarser level that the error is estimated from.
-int coarserVolumeVertices(int vertices);
+/// How finely a setting fills a body with tetrahedra; no vertices: it is solved by boundary elements. `all`: see Tetrahedra::All.
+VolumeDetail volumeDetail(std::span<const JointFace> faces, const SolverMeshSetting& setting, bool all);
+/// About the nodes of a body that is filled so.
+int volumeNodes(const TriangleMesh& body, std::span<const JointFace> faces, const VolumeDetail& detail);
+/// The coarser level that the error is estimated from.
+VolumeDetail coarserVolume(const VolumeDetail& detail);
 
 }  // namespace imomushi

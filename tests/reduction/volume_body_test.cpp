@@ -168,3 +168,60 @@ TEST_CASE("volume body: a bar with flat faces, its weight and touch agree with b
     CHECK((volume->touch.forces - boundary->touch.forces).norm() <= 0.03 * boundary->touch.forces.norm());
     CHECK(volume->touch.asymmetry <= 1e-9);
 }
+
+TEST_CASE("volume body: a piece that hangs from two ends of a limb has small tetrahedra at its rims alone, and its draft and default state their errors") {
+    const auto mesh = std::make_shared<ElementMesh>();
+    const shapes::Body limb = shapes::cylinder(0.5, 1.5, 20, 8);
+    mesh->body = limb.mesh;
+    ResponseInput input;
+    input.mesh = mesh;
+    for (const shapes::Patch& end : limb.ends) input.faces.push_back(jointFaceByTriangles(mesh->body, end.triangles).value());
+    input.basis = BasisKind::Affine;
+    input.tetrahedra = true;
+    input.threads = 2;
+    const auto with = [&](const std::string& solverMesh) {
+        ResponseInput asked = input;
+        asked.solverMesh = parseSolverMesh(solverMesh).value();
+        return asked;
+    };
+    const std::vector<ResponseInput> asked = {with("draft"), with("default"), with("best")};
+    std::vector<ElementResponse> made(asked.size());
+    buildResponses(asked, 2, [&](std::size_t i, Result<ElementResponse> response) { made[i] = response.value(); }, {});
+    const ElementResponse &draft = made[0], &byDefault = made[1], &best = made[2];
+    const auto even = buildResponse(with("volume:2500"), {});
+    REQUIRE(even);
+    // Of all joint modes, relative to free and held vertices together.
+    const auto error = [&](const ElementResponse& response) {
+        const double held = static_cast<double>(limb.mesh.vertices.rows()) - static_cast<double>(best.freeVertices.size());
+        double sum = 0.0;
+        for (std::size_t f = 0; f < input.faces.size(); ++f)
+            for (int c = 0; c < best.bases[f].columns(); ++c) {
+                double moved = 0.0;
+                for (const std::int32_t v : input.faces[f].vertices)
+                    moved += best.bases[f].at(input.faces[f].frame.toLocal(mesh->body.vertices.row(v).transpose())).col(c).squaredNorm();
+                const auto column = best.firstColumn[f] + c;
+                const double rows = static_cast<double>(best.response.rows());
+                sum += (response.response.col(column) - best.response.col(column)).squaredNorm() / rows / (best.response.col(column).squaredNorm() / rows + moved / (3.0 * held));
+            }
+        return std::sqrt(sum / best.columns());
+    };
+    MESSAGE("draft: ", 100.0 * error(draft), " %, stated ", 100.0 * draft.quality.error, " %, ", draft.quality.tetrahedra, " tetrahedra; default: ", 100.0 * error(byDefault), " %, stated ",
+            100.0 * byDefault.quality.error, " %, ", byDefault.quality.tetrahedra, "; small ones everywhere: ", 100.0 * error(*even), " %, ", even->quality.tetrahedra);
+    CHECK(error(draft) <= 0.05);
+    CHECK(error(byDefault) <= 0.01);
+    CHECK(error(byDefault) <= error(*even));
+    CHECK(byDefault.quality.tetrahedra < even->quality.tetrahedra);
+    CHECK(draft.quality.tetrahedra < byDefault.quality.tetrahedra / 3);
+    CHECK(draft.quality.error >= error(draft) / 1.5);
+    CHECK(draft.quality.error <= 4.0 * error(draft));
+    CHECK(byDefault.quality.error >= error(byDefault) / 1.5);
+    // Many at once have the bytes that each has alone.
+    const auto alone = buildResponse(asked[0], {});
+    REQUIRE(alone);
+    CHECK(alone->response == draft.response);
+    CHECK(alone->stiffness == draft.stiffness);
+    // What an estimate of time and memory goes by.
+    const SolvedSize size = solvedSize(mesh->body, input.faces, asked[1].solverMesh, Tetrahedra::All);
+    CHECK(size.nodes > byDefault.quality.solverNodes / 2);
+    CHECK(size.nodes < 2 * byDefault.quality.solverNodes);
+}

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <deque>
 
 namespace imomushi {
 
@@ -15,9 +16,11 @@ struct DraftJob::Work {
         ResponseInput input;
         ContentKey key, shape;
         std::shared_ptr<const ElementResponse> response;  // null: it could not be solved
+        std::atomic<bool> done{false};                    // it stays as it is
+        bool taken = false;                               // by the window
     };
-    std::vector<Item> items;
-    std::atomic<std::size_t> done{0};  // items before it stay as they are
+    std::deque<Item> items;  // stay where they are
+    int threads = 1;
 };
 
 DraftJob::DraftJob(StudioDocument& document, QObject* parent) : BackgroundJob(parent), document_(document) {
@@ -43,8 +46,8 @@ void DraftJob::follow() {
         takeDone();
         const auto& parts = document_.document().elements;
         const auto& responses = document_.session().responses();
-        const auto asked = [&](const Work::Item& item) { return parts.contains(item.element) && responses.shapeOf(item.element) == item.shape; };
-        if (!std::all_of(work_->items.begin() + std::ptrdiff_t(taken_), work_->items.end(), asked)) cancel();
+        const auto asked = [&](const Work::Item& item) { return item.taken || (parts.contains(item.element) && responses.shapeOf(item.element) == item.shape); };
+        if (!std::all_of(work_->items.begin(), work_->items.end(), asked)) cancel();
     }
     const bool follows = changed_.isValid() && changed_.elapsed() < kSoonMs;
     changed_.start();
@@ -65,11 +68,18 @@ void DraftJob::start() {
     std::vector<std::pair<PartId, StoredResponse>> known;
     for (const auto& [id, element] : document_.document().elements) {
         if (!wants(id)) continue;
-        Work::Item item{id, responses.inputOfDraft(id), {}, responses.shapeOf(id), nullptr};
-        item.key = responseKey(item.input);
+        ResponseInput input = responses.inputOfDraft(id);
+        const ContentKey key = responseKey(input), shape = responses.shapeOf(id);
         // Undo, and a handle that passes, lead back to what had one before.
-        if (auto response = responses.store().find(item.key)) known.emplace_back(id, StoredResponse{item.key, item.shape, std::move(response)});
-        else work->items.push_back(std::move(item));
+        if (auto response = responses.store().find(key)) {
+            known.emplace_back(id, StoredResponse{key, shape, std::move(response)});
+            continue;
+        }
+        Work::Item& item = work->items.emplace_back();
+        item.element = id;
+        item.input = std::move(input);
+        item.key = key;
+        item.shape = shape;
     }
     if (!told_ && (!known.empty() || !work->items.empty())) {
         told_ = true;
@@ -80,15 +90,17 @@ void DraftJob::start() {
         if (std::exchange(told_, false)) Q_EMIT drafted();
         return;
     }
+    work->threads = responses.threads();
     work_ = work;
-    taken_ = 0;
     launch(
         [work](const Progress& progress) {
-            for (Work::Item& item : work->items) {
-                if (progress.cancelled()) return;
-                if (auto made = buildResponse(item.input, progress)) item.response = std::make_shared<const ElementResponse>(std::move(*made));
-                ++work->done;
-            }
+            std::vector<ResponseInput> inputs;
+            for (const Work::Item& item : work->items) inputs.push_back(item.input);
+            buildResponses(inputs, work->threads, [&](std::size_t i, Result<ElementResponse> made) {
+                Work::Item& item = work->items[i];
+                if (made) item.response = std::make_shared<const ElementResponse>(std::move(*made));
+                item.done = true;
+            }, progress);
         },
         [this] {
             takeDone();
@@ -98,8 +110,9 @@ void DraftJob::start() {
 
 void DraftJob::takeDone() {
     std::vector<std::pair<PartId, StoredResponse>> made;
-    for (const std::size_t done = work_->done; taken_ < done; ++taken_) {
-        const Work::Item& item = work_->items[taken_];
+    for (Work::Item& item : work_->items) {
+        if (item.taken || !item.done) continue;
+        item.taken = true;
         if (item.response) made.emplace_back(item.element, StoredResponse{item.key, item.shape, item.response});
         else failed_.insert(item.shape);
     }

@@ -3,7 +3,6 @@
 
 #include <QElapsedTimer>
 #include <QTimer>
-#include <cstddef>
 #include <memory>
 #include <set>
 #include <utility>
@@ -15,7 +14,7 @@
 namespace imomushi {
 
 /// Makes elements soft soon after a change: each that has joint faces or handles, and no response that fits it, is solved on the solver mesh "draft" in the background, in a
-/// fraction of a second. The answer is used, as one that is out of date, until the element is precomputed as its settings say. Elements of more than kLargest
+/// fraction of a second, one on each processor. The answer is used, as one that is out of date, until the element is precomputed as its settings say. Elements of more than kLargest
 /// vertices wait for that.
 class DraftJob : public BackgroundJob {
     Q_OBJECT
@@ -50,7 +49,6 @@ private:
     StudioDocument& document_;
     std::set<ContentKey> failed_;
     std::shared_ptr<Work> work_;
-    std::size_t taken_ = 0;  ///< of the work
     QTimer soon_;  // while changes follow each other, nothing is begun
     QElapsedTimer changed_;  // the last time
     bool told_ = false;      // drafting(), and not drafted() since

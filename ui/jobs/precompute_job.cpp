@@ -24,11 +24,13 @@ struct PrecomputeJob::Item {
     std::shared_ptr<const ElementResponse> known;
     std::shared_ptr<const ElementResponse> response;
     Error error;
+    std::atomic<bool> done{false};  // it stays as it is
 };
 
 struct PrecomputeJob::Work {
     std::deque<Item> items;  // stay where they are
-    std::atomic<int> current{0};  // items before it are done, and stay as they are
+    std::atomic<int> current{0};
+    int threads = 1;
 };
 
 namespace {
@@ -40,7 +42,7 @@ bool needsPrecompute(StudioDocument& document, const Element& element) {
 
 PrecomputeJob::PrecomputeJob(StudioDocument& document, QObject* parent) : BackgroundJob(parent), document_(document) {
     connect(this, &BackgroundJob::finished, this, [this](bool completed) {
-        if (!completed) keep(*work_, std::size_t(work_->current));
+        if (!completed) keep(*work_);
     });
 }
 
@@ -66,6 +68,7 @@ bool PrecomputeJob::start() {
         }
     }
     if (work->items.empty()) return false;
+    work->threads = session.responses().threads();
     work_ = work;
     launch(
         [work](const Progress& progress) {
@@ -75,11 +78,29 @@ bool PrecomputeJob::start() {
                 item.seconds = std::max(1e-3, item.how ? 0.0 : estimateResponse(item.input).seconds);
                 total += item.seconds;
             }
+            // What has no use for all threads is solved side by side first.
+            std::vector<Item*> together;
+            std::vector<ResponseInput> inputs;
+            double sideBySide = 0.0;
+            for (Item& item : work->items) {
+                item.key = responseKey(item.input);
+                if (item.how || !solvedBesideOthers(item.input)) continue;
+                together.push_back(&item);
+                inputs.push_back(item.input);
+                sideBySide += item.seconds;
+            }
+            buildResponses(inputs, work->threads, [&](std::size_t i, Result<ElementResponse> response) {
+                Item& item = *together[i];
+                if (response) item.response = std::make_shared<const ElementResponse>(std::move(*response));
+                else item.error = response.error();
+                item.done = true;
+            }, progress.part(0.0, sideBySide / total));
+            done = sideBySide;
             for (std::size_t i = 0; i < work->items.size(); ++i) {
                 Item& item = work->items[i];
                 if (progress.cancelled()) return;
+                if (item.done) continue;
                 work->current = int(i);
-                item.key = responseKey(item.input);
                 const auto first = item.earlier ? item.earlier->response : item.known;
                 auto response = first                                 ? item.how->carry(*first)
                                 : item.earlier ? Result<ElementResponse>(tl::unexpected(item.earlier->error))
@@ -89,18 +110,19 @@ bool PrecomputeJob::start() {
                 } else {
                     item.error = response.error();
                 }
+                item.done = true;
                 done += item.seconds;
                 progress.report("", done / total);
             }
         },
-        [this, work] { keep(*work, work->items.size()); });
+        [this, work] { keep(*work); });
     return true;
 }
 
-void PrecomputeJob::keep(const Work& work, std::size_t count) {
+void PrecomputeJob::keep(const Work& work) {
     std::vector<std::string> elements;
-    for (std::size_t i = 0; i < count; ++i) {
-        const Item& item = work.items[i];
+    for (const Item& item : work.items) {
+        if (!item.done) continue;
         if (!item.response) {
             Q_EMIT elementFailed(item.name, errorText(item.error));
             continue;

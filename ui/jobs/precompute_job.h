@@ -30,8 +30,8 @@ signals:
 private:
     struct Item;
     struct Work;
-    /// Takes what the first `count` items came to into the document.
-    void keep(const Work& work, std::size_t count);
+    /// Takes what the items that are done came to into the document.
+    void keep(const Work& work);
     StudioDocument& document_;
     std::shared_ptr<Work> work_;
     int kept_ = 0;

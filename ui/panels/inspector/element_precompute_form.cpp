@@ -6,6 +6,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "core/document/body_error.h"
 #include "ui/models/texts.h"
 #include "ui/panels/inspector/inspector_forms.h"
 #include "ui/widgets/appearance.h"
@@ -174,6 +175,12 @@ void ElementForm::addResponse(const SelectionItem& item) {
     if (response()->quality.decimated) {
         fact(tr("Mapping error"), [](const ElementResponse& r) { return percentText(r.quality.mappingError); });
         fact(tr("Shape error"), [](const ElementResponse& r) { return percentText(r.quality.shapeError); });
+    }
+    if (const double ofBody = bodyError(document_.document(), *document_.document().elements.at(item.part)); ofBody != 0.0) {
+        fact(tr("Error of the wrap"), [ofBody](const ElementResponse&) { return ofBody < 0.0 ? tr("not known") : percentText(ofBody); });
+        fact(tr("Errors together"), [ofBody](const ElementResponse& r) {
+            return r.quality.error < 0.0 || ofBody < 0.0 ? tr("not known") : percentText(r.quality.error + r.quality.mappingError + ofBody);
+        });
     }
     fact(tr("Time taken"), [](const ElementResponse& r) { return r.quality.seconds > 0.0 ? durationText(r.quality.seconds) : tr("not known"); });  // files do not tell
     addShared(item);
