@@ -1847,6 +1847,14 @@
     <context>
         <name>imomushi::BackgroundJob</name>
         <message>
+            <source>There is not enough memory for this, and nothing was changed. Close other programs, or choose a coarser solver mesh.</source>
+            <translation>メモリが足りないため実行できませんでした。何も変更されていません。ほかのプログラムを終了するか、より粗いソルバーメッシュを選んでください。</translation>
+        </message>
+        <message>
+            <source>The program made an error, and nothing was changed: %1. Please report it.</source>
+            <translation>プログラムの内部でエラーが起きました。何も変更されていません：%1。ご報告ください。</translation>
+        </message>
+        <message>
             <source>%1 · %2 left</source>
             <comment>stage, time</comment>
             <translation>%1 · 残り %2</translation>

@@ -6,8 +6,11 @@
 #include <QSettings>
 #include <QToolBar>
 #include <map>
+#include <new>
+#include <stdexcept>
 
 #include "tests/studio/window.h"
+#include "ui/jobs/background_job.h"
 #include "ui/models/texts.h"
 #include "ui/widgets/appearance.h"
 #include "ui/widgets/number_field.h"
@@ -111,6 +114,37 @@ TEST_CASE("studio: at 125 % everything grows and nothing is cut off") {
     w.shoot("125");
     Appearance::instance().setScale(1.0);
     w.settle();
+}
+
+TEST_CASE("work in the background that fails: it says so, and the studio lives") {
+    class Work : public BackgroundJob {
+    public:
+        using BackgroundJob::BackgroundJob;
+        void start(std::function<void()> work) {
+            launch([work = std::move(work)](const Progress&) { work(); }, [this] { ++done; });
+        }
+        int done = 0;
+    };
+    Window w;
+    Work job;
+    int ended = 0;
+    QObject::connect(&job, &BackgroundJob::finished, &job, [&](bool completed) { ended += completed ? 0 : 1; });
+    const auto said = [&](std::function<void()> work) {
+        w.window().messages().hide();
+        job.start(std::move(work));
+        waitFor([&] { return !job.running(); });
+        CHECK(w.window().messages().isVisible());
+        return w.window().messages().text();
+    };
+    CHECK(said([] { throw std::bad_alloc(); }).contains(QStringLiteral("not enough memory")));
+    CHECK(said([] { throw std::runtime_error("a broken promise"); }).contains(QStringLiteral("a broken promise")));
+    CHECK(said([] { throw 5; }).contains(QStringLiteral("report")));
+    CHECK(ended == 3);
+    CHECK(job.done == 0);
+    job.start([] {});
+    waitFor([&] { return job.done == 1; });
+    build(w);
+    CHECK(w.now().bones.size() == 1);
 }
 
 TEST_CASE("number field: typing, dragging, taking back and resetting") {

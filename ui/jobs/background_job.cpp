@@ -1,9 +1,32 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/jobs/background_job.h"
 
+#include <new>
+
 #include "ui/models/texts.h"
 
 namespace imomushi {
+
+namespace {
+
+QString textOf(const std::exception_ptr& failure) {
+    try {
+        std::rethrow_exception(failure);
+    } catch (const std::bad_alloc&) {
+        return BackgroundJob::tr("There is not enough memory for this, and nothing was changed. Close other programs, or choose a coarser solver mesh.");
+    } catch (const std::exception& e) {
+        return BackgroundJob::tr("The program made an error, and nothing was changed: %1. Please report it.").arg(QString::fromUtf8(e.what()));
+    } catch (...) {
+        return BackgroundJob::tr("The program made an error, and nothing was changed: %1. Please report it.").arg(QStringLiteral("?"));
+    }
+}
+
+}  // namespace
+
+JobFailures& BackgroundJob::failures() {
+    static JobFailures failures;
+    return failures;
+}
 
 BackgroundJob::BackgroundJob(QObject* parent) : QObject(parent) {
     timer_.setInterval(50);
@@ -24,14 +47,20 @@ void BackgroundJob::launch(std::function<void(const Progress&)> work, std::funct
     fraction_ = 0.0;
     clock_.start();
     thread_ = std::jthread([shared = shared_, work = std::move(work)](std::stop_token stop) {
-        work(Progress(
-            [&shared](std::string_view stage, double fraction) {
-                const std::scoped_lock lock(shared->mutex);
-                shared->stage = stage;
-                shared->fraction = fraction;
-            },
-            stop));
+        std::exception_ptr failure;
+        try {
+            work(Progress(
+                [&shared](std::string_view stage, double fraction) {
+                    const std::scoped_lock lock(shared->mutex);
+                    shared->stage = stage;
+                    shared->fraction = fraction;
+                },
+                stop));
+        } catch (...) {
+            failure = std::current_exception();
+        }
         const std::scoped_lock lock(shared->mutex);
+        shared->failure = std::move(failure);
         shared->ended = true;
     });
     timer_.start();
@@ -54,18 +83,25 @@ double BackgroundJob::secondsLeft() const {
 
 void BackgroundJob::poll() {
     bool ended = false;
+    std::exception_ptr failure;
     const auto shared = shared_;
     {
         const std::scoped_lock lock(shared->mutex);
         stage_ = stageText(shared->stage);
         fraction_ = shared->fraction;
         ended = shared->ended;
+        failure = shared->failure;
     }
     Q_EMIT progressed();
     if (!ended || !running_ || shared != shared_) return;  // whoever heard of it may have cancelled it, or begun anew
     running_ = false;
     timer_.stop();
     thread_.join();
+    if (failure) {
+        Q_EMIT finished(false);
+        Q_EMIT failures().failed(textOf(failure));
+        return;
+    }
     done_();
     Q_EMIT finished(true);
 }

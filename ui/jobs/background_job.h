@@ -5,6 +5,7 @@
 #include <QObject>
 #include <QString>
 #include <QTimer>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -14,6 +15,13 @@
 #include "core/base/progress.h"
 
 namespace imomushi {
+
+/// Hears of work in the background that ended by an exception: no memory, or a fault of the program.
+class JobFailures : public QObject {
+    Q_OBJECT
+signals:
+    void failed(const QString& why);  ///< a sentence or two, translated
+};
 
 /// Work on a thread of its own that reports progress and can be given up at once. Belongs to the GUI thread.
 class BackgroundJob : public QObject {
@@ -32,12 +40,16 @@ public:
     /// Seconds that are still needed, by what passed so far; negative while unknown.
     [[nodiscard]] double secondsLeft() const;
 
+    /// Of all jobs.
+    static JobFailures& failures();
+
 signals:
     void progressed();                ///< about 20 times a second while running
-    void finished(bool completed);    ///< false: cancelled
+    void finished(bool completed);    ///< false: cancelled, or failed; failures() says why
 
 protected:
-    /// Runs `work` on a new thread, then `done` on the GUI thread unless cancelled. `work` shares nothing with the GUI thread but what it captured.
+    /// Runs `work` on a new thread, then `done` on the GUI thread unless cancelled. `work` shares nothing with the GUI thread but what it captured. What it
+    /// throws ends it like a cancel.
     void launch(std::function<void(const Progress&)> work, std::function<void()> done);
 
 private:
@@ -47,6 +59,7 @@ private:
         std::string stage;
         double fraction = 0.0;
         bool ended = false;
+        std::exception_ptr failure;
     };
     void poll();
 

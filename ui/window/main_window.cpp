@@ -170,6 +170,7 @@ void MainWindow::buildStatusBar() {
 void MainWindow::connectDocument() {
     const auto warning = [this](const QString& text) { messages().say(text, MessageBar::Tone::Warning); };
     connect(&document_, &StudioDocument::failed, this, warning);
+    connect(&BackgroundJob::failures(), &JobFailures::failed, this, warning);
     connect(&document_, &StudioDocument::frameStepped, this, &MainWindow::warn);
     connect(&document_, &StudioDocument::madeCut, this, [this](const QString& text) { messages().offer(text, tr("Place bones"), [this] { setTool(ToolKind::Bone); }); });
     connect(&document_, &StudioDocument::offered, this, [this](const QString& text, const QString& label, const Json& command) {
