@@ -37,7 +37,7 @@ std::vector<ResponseInput> asked(const std::vector<ResponseInput>& elements, con
     for (auto& in : out) {
         in.basis = basis;
         in.solverMesh = {mesh, 0};
-        in.loads = false;
+        in.loads = BodyLoads::None;
         in.touch = 0;
     }
     return out;

@@ -61,7 +61,7 @@ ContentKey studyKey(const StudyInput& input) {
     add(referenceKey(input.reference));
     for (ResponseInput in : input.reference.elements) {
         in.basis = BasisKind::Affine;
-        in.loads = false;
+        in.loads = BodyLoads::None;
         in.touch = 0;
         add(responseKey(in));
     }

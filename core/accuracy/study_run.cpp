@@ -40,7 +40,7 @@ std::vector<ResponseInput> solvedAs(const StudyInput& input, const AccuracySetti
     for (auto& in : out) {
         in.basis = setting.previous ? BasisChoice(BasisKind::Full) : setting.basis;
         in.solverMesh = setting.mesh.on(static_cast<int>(in.mesh->body.vertices.rows()), in.solverMesh);
-        in.loads = false;
+        in.loads = BodyLoads::None;
         in.touch = 0;
     }
     return out;

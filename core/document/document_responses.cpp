@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/document/document_responses.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -33,6 +34,22 @@ bool fits(const ElementResponse& response, const Element& element, const BasisCh
            response.tractions.rows() == (basis == BasisKind::Full ? response.columns() : 0);
 }
 
+/// Keys of responses that may have all that `input` asks for, its own first: body loads may be there that nobody asked for, or not with `Always`. The first kKept have
+/// the same bytes; the one after them, without body loads, is of a project file of old and rounds otherwise.
+constexpr std::size_t kKept = 2;
+std::vector<ContentKey> answeringKeys(ResponseInput input) {
+    const bool asked = input.loads == BodyLoads::Always;
+    std::vector<ContentKey> keys{responseKey(input)};
+    input.loads = asked ? BodyLoads::WhereCheap : BodyLoads::Always;
+    keys.push_back(responseKey(input));
+    if (asked) return keys;
+    input.loads = BodyLoads::None;
+    keys.push_back(responseKey(input));
+    return keys;
+}
+
+bool answers(const ElementResponse& response, bool loads) { return !loads || response.loads.cols() > 0; }
+
 }  // namespace
 
 DocumentResponses::DocumentResponses(const Document& document, std::shared_ptr<ResponseStore> store) : document_(document), store_(std::move(store)) {}
@@ -57,7 +74,7 @@ ResponseInput DocumentResponses::inputOf(PartId element) const {
     for (const Handle& handle : e.handles) input.faces[static_cast<std::size_t>(e.faceIndex(handle.face))].disc = SurfaceDisc{handle.point, handle.radius};
     input.nu = e.nu;
     input.basis = wish.basis;
-    input.loads = wish.loads;
+    input.loads = wish.loads ? BodyLoads::Always : BodyLoads::WhereCheap;
     input.touch = wish.touch;
     input.solverMesh = e.solverMesh;
     input.tetrahedra = e.piece.has_value();
@@ -78,9 +95,10 @@ DocumentResponses::Asked& DocumentResponses::asked(PartId element) const {
     Asked& known = asked_[element];
     if (const Wish wish = wishOf(element); known.element != part || !(known.wish == wish)) {
         ResponseInput input = inputOf(element);
-        known = {part, wish, responseKey(input), {}, {}, {}, {}};
+        known = {part, wish, {}, {}, answeringKeys(input), {}, {}, {}};
+        known.key = known.keys.front();
         input.nu = 0.0;
-        input.loads = false;
+        input.loads = BodyLoads::None;
         input.touch = 0;
         known.shape = responseKey(input);
     }
@@ -158,15 +176,34 @@ std::shared_ptr<const ElementResponse> DocumentResponses::checked(std::shared_pt
     return response;
 }
 
-std::shared_ptr<const ElementResponse> DocumentResponses::freshOf(PartId element) const { return checked(found(element), element); }
+std::shared_ptr<const ElementResponse> DocumentResponses::freshOf(PartId element) const { return checked(found(element).response, element); }
 
-std::shared_ptr<const ElementResponse> DocumentResponses::found(PartId element) const {
+StoredResponse DocumentResponses::found(PartId element) const {
     const Asked& known = asked(element);
-    return store_->find(known.key, known.element->mesh->body, known.element->faces);
+    StoredResponse response = found(*known.element, known.keys, known.wish.loads);
+    response.shape = known.shape;
+    return response;
+}
+
+StoredResponse DocumentResponses::found(const Element& element, std::span<const ContentKey> keys, bool loads) const {
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+        auto response = i < kKept ? store_->find(keys[i], element.mesh->body, element.faces) : store_->find(keys[i]);  // no answer depends on what a folder holds
+        if (response && answers(*response, loads)) return {keys[i], {}, std::move(response)};
+    }
+    return {};
+}
+
+bool DocumentResponses::has(PartId element, const ResponseInput& input) const {
+    return found(*document_.elements.at(element), answeringKeys(input), input.loads == BodyLoads::Always).response != nullptr;
+}
+
+bool DocumentResponses::isFresh(PartId element, const StoredResponse& response) const {
+    const Asked& known = asked(element);
+    return std::find(known.keys.begin(), known.keys.end(), response.key) != known.keys.end() && answers(*response.response, known.wish.loads);
 }
 
 std::shared_ptr<const ElementResponse> DocumentResponses::fittingOf(PartId element) const {
-    if (auto fresh = found(element)) return checked(std::move(fresh), element);
+    if (auto fresh = found(element).response) return checked(std::move(fresh), element);
     const auto last = last_.find(element);
     return last != last_.end() && last->second.shape == shapeOf(element) ? checked(last->second.response, element) : nullptr;
 }
@@ -180,9 +217,9 @@ ResponseState DocumentResponses::stateOf(PartId element) const {
 bool DocumentResponses::isDraft(PartId element) const {
     const auto last = last_.find(element);
     if (last == last_.end() || stateOf(element) != ResponseState::Stale || !fittingOf(element)) return false;
-    auto& key = asked(element).draft;
-    if (!key) key = responseKey(inputOfDraft(element));
-    return last->second.key == *key;
+    auto& drafts = asked(element).drafts;
+    if (drafts.empty()) drafts = answeringKeys(inputOfDraft(element));
+    return std::find(drafts.begin(), drafts.end(), last->second.key) != drafts.end();
 }
 
 // ---- what it costs -----------------------------------------------------------------------------------------------------
@@ -264,7 +301,7 @@ void DocumentResponses::bring(PartId element, const StoredResponse& response) {
 void DocumentResponses::refresh() {
     dropGone();
     for (const auto& [id, part] : document_.elements)
-        if (auto response = freshOf(id)) last_.insert_or_assign(id, StoredResponse{keyOf(id), shapeOf(id), std::move(response)});
+        if (auto fresh = found(id); checked(fresh.response, id)) last_.insert_or_assign(id, std::move(fresh));
 }
 
 void DocumentResponses::dropGone() {

@@ -7,6 +7,7 @@
 #include <set>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "core/base/progress.h"
 #include "core/document/document.h"
@@ -64,6 +65,8 @@ public:
     /// The fresh one, or the last one of another nu while it still fits, or a draft. Null: none.
     [[nodiscard]] std::shared_ptr<const ElementResponse> fittingOf(PartId element) const;
     [[nodiscard]] ResponseState stateOf(PartId element) const;
+    /// It answers all that the element asks for: what freshOf() would give if nothing else were there.
+    [[nodiscard]] bool isFresh(PartId element, const StoredResponse& response) const;
     /// The fitting one is a draft (inputOfDraft()), not what the element's settings ask for.
     [[nodiscard]] bool isDraft(PartId element) const;
 
@@ -110,7 +113,8 @@ private:
         std::shared_ptr<const Element> element;
         Wish wish;
         ContentKey key, shape;
-        std::optional<ContentKey> draft;              ///< key of inputOfDraft()
+        std::vector<ContentKey> keys;                 ///< `key` first, then of others that may have all of it
+        std::vector<ContentKey> drafts;               ///< the same of inputOfDraft(); empty until they are asked for
         std::optional<ContentKey> parts;              ///< of all that congruent elements have in common but coordinates
         std::weak_ptr<const ElementResponse> fitting; ///< the last response that was found to fit
     };
@@ -124,7 +128,12 @@ private:
     };
     [[nodiscard]] Wish wishOf(PartId element) const;
     Asked& asked(PartId element) const;
-    std::shared_ptr<const ElementResponse> found(PartId element) const;
+    /// What the store has of all that the element asks for, unchecked; without a response where it has nothing.
+    StoredResponse found(PartId element) const;
+    /// Under the first of answeringKeys() that has all that is asked for; `loads`: body loads too.
+    StoredResponse found(const Element& element, std::span<const ContentKey> keys, bool loads) const;
+    /// The store has all that `input` asks of the element.
+    bool has(PartId element, const ResponseInput& input) const;
     const ContentKey& partsOf(PartId element) const;
     /// Compares only elements that changed since the last time, with others and among each other.
     void findShared() const;

@@ -125,13 +125,14 @@ EffectCost DocumentResponses::costOf(EffectKind kind) const {
         EffectColumns all = others;
         effect.ask(document.effects, all);
         ResponseInput with = inputOf(id), without = with;
-        with.loads = all.loads, with.touch = all.patches;
-        without.loads = others.loads, without.touch = others.patches;
+        const auto loads = [](const EffectColumns& columns) { return columns.loads ? BodyLoads::Always : BodyLoads::WhereCheap; };
+        with.loads = loads(all), with.touch = all.patches;
+        without.loads = loads(others), without.touch = others.patches;
         const int columns = effect.columns(document.effects);
         const EffectColumns now = columnsAsked(document.effects, id);
         const ContentKey withKey = all == now ? keyOf(id) : responseKey(with), withoutKey = others == now ? keyOf(id) : responseKey(without);
         const ResponseEstimate more = estimateOf(withKey, with), less = estimateOf(withoutKey, without);
-        const bool known = store_->has(withKey);
+        const bool known = has(id, with);
         cost.precompute = cost.precompute || !known;
         cost.columns += columns;
         cost.bytes += static_cast<std::size_t>(columns) * static_cast<std::size_t>(3 * element->mesh->body.vertices.rows()) * sizeof(float);

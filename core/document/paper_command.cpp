@@ -38,7 +38,7 @@ std::string formatted(const char* format, double value) {
 
 Result<std::shared_ptr<const ElementResponse>> solved(ResponseStore& store, ResponseInput in, BasisKind basis, const std::string& name, const Progress& progress) {
     in.basis = basis;
-    in.loads = false;
+    in.loads = BodyLoads::None;
     if (auto known = store.find(responseKey(in), in.mesh->body, in.faces)) return known;
     auto built = buildResponse(in, progress);
     if (!built) return fail(built.error().code, "\"" + name + "\": " + built.error().message);

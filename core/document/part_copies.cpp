@@ -56,16 +56,16 @@ CharacterSource placed(const CharacterSource& character, const Placing& placing)
 void placeElement(DocumentEdit& edit, PartId id, const Placing& placing, const StoredResponse* known) {
     const DocumentResponses& responses = edit.responses();
     const ResponseInput from = responses.inputOf(id);
-    const ContentKey key = responses.keyOf(id), shape = responses.shapeOf(id);
-    const bool draft = known && known->key == responseKey(responses.inputOfDraft(id));
+    const ContentKey shape = responses.shapeOf(id);
+    const bool fresh = known && responses.isFresh(id, *known), draft = known && known->key == responseKey(responses.inputOfDraft(id));
     exchangePart(edit.document.elements, id, [&](Element& element) { element = placed(element, placing); });
-    if (!known || (key != known->key && shape != known->shape)) return;
+    if (!known || (!fresh && shape != known->shape)) return;
     const auto congruence = findCongruence(from, responses.inputOf(id));
     if (!congruence) return;
     auto carried = congruence->carry(*known->response);
     if (!carried) return;
     ContentKey carriedKey = draft ? responseKey(responses.inputOfDraft(id)) : responses.keyOf(id);
-    if (key != known->key && !draft) {  // it only fits, and no precompute would give it: neither has another one its key
+    if (!fresh && !draft) {  // it only fits, and no precompute would give it: neither has another one its key
         ContentHasher hasher;
         hasher.text("carried");
         hasher.text(known->key.hex());

@@ -123,9 +123,10 @@ Result<ElementResponse> buildWith(const ResponseInput& input, Tetrahedra& tetrah
     const SolverMesh& mesh = solved->mesh;
     const HeldModes modes = heldModes(element->input.mesh->body, element->input.faces, *solved, response.bases, response.firstColumn);
     response.freeVertices = element->wholeFree;
-    WantedLoads wanted{&input, {}, {}};
+    WantedLoads wanted{&input, false, {}, {}};
     if (input.touch > 0) wanted.patches = touchPatches(input.mesh->body, input.faces, input.touch);
-    const bool anyLoads = input.loads || wanted.patches.count() > 0, loadsApart = anyLoads && !element->body.appendages.empty();
+    wanted.body = input.loads == BodyLoads::Always || (input.loads == BodyLoads::WhereCheap && (element->body.appendages.empty() || wanted.patches.count() > 0));
+    const bool anyLoads = wanted.body || wanted.patches.count() > 0, loadsApart = anyLoads && !element->body.appendages.empty();
     if (anyLoads && !loadsApart) wanted.place(*solved);
     auto solution = solveStatics(*element, *solved, modes.C, modes.inside, anyLoads && !loadsApart ? wanted.columns() : BoundaryProblem::Loads{},
                             progress.part(0.1, loadsApart ? 0.5 : 0.95));
@@ -163,7 +164,7 @@ Result<ElementResponse> buildWith(const ResponseInput& input, Tetrahedra& tetrah
     if (!projected) return tl::make_unexpected(projected.error());
     quality.asymmetry = projected->asymmetry;
     quality.negativeEnergy = projected->negativeEnergy;
-    if (input.loads) {
+    if (wanted.body) {
         response.loads = loads.displacement.leftCols(BoundaryEquation::kLoads);
         response.loadForces = loads.forces.leftCols(BoundaryEquation::kLoads);
     }

@@ -63,6 +63,13 @@ struct ElementResponse {
     [[nodiscard]] std::size_t bytes() const;
 };
 
+/// Whether a response has body loads too.
+enum class BodyLoads {
+    None,
+    WhereCheap,  ///< where they are columns of a solution that is needed anyway, so that gravity and pressure need no precompute: not on bodies with appendages
+    Always,
+};
+
 /// Everything the precompute of one element depends on.
 struct ResponseInput {
     std::shared_ptr<const ElementMesh> mesh;
@@ -73,7 +80,7 @@ struct ResponseInput {
     /// Draft, default and best are solved in tetrahedra, as they are with handles: bodies that cuts leave hang from faces close together, which boundary elements get wrong
     /// by multiples (a penguin's trunk from neck and shoulders: 68 % by default, in tetrahedra 0.7 %).
     bool tetrahedra = false;
-    bool loads = false;  ///< body loads too
+    BodyLoads loads = BodyLoads::None;
     /// Number of touch patches, about; 0: none. They are about sqrt(free surface / touch) wide: 24 are for large soft dents, 96 for small ones. A
     /// patch costs three columns. On small meshes there are fewer, see touchPatches().
     int touch = 0;
@@ -81,7 +88,7 @@ struct ResponseInput {
     int threads = 1;  ///< not part of the key: it changes no byte of the response
 };
 
-/// The content key of the response: mesh, faces, nu, basis, solver mesh, whether in tetrahedra, with loads, touch, and the version of the solver.
+/// The content key of the response: mesh, faces, nu, basis, solver mesh, whether in tetrahedra, loads, touch, and the version of the solver.
 ContentKey responseKey(const ResponseInput& input);
 
 /// Solved on the body without its appendages, which follow (see TrimmedBody); only body loads and touch patches are solved on the whole body, as appendages

@@ -35,7 +35,7 @@ ResponseEstimate estimateResponse(const ResponseInput& input) {
     const SolvedSize size = solvedSize(body->mesh, body->faces, input.solverMesh, tetrahedraOf(input));
     out.hierarchical = !size.volume && BoundaryProblem::hierarchical(size.nodes);
     const int tractions = 3 * std::min<int>(input.touch, static_cast<int>(input.mesh->body.vertices.rows()) / 4);
-    const bool loadsApart = (input.loads || tractions > 0) && !body->appendages.empty();
+    const bool loadsApart = (input.loads == BodyLoads::Always || tractions > 0) && !body->appendages.empty();
     BoundaryProblem::Estimate solve = estimateOf(size, out.columns, loadsApart ? 0 : tractions, input.threads);
     if (loadsApart) {
         const SolvedSize whole = solvedSize(input.mesh->body, input.faces, input.solverMesh, tetrahedraOf(input));

@@ -54,7 +54,8 @@ ContentKey responseKey(const ResponseInput& input) {
         hasher.text("tetrahedra");
         hasher.number(kPieceVersion);
     }
-    if (input.loads) hasher.text("loads");
+    if (input.loads == BodyLoads::Always) hasher.text("loads");
+    if (input.loads == BodyLoads::WhereCheap) hasher.text("cheap loads");
     if (input.touch > 0) {
         hasher.text("touch");
         hasher.number(kTouchVersion);

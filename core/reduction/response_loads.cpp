@@ -47,12 +47,12 @@ void WantedLoads::place(const SolvedBody& solved) {
     if (patches.count() > 0) tractions = patchTractions(patches, input->mesh->body, input->faces, solved);
 }
 
-BoundaryProblem::Loads WantedLoads::columns() const { return {input->loads, patches.count() > 0 ? &tractions : nullptr}; }
+BoundaryProblem::Loads WantedLoads::columns() const { return {body, patches.count() > 0 ? &tractions : nullptr}; }
 
 Eigen::MatrixXd WantedLoads::resultants(const SolverMesh& mesh, const HeldModes& modes) const {
-    const Eigen::Index body = input->loads ? BoundaryEquation::kLoads : 0;
-    Eigen::MatrixXd out(6, body + 3 * patches.count());
-    if (body > 0) out.leftCols(body) = bodyLoadResultants(*input, modes);
+    const Eigen::Index ofBody = body ? BoundaryEquation::kLoads : 0;
+    Eigen::MatrixXd out(6, ofBody + 3 * patches.count());
+    if (body) out.leftCols(ofBody) = bodyLoadResultants(*input, modes);
     if (patches.count() > 0) out.rightCols(3 * patches.count()) = patchResultants(mesh, tractions, modes.middle, modes.size);
     return out;
 }

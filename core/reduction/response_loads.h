@@ -16,6 +16,7 @@ namespace imomushi {
 /// The loads that a response is asked for besides its joint modes, with all faces at rest: body loads, then touch patches.
 struct WantedLoads {
     const ResponseInput* input = nullptr;  ///< the whole element
+    bool body = false;                     ///< body loads
     TouchPatches patches;
     Eigen::MatrixXd tractions;             ///< of the patches on the solver mesh, see place()
 

@@ -95,7 +95,7 @@ CharacterInput withResponses(CharacterInput input, bool loads, int touch) {
         in.faces = element.faces;
         in.basis = input.basis;
         in.solverMesh = {SolverMeshSetting::Kind::AsIs, 0};
-        in.loads = loads;
+        in.loads = loads ? BodyLoads::Always : BodyLoads::None;
         in.touch = touch;
         element.response = std::make_shared<const ElementResponse>(buildResponse(in, {}).value());
     }

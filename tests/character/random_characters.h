@@ -50,7 +50,7 @@ inline CharacterInput randomCharacter(std::mt19937& random) {
         in.faces = element.faces;
         in.basis = input.basis;
         in.solverMesh = {SolverMeshSetting::Kind::AsIs, 0};
-        in.loads = input.effects.has<GravityEffect>() || input.effects.has<InflateEffect>();
+        in.loads = input.effects.has<GravityEffect>() || input.effects.has<InflateEffect>() ? BodyLoads::Always : BodyLoads::None;
         in.touch = input.effects.has<TouchEffect>() ? 6 : 0;
         auto made = buildResponse(in, {});
         REQUIRE_MESSAGE(made.has_value(), (made ? "" : made.error().message));

@@ -199,16 +199,15 @@ TEST_CASE("ground: what is held is lifted out of it, and what floats falls on it
     CHECK_FALSE(w.session.moving());
 }
 
-TEST_CASE("gravity: flesh sags down wherever down is, more where it is softer, and needs a precompute first") {
+TEST_CASE("gravity: flesh sags down wherever down is, more where it is softer, and needs no precompute of its own") {
     Workbench w;
     w.buildChain();
     w.good({{"do", "precompute"}});
     const Json cost = w.good(enable("gravity"));
-    CHECK(cost["precompute"] == true);
+    CHECK(cost["precompute"] == false);
     CHECK(cost["columns"] == 6);
     CHECK(cost["bytes"].get<std::int64_t>() > 0);
-    CHECK(w.session.responseState(w.session.document().elementNamed("A")->id) == Session::ResponseState::Stale);
-    w.good({{"do", "precompute"}});
+    CHECK(w.session.responseState(w.session.document().elementNamed("A")->id) == Session::ResponseState::Fresh);
     const auto middleOfA = [&] {
         const int e = w.session.elementIndex(w.session.document().elementNamed("A")->id);
         return Vec3(w.session.character()->positions(e).colwise().mean().transpose());
@@ -234,6 +233,35 @@ TEST_CASE("gravity: flesh sags down wherever down is, more where it is softer, a
     CHECK(bounded["warnings"].dump().find("shear-modulus") != std::string::npos);
     CHECK(bounded["effects"].contains("gravity"));
     CHECK(std::abs(sag({0.0, -9.81, 0.0}).y()) < 0.3 * std::sqrt(11.0));
+}
+
+TEST_CASE("gravity and pressure: they come and go without a precompute, and wait for one where a result of old has no columns for them") {
+    Workbench w;
+    w.buildChain();
+    const PartId a = w.session.document().elementNamed("A")->id, b = w.session.document().elementNamed("B")->id;
+    // As projects of old hold them.
+    for (const PartId id : {a, b}) {
+        ResponseInput input = w.session.responseInput(id);
+        input.loads = BodyLoads::None;
+        w.session.responses().bring(id, {responseKey(input), w.session.responses().shapeOf(id), std::make_shared<const ElementResponse>(buildResponse(input, {}).value())});
+    }
+    const auto bothAre = [&](Session::ResponseState state) { return w.session.responseState(a) == state && w.session.responseState(b) == state; };
+    using enum Session::ResponseState;
+    CHECK(bothAre(Fresh));
+    CHECK(w.session.effectCost(EffectKind::Gravity).precompute);
+    w.good(enable("gravity"));
+    CHECK(bothAre(Stale));
+    w.good({{"do", "precompute"}});
+    CHECK(bothAre(Fresh));
+    const std::size_t known = w.session.responses().store().count();
+    for (const char* effect : {"gravity", "inflate"}) {
+        w.good({{"do", "disable"}, {"effect", "gravity"}});
+        CHECK(bothAre(Fresh));
+        CHECK_FALSE(w.session.effectCost(EffectKind::Inflate).precompute);
+        w.good(enable(effect));
+        CHECK(bothAre(Fresh));
+    }
+    CHECK(w.session.responses().store().count() == known);
 }
 
 TEST_CASE("gravity: flesh feels the acceleration of its own bones and comes back to rest") {

@@ -97,7 +97,7 @@ TEST_CASE("body loads: a response with them is kept in files") {
     project.document = w.session.document();
     const PartId a = project.document.elementNamed("A")->id;
     ResponseInput input = w.session.responseInput(a);
-    input.loads = true;
+    input.loads = BodyLoads::Always;
     input.solverMesh.kind = SolverMeshSetting::Kind::AsIs;
     auto response = buildResponse(input, {});
     REQUIRE(response);

@@ -73,7 +73,7 @@ TEST_CASE("packed response: it comes back bit by bit, and what is damaged or bel
     input.faces = element.faces;
     input.solverMesh = {SolverMeshSetting::Kind::AsIs, 0};
     input.basis = {BasisKind::Modes, 4};
-    input.loads = true;
+    input.loads = BodyLoads::Always;
     input.touch = 6;
     const ElementResponse response = buildResponse(input, {}).value();
     const auto packed = packResponse(response);

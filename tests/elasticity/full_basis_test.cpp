@@ -162,7 +162,7 @@ TEST_CASE("body loads: a response has them when they are asked for, and is the s
         ResponseInput input = fullInput(oblique(), basis, 0.4, "as-is");
         const auto without = buildResponse(input, {});
         const ContentKey key = responseKey(input);
-        input.loads = true;
+        input.loads = BodyLoads::Always;
         const auto with = buildResponse(input, {});
         REQUIRE(without);
         REQUIRE(with);
@@ -182,7 +182,7 @@ TEST_CASE("body loads: the faces carry exactly the weight and its moment, and th
     auto body = oblique();
     body.ends.pop_back();
     ResponseInput input = fullInput(body, BasisKind::Full);
-    input.loads = true;
+    input.loads = BodyLoads::Always;
     const auto full = buildResponse(input, {});
     REQUIRE(full);
     const Eigen::MatrixXd carried = rigidMotions(input, *full).transpose() * full->loadForces;  // forces and moments about the origin
@@ -213,7 +213,7 @@ TEST_CASE("body loads: what the faces carry is what moving them would do against
     // Reciprocity: forces on the joint parameters are minus the work of the load on the response of each parameter, as far as the
     // discretisation goes: the work is summed here over the body's coarse triangles.
     ResponseInput input = fullInput(oblique(18, 10), BasisKind::Affine);
-    input.loads = true;
+    input.loads = BodyLoads::Always;
     const auto response = buildResponse(input, {});
     REQUIRE(response);
     Eigen::MatrixXd work = Eigen::MatrixXd::Zero(response->columns(), 4);

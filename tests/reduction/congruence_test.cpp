@@ -62,9 +62,9 @@ TEST_CASE("congruence: the response of a turned and shifted copy is that of its 
             ResponseInput from = inputOf(body.mesh, body.ends, basis);
             ResponseInput to = inputOf(moved(body.mesh, rotation(angle, {0.3, -1.0, 0.7}), {4.0, -2.0, 9.0}), body.ends, basis);
             CHECK(findCongruence(from, to));
-            from.loads = true;
+            from.loads = BodyLoads::Always;
             CHECK_FALSE(findCongruence(from, to));
-            to.loads = true;
+            to.loads = BodyLoads::Always;
             const auto how = findCongruence(from, to);
             REQUIRE(how);
             CHECK(how->miss < 1e-14);
@@ -100,7 +100,7 @@ TEST_CASE("congruence: the response of a mirror image is that of its own precomp
         image.triangles.col(1).swap(image.triangles.col(2));
         ResponseInput to = inputOf(image, body.ends, basis);
         for (ResponseInput* input : {&from, &inside, &to}) {
-            input->loads = true;
+            input->loads = BodyLoads::Always;
             input->touch = 12;
         }
         CHECK_FALSE(findCongruence(from, inside));

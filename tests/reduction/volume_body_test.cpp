@@ -147,7 +147,7 @@ TEST_CASE("volume body: a bar with flat faces, its weight and touch agree with b
     for (const shapes::Patch& end : bar.ends) input.faces.push_back(jointFaceByTriangles(mesh->body, end.triangles).value());
     input.basis = BasisKind::Affine;
     input.nu = 0.45;
-    input.loads = true;
+    input.loads = BodyLoads::Always;
     input.touch = 6;
     input.threads = 2;
     input.solverMesh = parseSolverMesh("default").value();
