@@ -209,7 +209,7 @@ void addPropertyCommands(CommandRegistry& registry) {
                        "Sets a property. Element: nu (0 to 0.5), stiffness (relative, 1e-6 to 1e6), density (kg/m^3), solver-mesh (\"default\", \"best\", \"as-is\", \"refined:N\", \"decimated:N\", \"draft\", \"volume\", \"volume:N\"; N vertices; \"@T\" after it: the tolerance of solutions of more than 5000 nodes, 1e-6 to 0.01), "
                        "joint-planes (\"auto\", \"bisector\", \"element\": who turns the planes of its joints), color (\"#rrggbb\"), visible, locked. "
                        "Handle: radius (metres along the surface), bone (\"bone/end\" that it hangs on, \"\": none). "
-                       "Bone: min-stretch (0.01 to 1), max-stretch (1 to 100, of the rest length), roll (radians at rest). "
+                       "Bone: min-stretch (0.01 to 1; a straight chain pushed along its axis squashes to .05 above it, then folds), max-stretch (1 to 100, of the rest length), roll (radians at rest). "
                        "Character: basis (\"paper\", \"affine\", \"modes:1\" to \"modes:36\", \"full\"), format (\"float\", \"half\", \"int16\"), threads (0: all)." + effectsHelp(),
                        {{"target", Type::Text, true, "An element, a bone, a handle, an effect, or \"character\"."},
                         {"property", Type::Text, true, "The name of the property."},

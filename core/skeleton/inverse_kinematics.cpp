@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/skeleton/axial_squash.h"
 #include "core/skeleton/rod_energy.h"
 #include "core/skeleton/roll_field.h"
 
@@ -49,7 +50,7 @@ double safeNorm(const Vec3& v) {
 }  // namespace
 
 struct InverseKinematics::State {
-    explicit State(const Skeleton& input) : rods(input), roll(input, rods.tree(), rods.unit()) {
+    explicit State(const Skeleton& input) : rods(input), squash(input), roll(input, rods.tree(), rods.unit()) {
         const int points = static_cast<int>(input.points.size()), bones = static_cast<int>(input.bones.size());
         system = BlockCholesky<3>(std::vector<int>(points, 3), rods.pairs());
         targets.held.assign(points, 0), lastHeld = targets.held;
@@ -133,6 +134,7 @@ struct InverseKinematics::State {
         }
 
         x = pose.points;
+        rods.setNatural(squash.update(targets, x, continued));
         rods.transport(x, pose.frames, startFrames);
         frames = startFrames;
         if (solvesAtRest == 0) {
@@ -245,6 +247,7 @@ struct InverseKinematics::State {
     }
 
     RodEnergy rods;
+    AxialSquash squash;
     RollField roll;
     BlockCholesky<3> system;
 

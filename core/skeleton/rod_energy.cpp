@@ -76,6 +76,7 @@ RodEnergy::RodEnergy(const Skeleton& skeleton) : skeleton_(skeleton), tree_(bone
     direction_.assign(bones, Vec3::UnitX());
     bent_.assign(bends_.size(), Vec3::UnitX());
     bend2_.assign(bones, 0.0);
+    natural_.assign(bones, 1.0);
 }
 
 Vec3 RodEnergy::along(int b, const std::vector<Vec3>& points) const {
@@ -98,9 +99,10 @@ void RodEnergy::transport(const std::vector<Vec3>& points, const std::vector<Qua
     }
 }
 
-RodEnergy::Tension RodEnergy::stretch(const Skeleton::Bone& bone, double length) {
-    const double strain = length / bone.length - 1.0;
-    Tension r{strain, 1.0 / bone.length, 0.5 * strain * strain * bone.length};
+RodEnergy::Tension RodEnergy::stretch(std::size_t b, double length) const {
+    const auto& bone = skeleton_.bones[b];
+    const double strain = length / bone.length - 1.0, fromNatural = length / bone.length - natural_[b];
+    Tension r{fromNatural, 1.0 / bone.length, 0.5 * fromNatural * fromNatural * bone.length};
     const double low = std::max(bone.minStretch, 0.02) - 1.0, high = std::max(bone.maxStretch, 0.03) - 1.0;
     for (const double excess : {strain - high, low - strain}) {
         if (excess <= 0.0) continue;
@@ -122,7 +124,7 @@ RodEnergy::Pull RodEnergy::pull(const Vec3& miss) const {
 double RodEnergy::energy(const std::vector<Vec3>& points, const IkTargets& targets) const {
     double sum = 0.0;
     for (std::size_t b = 0; b < skeleton_.bones.size(); ++b)
-        sum += stretch(skeleton_.bones[b], along(static_cast<int>(b), points).norm()).energy;
+        sum += stretch(b, along(static_cast<int>(b), points).norm()).energy;
     for (std::size_t i = 0; i < bends_.size(); ++i) {
         const auto& bend = bends_[i];
         const Vec3 p = directionOf(bend.parent, points, frames_[bend.parent]);
@@ -158,7 +160,7 @@ void RodEnergy::linearise(const std::vector<Vec3>& x, const std::vector<Quaterni
         const auto& bone = skeleton_.bones[b];
         const double length = along(static_cast<int>(b), x).norm();
         const Vec3 d = direction_[b] = directionOf(static_cast<int>(b), x, frames[b]);
-        const Tension r = stretch(bone, length);
+        const Tension r = stretch(b, length);
         const Matrix3d outer = d * d.transpose();
         // Under compression the transverse (geometric) stiffness is negative; it is left out so that the matrix stays positive definite.
         const Matrix3d h = r.slope * outer + std::max(r.force, 0.0) / std::max(length, 0.01 * bone.length) * (eye - outer);
@@ -191,7 +193,7 @@ void RodEnergy::linearise(const std::vector<Vec3>& x, const std::vector<Quaterni
     }
     for (std::size_t b = 0; b < skeleton_.bones.size(); ++b) {
         const auto& bone = skeleton_.bones[b];
-        const double compressed = 1.0 - along(static_cast<int>(b), x).norm() / bone.length;
+        const double compressed = natural_[b] - along(static_cast<int>(b), x).norm() / bone.length;
         const double straight = 1.0 - bend2_[b] / (kStraight * kStraight);
         if (compressed <= 0.0 || straight <= 0.0) continue;
         const Vec3 push = kSideForce * compressed * straight * (frames[b] * restSide_[b]);

@@ -20,7 +20,7 @@ struct IkTargets {
 
 /// The elastic energy of bones as discrete elastic rods (Bergou et al., Discrete elastic rods, SIGGRAPH 2008), with springs that pull held points to their
 /// targets. Forces are in units of the force that stretches a bone to twice its length, lengths in metres.
-///   stretch  (strain^2 / 2) L per bone of rest length L, and a cubic barrier beyond the bone's stretch limits
+///   stretch  (strain^2 / 2) L per bone of rest length L, strain from its natural length, and a cubic barrier beyond the bone's stretch limits
 ///   bend     k |kappa|^2 / 2 per pair of neighbours, |kappa| = 2 tan(angle / 2) the discrete curvature, which keeps bones from folding flat
 ///   target   a spring whose force saturates, so that targets out of reach do not tear the body
 ///   side     a linear load across compressed straight bones, fixed at the point of linearisation: it chooses a side to buckle to
@@ -43,6 +43,8 @@ public:
     /// Parallel transport: roots are carried over from `from` in time, the others from their parents along the tree.
     void transport(const std::vector<Vec3>& points, const std::vector<Eigen::Quaterniond>& from, std::vector<Eigen::Quaterniond>& to) const;
 
+    /// Natural lengths of the bones relative to rest, from now on; 1 before.
+    void setNatural(const std::vector<double>& natural) { natural_ = natural; }
     /// Linearises at joint points x and bone frames: `force` becomes minus the gradient, `system` the Gauss-Newton matrix plus viscosity / unit().
     void linearise(const std::vector<Vec3>& x, const std::vector<Eigen::Quaterniond>& frames, const IkTargets& targets, double viscosity,
                    BlockCholesky<3>& system, std::vector<Vec3>& force);
@@ -64,7 +66,7 @@ private:
         double force = 0.0, slope = 0.0, energy = 0.0;
     };
     // Tension of a bone of that length, its derivative by the length, and its energy. Twice differentiable.
-    [[nodiscard]] static Tension stretch(const Skeleton::Bone& bone, double length);
+    [[nodiscard]] Tension stretch(std::size_t bone, double length) const;
     // Force of a target spring per metre at that distance, and its energy. The force falls with the distance: its secant as the stiffness majorises the
     // energy, so that steps descend (iteratively reweighted least squares).
     struct Pull {
@@ -76,6 +78,7 @@ private:
     const BoneTree tree_;
     double unit_ = 0.0, size_ = 0.0;
     std::vector<Bend> bends_;
+    std::vector<double> natural_;  // per bone
     std::vector<Vec3> restSide_;  // per bone, unit, across it
     std::vector<std::pair<int, int>> pairs_;
 

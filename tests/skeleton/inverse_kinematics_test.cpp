@@ -6,6 +6,7 @@
 #include <limits>
 #include <random>
 
+#include "core/skeleton/axial_squash.h"
 #include "core/skeleton/bone_tree.h"
 #include "core/skeleton/inverse_kinematics.h"
 #include "tests/support/allocations.h"
@@ -302,6 +303,80 @@ TEST_CASE("inverse kinematics: settles for any targets within 200 solves") {
         RC_ASSERT(report.finite);
         RC_ASSERT(solves <= 200);
     }));
+}
+
+TEST_CASE("inverse kinematics: a straight chain that is pushed along its axis squashes and stays straight, and folds once its bones are nearly at their shortest") {
+    const auto bow = [](const Skeleton& s, const Pose& pose) {
+        double along = 0.0;
+        for (const auto& b : s.bones) along += (pose.points[b.end] - pose.points[b.start]).norm();
+        return 1.0 - (pose.points.back() - pose.points.front()).norm() / along;
+    };
+    for (const int bones : {2, 5, 20}) {
+        for (const int steps : {1, 7, 400}) {
+            CAPTURE(bones);
+            CAPTURE(steps);
+            const Skeleton s = chain(bones);
+            InverseKinematics ik(s);
+            Pose pose = restPose(s), last = pose;
+            InverseKinematics::Report report;
+            double bowed = 0.0, jumped = 0.0;
+            // By 40 %, one percent of the length off the axis.
+            for (int i = 1; i <= steps; ++i) {
+                const double part = double(i) / steps;
+                report = ik.solve({{0, Vec3::Zero()}, {bones, bones * Vec3(1.0 - 0.4 * part, 0.01 * part, 0)}}, pose);
+                bowed = std::max(bowed, bow(s, pose));
+                jumped = std::max(jumped, largestMove(last, pose));
+                last = pose;
+            }
+            const double step = 0.4 * bones / steps;
+            CHECK(jumped <= InverseKinematics::kMotionGain * 1.01 * step + InverseKinematics::kTrustRadius);
+            const std::vector<IkGoal> squashed = {{0, Vec3::Zero()}, {bones, bones * Vec3(0.6, 0.01, 0)}};
+            CHECK(settle(ik, squashed, pose, report) <= 200);
+            MESSAGE(bones << " bones, " << steps << " steps: bow " << bowed << ", then " << bow(s, pose) << ", misses by " << report.largestMiss);
+            // On the way many bones lag behind the end that goes aside.
+            CHECK(bowed < (bones > 5 ? 0.01 : 1e-5));
+            CHECK(bow(s, pose) < 2e-5);
+            CHECK(report.largestMiss < 1e-6);
+            // Another solver, that did not see how the pose came about, leaves it.
+            InverseKinematics fresh(s);
+            Pose kept = pose;
+            CHECK(fresh.solve(squashed, kept).finite);
+            CHECK(largestMove(pose, kept) < 1e-3);
+            // Its end may be led round, squashed as it is.
+            for (int i = 1; i <= 200; ++i) ik.solve({{0, Vec3::Zero()}, {bones, 0.6 * bones * Vec3(std::cos(0.005 * i), std::sin(0.005 * i), 0)}}, pose);
+            CHECK(settle(ik, {{0, Vec3::Zero()}, {bones, 0.6 * bones * Vec3(std::cos(1.0), std::sin(1.0), 0)}}, pose, report) <= 200);
+            CHECK(bow(s, pose) < (bones > 5 ? 0.01 : 1e-5));
+            // It folds between there and the shortest of its bones.
+            const double least = s.bones[0].minStretch;
+            for (const double part : {least + AxialSquash::kReserve, least - 0.03}) {
+                settle(ik, {{0, Vec3::Zero()}, {bones, part * bones * Vec3(std::cos(1.0), std::sin(1.0), 0)}}, pose, report);
+                CHECK((bow(s, pose) > 0.05) == (part < least));
+                CHECK(report.largestMiss < 1e-5);
+            }
+            // And back, straight, with bones as long as at rest.
+            settle(ik, {{0, Vec3::Zero()}, {bones, Vec3(bones, 0, 0)}}, pose, report);
+            CHECK(largestMove(restPose(s), pose) < 1e-3);
+        }
+    }
+    // Pulled aside it bends, and its bones keep their lengths, whatever the steps; so does a chain whose bones may not shorten.
+    for (const int steps : {1, 10, 300}) {
+        CAPTURE(steps);
+        Skeleton s = chain(5);
+        for (const bool stiff : {false, true}) {
+            if (stiff)
+                for (auto& b : s.bones) b.minStretch = 1.0;
+            InverseKinematics ik(s);
+            Pose pose = restPose(s);
+            InverseKinematics::Report report;
+            std::vector<IkGoal> goals = {{0, Vec3::Zero()}, {5, Vec3(5, 0, 0)}};
+            for (int i = 1; i <= steps; ++i) {
+                goals[1].target = Vec3(5, 0, 0) + (double(i) / steps) * (stiff ? Vec3(-1.5, 0, 0) : Vec3(-1.5, 1.5, 0));
+                ik.solve(goals, pose);
+            }
+            settle(ik, goals, pose, report);
+            for (const auto& b : s.bones) CHECK((pose.points[b.end] - pose.points[b.start]).norm() > 0.95);
+        }
+    }
 }
 
 TEST_CASE("inverse kinematics: turned and shifted input gives the turned and shifted pose") {
