@@ -38,7 +38,9 @@ BoneDynamics::State::State(Input given)
     body.contact.assign(points, kNone);
     arriving.assign(points, 0);
     saved = body;
-    last = next = stage = frameStart = frameEnd = BoneTargets{zeros, std::vector<double>(bones, 1.0), std::vector<Vec3>(bones, Vec3::UnitX()), roll0};
+    last = next = stage = frameStart = frameEnd = BoneTargets{zeros, std::vector<double>(bones, 1.0), std::vector<Vec3>(bones, Vec3::UnitX()), roll0, {}};
+    if (springs.limitsBends())
+        for (BoneTargets* targets : {&last, &next, &stage, &frameStart, &frameEnd}) targets->unbent.assign(bones, Vec3::UnitX());
     prepare();
     reset(restPose(skeleton));
 }
@@ -76,6 +78,8 @@ void BoneDynamics::State::takeTargets(const Pose& pose, BoneTargets& to) const {
         to.length[b] = std::max(length, least);
         to.direction[b] = length > least ? Vec3(along / length) : (pose.frames[b] * springs.tree().restDirection[b]).normalized();
     }
+    for (std::size_t b = 0; b < to.unbent.size(); ++b)
+        if (const int parent = springs.tree().parent[b]; parent >= 0) to.unbent[b] = (pose.frames[parent] * springs.tree().restDirection[b]).normalized();
 }
 
 void BoneDynamics::State::mix(const BoneTargets& a, const BoneTargets& b, double part, BoneTargets& to) {
@@ -89,10 +93,15 @@ void BoneDynamics::State::mix(const BoneTargets& a, const BoneTargets& b, double
         const double norm = d.norm();
         to.direction[i] = norm > 1e-3 ? Vec3(d / norm) : b.direction[i];
     }
+    for (std::size_t i = 0; i < a.unbent.size(); ++i) {
+        const Vec3 d = a.unbent[i] + part * (b.unbent[i] - a.unbent[i]);
+        const double norm = d.norm();
+        to.unbent[i] = norm > 1e-3 ? Vec3(d / norm) : b.unbent[i];
+    }
 }
 
 bool BoneDynamics::State::same(const BoneTargets& a, const BoneTargets& b) {
-    return a.points == b.points && a.roll == b.roll && a.direction == b.direction;
+    return a.points == b.points && a.roll == b.roll && a.direction == b.direction && a.unbent == b.unbent;
 }
 
 void BoneDynamics::State::reset(const Pose& pose) {

@@ -368,6 +368,45 @@ TEST_CASE("figure: a hand that is twisted twice round turns its arm, and not the
     }
 }
 
+TEST_CASE("figure: with stiff bones in trunk and legs a hand that is pulled by a tenth of the height tilts the trunk by less than 2 degrees") {
+    CommandRegistry registry;
+    addCoreCommands(registry);
+    double worst[2] = {0.0, 0.0}, missed = 0.0;
+    for (const bool stiff : {false, true}) {
+        Session session(registry);
+        const auto good = [&](const Json& command) {
+            const auto answer = session.execute(command);
+            if (!answer) FAIL(answer.error().message);
+            return *answer;
+        };
+        good({{"do", "open"}, {"path", (kSamples / "figure.imomushi").string()}});
+        const Vec3 hand(1.021725, 0.758997, 0.08016);
+        const double pulled = 0.1 * 2.1;  // the figure is 2.06 m high, to the top of its bones
+        if (stiff)
+            for (const std::string& bone : {"spine-bone", "neck-bone", "shoulder-bone.L", "shoulder-bone.R", "hip-bone.L", "hip-bone.R", "upper-leg-bone.L", "upper-leg-bone.R",
+                                            "lower-leg-bone.L", "lower-leg-bone.R", "foot-bone.L", "foot-bone.R"})
+                good({{"do", "set"}, {"target", bone}, {"property", "stiffness"}, {"value", 300.0}});
+        const auto trunk = [&] {
+            return Eigen::Quaterniond(session.character()->frame(session.elementIndex(session.document().elementNamed("trunk")->id)).linear());
+        };
+        for (const Vec3& way : {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, -1, 0), Vec3(0, 0, 1), Vec3(0, 0, -1)}) {
+            good({{"do", "rest"}});
+            const Eigen::Quaterniond before = trunk();
+            const Vec3 to = hand + pulled * way;
+            good({{"do", "drag"}, {"endpoint", "hand-bone.L/end"}, {"to", {to.x(), to.y(), to.z()}}, {"seconds", 0.5}});
+            good({{"do", "step"}, {"frames", 120}});
+            const double degrees = before.angularDistance(trunk()) * 180.0 / std::numbers::pi;
+            MESSAGE(std::string(stiff ? "stiff" : "plain"), ", pulled along ", way.x(), " ", way.y(), " ", way.z(), ": the trunk tilts by ", degrees, " degrees");
+            worst[stiff] = std::max(worst[stiff], degrees);
+            const auto at = good({{"do", "measure"}, {"what", "position"}, {"endpoint", "hand-bone.L/end"}})["value"];
+            if (stiff) missed = std::max(missed, (Vec3(at[0], at[1], at[2]) - to).norm());
+        }
+    }
+    CHECK(worst[0] > 2.0);
+    CHECK(worst[1] < 2.0);
+    CHECK(missed < 0.01);
+}
+
 namespace {
 
 constexpr double kLength = 2.55;                   // of the caterpillar, m, rounded down
