@@ -29,6 +29,7 @@ BoneDynamics::State::State(Input given)
     if (bones == 0) unit = size > 0.0 ? size : 1.0;
     size = std::max(size, unit);
     held.assign(points, 0), heldNow = held;
+    pointing.assign(bones, 0), pointingNow = pointing;
     freedom.assign(points, Freedom::Free);
     const std::vector<Vec3> zeros(points, Vec3::Zero());
     x0 = v0 = xs = vs = force = change = goal = force0 = zeros;
@@ -47,7 +48,7 @@ BoneDynamics::State::State(Input given)
 
 void BoneDynamics::State::prepare() {
     normal = settings.ground ? Vec3(settings.ground->normal / settings.ground->normal.cwiseAbs().maxCoeff()).normalized() : Vec3(Vec3::UnitY());
-    springs.calibrate(settings.springs, settings.returnHertz, held);
+    springs.calibrate(settings.springs, settings.returnHertz, held, pointing);
     weight = 0.0;
     for (const double m : mass) weight += m * settings.gravity.norm();
     wake();
@@ -149,27 +150,30 @@ void BoneDynamics::State::step(double seconds, const Pose& target, std::span<con
     warnings = 0;
     const int points = static_cast<int>(body.x.size());
     std::fill(heldNow.begin(), heldNow.end(), char(0));
+    std::fill(pointingNow.begin(), pointingNow.end(), char(0));
     for (const IkGoal& ik : goals) {
         if (ik.point < 0 || ik.point >= points)
             warnings |= static_cast<unsigned>(DynamicsWarning::InputRefused);
         else
             heldNow[ik.point] = 1;
+        if (ik.heldBone >= 0 && ik.heldBone < static_cast<int>(pointingNow.size())) pointingNow[ik.heldBone] = 1;
     }
     if (!std::isfinite(seconds) || seconds < 0.0 || !usable(target)) {
         warnings |= static_cast<unsigned>(DynamicsWarning::InputRefused);
         return;
     }
     const bool sameTarget = target.points == kinematic.points && target.roll == kinematic.roll && sameFrames(target);
-    if (resting && sameTarget && heldNow == held) return;
+    if (resting && sameTarget && heldNow == held && pointingNow == pointing) return;
     if (seconds == 0.0) return;
-    if (heldNow != held) {
+    if (heldNow != held || pointingNow != pointing) {
         for (int i = 0; i < points; ++i) {
             if (heldNow[i] && !held[i]) body.offset[i] = body.x[i] - last.points[i];
             if (!heldNow[i]) body.offset[i].setZero();
             if (heldNow[i]) body.contact[i] = kNone;
         }
         held.swap(heldNow);
-        springs.calibrate(settings.springs, settings.returnHertz, held);
+        pointing.swap(pointingNow);
+        springs.calibrate(settings.springs, settings.returnHertz, held, pointing);
         wake();
     }
     if (!sameTarget) {

@@ -24,7 +24,7 @@ constexpr double kNearlyOpposite = 1e-2;
 // A spring beyond the stretch limits of a bone, stiff enough to look rigid.
 constexpr double kLimitHertz = 20.0;
 constexpr double kLimitDamping = 0.5;
-// The same beyond bend and twist limits: a swing of 5 rad/s goes less than a degree beyond.
+// The same beyond bend and twist limits, and of bones that are held as they point: a swing of 5 rad/s goes less than a degree beyond.
 constexpr double kTurnLimitHertz = 60.0;
 
 Matrix3d cross(const Vec3& a) {
@@ -126,7 +126,7 @@ BoneSprings::MassMoments BoneSprings::beyond(int from, int to) const {
     return side;
 }
 
-void BoneSprings::calibrate(std::span<const BoneSpring> springs, double returnHertz, const std::vector<char>& held) {
+void BoneSprings::calibrate(std::span<const BoneSpring> springs, double returnHertz, const std::vector<char>& held, const std::vector<char>& pointing) {
     const auto place = [&](int i) -> Vec3 { return skeleton_.points[i] - skeleton_.points[root_[i]]; };
     for (const int i : order_) {
         below_[i] = MassMoments{};
@@ -200,6 +200,7 @@ void BoneSprings::calibrate(std::span<const BoneSpring> springs, double returnHe
             mass = reducedMass(inertia(one, bone.start, bone.end), one.held > 0, inertia(other, parent.end, parent.start), other.held > 0);
         }
         bend.spring = springDamper(mass, std::sqrt(bone.stiffness) * spring.bendHertz, spring.bendDamping);
+        if (bend.parent < 0 && pointing[bend.child]) bend.spring = springDamper(mass, kTurnLimitHertz, kLimitDamping);
         if (bend.parent < 0 || !bone.limitsBend()) continue;
         for (Bend& stop : stops_)
             if (stop.child == bend.child) stop.spring = springDamper(mass, kTurnLimitHertz, kLimitDamping);
