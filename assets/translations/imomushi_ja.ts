@@ -2465,6 +2465,30 @@
             <translation>最長</translation>
         </message>
         <message>
+            <source>Turn limits</source>
+            <translation>回転の限度</translation>
+        </message>
+        <message>
+            <source>Bend</source>
+            <translation>曲げ</translation>
+        </message>
+        <message>
+            <source>Twist</source>
+            <translation>ねじり</translation>
+        </message>
+        <message>
+            <source>When pulled</source>
+            <translation>引かれたとき</translation>
+        </message>
+        <message>
+            <source>Stiffness</source>
+            <translation>硬さ</translation>
+        </message>
+        <message>
+            <source>Weight</source>
+            <translation>重さ</translation>
+        </message>
+        <message>
             <source>automatic</source>
             <translation>自動</translation>
         </message>
@@ -2831,6 +2855,14 @@
     </context>
     <context>
         <name>imomushi::EndpointForm</name>
+        <message>
+            <source>Hold orientation</source>
+            <translation>向きも固定</translation>
+        </message>
+        <message>
+            <source>The pin holds the direction of the bone, too.</source>
+            <translation>ピンはボーンの向きも固定します。</translation>
+        </message>
         <message>
             <source>Endpoint</source>
             <translation>端点</translation>

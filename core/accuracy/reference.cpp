@@ -229,6 +229,7 @@ ContentKey referenceKey(const ReferenceInput& input) {
     for (const auto& b : c.skeleton.bones) {
         hasher.array(std::span<const int>(std::array{b.start, b.end, b.parent}));
         hasher.array(std::span<const double>(std::array{b.length, b.minStretch, b.maxStretch}));
+        if (b.limitsBend() || b.limitsTwist() || b.stiffness != 1.0) hasher.array(std::span<const double>(std::array{b.maxBend, b.maxTwist, b.stiffness}));
     }
     for (const auto& joint : c.joints) {
         hasher.number(joint.point);

@@ -20,6 +20,8 @@ Result<void> checkSkeleton(const Skeleton& skeleton) {
         if (bone.parent >= b) return bad("a bone comes before its parent");
         if (!(bone.length > 0.0) || !std::isfinite(bone.length)) return bad("a bone has no length");
         if (!(bone.minStretch >= 0.0) || !(bone.maxStretch >= bone.minStretch)) return bad("a bone's stretch limits are in the wrong order");
+        if (!(bone.maxBend >= 0.0) || !(bone.maxTwist >= 0.0)) return bad("a bone's limit of bend or twist is negative or not a number");
+        if (!(bone.stiffness > 0.0) || !std::isfinite(bone.stiffness)) return bad("a bone's stiffness is not above 0");
     }
     for (const auto& p : skeleton.points)
         if (!allFinite(p)) return bad("a joint point is not a number");

@@ -9,7 +9,8 @@ namespace {
 
 bool sameSkeleton(const Skeleton& a, const Skeleton& b) {
     return a.points == b.points && std::equal(a.bones.begin(), a.bones.end(), b.bones.begin(), b.bones.end(), [](const auto& p, const auto& q) {
-               return p.start == q.start && p.end == q.end && p.parent == q.parent && p.length == q.length && p.minStretch == q.minStretch && p.maxStretch == q.maxStretch;
+               return p.start == q.start && p.end == q.end && p.parent == q.parent && p.length == q.length && p.minStretch == q.minStretch && p.maxStretch == q.maxStretch &&
+                      p.maxBend == q.maxBend && p.maxTwist == q.maxTwist && p.stiffness == q.stiffness;
            });
 }
 
@@ -42,7 +43,7 @@ bool followSkeleton(Document& document, const CharacterPlan* was, const Characte
         const Vec3& now = is.input.skeleton.points[static_cast<std::size_t>(is.pointIndex(end))];
         const int old = was ? was->pointIndex(end) : -1;
         if (held.pinned && old >= 0 && held.target == was->input.skeleton.points[static_cast<std::size_t>(old)]) held.target = now;
-        pulled = pulled || held.target != now || held.roll;
+        pulled = pulled || held.target != now || held.roll || held.turn;
     }
     return pulled;
 }

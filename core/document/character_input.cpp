@@ -234,6 +234,9 @@ Result<CharacterPlan> planCharacter(const Document& document) {
         made.length = (skeleton.points[static_cast<std::size_t>(made.end)] - skeleton.points[static_cast<std::size_t>(made.start)]).norm();
         made.minStretch = bone.minStretch;
         made.maxStretch = bone.maxStretch;
+        made.maxBend = bone.maxBend;
+        made.maxTwist = bone.maxTwist;
+        made.stiffness = bone.stiffness;
         skeleton.bones.push_back(made);
         plan.bones.push_back(ids[index]);
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -90,6 +91,11 @@ struct Bone {
     double roll = 0.0;          ///< radians at rest, turns the bone's x axis about its direction
     double minStretch = 0.5;    ///< of the rest length
     double maxStretch = 2.0;
+    double maxBend = Skeleton::Bone::kFreeBend;    ///< rad from rest, against its parent
+    double maxTwist = Skeleton::Bone::kFreeTwist;  ///< rad between its ends
+    double stiffness = 1.0;     ///< against stretch and bend, relative to other bones
+    double weight = 1.0;        ///< times what its flesh weighs, in bone dynamics
+    static constexpr double kMaxRatio = 1e3;  ///< stiffness and weight: from its inverse
 };
 
 /// A dragged or pinned endpoint. A pin holds the endpoint where it is at rest until it is dragged.
@@ -101,6 +107,7 @@ struct EndpointGoal {
     Vec3 from = Vec3::Zero();        ///< glide: where it started,
     double seconds = 0.0;            ///<        how long it takes (0: at once),
     double elapsed = 0.0;            ///<        and how much of that has passed
+    std::optional<std::array<double, 4>> turn;  ///< its bone is held as turned from rest, too: a unit quaternion x y z w
     bool operator==(const EndpointGoal&) const = default;
 };
 

@@ -45,8 +45,10 @@ Json contents(const Session& session) {
         for (const FaceRef& face : joint->faces) faces.push_back(faceText(document, face));
         joints.push_back(std::move(faces));
     }
-    for (const auto& [end, target] : document.goals)
+    for (const auto& [end, target] : document.goals) {
         held.push_back({{"endpoint", endpointText(document, end)}, {"pinned", target.pinned}, {"to", json(target.target)}});
+        if (target.turn) held.back()["orientation"] = true;
+    }
     Json handles = Json::array();
     for (const auto& [id, element] : document.elements)
         for (const Handle& handle : element->handles) handles.push_back(handleJson(document, *element, handle));

@@ -181,6 +181,10 @@ void LiveCharacter::collectGoals() {
         const double done = held.seconds > 0.0 ? std::min(1.0, held.elapsed / held.seconds) : 1.0;
         goal.target = done < 1.0 ? Vec3(held.from + done * (held.target - held.from)) : held.target;
         goal.hasRoll = held.roll.has_value();
+        if (held.turn) {
+            goal.heldBone = plan_.boneIndex(end.bone);
+            goal.turn = Eigen::Quaterniond(held.turn->data());
+        }
         if (held.roll) goal.roll = done < 1.0 ? held.fromRoll + done * (*held.roll - held.fromRoll) : *held.roll;
         goals_.push_back(goal);
     }

@@ -293,6 +293,12 @@ void PartCopier::copyPins(const std::set<PartId>& wanted) {
         made.pinned = true;
         made.target = placing().point(goal.target);
         made.roll = goal.roll && placing().mirrors() ? std::optional(-*goal.roll) : goal.roll;
+        if (goal.turn) {
+            Eigen::Matrix3d way;  // orthogonal
+            for (int i = 0; i < 3; ++i) way.col(i) = placing().point(Vec3::Unit(i)) - placing().point(Vec3::Zero());
+            const Eigen::Quaterniond turned(way * Eigen::Quaterniond(goal.turn->data()).toRotationMatrix() * way.transpose());
+            made.turn = std::array{turned.x(), turned.y(), turned.z(), turned.w()};
+        }
         here.goals.insert_or_assign(EndpointRef{idOf(end.bone), end.atEnd}, made);
     }
     for (const auto& [handle, goal] : from_.handleGoals) {

@@ -14,7 +14,7 @@ namespace imomushi {
 namespace {
 
 /// kg per joint point: each element's mass on its bones by their lengths, half to each end. Bones through nothing are as heavy per length as the
-/// others are on average.
+/// others are on average. Times the weights of the bones.
 std::vector<double> massesOf(const Document& document, const CharacterPlan& plan) {
     const Skeleton& skeleton = plan.input.skeleton;
     std::vector<double> boneMass(skeleton.bones.size(), 0.0), masses(skeleton.points.size(), 0.0);
@@ -33,7 +33,7 @@ std::vector<double> massesOf(const Document& document, const CharacterPlan& plan
     const double perLength = mass > 0.0 ? mass / massive : 1.0;
     for (std::size_t b = 0; b < boneMass.size(); ++b) {
         const auto& bone = skeleton.bones[b];
-        const double half = 0.5 * (boneMass[b] > 0.0 ? boneMass[b] : perLength * bone.length);
+        const double half = 0.5 * document.bones.at(plan.bones[b])->weight * (boneMass[b] > 0.0 ? boneMass[b] : perLength * bone.length);
         masses[static_cast<std::size_t>(bone.start)] += half;
         masses[static_cast<std::size_t>(bone.end)] += half;
     }

@@ -52,13 +52,19 @@ Result<Json> pin(DocumentEdit& edit, const Json& arguments, const Progress&) {
     if (!shown) return tl::unexpected(shown.error());
     const auto position = edit.positionOf(shown->end);
     if (!position) return tl::unexpected(position.error());
-    if (const auto held = heldAt(edit.document, shown->plan, shown->end); held != edit.document.goals.end()) {
-        held->second.pinned = true;
-    } else {
+    auto held = heldAt(edit.document, shown->plan, shown->end);
+    if (held == edit.document.goals.end()) {
         EndpointGoal made;
-        made.pinned = true;
         made.target = *position;
-        edit.document.goals.emplace(shown->end, made);
+        held = edit.document.goals.emplace(shown->end, made).first;
+    }
+    held->second.pinned = true;
+    if (const Json* orientation = find(arguments, "orientation")) {
+        held->second.turn.reset();
+        const auto bone = static_cast<std::size_t>(shown->plan.boneIndex(held->first.bone));
+        const auto& frames = edit.document.pose.frames;
+        const Eigen::Quaterniond turn = bone < frames.size() ? frames[bone] : Eigen::Quaterniond::Identity();
+        if (orientation->get<bool>()) held->second.turn = std::array{turn.x(), turn.y(), turn.z(), turn.w()};
     }
     return Json::object();
 }
@@ -142,6 +148,7 @@ Result<Json> release(DocumentEdit& edit, const Json& arguments, const Progress&)
         EndpointGoal pinned;
         pinned.pinned = true;
         pinned.target = *position;
+        pinned.turn = held->second.turn;
         held->second = pinned;
         return std::next(held);
     };
@@ -189,8 +196,10 @@ Result<Json> rest(DocumentEdit& edit, const Json&, const Progress&) {
     restHandles(document);
     std::erase_if(document.goals, [](const auto& held) { return !held.second.pinned; });
     for (auto& [end, held] : document.goals) {
+        const bool turned = held.turn.has_value();
         held = {};
         held.pinned = true;
+        if (turned) held.turn = std::array{0.0, 0.0, 0.0, 1.0};
         held.target = (*plan)->input.skeleton.points[static_cast<std::size_t>((*plan)->pointIndex(end))];
     }
     return Json::object();
@@ -338,7 +347,8 @@ Result<Json> step(SessionAccess& access, const Json& arguments, const Progress& 
 void addPoseCommands(CommandRegistry& registry) {
     using Type = CommandKey::Type;
     const CommandKey endpoint{"endpoint", Type::Text, true, "\"bone/start\" or \"bone/end\", or a handle."};
-    registry.addChange("pin", "Holds an endpoint where it is, a handle as it is turned too, until it is unpinned.", {endpoint}, pin);
+    registry.addChange("pin", "Holds an endpoint where it is, a handle as it is turned too, until it is unpinned.",
+                       {endpoint, {"orientation", Type::Boolean, false, "Of an endpoint: its bone keeps its direction, too, to a degree; false: it turns freely again, as before."}}, pin);
     registry.addChange("unpin", "Lets a pinned endpoint or handle go.", {endpoint}, unpin);
     registry.addChange("drag",
                        "Moves an endpoint or a handle; it stays held at the target until it is released. Without seconds the static pose is found before the answer.",

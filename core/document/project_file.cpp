@@ -43,6 +43,7 @@ void createTables(Database& db, int version) {
     if (version >= 9) createMorphTables(db);
     if (version >= 10) createFilledTable(db);
     if (version >= 10) createMorphTrackTable(db);
+    if (version >= 11) createBonePropertyTables(db);
 }
 
 /// Each response once, though elements share it.
@@ -88,7 +89,7 @@ Project readProject(Database& db, std::int64_t version) {
     document.nextId = readId(settings);
     const ReadMeshes meshes = readMeshes(db);
     readElements(db, document, meshes);
-    readSkeleton(db, document);
+    readSkeleton(db, document, version >= 11);
     if (version >= 3) readProjectResponses(db, project, {version >= 4, version >= 10});  // older ones are of older solvers
     if (version >= 4) readEffects(db, document);
     if (version >= 5) readTakes(db, document, version >= 7 ? readTakeTurns(db) : std::map<PartId, int>(), version >= 9 ? readTakeMorphs(db) : std::map<PartId, int>());
@@ -129,10 +130,13 @@ Result<std::vector<std::byte>> readBytes(const std::filesystem::path& path) {
 }  // namespace
 
 int projectVersion(const Document& document) {
+    if (std::any_of(document.bones.begin(), document.bones.end(), [](const auto& part) { return hasProperties(*part.second); }) ||
+        std::any_of(document.goals.begin(), document.goals.end(), [](const auto& part) { return part.second.turn.has_value(); }))
+        return 11;
     const auto anyCharacter = [&](const auto& has) { return std::any_of(document.characters.begin(), document.characters.end(), [&](const auto& part) { return has(*part.second); }); };
     const auto named = [](const RigNode& node) { return !node.name.empty(); };
     const auto weighs = [](const RigClip& clip) { return !clip.morphs.empty(); };
-    if (anyCharacter([&](const CharacterSource& c) { return c.rig && std::any_of(c.rig->clips.begin(), c.rig->clips.end(), weighs); })) return kProjectVersion;
+    if (anyCharacter([&](const CharacterSource& c) { return c.rig && std::any_of(c.rig->clips.begin(), c.rig->clips.end(), weighs); })) return 10;
     if (anyCharacter([&](const CharacterSource& c) { return !c.model->morphs.empty() || (c.rig && std::any_of(c.rig->nodes.begin(), c.rig->nodes.end(), named)); }) ||
         std::any_of(document.takes.begin(), document.takes.end(), [](const auto& part) { return part.second->layout.morphs > 0; }))
         return 9;
@@ -146,7 +150,7 @@ int projectVersion(const Document& document) {
 
 int projectVersion(const Project& project) {
     const bool filled = std::any_of(project.responses.begin(), project.responses.end(), [](const auto& part) { return saysFilling(*part.second.response); });
-    return filled ? kProjectVersion : projectVersion(project.document);
+    return std::max(filled ? 10 : 0, projectVersion(project.document));
 }
 
 Result<void> saveProject(const std::filesystem::path& path, const Project& project) {
@@ -177,6 +181,7 @@ Result<void> saveProject(const std::filesystem::path& path, const Project& proje
         if (version >= 8) writeRigs(db, document);
         if (version >= 9) writeMorphs(db, document);
         if (version >= 10) writeMorphTracks(db, document);
+        if (version >= 11) writeBoneProperties(db, document);
         {
             const std::string digest = db.digest(projectTables(version));
             RowWriter info(db, "INSERT INTO info VALUES (?,?)");

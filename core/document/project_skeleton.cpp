@@ -22,6 +22,11 @@ CREATE TABLE held (bone INTEGER, at_end INTEGER, pinned INTEGER, target BLOB, ro
 CREATE TABLE pose (points BLOB, frames BLOB, rolls BLOB);
 )";
 
+constexpr const char* kPropertyTables = R"(
+CREATE TABLE bone_properties (bone INTEGER PRIMARY KEY, max_bend REAL, max_twist REAL, stiffness REAL, weight REAL);
+CREATE TABLE held_turns (bone INTEGER, at_end INTEGER, turn BLOB, PRIMARY KEY (bone, at_end));
+)";
+
 struct PlaceRow {
     std::string kind, name;
     PartId part = 0;
@@ -48,6 +53,21 @@ Bone::Place readPlace(RowReader& rows) {
 }  // namespace
 
 void createSkeletonTables(Database& db) { db.run(kSkeletonTables); }
+void createBonePropertyTables(Database& db) { db.run(kPropertyTables); }
+
+bool hasProperties(const Bone& bone) {
+    const Bone plain;
+    return bone.maxBend != plain.maxBend || bone.maxTwist != plain.maxTwist || bone.stiffness != plain.stiffness || bone.weight != plain.weight;
+}
+
+void writeBoneProperties(Database& db, const Document& document) {
+    RowWriter rows(db, "INSERT INTO bone_properties VALUES (?,?,?,?,?)");
+    for (const auto& [id, bone] : document.bones)
+        if (hasProperties(*bone)) rows.row(id, bone->maxBend, bone->maxTwist, bone->stiffness, bone->weight);
+    RowWriter turns(db, "INSERT INTO held_turns VALUES (?,?,?)");
+    for (const auto& [end, h] : document.goals)
+        if (h.turn) turns.row(end.bone, end.atEnd, std::vector<double>(h.turn->begin(), h.turn->end()));
+}
 
 void writeSkeleton(Database& db, const Document& document) {
     RowWriter joints(db, "INSERT INTO joints VALUES (?)");
@@ -71,7 +91,7 @@ void writeSkeleton(Database& db, const Document& document) {
     pose.row(points, frames, document.pose.roll);
 }
 
-void readSkeleton(Database& db, Document& document) {
+void readSkeleton(Database& db, Document& document, bool properties) {
     std::map<PartId, Joint> joints;
     RowReader jointRows(db, "SELECT * FROM joints ORDER BY id");
     while (jointRows.next()) {
@@ -115,6 +135,19 @@ void readSkeleton(Database& db, Document& document) {
         document.bones.emplace(bone.id, std::make_shared<const Bone>(std::move(bone)));
     }
     for (const auto& [part, bone] : document.bones) require(bone->parent == 0 || document.bones.contains(bone->parent), "the parent of a bone is missing");
+    if (properties) {
+        RowReader rows(db, "SELECT * FROM bone_properties ORDER BY bone");
+        while (rows.next()) {
+            const PartId part = readId(rows);
+            require(document.bones.contains(part), "what belongs to a bone is of none");
+            Bone bone = *document.bones.at(part);
+            bone.maxBend = rows.real(0.0, Skeleton::Bone::kFreeBend);
+            bone.maxTwist = rows.real(0.0, Skeleton::Bone::kFreeTwist);
+            bone.stiffness = rows.real(1.0 / Bone::kMaxRatio, Bone::kMaxRatio);
+            bone.weight = rows.real(1.0 / Bone::kMaxRatio, Bone::kMaxRatio);
+            document.bones.at(part) = std::make_shared<const Bone>(std::move(bone));
+        }
+    }
     const auto plan = planCharacter(document);
     if (!plan) throw DatabaseError(plan.error().message);
 
@@ -134,6 +167,19 @@ void readSkeleton(Database& db, Document& document) {
         h.elapsed = held.real(0.0, 1e6);
         require(document.bones.contains(end.bone), "a held endpoint is missing");
         document.goals.emplace(end, h);
+    }
+    if (properties) {
+        RowReader turns(db, "SELECT * FROM held_turns ORDER BY bone, at_end");
+        while (turns.next()) {
+            EndpointRef end;
+            end.bone = readId(turns);
+            end.atEnd = turns.boolean();
+            const auto numbers = turns.array<double>(4);
+            const auto goal = document.goals.find(end);
+            require(goal != document.goals.end() && numbers.size() == 4 && allFinite(numbers), "a held bone is broken");
+            std::copy(numbers.begin(), numbers.end(), goal->second.turn.emplace().begin());
+            require(std::abs(Eigen::Quaterniond(numbers.data()).norm() - 1.0) < 1e-6, "a held bone has no rotation");
+        }
     }
     RowReader pose(db, "SELECT * FROM pose");
     require(pose.next(), "the pose is missing");

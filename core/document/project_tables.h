@@ -38,7 +38,12 @@ void readCharacters(Database& db, Document& document, const ReadMeshes& meshes);
 /// Joints, bones, held endpoints and the pose. Reads after the elements.
 void createSkeletonTables(Database& db);
 void writeSkeleton(Database& db, const Document& document);
-void readSkeleton(Database& db, Document& document);
+/// properties: the file has the table of bone properties.
+void readSkeleton(Database& db, Document& document, bool properties);
+void createBonePropertyTables(Database& db);
+/// The bone has limits of turns, a stiffness or a weight of its own.
+[[nodiscard]] bool hasProperties(const Bone& bone);
+void writeBoneProperties(Database& db, const Document& document);
 
 /// Handles and where they were taken. Reads after the skeleton.
 void createHandleTables(Database& db);

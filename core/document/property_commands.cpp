@@ -90,25 +90,20 @@ Result<void> setElement(Element& element, const std::string& property, const Jso
 }
 
 Result<void> setBone(Bone& bone, const std::string& property, const Json& value) {
-    if (property == "min-stretch") {
-        const auto given = numberWithin(value, property, 0.01, 1.0);
+    const auto number = [&](double& to, double low, double high) -> Result<void> {
+        const auto given = numberWithin(value, property, low, high);
         if (!given) return tl::unexpected(given.error());
-        bone.minStretch = *given;
+        to = *given;
         return {};
-    }
-    if (property == "max-stretch") {
-        const auto given = numberWithin(value, property, 1.0, 100.0);
-        if (!given) return tl::unexpected(given.error());
-        bone.maxStretch = *given;
-        return {};
-    }
-    if (property == "roll") {
-        const auto given = numberWithin(value, property, -1e6, 1e6);
-        if (!given) return tl::unexpected(given.error());
-        bone.roll = *given;
-        return {};
-    }
-    return noSuchProperty("A bone", property, "min-stretch, max-stretch and roll");
+    };
+    if (property == "min-stretch") return number(bone.minStretch, 0.01, 1.0);
+    if (property == "max-stretch") return number(bone.maxStretch, 1.0, 100.0);
+    if (property == "max-bend") return number(bone.maxBend, 0.0, Skeleton::Bone::kFreeBend);
+    if (property == "max-twist") return number(bone.maxTwist, 0.0, Skeleton::Bone::kFreeTwist);
+    if (property == "stiffness") return number(bone.stiffness, 1.0 / Bone::kMaxRatio, Bone::kMaxRatio);
+    if (property == "weight") return number(bone.weight, 1.0 / Bone::kMaxRatio, Bone::kMaxRatio);
+    if (property == "roll") return number(bone.roll, -1e6, 1e6);
+    return noSuchProperty("A bone", property, "min-stretch, max-stretch, max-bend, max-twist, stiffness, weight and roll");
 }
 
 Result<void> setCharacter(CharacterSettings& settings, const std::string& property, const Json& value) {
@@ -209,7 +204,8 @@ void addPropertyCommands(CommandRegistry& registry) {
                        "Sets a property. Element: nu (0 to 0.5), stiffness (relative, 1e-6 to 1e6), density (kg/m^3), solver-mesh (\"default\", \"best\", \"as-is\", \"refined:N\", \"decimated:N\", \"draft\", \"volume\", \"volume:N\"; N vertices; \"@T\" after it: the tolerance of solutions of more than 5000 nodes, 1e-6 to 0.01), "
                        "joint-planes (\"auto\", \"bisector\", \"element\": who turns the planes of its joints), color (\"#rrggbb\"), visible, locked. "
                        "Handle: radius (metres along the surface), bone (\"bone/end\" that it hangs on, \"\": none). "
-                       "Bone: min-stretch (0.01 to 1), max-stretch (1 to 100, of the rest length), roll (radians at rest). "
+                       "Bone: min-stretch (0.01 to 1; a straight chain pushed along its axis squashes to .05 above it, then folds), max-stretch (1 to 100, of the rest length), max-bend (radians from rest against its parent, 0 to pi: no limit), max-twist (radians between its ends, 0 to 20 pi: no limit), "
+                       "stiffness (0.001 to 1000, against stretch and bend, relative to other bones: the softer give way), weight (0.001 to 1000, times that of its flesh, in bone dynamics), roll (radians at rest). "
                        "Character: basis (\"paper\", \"affine\", \"modes:1\" to \"modes:36\", \"full\"), format (\"float\", \"half\", \"int16\"), threads (0: all)." + effectsHelp(),
                        {{"target", Type::Text, true, "An element, a bone, a handle, an effect, or \"character\"."},
                         {"property", Type::Text, true, "The name of the property."},

@@ -29,6 +29,7 @@ BoneDynamics::State::State(Input given)
     if (bones == 0) unit = size > 0.0 ? size : 1.0;
     size = std::max(size, unit);
     held.assign(points, 0), heldNow = held;
+    pointing.assign(bones, 0), pointingNow = pointing;
     freedom.assign(points, Freedom::Free);
     const std::vector<Vec3> zeros(points, Vec3::Zero());
     x0 = v0 = xs = vs = force = change = goal = force0 = zeros;
@@ -38,14 +39,16 @@ BoneDynamics::State::State(Input given)
     body.contact.assign(points, kNone);
     arriving.assign(points, 0);
     saved = body;
-    last = next = stage = frameStart = frameEnd = BoneTargets{zeros, std::vector<double>(bones, 1.0), std::vector<Vec3>(bones, Vec3::UnitX()), roll0};
+    last = next = stage = frameStart = frameEnd = BoneTargets{zeros, std::vector<double>(bones, 1.0), std::vector<Vec3>(bones, Vec3::UnitX()), roll0, {}};
+    if (springs.limitsBends())
+        for (BoneTargets* targets : {&last, &next, &stage, &frameStart, &frameEnd}) targets->unbent.assign(bones, Vec3::UnitX());
     prepare();
     reset(restPose(skeleton));
 }
 
 void BoneDynamics::State::prepare() {
     normal = settings.ground ? Vec3(settings.ground->normal / settings.ground->normal.cwiseAbs().maxCoeff()).normalized() : Vec3(Vec3::UnitY());
-    springs.calibrate(settings.springs, settings.returnHertz, held);
+    springs.calibrate(settings.springs, settings.returnHertz, held, pointing);
     weight = 0.0;
     for (const double m : mass) weight += m * settings.gravity.norm();
     wake();
@@ -76,6 +79,8 @@ void BoneDynamics::State::takeTargets(const Pose& pose, BoneTargets& to) const {
         to.length[b] = std::max(length, least);
         to.direction[b] = length > least ? Vec3(along / length) : (pose.frames[b] * springs.tree().restDirection[b]).normalized();
     }
+    for (std::size_t b = 0; b < to.unbent.size(); ++b)
+        if (const int parent = springs.tree().parent[b]; parent >= 0) to.unbent[b] = (pose.frames[parent] * springs.tree().restDirection[b]).normalized();
 }
 
 void BoneDynamics::State::mix(const BoneTargets& a, const BoneTargets& b, double part, BoneTargets& to) {
@@ -89,10 +94,15 @@ void BoneDynamics::State::mix(const BoneTargets& a, const BoneTargets& b, double
         const double norm = d.norm();
         to.direction[i] = norm > 1e-3 ? Vec3(d / norm) : b.direction[i];
     }
+    for (std::size_t i = 0; i < a.unbent.size(); ++i) {
+        const Vec3 d = a.unbent[i] + part * (b.unbent[i] - a.unbent[i]);
+        const double norm = d.norm();
+        to.unbent[i] = norm > 1e-3 ? Vec3(d / norm) : b.unbent[i];
+    }
 }
 
 bool BoneDynamics::State::same(const BoneTargets& a, const BoneTargets& b) {
-    return a.points == b.points && a.roll == b.roll && a.direction == b.direction;
+    return a.points == b.points && a.roll == b.roll && a.direction == b.direction && a.unbent == b.unbent;
 }
 
 void BoneDynamics::State::reset(const Pose& pose) {
@@ -140,27 +150,30 @@ void BoneDynamics::State::step(double seconds, const Pose& target, std::span<con
     warnings = 0;
     const int points = static_cast<int>(body.x.size());
     std::fill(heldNow.begin(), heldNow.end(), char(0));
+    std::fill(pointingNow.begin(), pointingNow.end(), char(0));
     for (const IkGoal& ik : goals) {
         if (ik.point < 0 || ik.point >= points)
             warnings |= static_cast<unsigned>(DynamicsWarning::InputRefused);
         else
             heldNow[ik.point] = 1;
+        if (ik.heldBone >= 0 && ik.heldBone < static_cast<int>(pointingNow.size())) pointingNow[ik.heldBone] = 1;
     }
     if (!std::isfinite(seconds) || seconds < 0.0 || !usable(target)) {
         warnings |= static_cast<unsigned>(DynamicsWarning::InputRefused);
         return;
     }
     const bool sameTarget = target.points == kinematic.points && target.roll == kinematic.roll && sameFrames(target);
-    if (resting && sameTarget && heldNow == held) return;
+    if (resting && sameTarget && heldNow == held && pointingNow == pointing) return;
     if (seconds == 0.0) return;
-    if (heldNow != held) {
+    if (heldNow != held || pointingNow != pointing) {
         for (int i = 0; i < points; ++i) {
             if (heldNow[i] && !held[i]) body.offset[i] = body.x[i] - last.points[i];
             if (!heldNow[i]) body.offset[i].setZero();
             if (heldNow[i]) body.contact[i] = kNone;
         }
         held.swap(heldNow);
-        springs.calibrate(settings.springs, settings.returnHertz, held);
+        pointing.swap(pointingNow);
+        springs.calibrate(settings.springs, settings.returnHertz, held, pointing);
         wake();
     }
     if (!sameTarget) {

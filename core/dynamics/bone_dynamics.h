@@ -53,7 +53,8 @@ enum class DynamicsWarning : unsigned {
 ///
 /// Length: the potential k L^2 (r - 1/r)^2 / 8, r = length / kinematic length L, whose frequency does not depend on the amplitude and which no
 /// finite force collapses; beyond the stretch limits of the bone a stiff spring beside it. Angle: k theta^2 / 2 between a bone and where its parent carries it; at a held point every bone is measured against its own
-/// kinematic direction instead. Damping acts on the rates of the same lengths and angles, relative to the kinematic pose's.
+/// kinematic direction instead. Beyond limits of bend and twist, and where a goal holds a direction, springs of 60 Hz. Stiff bones have frequencies higher by the
+/// square root of their stiffness. Damping acts on the rates of the same lengths and angles, relative to the kinematic pose's.
 /// Roll is one linear spring per bone between the rolls of its joint points. Angles are compared in space with those of the kinematic pose: a tree
 /// that flies freely and is bent at rest feels a torque back to the kinematic orientation; a straight one does not.
 ///

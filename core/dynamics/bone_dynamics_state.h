@@ -93,6 +93,7 @@ struct BoneDynamics::State {
     Pose kinematic, out;
     double phase = 0.0;            // s, from the last full step to the end of the last frame
     std::vector<char> held, heldNow;
+    std::vector<char> pointing, pointingNow;  // per bone: held as it points
     bool resting = false, slow = false;
     int slowSteps = 0;
     unsigned warnings = 0;

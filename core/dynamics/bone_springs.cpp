@@ -24,6 +24,8 @@ constexpr double kNearlyOpposite = 1e-2;
 // A spring beyond the stretch limits of a bone, stiff enough to look rigid.
 constexpr double kLimitHertz = 20.0;
 constexpr double kLimitDamping = 0.5;
+// The same beyond bend and twist limits, and of bones that are held as they point: a swing of 5 rad/s goes less than a degree beyond.
+constexpr double kTurnLimitHertz = 60.0;
 
 Matrix3d cross(const Vec3& a) {
     Matrix3d m;
@@ -106,8 +108,9 @@ BoneSprings::BoneSprings(const Skeleton& skeleton, const std::vector<double>& ma
         for (int i = 0; i < bend.count; ++i)
             for (int j = 0; j < i; ++j) pairs_.emplace_back(bend.point[i], bend.point[j]);
         bends_.push_back(bend);
+        if (bone.limitsBend()) stops_.push_back(bend);
     }
-    stretch_.resize(bones), limit_.resize(bones), roll_.resize(bones), arms_.resize(bones);
+    stretch_.resize(bones), twistStop_.resize(bones), limit_.resize(bones), roll_.resize(bones), arms_.resize(bones);
     return_.resize(points), below_.resize(points);
     rollDiagonal_.resize(points), rollBelow_.resize(points);
 }
@@ -123,7 +126,7 @@ BoneSprings::MassMoments BoneSprings::beyond(int from, int to) const {
     return side;
 }
 
-void BoneSprings::calibrate(std::span<const BoneSpring> springs, double returnHertz, const std::vector<char>& held) {
+void BoneSprings::calibrate(std::span<const BoneSpring> springs, double returnHertz, const std::vector<char>& held, const std::vector<char>& pointing) {
     const auto place = [&](int i) -> Vec3 { return skeleton_.points[i] - skeleton_.points[root_[i]]; };
     for (const int i : order_) {
         below_[i] = MassMoments{};
@@ -161,9 +164,11 @@ void BoneSprings::calibrate(std::span<const BoneSpring> springs, double returnHe
         // Differences of sums cancel: no less than what the bone's own points give.
         const double least = std::min(held[bone.start] ? mass_[bone.end] : mass_[bone.start], held[bone.end] ? mass_[bone.start] : mass_[bone.end]);
         const double mass = std::max(reducedMass(one.mass, one.held > 0, other.mass, other.held > 0), 0.5 * least);
-        stretch_[b] = springDamper(mass, spring.stretchHertz, spring.stretchDamping);
+        const double stiffer = std::sqrt(bone.stiffness);
+        stretch_[b] = springDamper(mass, stiffer * spring.stretchHertz, spring.stretchDamping);
         limit_[b] = springDamper(mass, kLimitHertz, kLimitDamping);
-        roll_[b] = springDamper(mass * rollArm_ * rollArm_, spring.rollHertz, spring.rollDamping);
+        roll_[b] = springDamper(mass * rollArm_ * rollArm_, stiffer * spring.rollHertz, spring.rollDamping);
+        if (bone.limitsTwist()) twistStop_[b] = springDamper(mass * rollArm_ * rollArm_, kTurnLimitHertz, kLimitDamping);
     }
     for (auto& bend : bends_) {
         const auto& bone = skeleton_.bones[bend.child];
@@ -194,7 +199,11 @@ void BoneSprings::calibrate(std::span<const BoneSpring> springs, double returnHe
             const MassMoments& other = below_[root_[parent.end]];
             mass = reducedMass(inertia(one, bone.start, bone.end), one.held > 0, inertia(other, parent.end, parent.start), other.held > 0);
         }
-        bend.spring = springDamper(mass, spring.bendHertz, spring.bendDamping);
+        bend.spring = springDamper(mass, std::sqrt(bone.stiffness) * spring.bendHertz, spring.bendDamping);
+        if (bend.parent < 0 && pointing[bend.child]) bend.spring = springDamper(mass, kTurnLimitHertz, kLimitDamping);
+        if (bend.parent < 0 || !bone.limitsBend()) continue;
+        for (Bend& stop : stops_)
+            if (stop.child == bend.child) stop.spring = springDamper(mass, kTurnLimitHertz, kLimitDamping);
     }
     for (std::size_t i = 0; i < return_.size(); ++i)
         return_[i] = below_[root_[i]].held > 0 ? SpringDamper{} : springDamper(mass_[i], returnHertz, 1.0);
@@ -214,6 +223,11 @@ void BoneSprings::arms(const std::vector<Vec3>& x, const BoneTargets& targets) c
 Vec3 BoneSprings::carried(const Bend& bend, const BoneTargets& targets) const {
     if (bend.parent < 0) return targets.direction[bend.child];
     return turned(targets.direction[bend.parent], arms_[bend.parent].direction, targets.direction[bend.child]);
+}
+
+// The same of its direction at rest.
+Vec3 BoneSprings::carriedUnbent(const Bend& bend, const BoneTargets& targets) const {
+    return turned(targets.direction[bend.parent], arms_[bend.parent].direction, targets.unbent[bend.child]);
 }
 
 // The spring beyond the stretch limits, which give way to the kinematic length. Linear beyond the upper limit; below the lower one the potential of a bone
@@ -242,6 +256,10 @@ double BoneSprings::energy(const std::vector<Vec3>& x, const BoneTargets& target
         const double angle = angleBetween(carried(bend, targets), arms_[bend.child].direction);
         sum += 0.5 * bend.spring.stiffness * angle * angle;
     }
+    for (const auto& stop : stops_) {
+        const double beyond = std::max(angleBetween(carriedUnbent(stop, targets), arms_[stop.child].direction) - skeleton_.bones[stop.child].maxBend, 0.0);
+        sum += 0.5 * stop.spring.stiffness * beyond * beyond;
+    }
     for (std::size_t i = 0; i < return_.size(); ++i)
         if (return_[i].stiffness > 0.0) sum += 0.5 * return_[i].stiffness * (x[i] - targets.points[i]).squaredNorm();
     return sum;
@@ -254,6 +272,49 @@ void BoneSprings::add(BlockCholesky<3>& system, int i, int j, const Matrix3d& bl
     if (freedom[i] == Freedom::OnPlane) within -= normal * (normal.transpose() * within);
     if (freedom[j] == Freedom::OnPlane) within -= (within * normal).eval() * normal.transpose();
     system.add(i, j, within);
+}
+
+void BoneSprings::addBend(const Bend& bend, const Vec3& t, double least, const Vec3& drift, const Step& step) {
+    const auto& [v, force, system, seconds, freedom, normal] = step;
+    const Arm& child = arms_[bend.child];
+    const Vec3& u = child.direction;
+    const Vec3 tu = t.cross(u);
+    const double sine = tu.norm(), angle = std::atan2(sine, t.dot(u)) - least;
+    if (angle < 0.0) return;
+    const Vec3 axis = sine > 1e-12 ? Vec3(tu / sine) : Vec3(Vec3::Zero());
+    const auto& bone = skeleton_.bones[bend.child];
+    Vec3 turning = child.turn * (v[bone.end] - v[bone.start]);
+    const Arm* parent = bend.parent < 0 ? nullptr : &arms_[bend.parent];
+    if (parent) {
+        const auto& p = skeleton_.bones[bend.parent];
+        turning -= parent->carries * (v[p.end] - v[p.start]);
+    }
+    turning -= drift;
+    turning -= u * u.dot(turning);
+    const Vec3 torque = -(bend.spring.stiffness * angle * axis + bend.spring.damping * turning);
+    const Vec3 onChild = child.turn.transpose() * torque;
+    Vec3 onParent = Vec3::Zero();
+    if (parent) onParent = -(parent->carries.transpose() * torque);
+    for (int i = 0; i < bend.count; ++i) force[bend.point[i]] += bend.onChild[i] * onChild + bend.onParent[i] * onParent;
+    if (!system) return;
+    const Matrix3d eye = Matrix3d::Identity();
+    // The Hessian of k angle^2 / 2 is k about the bend axis and k angle / tan(angle) across it, negative beyond a right angle and set to zero there.
+    const double acrossShare = sine > 1e-6 ? std::max(angle * t.dot(u) / sine, 0.0) : (t.dot(u) > 0.0 ? 1.0 : 0.0);
+    const Matrix3d w = (bend.spring.stiffness * acrossShare + bend.spring.damping / seconds) * (eye - u * u.transpose()) +
+                       bend.spring.stiffness * (1.0 - acrossShare) * axis * axis.transpose();
+    const Matrix3d wc = w * child.turn;
+    const Matrix3d cc = child.turn.transpose() * wc;
+    Matrix3d pp = Matrix3d::Zero(), pc = pp;
+    if (parent) {
+        pp.noalias() = parent->carriesAbout.transpose() * (w * parent->carriesAbout);
+        pc.noalias() = -parent->carriesAbout.transpose() * wc;
+    }
+    for (int i = 0; i < bend.count; ++i)
+        for (int j = 0; j <= i; ++j) {
+            const double ci = bend.onChild[i], cj = bend.onChild[j], pi = bend.onParent[i], pj = bend.onParent[j];
+            const Matrix3d block = ci * cj * cc + pi * pj * pp + pi * cj * pc + ci * pj * pc.transpose();
+            add(*system, bend.point[i], bend.point[j], block, freedom, normal);
+        }
 }
 
 void BoneSprings::forces(const std::vector<Vec3>& x, const std::vector<Vec3>& v, const BoneTargets& targets, const Motion& motion,
@@ -288,47 +349,13 @@ void BoneSprings::forces(const std::vector<Vec3>& x, const std::vector<Vec3>& v,
         add(*system, bone.end, bone.end, h, freedom, normal);
         add(*system, bone.start, bone.end, -h, freedom, normal);
     }
+    const Step step{v, force, system, seconds, freedom, normal};
     for (const auto& bend : bends_) {
         if (!bend.active) continue;
-        const Arm& child = arms_[bend.child];
-        const Vec3& u = child.direction;
-        const Vec3 t = carried(bend, targets);
-        const Vec3 tu = t.cross(u);
-        const double sine = tu.norm(), angle = std::atan2(sine, t.dot(u));
-        const Vec3 axis = sine > 1e-12 ? Vec3(tu / sine) : Vec3(Vec3::Zero());
-        const auto& bone = skeleton_.bones[bend.child];
-        Vec3 turning = child.turn * (v[bone.end] - v[bone.start]);
-        const Arm* parent = bend.parent < 0 ? nullptr : &arms_[bend.parent];
-        if (parent) {
-            const auto& p = skeleton_.bones[bend.parent];
-            turning -= parent->carries * (v[p.end] - v[p.start]);
-        }
-        if (motion.from) turning -= carried(bend, *motion.from).cross(carried(bend, *motion.to)) / motion.seconds;
-        turning -= u * u.dot(turning);
-        const Vec3 torque = -(bend.spring.stiffness * angle * axis + bend.spring.damping * turning);
-        const Vec3 onChild = child.turn.transpose() * torque;
-        Vec3 onParent = Vec3::Zero();
-        if (parent) onParent = -(parent->carries.transpose() * torque);
-        for (int i = 0; i < bend.count; ++i) force[bend.point[i]] += bend.onChild[i] * onChild + bend.onParent[i] * onParent;
-        if (!system) continue;
-        // The Hessian of k angle^2 / 2 is k about the bend axis and k angle / tan(angle) across it, negative beyond a right angle and set to zero there.
-        const double acrossShare = sine > 1e-6 ? std::max(angle * t.dot(u) / sine, 0.0) : (t.dot(u) > 0.0 ? 1.0 : 0.0);
-        const Matrix3d w = (bend.spring.stiffness * acrossShare + bend.spring.damping / seconds) * (eye - u * u.transpose()) +
-                           bend.spring.stiffness * (1.0 - acrossShare) * axis * axis.transpose();
-        const Matrix3d wc = w * child.turn;
-        const Matrix3d cc = child.turn.transpose() * wc;
-        Matrix3d pp = Matrix3d::Zero(), pc = pp;
-        if (parent) {
-            pp.noalias() = parent->carriesAbout.transpose() * (w * parent->carriesAbout);
-            pc.noalias() = -parent->carriesAbout.transpose() * wc;
-        }
-        for (int i = 0; i < bend.count; ++i)
-            for (int j = 0; j <= i; ++j) {
-                const double ci = bend.onChild[i], cj = bend.onChild[j], pi = bend.onParent[i], pj = bend.onParent[j];
-                const Matrix3d block = ci * cj * cc + pi * pj * pp + pi * cj * pc + ci * pj * pc.transpose();
-                add(*system, bend.point[i], bend.point[j], block, freedom, normal);
-            }
+        const Vec3 drift = motion.from ? Vec3(carried(bend, *motion.from).cross(carried(bend, *motion.to)) / motion.seconds) : Vec3(Vec3::Zero());
+        addBend(bend, carried(bend, targets), 0.0, drift, step);
     }
+    for (const auto& stop : stops_) addBend(stop, carriedUnbent(stop, targets), skeleton_.bones[stop.child].maxBend, Vec3::Zero(), step);
     for (std::size_t i = 0; i < return_.size(); ++i) {
         const SpringDamper& g = return_[i];
         if (g.stiffness <= 0.0) continue;
@@ -359,8 +386,15 @@ void BoneSprings::solveRoll(const BoneTargets& targets, const Motion& motion, do
         const int p = above_[i];
         if (p < 0) continue;
         const SpringDamper& g = roll_[aboveBone_[i]];
-        const double weight = g.stiffness + g.damping * s;
-        const double pull = g.stiffness * (targets.roll[i] - targets.roll[p]) + g.damping * (s * (predicted[i] - predicted[p]) + rate(i) - rate(p));
+        double weight = g.stiffness + g.damping * s;
+        double pull = g.stiffness * (targets.roll[i] - targets.roll[p]) + g.damping * (s * (predicted[i] - predicted[p]) + rate(i) - rate(p));
+        if (const SpringDamper& stop = twistStop_[aboveBone_[i]]; stop.stiffness > 0.0) {
+            const double twist = predicted[i] - predicted[p], most = skeleton_.bones[aboveBone_[i]].maxTwist;
+            if (std::abs(twist + seconds * (predictedRate[i] - predictedRate[p])) > most) {
+                weight += stop.stiffness + stop.damping * s;
+                pull += std::copysign(stop.stiffness * most, twist) + stop.damping * s * twist;
+            }
+        }
         if (!held[i]) rollDiagonal_[i] += weight, roll[i] += pull;
         if (!held[p]) rollDiagonal_[p] += weight, roll[p] -= pull;
         if (!held[i] && !held[p]) rollBelow_[i] = -weight;

@@ -20,6 +20,7 @@ struct BoneTargets {
     std::vector<double> length;   ///< per bone, m, > 0
     std::vector<Vec3> direction;  ///< per bone, unit
     std::vector<double> roll;     ///< per joint point, radians
+    std::vector<Vec3> unbent;     ///< per bone, unit: its direction at rest as its parent carries it; empty where no bone limits its bend
 };
 
 /// Whether a joint point may move in an implicit step.
@@ -33,7 +34,8 @@ public:
     BoneSprings(const Skeleton& skeleton, const std::vector<double>& mass);
 
     /// Stiffness and damping from frequencies and damping ratios, with the reduced masses that these held points leave. springs: one or one per bone.
-    void calibrate(std::span<const BoneSpring> springs, double returnHertz, const std::vector<char>& held);
+    /// pointing: per bone, whether it is held in its kinematic direction, too; such bones end at held points.
+    void calibrate(std::span<const BoneSpring> springs, double returnHertz, const std::vector<char>& held, const std::vector<char>& pointing);
 
     /// J, at joint points x.
     [[nodiscard]] double energy(const std::vector<Vec3>& x, const BoneTargets& targets) const;
@@ -53,6 +55,8 @@ public:
     /// Pairs of joint points that `system` couples.
     [[nodiscard]] const std::vector<std::pair<int, int>>& pairs() const { return pairs_; }
     [[nodiscard]] const BoneTree& tree() const { return tree_; }
+    /// Some bone limits its bend: targets need `unbent`.
+    [[nodiscard]] bool limitsBends() const { return !stops_.empty(); }
 
     /// Implicit Euler step of the rolls, which are linear springs along the bones, in linear time: solves (inertia / s^2 + damping / s + stiffness) roll = right
     /// side of `predicted` rolls and rates, s = seconds. `roll` in: prescribed where `held`.
@@ -86,6 +90,18 @@ private:
     };
     [[nodiscard]] Limit limit(std::size_t bone, const BoneTargets& targets) const;
     [[nodiscard]] Vec3 carried(const Bend& bend, const BoneTargets& targets) const;
+    [[nodiscard]] Vec3 carriedUnbent(const Bend& bend, const BoneTargets& targets) const;
+    // What a step does with forces and derivatives: see forces().
+    struct Step {
+        const std::vector<Vec3>& v;
+        std::vector<Vec3>& force;
+        BlockCholesky<3>* system;
+        double seconds;
+        const std::vector<Freedom>& freedom;
+        const Vec3& normal;
+    };
+    // Spring and damper of a bend whose child points `least` radians or more away from t, where what t does by itself turns by `drift` (rad/s).
+    void addBend(const Bend& bend, const Vec3& t, double least, const Vec3& drift, const Step& step);
     void add(BlockCholesky<3>& system, int i, int j, const Eigen::Matrix3d& block, const std::vector<Freedom>& freedom, const Vec3& normal) const;
 
     Skeleton skeleton_;
@@ -93,7 +109,8 @@ private:
     std::vector<double> mass_;
     double rollArm_ = 0.0;             // m: inertia of roll = mass x arm^2
     std::vector<Bend> bends_;
-    std::vector<SpringDamper> stretch_, limit_, roll_;  // per bone
+    std::vector<Bend> stops_;          // beyond the bend limits of bones
+    std::vector<SpringDamper> stretch_, limit_, roll_, twistStop_;  // per bone
     std::vector<SpringDamper> return_;         // per joint point
     std::vector<std::pair<int, int>> pairs_;
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/skeleton/axial_squash.h"
 #include "core/skeleton/rod_energy.h"
 #include "core/skeleton/roll_field.h"
 
@@ -49,11 +50,12 @@ double safeNorm(const Vec3& v) {
 }  // namespace
 
 struct InverseKinematics::State {
-    explicit State(const Skeleton& input) : rods(input), roll(input, rods.tree(), rods.unit()) {
+    explicit State(const Skeleton& input) : rods(input), squash(input), roll(input, rods.tree(), rods.unit()) {
         const int points = static_cast<int>(input.points.size()), bones = static_cast<int>(input.bones.size());
         system = BlockCholesky<3>(std::vector<int>(points, 3), rods.pairs());
         targets.held.assign(points, 0), lastHeld = targets.held;
         targets.place.assign(points, Vec3::Zero());
+        targets.directions.reserve(bones);
         lastTarget = lastPoints = anchor = x = trial = step = targets.place;
         startFrames.assign(bones, Quaterniond::Identity());
         frames = trialFrames = anchorFrames = startFrames;
@@ -99,7 +101,8 @@ struct InverseKinematics::State {
         bool usable = fits(skeleton(), pose);
         for (const auto& goal : goals)
             usable = usable && allFinite(goal.target) && std::isfinite(goal.roll) && goal.point >= 0 &&
-                     goal.point < static_cast<int>(x.size());
+                     goal.point < static_cast<int>(x.size()) && goal.heldBone < static_cast<int>(frames.size()) &&
+                     (goal.heldBone < 0 || (allFinite(goal.turn.coeffs()) && std::abs(goal.turn.squaredNorm() - 1.0) < 1e-3));
         if (!usable) {
             report.finite = false;
             report.settled = false;
@@ -109,7 +112,11 @@ struct InverseKinematics::State {
         // How far the targets moved: since the last solve() where it left this pose, or else from the points they hold.
         const bool continued = pose.points == lastPoints;
         std::fill(targets.held.begin(), targets.held.end(), char(0));
+        targets.directions.clear();
         for (const auto& goal : goals) {
+            const auto same = [&](const IkTargets::Direction& d) { return d.bone == goal.heldBone; };
+            if (goal.heldBone >= 0 && std::none_of(targets.directions.begin(), targets.directions.end(), same))
+                targets.directions.push_back({goal.heldBone, (goal.turn * rods.tree().restDirection[goal.heldBone]).normalized()});
             const Vec3 reach = goal.target - pose.points[goal.point];
             const double distance = safeNorm(reach);
             targets.held[goal.point] = 1;
@@ -133,6 +140,7 @@ struct InverseKinematics::State {
         }
 
         x = pose.points;
+        rods.setNatural(squash.update(targets, x, continued));
         rods.transport(x, pose.frames, startFrames);
         frames = startFrames;
         if (solvesAtRest == 0) {
@@ -245,6 +253,7 @@ struct InverseKinematics::State {
     }
 
     RodEnergy rods;
+    AxialSquash squash;
     RollField roll;
     BlockCholesky<3> system;
 

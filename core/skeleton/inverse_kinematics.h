@@ -15,6 +15,7 @@ namespace imomushi {
 /// Levenberg-Marquardt step (Nocedal and Wright, Numerical Optimization, 2006, section 10.3) with the viscosity as its damping, followed by a line search.
 /// A trust region around the pose at which a target last moved bounds the motion: its radius is kMotionGain times the move of the target plus kTrustRadius
 /// mean bone lengths, also over many solve() with the same goals, so that a small drag never makes a body jump to a distant minimum.
+/// A straight chain between two held points that is pushed along its axis squashes before it folds (AxialSquash).
 /// Without goals nothing moves. Allocates in its constructor only.
 class InverseKinematics {
 public:

@@ -24,6 +24,9 @@ constexpr double kFarGoal = 0.1;
 // The force at which a bone is kLimitSlack rest lengths beyond its stretch limits.
 constexpr double kLimitForce = 10.0;
 constexpr double kLimitSlack = 0.01;
+// At a torque of the largest force of a target at an arm as long as the skeleton, a joint is this far beyond its bend limit, and a held bone away from its direction (of the
+// discrete curvature, a degree).
+constexpr double kBendSlack = 0.0175;
 // Load across a compressed bone, which gives a straight body a side to buckle to. None where the discrete curvature at its ends is above kStraight, so that
 // a bent body comes to rest.
 constexpr double kSideForce = 1e-3;
@@ -56,7 +59,9 @@ RodEnergy::RodEnergy(const Skeleton& skeleton) : skeleton_(skeleton), tree_(bone
         bend.parent = tree_.parent[b];
         bend.child = b;
         const auto& parent = skeleton_.bones[bend.parent];
-        bend.stiffness = kBendStiffness * 0.5 * (bone.length + parent.length);
+        bend.stiffness = bone.stiffness * kBendStiffness * 0.5 * (bone.length + parent.length);
+        bend.limited = bone.limitsBend();
+        if (bend.limited) bend.limit = 2.0 * std::tan(0.5 * bone.maxBend);
         const auto touch = [&bend](int point, double onParent, double onChild) {
             int i = 0;
             while (i < bend.count && bend.point[i] != point) ++i;
@@ -76,6 +81,7 @@ RodEnergy::RodEnergy(const Skeleton& skeleton) : skeleton_(skeleton), tree_(bone
     direction_.assign(bones, Vec3::UnitX());
     bent_.assign(bends_.size(), Vec3::UnitX());
     bend2_.assign(bones, 0.0);
+    natural_.assign(bones, 1.0);
 }
 
 Vec3 RodEnergy::along(int b, const std::vector<Vec3>& points) const {
@@ -98,9 +104,10 @@ void RodEnergy::transport(const std::vector<Vec3>& points, const std::vector<Qua
     }
 }
 
-RodEnergy::Tension RodEnergy::stretch(const Skeleton::Bone& bone, double length) {
-    const double strain = length / bone.length - 1.0;
-    Tension r{strain, 1.0 / bone.length, 0.5 * strain * strain * bone.length};
+RodEnergy::Tension RodEnergy::stretch(std::size_t b, double length) const {
+    const auto& bone = skeleton_.bones[b];
+    const double strain = length / bone.length - 1.0, fromNatural = length / bone.length - natural_[b];
+    Tension r{bone.stiffness * fromNatural, bone.stiffness / bone.length, bone.stiffness * 0.5 * fromNatural * fromNatural * bone.length};
     const double low = std::max(bone.minStretch, 0.02) - 1.0, high = std::max(bone.maxStretch, 0.03) - 1.0;
     for (const double excess : {strain - high, low - strain}) {
         if (excess <= 0.0) continue;
@@ -110,6 +117,14 @@ RodEnergy::Tension RodEnergy::stretch(const Skeleton::Bone& bone, double length)
         r.energy += kLimitForce * kLimitSlack * bone.length * y * y * y / 3.0;
     }
     return r;
+}
+
+double RodEnergy::directionStiffness() const { return kGoalForce * size_ / kBendSlack; }
+
+RodEnergy::Tension RodEnergy::stop(const Bend& bend, double curvature) const {
+    const double y = (curvature - bend.limit) / kBendSlack, torque = kGoalForce * size_;
+    if (y <= 0.0) return {};
+    return {torque * y * y, 2.0 * torque * y / kBendSlack, torque * kBendSlack * y * y * y / 3.0};
 }
 
 RodEnergy::Pull RodEnergy::pull(const Vec3& miss) const {
@@ -122,7 +137,7 @@ RodEnergy::Pull RodEnergy::pull(const Vec3& miss) const {
 double RodEnergy::energy(const std::vector<Vec3>& points, const IkTargets& targets) const {
     double sum = 0.0;
     for (std::size_t b = 0; b < skeleton_.bones.size(); ++b)
-        sum += stretch(skeleton_.bones[b], along(static_cast<int>(b), points).norm()).energy;
+        sum += stretch(b, along(static_cast<int>(b), points).norm()).energy;
     for (std::size_t i = 0; i < bends_.size(); ++i) {
         const auto& bend = bends_[i];
         const Vec3 p = directionOf(bend.parent, points, frames_[bend.parent]);
@@ -130,6 +145,11 @@ double RodEnergy::energy(const std::vector<Vec3>& points, const IkTargets& targe
         const Vec3 t = minimalRotation(direction_[bend.parent], p) * bent_[i];
         const double c = t.dot(d);
         sum += 2.0 * bend.stiffness * (1.0 - c) / std::max(1.0 + c, 1e-12);
+        if (bend.limited) sum += stop(bend, 2.0 * std::sqrt(std::max(1.0 - c, 0.0) / std::max(1.0 + c, 1e-9))).energy;
+    }
+    for (const auto& held : targets.directions) {
+        const double c = held.direction.dot(directionOf(held.bone, points, frames_[held.bone]));
+        sum += 2.0 * directionStiffness() * (1.0 - c) / std::max(1.0 + c, 1e-12);
     }
     for (std::size_t i = 0; i < points.size(); ++i) {
         if (targets.held[i]) sum += pull(points[i] - targets.place[i]).energy;
@@ -158,7 +178,7 @@ void RodEnergy::linearise(const std::vector<Vec3>& x, const std::vector<Quaterni
         const auto& bone = skeleton_.bones[b];
         const double length = along(static_cast<int>(b), x).norm();
         const Vec3 d = direction_[b] = directionOf(static_cast<int>(b), x, frames[b]);
-        const Tension r = stretch(bone, length);
+        const Tension r = stretch(b, length);
         const Matrix3d outer = d * d.transpose();
         // Under compression the transverse (geometric) stiffness is negative; it is left out so that the matrix stays positive definite.
         const Matrix3d h = r.slope * outer + std::max(r.force, 0.0) / std::max(length, 0.01 * bone.length) * (eye - outer);
@@ -182,16 +202,31 @@ void RodEnergy::linearise(const std::vector<Vec3>& x, const std::vector<Quaterni
         bend2_[bend.parent] = std::max(bend2_[bend.parent], r.squaredNorm());
         bend2_[bend.child] = std::max(bend2_[bend.child], r.squaredNorm());
         Matrix3d jacobian[4];
+        for (int k = 0; k < bend.count; ++k) jacobian[k] = bend.onParent[k] * byParent + bend.onChild[k] * byChild;
+        if (bend.limited) addStop(bend, r, jacobian, system);
         for (int k = 0; k < bend.count; ++k) {
-            jacobian[k] = bend.onParent[k] * byParent + bend.onChild[k] * byChild;
             gradient_[bend.point[k]].noalias() += bend.stiffness * jacobian[k].transpose() * r;
             for (int l = 0; l <= k; ++l)
                 system.add(bend.point[k], bend.point[l], bend.stiffness * jacobian[k].transpose() * jacobian[l]);
         }
     }
+    for (const auto& held : targets.directions) {
+        const auto& bone = skeleton_.bones[held.bone];
+        const Vec3 &t = held.direction, &d = direction_[held.bone];
+        const double cosine = std::max(1.0 + t.dot(d), 1e-9), length = std::max(along(held.bone, x).norm(), 0.01 * bone.length);
+        const Vec3 r = 2.0 * t.cross(d) / cosine;
+        const Matrix3d jacobian = (2.0 * cross(t) - r * t.transpose()) / cosine * (eye - d * d.transpose()) / length;
+        const Vec3 slope = directionStiffness() * (jacobian.transpose() * r);
+        const Matrix3d h = directionStiffness() * (jacobian.transpose() * jacobian);
+        gradient_[bone.start] -= slope;
+        gradient_[bone.end] += slope;
+        system.add(bone.start, bone.start, h);
+        system.add(bone.end, bone.end, h);
+        system.add(bone.start, bone.end, -h);
+    }
     for (std::size_t b = 0; b < skeleton_.bones.size(); ++b) {
         const auto& bone = skeleton_.bones[b];
-        const double compressed = 1.0 - along(static_cast<int>(b), x).norm() / bone.length;
+        const double compressed = natural_[b] - along(static_cast<int>(b), x).norm() / bone.length;
         const double straight = 1.0 - bend2_[b] / (kStraight * kStraight);
         if (compressed <= 0.0 || straight <= 0.0) continue;
         const Vec3 push = kSideForce * compressed * straight * (frames[b] * restSide_[b]);
@@ -199,6 +234,19 @@ void RodEnergy::linearise(const std::vector<Vec3>& x, const std::vector<Quaterni
         side_[bone.end] += push;
     }
     for (std::size_t i = 0; i < x.size(); ++i) force[i] = side_[i] - gradient_[i];
+}
+
+void RodEnergy::addStop(const Bend& bend, const Vec3& r, const Matrix3d* jacobian, BlockCholesky<3>& system) {
+    const double curvature = r.norm();
+    const Tension s = stop(bend, curvature);
+    if (s.force <= 0.0) return;
+    const Vec3 axis = r / curvature;
+    const Matrix3d along = axis * axis.transpose();
+    const Matrix3d h = s.slope * along + s.force / curvature * (Matrix3d::Identity() - along);
+    for (int k = 0; k < bend.count; ++k) {
+        gradient_[bend.point[k]].noalias() += s.force * (jacobian[k].transpose() * axis);
+        for (int l = 0; l <= k; ++l) system.add(bend.point[k], bend.point[l], jacobian[k].transpose() * h * jacobian[l]);
+    }
 }
 
 bool RodEnergy::turnsBeyond(double cosine, const std::vector<Vec3>& points) const {

@@ -16,12 +16,19 @@ namespace imomushi {
 struct IkTargets {
     std::vector<char> held;
     std::vector<Vec3> place;  ///< m, where held
+    struct Direction {
+        int bone = -1;
+        Vec3 direction = Vec3::UnitX();  ///< unit, start -> end
+    };
+    std::vector<Direction> directions;  ///< bones that are held as they point
 };
 
 /// The elastic energy of bones as discrete elastic rods (Bergou et al., Discrete elastic rods, SIGGRAPH 2008), with springs that pull held points to their
 /// targets. Forces are in units of the force that stretches a bone to twice its length, lengths in metres.
-///   stretch  (strain^2 / 2) L per bone of rest length L, and a cubic barrier beyond the bone's stretch limits
-///   bend     k |kappa|^2 / 2 per pair of neighbours, |kappa| = 2 tan(angle / 2) the discrete curvature, which keeps bones from folding flat
+///   stretch  (strain^2 / 2) L per bone of rest length L, strain from its natural length, and a cubic barrier beyond the bone's stretch limits
+///   bend     k |kappa|^2 / 2 per pair of neighbours, |kappa| = 2 tan(angle / 2) the discrete curvature, which keeps bones from folding flat, and a cubic barrier
+///            beyond the bend limit of the child
+///   direction  K |kappa|^2 / 2 between a bone whose direction is held and that direction
 ///   target   a spring whose force saturates, so that targets out of reach do not tear the body
 ///   side     a linear load across compressed straight bones, fixed at the point of linearisation: it chooses a side to buckle to
 /// Allocates in its constructor only.
@@ -43,6 +50,8 @@ public:
     /// Parallel transport: roots are carried over from `from` in time, the others from their parents along the tree.
     void transport(const std::vector<Vec3>& points, const std::vector<Eigen::Quaterniond>& from, std::vector<Eigen::Quaterniond>& to) const;
 
+    /// Natural lengths of the bones relative to rest, from now on; 1 before.
+    void setNatural(const std::vector<double>& natural) { natural_ = natural; }
     /// Linearises at joint points x and bone frames: `force` becomes minus the gradient, `system` the Gauss-Newton matrix plus viscosity / unit().
     void linearise(const std::vector<Vec3>& x, const std::vector<Eigen::Quaterniond>& frames, const IkTargets& targets, double viscosity,
                    BlockCholesky<3>& system, std::vector<Vec3>& force);
@@ -56,6 +65,8 @@ private:
     struct Bend {
         int parent = -1, child = -1;
         double stiffness = 0.0;
+        double limit = 0.0;  // of the discrete curvature, 0 and not `limited`: none
+        bool limited = false;
         int count = 0;
         int point[4] = {};
         double onParent[4] = {}, onChild[4] = {};  // -1 start, +1 end
@@ -64,7 +75,13 @@ private:
         double force = 0.0, slope = 0.0, energy = 0.0;
     };
     // Tension of a bone of that length, its derivative by the length, and its energy. Twice differentiable.
-    [[nodiscard]] static Tension stretch(const Skeleton::Bone& bone, double length);
+    [[nodiscard]] Tension stretch(std::size_t bone, double length) const;
+    // K of held directions.
+    [[nodiscard]] double directionStiffness() const;
+    // The same of the barrier beyond a bend limit, by the discrete curvature.
+    [[nodiscard]] Tension stop(const Bend& bend, double curvature) const;
+    // Adds it to the gradient and to `system`, at the discrete curvature r with its derivatives by the points of the bend.
+    void addStop(const Bend& bend, const Vec3& r, const Eigen::Matrix3d* jacobian, BlockCholesky<3>& system);
     // Force of a target spring per metre at that distance, and its energy. The force falls with the distance: its secant as the stiffness majorises the
     // energy, so that steps descend (iteratively reweighted least squares).
     struct Pull {
@@ -76,6 +93,7 @@ private:
     const BoneTree tree_;
     double unit_ = 0.0, size_ = 0.0;
     std::vector<Bend> bends_;
+    std::vector<double> natural_;  // per bone
     std::vector<Vec3> restSide_;  // per bone, unit, across it
     std::vector<std::pair<int, int>> pairs_;
 

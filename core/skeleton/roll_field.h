@@ -10,7 +10,8 @@
 namespace imomushi {
 
 /// Roll per joint point, harmonic along the bones (Laplace's equation on the forest with weights 1 / length) between points that are held and points where
-/// limbs branch: these keep the roll that they have, so that a twist stays in its limb. Allocates in its constructor only.
+/// limbs branch: these keep the roll that they have, so that a twist stays in its limb. Where bones have twist limits, twists beyond them meet a cubic barrier, and
+/// goals are followed by springs whose torque saturates. Allocates in its constructor only.
 class RollField {
 public:
     /// unit: m, mean rest length of the bones.
@@ -20,7 +21,14 @@ public:
     void spread(const std::vector<IkGoal>& goals, const std::vector<char>& held, Pose& pose);
 
 private:
+    // After the field without limits, from the rolls before in `last_`: that of least energy with them, by Newton's method.
+    void keepLimits(Pose& pose);
+    [[nodiscard]] double energyOf(const std::vector<double>& roll) const;
+
     Skeleton skeleton_;
+    bool limited_ = false;          // some bone limits its twist
+    std::vector<double> last_, trial_, wanted_;  // rolls; wanted_: of goals
+    std::vector<char> followed_;    // has a goal with a roll
     std::vector<double> rollSign_;  // see BoneTree
     std::vector<char> branches_;    // three bones or more meet there
     std::vector<char> fixed_;       // held, or a branch

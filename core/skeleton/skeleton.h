@@ -18,6 +18,12 @@ struct Skeleton {
         double length = 0.0;      ///< m at rest, > 0
         double minStretch = 0.5;  ///< smallest and largest length relative to rest
         double maxStretch = 2.0;
+        double maxBend = kFreeBend;    ///< rad, largest angle to where its parent carries it at rest; of no effect without a parent
+        double maxTwist = kFreeTwist;  ///< rad, largest difference of roll between its ends
+        double stiffness = 1.0;        ///< of its stretch and of the bend to its parent, relative to others, > 0
+        static constexpr double kFreeBend = 3.14159265358979323846, kFreeTwist = 20.0 * kFreeBend;  ///< no limit
+        [[nodiscard]] bool limitsBend() const { return maxBend < kFreeBend; }
+        [[nodiscard]] bool limitsTwist() const { return maxTwist < kFreeTwist; }
     };
     std::vector<Vec3> points;  ///< joint points at rest, m
     std::vector<Bone> bones;   ///< parents before children
@@ -29,7 +35,11 @@ struct IkGoal {
     Vec3 target = Vec3::Zero();
     bool hasRoll = false;
     double roll = 0.0;  ///< radians about the bone's axis, relative to rest
-    bool operator==(const IkGoal&) const = default;
+    int heldBone = -1;  ///< a bone at the point that keeps a direction, too: that of rest turned by `turn`; -1: none
+    Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  ///< unit
+    bool operator==(const IkGoal& o) const {
+        return point == o.point && target == o.target && hasRoll == o.hasRoll && roll == o.roll && heldBone == o.heldBone && turn.coeffs() == o.turn.coeffs();
+    }
 };
 
 /// Positions of joint points and rotations of bones: what is drawn, and the state that the next pose starts from.

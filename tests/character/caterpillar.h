@@ -35,6 +35,7 @@ inline void precompute(CharacterInput& input) {
         ResponseInput in;
         in.mesh = element.mesh;
         in.faces = element.faces;
+        in.nu = element.nu;
         in.basis = input.basis;
         in.solverMesh = {SolverMeshSetting::Kind::AsIs, 0};  // how a character moves does not depend on how well its elements are solved
         element.response = std::make_shared<const ElementResponse>(buildResponse(in, {}).value());

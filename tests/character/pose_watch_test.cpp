@@ -9,6 +9,7 @@
 
 #include "core/character/bend_warp_job.h"
 #include "core/character/character.h"
+#include "core/skeleton/inverse_kinematics.h"
 #include "tests/character/caterpillar.h"
 #include "tests/character/embedded.h"
 #include "tests/character/full_joints.h"
@@ -285,4 +286,43 @@ TEST_CASE("automatic bend warp: a render mesh is the product while straight, the
         automatic.show(shapes[i].data());
         CHECK(shown(automatic) == seen[i]);
     }
+}
+
+TEST_CASE("automatic bend warp: a straight chain squashed by 40 % along its axis, 1 % off it, stays straight, bulges and keeps its volume to 2 %, without a step on the way") {
+    double volume[2] = {0.0, 0.0}, step[2] = {0.0, 0.0};
+    CharacterInput made = watchedChain(0.4, false, 5);
+    for (auto& element : made.elements) element.nu = 0.49;
+    caterpillar::precompute(made);
+    for (const bool automatic : {false, true}) {
+        if (automatic) {
+            BendWarpEffect warp;
+            warp.automatic = true;
+            made.effects.set(warp);
+        }
+        Character c = Character::build(made).value();
+        const auto& skeleton = c.input().skeleton;
+        InverseKinematics ik(skeleton);
+        Pose pose = restPose(skeleton);
+        std::vector<Points> before(5);
+        const int frames = 200;
+        for (int f = 0; f <= frames; ++f) {
+            const double part = static_cast<double>(f) / frames;
+            ik.solve({{0, skeleton.points[0]}, {5, skeleton.points[5] + 5.0 * part * Vec3(0.01, 0, -0.4)}}, pose);
+            c.update(pose, 1.0 / 60.0);
+            double sum = 0.0, rest = 0.0;
+            for (std::size_t e = 0; e < 5; ++e) {
+                const auto& body = c.input().elements[e].mesh->body;
+                const Points now = c.positions(static_cast<int>(e));
+                sum += volumeOf(now, body.triangles);
+                rest += volumeOf(body.vertices, body.triangles);
+                if (f > 0) step[automatic] = std::max(step[automatic], (now - before[e]).rowwise().norm().maxCoeff());
+                before[e] = now;
+            }
+            volume[automatic] = std::max(volume[automatic], std::abs(sum / rest - 1.0));
+        }
+        for (const Vec3& p : pose.points) CHECK(Vec3(p - skeleton.points[0]).cross(Vec3(0.01, 0, 0.6).normalized()).norm() < 1e-3);
+    }
+    MESSAGE("volume off by ", volume[0], ", with automatic bend warp ", volume[1], "; largest steps ", step[0], ", ", step[1]);
+    CHECK(volume[1] < 0.02);
+    CHECK(step[1] < 1.5 * step[0]);
 }

@@ -181,6 +181,14 @@ TEST_CASE("set: every property is checked and what is not available is said") {
     CHECK(set("A", "mass", 1) == "no-such-property");
     CHECK(set("a", "min-stretch", 0.9) == "ok");
     CHECK(set("a", "max-stretch", 0.5) == "bad-value");
+    CHECK(set("a", "max-bend", 0.5) == "ok");
+    CHECK(set("a", "max-bend", 3.2) == "bad-value");
+    CHECK(set("a", "max-twist", 10) == "ok");
+    CHECK(set("a", "max-twist", -1) == "bad-value");
+    CHECK(set("a", "stiffness", 100) == "ok");
+    CHECK(set("a", "stiffness", 0) == "bad-value");
+    CHECK(set("a", "weight", 2) == "ok");
+    CHECK(set("a", "weight", "heavy") == "bad-type");
     CHECK(set("a", "nu", 0.3) == "no-such-property");
     CHECK(set("character", "basis", "paper") == "ok");
     CHECK(set("character", "basis", "modes:12") == "ok");

@@ -278,3 +278,44 @@ TEST_CASE("storage: a response that does not belong to its element is not used")
     CHECK(other.session.character()->input().elements[0].response == nullptr);
     CHECK(other.good({{"do", "step"}, {"frames", 2}})["finite"] == true);
 }
+
+TEST_CASE("storage: limits, stiffness and weight of bones are in the file only where they are used, and undone like everything") {
+    Workbench w;
+    w.buildChain();
+    const auto path = Workbench::folder() / "bones.imomushi";
+    const auto version = [&] { return projectVersion(w.session.document()); };
+    CHECK(version() == 5);
+    const std::pair<const char*, double> given[] = {{"max-bend", 0.5}, {"max-twist", 2.0}, {"stiffness", 50.0}, {"weight", 3.0}};
+    for (const auto& [property, value] : given) {
+        w.good({{"do", "set"}, {"target", "b"}, {"property", property}, {"value", value}});
+        CHECK(version() == kProjectVersion);
+        w.good({{"do", "undo"}});
+        CHECK(version() == 5);
+        w.good({{"do", "redo"}});
+        CHECK(version() == kProjectVersion);
+        w.good({{"do", "undo"}});
+    }
+    w.good({{"do", "pin"}, {"endpoint", "a/start"}, {"orientation", true}});
+    CHECK(version() == kProjectVersion);
+    for (const auto& [property, value] : given) w.good({{"do", "set"}, {"target", "b"}, {"property", property}, {"value", value}});
+    w.good({{"do", "save"}, {"path", path.string()}});
+    Workbench other;
+    other.good({{"do", "open"}, {"path", path.string()}});
+    const Bone& bone = *other.session.document().boneNamed("b");
+    CHECK(bone.maxBend == 0.5);
+    CHECK(bone.maxTwist == 2.0);
+    CHECK(bone.stiffness == 50.0);
+    CHECK(bone.weight == 3.0);
+    CHECK(other.session.document().boneNamed("a")->maxBend == Skeleton::Bone::kFreeBend);
+    CHECK(other.session.document().goals == w.session.document().goals);
+    CHECK(other.content() == w.content());
+    for (const char* bad : {"bone_properties SET max_bend=4", "bone_properties SET max_twist=-1", "bone_properties SET stiffness=0", "bone_properties SET weight=1e9", "bone_properties SET bone=99",
+                            "held_turns SET at_end=1", "held_turns SET turn=zeroblob(32)", "held_turns SET turn=zeroblob(8)"}) {
+        CAPTURE(bad);
+        const auto copy = Workbench::folder() / "bad.imomushi";
+        std::filesystem::copy_file(path, copy, std::filesystem::copy_options::overwrite_existing);
+        sql(copy, std::string("UPDATE ") + bad);
+        sign(copy);
+        CHECK(openCode(copy) == "damaged");
+    }
+}

@@ -209,3 +209,55 @@ TEST_CASE("bone dynamics: random bodies, drags, frame rates and limits: finite, 
     }
     CHECK(rested == scenes);
 }
+
+TEST_CASE("bone dynamics: limits of bend and twist are held within a degree or two while a loose chain swings, and energy is not made") {
+    Skeleton s = boneChain(6), free = s;
+    constexpr double kDegree = M_PI / 180.0;
+    for (const int b : {2, 3}) s.bones[b].maxBend = 25.0 * kDegree;
+    for (const int b : {1, 4}) s.bones[b].maxTwist = 50.0 * kDegree;
+    BoneSpring loose;
+    loose.bendHertz = loose.rollHertz = 0.8;
+    loose.bendDamping = loose.rollDamping = 0.05;
+    double bend[2] = {0.0, 0.0}, twist[2] = {0.0, 0.0}, step[2] = {0.0, 0.0};
+    for (const bool limited : {false, true}) {
+        const Skeleton& of = limited ? s : free;
+        const BoneTree tree = boneTree(of);
+        auto input = inputOf(of, loose);
+        input.settings.gravity = Vec3(0, -3.0, 0);
+        auto dynamics = BoneDynamics::build(input).value();
+        const std::vector<IkGoal> goals = {{0, Vec3::Zero()}};
+        Pose last = dynamics.pose();
+        double energy = 0.0, most = 0.0, grown = 0.0;
+        for (int i = 0; i < 900; ++i) {
+            const Pose pose = curled(of, std::min(i, 600) * kFrame);
+            if (i == 100) {
+                const std::size_t had = allocations();
+                dynamics.step(kFrame, pose, goals);
+                CHECK(allocations() == had);
+            } else {
+                dynamics.step(kFrame, pose, goals);
+            }
+            const Pose& now = dynamics.pose();
+            checkFinite(now);
+            for (const int b : {2, 3}) {
+                const Vec3 carried = now.frames[static_cast<std::size_t>(b - 1)] * tree.restDirection[static_cast<std::size_t>(b)];
+                const Vec3 d = (now.points[static_cast<std::size_t>(b + 1)] - now.points[static_cast<std::size_t>(b)]).normalized();
+                bend[limited] = std::max(bend[limited], std::atan2(carried.cross(d).norm(), carried.dot(d)) / kDegree);
+            }
+            for (const std::size_t b : {1u, 4u}) twist[limited] = std::max(twist[limited], std::abs(now.roll[b + 1] - now.roll[b]) / kDegree);
+            if (i > 0) step[limited] = std::max(step[limited], farthestFrom(last, now));
+            last = now;
+            if (i > 601) grown = std::max(grown, dynamics.energy().total() - energy);
+            energy = dynamics.energy().total();
+            most = std::max(most, std::abs(energy));
+        }
+        // Left alone it loses energy: nothing feeds it.
+        CHECK(grown <= 1e-9 * most);
+    }
+    MESSAGE("bends ", bend[1], " degrees (limit 25, without ", bend[0], "), twists ", twist[1], " (limit 50, without ", twist[0], "); largest step ", step[1], ", without ", step[0]);
+    CHECK(bend[0] > 40.0);
+    CHECK(twist[0] > 60.0);
+    CHECK(bend[1] < 27.0);
+    CHECK(twist[1] < 52.0);
+    CHECK(step[1] < 1.5 * step[0]);
+}

@@ -6,6 +6,7 @@
 #include <limits>
 #include <random>
 
+#include "core/skeleton/axial_squash.h"
 #include "core/skeleton/bone_tree.h"
 #include "core/skeleton/inverse_kinematics.h"
 #include "tests/support/allocations.h"
@@ -304,6 +305,80 @@ TEST_CASE("inverse kinematics: settles for any targets within 200 solves") {
     }));
 }
 
+TEST_CASE("inverse kinematics: a straight chain that is pushed along its axis squashes and stays straight, and folds once its bones are nearly at their shortest") {
+    const auto bow = [](const Skeleton& s, const Pose& pose) {
+        double along = 0.0;
+        for (const auto& b : s.bones) along += (pose.points[b.end] - pose.points[b.start]).norm();
+        return 1.0 - (pose.points.back() - pose.points.front()).norm() / along;
+    };
+    for (const int bones : {2, 5, 20}) {
+        for (const int steps : {1, 7, 400}) {
+            CAPTURE(bones);
+            CAPTURE(steps);
+            const Skeleton s = chain(bones);
+            InverseKinematics ik(s);
+            Pose pose = restPose(s), last = pose;
+            InverseKinematics::Report report;
+            double bowed = 0.0, jumped = 0.0;
+            // By 40 %, one percent of the length off the axis.
+            for (int i = 1; i <= steps; ++i) {
+                const double part = double(i) / steps;
+                report = ik.solve({{0, Vec3::Zero()}, {bones, bones * Vec3(1.0 - 0.4 * part, 0.01 * part, 0)}}, pose);
+                bowed = std::max(bowed, bow(s, pose));
+                jumped = std::max(jumped, largestMove(last, pose));
+                last = pose;
+            }
+            const double step = 0.4 * bones / steps;
+            CHECK(jumped <= InverseKinematics::kMotionGain * 1.01 * step + InverseKinematics::kTrustRadius);
+            const std::vector<IkGoal> squashed = {{0, Vec3::Zero()}, {bones, bones * Vec3(0.6, 0.01, 0)}};
+            CHECK(settle(ik, squashed, pose, report) <= 200);
+            MESSAGE(bones << " bones, " << steps << " steps: bow " << bowed << ", then " << bow(s, pose) << ", misses by " << report.largestMiss);
+            // On the way many bones lag behind the end that goes aside.
+            CHECK(bowed < (bones > 5 ? 0.01 : 1e-5));
+            CHECK(bow(s, pose) < 2e-5);
+            CHECK(report.largestMiss < 1e-6);
+            // Another solver, that did not see how the pose came about, leaves it.
+            InverseKinematics fresh(s);
+            Pose kept = pose;
+            CHECK(fresh.solve(squashed, kept).finite);
+            CHECK(largestMove(pose, kept) < 1e-3);
+            // Its end may be led round, squashed as it is.
+            for (int i = 1; i <= 200; ++i) ik.solve({{0, Vec3::Zero()}, {bones, 0.6 * bones * Vec3(std::cos(0.005 * i), std::sin(0.005 * i), 0)}}, pose);
+            CHECK(settle(ik, {{0, Vec3::Zero()}, {bones, 0.6 * bones * Vec3(std::cos(1.0), std::sin(1.0), 0)}}, pose, report) <= 200);
+            CHECK(bow(s, pose) < (bones > 5 ? 0.01 : 1e-5));
+            // It folds between there and the shortest of its bones.
+            const double least = s.bones[0].minStretch;
+            for (const double part : {least + AxialSquash::kReserve, least - 0.03}) {
+                settle(ik, {{0, Vec3::Zero()}, {bones, part * bones * Vec3(std::cos(1.0), std::sin(1.0), 0)}}, pose, report);
+                CHECK((bow(s, pose) > 0.05) == (part < least));
+                CHECK(report.largestMiss < 1e-5);
+            }
+            // And back, straight, with bones as long as at rest.
+            settle(ik, {{0, Vec3::Zero()}, {bones, Vec3(bones, 0, 0)}}, pose, report);
+            CHECK(largestMove(restPose(s), pose) < 1e-3);
+        }
+    }
+    // Pulled aside it bends, and its bones keep their lengths, whatever the steps; so does a chain whose bones may not shorten.
+    for (const int steps : {1, 10, 300}) {
+        CAPTURE(steps);
+        Skeleton s = chain(5);
+        for (const bool stiff : {false, true}) {
+            if (stiff)
+                for (auto& b : s.bones) b.minStretch = 1.0;
+            InverseKinematics ik(s);
+            Pose pose = restPose(s);
+            InverseKinematics::Report report;
+            std::vector<IkGoal> goals = {{0, Vec3::Zero()}, {5, Vec3(5, 0, 0)}};
+            for (int i = 1; i <= steps; ++i) {
+                goals[1].target = Vec3(5, 0, 0) + (double(i) / steps) * (stiff ? Vec3(-1.5, 0, 0) : Vec3(-1.5, 1.5, 0));
+                ik.solve(goals, pose);
+            }
+            settle(ik, goals, pose, report);
+            for (const auto& b : s.bones) CHECK((pose.points[b.end] - pose.points[b.start]).norm() > 0.95);
+        }
+    }
+}
+
 TEST_CASE("inverse kinematics: turned and shifted input gives the turned and shifted pose") {
     const Skeleton s = chain(4);
     const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.8, Vec3(1, 2, 3).normalized()));
@@ -379,4 +454,111 @@ TEST_CASE("inverse kinematics: solve allocates nothing") {
         ik.solve(goals, pose);
     }
     CHECK(allocations() == before);
+}
+
+namespace {
+
+// Degrees between a bone and where its parent carries it at rest.
+double bendOf(const Skeleton& s, const Pose& pose, int b) {
+    const BoneTree tree = boneTree(s);
+    const Vec3 carried = pose.frames[tree.parent[b]] * tree.restDirection[b], d = (pose.points[s.bones[b].end] - pose.points[s.bones[b].start]).normalized();
+    return std::atan2(carried.cross(d).norm(), carried.dot(d)) * 180.0 / M_PI;
+}
+
+}  // namespace
+
+TEST_CASE("inverse kinematics: bend limits are held within a degree or two, whatever pulls, and passing them is smooth") {
+    for (const double degrees : {0.0, 10.0, 45.0, 120.0}) {
+        CAPTURE(degrees);
+        Skeleton s = chain(5), free = s;
+        for (const int b : {1, 3}) s.bones[b].maxBend = degrees * M_PI / 180.0;
+        double beyond = 0.0, step[2] = {0.0, 0.0};
+        for (const bool limited : {false, true}) {
+            const Skeleton& of = limited ? s : free;
+            InverseKinematics ik(of);
+            Pose pose = restPose(of), last = pose;
+            // Out of the plane, too, in to the pin, and out of reach.
+            for (int i = 0; i <= 900; ++i) {
+                const double part = i / 900.0, angle = 2.0 * M_PI * part, reach = 5.0 - 4.5 * std::sin(3.0 * M_PI * part) * std::sin(3.0 * M_PI * part) + (part > 0.7 ? 4.0 * (part - 0.7) : 0.0);
+                ik.solve({{0, Vec3::Zero()}, {5, reach * Vec3(std::cos(angle), std::sin(angle), 0.2 * std::sin(3.0 * angle))}}, pose);
+                REQUIRE(finite(pose));
+                for (const int b : {1, 3})
+                    if (limited) beyond = std::max(beyond, bendOf(s, pose, b) - degrees);
+                step[limited] = std::max(step[limited], largestMove(last, pose));
+                last = pose;
+            }
+        }
+        MESSAGE(degrees << " degrees: at most " << beyond << " beyond; largest step " << step[1] << ", without limits " << step[0]);
+        CHECK(beyond < 2.0);
+        CHECK(step[1] <= 1.5 * step[0]);
+    }
+}
+
+TEST_CASE("inverse kinematics: twist limits are held within a degree or two, the other bones take what they leave, and beyond that the goal gives way") {
+    Skeleton s = chain(4);
+    s.bones[1].maxTwist = 20.0 * M_PI / 180.0;
+    InverseKinematics ik(s);
+    Pose pose = restPose(s), last = pose;
+    const auto twist = [&](int b) { return (pose.roll[b + 1] - pose.roll[b]) * 180.0 / M_PI; };
+    double jump = 0.0;
+    for (int i = 0; i <= 400; ++i) {
+        ik.solve({{0, Vec3::Zero()}, {4, Vec3(4, 0, 0), true, 0.02 * i}}, pose);
+        for (int p = 0; p <= 4; ++p) jump = std::max(jump, std::abs(pose.roll[p] - last.roll[p]));
+        last = pose;
+    }
+    CHECK(pose.roll[4] == doctest::Approx(8.0).epsilon(1e-6));
+    CHECK(twist(1) < 21.0);
+    CHECK(twist(1) > 19.9);
+    for (const int b : {0, 3}) CHECK(twist(b) == doctest::Approx(twist(2)).epsilon(1e-6));
+    // No point turns by more than the goal does.
+    CHECK(jump < 1.001 * 0.02);
+    MESSAGE("a chain twisted by 458 degrees: the bone limited to 20 has " << twist(1) << ", the others " << twist(2));
+
+    for (auto& bone : s.bones) bone.maxTwist = 30.0 * M_PI / 180.0;
+    InverseKinematics all(s);
+    pose = restPose(s);
+    for (int i = 0; i <= 100; ++i) all.solve({{0, Vec3::Zero()}, {4, Vec3(4, 0, 0), true, 12.6 * std::sin(0.5 * M_PI * i / 100.0)}}, pose);
+    for (int b = 0; b < 4; ++b) CHECK(std::abs(twist(b) - 31.0) < 1.0);
+    // And back.
+    all.solve({{0, Vec3::Zero()}, {4, Vec3(4, 0, 0), true, 0.4}}, pose);
+    for (int i = 0; i <= 4; ++i) CHECK(pose.roll[i] == doctest::Approx(0.1 * i).epsilon(1e-6));
+}
+
+TEST_CASE("inverse kinematics: soft bones give way before stiff ones") {
+    Skeleton s = chain(6);
+    for (int b = 0; b < 3; ++b) s.bones[b].stiffness = 100.0;
+    InverseKinematics ik(s);
+    Pose pose = restPose(s);
+    InverseKinematics::Report report;
+    // Three held points, so that the stiff half cannot turn about its end.
+    CHECK(settle(ik, {{0, Vec3::Zero()}, {1, Vec3(1, 0, 0)}, {6, Vec3(4, 3, 0)}}, pose, report) <= 200);
+    CHECK(report.largestMiss < 1e-5);
+    double stiff = 0.0, soft = 0.0;
+    for (const int b : {1, 2}) stiff = std::max(stiff, bendOf(s, pose, b));
+    for (const int b : {3, 4, 5}) soft = std::max(soft, bendOf(s, pose, b));
+    MESSAGE("stiff joints bend by " << stiff << " degrees, soft ones by " << soft);
+    CHECK(stiff < 2.0);
+    CHECK(soft > 20.0);
+}
+
+TEST_CASE("inverse kinematics: a bone that is held as it points stays so within a degree while the rest is dragged anywhere") {
+    const Skeleton s = chain(5);
+    InverseKinematics ik(s);
+    Pose pose = restPose(s), last = pose;
+    const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.5, Vec3::UnitZ()));
+    const IkGoal pin{0, Vec3::Zero(), false, 0.0, 0, turn};
+    double off = 0.0, jumped = 0.0;
+    for (int i = -100; i <= 600; ++i) {
+        const double angle = 0.5 + 2.0 * M_PI * std::max(i, 0) / 600.0;
+        const IkGoal drag{5, Vec3(4.5 * std::cos(angle), 4.5 * std::sin(angle), 0)};
+        ik.solve({pin, drag}, pose);
+        const double degrees = std::acos(std::min(1.0, (pose.points[1] - pose.points[0]).normalized().dot(turn * Vec3::UnitX()))) * 180.0 / M_PI;
+        if (i > 0) off = std::max(off, degrees), jumped = std::max(jumped, largestMove(last, pose));
+        last = pose;
+        REQUIRE(finite(pose));
+    }
+    MESSAGE("a held bone is off by at most " << off << " degrees");
+    CHECK(off < 1.0);
+    CHECK(jumped < 10 * 4.5 * 2.0 * M_PI / 600.0);
+    CHECK_FALSE(ik.solve({{0, Vec3::Zero(), false, 0.0, 9, turn}}, pose).finite);
 }

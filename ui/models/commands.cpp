@@ -223,6 +223,7 @@ Json dragHandle(const std::string& handle, const Vec3& to, const Eigen::Quaterni
     return {{"do", "drag"}, {"endpoint", handle}, {"to", vector(to)}, {"rotation", Json::array({turn.x(), turn.y(), turn.z(), turn.w()})}};
 }
 
+Json pinOrientation(const std::string& endpoint, bool held) { return {{"do", "pin"}, {"endpoint", endpoint}, {"orientation", held}}; }
 Json setPinned(const std::string& endpoint, bool pinned) { return {{"do", pinned ? "pin" : "unpin"}, {"endpoint", endpoint}}; }
 Json release(const std::string& endpoint) { return {{"do", "release"}, {"endpoint", endpoint}}; }
 Json releaseAll() { return {{"do", "release"}}; }

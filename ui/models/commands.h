@@ -97,6 +97,8 @@ inline constexpr Property<bool> kVisible{"visible"}, kLocked{"locked"};
 namespace bone {
 inline constexpr Property<double> kRoll{"roll"};                                            ///< radians
 inline constexpr Property<double> kMinStretch{"min-stretch"}, kMaxStretch{"max-stretch"};   ///< of the length at rest
+inline constexpr Property<double> kMaxBend{"max-bend"}, kMaxTwist{"max-twist"};             ///< radians
+inline constexpr Property<double> kStiffness{"stiffness"}, kWeight{"weight"};               ///< relative to other bones
 }  // namespace bone
 namespace handle {
 inline constexpr Property<double> kRadius{"radius"};       ///< m, along the surface
@@ -181,6 +183,8 @@ Json morph(const std::string& character, const std::string& target, double weigh
 Json turnPart(const std::string& character, const std::string& part, const Eigen::Quaterniond& turn);
 /// Of an endpoint or a handle, as release().
 Json setPinned(const std::string& endpoint, bool pinned);
+/// Pins an endpoint so that its bone keeps its direction, too, or turns freely.
+Json pinOrientation(const std::string& endpoint, bool held);
 Json release(const std::string& endpoint);
 Json releaseAll();
 Json rest();

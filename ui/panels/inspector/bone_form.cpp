@@ -56,6 +56,12 @@ BoneForm::BoneForm(StudioDocument& document, const Items& items, QWidget* parent
     addSection(tr("Stretch limits"));
     addProperty(tr("Shortest"), {QStringLiteral("%"), 0.01, 1.0, 1.0, 0, 100.0, standard.minStretch}, items, number(&Bone::minStretch), commands::bone::kMinStretch);
     addProperty(tr("Longest"), {QStringLiteral("%"), 1.0, 10.0, 1.0, 0, 100.0, standard.maxStretch}, items, number(&Bone::maxStretch), commands::bone::kMaxStretch);
+    addSection(tr("Turn limits"));
+    addProperty(tr("Bend"), {QStringLiteral("°"), 0.0, Skeleton::Bone::kFreeBend, 1.0, 0, kDegrees, standard.maxBend}, items, number(&Bone::maxBend), commands::bone::kMaxBend);
+    addProperty(tr("Twist"), {QStringLiteral("°"), 0.0, Skeleton::Bone::kFreeTwist, 1.0, 0, kDegrees, standard.maxTwist}, items, number(&Bone::maxTwist), commands::bone::kMaxTwist);
+    addSection(tr("When pulled"));
+    addProperty(tr("Stiffness"), {QStringLiteral("×"), 1.0 / Bone::kMaxRatio, Bone::kMaxRatio, 0.1, 3, 1.0, standard.stiffness}, items, number(&Bone::stiffness), commands::bone::kStiffness);
+    addProperty(tr("Weight"), {QStringLiteral("×"), 1.0 / Bone::kMaxRatio, Bone::kMaxRatio, 0.1, 3, 1.0, standard.weight}, items, number(&Bone::weight), commands::bone::kWeight);
 }
 
 void BoneForm::addPlaceInTree(const SelectionItem& item) {

@@ -66,10 +66,17 @@ void EndpointForm::addButtons(const SelectionItem& item) {
     buttons->addWidget(pin);
     buttons->addWidget(release);
     sections_->addLayout(buttons);
+    auto* turn = new QPushButton(tr("Hold orientation"), this);
+    turn->setCheckable(true);
+    turn->setToolTip(tr("The pin holds the direction of the bone, too."));
+    sections_->addWidget(turn);
     const auto pinned = [this, item] { return isPinned(now(), EndpointRef{item.part, item.atEnd}); };
     connect(pin, &QPushButton::clicked, this, [this, item, pinned] { document_.execute(commands::setPinned(path(item), !pinned())); });
     connect(release, &QPushButton::clicked, this, [this, item] { document_.execute(commands::release(path(item))); });
-    follow([this, item, pin, release, pinned] {
+    connect(turn, &QPushButton::clicked, this, [this, item](bool on) { document_.execute(commands::pinOrientation(path(item), on)); });
+    follow([this, item, pin, release, turn, pinned] {
+        turn->setEnabled(pinned());
+        turn->setChecked(held(item) && held(item)->turn);
         pin->setText(pinned() ? tr("Unpin") : tr("Pin"));
         release->setEnabled(held(item) != nullptr);
     });
