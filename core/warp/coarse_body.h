@@ -21,8 +21,8 @@ namespace imomushi {
 struct CoarseBody {
     /// Bodies of more vertices are carried. A carried vertex costs a tenth of one that is solved for.
     static constexpr Eigen::Index kCarriedFrom = 12000;
-    /// Vertices of the coarse body, about. In bends to 150 and twists to 180 degrees the distance from the warp of the whole body is below 1 per mille of its size, in
-    /// stretches to twice the length between rigid faces 2 per mille (tests/bench/bend_warp.cpp).
+    /// Vertices of the coarse body, about. From the warp of the whole body it is .6 per mille of the size in bends to 150 degrees, 1.1 in twists of 180, 2.6 in stretches to
+    /// twice the length between rigid faces (tests/bench/bend_warp.cpp, 292,000 vertices).
     static constexpr int kVertices = 6000;
 
     /// What vertices of the large body read while they are carried; lengths in m.
