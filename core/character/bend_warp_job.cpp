@@ -13,12 +13,17 @@ using Eigen::Matrix3d;
 
 namespace {
 
+/// Carried vertices for one thread.
+constexpr std::size_t kOfPiece = 4096;
+
 class BendWarpJob final : public FrameJob {
 public:
     explicit BendWarpJob(Frame& frame) : FrameJob(BendWarpEffect::kName, {Stage::LocalShape}) {
         for (std::size_t e = 0; e < frame.elements.size(); ++e)
             if (frame.elements[e].runtime->warp) add(frame, e);
         work_.reserve(elements_.size());
+        for (auto& e : elements_)
+            for (std::size_t i = 0; i < e.warp.carried(); i += kOfPiece) pieces_.push_back({&e, i, std::min(i + kOfPiece, e.warp.carried())});
     }
 
     void run(Stage, Frame& frame) override {
@@ -26,16 +31,23 @@ public:
         work_.clear();
         std::size_t bytes = 0;
         for (auto& e : elements_) {
+            e.working = false;
             const VertexWork work = frame.elements[e.index].work;
             if (frame.elements[e.index].warpPart == 0.0) continue;
             if (work != VertexWork::Evaluate && work != VertexWork::EvaluateAndKeep) continue;
+            e.working = true;
             work_.push_back(&e);
             bytes += e.bytes;
         }
         if (work_.empty()) return;
-        frame.share(bytes, work_, [&frame](Element* e) { evaluate(*e, frame); });
+        frame.share(bytes, work_, [&frame](Element* e) {
+            solve(*e, frame);
+            if (e->warp.carried() == 0) finish(*e, frame);
+        });
+        const auto solved = std::chrono::steady_clock::now();
+        carry(bytes, frame);
         // Of the wall time, loads have what they have of the work.
-        double all = 0.0, loads = 0.0;
+        double all = pieces_.empty() ? 0.0 : milliseconds(solved, std::chrono::steady_clock::now()), loads = 0.0;
         for (const Element* e : work_) all += e->warpMs + e->loadMs, loads += e->loadMs;
         if (all > 0.0) frame.loadMsOfWarp += milliseconds(start, std::chrono::steady_clock::now()) * loads / all;
     }
@@ -60,7 +72,13 @@ private:
         Points held;                       // of warp.heldVertices()
         std::vector<std::size_t> heldOf;   // where they are in ElementFrame::held
         AlignedBuffer<float> loaded;       // with body loads: local positions under these alone; where the warp fades, then those of the product
+        bool working = false;               // in this frame
         double warpMs = 0.0, loadMs = 0.0;  // of the last run
+    };
+
+    struct Piece {
+        Element* element;
+        std::size_t begin, end;  // of BendWarp::carry()
     };
 
     void add(Frame& frame, std::size_t index) {
@@ -91,7 +109,19 @@ private:
         elements_.push_back(std::move(made));
     }
 
-    static void evaluate(Element& w, Frame& frame) {
+    // Of elements that a coarse body carries; their vertices are shared by the threads.
+    void carry(std::size_t bytes, Frame& frame) {
+        if (pieces_.empty()) return;
+        frame.share(bytes, pieces_, [&frame](const Piece& p) {
+            if (!p.element->working) return;
+            p.element->warp.carry(p.begin, p.end, frame.elements[p.element->index].local.data());
+        });
+        frame.share(bytes, work_, [&frame](Element* e) {
+            if (e->warp.carried() > 0) finish(*e, frame);
+        });
+    }
+
+    static void solve(Element& w, Frame& frame) {
         const auto start = std::chrono::steady_clock::now();
         auto& out = frame.elements[w.index];
         const auto& response = *out.runtime->input.response;
@@ -110,9 +140,14 @@ private:
         }
         for (std::size_t i = 0; i < w.heldOf.size(); ++i)
             w.held.row(static_cast<Eigen::Index>(i)) = (toElement * (frame.heldAt(out, w.heldOf[i]) - out.frame.shift)).transpose();
-        w.warp.evaluate(w.motions, w.warping, w.held, out.local.data());
-        const auto warped = std::chrono::steady_clock::now();
-        w.warpMs = milliseconds(start, warped);
+        w.warp.solve(w.motions, w.warping, w.held, out.local.data());
+        w.warpMs = milliseconds(start, std::chrono::steady_clock::now());
+    }
+
+    // What loads and the product add.
+    static void finish(Element& w, Frame& frame) {
+        const auto start = std::chrono::steady_clock::now();
+        auto& out = frame.elements[w.index];
         w.loadMs = 0.0;
         // Embedded points follow the warp later (RenderMeshJob).
         const std::size_t bodyNumbers = 3 * static_cast<std::size_t>(kVertexBlock) * out.runtime->bodyBlocks;
@@ -124,7 +159,7 @@ private:
             out.withLoads.head(out.v.size()) = out.v;
             const float* rest = out.blocks.rest().data();
             for (std::size_t i = 0; i < bodyNumbers; ++i) out.local[i] += w.loaded[i] - rest[i];
-            w.loadMs = milliseconds(warped, std::chrono::steady_clock::now());
+            w.loadMs = milliseconds(start, std::chrono::steady_clock::now());
         }
         if (out.warpPart < 1.0) {
             out.blocks.weigh(out.weights());
@@ -139,6 +174,7 @@ private:
 
     std::vector<Element> elements_;
     std::vector<Element*> work_;  // of this frame
+    std::vector<Piece> pieces_;   // of all elements that are carried
 };
 
 }  // namespace

@@ -94,25 +94,68 @@ struct BendWarp::State {
         base = displacement = at = force = t.rest;
         targets.resize(t.triangles.size());
         strains.resize(t.faces.size());
+        planes.resize(t.faces.size());
+        if (!t.carrier) return;
+        coarse.assign(3 * t.indexOf.size(), 0.0f);
+        gradients = t.carrier->mapping.gradients();
+        linearOfFace.assign(t.faces.size(), Matrix3d::Identity());
     }
 
-    void evaluate(std::span<const FaceMotion> motions, const Eigen::VectorXd& warping, const Points& heldAt, float* local) {
+    void solveShape(std::span<const FaceMotion> motions, const Eigen::VectorXd& warping, const Points& heldAt) {
         const Vec3 carried = findParameters(motions, warping);
         const Matrix3d stretch = baseStretch(motions);
         strainFaces(motions, stretch);
         displace(stretch);
         const Vec3 place = t.origin + carried;
-        for (std::size_t i = 0; i < t.held.size(); ++i)
-            at[t.indexOfHeld[i]].head<3>() = ((heldAt.row(static_cast<Eigen::Index>(i)).transpose() - place) / t.size).cast<float>();
+        for (std::size_t i = 0; i < t.held.size(); ++i) {
+            const auto row = t.carrier ? static_cast<Eigen::Index>(t.carrier->rowOfHeld[i]) : static_cast<Eigen::Index>(i);
+            at[t.indexOfHeld[i]].head<3>() = ((heldAt.row(row).transpose() - place) / t.size).cast<float>();
+        }
         placeFloating();
         solve(true);
         solve(false);
         inflate();
-        keepInside(motions, carried);
-        const Eigen::Vector3f shown = (place - t.middle).cast<float>();
+        findPlanes(motions);
+        if (!t.carrier) keepInside(carried);
+        shown = (place - t.middle).cast<float>();
+        if (t.carrier) findCoarse(motions);
+    }
+
+    /// Of the body itself.
+    void write(float* local) const {
         const auto unit = static_cast<float>(t.size);
         for (int i = 0; i < t.free; ++i)
             for (int axis = 0; axis < 3; ++axis) local[t.slot[i] + axis * kBlock] = unit * at[i][axis] + shown[axis];
+    }
+
+    // Where the vertices of the coarse body are, and how they turn what is around them.
+    void findCoarse(std::span<const FaceMotion> motions) {
+        const auto unit = static_cast<float>(t.size);
+        for (std::size_t i = 0; i < t.indexOf.size(); ++i)
+            Eigen::Map<Eigen::Vector3f>(coarse.data() + 3 * i) = unit * at[t.indexOf[i]].head<3>() + shown;
+        for (std::size_t f = 0; f < t.faces.size(); ++f) linearOfFace[f] = motions[f].linear;
+        const auto& mapping = t.carrier->mapping;
+        mapping.findTriangles(EmbeddedMapping::Values::Positions, coarse.data(), 0, mapping.triangles(), gradients);
+        mapping.findVertices(0, mapping.vertices(), gradients);
+    }
+
+    /// Points begin...end - 1 of the carrier.
+    void carry(std::size_t begin, std::size_t end, float* local) const {
+        const auto& carrier = *t.carrier;
+        const auto before = [](const auto& part, std::size_t point) { return static_cast<std::size_t>(part.point) < point; };
+        const auto& parts = carrier.mapping.jointParts();
+        auto part = std::lower_bound(parts.begin(), parts.end(), begin, before);
+        auto contact = std::lower_bound(carrier.contacts.begin(), carrier.contacts.end(), begin, before);
+        for (std::size_t i = begin; i < end; ++i) {
+            Vec3 x = carrier.mapping.at(i, coarse.data(), gradients);
+            for (; part != parts.end() && static_cast<std::size_t>(part->point) == i; ++part) x += linearOfFace[static_cast<std::size_t>(part->face)] * part->offset;
+            for (; contact != carrier.contacts.end() && static_cast<std::size_t>(contact->point) == i; ++contact) {
+                const auto& plane = planes[static_cast<std::size_t>(contact->face)];
+                const double most = contact->depth, depth = plane.normal.dot(plane.place - t.middle - x);
+                if (depth < most) x -= contact->weight * (most / (2.0 - depth / most) - depth) * plane.normal;
+            }
+            for (int axis = 0; axis < 3; ++axis) local[carrier.slot[i] + axis * kBlock] = static_cast<float>(x[axis]);
+        }
     }
 
     // v of the logarithms of the motions; returns what all faces are shifted by, which is left out of v.
@@ -264,19 +307,25 @@ struct BendWarp::State {
     }
 
     // Step 6.
-    void keepInside(std::span<const FaceMotion> motions, const Vec3& carried) {
+    void keepInside(const Vec3& carried) {
+        for (std::size_t f = 0; f < t.faces.size(); ++f) {
+            const Three n(planes[f].normal);
+            const Three place(Vec3((planes[f].place - t.origin - carried) / t.size));
+            for (const auto& c : t.contacts[f]) {
+                const float depth = n.dot(place - three(at[c.vertex]));
+                if (depth < c.depth) at[c.vertex] -= four(c.weight * (c.depth / (2.0f - depth / c.depth) - depth) * n);
+            }
+        }
+    }
+
+    void findPlanes(std::span<const FaceMotion> motions) {
         for (std::size_t f = 0; f < t.faces.size(); ++f) {
             const auto& frame = t.faces[f].frame;
             const Vec3 turned = motions[f].rotation.normalized() * frame.axes.col(2);
             Vec3 normal = (motions[f].linear * frame.axes.col(0)).cross(motions[f].linear * frame.axes.col(1));
             const double length = normal.norm();
-            normal = length > 1e-6 ? Vec3(normal / (normal.dot(turned) < 0.0 ? -length : length)) : turned;
-            const Three n(normal);
-            const Three place(Vec3((motions[f].linear * frame.origin + motions[f].shift - t.origin - carried) / t.size));
-            for (const auto& c : t.contacts[f]) {
-                const float depth = n.dot(place - three(at[c.vertex]));
-                if (depth < c.depth) at[c.vertex] -= four(c.weight * (c.depth / (2.0f - depth / c.depth) - depth) * n);
-            }
+            planes[f].normal = length > 1e-6 ? Vec3(normal / (normal.dot(turned) < 0.0 ? -length : length)) : turned;
+            planes[f].place = motions[f].linear * frame.origin + motions[f].shift;
         }
     }
 
@@ -287,6 +336,15 @@ struct BendWarp::State {
     Vectors base, displacement, at, force;
     std::vector<TargetBatch> targets;
     std::vector<FaceStrain> strains;  // per face
+    struct Plane {
+        Vec3 normal = Vec3::UnitZ(), place = Vec3::Zero();  // m
+    };
+    std::vector<Plane> planes;  // per face
+    Eigen::Vector3f shown = Eigen::Vector3f::Zero();  // of `at` to positions about the middle, m
+    // Of a carrier: positions of the coarse body, as shown; what it does around each of its vertices; motions of faces.
+    std::vector<float> coarse;
+    EmbeddedMapping::Gradients gradients;
+    std::vector<Matrix3d> linearOfFace;
 };
 
 Result<BendWarp> BendWarp::build(const TriangleMesh& body, const std::vector<JointFace>& faces, const ElementResponse& response, double nu,
@@ -301,10 +359,22 @@ BendWarp::BendWarp(BendWarp&&) noexcept = default;
 BendWarp& BendWarp::operator=(BendWarp&&) noexcept = default;
 BendWarp::~BendWarp() = default;
 
-const std::vector<std::int32_t>& BendWarp::heldVertices() const { return state_->t.held; }
+const std::vector<std::int32_t>& BendWarp::heldVertices() const { return state_->t.carrier ? state_->t.carrier->held : state_->t.held; }
 
 void BendWarp::evaluate(std::span<const FaceMotion> motions, const Eigen::VectorXd& warping, const Points& held, float* local) {
-    state_->evaluate(motions, warping, held, local);
+    solve(motions, warping, held, local);
+    carry(0, carried(), local);
+}
+
+std::size_t BendWarp::carried() const { return state_->t.carrier ? state_->t.carrier->mapping.size() : 0; }
+
+void BendWarp::solve(std::span<const FaceMotion> motions, const Eigen::VectorXd& warping, const Points& held, float* local) {
+    state_->solveShape(motions, warping, held);
+    if (!state_->t.carrier) state_->write(local);
+}
+
+void BendWarp::carry(std::size_t begin, std::size_t end, float* local) const {
+    if (begin < end) state_->carry(begin, end, local);
 }
 
 BendWarp::Cost BendWarp::cost() const {
@@ -317,6 +387,7 @@ BendWarp::Cost BendWarp::cost() const {
                  t.follow.size() * sizeof(FollowBatch);
     for (const auto& table : t.heldColumns) cost.bytes += static_cast<std::size_t>(table.size()) * sizeof(float);
     for (const auto& list : t.contacts) cost.bytes += list.size() * sizeof(BendWarpTables::Contact);
+    if (t.carrier) cost.bytes += t.carrier->bytes() + 3 * t.carrier->mapping.size() * sizeof(float);
     return cost;
 }
 

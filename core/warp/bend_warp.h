@@ -42,6 +42,7 @@ struct BendWarpTables;
 ///   6  Near a face nothing crosses the plane of the face: it lays itself against it, as flesh against the neighbour's.
 ///
 /// Faces of a joint should keep their shape, or warp little: what a bend of 90 degrees or more warps by linear elasticity is too much.
+/// Bodies of more than 12,000 vertices are worked on a coarse body of 6,000, which carries them smoothly (coarse_body.h); where there is no such body, as they are.
 /// A frame takes about 25 (27,000 vertices) to 75 times (2,000) as long as the product A' v, and five times its memory (tests/bench/bend_warp.cpp).
 /// Built once, then evaluate() is the per-frame job of one thread: it neither allocates, locks nor fails.
 class BendWarp {
@@ -68,6 +69,11 @@ public:
     /// local: positions of free vertices, in blocks; other entries are left alone. Finite for any finite input, also for collapsed and mirrored
     /// faces.
     void evaluate(std::span<const FaceMotion> motions, const Eigen::VectorXd& warping, const Points& held, float* local);
+
+    /// evaluate() in two steps for several threads: solve() on one; then carry() on any, for all of 0...carried() - 1 in pieces. 0 are carried: solve() is all.
+    void solve(std::span<const FaceMotion> motions, const Eigen::VectorXd& warping, const Points& held, float* local);
+    void carry(std::size_t begin, std::size_t end, float* local) const;
+    [[nodiscard]] std::size_t carried() const;
 
     struct Cost {
         double seconds = 0.0;    ///< wall time of build()

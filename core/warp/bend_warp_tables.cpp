@@ -66,6 +66,18 @@ std::vector<std::vector<double>> distanceToFaces(const TriangleMesh& body, const
     return out;
 }
 
+/// How a point keeps away from the plane of a face.
+struct NearPlane {
+    double depth = 0.0, weight = 0.0;  // where it is slowed down, m; 0: it is not
+};
+NearPlane nearPlane(const JointFace& face, const Vec3& point) {
+    const Vec3 p = face.frame.toLocal(point) / std::max(face.size, 1e-30);
+    const double depth = -p.z(), aside = p.head<2>().norm();
+    const double weight = fade((aside - kContactInside) / (kContactOutside - kContactInside)) * fade(depth - 1.0);
+    if (!(depth > kMinDepth && weight > 0.0)) return {};
+    return {0.5 * std::min(depth, kContactDepth) * face.size, weight};
+}
+
 // A triangle that counts; see WarpBatch.
 struct ElasticTriangle {
     std::array<std::int32_t, 3> v;
@@ -115,6 +127,36 @@ bool fits(const TriangleMesh& body, const std::vector<JointFace>& faces, const E
 Result<std::shared_ptr<const BendWarpTables>> BendWarpTables::build(const TriangleMesh& body, const std::vector<JointFace>& faces, const ElementResponse& response,
                                                                     double nu, std::span<const std::int32_t> blocks, const Vec3& middle,
                                                                     const Progress& progress) {
+    if (body.vertices.rows() <= CoarseBody::kCarriedFrom || !fits(body, faces, response, blocks)) return buildWhole(body, faces, response, nu, blocks, middle, progress);
+    const auto start = std::chrono::steady_clock::now();
+    const auto coarse = CoarseBody::build(body, faces, response, nu, progress);
+    if (!coarse) return buildWhole(body, faces, response, nu, blocks, middle, progress);
+    std::vector<std::int32_t> ofCoarse;
+    for (const auto v : coarse->response.freeVertices)
+        if (ofCoarse.empty() || v >= ofCoarse.back() + kBlock) ofCoarse.push_back(v);
+    auto tables = buildWhole(coarse->mesh, coarse->faces, coarse->response, nu, ofCoarse, middle, progress);
+    if (!tables) return tl::unexpected(tables.error());
+    auto& out = **tables;
+    auto& carrier = *coarse->carrier;
+    std::size_t block = 0;
+    for (const auto v : response.freeVertices) {
+        while (blocks[block] + kBlock <= v) ++block;
+        carrier.slot.push_back(static_cast<std::int64_t>(block) * 3 * kBlock + (v - blocks[block]));
+    }
+    // Vertices that are seen stop before the plane, not those that carry them.
+    for (auto& list : out.contacts) list.clear();
+    for (std::size_t i = 0; i < response.freeVertices.size(); ++i)
+        for (std::size_t f = 0; f < faces.size(); ++f)
+            if (const auto near = nearPlane(faces[f], body.vertices.row(response.freeVertices[i]).transpose()); near.weight > 0.0)
+                carrier.contacts.push_back({static_cast<std::int32_t>(i), static_cast<int>(f), static_cast<float>(near.depth), static_cast<float>(near.weight)});
+    out.carrier = coarse->carrier;
+    out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return std::shared_ptr<const BendWarpTables>(std::move(*tables));
+}
+
+Result<std::shared_ptr<BendWarpTables>> BendWarpTables::buildWhole(const TriangleMesh& body, const std::vector<JointFace>& faces, const ElementResponse& response,
+                                                                   double nu, std::span<const std::int32_t> blocks, const Vec3& middle,
+                                                                   const Progress& progress) {
     const auto start = std::chrono::steady_clock::now();
     if (!fits(body, faces, response, blocks) || !allFinite(middle) || !(nu >= 0.0 && nu <= 0.5))
         return fail("bad-value", "The response of an element belongs to another mesh or other joint faces; precompute again.");
@@ -297,17 +339,14 @@ Result<std::shared_ptr<const BendWarpTables>> BendWarpTables::build(const Triang
     for (const auto& face : faces) {
         auto& list = s.contacts.emplace_back();
         for (const auto v : response.freeVertices) {
-            const Vec3 p = face.frame.toLocal(body.vertices.row(v).transpose()) / std::max(face.size, 1e-30);
-            const double depth = -p.z(), aside = p.head<2>().norm();
-            const double weight = fade((aside - kContactInside) / (kContactOutside - kContactInside)) * fade(depth - 1.0);
-            if (depth > kMinDepth && weight > 0.0)
-                list.push_back(
-                    {index[v], static_cast<float>(0.5 * std::min(depth, kContactDepth) * face.size / s.size), static_cast<float>(weight)});
+            const auto near = nearPlane(face, body.vertices.row(v).transpose());
+            if (near.weight > 0.0) list.push_back({index[v], static_cast<float>(near.depth / s.size), static_cast<float>(near.weight)});
         }
     }
 
+    s.indexOf = std::move(index);
     s.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    return std::shared_ptr<const BendWarpTables>(std::move(made));
+    return made;
 }
 
 }  // namespace imomushi

@@ -12,6 +12,7 @@
 #include "core/base/result.h"
 #include "core/joints/joint_face.h"
 #include "core/reduction/element_response.h"
+#include "core/warp/coarse_body.h"
 #include "core/warp/sparse_factor.h"
 #include "core/warp/triangle_kernels.h"
 
@@ -24,9 +25,12 @@ using Vectors = std::vector<Eigen::Vector4f, Eigen::aligned_allocator<Eigen::Vec
 /// What the bend warp of an element (bend_warp.h) reads in a frame and never changes. Lengths are in sizes of the element, positions are about the mean of its
 /// faces' origins, and vertices are in the order of elimination: those that the system solves for, one of each shell that no face holds, then the held ones.
 struct BendWarpTables {
-    /// Errors: see BendWarp::build().
+    /// Of a coarse body with a carrier where the body is large. Errors: see BendWarp::build().
     static Result<std::shared_ptr<const BendWarpTables>> build(const TriangleMesh& body, const std::vector<JointFace>& faces, const ElementResponse& response, double nu,
                                                                std::span<const std::int32_t> blocks, const Vec3& middle, const Progress& progress);
+    /// Of the body itself, whatever its size.
+    static Result<std::shared_ptr<BendWarpTables>> buildWhole(const TriangleMesh& body, const std::vector<JointFace>& faces, const ElementResponse& response, double nu,
+                                                              std::span<const std::int32_t> blocks, const Vec3& middle, const Progress& progress);
 
     int solved = 0, vertices = 0;  // of the order above
     int free = 0;                  // solved, and one of each floating shell
@@ -60,6 +64,8 @@ struct BendWarpTables {
     };
     std::vector<std::vector<Contact>> contacts;  // per face
     std::vector<FollowBatch> follow;  // triangles in the band of a face, ascending; parts of a triangle add up to 1 at most
+    std::vector<std::int32_t> indexOf;  // of each body vertex, in the order above
+    std::shared_ptr<const CoarseBody::Carrier> carrier;  // null: the body itself is solved for; else all of the above is of the coarse one, but for contacts, which there are none
     double seconds = 0.0;  // wall time of build()
 };
 

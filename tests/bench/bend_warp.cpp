@@ -5,6 +5,7 @@
 //          (edges where the surface turns back by more than 150 degrees), self-intersections, creases (largest normal jump) at the seam and in rows
 //          beside it;
 //   speed: milliseconds of processor time per frame at three sizes, one thread, beside the product A' v of the same element in the same run.
+//   coarse: distance of bodies that a coarse one carries from the same bodies solved whole, and what both cost.
 // The first argument chooses a part; the second is a folder that poses are written to as OBJ files.
 #include <algorithm>
 #include <cmath>
@@ -13,11 +14,14 @@
 #include <fstream>
 #include <functional>
 #include <map>
+#include <optional>
 #include <tuple>
 
 #include "core/character/response_blocks.h"
 #include "core/mesh/cgal/intersections.h"
+#include "core/mesh/bounds.h"
 #include "core/mesh/topology.h"
+#include "core/warp/bend_warp_tables.h"
 #include "tests/support/shapes.h"
 #include "tests/warp/bent_bodies.h"
 
@@ -332,6 +336,126 @@ void speed() {
     }
 }
 
+struct Solved {
+    ResponseInput input;
+    ElementResponse response;
+};
+
+/// The response of a body on another mesh of the same shape.
+ElementResponse responseOn(const ResponseInput& input, const Solved& from) {
+    ElementResponse out = from.response;
+    const auto& body = input.mesh->body;
+    std::vector<char> held(static_cast<std::size_t>(body.vertices.rows()), 0);
+    for (const auto& face : input.faces)
+        for (const auto v : face.vertices) held[static_cast<std::size_t>(v)] = 1;
+    out.freeVertices.clear();
+    for (std::int32_t v = 0; v < body.vertices.rows(); ++v)
+        if (!held[static_cast<std::size_t>(v)]) out.freeVertices.push_back(v);
+    Points points(static_cast<Eigen::Index>(out.freeVertices.size()), 3);
+    for (std::size_t i = 0; i < out.freeVertices.size(); ++i) points.row(static_cast<Eigen::Index>(i)) = body.vertices.row(out.freeVertices[i]);
+    const auto& solved = from.input.mesh->body;
+    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(3 * solved.vertices.rows(), out.columns());
+    for (std::size_t i = 0; i < from.response.freeVertices.size(); ++i)
+        all.middleRows<3>(3 * from.response.freeVertices[i]) = from.response.response.middleRows<3>(3 * static_cast<Eigen::Index>(i));
+    for (std::size_t f = 0; f < from.input.faces.size(); ++f)
+        for (const auto v : from.input.faces[f].vertices)
+            all.block(3 * v, out.firstColumn[f], 3, out.bases[f].columns()) =
+                from.input.faces[f].frame.axes * out.bases[f].at(from.input.faces[f].frame.toLocal(solved.vertices.row(v).transpose()));
+    const std::vector<char> covered(from.input.faces.size(), 0);
+    EmbeddedMapping::Input in;
+    in.body = &solved, in.faces = from.input.faces, in.covered = covered, in.points = &points;
+    out.response = EmbeddedMapping::build(in).value().apply(all, 1);
+    return out;
+}
+
+// Bodies that a coarse one carries beside the same bodies solved whole.
+void coarse() {
+    std::printf("\n%10s %-12s %14s %14s %12s %12s %12s\n", "vertices", "pose", "largest o/oo", "rms o/oo", "turn deg", "fold whole", "fold coarse");
+    std::optional<Solved> first;
+    for (const auto& [around, along] : {std::pair{150, 180}, std::pair{400, 600}}) {
+        auto mesh = std::make_shared<ElementMesh>();
+        mesh->body = shapes::cylinder(1.0, 4.0, around, along).mesh;
+        for (Eigen::Index v = 0; v < mesh->body.vertices.rows(); ++v) {  // waves of 3 % of the radius, along it and around it
+            auto p = mesh->body.vertices.row(v);
+            const double wave = 1.0 + 0.03 * std::sin(2.5 * std::numbers::pi * p.z()) * std::sin(4.0 * std::atan2(p.y(), p.x()));
+            p.head<2>() *= wave;
+        }
+        const auto input = between(mesh, 2, 0.49, {SolverMeshSetting::Kind::Decimated, 1500});
+        Element e = first ? Element(input, responseOn(input, *first)) : Element(input);
+        auto whole = BendWarpTables::buildWhole(e.body(), e.input.faces, *e.response, e.input.nu, e.blocks, Vec3::Zero(), {});
+        auto exact = std::make_unique<BendWarp>(std::move(*whole));
+        std::printf("%10td build %.2f s, whole %.2f s; %zu carried\n", e.body().vertices.rows(), e.warp->cost().seconds, exact->cost().seconds, e.warp->carried());
+        const double size = diagonalOf(e.body().vertices);
+        const auto& f = e.input.faces;
+        const double right = 0.25 * std::numbers::pi;
+        const std::vector<std::pair<const char*, std::vector<FaceMotion>>> poses{
+            {"rest", {FaceMotion{}, FaceMotion{}}},
+            {"bend 90", {motion(f[0], Vec3(right, 0, 0), Vec3::Zero()), motion(f[1], Vec3(-right, 0, 0), Vec3::Zero())}},
+            {"bend 150", {motion(f[0], Vec3(5.0 / 3.0 * right, 0, 0), Vec3::Zero()), motion(f[1], Vec3(-5.0 / 3.0 * right, 0, 0), Vec3::Zero())}},
+            {"twist 180", {motion(f[0], Vec3(0, 0, 2.0 * right), Vec3::Zero()), motion(f[1], Vec3(0, 0, -2.0 * right), Vec3::Zero())}},
+            {"S-bend 75", {motion(f[0], Vec3(5.0 / 3.0 * right, 0, 0), Vec3::Zero()), motion(f[1], Vec3(5.0 / 3.0 * right, 0, 0), Vec3::Zero())}},
+            {"stretch", {FaceMotion{}, motion(f[1], Vec3::Zero(), Vec3(0, 0, 4.0))}}};
+        const EdgeTable edges(e.body().triangles);
+        for (const auto& [name, m] : poses) {
+            const Points carried = e.bend(m);
+            std::swap(e.warp, exact);
+            const Points solved = e.bend(m);
+            std::swap(e.warp, exact);
+            double most = 0.0, sum = 0.0, turn = 0.0;
+            for (Eigen::Index v = 0; v < solved.rows(); ++v) {
+                const double d = (carried.row(v) - solved.row(v)).norm() / size;
+                most = std::max(most, d);
+                sum += d * d;
+            }
+            const TriangleMesh a{carried, e.body().triangles}, b{solved, e.body().triangles};
+            for (Eigen::Index t = 0; t < e.body().triangles.rows(); ++t) {
+                const Vec3 p = areaVector(a, static_cast<std::int32_t>(t)), q = areaVector(b, static_cast<std::int32_t>(t));
+                turn = std::max(turn, std::atan2(p.cross(q).norm(), p.dot(q)) / kDegree);
+            }
+            // The largest angle between neighbouring triangles.
+            double fold[2] = {};
+            for (int i = 0; i < edges.size(); ++i)
+                if (const auto uses = edges.uses(i); uses.size() == 2)
+                    for (const auto* x : {&b, &a}) fold[x == &a] = std::max(fold[x == &a], angleBetween(*x, uses[0].triangle, uses[1].triangle));
+            std::printf("%10td %-12s %14.3f %14.3f %12.2f %12.1f %12.1f\n", solved.rows(), name, 1e3 * most, 1e3 * std::sqrt(sum / static_cast<double>(solved.rows())), turn,
+                        fold[0], fold[1]);
+        }
+        if (!first) first = {e.input, *e.response};
+        std::vector<double> times[3];
+        ResponseBlocks blocks(e.body().vertices, e.response->freeVertices, Vec3::Zero(), e.response->response, ResponseFormat::Float);
+        std::vector<float> shown(3 * static_cast<std::size_t>(e.body().vertices.rows() + BendWarp::kBlock));
+        constexpr AffineFloat kInPlace = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+        const auto& m = poses[1].second;
+        const Points held = e.heldPlaces(m);
+        const Eigen::VectorXd none = Eigen::VectorXd::Zero(e.response->columns()), v = Eigen::VectorXd::Constant(e.response->columns(), 0.1);
+        for (int round = 0; round < 15; ++round) {
+            const double t0 = processorTime();
+            blocks.weigh(v);
+            evaluateAndPlace(blocks.view(), blocks.weights(), kInPlace, 0, blocks.count(), nullptr, shown.data());
+            const double t1 = processorTime();
+            e.warp->solve(m, none, held, e.local.data());
+            const double t2 = processorTime();
+            e.warp->carry(0, e.warp->carried(), e.local.data());
+            const double t3 = processorTime();
+            times[0].push_back(1e3 * (t1 - t0));
+            times[1].push_back(1e3 * (t2 - t1));
+            times[2].push_back(1e3 * (t3 - t2));
+        }
+        for (auto& list : times) std::sort(list.begin(), list.end());
+        const double p = times[0][7], solve = times[1][7], carry = times[2][7];
+        double slow = 0.0;
+        for (int round = 0; round < 3; ++round) {
+            const double t0 = processorTime();
+            exact->evaluate(m, none, held, e.local.data());
+            const double t1 = processorTime();
+            if (round == 0 || 1e3 * (t1 - t0) < slow) slow = 1e3 * (t1 - t0);
+        }
+        std::printf("%10td product %.3f ms, warp %.3f ms = solve %.3f + carry %.3f: %.1f times the product; solved whole %.2f ms: %.1f times\n", e.body().vertices.rows(), p,
+                    solve + carry, solve, carry, (solve + carry) / p, slow, slow / p);
+        std::fflush(stdout);
+    }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -340,5 +464,6 @@ int main(int argc, char** argv) {
     if (part.empty() || part == "poses") poses();
     if (part.empty() || part == "branch") branch();
     if (part.empty() || part == "speed") speed();
+    if (part.empty() || part == "coarse") coarse();
     return 0;
 }

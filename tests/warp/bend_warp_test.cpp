@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <numeric>
 #include <random>
 
+#include "core/mesh/bounds.h"
 #include "core/mesh/cgal/intersections.h"
 #include "core/mesh/winding_number.h"
+#include "core/warp/bend_warp_tables.h"
 #include "tests/support/allocations.h"
 #include "tests/support/shapes.h"
 #include "tests/warp/bent_bodies.h"
@@ -245,6 +248,39 @@ TEST_CASE("bend warp: a body without faces stays at rest, and a cavity moves wit
     std::iota(triangles.begin(), triangles.end(), 0);
     for (auto v = outer.mesh.vertices.rows(); v < x.rows(); ++v)
         CHECK(windingNumber({x, mesh->body.triangles}, triangles, x.row(v).transpose()) > 0.5);
+}
+
+TEST_CASE("bend warp: a large body is carried by a coarse one, within 1 per mille of the warp of all its vertices, and in any pieces with the same bytes") {
+    auto mesh = std::make_shared<ElementMesh>();
+    mesh->body = shapes::cylinder(1.0, 4.0, 110, 100).mesh;
+    const auto in = between(mesh, 2, 0.49, {SolverMeshSetting::Kind::Decimated, 500});
+    Element e(in);
+    REQUIRE(e.warp->carried() == e.response->freeVertices.size());
+    auto exact = std::make_unique<BendWarp>(BendWarpTables::buildWhole(e.body(), in.faces, *e.response, in.nu, e.blocks, Vec3::Zero(), {}).value());
+    REQUIRE(exact->carried() == 0);
+    const double size = diagonalOf(e.body().vertices);
+    CHECK((e.bend({FaceMotion{}, FaceMotion{}}) - e.body().vertices).cwiseAbs().maxCoeff() < 1e-5 * size);
+    for (const double angle : {30.0, 90.0}) {
+        const double a = angle * std::numbers::pi / 360.0;
+        const std::vector<FaceMotion> m{motion(in.faces[0], Vec3(a, 0, 0), Vec3::Zero()), motion(in.faces[1], Vec3(-a, 0, 0), Vec3::Zero())};
+        const Points carried = e.bend(m);
+        const auto once = e.local;
+        const Points held = e.heldPlaces(m);
+        e.warp->solve(m, Eigen::VectorXd::Zero(e.response->columns()), held, e.local.data());
+        for (std::size_t i = e.warp->carried(); i > 0;) {
+            const std::size_t begin = i - std::min<std::size_t>(i, 777);
+            e.warp->carry(begin, i, e.local.data());
+            i = begin;
+        }
+        CHECK(e.local == once);
+        std::swap(e.warp, exact);
+        const Points solved = e.bend(m);
+        std::swap(e.warp, exact);
+        const double distance = (carried - solved).rowwise().norm().maxCoeff() / size;
+        CAPTURE(angle);
+        MESSAGE("carried " << angle << " degrees: " << 1e3 * distance << " per mille from the whole warp");
+        CHECK(distance < 1e-3);
+    }
 }
 
 TEST_CASE("bend warp: a response of another body is refused") {

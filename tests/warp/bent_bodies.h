@@ -42,9 +42,8 @@ struct Element {
     std::unique_ptr<BendWarp> warp;
     std::vector<float> local;
 
-    Element(ResponseInput in) : input(std::move(in)) {
-        auto solved = buildResponse(input, {});
-        response = std::make_shared<const ElementResponse>(std::move(solved.value()));
+    Element(const ResponseInput& in) : Element(in, buildResponse(in, {}).value()) {}
+    Element(ResponseInput in, ElementResponse solved) : input(std::move(in)), response(std::make_shared<const ElementResponse>(std::move(solved))) {
         for (const auto v : response->freeVertices)
             if (blocks.empty() || v >= blocks.back() + BendWarp::kBlock) blocks.push_back(v);
         local.assign(3 * BendWarp::kBlock * blocks.size(), 0.0f);
