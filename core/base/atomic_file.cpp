@@ -2,15 +2,53 @@
 #include "core/base/atomic_file.h"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
 #include <string>
 
 namespace imomushi {
+namespace {
+
+constexpr std::string_view kSuffix = ".part";
+
+/// "PROCESS-ATTEMPT", as the constructor writes it.
+bool isWriter(std::string_view text) {
+    const auto digits = [](std::string_view part) { return !part.empty() && std::all_of(part.begin(), part.end(), [](char c) { return c >= '0' && c <= '9'; }); };
+    const auto dash = text.find('-');
+    return dash != text.npos && digits(text.substr(0, dash)) && digits(text.substr(dash + 1));
+}
+
+/// Removes the file if nobody writes it: a writer holds a lock, which the system lets go when the process ends, however it ends.
+void removeIfAbandoned(const std::filesystem::path& path) {
+    const int file = ::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    if (file < 0) return;
+    struct stat opened {}, named {};
+    if (::flock(file, LOCK_EX | LOCK_NB) == 0 && ::fstat(file, &opened) == 0 && S_ISREG(opened.st_mode) && ::lstat(path.c_str(), &named) == 0 &&
+        named.st_dev == opened.st_dev && named.st_ino == opened.st_ino)
+        ::unlink(path.c_str());
+    ::close(file);
+}
+
+/// Removes what killed writers of `target` left beside it. What cannot be removed stays: it is no reason not to write.
+void removeAbandoned(const std::filesystem::path& target) {
+    const std::string begin = target.filename().string() + ".";
+    const auto folder = target.has_parent_path() ? target.parent_path() : std::filesystem::path(".");
+    std::error_code error;
+    for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+        const std::string name = it->path().filename().string();
+        if (name.size() > begin.size() + kSuffix.size() && name.starts_with(begin) && name.ends_with(kSuffix) &&
+            isWriter(std::string_view(name).substr(begin.size(), name.size() - begin.size() - kSuffix.size())))
+            removeIfAbandoned(it->path());
+    }
+}
+
+}  // namespace
 
 AtomicFile::AtomicFile(const std::filesystem::path& path) : path_(path), target_(path) {
     std::error_code error;
@@ -28,12 +66,19 @@ AtomicFile::AtomicFile(const std::filesystem::path& path) : path_(path), target_
         error_ = errno;  // a rename alone would replace a protected file
         return;
     }
+    removeAbandoned(target_);
     for (int attempt = 0; file_ < 0; ++attempt) {
-        temporary_ = target_.string() + "." + std::to_string(::getpid()) + "-" + std::to_string(attempt) + ".part";
+        temporary_ = (target_.string() + "." + std::to_string(::getpid()) + "-" + std::to_string(attempt)).append(kSuffix);
         file_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
         if (file_ < 0 && (errno != EEXIST || attempt == 100)) {
             error_ = errno;
             return;
+        }
+        // Another writer may have taken the file for an abandoned one before it was locked: then it has no name any more. Where there are no locks, nothing is removed.
+        struct stat made {};
+        if (file_ >= 0 && ::flock(file_, LOCK_EX) == 0 && ::fstat(file_, &made) == 0 && made.st_nlink == 0) {
+            ::close(file_);
+            file_ = -1;
         }
     }
 }

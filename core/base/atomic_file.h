@@ -10,6 +10,7 @@
 namespace imomushi {
 
 /// A file that is written piece by piece beside its place, flushed to the disk and renamed by finish(): it appears whole or not at all.
+/// What a writer of the same file that was killed left beside it is removed.
 class AtomicFile {
 public:
     explicit AtomicFile(const std::filesystem::path& path);
