@@ -700,6 +700,10 @@
             <translation>ファイルにメッシュがありません。</translation>
         </message>
         <message>
+            <source>The mesh reaches farther than 1e9 m from the origin. Choose a smaller unit, or scale the mesh down in the program that made it.</source>
+            <translation>メッシュが原点から 1e9 m より遠くまで達しています。小さい単位を選ぶか、作成したプログラムで縮小してください。</translation>
+        </message>
+        <message>
             <source>The file is too large.</source>
             <translation>ファイルが大きすぎます。</translation>
         </message>

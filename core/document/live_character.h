@@ -92,6 +92,7 @@ public:
         std::size_t frameBytes = 0;
         std::vector<std::vector<double>> poses, shapes;
         std::map<EndpointRef, EndpointGoal> goals;   ///< as of the last frame
+        double passed = 0.0;                         ///< s, since the last frame
         bool going = true;                           ///< false: it ended, as the character is another one or the take is full
     };
     [[nodiscard]] const std::optional<Recording>& recording() const { return recording_; }

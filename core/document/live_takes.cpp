@@ -49,7 +49,11 @@ void LiveCharacter::recordFrame(double seconds) {
     const bool sameBones = std::equal(take.bones.begin(), take.bones.end(), plan_.bones.begin(), plan_.bones.end(), [](const Take::Bone& was, PartId is) { return was.bone == is; });
     r.going = sameBones && fits(take) && take.times.size() * r.frameBytes < kMaxTakeBytes;
     if (!r.going) return;
-    const double now = take.duration() + seconds;
+    // Times of a take rise. Steps so short that the time stays the same add up until it does not.
+    r.passed += seconds;
+    const double now = take.duration() + r.passed;
+    if (!take.times.empty() && !(now > take.times.back())) return;
+    r.passed = 0.0;
     take.times.push_back(now);
     r.poses.push_back(poseNumbers(performance_ ? performance_->pose() : posed()));
     character_->shape(r.shapes.emplace_back(static_cast<std::size_t>(take.layout.size())).data());

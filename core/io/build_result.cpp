@@ -57,8 +57,8 @@ Result<void> place(RawScene& scene, const ImportRequest& request, const std::str
     answer.format = scene.format;
     answer.issues = std::move(scene.issues);
     answer.metresPerUnit = request.unit == Unit::AsInFile ? scene.metresPerUnit : metres(request.unit);
-    if (mesh.body.vertices.rows() > 0 && mesh.body.vertices.cwiseAbs().maxCoeff() > kMaxImportedCoordinate / std::max(1.0, answer.metresPerUnit))
-        return fail("non-finite", quoted + " has coordinates that are too large to compute with: scale the mesh down in the program that made it.");
+    if (mesh.body.vertices.rows() > 0 && !(mesh.body.vertices.cwiseAbs().maxCoeff() * answer.metresPerUnit <= kMaxCoordinate))
+        return fail("too-far", quoted + " reaches farther than 1e9 m from the origin: choose a smaller unit, or scale the mesh down in the program that made it.");
     if (answer.metresPerUnit != 1.0) mesh.body.vertices *= answer.metresPerUnit;
     for (MorphTarget& target : scene.morphs) target.deltas *= static_cast<float>(answer.metresPerUnit);
     answer.zUpConverted = request.up == UpAxis::AsInFile ? scene.zUp : request.up == UpAxis::Z;

@@ -12,10 +12,10 @@ namespace imomushi {
 /// Errors: as importFile().
 Result<RawScene> readScene(const SourceFile& file, SceneUse use = SceneUse::Elements);
 
-/// Unit, axes and mending: what importFile() answers for a scene. Errors: "non-finite", "empty-mesh".
+/// Unit, axes and mending: what importFile() answers for a scene. Errors: "non-finite", "too-far", "empty-mesh".
 Result<ImportResult> buildResult(RawScene scene, const ImportRequest& request, const Progress& progress);
 
-/// Unit and axes: what importCharacter() answers for a scene. Errors: "non-finite", "empty-mesh".
+/// Unit and axes: what importCharacter() answers for a scene. Errors: "non-finite", "too-far", "empty-mesh".
 Result<CharacterFile> buildCharacter(RawScene scene, const ImportRequest& request, const Progress& progress);
 
 }  // namespace imomushi

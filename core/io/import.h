@@ -44,8 +44,8 @@ struct ImportResult {
 
 /// Reads a mesh file in a separate worker process with limits of memory, CPU and wall time; survives anything that the worker does.
 /// Welds, orients, mends and checks (core/mesh/health.h).
-/// Errors: "file-not-found", "not-readable", "unknown-format", "bad-file" (with what is wrong and where), "non-finite", "empty-mesh",
-/// "too-large", "timeout", "worker-failed", "cancelled". A body that is readable but not usable as an element is no error here: `closed` is false.
+/// Errors: "file-not-found", "not-readable", "unknown-format", "bad-file" (with what is wrong and where), "non-finite", "too-far" (beyond 1e9 m,
+/// which no project could hold), "empty-mesh", "too-large", "timeout", "worker-failed", "cancelled". A body that is readable but not usable as an element is no error here: `closed` is false.
 Result<ImportResult> importFile(const ImportRequest& request, const Progress& progress);
 
 /// The program that importFile() starts as its worker: this executable's path unless set; called as `PROGRAM import-worker`.

@@ -137,7 +137,7 @@ void readMesh(Reader& r, ElementMesh& mesh, bool empty = false) {
     if (r.good() && empty && body.vertices.rows() == 0 && body.triangles.rows() == 0)
         readRenderMesh(r, body, mesh.renderMesh);
     else if (!r.good() || body.triangles.rows() == 0 || !allFinite(body.vertices) || !inRange(body.triangles, body.vertices.rows()) ||
-        body.vertices.cwiseAbs().maxCoeff() > kMaxImportedCoordinate)
+        body.vertices.cwiseAbs().maxCoeff() > kMaxCoordinate)
         r.refuse();
     else
         readRenderMesh(r, body, mesh.renderMesh);

@@ -7,7 +7,7 @@ namespace imomushi {
 
 /// Coordinates in a document are at most this, m: their sixth powers are still finite, and no character is that far away.
 inline constexpr double kMaxCoordinate = 1e9;
-/// Coordinates in a file that is imported are at most this, m: any unit may be in it. Beyond, a volume times an area would not be finite.
+/// Numbers in a file that is imported are at most this: any unit may be in it. Beyond, a volume times an area would not be finite.
 inline constexpr double kMaxImportedCoordinate = 1e50;
 
 /// An axis-aligned box.

@@ -46,6 +46,24 @@ void enable(Workbench& w, std::initializer_list<const char*> effects) {
 
 }  // namespace
 
+TEST_CASE("takes: steps that are too short for a time of their own make no frame, and add up; the project opens again") {
+    Workbench w;
+    w.buildChain();
+    w.good({{"do", "precompute"}});
+    w.good({{"do", "record"}, {"take", "短"}, {"action", "start"}});
+    w.good({{"do", "step"}, {"frames", 1}, {"dt", 1.0}});
+    for (int i = 0; i < 3; ++i) w.good({{"do", "step"}, {"frames", 1}, {"dt", 1e-16}});
+    w.good({{"do", "step"}, {"frames", 1}, {"dt", 0.5}});
+    w.good({{"do", "record"}, {"take", "短"}, {"action", "stop"}});
+    const std::vector<double> times = w.session.document().takeNamed("短")->times;
+    REQUIRE(times.size() == 4);  // 0, 1, the next number after 1 (2.2e-16), 1.5
+    for (std::size_t i = 1; i < times.size(); ++i) CHECK(times[i] > times[i - 1]);
+    const TestFolder folder;
+    w.good({{"do", "save"}, {"path", (folder.path() / "a.imomushi").string()}});
+    w.good({{"do", "open"}, {"path", (folder.path() / "a.imomushi").string()}});
+    CHECK(w.session.document().takeNamed("短")->times == times);
+}
+
 TEST_CASE("takes: what was seen is what a take plays, byte for byte, in any order, with any effects") {
     const std::vector<std::vector<const char*>> scenes = {{},
                                                           {"bone-dynamics", "joint-dynamics", "gravity", "inflate"},

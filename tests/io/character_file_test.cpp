@@ -172,7 +172,7 @@ TEST_CASE("character: a file that repeats a normal for each corner has one rende
 
 TEST_CASE("character, write-mesh, character: vertices and triangles come back bit for bit, unused, degenerate and duplicate ones too") {
     const TestFolder folder;
-    std::string obj = "v 9 9 9\n" + objOf(shapes::sphere(0.1, 2).mesh) + "v -1e-17 3e22 0.1\nf 1 2 2\nf 3 4 5\nf 3 4 5\nf 4 3 5\n";
+    std::string obj = "v 9 9 9\n" + objOf(shapes::sphere(0.1, 2).mesh) + "v -1e-17 300000000.00000006 0.1\nf 1 2 2\nf 3 4 5\nf 3 4 5\nf 4 3 5\n";
     const auto first = character(folder.write("a.obj", obj));
     REQUIRE(first);
     const TriangleMesh& body = first->renderModel.mesh.body;
@@ -186,6 +186,21 @@ TEST_CASE("character, write-mesh, character: vertices and triangles come back bi
         CHECK(sameBits(second->renderModel.mesh.body.vertices, body.vertices));
         CHECK(second->renderModel.mesh.body.triangles == body.triangles);
     }
+}
+
+TEST_CASE("a mesh that no project could hold, as it reaches beyond 1e9 m, is refused in any unit; in a smaller unit it comes in") {
+    const TestFolder folder;
+    const fs::path path = folder.write("far.obj", "v 0 0 0\nv 2e9 0 0\nv 0 2e9 0\nv 0 0 2e9\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n");
+    setImportWorker(IMOMUSHI_TEST_IMPORT_WORKER);
+    const auto code = [&](Unit unit) {
+        const auto body = importFile({path, unit}, {});
+        const auto whole = importCharacter({path, unit}, {});
+        CHECK(body.has_value() == whole.has_value());
+        return body ? std::string("in") : body.error().code;
+    };
+    CHECK(code(Unit::AsInFile) == "too-far");
+    CHECK(code(Unit::Metre) == "too-far");
+    CHECK(code(Unit::Centimetre) == "in");
 }
 
 TEST_CASE("character from PLY: vertices in order; texture coordinates per corner share render vertices where they agree") {
@@ -371,7 +386,7 @@ TEST_CASE("character: what is no surface at all is refused, what no triangle use
     CHECK(code("a.obj", "v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\nf 1 1 2\n") == "empty-mesh");  // on a line
     CHECK(code("a.obj", "v 0 0 0\nv 1 1 1\nv 2 2 3\nf 1 2 3\nf 1 1 2\n") == "read");
     CHECK(code("a.obj", "v 0 0 0\nv 1e-150 0 0\nv 0 1e-150 0\nf 1 2 3\n") == "read");
-    CHECK(code("a.obj", "v 0 0 0\nv 1e60 0 0\nv 0 1 0\nf 1 2 3\n") == "non-finite");
+    CHECK(code("a.obj", "v 0 0 0\nv 1e60 0 0\nv 0 1 0\nf 1 2 3\n") == "too-far");
     CHECK(code("a.xyz", "1 2 3") == "unknown-format");
     CHECK(character(folder.path() / "none.obj").error().code == "file-not-found");
 

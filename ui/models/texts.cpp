@@ -44,6 +44,7 @@ const std::map<std::string, const char*> kErrors = {
     {"unknown-format", QT_TRANSLATE_NOOP("Errors", "This file format is not known. Use OBJ, PLY, STL, glTF, FBX or DAE.")},
     {"bad-file", QT_TRANSLATE_NOOP("Errors", "The file is damaged and cannot be used.")},
     {"non-finite", QT_TRANSLATE_NOOP("Errors", "The mesh has vertices that are not finite numbers.")},
+    {"too-far", QT_TRANSLATE_NOOP("Errors", "The mesh reaches farther than 1e9 m from the origin. Choose a smaller unit, or scale the mesh down in the program that made it.")},
     {"empty-mesh", QT_TRANSLATE_NOOP("Errors", "There is no mesh in the file.")},
     {"too-large", QT_TRANSLATE_NOOP("Errors", "The file is too large.")},
     {"timeout", QT_TRANSLATE_NOOP("Errors", "Reading the file took too long.")},
