@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Body vertices of one element from its joint parameters (core/character/deform_input.h), one per point. Four modes share a texel, and vertices that
+// Vertices of one element from its joint parameters (core/character/deform_input.h), one per point. Four modes share a texel, and vertices that
 // follow each other read texels that do.
 #version 330 core
 #include "element_frame.glsl"
 layout(location = 0) in vec3 rest;           // m: from the middle of the element, or from the rest place of its joint
-layout(location = 1) in ivec2 held;          // face (-1: free), index among held vertices
+layout(location = 1) in ivec2 held;          // place (-1: free); index among held vertices, or the face of a joint part (-1: none)
+layout(location = 2) in vec3 offset;         // m, of a joint part
 uniform samplerBuffer response;              // per four modes, per axis, per vertex
 uniform isamplerBuffer integerResponse;      // the same, of 16-bit integers
 uniform samplerBuffer shapes;                // per held vertex, per four shapes
@@ -37,6 +38,11 @@ void main() {
             }
         }
         at = transformed(element.placement[0], element.placement[1], element.placement[2], at);
+        if (held.y >= 0) {
+            int n = firstOfFace(held.y);
+            at += vec3(dot(element.numbers[n].xyz - element.placement[0].xyz, offset), dot(element.numbers[n + 1].xyz - element.placement[1].xyz, offset),
+                       dot(element.numbers[n + 2].xyz - element.placement[2].xyz, offset));
+        }
     } else {
         int n = firstOfFace(held.x);
         at = transformed(element.numbers[n], element.numbers[n + 1], element.numbers[n + 2], rest);

@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Display vertices of one element from the body vertices of all, one per point: their positions, and their normals by core/character/normal_stencils.h or
+// Display vertices of one surface from the vertices of all elements, one per point: their positions, and their normals by core/character/normal_stencils.h or
 // from the triangles around them.
 #version 330 core
 #include "element_frame.glsl"
-layout(location = 0) in ivec4 source;   // vertex; kind of normal (NormalKind); two numbers of it
+layout(location = 0) in ivec4 source;   // vertex; kind of normal (NormalKind); two numbers of it (kind 0: stencil)
 layout(location = 1) in float part;     // weight of the second vertex of a seam
-uniform samplerBuffer positions;        // of the body vertices of all elements
-uniform isamplerBuffer stencils;        // per body vertex: a, b, c, d
-uniform samplerBuffer stencilParts;     // per body vertex: two parts, scale
-uniform isamplerBuffer corners;         // three body vertices per triangle
+uniform samplerBuffer positions;        // of the vertices of all elements
+uniform isamplerBuffer stencils;        // per vertex of elements, then of render meshes: a, b, c, d
+uniform samplerBuffer stencilParts;     // of each: two parts, scale
+uniform isamplerBuffer corners;         // three vertices per triangle
 out vec3 displayPosition;
 out vec3 displayNormal;
 
 vec3 at(int vertex) { return texelFetch(positions, vertex).xyz; }
 
-vec3 stencilNormal(int vertex) {
-    ivec4 s = texelFetch(stencils, vertex);
-    vec4 parts = texelFetch(stencilParts, vertex);
+vec3 stencilNormal(int vertex, int stencil) {
+    ivec4 s = texelFetch(stencils, stencil);
+    vec4 parts = texelFetch(stencilParts, stencil);
     vec3 c = at(s.z), e = at(vertex) - c;
     vec3 n = cross((at(s.x) - at(s.y) + parts.x * e) * parts.z, (at(s.w) - c + parts.y * e) * parts.z);
     float square = dot(n, n);
@@ -26,12 +26,12 @@ vec3 stencilNormal(int vertex) {
 void main() {
     displayPosition = at(source.x);
     if (source.y == 0) {
-        displayNormal = stencilNormal(source.x);
+        displayNormal = stencilNormal(source.x, source.z);
     } else if (source.y == 1) {  // hidden: face
         displayNormal = element.numbers[firstOfFace(source.z) + 3].xyz;
     } else if (source.y == 2) {  // on a seam: from, to
-        vec3 own = stencilNormal(source.x);
-        vec3 sum = own + mix(stencilNormal(source.z), stencilNormal(source.w), part);
+        vec3 own = stencilNormal(source.x, source.x);
+        vec3 sum = own + mix(stencilNormal(source.z, source.z), stencilNormal(source.w, source.w), part);
         displayNormal = dot(sum, sum) > 1e-6 ? normalize(sum) : own;
     } else {  // a hard edge: first triangle, number of triangles
         vec3 sum = vec3(0.0);

@@ -142,7 +142,10 @@ Points Character::positions(int element) const {
     return out;
 }
 
-Character::Surface Character::renderSurface(int mesh) const { return state_->renderMeshes->surface(mesh); }
+Character::Surface Character::renderSurface(int mesh) const {
+    state_->catchUpMesh(mesh);
+    return state_->renderMeshes->surface(mesh);
+}
 
 Points Character::renderPositions(int mesh) const {
     const auto& tables = state_->renderMeshes->tables(mesh);

@@ -129,14 +129,14 @@ public:
     };
     /// Of an element that somebody else deforms, or whose body is under a render mesh, this evaluates the vertices now, on this thread.
     [[nodiscard]] Surface surface(int element) const;
-    /// The same of a render mesh: its vertices in the order of its file, and their normals (RenderMeshTables).
+    /// The same of a render mesh: its vertices in the order of its file, and their normals (RenderMeshTables). Where somebody else deforms its elements, this makes it now.
     [[nodiscard]] Surface renderSurface(int mesh) const;
 
     /// With what others may deform the surfaces, a graphics card for one (deform_input.h). Kept up to date by update() from the first call on, which
     /// allocates.
     const DeformInput& deformInput();
     /// From the next update() on, somebody else deforms this element, where it can be: update() leaves its vertices alone but for frames in which a
-    /// finger presses. False: it is deformed here (the bend warp and joints of the previous model are more than a product, and render meshes need vertices).
+    /// finger presses, or a morph target of a render mesh shows. False: it is deformed here (the bend warp and joints of the previous model are more than a product).
     bool deformExternally(int element, bool external);
 
     /// The same pose in double precision for files and measurements: #body vertices x 3, world. Allocates.

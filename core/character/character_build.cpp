@@ -127,6 +127,7 @@ void Character::State::buildElement(std::size_t e) {
     }
     out.shownWeights = out.weights();
     out.shownJoints.resize(given.faces.size());
+    if (given.embedded) out.parts.resize(given.embedded->attached.size());
     if (given.embedded) out.askedTurns = out.turns = out.shownTurns = std::vector<Vec3>(given.embedded->attached.size(), Vec3::Zero());
     out.blocks = runtime.blocks;
     out.local = AlignedBuffer<float>(out.blocks.rest().size());

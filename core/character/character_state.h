@@ -77,13 +77,16 @@ struct Character::State {
     bool closeSeam(const SeamNormal& s);
 
     // Deformation by others (deform_input.cpp).
-    [[nodiscard]] bool canDeformExternally(const ElementFrame& e) const { return (!e.runtime->warp || e.fades) && !e.unseen && frame.offsets.empty(); }
+    [[nodiscard]] bool canDeformExternally(const ElementFrame& e) const;
     void buildDeformInput();
     void fillDeformInput(std::size_t e);
     // Positions and normals of an element as of the last update().
     void catchUp(std::size_t e);
     // The same without normals on seams.
     void evaluateHere(std::size_t e);
+    // What render meshes need of an element.
+    void evaluateSeen(std::size_t e);
+    void catchUpMesh(int mesh);
 
     Frame frame;
     FrameJobs jobs;

@@ -39,7 +39,7 @@ void Character::State::decideWork(std::size_t e) {
     if (frame.exact || frame.replaying) sameShape = sameShape && out.weights() == out.shownWeights && !(warped && out.moved);
     sameShape = sameShape && out.warpPart == out.shownWarpPart;
     out.shownWarpPart = out.warpPart;
-    const bool external = out.wantsExternal && !out.wantsLocal && !warped;
+    const bool external = out.wantsExternal && !out.wantsLocal && !out.wantsHere && !warped;
     out.moved = out.moved || !sameShape || out.wantsLocal || external != out.external;
     out.external = external;
     out.work = VertexWork::None;
@@ -48,12 +48,9 @@ void Character::State::decideWork(std::size_t e) {
     ++out.revision;
     ++out.moves;
 
-    const Vec3 shift = out.frame(runtime.middle);
-    for (int i = 0; i < 3; ++i) {
-        out.placement.shift[i] = static_cast<float>(shift[i]);
-        for (int k = 0; k < 3; ++k) out.placement.linear[3 * i + k] = static_cast<float>(out.frame.linear(i, k));
-    }
+    out.placement = AffineMap{out.frame.linear, out.frame(runtime.middle)}.toFloat();
     out.pending = external || out.unseen;
+    out.seenPending = external;
     out.partial = out.unseen && !out.wantsLocal && !warped;
     if (sameShape && out.localShown && (out.partial || !out.localPart)) {
         out.work = external ? VertexWork::None : VertexWork::Place;
@@ -87,7 +84,7 @@ void Character::State::showPositions(ElementFrame& out, std::size_t begin, std::
 }
 
 void Character::State::holdVertices(ElementFrame& out) const {
-    if (!out.moved || (out.pending && !out.unseen)) return;
+    if (!out.moved || (out.pending && !out.unseen) || out.seenPending) return;
     const auto put = [&out](const HeldVertex& h, const Vec3& p) {
         for (int i = 0; i < 3; ++i) out.positions[3 * static_cast<std::size_t>(h.vertex) + i] = static_cast<float>(p[i]);
     };

@@ -7,6 +7,15 @@
 
 namespace imomushi {
 
+AffineFloat AffineMap::toFloat() const {
+    AffineFloat out{};
+    for (int i = 0; i < 3; ++i) {
+        out.shift[i] = static_cast<float>(shift[i]);
+        for (int k = 0; k < 3; ++k) out.linear[3 * i + k] = static_cast<float>(linear(i, k));
+    }
+    return out;
+}
+
 Vec3 ElementFrame::localAt(std::int32_t vertex, const float* blocksOf) const {
     const std::int32_t* first = blocks.first();
     const std::size_t block = static_cast<std::size_t>(std::upper_bound(first, first + blocks.count(), vertex) - first) - 1;

@@ -26,6 +26,7 @@ struct AffineMap {
     Eigen::Matrix3d linear = Eigen::Matrix3d::Identity();
     Vec3 shift = Vec3::Zero();
     [[nodiscard]] Vec3 operator()(const Vec3& p) const { return linear * p + shift; }
+    [[nodiscard]] AffineFloat toFloat() const;
     bool operator==(const AffineMap& o) const { return linear == o.linear && shift == o.shift; }
 };
 
@@ -133,7 +134,10 @@ struct ElementFrame {
 
     // Deformation by somebody else (deform_input.h).
     bool wantsExternal = false;  // it is asked for
+    bool wantsHere = false;      // Stage::Weights: a job reads what render meshes need in this frame
     bool external = false;       // and done, since the last update()
+    bool seenPending = false;    // what render meshes need of positions here is not that of the last update()
+    std::vector<AffineFloat> parts;  // of attached parts, from their pivots at rest to the world; up to date while `external`
     bool pending = false;        // positions and normals here are not those of the last update()
     bool seamsOpen = false;      // normals on seams are not
 

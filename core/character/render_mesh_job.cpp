@@ -3,6 +3,7 @@
 
 #include <Eigen/SVD>
 #include <algorithm>
+#include <span>
 
 #include "core/base/rotation_vector.h"
 #include "core/character/frame.h"
@@ -28,18 +29,25 @@ Eigen::Matrix3d nearestRotation(const Eigen::Matrix3d& gradient) {
     return u * svd.matrixV().transpose();
 }
 
-/// Where attached points are, by the four vertices of their part's frame and its turn: place(index of a point, where it is).
+/// What an attached part does, from its pivot at rest to the world, by the four vertices of its frame and its turn.
+template <class At>
+AffineMap partMap(const EmbeddedTables& tables, std::size_t part, const Vec3& turn, const At& at) {
+    const std::size_t frame = tables.frameOf(part);
+    const Vec3 pivot = at(frame);
+    Eigen::Matrix3d gradient;
+    for (std::size_t k = 0; k < 3; ++k) gradient.col(static_cast<Eigen::Index>(k)) = (at(frame + k + 1) - pivot) / tables.reach;
+    AffineMap map{nearestRotation(gradient), pivot};
+    if (!turn.isZero(0.0)) map.linear *= rotationOf(turn).toRotationMatrix();
+    return map;
+}
+
+/// Where attached points are: place(index of a point, where it is).
 template <class At, class Place>
 void placeParts(const EmbeddedPoints& points, const EmbeddedTables& tables, const std::vector<Vec3>& turns, const At& at, const Place& place) {
     for (std::size_t a = 0; a < points.attached.size(); ++a) {
         const auto& part = points.attached[a];
-        const std::size_t frame = tables.frameOf(a);
-        const Vec3 pivot = at(frame);
-        Eigen::Matrix3d gradient;
-        for (std::size_t k = 0; k < 3; ++k) gradient.col(static_cast<Eigen::Index>(k)) = (at(frame + k + 1) - pivot) / tables.reach;
-        Eigen::Matrix3d rotation = nearestRotation(gradient);
-        if (!turns[a].isZero(0.0)) rotation *= rotationOf(turns[a]).toRotationMatrix();
-        for (const auto i : part.points) place(i, Vec3(pivot + rotation * (points.rest.row(i).transpose() - part.pivot)));
+        const AffineMap map = partMap(tables, a, turns[a], at);
+        for (const auto i : part.points) place(i, Vec3(map.shift + map.linear * (points.rest.row(i).transpose() - part.pivot)));
     }
 }
 
@@ -51,7 +59,7 @@ Eigen::Matrix3d jointPart(const Frame& frame, const ElementFrame& of, int face, 
 
 }  // namespace
 
-RenderMeshJob::RenderMeshJob(const Frame& frame, const RenderMeshJob* known) : FrameJob({}, {Stage::Placed, Stage::Normals}) {
+RenderMeshJob::RenderMeshJob(const Frame& frame, const RenderMeshJob* known) : FrameJob({}, {Stage::Weights, Stage::Placed, Stage::Normals}) {
     std::vector<std::shared_ptr<const ElementRuntime>> runtimes;
     for (const auto& e : frame.elements) runtimes.push_back(e.runtime);
     for (std::size_t e = 0; e < frame.elements.size(); ++e) {
@@ -70,6 +78,13 @@ RenderMeshJob::RenderMeshJob(const Frame& frame, const RenderMeshJob* known) : F
             split(triangles_, mapping.triangles());
             split(vertices_, mapping.vertices());
             split(points_, mapping.size());
+        }
+        if (made.tables->parts > 0) {
+            const auto* first = of.blocks.first();
+            made.partBlocks = static_cast<std::size_t>(std::upper_bound(first, first + of.blocks.count(), static_cast<std::int32_t>(made.tables->frameOf(0))) - first) - 1;
+            const auto& joints = made.tables->mapping.jointParts();
+            const auto frames = static_cast<std::int32_t>(made.tables->rows.size() - EmbeddedTables::kFrameVertices * made.tables->parts);
+            made.partJoints = static_cast<std::size_t>(std::find_if(joints.begin(), joints.end(), [frames](const auto& j) { return j.point >= frames; }) - joints.begin());
         }
         elements_.push_back(std::move(made));
     }
@@ -116,7 +131,9 @@ RenderMeshJob::Element RenderMeshJob::madeFor(const Frame& frame, std::size_t in
 }
 
 void RenderMeshJob::run(Stage stage, Frame& frame) {
-    if (stage == Stage::Placed) {
+    if (stage == Stage::Weights) {
+        findMorphed(frame);
+    } else if (stage == Stage::Placed) {
         follow(frame);
         gather(frame);
     } else {
@@ -128,7 +145,7 @@ void RenderMeshJob::follow(Frame& frame) {
     bool any = false;
     for (auto& e : elements_) {
         const auto& of = frame.elements[e.index];
-        e.carry = !of.moved ? Carry::Nothing : of.warpPart > 0.0 ? Carry::Bodies : of.dented ? Carry::Dents : Carry::Nothing;
+        e.carry = !of.moved || of.seenPending ? Carry::Nothing : of.warpPart > 0.0 ? Carry::Bodies : of.dented ? Carry::Dents : Carry::Nothing;
         if (e.carry == Carry::Dents) findDents(e, of);
         any = any || e.carry != Carry::Nothing;
     }
@@ -159,17 +176,39 @@ void RenderMeshJob::follow(Frame& frame) {
     }
     for (auto& e : elements_) {
         auto& of = frame.elements[e.index];
-        if (!of.moved) continue;
-        addJointParts(e, frame, of);
-        const double product = productPart(e, of);
-        if (!e.heldOf.empty() && product > 0.0) {
-            findMissing(e, frame);
-            for (std::size_t i = 0; i < e.heldOf.size(); ++i) {
-                const auto& part = e.tables->mapping.heldParts()[i];
-                shownAt(of, e.tables->rows[static_cast<std::size_t>(part.point)]) += (product * part.weight * e.missing.row(e.heldOf[i]).transpose()).cast<float>();
-            }
+        if (of.moved && of.seenPending)
+            findParts(e, frame, of);
+        else if (of.moved)
+            finish(e, frame);
+    }
+}
+
+void RenderMeshJob::finish(Element& e, Frame& frame) {
+    auto& of = frame.elements[e.index];
+    addJointParts(e, frame, of);
+    const double product = productPart(e, of);
+    if (!e.heldOf.empty() && product > 0.0) {
+        findMissing(e, frame);
+        for (std::size_t i = 0; i < e.heldOf.size(); ++i) {
+            const auto& part = e.tables->mapping.heldParts()[i];
+            shownAt(of, e.tables->rows[static_cast<std::size_t>(part.point)]) += (product * part.weight * e.missing.row(e.heldOf[i]).transpose()).cast<float>();
         }
-        placeAttached(e, of);
+    }
+    placeAttached(e, of);
+}
+
+void RenderMeshJob::finish(Frame& frame, std::size_t element) {
+    for (auto& e : elements_)
+        if (e.index == element) finish(e, frame);
+}
+
+void RenderMeshJob::findParts(const Element& e, const Frame& frame, ElementFrame& of) {
+    if (of.parts.empty()) return;
+    evaluateAndPlace(of.blocks.view(), of.blocks.weights(), of.placement, e.partBlocks, of.blocks.count(), nullptr, of.positions.data());
+    addJointParts(e, frame, of, e.partJoints);
+    for (std::size_t a = 0; a < of.parts.size(); ++a) {
+        const AffineMap map = partMap(*e.tables, a, of.turns[a], [&of](std::size_t i) -> Vec3 { return shownAt(of, static_cast<std::int32_t>(i)).cast<double>(); });
+        of.parts[a] = map.toFloat();
     }
 }
 
@@ -198,10 +237,10 @@ void RenderMeshJob::findMissing(Element& e, const Frame& frame) {
 
 double RenderMeshJob::productPart(const Element& e, const ElementFrame& of) { return e.carry == Carry::Bodies ? 1.0 - of.warpPart : 1.0; }
 
-void RenderMeshJob::addJointParts(const Element& e, const Frame& frame, ElementFrame& of) {
+void RenderMeshJob::addJointParts(const Element& e, const Frame& frame, ElementFrame& of, std::size_t first) {
     int face = -1;
     Eigen::Matrix3f motion = Eigen::Matrix3f::Zero();
-    for (const auto& part : e.tables->mapping.jointParts()) {
+    for (const auto& part : std::span(e.tables->mapping.jointParts()).subspan(first)) {
         if (part.face != face) {
             face = part.face;
             motion = jointPart(frame, of, face, productPart(e, of)).cast<float>();
@@ -216,49 +255,75 @@ void RenderMeshJob::placeAttached(const Element& e, ElementFrame& of) {
                [&of, first](std::int32_t i, const Vec3& p) { shownAt(of, first + i) = p.cast<float>(); });
 }
 
-void RenderMeshJob::findMorphed(const Frame& frame) {
+void RenderMeshJob::findMorphed(Frame& frame) {
+    for (auto& of : frame.elements) of.wantsHere = false;
     for (std::size_t m = 0; m < meshes_.size(); ++m) {
         auto& mesh = meshes_[m];
         if (!mesh.morphs) continue;
-        const bool moved = std::any_of(mesh.tables->elements.begin(), mesh.tables->elements.end(), [&frame](std::int32_t e) { return frame.elements[static_cast<std::size_t>(e)].moved; });
-        const bool other = mesh.shownWeights != frame.morphs[m];
-        const bool morphed = mesh.morphs->active(frame.morphs[m]);
-        // They are added to positions without them: all are made anew.
-        mesh.all = other || (moved && (morphed || mesh.morphed));
-        mesh.morphed = morphed;
-        if (other) std::copy(frame.morphs[m].begin(), frame.morphs[m].end(), mesh.shownWeights.begin());
+        mesh.others = mesh.shownWeights != frame.morphs[m];
+        mesh.wasMorphed = mesh.morphed;
+        mesh.morphed = mesh.morphs->active(frame.morphs[m]);
+        for (const auto e : mesh.tables->elements) frame.elements[static_cast<std::size_t>(e)].wantsHere = frame.elements[static_cast<std::size_t>(e)].wantsHere || mesh.morphed;
+        if (mesh.others) std::copy(frame.morphs[m].begin(), frame.morphs[m].end(), mesh.shownWeights.begin());
     }
 }
 
 void RenderMeshJob::gather(Frame& frame) {
-    findMorphed(frame);
-    const auto moved = [&frame](std::int32_t e) { return frame.elements[static_cast<std::size_t>(e)].moved; };
     std::size_t bytes = 0;
     for (auto& mesh : meshes_) {
-        if (mesh.all || std::any_of(mesh.tables->elements.begin(), mesh.tables->elements.end(), moved)) ++mesh.revision;
+        const auto any = [&](const auto& is) {
+            return std::any_of(mesh.tables->elements.begin(), mesh.tables->elements.end(), [&](std::int32_t e) { return is(frame.elements[static_cast<std::size_t>(e)]); });
+        };
+        const bool moved = any([](const ElementFrame& of) { return of.moved; }), was = mesh.pending;
+        mesh.pending = any([](const ElementFrame& of) { return of.seenPending; });
+        // Morph targets are added to positions without them: all are made anew.
+        mesh.all = mesh.others || (moved && (mesh.morphed || mesh.wasMorphed)) || (was && !mesh.pending);
+        if (mesh.all || moved) ++mesh.revision;
         bytes += 6 * sizeof(float) * mesh.tables->vertices();
     }
     frame.share(bytes, runs_, [&](const Piece& p) {
-        auto& mesh = meshes_[p.element];
-        for (std::size_t i = p.begin; i < p.end; ++i) {
-            const auto& run = mesh.tables->runs[i];
-            const float* from = frame.elements[static_cast<std::size_t>(run.element)].positions.data() + 3 * static_cast<std::ptrdiff_t>(run.from);
-            if (mesh.all || moved(run.element)) std::copy_n(from, 3 * run.count, mesh.positions.data() + 3 * static_cast<std::ptrdiff_t>(run.to));
-        }
+        if (!meshes_[p.element].pending) gather(frame, p);
     });
     for (auto& mesh : meshes_)
         if (mesh.all && mesh.morphed) mesh.morphs->add(mesh.shownWeights, mesh.tables->stencils.data(), mesh.positions.data());
+}
+
+void RenderMeshJob::gather(const Frame& frame, const Piece& runs) {
+    auto& mesh = meshes_[runs.element];
+    for (std::size_t i = runs.begin; i < runs.end; ++i) {
+        const auto& run = mesh.tables->runs[i];
+        const auto& of = frame.elements[static_cast<std::size_t>(run.element)];
+        if (mesh.all || of.moved) std::copy_n(of.positions.data() + 3 * static_cast<std::ptrdiff_t>(run.from), 3 * run.count, mesh.positions.data() + 3 * static_cast<std::ptrdiff_t>(run.to));
+    }
 }
 
 void RenderMeshJob::findNormals(Frame& frame) {
     std::size_t bytes = 0;
     for (const auto& mesh : meshes_) bytes += mesh.tables->vertices() * (sizeof(NormalStencil) + 6 * sizeof(float));
     frame.share(bytes, normals_, [&](const Piece& p) {
-        auto& mesh = meshes_[p.element];
-        const auto& tables = *mesh.tables;
-        const auto& piece = tables.normalPieces[p.begin];
-        if (mesh.all || std::any_of(piece.elements.begin(), piece.elements.end(), [&](std::int32_t e) { return frame.elements[static_cast<std::size_t>(e)].moved; }))
-            imomushi::findNormals(mesh.positions.data(), tables.stencils.data(), static_cast<float>(tables.scale), piece.begin, piece.end, mesh.normals.data());
+        if (!meshes_[p.element].pending) findNormals(frame, p);
+    });
+}
+
+void RenderMeshJob::findNormals(const Frame& frame, const Piece& normals) {
+    auto& mesh = meshes_[normals.element];
+    const auto& tables = *mesh.tables;
+    const auto& piece = tables.normalPieces[normals.begin];
+    if (mesh.all || std::any_of(piece.elements.begin(), piece.elements.end(), [&](std::int32_t e) { return frame.elements[static_cast<std::size_t>(e)].moved; }))
+        imomushi::findNormals(mesh.positions.data(), tables.stencils.data(), static_cast<float>(tables.scale), piece.begin, piece.end, mesh.normals.data());
+}
+
+void RenderMeshJob::catchUp(Frame& frame, int index) {
+    auto& mesh = meshes_[static_cast<std::size_t>(index)];
+    mesh.pending = false;
+    mesh.all = true;
+    const auto mine = [index](const Piece& p) { return p.element == static_cast<std::size_t>(index); };
+    const std::size_t bytes = mesh.tables->vertices() * (sizeof(NormalStencil) + 12 * sizeof(float));
+    frame.share(bytes, runs_, [&](const Piece& p) {
+        if (mine(p)) gather(frame, p);
+    });
+    frame.share(bytes, normals_, [&](const Piece& p) {
+        if (mine(p)) findNormals(frame, p);
     });
 }
 

@@ -30,6 +30,12 @@ public:
     [[nodiscard]] std::size_t bytes() const override;
 
     [[nodiscard]] Character::Surface surface(int mesh) const;
+    /// Somebody else deforms elements of it: its surface is not that of the last frame.
+    [[nodiscard]] bool pending(int mesh) const { return meshes_[static_cast<std::size_t>(mesh)].pending; }
+    /// Between frames: the points of an element whose product was evaluated just now.
+    void finish(Frame& frame, std::size_t element);
+    /// Between frames, when its elements are finished: makes its surface.
+    void catchUp(Frame& frame, int mesh);
     /// In double precision: see Character::renderPositions(). bodies: Character::positions() of the elements that it has vertices of, else empty.
     [[nodiscard]] Points positions(const Frame& frame, int mesh, const std::vector<Points>& bodies) const;
     /// Weights of the morph targets of a mesh at rest.
@@ -44,6 +50,7 @@ private:
         EmbeddedMapping::Gradients gradients;
         AlignedBuffer<float> dents;  // #body vertices x 3, m, in the frame of the element; where it feels touch
         Carry carry = Carry::Nothing;
+        std::size_t partBlocks = 0, partJoints = 0;  // where the frames of attached parts begin: of its blocks, and in EmbeddedMapping::jointParts()
         // Where joints place vertices otherwise than v says (the basis "paper" loses twist, v is empty without a response), points near them follow.
         Eigen::MatrixXd heldColumns;         // 3 #held x columns of v
         Eigen::VectorXd heldMoves;           // 3 #held, in the frame of the element
@@ -57,12 +64,19 @@ private:
         std::optional<MorphShapes> morphs;   // none: it has no morph targets
         std::vector<double> shownWeights;    // of these, as of the last frame
         bool morphed = false;                // the positions of the last frame have some of them
+        bool wasMorphed = false;             // those of the frame before
+        bool others = false;                 // weights, in this frame
         bool all = false;                    // every vertex is another in this frame
+        bool pending = false;
     };
     struct Piece {
         std::size_t element = 0, begin = 0, end = 0;
     };
     void follow(Frame& frame);
+    // What comes after the product, and after what carries points.
+    static void finish(Element& element, Frame& frame);
+    // Where attached parts are, of an element that somebody else deforms.
+    static void findParts(const Element& element, const Frame& frame, ElementFrame& of);
     // In double precision, as ElementFrame::positions; those of the body are left out.
     static Points elementPositions(const Frame& frame, const Element& element);
     // How much of its points is a product, besides what carries them.
@@ -70,11 +84,13 @@ private:
     static void findDents(Element& element, const ElementFrame& of);
     static Element madeFor(const Frame& frame, std::size_t index);
     static void findMissing(Element& element, const Frame& frame);
-    static void addJointParts(const Element& element, const Frame& frame, ElementFrame& of);
+    static void addJointParts(const Element& element, const Frame& frame, ElementFrame& of, std::size_t first = 0);
     static void placeAttached(const Element& element, ElementFrame& of);
     void gather(Frame& frame);
-    // Morph targets: which meshes have other weights than before.
-    void findMorphed(const Frame& frame);
+    void gather(const Frame& frame, const Piece& runs);
+    void findNormals(const Frame& frame, const Piece& normals);
+    // Morph targets: which meshes have other weights than before; elements are deformed here while they show.
+    void findMorphed(Frame& frame);
     void findNormals(Frame& frame);
 
     std::vector<Element> elements_;

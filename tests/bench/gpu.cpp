@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A frame of a caterpillar of 5 bent elements, basis "affine", from its pose to display vertices in the memory of the renderer, both ways: by the processor
-// (vertices, normals, upload) and by OpenGL (GpuDeformer: joint parameters are uploaded). Waits for the renderer each frame. `bench_gpu [vertices ...]`
+// (vertices, normals, upload) and by OpenGL (GpuDeformer: joint parameters are uploaded); then the same with a render mesh of as many vertices over bodies of
+// 10,000. Waits for the renderer each frame. `bench_gpu [vertices ...]`
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -11,6 +12,7 @@
 
 #include "core/character/character.h"
 #include "tests/character/caterpillar.h"
+#include "tests/character/embedded.h"
 #include "ui/render/gpu_deformer.h"
 #include "ui/render/offscreen.h"
 #include "ui/render/scene_renderer.h"
@@ -69,21 +71,29 @@ struct Shown {
     std::vector<float> staging;
 };
 
-void measure(int wanted, ResponseFormat format, int threads) {
-    CharacterInput input = caterpillarOf(wanted);
+// renderMesh: over bodies of 10,000 vertices.
+void measure(int wanted, ResponseFormat format, int threads, bool renderMesh) {
+    CharacterInput input = caterpillarOf(renderMesh ? 10'000 : wanted);
+    ElementMesh seen;
+    if (renderMesh) {
+        const int side = static_cast<int>(std::lround(std::sqrt(wanted)));
+        seen.body = embedded::tube(0.53, 0.02, 4.98, side, side);
+        embedded::addRenderMesh(input, seen.body, 1.0);
+    }
     input.format = format;
     input.threads = threads;
     auto character = Character::build(std::move(input)).value();
     const auto elements = character.input().elements.size();
     int vertices = 0;
-    std::vector<Shown> shown(elements);
-    for (std::size_t e = 0; e < elements; ++e) {
-        const auto& mesh = *character.input().elements[e].mesh;
+    std::vector<Shown> shown(renderMesh ? 1 : elements);
+    for (std::size_t s = 0; s < shown.size(); ++s) {
+        const auto& mesh = renderMesh ? seen : *character.input().elements[s].mesh;
         vertices += static_cast<int>(mesh.body.vertices.rows());
-        shown[e].geometry = std::make_unique<BodyGeometry>(mesh, nullptr);
-        shown[e].vertices = makeBuffer();
-        shown[e].staging.resize(static_cast<std::size_t>(shown[e].geometry->vertexCount()) * BodyGeometry::kFloats);
+        shown[s].geometry = std::make_unique<BodyGeometry>(mesh, nullptr);
+        shown[s].vertices = makeBuffer();
+        shown[s].staging.resize(static_cast<std::size_t>(shown[s].geometry->vertexCount()) * BodyGeometry::kFloats);
     }
+    const int first = renderMesh ? static_cast<int>(elements) : 0;  // of surfaces of the deformer
     const auto bytes = [](const Shown& s) { return static_cast<GLsizeiptr>(s.staging.size() * sizeof(float)); };
     const int frames = std::clamp(2'000'000 / wanted, 7, 200);
     Pose pose = restPose(character.input().skeleton);
@@ -98,8 +108,8 @@ void measure(int wanted, ResponseFormat format, int threads) {
         glFinish();
         const auto start = Clock::now();
         character.update(pose);
-        for (std::size_t e = 0; e < elements; ++e) {
-            const auto s = character.surface(static_cast<int>(e));
+        for (std::size_t e = 0; e < shown.size(); ++e) {
+            const auto s = renderMesh ? character.renderSurface(0) : character.surface(static_cast<int>(e));
             shown[e].geometry->sumNormals(s.positions);
             shown[e].geometry->fill(s.positions, s.normals, shown[e].staging.data());
             glBindBuffer(GL_ARRAY_BUFFER, shown[e].vertices);
@@ -114,9 +124,9 @@ void measure(int wanted, ResponseFormat format, int threads) {
         std::printf("%9d vertices: the driver has no room for them\n", vertices);
         return;
     }
-    for (std::size_t e = 0; e < elements; ++e) {
-        character.deformExternally(static_cast<int>(e), deformer.supports(static_cast<int>(e)));
-        shown[e].displayMap = deformer.makeDisplayMap(static_cast<int>(e), *shown[e].geometry, {});
+    for (int e = 0; e < static_cast<int>(elements); ++e) character.deformExternally(e, deformer.supports(e));
+    for (std::size_t e = 0; e < shown.size(); ++e) {
+        shown[e].displayMap = deformer.makeDisplayMap({first + static_cast<int>(e), nullptr}, *shown[e].geometry, {});
         glBindBuffer(GL_ARRAY_BUFFER, shown[e].vertices);
         glBufferData(GL_ARRAY_BUFFER, bytes(shown[e]), nullptr, GL_DYNAMIC_COPY);
     }
@@ -127,7 +137,7 @@ void measure(int wanted, ResponseFormat format, int threads) {
         const auto start = Clock::now();
         character.update(pose);
         deformer.deform(character.deformInput());
-        for (std::size_t e = 0; e < elements; ++e) deformer.writeDisplayVertices(static_cast<int>(e), shown[e].displayMap, shown[e].vertices);
+        for (std::size_t e = 0; e < shown.size(); ++e) deformer.writeDisplayVertices(first + static_cast<int>(e), shown[e].displayMap, shown[e].vertices);
         const double own = milliseconds(start);
         glFinish();
         if (frame < 0) continue;  // shaders are compiled for good at their first use
@@ -136,7 +146,7 @@ void measure(int wanted, ResponseFormat format, int threads) {
         uploaded = deformer.stats().uploaded;
     }
     const double a = median(here), b = median(there);
-    std::printf("%9d vertices, %-5s: processor %8.3f ms, OpenGL %8.3f ms (until it is told all %8.3f, %6.1f kB uploaded), ratio %.2f\n", vertices,
+    std::printf("%9d vertices%s, %-5s: processor %8.3f ms, OpenGL %8.3f ms (until it is told all %8.3f, %6.1f kB uploaded), ratio %.2f\n", vertices, renderMesh ? " of a render mesh" : "",
                 formatName(format).c_str(), a, b, median(alone), static_cast<double>(uploaded) * 1e-3, a / b);
     std::fflush(stdout);
 }
@@ -155,7 +165,8 @@ int main(int argc, char** argv) {
     std::vector<int> sizes = {2'000, 28'000, 250'000, 1'000'000};
     if (argc > 1) sizes.clear();
     for (int i = 1; i < argc; ++i) sizes.push_back(std::atoi(argv[i]));
-    for (const int n : sizes)
-        for (const auto format : {ResponseFormat::Float, ResponseFormat::Half, ResponseFormat::Int16}) measure(n, format, 1);
+    for (const bool renderMesh : {false, true})
+        for (const int n : sizes)
+            for (const auto format : {ResponseFormat::Float, ResponseFormat::Half, ResponseFormat::Int16}) measure(n, format, 1, renderMesh);
     return 0;
 }

@@ -12,6 +12,7 @@
 #include "core/character/smooth_joints_job.h"
 #include "core/character/touch_job.h"
 #include "tests/character/caterpillar.h"
+#include "tests/character/embedded.h"
 
 /// Caterpillars of any kind: number and size of elements, bases, formats, effects, rims that do not match.
 namespace imomushi {
@@ -59,6 +60,34 @@ inline CharacterInput randomCharacter(std::mt19937& random) {
     warp.automatic = chance(0.5);
     input.effects.set(std::move(warp));
     return input;
+}
+
+/// Adds a render mesh over it, some of whose vertices are at those of a body, others an attached part, with a morph target.
+inline void addRandomRenderMesh(CharacterInput& input, std::mt19937& random) {
+    const auto number = [&](int low, int high) { return std::uniform_int_distribution<int>(low, high)(random); };
+    const auto& joints = input.skeleton.points;
+    const double length = (joints.back() - joints.front()).norm() / static_cast<double>(input.elements.size());
+    const double end = length * static_cast<double>(input.elements.size());
+    TriangleMesh mesh = embedded::tube(length * std::uniform_real_distribution<double>(0.45, 0.6)(random), 0.02 * end, 0.98 * end, number(5, 24), number(8, 30));
+    const Points& body = input.elements[0].mesh->body.vertices;
+    const Eigen::Index count = std::min<Eigen::Index>(5, mesh.vertices.rows());
+    for (Eigen::Index i = 0; i < count; ++i) {
+        const Eigen::Index v = number(0, static_cast<int>(body.rows()) - 1);
+        if (body(v, 2) < length) mesh.vertices.row(i) = body.row(v);
+    }
+    embedded::addRenderMesh(input, mesh, length);
+    auto points = std::make_shared<EmbeddedPoints>(*input.elements[0].embedded);
+    EmbeddedPoints::Attached part{Vec3(0.5 * length, 0.0, 0.5 * length), {}};
+    for (std::int32_t i = static_cast<std::int32_t>(points->rest.rows()) - 1; i >= 0 && part.points.size() < 9; --i)
+        if (points->bodyVertex[static_cast<std::size_t>(i)] < 0) part.points.push_back(i);
+    points->attached.push_back(std::move(part));
+    input.elements[0].embedded = std::move(points);
+    auto withMorph = std::make_shared<EmbeddedMesh>(*input.renderMeshes[0]);
+    auto model = std::make_shared<RenderModel>();
+    MorphTarget target{"blow", 0.0, {0, 3, 4}, Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>::Constant(3, 3, static_cast<float>(0.1 * length))};
+    model->morphs.push_back(std::move(target));
+    withMorph->model = std::move(model);
+    input.renderMeshes[0] = std::move(withMorph);
 }
 
 /// A pose on the way from `pose` towards a random place of the last joint point, the first one held.

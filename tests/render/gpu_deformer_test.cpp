@@ -86,6 +86,48 @@ public:
         return worst;
     }
 
+    /// Largest differences of positions and normals of render meshes, positions relative to what is allowed; normals as long as triangles are no needles.
+    std::pair<double, double> wrongMeshes() {
+        double positions = 0.0, normals = 0.0;
+        for (int m = 0; m < static_cast<int>(here_.input().renderMeshes.size()); ++m) {
+            if (!there_.deformInput().external(there_.deformInput().meshes[static_cast<std::size_t>(m)])) continue;
+            const auto s = here_.renderSurface(m);
+            ElementMesh mesh;
+            mesh.body = {here_.renderRestPositions(m), here_.input().renderMeshes[static_cast<std::size_t>(m)]->triangles};
+            BodyGeometry geometry(mesh, nullptr);
+            geometry.sumNormals(s.positions);
+            std::vector<float> expected(static_cast<std::size_t>(geometry.vertexCount()) * BodyGeometry::kFloats), made(expected.size());
+            geometry.fill(s.positions, s.normals, expected.data());
+            const GpuDeformer::Shown shown{elements() + m, nullptr};
+            const Buffer buffer = makeBuffer();
+            glBindBuffer(GL_ARRAY_BUFFER, buffer);
+            const auto bytes = static_cast<GLsizeiptr>(made.size() * sizeof(float));
+            glBufferData(GL_ARRAY_BUFFER, bytes, nullptr, GL_DYNAMIC_COPY);
+            deformer_.writeDisplayVertices(shown.surface, deformer_.makeDisplayMap(shown, geometry, {}), buffer);
+            glBindBuffer(GL_ARRAY_BUFFER, buffer);
+            glGetBufferSubData(GL_ARRAY_BUFFER, 0, bytes, made.data());
+            CHECK(glGetError() == GL_NO_ERROR);
+            const double size = (mesh.body.vertices.colwise().maxCoeff() - mesh.body.vertices.colwise().minCoeff()).norm();
+            const auto& bounds = deformer_.bounds(shown.surface);
+            double far = 0.0;
+            for (std::size_t i = 0; i < made.size(); i += BodyGeometry::kFloats) far = std::max(far, Eigen::Map<const Vector3f>(&expected[i]).cast<double>().norm());
+            const auto slack = static_cast<float>(far * 1e-5);
+            for (std::size_t i = 0; i < made.size(); i += BodyGeometry::kFloats) {
+                const Eigen::Map<const Vector3f> a(&made[i]), b(&expected[i]);
+                positions = std::max(positions, (a - b).cast<double>().norm() / (kPositions * size + 8 * kEpsilon * far));
+                normals = std::max(normals, (Eigen::Map<const Vector3f>(&made[i + 3]) - Eigen::Map<const Vector3f>(&expected[i + 3])).cast<double>().norm());
+                CHECK((a - bounds.conservative.min()).minCoeff() >= -slack);
+                CHECK((bounds.conservative.max() - a).minCoeff() >= -slack);
+            }
+            Vector3f one;
+            deformer_.readVertex(shown, s.vertices - 1, one.data());
+            CHECK((one - Eigen::Map<const Vector3f>(s.positions + 3 * (s.vertices - 1))).cast<double>().norm() <= kPositions * size + 8 * kEpsilon * far);
+            ++comparedMeshes_;
+        }
+        return {positions, normals};
+    }
+    [[nodiscard]] int comparedMeshes() const { return comparedMeshes_; }
+
     /// Largest difference of normals of display vertices, relative to what the differences of positions explain: a normal is made of two edges, and turns by
     /// as much as their ends move over their lengths, over the sine between them (a seam or a ring of triangles at most as much again).
     double wrongNormals() {
@@ -115,7 +157,7 @@ public:
             glBindBuffer(GL_ARRAY_BUFFER, buffer);
             const auto bytes = static_cast<GLsizeiptr>(made.size() * sizeof(float));
             glBufferData(GL_ARRAY_BUFFER, bytes, nullptr, GL_DYNAMIC_COPY);
-            deformer_.writeDisplayVertices(e, deformer_.makeDisplayMap(e, geometry, neighbours[static_cast<std::size_t>(e)]), buffer);
+            deformer_.writeDisplayVertices(e, deformer_.makeDisplayMap({e, nullptr}, geometry, neighbours[static_cast<std::size_t>(e)]), buffer);
             glBindBuffer(GL_ARRAY_BUFFER, buffer);
             glGetBufferSubData(GL_ARRAY_BUFFER, 0, bytes, made.data());
             CHECK(glGetError() == GL_NO_ERROR);
@@ -143,6 +185,7 @@ private:
     std::vector<std::vector<std::int32_t>> covered_;
     std::vector<std::unique_ptr<BodyGeometry>> geometry_;
     double lastWrong_ = 0.0, largest_ = 0.0;
+    int comparedMeshes_ = 0;
 };
 
 }  // namespace
@@ -173,6 +216,37 @@ TEST_CASE("gpu: vertices and normals of any character are those that the process
         largest = std::max(largest, twins.largestNormal());
     }
     MESSAGE("of what is allowed: positions " << positions << ", normals " << normals << "; normals differ by " << largest << " at most");
+}
+
+TEST_CASE("gpu: render meshes over any character are those that the processor makes, attached parts and joints too") {
+    if (!haveOpenGl()) return;
+    std::mt19937 random(12);
+    double positions = 0.0, normals = 0.0;
+    int compared = 0;
+    for (int kind = 0; kind < 24; ++kind) {
+        CAPTURE(kind);
+        CharacterInput input = randomCharacter(random);
+        addRandomRenderMesh(input, random);
+        Twins twins(input);
+        Pose pose = restPose(input.skeleton);
+        for (int frame = 0; frame < 6; ++frame) {
+            CAPTURE(frame);
+            if (frame > 0) wander(twins.here(), random, pose);
+            for (Character* c : {&twins.here(), &twins.there()}) {
+                (void)c->setTurn(0, 0, Eigen::Quaterniond(Eigen::AngleAxisd(0.2 * frame, Vec3::UnitY())));
+                (void)c->setMorph(0, 0, frame == 3 ? 0.8 : 0.0);
+            }
+            twins.update(pose, 1.0 / 60.0);
+            const auto [p, n] = twins.wrongMeshes();
+            CHECK(p <= 1.0);
+            CHECK(n <= 1e-2);
+            positions = std::max(positions, p);
+            normals = std::max(normals, n);
+        }
+        compared += twins.comparedMeshes();
+    }
+    CHECK(compared > 60);
+    MESSAGE(compared << " frames; of what is allowed: positions " << positions << "; normals differ by " << normals << " at most");
 }
 
 TEST_CASE("gpu: what does not move is neither uploaded nor made again") {

@@ -61,7 +61,7 @@ void keep(const Picture& picture, const std::string& name) {
 TEST_CASE("gpu: samples have the same vertices and pictures, whoever deforms them") {
     if (!haveOpenGl()) return;
     Live live;
-    for (const std::string name : {"caterpillar", "octopus", "figure"}) {
+    for (const std::string name : {"caterpillar", "octopus", "figure", "dragon"}) {
         CAPTURE(name);
         Session session(coreRegistry());
         const fs::path file = fs::path(IMOMUSHI_SAMPLES) / (name + ".imomushi");

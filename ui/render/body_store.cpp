@@ -103,15 +103,15 @@ void BodyStore::deformAll(const Scene& scene, const std::vector<GpuBody*>& drawn
     if (!scene.deformInput || deformer_.characterId() != scene.deformInput->id) return;
     deformer_.deform(*scene.deformInput);
     for (std::size_t i = 0; i < drawn.size(); ++i) {
-        if (!drawn[i] || drawn[i]->element < 0) continue;
+        if (!drawn[i] || drawn[i]->surface < 0) continue;
         GpuBody& gpu = *drawn[i];
-        const std::uint64_t version = deformer_.version(gpu.element);
+        const std::uint64_t version = deformer_.version(gpu.surface);
         gpu.changed = gpu.fresh || gpu.deformInput != scene.deformInput->id || gpu.version != version;
         if (gpu.fresh || gpu.deformInput != scene.deformInput->id) gpu.displayMap = {};
         gpu.deformInput = scene.deformInput->id;
         gpu.version = version;
         writeDisplayVertices(scene, drawn, i);
-        const auto& bounds = deformer_.bounds(gpu.element);
+        const auto& bounds = deformer_.bounds(gpu.surface);
         gpu.low = bounds.conservative.min();
         gpu.high = bounds.conservative.max();
         gpu.tightBounds = bounds.tight.cast<double>();
@@ -128,7 +128,7 @@ void BodyStore::writeDisplayVertices(const Scene& scene, const std::vector<GpuBo
             for (const bool first : {true, false}) {
                 if (static_cast<std::size_t>(first ? seam.a : seam.b) != i || !seam.welded) continue;
                 const GpuBody* other = bodyAt(first ? seam.b : seam.a);
-                if (other && other->element >= 0) act(seam, *other, first);
+                if (other && other->surface >= 0) act(seam, *other, first);
             }
     };
     std::size_t n = 0;
@@ -142,18 +142,18 @@ void BodyStore::writeDisplayVertices(const Scene& scene, const std::vector<GpuBo
         std::vector<GpuDeformer::Neighbour> neighbours;
         eachSeam([&](const Seam& seam, const GpuBody& other, bool first) {
             gpu.seams.emplace_back(seam.welded.get(), other.geometry.get());
-            neighbours.push_back({other.geometry.get(), other.element, *seam.welded});
+            neighbours.push_back({other.geometry.get(), other.surface, *seam.welded});
             if (!first)
                 for (auto& [own, its] : neighbours.back().welded) std::swap(own, its);
         });
-        gpu.displayMap = deformer_.makeDisplayMap(gpu.element, *gpu.geometry, neighbours);
+        gpu.displayMap = deformer_.makeDisplayMap(deformer_.shownBy(gpu.surface, scene.bodies[i].modelVertices), *gpu.geometry, neighbours);
         gpu.changed = true;
     }
     if (!gpu.changed) return;
     glBindBuffer(GL_ARRAY_BUFFER, gpu.vertices);
     glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(gpu.staging.size() * sizeof(float)), nullptr, GL_DYNAMIC_COPY);
     glBindBuffer(GL_ARRAY_BUFFER, 0);
-    deformer_.writeDisplayVertices(gpu.element, gpu.displayMap, gpu.vertices);
+    deformer_.writeDisplayVertices(gpu.surface, gpu.displayMap, gpu.vertices);
 }
 
 void BodyStore::update(const Scene& scene, std::vector<GpuBody*>& drawn) {
@@ -161,11 +161,11 @@ void BodyStore::update(const Scene& scene, std::vector<GpuBody*>& drawn) {
     drawn.clear();
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
         const Body& body = scene.bodies[i];
-        const int element = scene.deformInput && deformer_.characterId() == scene.deformInput->id ? body.deformElement : -1;
+        const int surface = scene.deformInput && deformer_.characterId() == scene.deformInput->id ? body.deformSurface : -1;
         int copies = 0;
         for (std::size_t j = 0; j < i; ++j) copies += scene.bodies[j].id == body.id;
         const std::pair key(body.id, copies);
-        if (!body.visible || !body.mesh || (!body.positions && element < 0) || body.mesh->body.triangles.rows() == 0) {
+        if (!body.visible || !body.mesh || (!body.positions && surface < 0) || body.mesh->body.triangles.rows() == 0) {
             if (const auto known = bodies_.find(key); !body.visible && known != bodies_.end()) known->second.used = true;
             drawn.push_back(nullptr);
             continue;
@@ -173,8 +173,8 @@ void BodyStore::update(const Scene& scene, std::vector<GpuBody*>& drawn) {
         GpuBody& gpu = bodies_[key];
         if (gpu.mesh != body.mesh || gpu.covered != body.coveredTriangles) create(body, gpu);
         gpu.used = true;
-        if (gpu.element != element) gpu.fresh = true;
-        gpu.element = element;
+        if (gpu.surface != surface) gpu.fresh = true;
+        gpu.surface = surface;
         gpu.changed = gpu.fresh || gpu.revision != body.revision || gpu.positions != body.positions;
         gpu.revision = body.revision;
         gpu.positions = body.positions;
@@ -190,13 +190,13 @@ void BodyStore::update(const Scene& scene, std::vector<GpuBody*>& drawn) {
 /// Bodies whose positions the processor computes.
 void BodyStore::uploadAll(const Scene& scene, const std::vector<GpuBody*>& drawn) {
     // Normals across a seam depend on both sides, so a body is filled again when a neighbour changed.
-    const auto bodyAt = [&](int i) { return i >= 0 && i < static_cast<int>(drawn.size()) && drawn[i] && drawn[i]->element < 0 ? drawn[i] : nullptr; };
+    const auto bodyAt = [&](int i) { return i >= 0 && i < static_cast<int>(drawn.size()) && drawn[i] && drawn[i]->surface < 0 ? drawn[i] : nullptr; };
     for (const Seam& seam : scene.seams) {
         GpuBody *a = bodyAt(seam.a), *b = bodyAt(seam.b);
         if (a && b && (a->changed || b->changed)) a->welded = b->welded = true;
     }
     for (std::size_t i = 0; i < drawn.size(); ++i)
-        if (drawn[i] && drawn[i]->element < 0 && (drawn[i]->changed || drawn[i]->welded)) drawn[i]->geometry->sumNormals(scene.bodies[i].positions);
+        if (drawn[i] && drawn[i]->surface < 0 && (drawn[i]->changed || drawn[i]->welded)) drawn[i]->geometry->sumNormals(scene.bodies[i].positions);
     for (const Seam& seam : scene.seams) {
         GpuBody *a = bodyAt(seam.a), *b = bodyAt(seam.b);
         if (!a || !b || !seam.welded) continue;
@@ -210,7 +210,7 @@ void BodyStore::uploadAll(const Scene& scene, const std::vector<GpuBody*>& drawn
         }
     }
     for (std::size_t i = 0; i < drawn.size(); ++i)
-        if (drawn[i] && drawn[i]->element < 0 && (drawn[i]->changed || drawn[i]->welded)) {
+        if (drawn[i] && drawn[i]->surface < 0 && (drawn[i]->changed || drawn[i]->welded)) {
             upload(scene.bodies[i], *drawn[i]);
             drawn[i]->fresh = false;
         }

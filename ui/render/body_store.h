@@ -32,7 +32,7 @@ struct GpuBody {
     const float* positions = nullptr;
     Eigen::Vector3f low = Eigen::Vector3f::Zero(), high = Eigen::Vector3f::Zero();  ///< a box that holds it, world, m
     Eigen::AlignedBox3d tightBounds;  ///< the same box; of bodies that the GPU deforms, whose `low` and `high` lie a little outside, a closer one
-    int element = -1;           ///< of the deform input, where the GPU deforms it; -1: positions are uploaded
+    int surface = -1;           ///< of the deform input, where the GPU deforms it; -1: positions are uploaded
     std::uint64_t deformInput = 0, version = 0;
     GpuDeformer::DisplayMap displayMap;
     /// The seams that `displayMap` was made for.

@@ -27,7 +27,7 @@ Result<void> DisplayVertices::prepare() {
 
 void DisplayVertices::clear() {
     first_.clear();
-    normalOf_.clear();
+    sources_.clear();
     stencils_ = {}, stencilParts_ = {};
     stencilsTexture_ = {}, stencilPartsTexture_ = {};
 }
@@ -36,21 +36,35 @@ void DisplayVertices::upload(const DeformInput& deformInput, std::vector<std::in
     first_ = std::move(firsts);
     std::vector<std::int32_t> stencils;
     std::vector<float> parts;
-    normalOf_.clear();
-    for (std::size_t e = 0; e < first_.size(); ++e) {
+    sources_.clear();
+    for (std::size_t e = 0; e < deformInput.elements.size(); ++e) {
         const auto& element = deformInput.elements[e];
         const std::int32_t first = first_[e];
         for (std::int32_t v = 0; v < element.vertices; ++v) {
-            const NormalStencil& s = element.stencils[v];
+            // Embedded points have none of their element.
+            const NormalStencil s = v < element.bodyVertices ? element.stencils[v] : NormalStencil();
             stencils.insert(stencils.end(), {first + s.a, first + s.b, first + s.c, first + s.d});
             parts.insert(parts.end(), {s.part[0], s.part[1], element.scale, 0.0f});
-            normalOf_.push_back({first + v, kStencil, 0, 0, 0.0f});
+            sources_.push_back({first + v, kStencil, first + v, 0, 0.0f});
         }
-        for (const auto& h : element.hidden) normalOf_[static_cast<std::size_t>(first + h.vertex)] = {first + h.vertex, kHidden, h.face, 0, 0.0f};
+        for (const auto& h : element.hidden) sources_[static_cast<std::size_t>(first + h.vertex)] = {first + h.vertex, kHidden, h.face, 0, 0.0f};
     }
     for (const auto& s : deformInput.seams) {
         const std::int32_t vertex = first_[static_cast<std::size_t>(s.element)] + s.vertex, other = first_[static_cast<std::size_t>(s.other)];
-        normalOf_[static_cast<std::size_t>(vertex)] = {vertex, kSeam, other + s.from, other + s.to, s.part};
+        sources_[static_cast<std::size_t>(vertex)] = {vertex, kSeam, other + s.from, other + s.to, s.part};
+    }
+    for (const auto& mesh : deformInput.meshes) {
+        first_.push_back(static_cast<std::int32_t>(sources_.size()));
+        const auto at = [&](std::int32_t v) {
+            const auto& vertex = mesh.vertices[static_cast<std::size_t>(v)];
+            return first_[static_cast<std::size_t>(vertex.element)] + vertex.vertex;
+        };
+        for (std::int32_t v = 0; v < static_cast<std::int32_t>(mesh.vertices.size()); ++v) {
+            const NormalStencil& s = mesh.stencils[v];
+            sources_.push_back({at(v), kStencil, static_cast<std::int32_t>(sources_.size()), 0, 0.0f});
+            stencils.insert(stencils.end(), {at(s.a), at(s.b), at(s.c), at(s.d)});
+            parts.insert(parts.end(), {s.part[0], s.part[1], mesh.scale, 0.0f});
+        }
     }
     stencils_ = makeBuffer(GL_TEXTURE_BUFFER, stencils);
     stencilsTexture_ = makeBufferTexture(GL_RGBA32I, stencils_);
@@ -58,15 +72,19 @@ void DisplayVertices::upload(const DeformInput& deformInput, std::vector<std::in
     stencilPartsTexture_ = makeBufferTexture(GL_RGBA32F, stencilParts_);
 }
 
-DisplayVertices::Map DisplayVertices::makeMap(int element, const BodyGeometry& geometry, const std::vector<Neighbour>& neighbours) const {
-    const std::int32_t first = first_[static_cast<std::size_t>(element)];
+const DisplayVertices::Source& DisplayVertices::sourceOf(const Shown& shown, std::int32_t vertex) const {
+    const std::int32_t v = shown.vertices ? (*shown.vertices)[static_cast<std::size_t>(vertex)] : vertex;
+    return sources_[static_cast<std::size_t>(first_[static_cast<std::size_t>(shown.surface)] + v)];
+}
+
+DisplayVertices::Map DisplayVertices::makeMap(const Shown& shown, const BodyGeometry& geometry, const std::vector<Neighbour>& neighbours) const {
     // Where the triangles of each group begin, and how many there are.
     std::vector<std::pair<std::int32_t, std::int32_t>> triangles;
     std::vector<std::int32_t> corners;
     std::vector<Source> sources;
-    const auto add = [&corners](const BodyGeometry& from, int group, std::int32_t base) {
+    const auto add = [&](const BodyGeometry& from, int group, const Shown& of) {
         for (const auto t : from.groupTriangles(group))
-            for (int c = 0; c < 3; ++c) corners.push_back(base + from.triangles()(t, c));
+            for (int c = 0; c < 3; ++c) corners.push_back(sourceOf(of, from.triangles()(t, c)).vertex);
     };
     // Vertices of `geometry` that are welded to others, by their group.
     std::vector<std::vector<std::pair<const Neighbour*, int>>> welded;
@@ -78,15 +96,15 @@ DisplayVertices::Map DisplayVertices::makeMap(int element, const BodyGeometry& g
             welded[static_cast<std::size_t>(g)].emplace_back(&n, other);
         }
     for (int i = 0; i < geometry.vertexCount(); ++i) {
-        Source s = normalOf_[static_cast<std::size_t>(first + geometry.bodyVertex()[static_cast<std::size_t>(i)])];
+        Source s = sourceOf(shown, geometry.bodyVertex()[static_cast<std::size_t>(i)]);
         if (const int group = geometry.group(i); group >= 0) {
             const auto g = static_cast<std::size_t>(group);
             if (triangles.size() <= g) triangles.resize(g + 1, {-1, 0});
             if (triangles[g].first < 0) {
                 const auto begin = static_cast<std::int32_t>(corners.size() / 3);
-                add(geometry, group, first);
+                add(geometry, group, shown);
                 if (g < welded.size())
-                    for (const auto& [neighbour, other] : welded[g]) add(*neighbour->geometry, other, first_[static_cast<std::size_t>(neighbour->element)]);
+                    for (const auto& [neighbour, other] : welded[g]) add(*neighbour->geometry, other, {neighbour->element, nullptr});
                 triangles[g] = {begin, static_cast<std::int32_t>(corners.size() / 3) - begin};
             }
             s.kind = kTriangles;

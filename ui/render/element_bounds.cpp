@@ -26,16 +26,19 @@ Vector3f shiftOf(const AffineFloat& a) { return Eigen::Map<const Vector3f>(a.shi
 }  // namespace
 
 void ElementBounds::prepare(const DeformInput::Element& element) {
-    std::vector<int> met(static_cast<std::size_t>(element.faces), 0), heldBy(met);
-    for (const auto& h : element.held) ++heldBy[static_cast<std::size_t>(h.face)];
+    std::vector<int> met(static_cast<std::size_t>(element.places), 0), heldBy(met);
+    for (const auto& h : element.held) ++heldBy[static_cast<std::size_t>(h.place)];
     for (std::size_t i = 0; i < element.held.size(); ++i) {
-        const auto f = static_cast<std::size_t>(element.held[i].face);
+        const auto f = static_cast<std::size_t>(element.held[i].place);
         if (met[f]++ % (1 + heldBy[f] / static_cast<int>(kSampledHeld)) == 0) sampledHeld_.push_back(static_cast<int>(i));
     }
 
+    offsets_.assign(static_cast<std::size_t>(element.faces), 0.0f);
+    for (const auto& part : element.jointParts) offsets_[static_cast<std::size_t>(part.face)] = std::max(offsets_[static_cast<std::size_t>(part.face)], part.offset.norm());
+
     // Clusters: halves of halves along the longest side.
     const VertexBlockReader reader(element);
-    std::vector<std::size_t> order(element.free->size());
+    std::vector<std::size_t> order(element.free.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::vector<VertexBlockReader::Place> places(order.size());
     reader.forEachFreeVertex([&](std::size_t i, const auto& place) { places[i] = place; });
@@ -90,10 +93,17 @@ BoundingBoxes ElementBounds::at(const DeformInput::Element& element) const {
         bounds.conservative.extend(middle + half);
         bounds.tight.extend(placed * (shape * c.mean + shiftOf(frame.shape) + c.meanOf * weights) + shiftOf(frame.placement));
     }
+    float farther = 0.0f;
+    for (std::size_t f = 0; f < offsets_.size(); ++f)
+        if (offsets_[f] > 0.0f) farther = std::max(farther, offsets_[f] * (linearOf(frame.joints[f]) - placed).norm());
+    if (farther > 0.0f) {
+        bounds.conservative.min().array() -= farther;
+        bounds.conservative.max().array() += farther;
+    }
     const auto shapes = element.shapes.rows();
     const auto heldAt = [&](std::size_t i) -> Vector3f {
         const auto& h = element.held[i];
-        const auto f = static_cast<std::size_t>(h.face);
+        const auto f = static_cast<std::size_t>(h.place);
         Vector3f p = linearOf(frame.joints[f]) * h.rest + shiftOf(frame.joints[f]);
         if (shapes > 0)
             p += Eigen::Map<const Eigen::Matrix<float, 3, Eigen::Dynamic, Eigen::RowMajor>>(frame.warping.data() + 3 * f * static_cast<std::size_t>(shapes), 3, shapes) *

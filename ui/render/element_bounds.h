@@ -30,7 +30,8 @@ private:
         Eigen::Matrix3Xf middleOf, halfOf, meanOf;  ///< per mode: of A' over the cluster
     };
     std::vector<Cluster> clusters_;
-    std::vector<int> sampledHeld_;  ///< into Element::held: some of each face
+    std::vector<int> sampledHeld_;  ///< into Element::held: some of each place
+    std::vector<float> offsets_;    ///< per face: the longest of its joint parts, m
 };
 
 }  // namespace imomushi::render

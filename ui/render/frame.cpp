@@ -53,7 +53,7 @@ void Frame::set(const Scene& scene, const std::vector<GpuBody*>& drawn, int widt
     const double aspect = static_cast<double>(width) / height;
     double extent = radius;  // of the sphere that holds all, markers too
     for (const GpuBody* gpu : drawn)
-        if (gpu && gpu->element >= 0) extent = std::max(extent, (gpu->high.cast<double>() - centre).cwiseMax(centre - gpu->low.cast<double>()).norm());
+        if (gpu && gpu->surface >= 0) extent = std::max(extent, (gpu->high.cast<double>() - centre).cwiseMax(centre - gpu->low.cast<double>()).norm());
     for (const Marker& m : scene.markers) extent = std::max({extent, (m.from - centre).norm() * 1.2, (m.to - centre).norm() * 1.2});
     const Eigen::Matrix4d projection = camera.projection(aspect, centre, extent);
 

@@ -15,8 +15,8 @@ namespace imomushi::render {
 /// Deforms one character on the GPU. What never changes lies in its memory: rest positions, A' and the stencils of normals in texture buffers. A frame
 /// uploads joint parameters and the frames of elements, and the vertices of the few elements that the processor deforms.
 ///
-/// Two stages of transform feedback: body vertices of all elements into one buffer, then display vertices (DisplayVertices) with their normals, which gather
-/// from it, across seams too. Everything that draws bodies stays as it is, and bodies drawn in six passes are deformed once. Texture buffers and
+/// Two stages of transform feedback: vertices of all elements (of their bodies, and embedded points) into one buffer, then display vertices (DisplayVertices)
+/// with their normals, which gather from it, across seams too. Surfaces are those of elements, then of render meshes. Everything that draws bodies stays as it is, and bodies drawn in six passes are deformed once. Texture buffers and
 /// transform feedback are part of OpenGL 3.3: storage buffers and compute shaders (4.3) would leave out macOS and older cards, and gain nothing: every
 /// vertex reads its own A' once.
 ///
@@ -25,6 +25,7 @@ class GpuDeformer {
 public:
     using DisplayMap = DisplayVertices::Map;
     using Neighbour = DisplayVertices::Neighbour;
+    using Shown = DisplayVertices::Shown;
 
     /// Errors: "bad-shader" with the compiler's log, "no-opengl" where there is no memory at all.
     Result<void> prepare();
@@ -35,20 +36,24 @@ public:
     [[nodiscard]] bool supports(int element) const { return elements_[static_cast<std::size_t>(element)].supported; }
     [[nodiscard]] std::uint64_t characterId() const { return id_; }  ///< DeformInput::id of the uploaded one, 0: none
 
-    /// Body vertices of all elements that changed.
+    /// Vertices of all elements that changed.
     void deform(const DeformInput& deformInput);
-    /// Counts the changes of an element and of what its normals follow from.
-    [[nodiscard]] std::uint64_t version(int element) const { return elements_[static_cast<std::size_t>(element)].version; }
-    [[nodiscard]] const BoundingBoxes& bounds(int element) const { return elements_[static_cast<std::size_t>(element)].bounds; }
+    /// modelVertices: Body::modelVertices, which elements have no use for.
+    [[nodiscard]] Shown shownBy(int surface, const std::vector<std::int32_t>* modelVertices) const { return {surface, isMesh(surface) ? modelVertices : nullptr}; }
+    /// Counts the changes of a surface and of what its normals follow from.
+    [[nodiscard]] std::uint64_t version(int surface) const { return isMesh(surface) ? meshOf(surface).version : elements_[static_cast<std::size_t>(surface)].version; }
+    [[nodiscard]] const BoundingBoxes& bounds(int surface) const { return isMesh(surface) ? meshOf(surface).bounds : elements_[static_cast<std::size_t>(surface)].bounds; }
 
-    [[nodiscard]] DisplayMap makeDisplayMap(int element, const BodyGeometry& geometry, const std::vector<Neighbour>& neighbours) const {
-        return display_.makeMap(element, geometry, neighbours);
+    [[nodiscard]] DisplayMap makeDisplayMap(const Shown& shown, const BodyGeometry& geometry, const std::vector<Neighbour>& neighbours) const {
+        return display_.makeMap(shown, geometry, neighbours);
     }
     /// Fills `vertices`: BodyGeometry::kFloats per display vertex.
-    void writeDisplayVertices(int element, const DisplayMap& map, GLuint vertices) const;
+    void writeDisplayVertices(int surface, const DisplayMap& map, GLuint vertices) const;
 
-    /// Reads body vertices [first, first + count) of an element: x 3, m, world. Waits for the GPU.
+    /// Reads vertices [first, first + count) of an element: x 3, m, world. Waits for the GPU.
     void readBack(int element, int first, int count, float* positions) const;
+    /// The same of one body vertex of what is shown.
+    void readVertex(const Shown& shown, std::int32_t vertex, float* position) const { read(display_.vertexOf(shown, vertex), 1, position); }
     /// Frees all memory.
     void clear();
 
@@ -62,20 +67,30 @@ public:
 
 private:
     struct ElementBuffers {
-        int first = 0, vertices = 0, faces = 0;  ///< `first`: in the buffer of all body vertices
+        int first = 0, vertices = 0, faces = 0, places = 0;  ///< `first`: in the buffer of all vertices
         bool supported = false;
         int modeVectors = 0, shapeVectors = 0;  ///< modes and shapes come in vectors of four
         bool integers = false;                  ///< A' is of 16-bit integers
         VertexArray vertexArray;
-        Buffer rest, held, response, shapes, frame;
+        Buffer rest, held, offsets, response, shapes, frame;
         TextureName responseTexture, shapesTexture;
         std::vector<float> frameNumbers;  ///< the uniform block ElementFrame
         ElementBounds boundsOf;
         std::vector<int> neighbours;      ///< elements whose vertices its normals on seams read
+        std::vector<std::int32_t> seen;   ///< under render meshes: the vertices that they need, ascending; empty: those of the body
         std::uint64_t revision = 0, version = 0;
         bool fresh = true, changed = false;
+        bool needed = true;               ///< a surface of this frame is made from it
         BoundingBoxes bounds;
     };
+    struct MeshState {
+        std::vector<std::int32_t> elements;
+        std::uint64_t version = 0;
+        BoundingBoxes bounds{};  ///< of its elements
+    };
+    [[nodiscard]] bool isMesh(int surface) const { return surface >= static_cast<int>(elements_.size()); }
+    [[nodiscard]] const MeshState& meshOf(int surface) const { return meshes_[static_cast<std::size_t>(surface) - elements_.size()]; }
+    void read(int first, int count, float* positions) const;
     void uploadElement(const DeformInput::Element& element, ElementBuffers& buffers) const;
     void uploadFrame(const DeformInput::Element& element, ElementBuffers& buffers);
     void uploadPositions(const DeformInput::Element& element, ElementBuffers& buffers);
@@ -86,7 +101,8 @@ private:
     std::uint64_t id_ = 0;
     bool uploaded_ = false;
     std::vector<ElementBuffers> elements_;
-    Buffer positions_;  ///< body vertices of all elements, x 4
+    std::vector<MeshState> meshes_;
+    Buffer positions_;  ///< vertices of all elements, x 4
     TextureName positionsTexture_;
     std::vector<float> staging_;
     Stats stats_;

@@ -48,8 +48,8 @@ PickPass::Hit PickPass::bodyAt(const PassInput& in, const GpuDeformer& deformer,
     for (int c = 0; c < 3; ++c) {
         const std::int32_t v = body.mesh->body.triangles(hit.triangle, c);
         Vector3f p;
-        if (gpu.element >= 0)
-            deformer.readBack(gpu.element, v, 1, p.data());
+        if (gpu.surface >= 0)
+            deformer.readVertex(deformer.shownBy(gpu.surface, body.modelVertices), v, p.data());
         else
             p = Eigen::Map<const Vector3f>(body.positions + 3 * v);
         corner[c] = p.cast<double>();

@@ -24,7 +24,7 @@ struct Body {
     const std::vector<std::int32_t>* modelVertices = nullptr;  ///< per body vertex that of the whole model whose textures it has; null: it is no part of one
     const float* positions = nullptr;           ///< #body vertices x 3, world
     const float* normals = nullptr;             ///< #body vertices x 3, world, unit; null: computed from the triangles
-    int deformElement = -1;                     ///< of Scene::deformInput, which it is drawn from: positions and normals are not read. -1: from these
+    int deformSurface = -1;                     ///< of Scene::deformInput (GpuDeformer), which it is drawn from: positions and normals are not read. -1: from these
     std::uint64_t revision = 0;
     Eigen::Vector3f color = Eigen::Vector3f::Constant(0.7f);  ///< linear; where the look has none
     bool visible = true;                        ///< false: not drawn, but its buffers stay on the graphics card
@@ -66,7 +66,7 @@ struct Scene {
     std::vector<Body> bodies;
     std::vector<Seam> seams;
     std::vector<Marker> markers;
-    /// What bodies with a deformElement are made from (core/character/deform_input.h): all of one character, uploaded by SceneRenderer::uploadCharacter().
+    /// What bodies with a deformSurface are made from (core/character/deform_input.h): all of one character, uploaded by SceneRenderer::uploadCharacter().
     const DeformInput* deformInput = nullptr;
     bool grid = true;
     bool groundShadow = true;         ///< soft shadow on the ground, also without the grid

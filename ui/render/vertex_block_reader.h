@@ -23,8 +23,8 @@ public:
     template <class Body>
     void forEachFreeVertex(const Body& body) const {
         std::size_t block = 0;
-        for (std::size_t i = 0; i < element_.free->size(); ++i) {
-            const std::int32_t v = (*element_.free)[i];
+        for (std::size_t i = 0; i < element_.free.size(); ++i) {
+            const std::int32_t v = element_.free[i];
             while (v >= blocks_.first[block] + kVertexBlock) ++block;
             body(i, Place{block, static_cast<std::size_t>(v - blocks_.first[block])});
         }

@@ -137,8 +137,8 @@ void DocumentScene::addBody(Session& session, const Element& element, ElementPar
     const int index = character ? session.elementIndex(element.id) : -1;
     const DeformInput::Element* made = index >= 0 && scene.deformInput && !element.piece ? &scene.deformInput->elements[static_cast<std::size_t>(index)] : nullptr;
     ContentHasher content;
-    if (made && made->vertices == element.mesh->body.vertices.rows()) {
-        body.deformElement = index;
+    if (made && made->bodyVertices == element.mesh->body.vertices.rows()) {
+        body.deformSurface = index;
         body.positions = nullptr;
         content.number(scene.deformInput->id);
         content.number(made->frame.revision);

@@ -23,7 +23,8 @@ void gather(const float* from, const std::vector<std::int32_t>& which, std::vect
 
 void DocumentScene::addRenderMeshes(Session& session, const SceneOptions& options, render::Scene& scene) {
     const Document& document = session.document();
-    for (const SeenMesh& seen : seenMeshes(session)) {
+    for (SeenMesh& seen : seenMeshes(session, scene.deformInput)) {
+        const bool unmade = seen.index >= 0 && !seen.surface.positions;
         CharacterParts& of = characters_[seen.source->id];
         const TriangleMesh& whole = seen.model().mesh.body;
         const bool sameModel = of.model == seen.source->model;
@@ -56,6 +57,15 @@ void DocumentScene::addRenderMeshes(Session& session, const SceneOptions& option
             body.selected = options.isSelected(body.id) || options.isSelected(sceneId({ScenePart::Kind::Character, seen.source->id, -1, false}));
             body.hovered = options.hovered == body.id;
             body.outdated = session.responseState(part.element) == Session::ResponseState::Stale && !session.responses().isDraft(part.element);
+            ContentHasher content;
+            if (unmade) {
+                body.deformSurface = static_cast<int>(scene.deformInput->elements.size()) + seen.index;
+                content.number(scene.deformInput->id);
+                for (const auto e : scene.deformInput->meshes[static_cast<std::size_t>(seen.index)].elements)
+                    content.number(scene.deformInput->elements[static_cast<std::size_t>(e)].frame.revision);
+                body.revision = content.key().low;
+                continue;
+            }
             if (seen.surface.positions) {
                 gather(seen.surface.positions, part.vertices, of.positions[i]);
                 gather(seen.surface.normals, part.vertices, of.normals[i]);
@@ -65,11 +75,12 @@ void DocumentScene::addRenderMeshes(Session& session, const SceneOptions& option
                 Eigen::Map<Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(of.positions[i].data(), part.mesh->body.vertices.rows(), 3) = part.mesh->body.vertices.cast<float>();
             }
             body.positions = of.positions[i].data();
-            ContentHasher content;
             content.array(std::span<const float>(of.positions[i]));
             body.revision = content.key().low;
         }
-        if (options.marked && options.marked->character == seen.source->id) addMarked(seen, of, *options.marked, firstBody, partOf, scene);
+        if (!options.marked || options.marked->character != seen.source->id) continue;
+        if (unmade) seen.surface = session.character()->renderSurface(seen.index);
+        addMarked(seen, of, *options.marked, firstBody, partOf, scene);
     }
 }
 

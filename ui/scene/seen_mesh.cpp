@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 
+#include "core/character/deform_input.h"
 #include "core/document/character_input.h"
 
 namespace imomushi {
@@ -71,7 +72,7 @@ PartId SeenMesh::elementOf(std::int32_t triangle) const {
     return b == c ? b : a;
 }
 
-std::vector<SeenMesh> seenMeshes(Session& session) {
+std::vector<SeenMesh> seenMeshes(Session& session, const DeformInput* drawnFrom) {
     std::vector<SeenMesh> all;
     Character* character = session.character();
     const CharacterPlan& plan = session.plan();
@@ -80,9 +81,10 @@ std::vector<SeenMesh> seenMeshes(Session& session) {
         seen.source = source;
         const auto at = character ? std::find(plan.characters.begin(), plan.characters.end(), id) : plan.characters.end();
         if (at != plan.characters.end()) {
-            const int index = static_cast<int>(at - plan.characters.begin());
-            seen.surface = character->renderSurface(index);
-            seen.embedded = character->input().renderMeshes[static_cast<std::size_t>(index)];
+            seen.index = static_cast<int>(at - plan.characters.begin());
+            const auto index = static_cast<std::size_t>(seen.index);
+            if (!drawnFrom || !drawnFrom->external(drawnFrom->meshes[index])) seen.surface = character->renderSurface(seen.index);
+            seen.embedded = character->input().renderMeshes[index];
             seen.elements = plan.elements;
         } else {
             seen.elements = session.document().elementsOf(id);

@@ -11,7 +11,8 @@ namespace imomushi {
 /// The render mesh of a whole character as it is seen now. Pointers are into the live character: read before the session changes again.
 struct SeenMesh {
     std::shared_ptr<const CharacterSource> source;
-    Character::Surface surface;                     ///< without positions while the character cannot be built: it is at rest
+    int index = -1;                                 ///< of CharacterInput::renderMeshes; -1: the character cannot be built
+    Character::Surface surface;                     ///< without positions while the character cannot be built (it is at rest), and see seenMeshes()
     std::shared_ptr<const EmbeddedMesh> embedded;   ///< null: the same
     std::vector<PartId> elements;                   ///< those that EmbeddedMesh::Vertex::element counts; without `embedded` the one that all follow
 
@@ -27,8 +28,8 @@ struct SeenMesh {
     [[nodiscard]] PartId elementOf(std::int32_t triangle) const;
 };
 
-/// Those of all characters.
-std::vector<SeenMesh> seenMeshes(Session& session);
+/// Those of all characters. drawnFrom: whoever draws from it makes the surfaces of meshes whose elements it deforms; these have no positions here.
+std::vector<SeenMesh> seenMeshes(Session& session, const DeformInput* drawnFrom = nullptr);
 
 /// What is seen of one element of a character, as a mesh of its own.
 struct RenderPart {
