@@ -11,7 +11,7 @@
 
 #include "core/proposal/rig_proposal.h"
 #include "core/document/rig_follower.h"
-#include "core/io/build_result.h"
+#include "tests/document/read_character.h"
 #include "tests/document/tamper.h"
 #include "tests/document/workbench.h"
 
@@ -427,16 +427,10 @@ TEST_CASE("skeletons: clips of third-party files as takes of their proposals, ex
         MESSAGE("skipped: no folder " IMOMUSHI_SHARED_MESHES);
         return;
     }
-    const auto read = [](const ImportRequest& request, const Progress& progress) -> Result<CharacterFile> {
-        const std::string bytes = readFile(request.path);
-        auto scene = readScene({request.path, bytes}, SceneUse::Character);
-        if (!scene) return tl::unexpected(scene.error());
-        return buildCharacter(std::move(*scene), request, progress);
-    };
     for (const auto& [file, clip] : {std::pair("Fox.glb", "Run"), std::pair("snake-animations.glb", "Side winding"), std::pair("character.glb", "walk")}) {
         CAPTURE(file);
         Workbench w;
-        w.session.setCharacterImporter(read);
+        w.session.setCharacterImporter(readCharacter);
         w.good({{"do", "import-character"}, {"path", fs::path(IMOMUSHI_SHARED_MESHES) / file}, {"name", "it"}});
         const auto character = w.session.document().characters.begin()->second;
         const auto proposal = proposeFromRig(*character->rig, character->model->mesh.body, character->body->mesh, std::nullopt, {});
