@@ -6,6 +6,8 @@
 #include <QIcon>
 #include <QStandardPaths>
 #include <QTimer>
+#include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
 
@@ -32,8 +34,24 @@ void prepareStudio() {
     Appearance::start();
 }
 
+namespace {
+
+/// Qt ends the program by abort() where it can draw nowhere, and advises to install it again.
+void refuseToStart(QtMsgType type, const QMessageLogContext&, const QString& message) {
+    if (type != QtFatalMsg) return;
+    std::fputs("The studio found no display to open a window on. Start it in a desktop session, or set DISPLAY or WAYLAND_DISPLAY;\n"
+               "\"imomushi run SCRIPT\" performs without one. Qt says:\n",
+               stderr);
+    std::fputs(qUtf8Printable(message), stderr);
+    std::_Exit(1);
+}
+
+}  // namespace
+
 int runStudio(int argc, char** argv) {
+    const QtMessageHandler usual = qInstallMessageHandler(refuseToStart);
     QApplication application(argc, argv);
+    qInstallMessageHandler(usual);
     prepareStudio();
     CommandRegistry registry;
     addCoreCommands(registry);
@@ -45,7 +63,8 @@ int runStudio(int argc, char** argv) {
     for (const QString& argument : QCoreApplication::arguments().mid(1))
         if (!argument.startsWith(u'-')) files << QFileInfo(argument).absoluteFilePath();
     QTimer::singleShot(0, &window, [&window, files] {
-        if (!window.files().offerRecovery()) window.files().drop(files);
+        window.files().offerRecovery();
+        window.files().drop(files);
     });
     return QApplication::exec();
 }

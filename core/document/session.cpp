@@ -247,12 +247,16 @@ Result<std::vector<DocumentHistory::Step>> SessionAccess::redo(int count) {
 }
 
 std::shared_ptr<const Take> SessionAccess::addTake(Take take, const Json& line) {
+    // Undoing a drag in which a recording ends leaves the take alone: the gesture is a step until here, and another from here on.
+    const bool gesture = session.history_.inGesture();
+    if (gesture) session.history_.endGesture();
     const Document before = session.document();
     Document& document = session.history_.edit();
     take.id = document.nextId++;
     auto added = std::make_shared<const Take>(std::move(take));
     document.takes.emplace(added->id, added);
     session.history_.commit({text(line, "do"), added->name}, before, line);
+    if (gesture) session.history_.beginGesture();
     session.historyMoved_ = true;
     return added;
 }

@@ -32,7 +32,7 @@ public:
     Result<std::vector<DocumentHistory::Step>> undo(int count);
     /// Ends a gesture. Errors: "nothing-to-redo".
     Result<std::vector<DocumentHistory::Step>> redo(int count);
-    /// Makes a take that was recorded a part of the document, as one step. `line`: the command, for the script.
+    /// Makes a take that was recorded a part of the document, as one step of its own, in the middle of a gesture too. `line`: the command, for the script.
     std::shared_ptr<const Take> addTake(Take take, const Json& line);
     /// Other commands as one step, which is a gesture: begin, execute(), end. A gesture that goes on ends first.
     void beginStep() { session.beginGesture(); }

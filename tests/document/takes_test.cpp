@@ -46,6 +46,46 @@ void enable(Workbench& w, std::initializer_list<const char*> effects) {
 
 }  // namespace
 
+TEST_CASE("takes: one that ends in the middle of a drag is a step of its own, which undoing the drag leaves alone") {
+    Workbench w;
+    w.buildChain();
+    w.good({{"do", "precompute"}});
+    const int before = w.session.position();
+    const auto drag = [&](double x) { w.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {x, 0.1, 5.5}}}); };
+    w.good({{"do", "record"}, {"take", "舞"}, {"action", "start"}});
+    w.session.beginGesture();
+    drag(0.1);
+    w.good({{"do", "step"}, {"frames", 3}});
+    w.good({{"do", "record"}, {"take", "舞"}, {"action", "stop"}});
+    drag(0.4);
+    drag(0.5);
+    w.session.endGesture();
+    CHECK(w.session.position() == before + 3);
+    const Document whole = w.session.document();
+    w.good({{"do", "undo"}});
+    CHECK(w.session.document().takeNamed("舞"));
+    CHECK(w.session.document().goals.size() == 1);  // as when the take ended
+    w.good({{"do", "undo"}});
+    CHECK_FALSE(w.session.document().takeNamed("舞"));
+    CHECK(w.session.document().goals.size() == 1);
+    w.good({{"do", "undo"}});
+    CHECK(w.session.document().goals.empty());
+    w.good({{"do", "redo"}, {"count", 3}});
+    CHECK(w.session.document().takes == whole.takes);
+    CHECK(w.session.document().goals == whole.goals);
+    // A drag that is given up after that takes back what it did since.
+    w.good({{"do", "record"}, {"take", "二"}, {"action", "start"}});
+    w.session.beginGesture();
+    drag(0.2);
+    w.good({{"do", "step"}, {"frames", 3}});
+    w.good({{"do", "record"}, {"take", "二"}, {"action", "stop"}});
+    const auto goals = w.session.document().goals;
+    drag(0.3);
+    w.session.cancelGesture();
+    CHECK(w.session.document().takeNamed("二"));
+    CHECK(w.session.document().goals == goals);
+}
+
 TEST_CASE("takes: steps that are too short for a time of their own make no frame, and add up; the project opens again") {
     Workbench w;
     w.buildChain();

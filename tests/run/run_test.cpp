@@ -417,3 +417,14 @@ TEST_CASE("run: a whole character from its file, cut, boned, dragged and written
     REQUIRE(again.status == 0);
     CHECK(readFile(folder() / "now.obj") == posed);
 }
+
+TEST_CASE("run: the studio without a display says what is missing instead of ending as if it had crashed") {
+    const Run started = program("-platform xcb");
+    if (started.err.find("built without the studio") != std::string::npos) {
+        MESSAGE("skipped: this program has no studio");
+        return;
+    }
+    CHECK(started.status == 1);
+    CHECK(started.err.find("no display") != std::string::npos);
+    CHECK(started.err.find("imomushi run") != std::string::npos);
+}

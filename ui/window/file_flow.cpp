@@ -135,15 +135,16 @@ void FileFlow::askOpen() {
     if (!path.isEmpty()) open(path);
 }
 
-void FileFlow::open(const QString& path) {
-    if (!mayDiscard()) return;
+bool FileFlow::open(const QString& path) {
+    if (!mayDiscard()) return false;
     QGuiApplication::setOverrideCursor(Qt::WaitCursor);
     const auto answer = document_.execute(commands::open(path.toStdString()));
     QGuiApplication::restoreOverrideCursor();
-    if (!answer) return;
+    if (!answer) return false;
     if (!isSample(path)) QSettings().setValue(QStringLiteral("files/folder"), QFileInfo(path).absolutePath());
     recent_.add(path);
     Q_EMIT opened();
+    return true;
 }
 
 bool FileFlow::saveTo(const QString& path) {
@@ -386,10 +387,10 @@ void FileFlow::drop(const QStringList& paths) {
         (suffix == kSuffix ? projects : meshSuffixes().contains(suffix) ? meshes : others) << path;
     }
     if (!projects.isEmpty()) {
-        const Dropped what = askDropped(projects.last());
-        if (what == Dropped::Open) open(projects.last());
-        if (what == Dropped::Append)
-            for (const QString& path : projects) append(path);
+        // One is opened, the others are added beside it.
+        const Dropped what = askDropped(projects.first());
+        if (what == Dropped::Nothing || (what == Dropped::Open && !open(projects.takeFirst()))) projects.clear();
+        for (const QString& path : projects) append(path);
     }
     if (!meshes.isEmpty()) import(meshes);
     if (!others.isEmpty()) Q_EMIT said(tr("“%1” is neither a mesh nor a project.").arg(QFileInfo(others.first()).fileName()));

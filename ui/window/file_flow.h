@@ -34,7 +34,7 @@ public:
 
     void newProject();
     void askOpen();
-    void open(const QString& path);  ///< asks about unsaved changes first
+    bool open(const QString& path);  ///< asks about unsaved changes first; false: it was not opened
     bool save();                     ///< false: given up or failed
     bool saveAs();
     void saveCopy();
