@@ -3546,6 +3546,10 @@
             <translation>変形の計算</translation>
         </message>
         <message>
+            <source>Steps that can be undone</source>
+            <translation>元に戻せる手順の数</translation>
+        </message>
+        <message>
             <source>Automatic</source>
             <translation>自動</translation>
         </message>

@@ -2,6 +2,7 @@
 #include "core/document/document_history.h"
 
 #include <algorithm>
+#include <sstream>
 #include <utility>
 
 namespace imomushi {
@@ -35,25 +36,26 @@ std::vector<Json> withoutLeftovers(const std::vector<Json>& all) {
     return kept;
 }
 
+std::string textOf(const Json& line) { return line.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n'; }
+
 std::string countText(int count, const char* none, const char* verb) {
     return count == 0 ? std::string(none) : "There are only " + std::to_string(count) + " steps to " + verb + ".";
 }
 
 }  // namespace
 
-DocumentHistory::DocumentHistory() { firstLines_.push_back(Json{{"do", "new"}}); }
+DocumentHistory::DocumentHistory() { firstLines_ = textOf(Json{{"do", "new"}}); }
 
-void DocumentHistory::commit(Step step, const Document& before, Json line) {
+void DocumentHistory::commit(Step step, const Document& before, const Json& line) {
     if (gesture_) {
         gesture_->step = std::move(step);
-        gesture_->lines.push_back(std::move(line));
-        scriptValid_ = false;
+        gesture_->lines += textOf(line);
     } else {
-        push(std::move(step), before, {std::move(line)});
+        push(std::move(step), before, textOf(line));
     }
 }
 
-void DocumentHistory::push(Step step, const Document& before, std::vector<Json> lines) {
+void DocumentHistory::push(Step step, const Document& before, Lines lines) {
     DocumentChange change = difference(before, document_);
     // The pose goes on changing as frames pass; undo leads back to the one of before.
     if (!change.pose && (!change.goals.empty() || movesJointPoints(change, document_))) change.pose = before.pose;
@@ -63,7 +65,23 @@ void DocumentHistory::push(Step step, const Document& before, std::vector<Json> 
     steps_.push_back(std::move(step));
     entries_.push_back({std::move(change), std::move(lines)});
     ++position_;
-    scriptValid_ = false;
+    dropOldest();
+}
+
+void DocumentHistory::setDepth(int steps) {
+    depth_ = std::max(steps, 1);
+    dropOldest();
+}
+
+void DocumentHistory::dropOldest() {
+    // Steps that can be redone are newer, but nothing leads there without those before: undone ones stay until something else is done.
+    const int gone = std::min(static_cast<int>(entries_.size()) - depth_, position_);
+    if (gone <= 0) return;
+    for (int i = 0; i < gone; ++i) firstLines_ += entries_[static_cast<std::size_t>(i)].lines;
+    entries_.erase(entries_.begin(), entries_.begin() + gone);
+    steps_.erase(steps_.begin(), steps_.begin() + gone);
+    position_ -= gone;
+    savedPosition_ = savedPosition_ >= gone ? savedPosition_ - gone : -1;
 }
 
 void DocumentHistory::advanceGlides(double seconds) {
@@ -77,7 +95,6 @@ void DocumentHistory::advanceGlides(double seconds) {
 
 void DocumentHistory::exchangeEntry(int index) {
     exchange(document_, entries_[static_cast<std::size_t>(index)].change);
-    scriptValid_ = false;
 }
 
 Result<std::vector<DocumentHistory::Step>> DocumentHistory::undo(int count) {
@@ -112,7 +129,7 @@ bool DocumentHistory::endGesture(Step named) {
     Gesture gesture = std::move(*gesture_);
     gesture_.reset();
     if (gesture.step.name.empty()) {
-        for (const Json& line : gesture.lines) note(line);
+        append(gesture.lines);
         return false;
     }
     push(named.name.empty() ? std::move(gesture.step) : std::move(named), gesture.before, std::move(gesture.lines));
@@ -125,7 +142,6 @@ void DocumentHistory::cancelGesture() {
     frames_.clear();
     gesture_.reset();
     exchange(document_, change);
-    scriptValid_ = false;
 }
 
 bool DocumentHistory::modified() const { return position_ != savedPosition_ || (gesture_ && !gesture_->step.name.empty()); }
@@ -135,27 +151,22 @@ void DocumentHistory::markSaved(std::filesystem::path path) {
     savedPosition_ = position_;
 }
 
-void DocumentHistory::replace(Document document, std::filesystem::path path, bool saved, Json line) {
+void DocumentHistory::replace(Document document, std::filesystem::path path, bool saved, const Json& line) {
     document_ = std::move(document);
     path_ = std::move(path);
     entries_.clear();
     steps_.clear();
-    firstLines_.assign(1, std::move(line));
+    firstLines_ = textOf(line);
     position_ = 0;
     savedPosition_ = saved ? 0 : -1;
     gesture_.reset();
     frames_.clear();
-    scriptValid_ = false;
 }
 
-void DocumentHistory::note(const Json& line) {
-    if (gesture_)
-        gesture_->lines.push_back(line);
-    else if (position_ > 0)
-        entries_[static_cast<std::size_t>(position_ - 1)].lines.push_back(line);
-    else
-        firstLines_.push_back(line);
-    scriptValid_ = false;
+void DocumentHistory::note(const Json& line) { append(textOf(line)); }
+
+void DocumentHistory::append(const Lines& lines) {
+    (gesture_ ? gesture_->lines : position_ > 0 ? entries_[static_cast<std::size_t>(position_ - 1)].lines : firstLines_) += lines;
 }
 
 void DocumentHistory::flushFrames() {
@@ -166,16 +177,15 @@ void DocumentHistory::flushFrames() {
     note(line);
 }
 
-const std::vector<Json>& DocumentHistory::script() const {
-    if (scriptValid_) return script_;
-    std::vector<Json> all = firstLines_;
-    for (int i = 0; i < position_; ++i) {
-        const auto& lines = entries_[static_cast<std::size_t>(i)].lines;
-        all.insert(all.end(), lines.begin(), lines.end());
-    }
-    script_ = withoutLeftovers(all);
-    scriptValid_ = true;
-    return script_;
+std::vector<Json> DocumentHistory::script() const {
+    std::vector<Json> all;
+    const auto add = [&all](const Lines& lines) {
+        std::istringstream text(lines);
+        for (std::string line; std::getline(text, line);) all.push_back(Json::parse(line));
+    };
+    add(firstLines_);
+    for (int i = 0; i < position_; ++i) add(entries_[static_cast<std::size_t>(i)].lines);
+    return withoutLeftovers(all);
 }
 
 }  // namespace imomushi

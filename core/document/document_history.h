@@ -13,7 +13,7 @@
 
 namespace imomushi {
 
-/// A document with its undo and redo, its file, and the script that makes it again. Nothing derived: no character, no response.
+/// A document with its undo and redo (the last steps: setDepth()), its file, and the script that makes it again. Nothing derived: no character, no response.
 class DocumentHistory {
 public:
     struct Step {
@@ -27,7 +27,7 @@ public:
     // ---- one change: edit(), then either commit() or rollBack() with the document as it was before
     Document& edit() { return document_; }
     /// Makes what changed since `before` one undo step, or a part of the gesture that goes on. `line`: the command, for the script.
-    void commit(Step step, const Document& before, Json line);
+    void commit(Step step, const Document& before, const Json& line);
     void rollBack(const Document& before) { document_ = before; }
 
     // ---- what passes with time is no step
@@ -42,6 +42,9 @@ public:
     Result<std::vector<Step>> redo(int count);
     [[nodiscard]] const std::vector<Step>& steps() const { return steps_; }  ///< all, oldest first
     [[nodiscard]] int position() const { return position_; }                 ///< how many of them are done; the rest can be redone
+    static constexpr int kDepth = 1000;
+    /// How many steps are kept from now on, at least 1: the oldest go first, and what only they held. The script keeps their lines.
+    void setDepth(int steps);
 
     // ---- gestures: all commits between begin and end become one step, named after the last of them
     void beginGesture();
@@ -57,7 +60,7 @@ public:
     [[nodiscard]] bool modified() const;
     void markSaved(std::filesystem::path path);
     /// Another document, without any step. `saved`: `path` holds it. `line`: the command that did it, for the script.
-    void replace(Document document, std::filesystem::path path, bool saved, Json line);
+    void replace(Document document, std::filesystem::path path, bool saved, const Json& line);
 
     // ---- script
     /// A line that belongs into the script without being a step (precompute).
@@ -66,33 +69,36 @@ public:
     void noteFrame(double seconds) { frames_.push_back(seconds); }
     void flushFrames();
     /// The commands that make this document again, oldest first. What was undone is left out, and frames that no take depends on.
-    [[nodiscard]] const std::vector<Json>& script() const;
+    [[nodiscard]] std::vector<Json> script() const;
 
 private:
+    /// Lines of the script as text, each with its end: hours of dragging are some ten times smaller so than as values.
+    using Lines = std::string;
     /// A step and the exchange that undoes and redoes it.
     struct Entry {
         DocumentChange change;
-        std::vector<Json> lines;
+        Lines lines;
     };
     struct Gesture {
         Document before;
-        std::vector<Json> lines;
+        Lines lines;
         Step step;  ///< without a name: nothing was committed
     };
-    void push(Step step, const Document& before, std::vector<Json> lines);
+    void push(Step step, const Document& before, Lines lines);
+    void append(const Lines& lines);
+    void dropOldest();
     void exchangeEntry(int index);
 
     Document document_;
     std::filesystem::path path_;
     std::vector<Entry> entries_;
     std::vector<Step> steps_;        // of entries_
-    std::vector<Json> firstLines_;   // before the first entry: "new" or "open", and notes
+    Lines firstLines_;               // before the first entry: "new" or "open", notes, and steps that are not kept any more
+    int depth_ = kDepth;
     int position_ = 0;
     int savedPosition_ = 0;          // -1: no number of undos or redos leads back to the saved state
     std::optional<Gesture> gesture_;
     std::vector<double> frames_;     // s each, not flushed yet
-    mutable std::vector<Json> script_;
-    mutable bool scriptValid_ = false;
 };
 
 }  // namespace imomushi

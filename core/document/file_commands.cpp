@@ -129,10 +129,11 @@ Result<Json> save(SessionAccess& access, const Json& arguments, const Progress&)
 Result<Json> saveScript(SessionAccess& access, const Json& arguments, const Progress&) {
     const auto path = pathFrom(arguments);
     if (!path) return tl::unexpected(path.error());
+    const std::vector<Json> script = access.session.script();
     std::string lines;
-    for (const Json& line : access.session.script()) lines += line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+    for (const Json& line : script) lines += line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
     if (auto written = writeFileAtomically(*path, lines); !written) return tl::unexpected(written.error());
-    return Json{{"commands", access.session.script().size()}};
+    return Json{{"commands", script.size()}};
 }
 
 }  // namespace

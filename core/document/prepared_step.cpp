@@ -26,7 +26,8 @@ Result<PreparedStep> prepareStep(const CommandRegistry& registry, Project projec
     made.answer = std::move(*answer);
     made.after = session.document();
     made.step = session.steps().front();
-    made.lines.assign(session.script().begin() + 1, session.script().end());  // the first one says where the document came from
+    made.lines = session.script();
+    made.lines.erase(made.lines.begin());  // it says where the document came from
     assert(!made.lines.empty());
     return made;
 }

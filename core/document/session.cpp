@@ -60,7 +60,6 @@ Result<Json> Session::execute(const Json& command, const Progress& progress) {
     // Frames that follow each other are one line of the script.
     if (what->name != "step") history_.flushFrames();
     const Document before = history_.document();  // shares all parts
-    const int position = history_.position();
     // A command may run others (SessionAccess::execute()): what it has told so far is its own.
     struct Outer {
         Session& session;
@@ -83,7 +82,7 @@ Result<Json> Session::execute(const Json& command, const Progress& progress) {
     const bool posed = change.document.posing();
     change.pose = change.pose || posed || (what->changesDocument() && change.structure());
     if (what->changesDocument()) history_.commit({what->name, subjectOf(command)}, before, command);
-    const bool stepped = what->changesDocument() || history_.position() != position;
+    const bool stepped = what->changesDocument() || historyMoved_;
     if (stepped || change.structure() || change.responses) live_->stir(stepped);
     if (what->changesDocument() && (posed || change.document.effects)) live_->leaveTake();
     if (change.structure() || change.responses) responses_.refresh();

@@ -46,6 +46,8 @@ public:
     using Step = DocumentHistory::Step;
     [[nodiscard]] const std::vector<Step>& steps() const { return history_.steps(); }  ///< all, oldest first
     [[nodiscard]] int position() const { return history_.position(); }                 ///< how many of them are done; the rest can be redone
+    /// See DocumentHistory::setDepth().
+    void setHistoryDepth(int steps) { history_.setDepth(steps); }
     /// Commands between begin and end become one undo step (a drag gesture). cancelGesture() takes them back.
     void beginGesture();
     /// `named`: the step is called so, instead of after the last command.
@@ -55,7 +57,7 @@ public:
     [[nodiscard]] bool modified() const { return history_.modified() || responses_.unsaved(); }
     [[nodiscard]] const std::filesystem::path& path() const { return history_.path(); }  ///< of the project file, empty: never saved
     /// The commands that make the document again, as "save-script" writes them.
-    [[nodiscard]] const std::vector<Json>& script() const { return history_.script(); }
+    [[nodiscard]] std::vector<Json> script() const { return history_.script(); }
 
     // ---- responses: see DocumentResponses
     DocumentResponses& responses() { return responses_; }

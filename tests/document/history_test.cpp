@@ -234,3 +234,34 @@ TEST_CASE("listener: says what changed") {
     w.run({{"do", "drag"}, {"endpoint", "nobody/end"}, {"to", {1, 0, 5}}});
     CHECK(calls == before);
 }
+
+TEST_CASE("history: only the last steps are kept, and what only older ones held goes; the script still makes the whole document again") {
+    Workbench w;
+    w.session.setHistoryDepth(5);
+    w.good({{"do", "import-element"}, {"path", "bar0"}, {"name", "A"}});
+    std::weak_ptr<const ElementMesh> mesh = w.session.document().elements.begin()->second->mesh;
+    w.good({{"do", "remove-element"}, {"name", "A"}});
+    CHECK_FALSE(mesh.expired());  // undo brings it back
+    w.good({{"do", "import-element"}, {"path", "bar1"}, {"name", "B"}});
+    const TestFolder folder;
+    w.good({{"do", "save"}, {"path", (folder.path() / "a.imomushi").string()}});
+    CHECK_FALSE(w.session.modified());
+    for (int i = 0; i < 5; ++i) w.good({{"do", "set"}, {"target", "B"}, {"property", "stiffness"}, {"value", 2.0 + i}});
+    CHECK(w.session.position() == 5);
+    CHECK(w.session.steps().size() == 5);
+    CHECK(mesh.expired());
+    w.good({{"do", "undo"}, {"count", 5}});
+    CHECK(w.code({{"do", "undo"}}) == "nothing-to-undo");
+    CHECK_FALSE(w.session.modified());  // what was saved is the oldest state that is kept
+    w.good({{"do", "redo"}, {"count", 5}});
+    w.good({{"do", "set"}, {"target", "B"}, {"property", "stiffness"}, {"value", 9.0}});
+    w.good({{"do", "undo"}, {"count", 5}});
+    CHECK(w.session.modified());  // and is out of reach now
+    w.good({{"do", "redo"}, {"count", 5}});
+    Workbench again;
+    for (const Json& line : w.session.script()) again.good(line);
+    CHECK(again.session.document().elements.size() == 1);
+    CHECK(again.session.document().elements.begin()->second->stiffness == 9.0);
+    w.session.setHistoryDepth(2);
+    CHECK(w.session.position() == 2);
+}

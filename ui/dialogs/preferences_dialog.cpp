@@ -14,12 +14,20 @@
 #include <QTabWidget>
 #include <QTableWidget>
 #include <QVBoxLayout>
+#include <algorithm>
 #include <map>
 
+#include "core/document/document_history.h"
 #include "ui/widgets/action_set.h"
 #include "ui/widgets/appearance.h"
 
 namespace imomushi {
+
+namespace {
+const QString kHistoryDepth = QStringLiteral("history/depth");
+}
+
+int PreferencesDialog::historyDepth() { return std::clamp(QSettings().value(kHistoryDepth, DocumentHistory::kDepth).toInt(), 1, 1'000'000); }
 
 PreferencesDialog::PreferencesDialog(ActionSet& actions, QWidget* parent) : QDialog(parent), actions_(actions) {
     setLayout(new QVBoxLayout);
@@ -87,6 +95,17 @@ void PreferencesDialog::rebuild() {
     row(tr("Deform on"), {tr("Automatic"), tr("Processor"), tr("Graphics card")}, QSettings().value(QStringLiteral("view/deform-on"), 0).toInt(), [this](int i) {
         QSettings().setValue(QStringLiteral("view/deform-on"), i);
         Q_EMIT deformOnChanged(i);
+    });
+    static constexpr int kDepths[] = {100, 300, DocumentHistory::kDepth, 3000, 10000};
+    QStringList depths;
+    int depth = 2;
+    for (int i = 0; i < int(std::size(kDepths)); ++i) {
+        depths << locale().toString(kDepths[i]);
+        if (historyDepth() == kDepths[i]) depth = i;
+    }
+    row(tr("Steps that can be undone"), depths, depth, [this](int i) {
+        QSettings().setValue(kHistoryDepth, kDepths[i]);
+        Q_EMIT historyDepthChanged(kDepths[i]);
     });
     tabs_->addTab(look, tr("General"));
 

@@ -12,15 +12,19 @@ namespace imomushi {
 
 class ActionSet;
 
-/// Look, language, navigation, who deforms, and shortcuts. Everything takes effect at once.
+/// Look, language, navigation, who deforms, how much can be undone, and shortcuts. Everything takes effect at once.
 class PreferencesDialog : public QDialog {
     Q_OBJECT
 public:
     explicit PreferencesDialog(ActionSet& actions, QWidget* parent = nullptr);
 
+    /// As chosen: see DocumentHistory::setDepth().
+    static int historyDepth();
+
 signals:
     void navigationChanged(int preset);
     void deformOnChanged(int where);  ///< of ViewportWidget::DeformOn
+    void historyDepthChanged(int steps);
 
 protected:
     void changeEvent(QEvent* event) override;

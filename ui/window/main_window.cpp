@@ -18,6 +18,7 @@
 #include <algorithm>
 
 #include "ui/dialogs/export_dialog.h"
+#include "ui/dialogs/preferences_dialog.h"
 #include "ui/jobs/export_job.h"
 #include "ui/jobs/proposal_job.h"
 #include "ui/models/commands.h"
@@ -349,6 +350,7 @@ void MainWindow::connectView() {
     status_->setHint(viewport_->hint());
     const QSettings settings;
     viewport_->setNavigationPreset(NavigationPreset(std::clamp(settings.value(QStringLiteral("view/navigation"), 0).toInt(), 0, 1)));
+    document_.session().setHistoryDepth(PreferencesDialog::historyDepth());
     viewport_->setDeformOn(ViewportWidget::DeformOn(std::clamp(settings.value(QStringLiteral("view/deform-on"), 0).toInt(), 0, 2)));
 }
 

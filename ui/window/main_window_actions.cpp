@@ -273,6 +273,7 @@ void MainWindow::openPreferences() {
     PreferencesDialog dialog(*actions_, this);
     connect(&dialog, &PreferencesDialog::navigationChanged, this, [this](int preset) { viewport_->setNavigationPreset(NavigationPreset(preset)); });
     connect(&dialog, &PreferencesDialog::deformOnChanged, this, [this](int where) { viewport_->setDeformOn(ViewportWidget::DeformOn(where)); });
+    connect(&dialog, &PreferencesDialog::historyDepthChanged, this, [this](int steps) { document_.session().setHistoryDepth(steps); });
     dialog.exec();
 }
 
