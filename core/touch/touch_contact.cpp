@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Contact of a few fingers by the elastic response (James and Pai 1999): unknown forces at the pressed points, their compliance from the precomputed
-// patches. Gauss-Seidel over the fingers finds which stick, slip or leave (each alone is solved exactly); the equations of those then are solved at
-// once.
+// patches, solved by ContactSolver.
 #include "core/touch/touch_contact.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <span>
 
 #include "core/base/finite.h"
 #include "core/mesh/topology.h"
@@ -27,11 +24,7 @@ constexpr double kFarthest = 100.0;
 constexpr double kGone = 1e-7;
 /// What is left of coming in, below which a finger is where it wants to be.
 constexpr double kArrived = 1e-7;
-/// Friction never takes more than this part of what pushing straight in does, or a slipping finger would have no answer (Painleve's paradox).
-constexpr double kMaxCoupling = 0.9;
-/// Fingers that hold need one round.
-constexpr int kSweeps = 4, kRounds = 6;
-/// Slack in the tests whether solved forces are within their cones.
+/// Slack in the tests of goals and of the largest strain.
 constexpr double kSlack = 1e-9;
 
 /// A critically damped return to 0, exact for any time: value'' = -2 omega value' - omega^2 value.
@@ -62,7 +55,8 @@ Result<TouchContact> TouchContact::build(std::shared_ptr<const TouchSurface> sur
     return TouchContact(std::move(surface), settings);
 }
 
-TouchContact::TouchContact(std::shared_ptr<const TouchSurface> surface, const TouchSettings& settings) : surface_(std::move(surface)), settings_(settings) {
+TouchContact::TouchContact(std::shared_ptr<const TouchSurface> surface, const TouchSettings& settings)
+    : surface_(std::move(surface)), settings_(settings), solver_(kFingers) {
     const Eigen::Index count = touch().patches.count(), columns = 3 * count;
     for (Finger& finger : fingers_) {
         finger.weights = Eigen::VectorXd::Zero(count);
@@ -72,12 +66,6 @@ TouchContact::TouchContact(std::shared_ptr<const TouchSurface> surface, const To
     left_ = leftRate_ = total_ = before_ = Eigen::VectorXd::Zero(columns);
     weights_ = nextWeights_ = Eigen::VectorXd::Zero(count);
     gradients_ = Eigen::VectorXd::Zero(touch().gradients.rows());
-    active_.reserve(kFingers);
-    contact_.resize(kFingers);
-    compliance_.assign(static_cast<std::size_t>(kFingers) * kFingers, Eigen::Matrix3d::Zero());
-    matrix_.resize(static_cast<std::size_t>(9 * kFingers) * kFingers);
-    right_.resize(3 * kFingers);
-    kept_.resize(kFingers);
 }
 
 Result<void> TouchContact::set(const TouchSettings& settings) {
@@ -105,10 +93,10 @@ void TouchContact::findCompliance(std::size_t finger) {
     };
     for (std::size_t other = 0; other < fingers_.size(); ++other) {
         if (!fingers_[other].down && other != finger) continue;
-        moved(f, fingers_[other], compliance(finger, other));
-        if (other != finger) moved(fingers_[other], f, compliance(other, finger));
+        moved(f, fingers_[other], solver_.compliance(finger, other));
+        if (other != finger) moved(fingers_[other], f, solver_.compliance(other, finger));
     }
-    compliance(finger, finger).diagonal().array() += kSoftness * mean;
+    solver_.compliance(finger, finger).diagonal().array() += kSoftness * mean;
 }
 
 /// The largest of the probes, Frobenius.
@@ -279,121 +267,18 @@ void TouchContact::advance(double seconds) {
     }
 }
 
-/// What the point of an active finger still misses, without its own force.
-Vec3 TouchContact::residual(std::size_t i) const {
-    Vec3 out = fingers_[active_[i]].goal;
-    for (std::size_t j = 0; j < active_.size(); ++j)
-        if (j != i) out -= compliance(active_[i], active_[j]) * fingers_[active_[j]].force;
-    return out;
-}
-
-/// The force of a finger alone that moves its point by `gap`: none, sticking or slipping.
-void TouchContact::solveAlone(const Eigen::Matrix3d& D, const Vec3& gap, Finger& f, Contact& how) const {
-    const Vec3& n = f.normal;
-    const double push = n.dot(D * n);
-    f.force.setZero();
-    how = Contact::None;
-    if (!(gap.dot(n) < 0.0) || !(push > 0.0)) return;
-    f.force = D.inverse() * gap;
-    double into = -n.dot(f.force);
-    const Vec3 along = f.force + into * n;
-    how = Contact::Stick;
-    if (into > 0.0 && along.norm() <= settings_.friction * into) return;
-    // Along the surface towards where sticking would drag it.
-    f.slip = settings_.friction * unit(along, Vec3::Zero());
-    const double drag = n.dot(D * f.slip);
-    if (drag > kMaxCoupling * push) f.slip *= kMaxCoupling * push / drag;
-    f.force = n.dot(gap) / (n.dot(D * f.slip) - push) * (f.slip - n);
-    how = Contact::Slip;
-}
-
-/// One finger, with the others as they are.
-void TouchContact::sweep() {
-    for (std::size_t i = 0; i < active_.size(); ++i) solveAlone(compliance(active_[i], active_[i]), residual(i), fingers_[active_[i]], contact_[i]);
-}
-
-/// Solves the equations of all fingers that stick and slip at once. False, with the forces as they were: then others would stick or slip.
-bool TouchContact::solveTogether() {
-    const std::size_t count = active_.size();
-    std::array<std::size_t, kFingers + 1> at{};
-    for (std::size_t i = 0; i < count; ++i) at[i + 1] = at[i] + (contact_[i] == Contact::Stick ? 3u : contact_[i] == Contact::Slip ? 1u : 0u);
-    const std::size_t n = at[count];
-    if (n == 0) return true;
-    double* A = matrix_.data();
-    for (std::size_t i = 0; i < count; ++i) {
-        const Finger& f = fingers_[active_[i]];
-        const bool sticks = contact_[i] == Contact::Stick;
-        if (at[i + 1] == at[i]) continue;
-        for (std::size_t j = 0; j < count; ++j) {
-            const Eigen::Matrix3d& D = compliance(active_[i], active_[j]);
-            const Finger& other = fingers_[active_[j]];
-            if (at[j + 1] == at[j]) continue;
-            if (contact_[j] == Contact::Stick) {
-                for (int k = 0; k < (sticks ? 3 : 1); ++k)
-                    for (int l = 0; l < 3; ++l) A[(at[i] + k) * n + at[j] + l] = sticks ? D(k, l) : f.normal.dot(D.col(l));
-            } else {
-                const Vec3 by = D * (other.slip - other.normal);
-                for (int k = 0; k < (sticks ? 3 : 1); ++k) A[(at[i] + k) * n + at[j]] = sticks ? by[k] : f.normal.dot(by);
-            }
-        }
-        for (int k = 0; k < (sticks ? 3 : 1); ++k) right_[at[i] + k] = sticks ? f.goal[k] : f.normal.dot(f.goal);
-    }
-    // Gauss with the largest of each column.
-    for (std::size_t c = 0; c < n; ++c) {
-        std::size_t pivot = c;
-        for (std::size_t r = c + 1; r < n; ++r)
-            if (std::abs(A[r * n + c]) > std::abs(A[pivot * n + c])) pivot = r;
-        if (!(std::abs(A[pivot * n + c]) > 0.0)) return false;
-        if (pivot != c) {
-            std::swap_ranges(A + pivot * n, A + pivot * n + n, A + c * n);
-            std::swap(right_[pivot], right_[c]);
-        }
-        for (std::size_t r = c + 1; r < n; ++r) {
-            const double factor = A[r * n + c] / A[c * n + c];
-            if (factor == 0.0) continue;
-            for (std::size_t k = c + 1; k < n; ++k) A[r * n + k] -= factor * A[c * n + k];
-            right_[r] -= factor * right_[c];
-        }
-    }
-    for (std::size_t c = n; c-- > 0;) {
-        for (std::size_t k = c + 1; k < n; ++k) right_[c] -= A[c * n + k] * right_[k];
-        right_[c] /= A[c * n + c];
-    }
-    for (std::size_t i = 0; i < count; ++i) kept_[i] = fingers_[active_[i]].force;
-    bool holds = true;
-    for (std::size_t i = 0; i < count && holds; ++i) {
-        Finger& f = fingers_[active_[i]];
-        if (contact_[i] == Contact::Stick) {
-            const Vec3 force(right_[at[i]], right_[at[i] + 1], right_[at[i] + 2]);
-            const double into = -f.normal.dot(force);
-            holds = into > 0.0 && (force + into * f.normal).norm() <= (1.0 + kSlack) * settings_.friction * into;
-            f.force = force;
-        } else if (contact_[i] == Contact::Slip) {
-            const double into = right_[at[i]];
-            f.force = into * (f.slip - f.normal);
-            holds = into > 0.0;
-        }
-    }
-    for (std::size_t i = 0; i < count && holds; ++i)
-        if (contact_[i] == Contact::None) holds = residual(i).dot(fingers_[active_[i]].normal) >= -kSlack * surface_->size();
-    if (!holds)
-        for (std::size_t i = 0; i < count; ++i) fingers_[active_[i]].force = kept_[i];
-    return holds;
-}
-
 void TouchContact::solve() {
-    active_.clear();
     for (std::size_t i = 0; i < fingers_.size(); ++i) {
         Finger& f = fingers_[i];
         f.clamped = false;
         if (!f.down) continue;
         f.state = State::Outside;
+        f.how = ContactPoint::How::None;
         if (!f.aimed || f.wanted.dot(f.normal) >= 0.0) continue;
         f.goal = (1.0 - f.remaining) * f.wanted;
         // Alone it would press no deeper than the largest gradient.
         const Vec3 before = f.force;
-        Contact how{};
-        solveAlone(compliance(i, i), f.goal, f, how);
+        ContactSolver::solveAlone(solver_.compliance(i, i), f.goal, settings_.friction, f);
         gradients_.noalias() = f.gradients.transpose() * f.force;
         if (const double most = largestGradient(gradients_); most > settings_.mostStrain) {
             f.goal *= settings_.mostStrain / most;
@@ -401,21 +286,11 @@ void TouchContact::solve() {
         }
         f.force = before;
         if (!resting_) f.goal.noalias() -= f.rows * left_;
-        active_.push_back(i);
+        solver_.add(i, f);
     }
-    const std::size_t count = active_.size();
-    if (count == 1) {
-        sweep();
-    } else if (count > 1) {
-        for (int round = 0; round < kRounds; ++round) {
-            for (int k = 0; k < kSweeps; ++k) sweep();
-            if (solveTogether()) break;
-        }
-    }
-    for (std::size_t i = 0; i < count; ++i) {
-        Finger& f = fingers_[active_[i]];
-        if (contact_[i] != Contact::None) f.state = contact_[i] == Contact::Stick ? State::Sticks : State::Slips;
-    }
+    solver_.solve(settings_.friction, kSlack * surface_->size());
+    for (Finger& f : fingers_)
+        if (f.down && f.how != ContactPoint::How::None) f.state = f.how == ContactPoint::How::Stick ? State::Sticks : State::Slips;
 }
 
 /// Sums the forces, within the largest strain, and says how far points move.

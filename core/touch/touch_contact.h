@@ -5,10 +5,10 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <vector>
 
 #include "core/base/result.h"
 #include "core/mesh/mesh.h"
+#include "core/touch/contact_solve.h"
 #include "core/touch/touch_surface.h"
 
 namespace imomushi {
@@ -90,7 +90,7 @@ public:
 
 private:
     using Row3 = Eigen::Matrix<double, 3, Eigen::Dynamic>;
-    struct Finger {
+    struct Finger : ContactPoint {
         bool down = false, clamped = false, aimed = false;
         State state = State::Up;
         Point point;
@@ -98,26 +98,18 @@ private:
         Eigen::VectorXd weights;  // P, sum 1
         Row3 rows;                // 3 x 3 P: displacement of its point by patch forces
         Row3 gradients;           // 3 x 9 #probes: of the displacement by its force
-        Vec3 wanted = Vec3::Zero(), normal = Vec3::UnitZ();
+        Vec3 wanted = Vec3::Zero();
         double remaining = 1.0, remainingRate = 0.0;  // what is left of the way of coming in, 1 ... 0
-        Vec3 force = Vec3::Zero(), slip = Vec3::Zero(), moved = Vec3::Zero();
-        Vec3 goal = Vec3::Zero();  // of the displacement by all fingers, this frame
+        Vec3 moved = Vec3::Zero();
     };
-    enum class Contact : char { None, Stick, Slip };
 
     TouchContact(std::shared_ptr<const TouchSurface> surface, const TouchSettings& settings);
     [[nodiscard]] const TouchResponse& touch() const { return surface_->touch(); }
     void findCompliance(std::size_t finger);
-    [[nodiscard]] Eigen::Matrix3d& compliance(std::size_t of, std::size_t by) { return compliance_[of * kFingers + by]; }
-    [[nodiscard]] const Eigen::Matrix3d& compliance(std::size_t of, std::size_t by) const { return compliance_[of * kFingers + by]; }
     [[nodiscard]] double largestGradient(const Eigen::VectorXd& gradients) const;
-    void solveAlone(const Eigen::Matrix3d& compliance, const Vec3& gap, Finger& finger, Contact& how) const;
     void leave(Finger& finger);
     void advance(double seconds);
     void solve();
-    void sweep();
-    bool solveTogether();
-    [[nodiscard]] Vec3 residual(std::size_t i) const;
     void sumForces();
 
     std::shared_ptr<const TouchSurface> surface_;
@@ -127,11 +119,7 @@ private:
     Eigen::VectorXd left_, leftRate_, total_, before_;  // 3 P: dents of fingers that are gone, and all
     Eigen::VectorXd weights_, nextWeights_;             // P
     Eigen::VectorXd gradients_;                         // 9 #probes
-    std::vector<std::size_t> active_;                   // fingers that are inside
-    std::vector<Contact> contact_;                      // of active_
-    std::vector<Eigen::Matrix3d> compliance_;           // kFingers x kFingers: displacement of a finger's point by the force of another, of those that are down
-    std::vector<double> matrix_, right_;
-    std::vector<Vec3> kept_;
+    ContactSolver solver_;                              // a slot per finger
     bool idle_ = true, resting_ = true;  // resting_: no dents of fingers that are gone
     std::uint64_t revision_ = 0;
 };
