@@ -50,8 +50,8 @@ constexpr double kThinWall = 2.5, kThinShare = 0.5;
 /// The condition number of the equations with quadratic displacement grows as the cube of this ratio, to 1e8 here: more than single-precision factors solve.
 constexpr double kExtremeWall = 150.0, kExtremeShare = 0.05;
 constexpr std::int32_t kWallSamples = 250;  // triangles
-/// Part of the error that strips and bubbles leave, see coarserLevel().
-constexpr double kErrorLeft = 0.1;
+/// Part of the error that strips and bubbles leave, see coarserLevel(); and what strips leave alone: 0.45 of the largest error of a cylinder, 0.51 of a body of three faces.
+constexpr double kErrorLeft = 0.1, kErrorLeftByStrips = 0.5;
 /// The same of tetrahedra, measured on six bodies: 0.25 to 0.63 where the body keeps its shape or at least 2,500 vertices take its place. Of fewer vertices the
 /// coarser level differs less from the finer one than that from the truth: 0.3 to 1.1 with 600.
 constexpr double kVolumeErrorLeft = 0.65, kShapeLost = 1.0 / 3.0, kKeepShape = 2500.0;
@@ -74,6 +74,27 @@ void addDetail(SolvedBody& body, int layers, double straight) {
     body.plain = std::move(body.mesh);
     body.mesh = withLayers(body.plain, layers);
     body.mesh.bubbles = longFreeEdges(body.mesh, straight * meanEdge(body.plain.mesh));
+}
+
+/// What bubbles leave of the error of linear displacement, 0...1: an edge of length h is wrong by h^2, on an area of h^2.
+double linearPart(const SolverMesh& mesh) {
+    std::vector<char> held(static_cast<std::size_t>(mesh.mesh.triangles.rows()));
+    for (const SolverMesh::Patch& face : mesh.faces)
+        for (const std::int32_t t : face.triangles) held[static_cast<std::size_t>(t)] = 1;
+    const EdgeTable edges(mesh.mesh.triangles);
+    double all = 0.0, linear = 0.0;
+    std::size_t next = 0;  // both lists ascend
+    for (int e = 0; e < edges.size(); ++e) {
+        const auto uses = edges.uses(e);
+        const std::int32_t low = uses[0].low, high = uses[0].high;
+        const bool bubble = next < mesh.bubbles.size() && mesh.bubbles[next] == std::array<std::int32_t, 2>{low, high};
+        if (bubble) ++next;
+        if (std::any_of(uses.begin(), uses.end(), [&](const EdgeUse& use) { return held[static_cast<std::size_t>(use.triangle)] != 0; })) continue;
+        const double wrong = std::pow((mesh.mesh.vertices.row(low) - mesh.mesh.vertices.row(high)).squaredNorm(), 3.0);
+        all += wrong;
+        if (!bubble) linear += wrong;
+    }
+    return all > 0.0 ? std::sqrt(linear / all) : 0.0;
 }
 
 /// Distance from the centroid of triangle t along its inner normal to where the ray leaves the body. Infinite where it does not.
@@ -284,10 +305,10 @@ Result<CoarserLevel> coarserLevel(const TriangleMesh& body, std::span<const Join
         return out;
     }
     if (fine.plain.mesh.vertices.rows() > 0) {
+        out.share = std::max(kErrorLeft, kErrorLeftByStrips * linearPart(fine.mesh));
         out.body = fine;
         out.body.mesh = std::move(out.body.plain);
         out.body.plain = {};
-        out.share = kErrorLeft;
         return out;
     }
     const auto vertices = static_cast<double>(fine.mesh.mesh.vertices.rows());
