@@ -32,6 +32,16 @@ constexpr double kBendSlack = 0.0175;
 constexpr double kSideForce = 1e-3;
 constexpr double kStraight = 0.05;
 
+// Nearer to the opposite of a direction than this (1 plus the cosine: .08 degrees) there is hardly a torque to a side, and none at all there: it is taken as that far.
+constexpr double kOpposite = 1e-6;
+
+// The unit vector t, or one beside the opposite of d where t is nearer to that: on the side of t, or else on that of `side` (unit, across d).
+Vec3 besideOpposite(const Vec3& t, const Vec3& d, const Vec3& side) {
+    if (1.0 + t.dot(d) >= kOpposite) return t;
+    const Vec3 across = t - t.dot(d) * d;
+    return (std::sqrt(2.0 * kOpposite) * (across.norm() > 1e-12 ? Vec3(across.normalized()) : side) - d).normalized();
+}
+
 // The cross product as a matrix.
 Matrix3d cross(const Vec3& a) {
     Matrix3d m;
@@ -212,7 +222,8 @@ void RodEnergy::linearise(const std::vector<Vec3>& x, const std::vector<Quaterni
     }
     for (const auto& held : targets.directions) {
         const auto& bone = skeleton_.bones[held.bone];
-        const Vec3 &t = held.direction, &d = direction_[held.bone];
+        const Vec3& d = direction_[held.bone];
+        const Vec3 t = besideOpposite(held.direction, d, frames[held.bone] * restSide_[held.bone]);
         const double cosine = std::max(1.0 + t.dot(d), 1e-9), length = std::max(along(held.bone, x).norm(), 0.01 * bone.length);
         const Vec3 r = 2.0 * t.cross(d) / cosine;
         const Matrix3d jacobian = (2.0 * cross(t) - r * t.transpose()) / cosine * (eye - d * d.transpose()) / length;

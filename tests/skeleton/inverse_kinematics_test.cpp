@@ -562,3 +562,17 @@ TEST_CASE("inverse kinematics: a bone that is held as it points stays so within 
     CHECK(jumped < 10 * 4.5 * 2.0 * M_PI / 600.0);
     CHECK_FALSE(ik.solve({{0, Vec3::Zero(), false, 0.0, 9, turn}}, pose).finite);
 }
+
+TEST_CASE("inverse kinematics: a bone that points away from the direction that it is held in turns round") {
+    const Skeleton s = chain(4);
+    for (const double degrees : {170.0, 179.99, 179.999999, 180.0}) {
+        CAPTURE(degrees);
+        const Eigen::Quaterniond turn(Eigen::AngleAxisd(degrees * M_PI / 180.0, Vec3::UnitZ()));
+        InverseKinematics ik(s);
+        Pose pose = restPose(s);
+        InverseKinematics::Report report;
+        CHECK(settle(ik, {{0, Vec3::Zero(), false, 0.0, 0, turn}, {4, turn * Vec3(4, 0, 0)}}, pose, report) <= 200);
+        CHECK((pose.points[1] - pose.points[0]).normalized().dot(turn * Vec3::UnitX()) > std::cos(M_PI / 180.0));
+        CHECK(report.largestMiss < 1e-5);
+    }
+}
