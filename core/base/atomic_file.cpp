@@ -16,6 +16,7 @@ namespace imomushi {
 namespace {
 
 constexpr std::string_view kSuffix = ".part";
+constexpr int kMostAttempts = 100;  // at a name that no other writer has
 
 /// "PROCESS-ATTEMPT", as the constructor writes it.
 bool isWriter(std::string_view text) {
@@ -70,7 +71,7 @@ AtomicFile::AtomicFile(const std::filesystem::path& path) : path_(path), target_
     for (int attempt = 0; file_ < 0; ++attempt) {
         temporary_ = (target_.string() + "." + std::to_string(::getpid()) + "-" + std::to_string(attempt)).append(kSuffix);
         file_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (file_ < 0 && (errno != EEXIST || attempt == 100)) {
+        if (file_ < 0 && (errno != EEXIST || attempt >= kMostAttempts)) {
             error_ = errno;
             return;
         }

@@ -44,10 +44,8 @@ public:
             solve(*e, frame);
             if (e->warp.carried() == 0) finish(*e, frame);
         });
-        const auto solved = std::chrono::steady_clock::now();
-        carry(bytes, frame);
         // Of the wall time, loads have what they have of the work.
-        double all = pieces_.empty() ? 0.0 : milliseconds(solved, std::chrono::steady_clock::now()), loads = 0.0;
+        double all = carry(bytes, frame), loads = 0.0;
         for (const Element* e : work_) all += e->warpMs + e->loadMs, loads += e->loadMs;
         if (all > 0.0) frame.loadMsOfWarp += milliseconds(start, std::chrono::steady_clock::now()) * loads / all;
     }
@@ -109,16 +107,19 @@ private:
         elements_.push_back(std::move(made));
     }
 
-    // Of elements that a coarse body carries; their vertices are shared by the threads.
-    void carry(std::size_t bytes, Frame& frame) {
-        if (pieces_.empty()) return;
+    // Of elements that a coarse body carries; their vertices are shared by the threads. Milliseconds, without what is added to them.
+    double carry(std::size_t bytes, Frame& frame) {
+        if (pieces_.empty()) return 0.0;
+        const auto start = std::chrono::steady_clock::now();
         frame.share(bytes, pieces_, [&frame](const Piece& p) {
             if (!p.element->working) return;
             p.element->warp.carry(p.begin, p.end, frame.elements[p.element->index].local.data());
         });
+        const double carried = milliseconds(start, std::chrono::steady_clock::now());
         frame.share(bytes, work_, [&frame](Element* e) {
             if (e->warp.carried() > 0) finish(*e, frame);
         });
+        return carried;
     }
 
     static void solve(Element& w, Frame& frame) {

@@ -60,6 +60,11 @@ Result<Json> pin(DocumentEdit& edit, const Json& arguments, const Progress&) {
     }
     held->second.pinned = true;
     if (const Json* orientation = find(arguments, "orientation")) {
+        if (orientation->get<bool>() && held->first != shown->end) {  // it is held by a bone that meets this one
+            auto taken = edit.document.goals.extract(held);
+            taken.key() = shown->end;
+            held = edit.document.goals.insert(std::move(taken)).position;
+        }
         held->second.turn.reset();
         const auto bone = static_cast<std::size_t>(shown->plan.boneIndex(held->first.bone));
         const auto& frames = edit.document.pose.frames;
@@ -105,6 +110,11 @@ Result<Json> drag(DocumentEdit& edit, const Json& arguments, const Progress&) {
     if (const auto held = heldAt(document, shown->plan, shown->end); held != document.goals.end()) {
         made.pinned = held->second.pinned;
         if (!made.roll) made.roll = held->second.roll;
+        if (held->second.turn) {  // its bone keeps its direction, and the goal its place
+            made.turn = held->second.turn;
+            held->second = made;
+            return Json::object();
+        }
         document.goals.erase(held);
     }
     document.goals.insert_or_assign(shown->end, made);
@@ -115,7 +125,8 @@ Result<Json> showDrag(LiveCharacter& live, const Json& arguments, Json) {
     const Document& document = live.document();
     if (const auto handle = document.handle(text(arguments, "endpoint"))) return showHandle(live, *handle);
     const EndpointRef end = *document.endpoint(text(arguments, "endpoint"));
-    const EndpointGoal held = document.goals.at(end);
+    const int point = live.plan().pointIndex(end);
+    const EndpointGoal held = std::find_if(document.goals.begin(), document.goals.end(), [&](const auto& goal) { return live.plan().pointIndex(goal.first) == point; })->second;
     live.hidePositions();
     if (held.seconds > 0.0) return Json{{"seconds", held.seconds}, {"warnings", texts(live.warningTexts(0))}};
     // With bone dynamics the body follows as frames pass.

@@ -324,6 +324,34 @@ TEST_CASE("drag: a joint point has one target, whatever bone it is named after")
     CHECK(w.session.document().goals.empty());
 }
 
+TEST_CASE("pin: the bone that is named keeps its direction, and keeps it while the pin is dragged and let go") {
+    Workbench w;
+    w.buildChain();
+    w.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {1, 0, 5}}});
+    w.good({{"do", "pin"}, {"endpoint", "a/end"}});
+    const Document& document = w.session.document();
+    const EndpointRef end = *document.endpoint("a/end"), start = *document.endpoint("b/start");
+    w.good({{"do", "pin"}, {"endpoint", "b/start"}, {"orientation", true}});
+    REQUIRE(document.goals.contains(start));
+    CHECK(!document.goals.contains(end));
+    const auto turn = document.goals.at(start).turn;
+    REQUIRE(turn);
+    CHECK(*turn != std::array{0.0, 0.0, 0.0, 1.0});
+    for (const char* name : {"b/start", "a/end"}) {
+        w.good({{"do", "drag"}, {"endpoint", name}, {"to", {0.1, 0, 3}}});
+        REQUIRE(document.goals.contains(start));
+        CHECK(document.goals.at(start).turn == turn);
+        CHECK(document.goals.at(start).pinned);
+        CHECK(document.goals.at(start).target == Vec3(0.1, 0, 3));
+        w.good({{"do", "release"}, {"endpoint", name}});
+        CHECK(document.goals.at(start).turn == turn);
+        w.good({{"do", "undo"}});
+        w.good({{"do", "undo"}});
+    }
+    w.good({{"do", "pin"}, {"endpoint", "a/end"}, {"orientation", false}});
+    CHECK(!document.goals.at(start).turn);
+}
+
 TEST_CASE("drag: far out of reach it comes as near as the bones stretch and says so") {
     Workbench w;
     w.buildChain();
