@@ -191,3 +191,66 @@ TEST_CASE("inspector: of two congruent elements the second says whose precompute
     CHECK(says(w, "Shared with", QStringLiteral("one")));
     w.shoot("shared");
 }
+
+TEST_CASE("inspector: limits of a bone and a pin that holds its direction are set by their rows, and taken back") {
+    Window w;
+    w.run({{"do", "add-bone"}, {"name", "root"}, {"element", ""}, {"from", {0, 0, 0}}, {"to", {0, 0, 1}}});
+    w.run({{"do", "add-bone"}, {"name", "tip"}, {"element", ""}, {"from", "root/end"}, {"to", {0, 0, 2}}, {"parent", "root"}});
+    const PartId id = w.now().boneNamed("tip")->id;
+    w.document().select({{SelectionItem::Kind::Bone, id, {}, false}});
+    w.settle();
+    const auto type = [&](const char* label, const char* text) {
+        auto* field = inspectorRow<NumberField>(w, label);
+        REQUIRE(field);
+        QTest::mouseClick(field, Qt::LeftButton);
+        QTest::keyClick(field, Qt::Key_A, Qt::ControlModifier);
+        QTest::keyClicks(field, QString::fromLatin1(text));
+        QTest::keyClick(field, Qt::Key_Return);
+        w.settle();
+    };
+    const auto bone = [&]() -> const Bone& { return *w.now().bones.at(id); };
+    type("Bend", "30");
+    CHECK(bone().maxBend == doctest::Approx(M_PI / 6.0));
+    type("Twist", "45");
+    CHECK(bone().maxTwist == doctest::Approx(M_PI / 4.0));
+    type("Stiffness", "20");
+    CHECK(bone().stiffness == 20.0);
+    type("Weight", "3");
+    CHECK(bone().weight == 3.0);
+    w.shoot("bone");
+    for (int i = 0; i < 4; ++i) w.trigger("undo");
+    const Bone plain;
+    CHECK(bone().maxBend == plain.maxBend);
+    CHECK(bone().maxTwist == plain.maxTwist);
+    CHECK(bone().stiffness == plain.stiffness);
+    CHECK(bone().weight == plain.weight);
+
+    const EndpointRef end{id, true};
+    w.document().select({{SelectionItem::Kind::Endpoint, id, {}, true}});
+    w.settle();
+    const auto button = [&](const char* text) {
+        QPushButton* found = nullptr;
+        waitFor([&] {
+            for (auto* b : w.window().findChildren<InspectorPanel*>().first()->findChildren<QPushButton*>())
+                if (b->isVisible() && b->text() == QLatin1String(text)) found = b;
+            return found != nullptr;
+        });
+        return found;
+    };
+    CHECK(!button("Hold orientation")->isEnabled());
+    QTest::mouseClick(button("Pin"), Qt::LeftButton);
+    button("Unpin");
+    REQUIRE(button("Hold orientation")->isEnabled());
+    QTest::mouseClick(button("Hold orientation"), Qt::LeftButton);
+    w.settle();
+    CHECK(w.now().goals.at(end).turn);
+    CHECK(button("Hold orientation")->isChecked());
+    w.shoot("pin");
+    w.trigger("undo");
+    CHECK(w.now().goals.at(end).pinned);
+    CHECK(!w.now().goals.at(end).turn);
+    waitFor([&] { return !button("Hold orientation")->isChecked(); });
+    w.trigger("undo");
+    CHECK(w.now().goals.empty());
+    waitFor([&] { return !button("Hold orientation")->isEnabled(); });
+}

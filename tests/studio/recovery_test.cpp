@@ -51,6 +51,21 @@ void answer(const char* text) {
 
 }  // namespace
 
+TEST_CASE("recovery: a copy that could not be made for want of memory is made the next time") {
+    Window w;
+    w.run({{"do", "add-bone"}, {"name", "bone"}, {"element", ""}, {"from", {0, 0, 0}}, {"to", {0, 0, 1}}});
+    Autosave& autosave = w.window().files().autosave();
+    autosave.saveSoon();
+    waitFor([&] { return !autosave.running(); });
+    CHECK(autosave.kept());
+    autosave.saveSoon();
+    CHECK_FALSE(autosave.running());  // nothing has changed since
+    Q_EMIT autosave.finished(false);  // as work that throws ends
+    autosave.saveSoon();
+    CHECK(autosave.running());
+    waitFor([&] { return !autosave.running(); });
+}
+
 TEST_CASE("recovery: tests of the studio keep nothing in the folders of whoever runs them") {
     CHECK(ownHome().holdsAll());
     const QString own = QString::fromStdString(ownHome().path().string());

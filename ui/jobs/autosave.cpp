@@ -31,6 +31,7 @@ Autosave::Autosave(StudioDocument& document, QString folder, QObject* parent) : 
     connect(&timer_, &QTimer::timeout, this, &Autosave::saveSoon);
     timer_.start();
     const auto change = [this] { changed_ = true; };
+    connect(this, &BackgroundJob::finished, this, [this](bool completed) { changed_ = changed_ || !completed; });  // what failed is still to be kept
     connect(&document, &StudioDocument::historyChanged, this, change);
     connect(&document, &StudioDocument::responsesChanged, this, change);
     connect(&document, &StudioDocument::fileChanged, this, [this] {
