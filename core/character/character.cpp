@@ -44,6 +44,7 @@ void Character::State::showShape(std::chrono::steady_clock::time_point start) {
     const auto weighed = std::chrono::steady_clock::now();
     stats.evaluatedElements = stats.evaluatedVertices = 0;
     frame.loadMsOfWarp = 0.0;
+    for (auto& e : elements) beginDents(e);
     jobs.run(Stage::Weights, frame);
     for (std::size_t e = 0; e < elements.size(); ++e) decideWork(e);
     jobs.run(Stage::LocalShape, frame);
@@ -55,6 +56,7 @@ void Character::State::showShape(std::chrono::steady_clock::time_point start) {
         if (!p.unseen || !out.partial) showPositions(out, p.begin, p.end);
     });
     jobs.run(Stage::Dents, frame);
+    placeDents();
     for (auto& e : elements) holdVertices(e);
     jobs.run(Stage::Placed, frame);
     const auto placed = std::chrono::steady_clock::now();

@@ -70,7 +70,7 @@ Result<void> Character::State::build(const ElementRuntimes& known, const RenderM
     for (const auto& joint : input.joints) buildSeam(joint, rimOf);
     const int threads = input.threads > 0 ? input.threads : hardwareThreads();
     std::size_t bytes = jobs.bytes();
-    for (const auto& e : frame.elements) bytes += e.blocks.count() * e.blocks.bytesPerBlock();
+    for (const auto& e : frame.elements) bytes += e.blocks.count() * e.blocks.bytesPerBlock() + e.touchBlocks.bytes() + e.dents.bytes();
     if (threads > 1 && bytes >= Frame::kBytesWorthThreads) frame.pool = ThreadPool::shared(threads);
     update(frame.pose, 0.0);
     return {};
@@ -132,6 +132,11 @@ void Character::State::buildElement(std::size_t e) {
     out.blocks = runtime.blocks;
     out.local = AlignedBuffer<float>(out.blocks.rest().size());
     const std::size_t padded = (runtime.vertices + kVertexBlock - 1) / kVertexBlock * kVertexBlock + kVertexBlock;
+    if (runtime.touch) {
+        out.patchForces = Eigen::VectorXd::Zero(runtime.touch->touch().columns());
+        out.dents = AlignedBuffer<float>(3 * kVertexBlock * runtime.bodyBlocks);
+        out.touchBlocks = runtime.touchBlocks;
+    }
     out.positions = AlignedBuffer<float>(3 * runtime.paddedVertices());
     out.normals = AlignedBuffer<float>(3 * padded);
     splitWork(e);

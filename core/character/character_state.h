@@ -70,6 +70,9 @@ struct Character::State {
     // v -> vertices (character_surface.cpp).
     void decideWork(std::size_t e);
     static void showPositions(ElementFrame& out, std::size_t begin, std::size_t end);
+    // Nothing presses yet, or what a shape that is shown again says.
+    void beginDents(ElementFrame& out) const;
+    void placeDents();
     void holdVertices(ElementFrame& out) const;
     void holdNormals(ElementFrame& out) const;
     void closeSeams();

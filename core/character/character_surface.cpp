@@ -83,6 +83,32 @@ void Character::State::showPositions(ElementFrame& out, std::size_t begin, std::
                          out.work == VertexWork::EvaluateAndKeep ? out.local.data() : nullptr, out.positions.data());
 }
 
+void Character::State::beginDents(ElementFrame& out) const {
+    if (!frame.replaying) out.patchForces.setZero();
+    out.wantsLocal = out.dented || (out.patchForces.array() != 0.0).any();
+}
+
+void Character::State::placeDents() {
+    const auto start = std::chrono::steady_clock::now();
+    std::size_t bytes = 0;
+    for (auto& out : frame.elements) {
+        if (out.patchForces.size() == 0) continue;
+        out.touchBlocks.weigh(out.patchForces);
+        out.dented = out.touchBlocks.idle() ? nullptr : out.dents.data();
+        if (out.dented) bytes += out.dents.bytes() * static_cast<std::size_t>(out.touchBlocks.activeColumns());
+    }
+    if (bytes > 0)
+        frame.share(bytes, productPieces, [this](const Piece& p) {
+            auto& out = frame.elements[static_cast<std::size_t>(p.element)];
+            const std::size_t end = std::min(p.end, out.runtime->bodyBlocks), first = 3 * kVertexBlock * p.begin;
+            if (!out.dented || p.begin >= end) return;
+            std::copy_n(out.local.data() + first, 3 * kVertexBlock * (end - p.begin), out.dents.data() + first);
+            out.touchBlocks.add(p.begin, end, out.dents.data());
+            place(out.dents.data(), out.blocks.first(), out.placement, p.begin, end, out.positions.data());
+        });
+    frame.dentMs = milliseconds(start, std::chrono::steady_clock::now());
+}
+
 void Character::State::holdVertices(ElementFrame& out) const {
     if (!out.moved || (out.pending && !out.unseen) || out.seenPending) return;
     const auto put = [&out](const HeldVertex& h, const Vec3& p) {

@@ -17,6 +17,7 @@
 #include "core/character/rigid_fit.h"
 #include "core/character/vertex_kernels.h"
 #include "core/skeleton/bone_tree.h"
+#include "core/touch/touch_blocks.h"
 
 // The plain data of a frame, which its steps and the jobs of effects read and write. Only the files of the character and of its jobs know it.
 namespace imomushi {
@@ -97,7 +98,7 @@ struct ElementFrame {
     Eigen::VectorXd v;
     Eigen::VectorXd withLoads;       // v, then loads; without such columns: empty
     Eigen::VectorXd jointForces;     // of loads on its joints, see ElementResponse::loadForces; empty: none
-    Eigen::VectorXd patchForces;     // of fingers, see TouchContact::patchForces(); empty: it feels no touch
+    Eigen::VectorXd patchForces;     // on its patches, over its shear modulus, m^2, in its axes (TouchResponse); empty: nothing presses it
     [[nodiscard]] const Eigen::VectorXd& weights() const { return withLoads.size() > 0 ? withLoads : v; }
     /// Where a free vertex is in the element's frame, m, by `local` or what has its layout.
     [[nodiscard]] Vec3 localAt(std::int32_t vertex, const float* blocksOf) const;
@@ -123,11 +124,13 @@ struct ElementFrame {
     // Vertices.
     ResponseBlocks blocks;           // of the runtime, with the weights of this frame
     int evaluatedVertices = 0;       // in a frame: free ones; where the body is not seen those that render meshes need, and embedded points
-    bool wantsLocal = false;         // Stage::Weights: a job reads `local` in this frame
+    bool wantsLocal = false;         // Stage::Weights: `local` is read in this frame
     VertexWork work = VertexWork::None;
     AffineFloat placement{};
     AlignedBuffer<float> local;      // free vertices in the element's frame about its middle, in blocks, m
-    const float* dented = nullptr;   // the same with what Stage::Dents adds; null: nothing
+    const float* dented = nullptr;   // the same with the dents of patchForces: dents; null: there are none
+    AlignedBuffer<float> dents;
+    TouchBlocks touchBlocks;         // of the runtime, with the forces of this frame
     AlignedBuffer<float> positions, normals;
     std::vector<RimNormal> rim;
     std::uint64_t revision = 0, moves = 0;  // moves: without changes of normals on seams
@@ -185,6 +188,7 @@ struct Frame {
     bool replaying = false;    // it shows numbers of Character::shape(), jobs before Stage::Weights do not run
     unsigned warnings = 0;     // of FrameWarning
     double loadMsOfWarp = 0.0; // ms of the bend warp that body loads caused: statistics count them as theirs
+    double dentMs = 0.0;       // of placing dents: statistics count them as those of who presses
     Character::Stats stats;
     std::shared_ptr<ThreadPool> pool;  // null: frames of this character are too small for threads
 };

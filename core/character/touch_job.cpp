@@ -2,6 +2,7 @@
 #include "core/character/touch_job.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/base/finite.h"
 #include "core/character/frame.h"
@@ -24,46 +25,29 @@ Result<TouchJob> TouchJob::build(Frame& frame, const TouchEffect& settings) {
         if (!of.runtime->touch) continue;
         auto contact = TouchContact::build(of.runtime->touch, settings);
         if (!contact) return tl::unexpected(contact.error());
-        of.patchForces = Eigen::VectorXd::Zero(contact->patchForces().size());
-        made.elements_.push_back({static_cast<int>(e), std::move(*contact), of.runtime->touchBlocks, {}, AlignedBuffer<float>(of.local.size())});
+        made.elements_.push_back({static_cast<int>(e), std::move(*contact), {}});
     }
     return made;
 }
 
 void TouchJob::run(Stage stage, Frame& frame) {
+    if (frame.replaying) return;
     for (auto& touched : elements_) {
         auto& out = frame.elements[static_cast<std::size_t>(touched.index)];
-        if (stage == Stage::Weights)
-            out.wantsLocal = active(touched, frame);
-        else if (out.wantsLocal)
-            press(touched, frame);
-        else if (!frame.replaying)
-            out.patchForces = touched.contact.patchForces();
+        if (!active(touched)) continue;
+        if (stage == Stage::Weights) {
+            out.wantsLocal = true;
+        } else {
+            aimFingers(touched, frame);
+            out.patchForces += touched.contact.patchForces();
+        }
     }
 }
 
-bool TouchJob::active(const Element& touched, const Frame& frame) {
-    const auto& out = frame.elements[static_cast<std::size_t>(touched.index)];
-    if (frame.replaying) return out.dented || (out.patchForces.array() != 0.0).any();
-    bool down = !touched.contact.idle() || out.dented;
+bool TouchJob::active(const Element& touched) {
+    bool down = !touched.contact.idle();
     for (int i = 0; i < TouchContact::kFingers; ++i) down = down || touched.contact.down(i);
     return down;
-}
-
-void TouchJob::press(Element& touched, Frame& frame) {
-    auto& out = frame.elements[static_cast<std::size_t>(touched.index)];
-    if (!frame.replaying) {
-        aimFingers(touched, frame);
-        out.patchForces = touched.contact.patchForces();
-    }
-    const bool dented = frame.replaying ? (out.patchForces.array() != 0.0).any() : !touched.contact.idle();
-    out.dented = dented ? touched.dented.data() : nullptr;
-    if (!dented) return;
-    touched.blocks.weigh(out.patchForces);
-    std::copy_n(out.local.data(), out.local.size(), touched.dented.data());
-    const std::size_t blocks = out.runtime->bodyBlocks;
-    touched.blocks.add(0, blocks, touched.dented.data());
-    place(touched.dented.data(), out.blocks.first(), out.placement, 0, blocks, out.positions.data());
 }
 
 void TouchJob::aimFingers(Element& touched, const Frame& frame) {
@@ -111,13 +95,18 @@ bool TouchJob::take(const TouchEffect& settings) {
 }
 
 bool TouchJob::resting(const Frame& frame) const {
-    return std::none_of(elements_.begin(), elements_.end(), [&](const Element& e) { return active(e, frame); });
+    return std::none_of(elements_.begin(), elements_.end(), [&](const Element& e) { return active(e) || frame.elements[static_cast<std::size_t>(e.index)].dented; });
 }
 
 std::size_t TouchJob::bytes() const {
     std::size_t sum = 0;
-    for (const auto& e : elements_) sum += e.contact.bytes() + e.blocks.bytes() + e.dented.bytes();
+    for (const auto& e : elements_) sum += e.contact.bytes();
     return sum;
+}
+
+void TouchJob::report(Frame& frame, double ms) const {
+    const bool presses = std::any_of(elements_.begin(), elements_.end(), active);
+    frame.setTime(TouchEffect::kName, ms + (presses ? std::exchange(frame.dentMs, 0.0) : 0.0));
 }
 
 }  // namespace imomushi

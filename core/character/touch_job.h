@@ -4,10 +4,8 @@
 #include <array>
 #include <vector>
 
-#include "core/character/aligned_buffer.h"
 #include "core/character/effect_settings.h"
 #include "core/character/frame_job.h"
-#include "core/touch/touch_blocks.h"
 #include "core/touch/touch_contact.h"
 
 namespace imomushi {
@@ -40,8 +38,8 @@ struct TouchEffect : EffectOf<TouchEffect>, TouchSettings {
 };
 
 /// Contact of fingers with the surfaces that the pose alone leaves.
-///   reads   ElementFrame::frame, local; patchForces while a shape is shown again (Frame::replaying)
-///   writes  ElementFrame::wantsLocal, patchForces, dented, positions
+///   reads   ElementFrame::frame, local
+///   writes  ElementFrame::wantsLocal, patchForces
 class TouchJob final : public EffectJob<TouchEffect> {
 public:
     /// Errors: "bad-value" (settings).
@@ -54,6 +52,7 @@ public:
     void run(Stage stage, Frame& frame) override;
     [[nodiscard]] bool resting(const Frame& frame) const override;
     [[nodiscard]] std::size_t bytes() const override;
+    void report(Frame& frame, double ms) const override;
 
 private:
     explicit TouchJob(const TouchEffect& settings) : EffectJob(settings, {Stage::Weights, Stage::Dents}) {}
@@ -65,12 +64,9 @@ private:
     struct Element {
         int index = 0;
         TouchContact contact;
-        TouchBlocks blocks;
         std::array<Finger, TouchContact::kFingers> fingers{};
-        AlignedBuffer<float> dented;  // like ElementFrame::local
     };
-    static bool active(const Element& touched, const Frame& frame);
-    static void press(Element& touched, Frame& frame);
+    static bool active(const Element& touched);
     static void aimFingers(Element& touched, const Frame& frame);
 
     std::vector<Element> elements_;
