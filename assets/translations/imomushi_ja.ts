@@ -382,6 +382,22 @@
             <translation>指で表面を押してへこませます（タッチツール、T）。</translation>
         </message>
         <message>
+            <source>Contact</source>
+            <translation>接触</translation>
+        </message>
+        <message>
+            <source>Elements press dents into each other where they meet, instead of passing through. With the ground, into them, too.</source>
+            <translation>要素が触れ合うところで、すり抜けずに互いを押してへこませます。床があれば床にも押されます。</translation>
+        </message>
+        <message>
+            <source>On how many patches of a surface others press. More of them make finer dents, and a longer precompute.</source>
+            <translation>表面のいくつの区画で押されるか。多いほどへこみが細かくなり、事前計算が長くなります。</translation>
+        </message>
+        <message>
+            <source>Coulomb’s coefficient between two surfaces. 0: they slide over each other.</source>
+            <translation>表面どうしのクーロン摩擦係数。0 のときは互いに滑ります。</translation>
+        </message>
+        <message>
             <source>Ground</source>
             <translation>床</translation>
         </message>

@@ -208,6 +208,7 @@ Result<std::shared_ptr<const ElementRuntime>> ElementRuntime::build(Input input,
         out.watch = like->watch;
         out.touch = like->touch;
         out.touchBlocks = like->touchBlocks;
+        out.contact = like->contact;
         return std::shared_ptr<const ElementRuntime>(std::move(made));
     }
     out.stencils = normalStencils(body.vertices, triangles, out.scale());
@@ -224,6 +225,7 @@ Result<std::shared_ptr<const ElementRuntime>> ElementRuntime::build(Input input,
             if (!surface) return tl::unexpected(surface.error());
             out.touch = std::move(*surface);
             out.touchBlocks = TouchBlocks(*given.response, first);
+            if (given.tables.contact) out.contact = std::make_shared<const ContactSurface>(*given.mesh, out.touch);
         }
     }
     return std::shared_ptr<const ElementRuntime>(std::move(made));

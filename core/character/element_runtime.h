@@ -15,6 +15,7 @@
 #include "core/joints/joint_face.h"
 #include "core/reduction/element_response.h"
 #include "core/reduction/embedded_mapping.h"
+#include "core/touch/contact_surface.h"
 #include "core/touch/touch_blocks.h"
 #include "core/touch/touch_surface.h"
 #include "core/warp/bend_warp_tables.h"
@@ -27,6 +28,7 @@ struct ElementTables {
     bool warp = false;       ///< ElementRuntime::warp
     bool fades = false;      ///< ElementRuntime::watch; frames without the warp are a product
     bool touch = false;      ///< ElementRuntime::touch
+    bool contact = false;    ///< ElementRuntime::contact
     bool operator==(const ElementTables&) const = default;
 };
 
@@ -93,6 +95,7 @@ struct ElementRuntime {
     std::shared_ptr<const BendWarpTables> warp;  ///< null: not asked for
     std::shared_ptr<const PoseWatch> watch;      ///< null: not asked for
     std::shared_ptr<const TouchSurface> touch;   ///< null: not asked for
+    std::shared_ptr<const ContactSurface> contact;  ///< null: not asked for
     TouchBlocks touchBlocks;
 };
 

@@ -22,7 +22,7 @@ Result<TouchJob> TouchJob::build(Frame& frame, const TouchEffect& settings) {
     TouchJob made(settings);
     for (std::size_t e = 0; e < frame.elements.size(); ++e) {
         auto& of = frame.elements[e];
-        if (!of.runtime->touch) continue;
+        if (!of.runtime->touch || !settings.on(e)) continue;
         auto contact = TouchContact::build(of.runtime->touch, settings);
         if (!contact) return tl::unexpected(contact.error());
         made.elements_.push_back({static_cast<int>(e), std::move(*contact), {}});

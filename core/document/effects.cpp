@@ -8,6 +8,7 @@
 
 #include "core/character/bend_warp_job.h"
 #include "core/character/body_loads_job.h"
+#include "core/character/contact_job.h"
 #include "core/character/joint_dynamics_job.h"
 #include "core/character/previous_model_job.h"
 #include "core/character/smooth_joints_job.h"
@@ -54,7 +55,13 @@ double previousModelPairs(const Document& document) {
     return kTractionPairs * stepsPerFrame * entries;
 }
 
-int patches(const Effects& effects) { return static_cast<int>(std::lround(effects.number(EffectKind::Touch, "patches"))); }
+int patches(const Effects& effects, EffectKind kind) { return static_cast<int>(std::lround(effects.number(kind, "patches"))); }
+
+/// Both press on the same patches: as many as who asks for more.
+template <EffectKind kind>
+void askForPatches(const Effects& effects, EffectColumns& columns) {
+    columns.patches = std::max(columns.patches, patches(effects, kind));
+}
 
 template <class T>
 constexpr auto kProperties = T::properties();
@@ -85,9 +92,14 @@ constexpr EffectDescriptor kTable[] = {
     row<InflateEffect>(EffectKind::Inflate, {.scope = EffectScope::Elements, .ask = askForLoads, .columns = [](const Effects&) { return 1; }}),
     // Fingers read the columns of the patches around them, about a dozen.
     row<TouchEffect>(EffectKind::Touch, {.scope = EffectScope::Elements,
-                                         .ask = [](const Effects& effects, EffectColumns& columns) { columns.patches = patches(effects); },
-                                         .columns = [](const Effects& effects) { return 3 * patches(effects); },
+                                         .ask = askForPatches<EffectKind::Touch>,
+                                         .columns = [](const Effects& effects) { return 3 * patches(effects, EffectKind::Touch); },
                                          .mostRead = 36}),
+    // The same of what presses, of two bodies.
+    row<ContactEffect>(EffectKind::Contact, {.scope = EffectScope::Elements,
+                                             .ask = askForPatches<EffectKind::Contact>,
+                                             .columns = [](const Effects& effects) { return 3 * patches(effects, EffectKind::Contact); },
+                                             .mostRead = 36}),
     row<GroundEffect>(EffectKind::Ground, {.scope = EffectScope::Bones}),
 };
 static_assert(std::size(kTable) == kEffects);
@@ -132,6 +144,11 @@ CharacterEffects characterEffects(const Document& document) {
         auto settings = document.effects.settings(d.kind);
         if (!document.effects[d.kind].elements.empty())
             for (const auto& [id, element] : document.elements) settings->elements.push_back(document.effects.has(d.kind, id));
+        if (d.kind == EffectKind::Contact && document.effects.has(EffectKind::Ground)) {
+            auto& contact = static_cast<ContactEffect&>(*settings);
+            contact.ground = document.effects.number(EffectKind::Ground, "height");
+            contact.groundFriction = document.effects.number(EffectKind::Ground, "friction");
+        }
         made.set(std::move(settings));
     }
     return made;

@@ -23,7 +23,7 @@ using PartId = std::uint64_t;
 
 /// What a scene may ask for beyond the static pose (model.md section 6). All are off until they are enabled; one that is off has no state, no columns
 /// and no row in the statistics. Everything else about an effect stands in one row of the table in effects.cpp.
-enum class EffectKind { BoneDynamics, SmoothJoints, BendWarp, JointDynamics, PreviousModel, Gravity, Inflate, Touch, Ground, kCount };
+enum class EffectKind { BoneDynamics, SmoothJoints, BendWarp, JointDynamics, PreviousModel, Gravity, Inflate, Touch, Contact, Ground, kCount };
 inline constexpr std::size_t kEffects = static_cast<std::size_t>(EffectKind::kCount);
 
 struct Effect {

@@ -45,6 +45,8 @@ public:
     [[nodiscard]] double narrowest() const;
 
     [[nodiscard]] const TouchResponse& touch() const { return response_->touch; }
+    /// Per triangle of the body, 1: it can be touched.
+    [[nodiscard]] const std::vector<char>& touchable() const { return touchable_; }
     [[nodiscard]] std::array<std::int32_t, 3> corners(std::int32_t triangle) const;
     [[nodiscard]] Vec3 vertex(std::int32_t v) const { return body_.vertices.row(v).transpose(); }   ///< at rest, m
     [[nodiscard]] Vec3 normal(std::int32_t v) const { return normals_.row(v).transpose(); }         ///< at rest

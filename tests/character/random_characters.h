@@ -8,6 +8,7 @@
 
 #include "core/character/bend_warp_job.h"
 #include "core/character/body_loads_job.h"
+#include "core/character/contact_job.h"
 #include "core/character/joint_dynamics_job.h"
 #include "core/character/smooth_joints_job.h"
 #include "core/character/touch_job.h"
@@ -40,6 +41,7 @@ inline CharacterInput randomCharacter(std::mt19937& random) {
     if (chance(0.4)) input.effects.set(InflateEffect{});
     if (chance(0.3)) input.effects.set(JointDynamicsEffect{});
     if (chance(0.4)) input.effects.set(TouchEffect{});
+    if (chance(0.3)) input.effects.set(ContactEffect{});
     BendWarpEffect warp;
     warp.elements.assign(input.elements.size(), 0);
     for (std::size_t e = 0; e < input.elements.size(); ++e) {
@@ -52,7 +54,7 @@ inline CharacterInput randomCharacter(std::mt19937& random) {
         in.basis = input.basis;
         in.solverMesh = {SolverMeshSetting::Kind::AsIs, 0};
         in.loads = input.effects.has<GravityEffect>() || input.effects.has<InflateEffect>() ? BodyLoads::Always : BodyLoads::None;
-        in.touch = input.effects.has<TouchEffect>() ? 6 : 0;
+        in.touch = input.effects.has<TouchEffect>() || input.effects.has<ContactEffect>() ? 6 : 0;
         auto made = buildResponse(in, {});
         REQUIRE_MESSAGE(made.has_value(), (made ? "" : made.error().message));
         element.response = std::make_shared<const ElementResponse>(std::move(*made));

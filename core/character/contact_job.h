@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "core/character/effect_settings.h"
+#include "core/character/frame_job.h"
+#include "core/touch/flesh_contact.h"
+
+namespace imomushi {
+
+struct ElementFrame;
+
+/// Elements press on each other and on themselves (core/touch/flesh_contact.h).
+struct ContactEffect : EffectOf<ContactEffect> {
+    static constexpr std::string_view kName = "contact";
+    static constexpr auto kTitle = IMOMUSHI_TEXT("Effects", "Contact");
+    static constexpr auto kHelp = IMOMUSHI_TEXT("Effects", "Elements press dents into each other where they meet, instead of passing through. With the ground, into them, too.");
+    double patches = 48.0;  ///< of the surface of each element, on which others press: columns of its response, those of touch
+    double friction = 0.5;
+    /// The plane of the effect on bones that holds them, which holds flesh, too: its height (m) and friction. None: there is no such plane.
+    std::optional<double> ground;
+    double groundFriction = 0.6;
+
+    static constexpr auto properties() {
+        return std::array{
+            number<&ContactEffect::patches>("patches", "", 8.0, 256.0, IMOMUSHI_TEXT("Effects", "Patches"),
+                                            IMOMUSHI_TEXT("Effects", "On how many patches of a surface others press. More of them make finer dents, and a longer precompute."), true, true),
+            number<&ContactEffect::friction>("friction", "", 0.0, 10.0, IMOMUSHI_TEXT("Effects", "Friction"),
+                                             IMOMUSHI_TEXT("Effects", "Coulomb’s coefficient between two surfaces. 0: they slide over each other.")),
+        };
+    }
+    void ask(ElementTables& tables) const override;
+    [[nodiscard]] Result<void> addJob(Frame& frame, FrameJobs& jobs) const override;
+};
+
+/// Contact of flesh with flesh, by the surfaces that the pose alone leaves. Nothing is evaluated for it while nothing is near.
+///   reads   ElementFrame::frame, v, local; Frame::seconds, stopped
+///   writes  ElementFrame::wantsLocal, patchForces
+class ContactJob final : public EffectJob<ContactEffect> {
+public:
+    ContactJob(Frame& frame, const ContactEffect& settings);
+
+    void run(Stage stage, Frame& frame) override;
+    [[nodiscard]] bool resting(const Frame&) const override { return !presses_ || contact_.settled(); }
+    [[nodiscard]] std::size_t bytes() const override { return contact_.bytes(); }
+    void report(Frame& frame, double ms) const override;
+    [[nodiscard]] const FleshContact& contact() const { return contact_; }
+
+private:
+    struct Body {
+        std::size_t element = 0;
+        Eigen::MatrixXf middles;         // 3 P x weights: displacements of the middles of patches, m
+        Eigen::Matrix3Xd rest, now;      // of these, m; now: world
+        Eigen::VectorXf weights;         // of the frame
+        Eigen::VectorXf moved;           // 3 P
+        double bound = 0.0;              // m: no vertex is displaced by more
+        std::vector<std::int32_t> held;  // per body vertex, its place in ElementFrame::held; -1: it is free
+    };
+    class Posed;
+    static std::vector<Body> bodiesOf(const Frame& frame, const ContactEffect& settings);
+    static std::vector<FleshContact::Body> surfacesOf(const Frame& frame, const std::vector<Body>& bodies);
+    void findNear(Frame& frame);
+    [[nodiscard]] bool mayMeetGround(const Frame& frame, std::size_t body);
+    [[nodiscard]] bool mayMeet(const Frame& frame, std::size_t a, std::size_t b);
+    const Eigen::Matrix3Xd& middlesOf(const Frame& frame, std::size_t body);
+
+    std::vector<Body> bodies_;
+    FleshContact contact_;
+    FleshContact::Near near_;         // in this frame
+    std::vector<char> found_;         // per body: its middles are those of this frame
+    bool presses_ = false;
+};
+
+}  // namespace imomushi

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/mesh/vertex_corners.h"
+#include "core/touch/touch_surface.h"
+
+namespace imomushi {
+
+/// The surface of one element as other flesh feels it: samples, body vertices that can press and be pressed, by the patch that each belongs to most. The same
+/// in all frames.
+class ContactSurface {
+public:
+    static constexpr std::size_t kPerPatch = 16;  ///< samples of a patch, at most: as far from each other as can be
+
+    ContactSurface(const ElementMesh& mesh, std::shared_ptr<const TouchSurface> surface);
+
+    [[nodiscard]] const TouchSurface& surface() const { return *surface_; }
+    [[nodiscard]] const TouchPatches& patches() const { return surface_->touch().patches; }
+    [[nodiscard]] std::size_t samples() const { return vertex_.size(); }
+    [[nodiscard]] std::int32_t vertex(std::size_t sample) const { return vertex_[sample]; }
+    /// The samples of a patch follow each other: from firstOf(patch) to firstOf(patch + 1).
+    [[nodiscard]] std::size_t firstOf(int patch) const { return first_[static_cast<std::size_t>(patch)]; }
+    /// m, at rest: no vertex that belongs to the patch is farther from its centre.
+    [[nodiscard]] double radius(int patch) const { return radius_[static_cast<std::size_t>(patch)]; }
+    /// m, at rest: the largest distance between neighbouring samples of a patch, about.
+    [[nodiscard]] double spacing(int patch) const { return spacing_[static_cast<std::size_t>(patch)]; }
+    [[nodiscard]] double spacing() const { return meanSpacing_; }  ///< of all patches, their mean
+    /// Of the triangles around a vertex that can be touched.
+    [[nodiscard]] std::span<const std::int32_t> corners(std::int32_t vertex) const { return corners_.at(vertex); }
+    /// Others around it cannot.
+    [[nodiscard]] bool onBorder(std::int32_t vertex) const { return border_[static_cast<std::size_t>(vertex)] != 0; }
+    [[nodiscard]] std::size_t bytes() const { return corners_.bytes() + border_.size() + sizeof(std::int32_t) * vertex_.size(); }
+
+private:
+    std::shared_ptr<const TouchSurface> surface_;
+    VertexCorners corners_;
+    std::vector<char> border_;
+    std::vector<std::int32_t> vertex_;
+    std::vector<std::size_t> first_;
+    std::vector<double> radius_, spacing_;
+    double meanSpacing_ = 0.0;
+};
+
+}  // namespace imomushi

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <doctest/doctest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "core/character/bend_warp_job.h"
+#include "core/character/contact_job.h"
+#include "core/mesh/triangle_tree.h"
+#include "core/mesh/winding_number.h"
+#include "tests/character/caterpillar.h"
+#include "tests/support/allocations.h"
+
+using namespace imomushi;
+
+namespace {
+
+/// A caterpillar that is long enough to roll up once and a half. Radius 0.5, length 1 of each element.
+const CharacterInput& longCaterpillar() {
+    static const CharacterInput out = [] {
+        caterpillar::Shape shape;
+        shape.elements = 12;
+        shape.around = {16};
+        shape.along = {6};
+        shape.precomputed = false;
+        CharacterInput input = caterpillar::make(shape);
+        for (auto& element : input.elements) {
+            ResponseInput in;
+            in.mesh = element.mesh;
+            in.faces = element.faces;
+            in.basis = input.basis;
+            in.touch = 48;
+            in.solverMesh = {SolverMeshSetting::Kind::AsIs, 0};
+            element.response = std::make_shared<const ElementResponse>(buildResponse(in, {}).value());
+        }
+        return input;
+    }();
+    return out;
+}
+
+/// Each bone is turned by `angle` from the one before it about x, and moved aside, so that turns lie beside each other.
+Pose rolled(const Skeleton& skeleton, double angle, double aside) {
+    Pose pose = restPose(skeleton);
+    Vec3 at = skeleton.points[0];
+    for (std::size_t b = 0; b < skeleton.bones.size(); ++b) {
+        const double turn = angle * static_cast<double>(b);
+        pose.frames[b] = Eigen::Quaterniond(std::cos(0.5 * turn), std::sin(0.5 * turn), 0.0, 0.0);  // its sign says how often it went round
+        at += pose.frames[b] * Vec3(0, 0, skeleton.bones[b].length) + aside * Vec3::UnitX();
+        pose.points[b + 1] = at;
+    }
+    return pose;
+}
+
+/// How deep the deepest vertex of an element is in another that is no neighbour, m.
+double deepestCrossing(const Character& c) {
+    double most = 0.0;
+    const auto& elements = c.input().elements;
+    std::vector<Points> at;
+    for (int e = 0; e < static_cast<int>(elements.size()); ++e) at.push_back(c.positions(e));
+    for (std::size_t b = 0; b < at.size(); ++b) {
+        TriangleMesh mesh = elements[b].mesh->body;
+        mesh.vertices = at[b];
+        std::vector<std::int32_t> all(static_cast<std::size_t>(mesh.triangles.rows()));
+        std::iota(all.begin(), all.end(), 0);
+        const TriangleTree tree(mesh, all);
+        for (std::size_t a = 0; a < at.size(); ++a) {
+            if (a + 1 >= b && a <= b + 1) continue;
+            for (Eigen::Index v = 0; v < at[a].rows(); ++v) {
+                const Vec3 p = at[a].row(v).transpose();
+                if (std::abs(windingNumber(mesh, p)) >= 0.5) most = std::max(most, std::sqrt(tree.nearest(p).squaredDistance));
+            }
+        }
+    }
+    return most;
+}
+
+constexpr double kTurn = 2.0 * std::numbers::pi;
+
+}  // namespace
+
+TEST_CASE("contact: a caterpillar that is rolled up presses on itself instead of passing through") {
+    for (const bool warp : {false, true}) {
+        CAPTURE(warp);
+        CharacterInput input = longCaterpillar();
+        if (warp) input.effects.set(BendWarpEffect{});
+        auto plain = Character::build(input).value();
+        input.effects.set(ContactEffect{});
+        auto c = Character::build(input).value();
+        for (int i = 0; i <= 60; ++i) {
+            const Pose pose = rolled(input.skeleton, kTurn / 8.0 * i / 60, 0.115 * i / 60);
+            plain.update(pose, 1.0 / 60.0);
+            c.update(pose, 1.0 / 60.0);
+        }
+        const double before = deepestCrossing(plain), after = deepestCrossing(c);
+        MESSAGE("crossing " << before << " m without contact, " << after << " m with it");
+        CHECK(before > 0.1);
+        CHECK(after < 0.015);
+
+        // What was seen is what a take shows.
+        std::vector<double> numbers(c.shapeLayout().size());
+        c.keepExact(true);
+        c.update(rolled(input.skeleton, kTurn / 8.0, 0.115), 1.0 / 60.0);
+        c.shape(numbers.data());
+        std::vector<Points> seen;
+        for (int e = 0; e < 12; ++e) seen.push_back(c.positions(e));
+        for (int i = 0; i < 10; ++i) c.update(restPose(input.skeleton), 1.0 / 60.0);
+        CHECK(c.resting());
+        c.show(numbers.data());
+        for (int e = 0; e < 12; ++e) CHECK(c.positions(e) == seen[static_cast<std::size_t>(e)]);
+    }
+}
+
+TEST_CASE("contact: a pose that a frame jumps to presses like one that it came to") {
+    CharacterInput input = longCaterpillar();
+    ContactEffect effect;
+    effect.friction = 0.0;  // which knows where flesh came from
+    input.effects.set(effect);
+    auto came = Character::build(input).value(), jumped = Character::build(input).value();
+    const Pose pose = rolled(input.skeleton, kTurn / 8.0, 0.12);
+    jumped.stop();
+    jumped.update(pose, 0.0);
+    for (int i = 0; i <= 120; ++i) came.update(rolled(input.skeleton, kTurn / 8.0 * std::min(i, 60) / 60, 0.12 * std::min(i, 60) / 60), 1.0 / 60.0);
+    double apart = 0.0;
+    for (int e = 0; e < 12; ++e) apart = std::max(apart, (came.positions(e) - jumped.positions(e)).rowwise().norm().maxCoeff());
+    CHECK(apart <= 1e-4);
+}
+
+TEST_CASE("contact: nothing is done while nothing is near") {
+    CharacterInput input = longCaterpillar();
+    auto plain = Character::build(input).value();
+    input.effects.set(ContactEffect{});
+    auto c = Character::build(input).value();
+    for (int i = 0; i < 20; ++i) {
+        const Pose pose = rolled(input.skeleton, 0.01 * (i % 5), 0.0);
+        plain.update(pose, 1.0 / 60.0);
+        const std::size_t before = allocations();
+        c.update(pose, 1.0 / 60.0);
+        CHECK(allocations() == before);
+        CHECK(c.resting());
+        CHECK(c.stats().evaluatedVertices == plain.stats().evaluatedVertices);
+        for (int e = 0; e < 12; ++e) REQUIRE(c.positions(e) == plain.positions(e));
+    }
+}
+
+TEST_CASE("contact: flesh that is pressed on the ground stays above it") {
+    CharacterInput input = longCaterpillar();
+    auto plain = Character::build(input).value();
+    ContactEffect effect;
+    effect.ground = 0.0;
+    input.effects.set(effect);
+    auto c = Character::build(input).value();
+    Pose pose = restPose(input.skeleton);
+    const auto lie = [&](double height) {  // along y
+        for (std::size_t p = 0; p < pose.points.size(); ++p) pose.points[p] = Vec3(0.0, static_cast<double>(p), height);
+        for (auto& frame : pose.frames) frame = Eigen::Quaterniond(Eigen::AngleAxisd(-0.25 * kTurn, Vec3::UnitX()));
+    };
+    const auto lowest = [](const Character& of) {
+        double out = 1.0;
+        for (int e = 0; e < 12; ++e) out = std::min(out, of.positions(e).col(2).minCoeff());
+        return out;
+    };
+    lie(0.8);
+    c.update(pose, 1.0 / 60.0);
+    CHECK(c.resting());
+    for (int i = 0; i <= 60; ++i) {
+        lie(0.8 - 0.4 * i / 60);
+        plain.update(pose, 1.0 / 60.0);
+        c.update(pose, 1.0 / 60.0);
+    }
+    CHECK(lowest(plain) == doctest::Approx(-0.1).epsilon(1e-3));
+    // Rims of joints, which bones place, are left where they are.
+    double free = 1.0;
+    for (int e = 0; e < 12; ++e) {
+        const Points at = c.positions(e);
+        const auto held = c.heldVertices(e);
+        for (Eigen::Index v = 0; v < at.rows(); ++v)
+            if (std::find(held.begin(), held.end(), static_cast<std::int32_t>(v)) == held.end()) free = std::min(free, at(v, 2));
+    }
+    CHECK(free >= -0.01);
+}
