@@ -3,17 +3,26 @@
 
 #include <sqlite3.h>
 
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <memory>
 #include <new>
 
+#include "core/base/atomic_file.h"
 #include "core/base/hash.h"
+#include "core/document/sqlite_file.h"
 
 namespace imomushi {
 
 namespace {
 
 void check(sqlite3* handle, int code) {
-    if (code != SQLITE_OK && code != SQLITE_DONE && code != SQLITE_ROW) throw DatabaseError(handle ? sqlite3_errmsg(handle) : sqlite3_errstr(code));
+    if (code == SQLITE_OK || code == SQLITE_DONE || code == SQLITE_ROW) return;
+    const int kind = code & 0xff, system = kind == SQLITE_FULL ? ENOSPC : kind == SQLITE_IOERR && handle ? sqlite3_system_errno(handle) : 0;
+    DatabaseError error(system ? std::strerror(system) : handle ? sqlite3_errmsg(handle) : sqlite3_errstr(code));
+    error.diskFull = isDiskFull(system);
+    throw error;
 }
 
 /// Databases of SQLite's ":memory:" have no limit of their own: those over 1 GB are saved too.
@@ -26,6 +35,12 @@ sqlite3* openMemory() {
     }
     sqlite3_extended_result_codes(handle, 1);
     return handle;
+}
+
+void distrust(sqlite3* handle) {
+    sqlite3_db_config(handle, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+    sqlite3_db_config(handle, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
+    check(handle, sqlite3_exec(handle, "PRAGMA cell_size_check=ON", nullptr, nullptr, nullptr));
 }
 
 sqlite3_stmt* prepare(Database& database, const char* sql) {
@@ -45,9 +60,25 @@ Database::Database(std::span<const std::byte> file) : handle_(openMemory()) {
         std::memcpy(copy, file.data(), file.size());
         const auto size = static_cast<sqlite3_int64>(file.size());
         check(handle_, sqlite3_deserialize(handle_, "main", copy, size, size, SQLITE_DESERIALIZE_FREEONCLOSE | SQLITE_DESERIALIZE_READONLY));
-        sqlite3_db_config(handle_, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
-        sqlite3_db_config(handle_, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
-        run("PRAGMA cell_size_check=ON");
+        distrust(handle_);
+    } catch (...) {
+        sqlite3_close(handle_);
+        throw;
+    }
+}
+
+Database::Database(int file, Access access) {
+    try {
+        check(handle_, openDatabaseFile(file, access == Access::Write, &handle_));
+        sqlite3_extended_result_codes(handle_, 1);
+        run("PRAGMA temp_store=MEMORY");
+        if (access == Access::Write) {
+            run("PRAGMA page_size=4096");
+            run("PRAGMA journal_mode=OFF");
+            run("PRAGMA synchronous=OFF");
+        } else {
+            distrust(handle_);
+        }
     } catch (...) {
         sqlite3_close(handle_);
         throw;
@@ -97,6 +128,29 @@ std::string Database::digest(std::span<const char* const> tables) {
     return hasher.key().hex();
 }
 
+std::int64_t Database::divide(const void* data, std::size_t size) {
+    if (parted_++ == 0) run("CREATE TABLE value_parts (value INTEGER, position INTEGER, bytes BLOB, PRIMARY KEY (value, position))");
+    const std::span<const std::byte> bytes(static_cast<const std::byte*>(data), size);
+    RowWriter rows(*this, "INSERT INTO value_parts VALUES (?,?,?)");
+    for (std::size_t at = 0, position = 0; at < size; at += kPartBytes, ++position) rows.row(parted_, position, bytes.subspan(at, std::min(kPartBytes, size - at)));
+    return parted_;
+}
+
+std::size_t Database::sizeOf(std::int64_t parted) {
+    RowReader size(*this, ("SELECT sum(length(bytes)) FROM value_parts WHERE value=" + std::to_string(parted)).c_str());
+    size.next();
+    return static_cast<std::size_t>(size.integer());  // NULL where there are none
+}
+
+void Database::copy(std::int64_t parted, void* to) {
+    auto* next = static_cast<std::byte*>(to);
+    RowReader rows(*this, ("SELECT position, bytes FROM value_parts WHERE value=" + std::to_string(parted) + " ORDER BY position").c_str());
+    for (std::int64_t position = 0; rows.next(); ++position) {
+        rows.integer(position, position);
+        next += rows.part(next);
+    }
+}
+
 RowWriter::RowWriter(Database& database, const char* sql) : database_(database), statement_(prepare(database, sql)) {}
 RowWriter::~RowWriter() { sqlite3_finalize(statement_); }
 
@@ -119,6 +173,7 @@ void RowWriter::bind(const std::string& value) {
 }
 
 void RowWriter::blob(const void* data, std::size_t size) {
+    if (size > kPartBytes) return bind(database_.divide(data, size));
     static const char kEmpty = 0;  // a null pointer would become NULL
     check(database_.handle(), sqlite3_bind_blob64(statement_, ++column_, size ? data : &kEmpty, size, SQLITE_STATIC));
 }
@@ -128,13 +183,22 @@ void RowWriter::finish() {
     check(database_.handle(), sqlite3_reset(statement_));
 }
 
-RowReader::RowReader(Database& database, const char* sql) : database_(database), statement_(prepare(database, sql)) {}
+RowReader::RowReader(Database& database, const char* sql) : database_(database), statement_(prepare(database, sql)) {
+    constexpr std::string_view kFrom = " FROM ";
+    const std::string_view text(sql);
+    const std::size_t begin = std::min(text.find(kFrom), text.size() - kFrom.size()) + kFrom.size();
+    table_ = text.substr(begin, text.find(' ', begin) - begin);
+}
 RowReader::~RowReader() { sqlite3_finalize(statement_); }
 
 bool RowReader::next() {
     column_ = 0;
     const int code = sqlite3_step(statement_);
     check(database_.handle(), code);
+    if (code == SQLITE_ROW)
+        database_.row_ = {table_, sqlite3_column_int64(statement_, 0)};
+    else
+        database_.row_ = {};
     return code == SQLITE_ROW;
 }
 
@@ -180,12 +244,26 @@ std::string RowReader::text() {
     return value;
 }
 
-std::string_view RowReader::blob() {
+std::size_t RowReader::size() {
+    if (sqlite3_column_type(statement_, column_) == SQLITE_INTEGER) return database_.sizeOf(sqlite3_column_int64(statement_, column_));
+    expect(SQLITE_BLOB);
+    return static_cast<std::size_t>(sqlite3_column_bytes(statement_, column_));
+}
+
+void RowReader::copy(void* to) {
+    if (sqlite3_column_type(statement_, column_) == SQLITE_INTEGER)
+        database_.copy(sqlite3_column_int64(statement_, column_++), to);
+    else
+        part(to);
+}
+
+std::size_t RowReader::part(void* to) {
     expect(SQLITE_BLOB);
     const void* bytes = sqlite3_column_blob(statement_, column_);
     const auto size = static_cast<std::size_t>(sqlite3_column_bytes(statement_, column_));
+    if (size > 0) std::memcpy(to, bytes, size);
     ++column_;
-    return {static_cast<const char*>(bytes), size};
+    return size;
 }
 
 }  // namespace imomushi
