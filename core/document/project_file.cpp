@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <initializer_list>
 #include <set>
 #include <utility>
 
@@ -69,8 +70,8 @@ void writeProjectResponses(Database& db, const Project& project) {
     for (const auto& [element, r] : project.responses) uses.row(element, ids.at(r.key));
 }
 
-void readProjectResponses(Database& db, Project& project, const ResponseTables& tables) {
-    auto read = readResponses(db, tables);
+void readProjectResponses(Database& db, Project& project, const ResponseTables& tables, bool keep) {
+    auto read = readResponses(db, tables, keep);
     std::set<std::int64_t> warped;  // elements that share a response are the same
     RowReader uses(db, "SELECT * FROM element_responses ORDER BY element");
     while (uses.next()) {
@@ -86,7 +87,8 @@ void readProjectResponses(Database& db, Project& project, const ResponseTables& 
     }
 }
 
-Project readProject(Database& db, std::int64_t version) {
+/// keepResponses false: checks them and keeps none of their matrices.
+Project readProject(Database& db, std::int64_t version, bool keepResponses) {
     Project project;
     Document& document = project.document;
     RowReader settings(db, "SELECT * FROM settings");
@@ -102,7 +104,7 @@ Project readProject(Database& db, std::int64_t version) {
     const ReadMeshes meshes = readMeshes(db);
     readElements(db, document, meshes);
     readSkeleton(db, document, version >= 11);
-    if (version >= 3) readProjectResponses(db, project, {version >= 4, version >= 10});  // older ones are of older solvers
+    if (version >= 3) readProjectResponses(db, project, {version >= 4, version >= 10}, keepResponses);  // older ones are of older solvers
     if (version >= 4) readEffects(db, document);
     if (version >= 5) readTakes(db, document, version >= 7 ? readTakeTurns(db) : std::map<PartId, int>(), version >= 9 ? readTakeMorphs(db) : std::map<PartId, int>());
     if (version >= 6) {
@@ -143,6 +145,35 @@ Result<ReadFile> openToRead(const std::filesystem::path& path) {
     ReadFile file(path);
     if (file.descriptor < 0) return fail("not-readable", name + " cannot be read: check its permissions.");
     return file;
+}
+
+/// The part of the document that a row is of, as the artist knows it; empty: it has no name.
+std::string partAt(const Project& project, const Database::Row& row) {
+    const Document& document = project.document;
+    const auto id = static_cast<PartId>(row.id);
+    const auto called = [](const char* kind, const auto& parts, PartId part) {
+        const auto found = parts.find(part);
+        return found == parts.end() ? std::string() : std::string(kind) + " \"" + found->second->name + "\"";
+    };
+    const auto isOneOf = [&](std::initializer_list<const char*> tables) { return std::any_of(tables.begin(), tables.end(), [&](const char* table) { return row.table == table; }); };
+    if (isOneOf({"elements", "issues", "faces", "pieces", "piece_sides", "handles", "handle_goals", "element_responses"})) return called("element", document.elements, id);
+    if (isOneOf({"bones", "held", "bone_properties", "held_turns"})) return called("bone", document.bones, id);
+    if (row.table.starts_with("take")) return called("take", document.takes, id);
+    if (row.table.starts_with("character") || row.table.starts_with("rig") || row.table.starts_with("morph") || isOneOf({"attachments", "part_turns"})) return called("character", document.characters, id);
+    if (isOneOf({"meshes", "materials", "textures"})) {
+        // As writeMeshes() numbers them.
+        std::set<const ElementMesh*> known;
+        for (const auto& [element, part] : document.elements)
+            if (known.insert(part->mesh.get()).second && static_cast<std::int64_t>(known.size()) == row.id) return called("element", document.elements, element);
+        for (const auto& [character, part] : document.characters)
+            if (known.insert(&part->model->mesh).second && static_cast<std::int64_t>(known.size()) == row.id) return called("character", document.characters, character);
+    }
+    if (row.table.ends_with("responses")) {
+        std::set<ContentKey> known;  // as writeProjectResponses() numbers them
+        for (const auto& [element, response] : project.responses)
+            if (known.insert(response.key).second && static_cast<std::int64_t>(known.size()) == row.id) return "the response of " + called("element", document.elements, element);
+    }
+    return {};
 }
 
 void writeProject(Database& db, const Project& project) {
@@ -214,8 +245,19 @@ Result<void> saveProject(const std::filesystem::path& path, const Project& proje
     AtomicFile file(path);
     if (file.descriptor() < 0) return file.finish();
     try {
-        Database db(file.descriptor(), Database::Access::Write);
-        writeProject(db, project);
+        {
+            Database db(file.descriptor(), Database::Access::Write);
+            writeProject(db, project);
+        }
+        // What is saved opens: it is read as openProject() will read it.
+        Database db(file.descriptor(), Database::Access::Read);
+        try {
+            readProject(db, db.number("PRAGMA user_version"), false);
+        } catch (const DatabaseError& reason) {
+            const std::string part = partAt(project, db.row());
+            return fail("not-sound", "The project cannot be saved, for it would not open again (" + (part.empty() ? part : part + ": ") + reason.what() +
+                                         "): undo what made it so, or remove that part. Nothing was replaced.");
+        }
     } catch (const DatabaseError& error) {
         if (error.diskFull) return failDiskFull(path);
         return fail("not-writable", std::string("The project could not be written (") + error.what() + "): nothing was changed on the disk.");
@@ -241,7 +283,7 @@ Result<Project> openProject(const std::filesystem::path& path) {
         require(version >= 1, "its version is unknown");
         RowReader info(db, "SELECT value FROM info WHERE name='digest'");
         require(info.next() && info.text() == db.digest(projectTables(version)), "its content does not match its digest");
-        return readProject(db, version);
+        return readProject(db, version, true);
     } catch (const DatabaseError& reason) {
         return fail("damaged", name + " is damaged (" + reason.what() + "): open an earlier version of it.");
     }

@@ -44,7 +44,8 @@ inline constexpr std::array<const char*, 45> kProjectTables = {"settings", "mesh
 }
 
 /// Writes one self-contained SQLite file: beside its place first, on disk, then renamed, so that there is always a whole file. Nothing of an old
-/// file is lost when this fails. Errors: "not-writable", "disk-full".
+/// file is lost when this fails. What is written is read as openProject() reads it before it takes its place. Errors: "not-writable", "disk-full", "not-sound": it would not open
+/// again, with the part and what is wrong with it.
 Result<void> saveProject(const std::filesystem::path& path, const Project& project);
 
 /// Reads a project without changing its file; trusts nothing in it.

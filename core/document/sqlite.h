@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <limits>
 #include <optional>
 #include <span>
@@ -12,11 +13,14 @@
 #include <vector>
 
 #include "core/base/finite.h"
+#include "core/base/hash.h"
 
 struct sqlite3;
 struct sqlite3_stmt;
 
 namespace imomushi {
+
+class RowWriter;
 
 /// Why a database could not be written or read. Callers of saveProject(), openProject(), packResponse() and unpackResponse() get an Error instead.
 struct DatabaseError : std::runtime_error {
@@ -28,6 +32,18 @@ struct DatabaseError : std::runtime_error {
 /// SQLite takes no row over 10^9 bytes.
 inline constexpr std::size_t kPartBytes = std::size_t{16} << 20;
 
+/// Arrays over this size, bytes, are divided where there is a PartStore.
+inline constexpr std::size_t kSharedBytes = 4096;
+
+/// Keeps parts of arrays outside of a database, each once however many databases have it.
+class PartStore {
+public:
+    virtual ~PartStore() = default;
+    virtual ContentKey keep(std::span<const std::byte> part) = 0;
+    /// Throws DatabaseError where the part is not there or damaged.
+    virtual std::vector<std::byte> find(const ContentKey& key) = 0;
+};
+
 /// A database in memory, built row by row and turned into the bytes of a file, or the other way round; or in a file of its own.
 /// A divided array has rows in "value_parts", which is made with the first one, and their number where the array would be.
 class Database {
@@ -37,6 +53,8 @@ public:
     explicit Database(std::span<const std::byte> file);  ///< a copy of the bytes of a file, read only
     /// In the file that is open as `file`: a new one, which is to be empty and needs to be flushed when this is gone, or one that is only read.
     Database(int file, Access access);
+    /// A file that other processes may have open too, made where there is none and `make` is set. Changes are transactions.
+    Database(const std::filesystem::path& file, bool make);
     ~Database();
     Database(const Database&) = delete;
     Database& operator=(const Database&) = delete;
@@ -48,8 +66,13 @@ public:
     /// Of the types and bytes of all values in `tables`, row by row: 32 hexadecimal digits.
     [[nodiscard]] std::string digest(std::span<const char* const> tables);
 
+    /// The parts of arrays are or go there. `store` must outlive this.
+    void setStore(PartStore& store) { store_ = &store; }
+    [[nodiscard]] std::size_t wholeBytes() const { return store_ ? kSharedBytes : kPartBytes; }
     /// Keeps an array in parts. Its number.
     std::int64_t divide(const void* data, std::size_t size);
+    /// Adds the rows of a table of another database to the same table of this one, large arrays part by part.
+    void addRows(Database& from, const char* table);
     /// Whether an array was divided.
     [[nodiscard]] bool divided() const { return parted_ > 0; }
     [[nodiscard]] std::size_t sizeOf(std::int64_t parted);
@@ -64,7 +87,12 @@ public:
 
 private:
     friend class RowReader;
+    std::int64_t divideLike(Database& from, std::int64_t parted);
+    void beginParts();
+    void addPart(RowWriter& rows, std::int64_t position, std::span<const std::byte> part);
+
     Row row_;
+    PartStore* store_ = nullptr;
     sqlite3* handle_ = nullptr;
     std::int64_t parted_ = 0;  // arrays that were divided
 };
@@ -85,6 +113,7 @@ public:
     }
 
 private:
+    friend class Database;
     void bind(bool value) { bind(std::int64_t{value}); }
     void bind(int value) { bind(static_cast<std::int64_t>(value)); }
     void bind(std::uint64_t value) { bind(static_cast<std::int64_t>(value)); }
