@@ -696,6 +696,14 @@
             <translation>ファイルを読み込めません。アクセス権を確認してください。</translation>
         </message>
         <message>
+            <source>The project cannot be saved, for it would not open again. Undo what was done last. Nothing was replaced.</source>
+            <translation>保存しても開けなくなるため、プロジェクトを保存できません。最後の操作を取り消してください。何も置き換えていません。</translation>
+        </message>
+        <message>
+            <source>There is no room on the disk. Make room or choose another one. Nothing was replaced.</source>
+            <translation>ディスクに空きがありません。空きを作るか、別のディスクを選んでください。何も置き換えていません。</translation>
+        </message>
+        <message>
             <source>The file cannot be written. Check the folder and its permissions.</source>
             <translation>ファイルを書き込めません。フォルダーとアクセス権を確認してください。</translation>
         </message>

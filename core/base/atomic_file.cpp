@@ -70,7 +70,7 @@ AtomicFile::AtomicFile(const std::filesystem::path& path) : path_(path), target_
     removeAbandoned(target_);
     for (int attempt = 0; file_ < 0; ++attempt) {
         temporary_ = (target_.string() + "." + std::to_string(::getpid()) + "-" + std::to_string(attempt)).append(kSuffix);
-        file_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        file_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
         if (file_ < 0 && (errno != EEXIST || attempt >= kMostAttempts)) {
             error_ = errno;
             return;
@@ -103,10 +103,17 @@ void AtomicFile::write(std::string_view bytes) {
 Result<void> AtomicFile::finish() {
     if (error_ == 0 && ((replaces_ && ::fchmod(file_, mode_ & 07777) != 0) || ::fsync(file_) != 0 || ::rename(temporary_.c_str(), target_.c_str()) != 0))
         error_ = errno;
+    if (isDiskFull(error_)) return failDiskFull(path_);
     if (error_ != 0) return fail("not-writable", "Cannot write '" + path_.string() + "' (" + std::strerror(error_) + "): choose another place for it.");
     ::close(file_);
     file_ = -1;
     return {};
+}
+
+bool isDiskFull(int error) { return error == ENOSPC || error == EDQUOT || error == EFBIG; }
+
+tl::unexpected<Error> failDiskFull(const std::filesystem::path& path) {
+    return fail("disk-full", "There is no room for '" + path.string() + "': make room on its disk or choose another one. Nothing was replaced.");
 }
 
 Result<void> writeFileAtomically(const std::filesystem::path& path, std::string_view bytes) {

@@ -19,7 +19,9 @@ public:
     AtomicFile& operator=(const AtomicFile&) = delete;
 
     void write(std::string_view bytes);
-    /// Errors: "not-writable", for whatever went wrong since the beginning.
+    /// What is written, for those who read and write it themselves; -1: it could not be made, as finish() will tell.
+    [[nodiscard]] int descriptor() const { return file_; }
+    /// Errors: "not-writable" and "disk-full", for whatever went wrong since the beginning.
     Result<void> finish();
 
 private:
@@ -30,8 +32,13 @@ private:
     bool replaces_ = false;
 };
 
+/// Whether an operation of the system failed with `error` because there is no room for a file.
+[[nodiscard]] bool isDiskFull(int error);
+/// Errors: "disk-full".
+tl::unexpected<Error> failDiskFull(const std::filesystem::path& path);
+
 /// Replaces the file at `path` by `bytes`, or leaves it as it was: writes a file beside it, flushes it to the disk and renames it.
-/// Errors: "not-writable".
+/// Errors: "not-writable", "disk-full".
 Result<void> writeFileAtomically(const std::filesystem::path& path, std::string_view bytes);
 
 }  // namespace imomushi

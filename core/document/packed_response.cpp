@@ -11,27 +11,29 @@ namespace imomushi {
 
 namespace {
 
-/// "IMOR": SQLite's application id of a packed response. Its version changes with the tables: 2 has "filled_responses", where the response has something to say there.
-constexpr std::int64_t kApplicationId = 0x494d4f52, kPackVersion = 2;
+/// "IMOR": SQLite's application id of a packed response. Its version changes with the tables: 2 has "filled_responses", where the response has something to say there, and 3
+/// arrays in parts too.
+constexpr std::int64_t kApplicationId = 0x494d4f52, kPackVersion = 3;
 
-constexpr std::array<const char*, 3> kPackedTables = {"responses", "touch_responses", "filled_responses"};
-[[nodiscard]] std::span<const char* const> packedTables(std::int64_t version) { return std::span<const char* const>(kPackedTables).first(version >= 2 ? 3 : 2); }
+constexpr std::array<const char*, 4> kPackedTables = {"responses", "touch_responses", "filled_responses", "value_parts"};
+[[nodiscard]] std::span<const char* const> packedTables(std::int64_t version) { return std::span<const char* const>(kPackedTables).first(static_cast<std::size_t>(version) + 1); }
 
 }  // namespace
 
 Result<std::vector<std::byte>> packResponse(const ElementResponse& response) {
     try {
         Database db;
-        const std::int64_t version = saysFilling(response) ? kPackVersion : 1;
         db.run(("PRAGMA application_id=" + std::to_string(kApplicationId)).c_str());
-        db.run(("PRAGMA user_version=" + std::to_string(version)).c_str());
         db.run("BEGIN");
         db.run("CREATE TABLE info (digest TEXT)");
         createResponseTable(db);
         createTouchTable(db);
-        if (version >= 2) createFilledTable(db);
+        if (saysFilling(response)) createFilledTable(db);
         const StoredResponse one{{}, {}, std::shared_ptr<const ElementResponse>(std::shared_ptr<void>(), &response)};
         writeResponses(db, {&one, 1});
+        if (db.divided() && !saysFilling(response)) createFilledTable(db);
+        const std::int64_t version = db.divided() ? kPackVersion : saysFilling(response) ? 2 : 1;
+        db.run(("PRAGMA user_version=" + std::to_string(version)).c_str());
         RowWriter(db, "INSERT INTO info VALUES (?)").row(db.digest(packedTables(version)));
         db.run("COMMIT");
         return db.file();

@@ -11,7 +11,7 @@
 namespace imomushi {
 
 /// One response as the bytes of a file: the same response gives the same bytes. The times of the precompute are left out. Errors: "not-writable" when a
-/// number is not finite or a matrix is over SQLite's limit of 10^9 bytes.
+/// number is not finite.
 Result<std::vector<std::byte>> packResponse(const ElementResponse& response);
 
 /// The response that packResponse() got, bit by bit. `body`, `faces`: what it was built for. Trusts nothing in `bytes`. Errors: "damaged".

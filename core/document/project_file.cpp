@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/document/project_file.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstring>
-#include <fstream>
+#include <initializer_list>
 #include <set>
+#include <utility>
 
 #include "core/base/atomic_file.h"
 #include "core/document/project_rows.h"
@@ -21,29 +25,38 @@ CREATE TABLE info (name TEXT PRIMARY KEY, value TEXT NOT NULL);
 CREATE TABLE settings (basis TEXT, format TEXT, threads INTEGER, next_id INTEGER);
 )";
 
+/// Has arrays in parts.
+constexpr int kDividedVersion = 12;
+
 constexpr const char* kUseTable = R"(
 CREATE TABLE element_responses (element INTEGER PRIMARY KEY, response INTEGER);
 )";
 
-/// In this order: the same project gives the same bytes.
-void createTables(Database& db, int version) {
-    db.run(kProjectTable);
-    createElementTables(db);
-    createSkeletonTables(db);
-    createResponseTable(db);
-    db.run(kUseTable);
-    createTouchTable(db);
-    createTakeTables(db);
-    createEffectTables(db);
-    if (version < 6) return;
-    createHandleTables(db);
-    createCharacterTables(db);
-    if (version >= 7) createAttachmentTables(db);
-    if (version >= 8) createRigTables(db);
-    if (version >= 9) createMorphTables(db);
-    if (version >= 10) createFilledTable(db);
-    if (version >= 10) createMorphTrackTable(db);
-    if (version >= 11) createBonePropertyTables(db);
+/// Those that came after version `from`, up to `to`. In this order: the same project gives the same bytes.
+void createTables(Database& db, int from, int to) {
+    const auto came = [&](int version) { return from < version && version <= to; };
+    if (came(5)) {
+        db.run(kProjectTable);
+        createElementTables(db);
+        createSkeletonTables(db);
+        createResponseTable(db);
+        db.run(kUseTable);
+        createTouchTable(db);
+        createTakeTables(db);
+        createEffectTables(db);
+    }
+    if (came(6)) {
+        createHandleTables(db);
+        createCharacterTables(db);
+    }
+    if (came(7)) createAttachmentTables(db);
+    if (came(8)) createRigTables(db);
+    if (came(9)) createMorphTables(db);
+    if (came(10)) {
+        createFilledTable(db);
+        createMorphTrackTable(db);
+    }
+    if (came(11)) createBonePropertyTables(db);
 }
 
 /// Each response once, though elements share it.
@@ -57,8 +70,8 @@ void writeProjectResponses(Database& db, const Project& project) {
     for (const auto& [element, r] : project.responses) uses.row(element, ids.at(r.key));
 }
 
-void readProjectResponses(Database& db, Project& project, const ResponseTables& tables) {
-    auto read = readResponses(db, tables);
+void readProjectResponses(Database& db, Project& project, const ResponseTables& tables, bool keep) {
+    auto read = readResponses(db, tables, keep);
     std::set<std::int64_t> warped;  // elements that share a response are the same
     RowReader uses(db, "SELECT * FROM element_responses ORDER BY element");
     while (uses.next()) {
@@ -74,7 +87,8 @@ void readProjectResponses(Database& db, Project& project, const ResponseTables& 
     }
 }
 
-Project readProject(Database& db, std::int64_t version) {
+/// keepResponses false: checks them and keeps none of their matrices.
+Project readProject(Database& db, std::int64_t version, bool keepResponses) {
     Project project;
     Document& document = project.document;
     RowReader settings(db, "SELECT * FROM settings");
@@ -90,7 +104,7 @@ Project readProject(Database& db, std::int64_t version) {
     const ReadMeshes meshes = readMeshes(db);
     readElements(db, document, meshes);
     readSkeleton(db, document, version >= 11);
-    if (version >= 3) readProjectResponses(db, project, {version >= 4, version >= 10});  // older ones are of older solvers
+    if (version >= 3) readProjectResponses(db, project, {version >= 4, version >= 10}, keepResponses);  // older ones are of older solvers
     if (version >= 4) readEffects(db, document);
     if (version >= 5) readTakes(db, document, version >= 7 ? readTakeTurns(db) : std::map<PartId, int>(), version >= 9 ? readTakeMorphs(db) : std::map<PartId, int>());
     if (version >= 6) {
@@ -113,18 +127,92 @@ Project readProject(Database& db, std::int64_t version) {
     return project;
 }
 
-Result<std::vector<std::byte>> readBytes(const std::filesystem::path& path) {
+/// A file that is open to be read.
+struct ReadFile {
+    explicit ReadFile(const std::filesystem::path& path) : descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {}
+    ~ReadFile() {
+        if (descriptor >= 0) ::close(descriptor);
+    }
+    ReadFile(ReadFile&& other) noexcept : descriptor(std::exchange(other.descriptor, -1)) {}
+    int descriptor;
+};
+
+Result<ReadFile> openToRead(const std::filesystem::path& path) {
     const std::string name = "\"" + path.string() + "\"";
     std::error_code error;
     if (!std::filesystem::exists(path, error)) return fail("file-not-found", "There is no file " + name + ": check its path.");
     if (!std::filesystem::is_regular_file(path, error)) return fail("not-readable", name + " is not a file: choose a .imomushi file.");
-    std::ifstream file(path, std::ios::binary | std::ios::ate);
-    const auto size = file ? static_cast<std::streamoff>(file.tellg()) : -1;
-    if (size < 0) return fail("not-readable", name + " cannot be read: check its permissions.");
-    std::vector<std::byte> bytes(static_cast<std::size_t>(size));
-    file.seekg(0);
-    if (!file.read(reinterpret_cast<char*>(bytes.data()), size)) return fail("not-readable", name + " cannot be read: check its disk.");
-    return bytes;
+    ReadFile file(path);
+    if (file.descriptor < 0) return fail("not-readable", name + " cannot be read: check its permissions.");
+    return file;
+}
+
+/// The part of the document that a row is of, as the artist knows it; empty: it has no name.
+std::string partAt(const Project& project, const Database::Row& row) {
+    const Document& document = project.document;
+    const auto id = static_cast<PartId>(row.id);
+    const auto called = [](const char* kind, const auto& parts, PartId part) {
+        const auto found = parts.find(part);
+        return found == parts.end() ? std::string() : std::string(kind) + " \"" + found->second->name + "\"";
+    };
+    const auto isOneOf = [&](std::initializer_list<const char*> tables) { return std::any_of(tables.begin(), tables.end(), [&](const char* table) { return row.table == table; }); };
+    if (isOneOf({"elements", "issues", "faces", "pieces", "piece_sides", "handles", "handle_goals", "element_responses"})) return called("element", document.elements, id);
+    if (isOneOf({"bones", "held", "bone_properties", "held_turns"})) return called("bone", document.bones, id);
+    if (row.table.starts_with("take")) return called("take", document.takes, id);
+    if (row.table.starts_with("character") || row.table.starts_with("rig") || row.table.starts_with("morph") || isOneOf({"attachments", "part_turns"})) return called("character", document.characters, id);
+    if (isOneOf({"meshes", "materials", "textures"})) {
+        // As writeMeshes() numbers them.
+        std::set<const ElementMesh*> known;
+        for (const auto& [element, part] : document.elements)
+            if (known.insert(part->mesh.get()).second && static_cast<std::int64_t>(known.size()) == row.id) return called("element", document.elements, element);
+        for (const auto& [character, part] : document.characters)
+            if (known.insert(&part->model->mesh).second && static_cast<std::int64_t>(known.size()) == row.id) return called("character", document.characters, character);
+    }
+    if (row.table.ends_with("responses")) {
+        std::set<ContentKey> known;  // as writeProjectResponses() numbers them
+        for (const auto& [element, response] : project.responses)
+            if (known.insert(response.key).second && static_cast<std::int64_t>(known.size()) == row.id) return "the response of " + called("element", document.elements, element);
+    }
+    return {};
+}
+
+void writeProject(Database& db, const Project& project) {
+    db.run(("PRAGMA application_id=" + std::to_string(kProjectApplicationId)).c_str());
+    db.run("BEGIN");
+    const Document& document = project.document;
+    int version = projectVersion(project);
+    createTables(db, 0, version);
+    {
+        RowWriter settings(db, "INSERT INTO settings VALUES (?,?,?,?)");
+        settings.row(basisName(document.settings.basis), formatName(document.settings.format), document.settings.threads, document.nextId);
+    }
+    const MeshIds meshes = writeMeshes(db, document);
+    writeElements(db, document, meshes);
+    writeSkeleton(db, document);
+    writeProjectResponses(db, project);
+    writeEffects(db, document);
+    writeTakes(db, document);
+    if (version >= 6) {
+        writeHandles(db, document);
+        writeCharacters(db, document, meshes);
+    }
+    if (version >= 7) writeAttachments(db, document);
+    if (version >= 8) writeRigs(db, document);
+    if (version >= 9) writeMorphs(db, document);
+    if (version >= 10) writeMorphTracks(db, document);
+    if (version >= 11) writeBoneProperties(db, document);
+    if (db.divided()) {
+        createTables(db, version, kDividedVersion);
+        version = kDividedVersion;
+    }
+    db.run(("PRAGMA user_version=" + std::to_string(version)).c_str());
+    {
+        const std::string digest = db.digest(projectTables(version));
+        RowWriter info(db, "INSERT INTO info VALUES (?,?)");
+        info.row("program", std::string("imomushi ") + kVersion);
+        info.row("digest", digest);
+    }
+    db.run("COMMIT");
 }
 
 }  // namespace
@@ -154,58 +242,39 @@ int projectVersion(const Project& project) {
 }
 
 Result<void> saveProject(const std::filesystem::path& path, const Project& project) {
+    AtomicFile file(path);
+    if (file.descriptor() < 0) return file.finish();
     try {
-        Database db;
-        db.run("PRAGMA page_size=4096");
-        db.run(("PRAGMA application_id=" + std::to_string(kProjectApplicationId)).c_str());
-        const Document& document = project.document;
-        const int version = projectVersion(project);
-        db.run(("PRAGMA user_version=" + std::to_string(version)).c_str());
-        db.run("BEGIN");
-        createTables(db, version);
         {
-            RowWriter settings(db, "INSERT INTO settings VALUES (?,?,?,?)");
-            settings.row(basisName(document.settings.basis), formatName(document.settings.format), document.settings.threads, document.nextId);
+            Database db(file.descriptor(), Database::Access::Write);
+            writeProject(db, project);
         }
-        const MeshIds meshes = writeMeshes(db, document);
-        writeElements(db, document, meshes);
-        writeSkeleton(db, document);
-        writeProjectResponses(db, project);
-        writeEffects(db, document);
-        writeTakes(db, document);
-        if (version >= 6) {
-            writeHandles(db, document);
-            writeCharacters(db, document, meshes);
+        // What is saved opens: it is read as openProject() will read it.
+        Database db(file.descriptor(), Database::Access::Read);
+        try {
+            readProject(db, db.number("PRAGMA user_version"), false);
+        } catch (const DatabaseError& reason) {
+            const std::string part = partAt(project, db.row());
+            return fail("not-sound", "The project cannot be saved, for it would not open again (" + (part.empty() ? part : part + ": ") + reason.what() +
+                                         "): undo what made it so, or remove that part. Nothing was replaced.");
         }
-        if (version >= 7) writeAttachments(db, document);
-        if (version >= 8) writeRigs(db, document);
-        if (version >= 9) writeMorphs(db, document);
-        if (version >= 10) writeMorphTracks(db, document);
-        if (version >= 11) writeBoneProperties(db, document);
-        {
-            const std::string digest = db.digest(projectTables(version));
-            RowWriter info(db, "INSERT INTO info VALUES (?,?)");
-            info.row("program", std::string("imomushi ") + kVersion);
-            info.row("digest", digest);
-        }
-        db.run("COMMIT");
-        const auto file = db.file();
-        return writeFileAtomically(path, {reinterpret_cast<const char*>(file.data()), file.size()});
     } catch (const DatabaseError& error) {
+        if (error.diskFull) return failDiskFull(path);
         return fail("not-writable", std::string("The project could not be written (") + error.what() + "): nothing was changed on the disk.");
     }
+    return file.finish();
 }
 
 Result<Project> openProject(const std::filesystem::path& path) {
     const std::string name = "\"" + path.string() + "\"";
-    auto bytes = readBytes(path);
-    if (!bytes) return tl::unexpected(bytes.error());
+    const auto opened = openToRead(path);
+    if (!opened) return tl::unexpected(opened.error());
     const auto notAProject = [&] { return fail("not-a-project", name + " is not an Imomushi project: choose a .imomushi file."); };
     constexpr std::string_view kMagic("SQLite format 3\0", 16);
-    if (bytes->size() < 100 || std::memcmp(bytes->data(), kMagic.data(), kMagic.size()) != 0) return notAProject();
+    std::array<char, 100> header{};
+    if (::pread(opened->descriptor, header.data(), header.size(), 0) != static_cast<ssize_t>(header.size()) || std::memcmp(header.data(), kMagic.data(), kMagic.size()) != 0) return notAProject();
     try {
-        Database db(*bytes);
-        *bytes = {};  // the database has a copy
+        Database db(opened->descriptor, Database::Access::Read);
         if (db.number("PRAGMA application_id") != kProjectApplicationId) return notAProject();
         const std::int64_t version = db.number("PRAGMA user_version");
         if (version > kProjectVersion)
@@ -214,7 +283,7 @@ Result<Project> openProject(const std::filesystem::path& path) {
         require(version >= 1, "its version is unknown");
         RowReader info(db, "SELECT value FROM info WHERE name='digest'");
         require(info.next() && info.text() == db.digest(projectTables(version)), "its content does not match its digest");
-        return readProject(db, version);
+        return readProject(db, version, true);
     } catch (const DatabaseError& reason) {
         return fail("damaged", name + " is damaged (" + reason.what() + "): open an earlier version of it.");
     }

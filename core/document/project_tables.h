@@ -9,7 +9,7 @@
 #include "core/mesh/rig.h"
 
 // The tables of a project file, in groups: each group is created, written, read and checked in the file project_<group>.cpp. Readers trust nothing and
-// throw DatabaseError with what is wrong; writers throw it when a number is not finite or a value is larger than SQLite holds.
+// throw DatabaseError with what is wrong; writers throw it when a number is not finite or a text is larger than SQLite holds.
 
 namespace imomushi {
 

@@ -110,7 +110,7 @@ void writeResponses(Database& db, std::span<const StoredResponse> responses) {
     }
 }
 
-std::map<std::int64_t, ResponseRow> readResponses(Database& db, const ResponseTables& tables) {
+std::map<std::int64_t, ResponseRow> readResponses(Database& db, const ResponseTables& tables, bool keep) {
     std::map<std::int64_t, ResponseRow> read;
     const auto touchOf = [&](std::int64_t response, const ElementResponse& of) {
         RowReader rows(db, ("SELECT * FROM touch_responses WHERE response=" + std::to_string(response)).c_str());
@@ -174,6 +174,10 @@ std::map<std::int64_t, ResponseRow> readResponses(Database& db, const ResponseTa
         a->quality.mappingError = rows.real();
         a->quality.shapeError = rows.real();
         if (tables.touch) a->touch = touchOf(responseId, *a);
+        if (!keep) {
+            for (Eigen::MatrixXd* part : {&a->response, &a->stiffness, &a->tractions, &a->loads, &a->loadForces}) part->resize(0, 0);
+            a->touch = {};
+        }
         r.response = std::move(a);
         read.emplace(responseId, std::move(r));
     }

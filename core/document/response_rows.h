@@ -34,8 +34,8 @@ void writeResponses(Database& db, std::span<const StoredResponse> responses);
 struct ResponseTables {
     bool touch = true, filled = true;
 };
-/// By id, checked in themselves: sizes agree, all numbers are finite.
-std::map<std::int64_t, ResponseRow> readResponses(Database& db, const ResponseTables& tables);
+/// By id, checked in themselves: sizes agree, all numbers are finite. `keep` false: only to check them, without their matrices.
+std::map<std::int64_t, ResponseRow> readResponses(Database& db, const ResponseTables& tables, bool keep = true);
 /// Whether the bases of `response` have warping columns.
 [[nodiscard]] bool hasWarping(const ElementResponse& response);
 /// Works out the warping of the faces again. `faces`: those of the response, on `body`.

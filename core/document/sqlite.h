@@ -4,32 +4,57 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
+#include <filesystem>
 #include <limits>
 #include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "core/base/finite.h"
+#include "core/base/hash.h"
 
 struct sqlite3;
 struct sqlite3_stmt;
 
 namespace imomushi {
 
+class RowWriter;
+
 /// Why a database could not be written or read. Callers of saveProject(), openProject(), packResponse() and unpackResponse() get an Error instead.
 struct DatabaseError : std::runtime_error {
     using std::runtime_error::runtime_error;
+    bool diskFull = false;
 };
 
-/// A database in memory: built row by row and turned into the bytes of a file, or the other way round. One value has 10^9 bytes at most (SQLite's default).
+/// Arrays larger than this, bytes, are divided into parts of this size, so that neither writing nor reading one needs more memory than a few parts beside the array.
+/// SQLite takes no row over 10^9 bytes.
+inline constexpr std::size_t kPartBytes = std::size_t{16} << 20;
+
+/// Arrays over this size, bytes, are divided where there is a PartStore.
+inline constexpr std::size_t kSharedBytes = 4096;
+
+/// Keeps parts of arrays outside of a database, each once however many databases have it.
+class PartStore {
+public:
+    virtual ~PartStore() = default;
+    virtual ContentKey keep(std::span<const std::byte> part) = 0;
+    /// Throws DatabaseError where the part is not there or damaged.
+    virtual std::vector<std::byte> find(const ContentKey& key) = 0;
+};
+
+/// A database in memory, built row by row and turned into the bytes of a file, or the other way round; or in a file of its own.
+/// A divided array has rows in "value_parts", which is made with the first one, and their number where the array would be.
 class Database {
 public:
+    enum class Access { Write, Read };
     Database();                                          ///< empty
     explicit Database(std::span<const std::byte> file);  ///< a copy of the bytes of a file, read only
+    /// In the file that is open as `file`: a new one, which is to be empty and needs to be flushed when this is gone, or one that is only read.
+    Database(int file, Access access);
+    /// A file that other processes may have open too, made where there is none and `make` is set. Changes are transactions.
+    Database(const std::filesystem::path& file, bool make);
     ~Database();
     Database(const Database&) = delete;
     Database& operator=(const Database&) = delete;
@@ -41,8 +66,35 @@ public:
     /// Of the types and bytes of all values in `tables`, row by row: 32 hexadecimal digits.
     [[nodiscard]] std::string digest(std::span<const char* const> tables);
 
+    /// The parts of arrays are or go there. `store` must outlive this.
+    void setStore(PartStore& store) { store_ = &store; }
+    [[nodiscard]] std::size_t wholeBytes() const { return store_ ? kSharedBytes : kPartBytes; }
+    /// Keeps an array in parts. Its number.
+    std::int64_t divide(const void* data, std::size_t size);
+    /// Adds the rows of a table of another database to the same table of this one, large arrays part by part.
+    void addRows(Database& from, const char* table);
+    /// Whether an array was divided.
+    [[nodiscard]] bool divided() const { return parted_ > 0; }
+    [[nodiscard]] std::size_t sizeOf(std::int64_t parted);
+    void copy(std::int64_t parted, void* to);
+
+    /// The row that is being read, of the reader that moved last.
+    struct Row {
+        std::string table;  ///< empty: none, all that was asked for is read
+        std::int64_t id = 0;  ///< its first column, as a whole number
+    };
+    [[nodiscard]] const Row& row() const { return row_; }
+
 private:
+    friend class RowReader;
+    std::int64_t divideLike(Database& from, std::int64_t parted);
+    void beginParts();
+    void addPart(RowWriter& rows, std::int64_t position, std::span<const std::byte> part);
+
+    Row row_;
+    PartStore* store_ = nullptr;
     sqlite3* handle_ = nullptr;
+    std::int64_t parted_ = 0;  // arrays that were divided
 };
 
 /// Writes rows of one table: row(1, "name", blob, ...).
@@ -61,6 +113,7 @@ public:
     }
 
 private:
+    friend class Database;
     void bind(bool value) { bind(std::int64_t{value}); }
     void bind(int value) { bind(static_cast<std::int64_t>(value)); }
     void bind(std::uint64_t value) { bind(static_cast<std::int64_t>(value)); }
@@ -78,6 +131,7 @@ private:
     void bind(const Eigen::PlainObjectBase<Derived>& values) {
         blob(values.data(), static_cast<std::size_t>(values.size()) * sizeof(typename Derived::Scalar));
     }
+    void bind(std::span<const std::byte> bytes) { blob(bytes.data(), bytes.size()); }
     void blob(const void* data, std::size_t size);
     void finish();
 
@@ -106,30 +160,36 @@ public:
     /// An array whose size must be a multiple of `width` items.
     template <class T>
     std::vector<T> array(std::size_t width = 1) {
-        const std::string_view bytes = blob();
-        if (bytes.size() % (sizeof(T) * width) != 0) throw DatabaseError("an array has a broken size");
-        std::vector<T> values(bytes.size() / sizeof(T));
-        if (!values.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
+        const std::size_t bytes = size();
+        if (bytes % (sizeof(T) * width) != 0) throw DatabaseError("an array has a broken size");
+        std::vector<T> values(bytes / sizeof(T));
+        copy(values.data());
         return values;
     }
     /// A matrix of as many columns as its type has, any number of rows.
     template <class Matrix>
     Matrix matrix() {
         constexpr int kColumns = Matrix::ColsAtCompileTime;
-        const auto values = array<typename Matrix::Scalar>(static_cast<std::size_t>(kColumns));
-        if (values.size() / kColumns > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) throw DatabaseError("an array is too long");
-        Matrix m(static_cast<Eigen::Index>(values.size()) / kColumns, kColumns);
-        if (!values.empty()) std::memcpy(m.data(), values.data(), values.size() * sizeof values[0]);
+        constexpr std::size_t kRow = kColumns * sizeof(typename Matrix::Scalar);
+        const std::size_t bytes = size();
+        if (bytes % kRow != 0) throw DatabaseError("an array has a broken size");
+        if (bytes / kRow > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) throw DatabaseError("an array is too long");
+        Matrix m(static_cast<Eigen::Index>(bytes / kRow), kColumns);
+        copy(m.data());
         return m;
     }
 
 private:
-    std::string_view blob();
+    friend class Database;
+    std::size_t size();         // of the array, bytes
+    void copy(void* to);        // the array, which may be divided
+    std::size_t part(void* to); // what is in this row; its size
     void expect(int type);
 
     Database& database_;
     sqlite3_stmt* statement_ = nullptr;
     int column_ = 0;
+    std::string table_;  // after FROM
 };
 
 }  // namespace imomushi
