@@ -44,6 +44,7 @@ void createTables(Database& db, int version) {
     if (version >= 10) createFilledTable(db);
     if (version >= 10) createMorphTrackTable(db);
     if (version >= 11) createBonePropertyTables(db);
+    if (version >= 13) createDampingTable(db);
 }
 
 /// Each response once, though elements share it.
@@ -89,6 +90,7 @@ Project readProject(Database& db, std::int64_t version) {
     document.nextId = readId(settings);
     const ReadMeshes meshes = readMeshes(db);
     readElements(db, document, meshes);
+    if (version >= 13) readDamping(db, document);
     readSkeleton(db, document, version >= 11);
     if (version >= 3) readProjectResponses(db, project, {version >= 4, version >= 10});  // older ones are of older solvers
     if (version >= 4) readEffects(db, document);
@@ -130,6 +132,7 @@ Result<std::vector<std::byte>> readBytes(const std::filesystem::path& path) {
 }  // namespace
 
 int projectVersion(const Document& document) {
+    if (std::any_of(document.elements.begin(), document.elements.end(), [](const auto& part) { return part.second->damping != Element().damping; })) return 13;
     if (std::any_of(document.bones.begin(), document.bones.end(), [](const auto& part) { return hasProperties(*part.second); }) ||
         std::any_of(document.goals.begin(), document.goals.end(), [](const auto& part) { return part.second.turn.has_value(); }))
         return 11;
@@ -182,6 +185,7 @@ Result<void> saveProject(const std::filesystem::path& path, const Project& proje
         if (version >= 9) writeMorphs(db, document);
         if (version >= 10) writeMorphTracks(db, document);
         if (version >= 11) writeBoneProperties(db, document);
+        if (version >= 13) writeDamping(db, document);
         {
             const std::string digest = db.digest(projectTables(version));
             RowWriter info(db, "INSERT INTO info VALUES (?,?)");

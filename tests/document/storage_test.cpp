@@ -288,15 +288,15 @@ TEST_CASE("storage: limits, stiffness and weight of bones are in the file only w
     const std::pair<const char*, double> given[] = {{"max-bend", 0.5}, {"max-twist", 2.0}, {"stiffness", 50.0}, {"weight", 3.0}};
     for (const auto& [property, value] : given) {
         w.good({{"do", "set"}, {"target", "b"}, {"property", property}, {"value", value}});
-        CHECK(version() == kProjectVersion);
+        CHECK(version() == 11);
         w.good({{"do", "undo"}});
         CHECK(version() == 5);
         w.good({{"do", "redo"}});
-        CHECK(version() == kProjectVersion);
+        CHECK(version() == 11);
         w.good({{"do", "undo"}});
     }
     w.good({{"do", "pin"}, {"endpoint", "a/start"}, {"orientation", true}});
-    CHECK(version() == kProjectVersion);
+    CHECK(version() == 11);
     for (const auto& [property, value] : given) w.good({{"do", "set"}, {"target", "b"}, {"property", property}, {"value", value}});
     w.good({{"do", "save"}, {"path", path.string()}});
     Workbench other;
