@@ -316,6 +316,29 @@
         </message>
     </context>
     <context>
+        <name>MaterialPreset</name>
+        <message>
+            <source>Standard</source>
+            <translation>標準</translation>
+        </message>
+        <message>
+            <source>Jelly</source>
+            <translation>ゼリー</translation>
+        </message>
+        <message>
+            <source>Rubber</source>
+            <translation>ゴム</translation>
+        </message>
+        <message>
+            <source>Plush</source>
+            <translation>ぬいぐるみ</translation>
+        </message>
+        <message>
+            <source>Muscle</source>
+            <translation>筋肉</translation>
+        </message>
+    </context>
+    <context>
         <name>Effects</name>
         <message>
             <source>Bone dynamics</source>
@@ -514,8 +537,8 @@
             <translation>垂れ</translation>
         </message>
         <message>
-            <source>How far flesh sags under the gravity of the Earth, over the height of the character.</source>
-            <translation>地球の重力で肉が垂れ下がる長さ（キャラクターの高さに対する割合）。</translation>
+            <source>How far flesh of stiffness 1 sags under the gravity of the Earth, over the height of the character.</source>
+            <translation>地球の重力で硬さ 1 の肉が垂れ下がる長さ（キャラクターの高さに対する割合）。</translation>
         </message>
         <message>
             <source>Inertia</source>
@@ -2675,6 +2698,26 @@
         <message>
             <source>Density</source>
             <translation>密度</translation>
+        </message>
+        <message>
+            <source>Damping</source>
+            <translation>減衰</translation>
+        </message>
+        <message>
+            <source>Preset</source>
+            <translation>プリセット</translation>
+        </message>
+        <message>
+            <source>Custom</source>
+            <translation>カスタム</translation>
+        </message>
+        <message>
+            <source>%1: sags %2 %</source>
+            <translation>%1：垂れ %2 %</translation>
+        </message>
+        <message>
+            <source>Sets the four numbers below. How far a character of it sags under gravity with its default numbers, whatever its size, over its height.</source>
+            <translation>下の 4 つの数値を設定します。「垂れ」は、キャラクター全体がこの材質のとき、既定の重力で垂れ下がる長さ（高さに対する割合）で、大きさによりません。</translation>
         </message>
         <message>
             <source>Colour</source>

@@ -30,7 +30,7 @@ std::vector<double> modulusForSag(const CharacterInput& input, double sag) {
         for (const auto& face : joint.faces) connected.unite(joint.faces.front().element, face.element);
     struct Whole {
         Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-        double softest = 0.0;  // Pa m: how far it sags, times the shear modulus
+        double softest = 0.0;  // Pa m: how far it sags where it sags most, times the shear modulus
     };
     std::vector<Whole> wholes(input.elements.size());
     const auto wholeOf = [&](std::size_t e) -> Whole& { return wholes[static_cast<std::size_t>(connected.find(static_cast<std::int32_t>(e)))]; };
@@ -42,7 +42,7 @@ std::vector<double> modulusForSag(const CharacterInput& input, double sag) {
         if (!element.response || element.response->loads.cols() < kGravityColumns) continue;
         const auto down = element.response->loads.col(1);
         for (Eigen::Index i = 0; i < down.size(); i += 3)
-            whole.softest = std::max(whole.softest, kEarth * element.density / element.stiffness * down.segment<3>(i).norm());
+            whole.softest = std::max(whole.softest, kEarth * CharacterInput::Element::kStandardDensity * down.segment<3>(i).norm());
     }
     std::vector<double> moduli;
     for (std::size_t e = 0; e < input.elements.size(); ++e) {

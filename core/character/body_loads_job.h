@@ -22,7 +22,8 @@ struct GravityEffect : EffectOf<GravityEffect> {
     static constexpr auto kHelp = IMOMUSHI_TEXT("Effects", "Flesh sags under its weight and lags behind when it is moved.");
     Vec3 acceleration = Vec3(0.0, -9.81, 0.0);  ///< of free fall, m/s^2, world
     double inertia = 1.0;                       ///< how much of its own acceleration the flesh feels
-    double sag = 0.03;                          ///< of the height of a character under the gravity of the Earth, where no shear modulus is given
+    static constexpr double kDefaultSag = 0.03;
+    double sag = kDefaultSag;                   ///< of the height of a character under the gravity of the Earth, where no shear modulus is given
     double shearModulus = 0.0;                  ///< of stiffness 1, Pa; 0: as `sag` says
 
     static constexpr auto properties() {
@@ -30,7 +31,7 @@ struct GravityEffect : EffectOf<GravityEffect> {
             number<&GravityEffect::acceleration>("acceleration", "m/s^2", -1e6, 1e6, IMOMUSHI_TEXT("Effects", "Gravity"),
                                                  IMOMUSHI_TEXT("Effects", "Acceleration of free fall, in the world.")),
             number<&GravityEffect::sag>("sag", "", 1e-3, 1.0, IMOMUSHI_TEXT("Effects", "Sag"),
-                                        IMOMUSHI_TEXT("Effects", "How far flesh sags under the gravity of the Earth, over the height of the character.")),
+                                        IMOMUSHI_TEXT("Effects", "How far flesh of stiffness 1 sags under the gravity of the Earth, over the height of the character.")),
             number<&GravityEffect::shearModulus>(
                 "shear-modulus", "Pa", 0.0, 1e12, IMOMUSHI_TEXT("Effects", "Shear modulus"),
                 IMOMUSHI_TEXT("Effects", "Shear modulus of elements with stiffness 1, instead of the sag: softer flesh sags more. 0: as the sag says.")),
@@ -42,8 +43,8 @@ struct GravityEffect : EffectOf<GravityEffect> {
     [[nodiscard]] Result<void> addJob(Frame& frame, FrameJobs& jobs) const override;
 };
 
-/// Per element, Pa: the shear modulus of stiffness 1 with which the softest flesh of its connected elements would sag, at rest under the gravity of the Earth
-/// along -Y, by `sag` of their height. 0: no columns of loads.
+/// Per element, Pa: the shear modulus with which its connected elements, were they all of stiffness 1 and standard density, would sag at rest under the gravity
+/// of the Earth along -Y by `sag` of their height. 0: no columns of loads.
 std::vector<double> modulusForSag(const CharacterInput& input, double sag);
 
 /// Pressure inside elements, one column after v.

@@ -30,8 +30,10 @@ struct CharacterInput {
         std::shared_ptr<const ElementMesh> mesh;
         std::vector<JointFace> faces;
         std::shared_ptr<const ElementResponse> response;  ///< null: not precomputed, the element follows its bones rigidly
+        static constexpr double kStandardDensity = 1000.0;  ///< kg/m^3
         double stiffness = 1.0;                           ///< relative shear modulus
-        double density = 1000.0;                          ///< kg/m^3
+        double density = kStandardDensity;                ///< kg/m^3
+        double damping = 1.0;                             ///< of joint dynamics, times the ratio of its effect
         double nu = 0.45;                                 ///< Poisson ratio
         int handles = 0;                                  ///< how many of its faces are handles
         std::vector<int> bones;                           ///< bones that run through it; empty: it stays at rest, or moves with its handles (RigidFit)

@@ -156,6 +156,7 @@ Result<void> checkInput(const CharacterInput& input, const ElementRuntimes& know
         for (const int b : element.bones)
             if (!in(b, static_cast<int>(input.skeleton.bones.size()))) return bad("an element names a bone that is not there");
         if (!(element.density > 0.0) || !std::isfinite(element.density)) return bad("an element has no density");
+        if (!(element.damping >= 0.0) || !std::isfinite(element.damping)) return bad("an element's damping is below 0");
         if (!fits && element.response)
             if (auto ok = checkResponse(element); !ok) return ok;
         if (element.embedded)

@@ -81,13 +81,12 @@ public:
     [[nodiscard]] bool resting() const { return dynamics_.resting(); }
 
 private:
-    JigglingJoint(JointDynamics dynamics, Eigen::MatrixXd mass, Eigen::MatrixXd stiffness)
-        : dynamics_(std::move(dynamics)), mass_(std::move(mass)), stiffness_(std::move(stiffness)) {}
+    JigglingJoint(JointDynamics dynamics, JointDynamics::Input input) : dynamics_(std::move(dynamics)), input_(std::move(input)) {}
 
     void follow(const Place& wanted);
 
     JointDynamics dynamics_;
-    Eigen::MatrixXd mass_, stiffness_;
+    JointDynamics::Input input_;
     Matrix3d axes_ = Matrix3d::Identity();               // of the first face, rest
     double size_ = 1.0;                                  // m, of the largest face
     Place last_;
@@ -97,7 +96,7 @@ private:
 
 Result<std::optional<JigglingJoint>> JigglingJoint::build(const CharacterInput& input, const CharacterInput::Joint& joint,
                                                           const JointDynamicsEffect& settings) {
-    Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(kParameters, kParameters), stiffness = mass;
+    Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(kParameters, kParameters), stiffness = mass, damped = mass;
     const auto& firstFace = input.elements[static_cast<std::size_t>(joint.faces[0].element)].faces[static_cast<std::size_t>(joint.faces[0].face)];
     double size = 0.0;
     bool any = false;
@@ -128,7 +127,9 @@ Result<std::optional<JigglingJoint>> JigglingJoint::build(const CharacterInput& 
             basis.coefficients(map, rest, face.size, v.data(), lost);
             T.col(k) = v / kStep;
         }
-        stiffness += element.stiffness * T.transpose() * response.stiffness.block(first, first, columns, columns) * T;
+        const Eigen::MatrixXd own = element.stiffness * T.transpose() * response.stiffness.block(first, first, columns, columns) * T;
+        stiffness += own;
+        damped += element.damping * own;
 
         const Eigen::VectorXd volume = vertexVolumes(element.mesh->body);
         const Eigen::MatrixXd A = response.response.middleCols(first, columns) * T;
@@ -146,16 +147,21 @@ Result<std::optional<JigglingJoint>> JigglingJoint::build(const CharacterInput& 
     mass.diagonal().array() += 1e-9 * std::max(mass.diagonal().maxCoeff(), 1e-300);
     mass = (0.5 * (mass + mass.transpose())).eval();
     stiffness = (0.5 * (stiffness + stiffness.transpose())).eval();
-    auto dynamics = JointDynamics::build({mass, stiffness, settings.hertz, settings.damping});
+    damped = (0.5 * (damped + damped.transpose())).eval();
+    JointDynamics::Input whole{std::move(mass), std::move(stiffness), settings.hertz, settings.damping, std::move(damped)};
+    auto dynamics = JointDynamics::build(whole);
     if (!dynamics) return tl::unexpected(dynamics.error());
-    JigglingJoint made(std::move(*dynamics), std::move(mass), std::move(stiffness));
+    JigglingJoint made(std::move(*dynamics), std::move(whole));
     made.axes_ = firstFace.frame.axes;
     made.size_ = size;
     return std::optional<JigglingJoint>(std::move(made));
 }
 
 Result<void> JigglingJoint::set(const JointDynamicsEffect& settings) {
-    auto dynamics = JointDynamics::build({mass_, stiffness_, settings.hertz, settings.damping});
+    JointDynamics::Input changed = input_;
+    changed.hertz = settings.hertz;
+    changed.damping = settings.damping;
+    auto dynamics = JointDynamics::build(changed);
     if (!dynamics) return tl::unexpected(dynamics.error());
     dynamics_ = std::move(*dynamics);
     dynamics_.reset(target_);

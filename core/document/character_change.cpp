@@ -29,7 +29,8 @@ bool changesCharacter(const DocumentChange& change, const Document& after) {
     return std::any_of(change.elements.begin(), change.elements.end(), [&](const auto& part) {
         const Element& was = *part.second;
         const Element& is = *after.elements.at(part.first);
-        return was.nu != is.nu || was.stiffness != is.stiffness || was.jointPlanes != is.jointPlanes || was.handles != is.handles;
+        return was.nu != is.nu || was.stiffness != is.stiffness || was.density != is.density || was.damping != is.damping ||
+               was.jointPlanes != is.jointPlanes || was.handles != is.handles;
     });
 }
 

@@ -252,6 +252,7 @@ Result<CharacterPlan> planCharacter(const Document& document) {
         made.faces = element->faces;
         made.stiffness = element->stiffness;
         made.density = element->density;
+        made.damping = element->damping;
         made.nu = element->nu;
         made.handles = static_cast<int>(element->handles.size());
         for (std::size_t b = 0; b < plan.bones.size(); ++b)

@@ -52,6 +52,8 @@ struct Element {
     double nu = 0.45;        ///< Poisson ratio, 0...0.5
     double stiffness = 1.0;  ///< relative shear modulus, > 0
     double density = 1000.0; ///< kg/m^3, > 0
+    double damping = 1.0;    ///< of joint dynamics, times the ratio of its effect, 0 ... kMaxDamping
+    static constexpr double kMaxDamping = 100.0;
     /// Linear RGB of an element whose mesh brings no colours of its own.
     Eigen::Vector3f color = Eigen::Vector3f(0.55f, 0.75f, 0.45f);
     bool visible = true;

@@ -203,6 +203,7 @@ void Mirror::matchPieces() {
             changed.nu = element->nu;
             changed.stiffness = element->stiffness;
             changed.density = element->density;
+            changed.damping = element->damping;
             changed.solverMesh = element->solverMesh;
             changed.jointPlanes = element->jointPlanes;
         });

@@ -144,4 +144,23 @@ void readElements(Database& db, Document& document, const ReadMeshes& meshes) {
     }
 }
 
+void createDampingTable(Database& db) { db.run("CREATE TABLE element_damping (element INTEGER PRIMARY KEY, damping REAL)"); }
+
+void writeDamping(Database& db, const Document& document) {
+    RowWriter rows(db, "INSERT INTO element_damping VALUES (?,?)");
+    for (const auto& [id, element] : document.elements)
+        if (element->damping != Element().damping) rows.row(id, element->damping);
+}
+
+void readDamping(Database& db, Document& document) {
+    RowReader rows(db, "SELECT * FROM element_damping ORDER BY element");
+    while (rows.next()) {
+        const PartId part = readId(rows);
+        require(document.elements.contains(part), "a damping is of no element");
+        Element element = *document.elements.at(part);
+        element.damping = rows.real(0.0, Element::kMaxDamping);
+        document.elements.at(part) = std::make_shared<const Element>(std::move(element));
+    }
+}
+
 }  // namespace imomushi

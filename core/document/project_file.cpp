@@ -57,6 +57,7 @@ void createTables(Database& db, int from, int to) {
         createMorphTrackTable(db);
     }
     if (came(11)) createBonePropertyTables(db);
+    if (came(13)) createDampingTable(db);
 }
 
 /// Each response once, though elements share it.
@@ -103,6 +104,7 @@ Project readProject(Database& db, std::int64_t version, bool keepResponses) {
     document.nextId = readId(settings);
     const ReadMeshes meshes = readMeshes(db);
     readElements(db, document, meshes);
+    if (version >= 13) readDamping(db, document);
     readSkeleton(db, document, version >= 11);
     if (version >= 3) readProjectResponses(db, project, {version >= 4, version >= 10}, keepResponses);  // older ones are of older solvers
     if (version >= 4) readEffects(db, document);
@@ -201,7 +203,8 @@ void writeProject(Database& db, const Project& project) {
     if (version >= 9) writeMorphs(db, document);
     if (version >= 10) writeMorphTracks(db, document);
     if (version >= 11) writeBoneProperties(db, document);
-    if (db.divided()) {
+    if (version >= 13) writeDamping(db, document);
+    if (db.divided() && version < kDividedVersion) {
         createTables(db, version, kDividedVersion);
         version = kDividedVersion;
     }
@@ -218,6 +221,7 @@ void writeProject(Database& db, const Project& project) {
 }  // namespace
 
 int projectVersion(const Document& document) {
+    if (std::any_of(document.elements.begin(), document.elements.end(), [](const auto& part) { return part.second->damping != Element().damping; })) return 13;
     if (std::any_of(document.bones.begin(), document.bones.end(), [](const auto& part) { return hasProperties(*part.second); }) ||
         std::any_of(document.goals.begin(), document.goals.end(), [](const auto& part) { return part.second.turn.has_value(); }))
         return 11;

@@ -21,15 +21,14 @@ struct Project {
 /// "IMOM": SQLite's application id of a .imomushi file.
 inline constexpr int kProjectApplicationId = 0x494d4f4d;
 /// Version of the tables. A file of a newer one is refused.
-inline constexpr int kProjectVersion = 12;
+inline constexpr int kProjectVersion = 13;
 /// What a file of this document gets: the oldest version that has its tables, so that programs that know neither handles nor characters nor attached parts nor skeletons of files nor morph targets open it where it has none.
 [[nodiscard]] int projectVersion(const Document& document);
 /// The same with its responses: newer where one was solved in tetrahedra, or says why not. An array over kPartBytes makes the file newer yet.
 [[nodiscard]] int projectVersion(const Project& project);
 
 /// All tables that hold the project; "info" holds their digest. Effects and touch came with version 4, takes with 5, handles and characters with 6, attached parts with 7, skeletons of files with 8, morph targets and
-/// names of nodes that are no bones with 9, clips that weigh morph targets and what finite elements say of responses with 10, limits, stiffness and weight of bones and pins that hold them as turned with 11,
-/// arrays in parts with 12.
+/// names of nodes that are no bones with 9, clips that weigh morph targets and what finite elements say of responses with 10, limits, stiffness and weight of bones and pins that hold them as turned with 11, damping of elements with 13.
 inline constexpr std::array<const char*, 45> kProjectTables = {"settings", "meshes", "materials", "textures",    "elements", "issues",    "faces",
                                                                "joints",   "joint_faces", "bones",  "held", "pose",  "responses", "element_responses",
                                                                "effects",  "effect_elements", "effect_settings", "touch_responses",
@@ -38,9 +37,9 @@ inline constexpr std::array<const char*, 45> kProjectTables = {"settings", "mesh
                                                                "attachments", "part_turns", "take_turns",
                                                                "rigs", "rig_bones", "rig_nodes", "rig_clips", "rig_tracks",
                                                                "rig_node_names", "morph_targets", "morph_weights", "take_morphs",
-                                                               "rig_morph_tracks", "filled_responses", "bone_properties", "held_turns", "value_parts"};
+                                                               "rig_morph_tracks", "filled_responses", "bone_properties", "held_turns", "element_damping"};
 [[nodiscard]] inline std::span<const char* const> projectTables(std::int64_t version) {
-    return std::span<const char* const>(kProjectTables).first(version >= 12 ? kProjectTables.size() : version == 11 ? 44 : version == 10 ? 42 : version == 9 ? 40 : version == 8 ? 36 : version == 7 ? 31 : version == 6 ? 28 : version == 5 ? 20 : version == 4 ? 18 : 14);
+    return std::span<const char* const>(kProjectTables).first(version >= 13 ? kProjectTables.size() : version >= 11 ? 44 : version == 10 ? 42 : version == 9 ? 40 : version == 8 ? 36 : version == 7 ? 31 : version == 6 ? 28 : version == 5 ? 20 : version == 4 ? 18 : 14);
 }
 
 /// Writes one self-contained SQLite file: beside its place first, on disk, then renamed, so that there is always a whole file. Nothing of an old

@@ -30,6 +30,11 @@ void createElementTables(Database& db);
 void writeElements(Database& db, const Document& document, const MeshIds& meshes);
 void readElements(Database& db, Document& document, const ReadMeshes& meshes);
 
+/// Damping of elements that have one of their own. Reads after the elements.
+void createDampingTable(Database& db);
+void writeDamping(Database& db, const Document& document);
+void readDamping(Database& db, Document& document);
+
 /// Characters with their bodies and cuts, and what elements are of them. Reads after the elements and bones.
 void createCharacterTables(Database& db);
 void writeCharacters(Database& db, const Document& document, const MeshIds& meshes);

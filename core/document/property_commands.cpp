@@ -7,6 +7,7 @@
 #include "core/document/document_edit.h"
 #include "core/document/face_references.h"
 #include "core/document/handle_commands.h"
+#include "core/document/material_preset.h"
 #include "core/document/names.h"
 
 namespace imomushi {
@@ -57,6 +58,15 @@ Result<void> setElement(Element& element, const std::string& property, const Jso
     if (property == "nu") return number(element.nu, 0.0, 0.5);
     if (property == "stiffness") return number(element.stiffness, kSmallestRatio, kLargestRatio);
     if (property == "density") return number(element.density, kSmallestDensity, kLargestDensity);
+    if (property == "damping") return number(element.damping, 0.0, Element::kMaxDamping);
+    if (property == "preset") {
+        const auto given = word(value, property);
+        if (!given) return tl::unexpected(given.error());
+        const MaterialPreset* preset = materialPreset(*given);
+        if (!preset) return fail("bad-value", "There is no preset \"" + *given + "\"; there are " + materialPresetNames() + ".");
+        preset->apply(element);
+        return {};
+    }
     if (property == "visible") return flag(element.visible);
     if (property == "locked") return flag(element.locked);
     if (property == "color") {
@@ -86,7 +96,7 @@ Result<void> setElement(Element& element, const std::string& property, const Jso
         element.solverMesh = *setting;
         return {};
     }
-    return noSuchProperty("An element", property, "nu, stiffness, density, solver-mesh, joint-planes, color, visible and locked");
+    return noSuchProperty("An element", property, "preset, nu, stiffness, density, damping, solver-mesh, joint-planes, color, visible and locked");
 }
 
 Result<void> setBone(Bone& bone, const std::string& property, const Json& value) {
@@ -201,7 +211,7 @@ Result<Json> rename(DocumentEdit& edit, const Json& arguments, const Progress&) 
 void addPropertyCommands(CommandRegistry& registry) {
     using Type = CommandKey::Type;
     registry.addChange("set",
-                       "Sets a property. Element: nu (0 to 0.5), stiffness (relative, 1e-6 to 1e6), density (kg/m^3), solver-mesh (\"default\", \"best\", \"as-is\", \"refined:N\", \"decimated:N\", \"draft\", \"volume\", \"volume:N\"; N vertices; \"@T\" after it: the tolerance of solutions of more than 5000 nodes, 1e-6 to 0.01), "
+                       "Sets a property. Element: preset (" + materialPresetNames() + ": sets the four numbers that follow), nu (0 to 0.5), stiffness (relative, 1e-6 to 1e6), density (kg/m^3), damping (0 to 100, times the ratio of joint-dynamics), solver-mesh (\"default\", \"best\", \"as-is\", \"refined:N\", \"decimated:N\", \"draft\", \"volume\", \"volume:N\"; N vertices; \"@T\" after it: the tolerance of solutions of more than 5000 nodes, 1e-6 to 0.01), "
                        "joint-planes (\"auto\", \"bisector\", \"element\": who turns the planes of its joints), color (\"#rrggbb\"), visible, locked. "
                        "Handle: radius (metres along the surface), bone (\"bone/end\" that it hangs on, \"\": none). "
                        "Bone: min-stretch (0.01 to 1; a straight chain pushed along its axis squashes to .05 above it, then folds), max-stretch (1 to 100, of the rest length), max-bend (radians from rest against its parent, 0 to pi: no limit), max-twist (radians between its ends, 0 to 20 pi: no limit), "

@@ -61,6 +61,8 @@ Result<JointDynamics> JointDynamics::build(const Input& input) {
     if (g == 0 || input.stiffness.rows() != g || !symmetric(input.mass) || !symmetric(input.stiffness))
         return fail("bad-value", "Mass and stiffness of joint dynamics are not symmetric matrices of one size: symmetrise them.");
     if (!(input.mass.diagonal().minCoeff() > 0.0)) return fail("bad-value", "A joint parameter has no mass: give its element a density above zero.");
+    if (input.damped.size() != 0 && (input.damped.rows() != g || !symmetric(input.damped)))
+        return fail("bad-value", "The damped stiffness of joint dynamics is not a symmetric matrix of their size: symmetrise it.");
     if (!std::isfinite(input.hertz) || input.hertz < BoneSpring::kMinHertz || input.hertz > BoneSpring::kMaxHertz)
         return fail("bad-value", "The frequency of joint dynamics is not between 0.01 and 1000 Hz: choose one that is.");
     if (!std::isfinite(input.damping) || input.damping < 0.0 || input.damping > BoneSpring::kMaxDamping)
@@ -85,7 +87,12 @@ Result<JointDynamics> JointDynamics::build(const Input& input) {
     out.shapes_ = scale.asDiagonal() * solver.eigenvectors().rightCols(modes);
     out.momenta_ = scale.cwiseInverse().asDiagonal() * (mass * solver.eigenvectors().rightCols(modes));
     out.hertz_ = input.hertz * (lambda.tail(modes) / lambda[rigid]).cwiseSqrt();
-    out.damping_ = input.damping;
+    out.damping_ = Eigen::VectorXd::Constant(modes, input.damping);
+    if (input.damped.size() != 0)
+        for (Eigen::Index i = 0; i < modes; ++i) {
+            const auto shape = out.shapes_.col(i);
+            out.damping_[i] *= std::max(shape.dot(input.damped * shape) / shape.dot(input.stiffness * shape), 0.0);
+        }
     out.restAmplitude_ = kRestAmplitude * std::sqrt(input.mass.diagonal().minCoeff());
     out.target_ = out.parameters_ = out.change_ = Eigen::VectorXd::Zero(g);
     out.amplitude_ = out.rate_ = out.slope_ = out.push_ = Eigen::VectorXd::Zero(modes);
@@ -126,7 +133,7 @@ void JointDynamics::advance(double seconds, const Eigen::VectorXd& target, const
         const double omega = 2.0 * M_PI * hertz_[i];
         const double rest = push_[i] / (omega * omega);
         double y = amplitude_[i] - rest, rate = rate_[i] - slope_[i];
-        oscillate(omega, damping_, t, y, rate);
+        oscillate(omega, damping_[i], t, y, rate);
         amplitude_[i] = y + rest;
         rate_[i] = rate + slope_[i];
         // An overdamped mode is at rest by its displacement, an oscillating one by displacement and rate.

@@ -19,6 +19,9 @@ public:
         Eigen::MatrixXd stiffness;  ///< g x g, symmetric positive semidefinite, up to a factor: `hertz` sets the scale
         double hertz = 4.0;         ///< of the softest mode, 0.01 ... 1000; the others keep their ratios to it
         double damping = 0.2;       ///< ratio, of all modes, 0 ... 10
+        /// The stiffness with each element's part of it times that element's own damping: a mode has `damping` times what is stored in it as elastic energy, so
+        /// weighted, over that energy (composite modal damping). Empty: the stiffness.
+        Eigen::MatrixXd damped = {};
     };
     /// Errors: "bad-value".
     static Result<JointDynamics> build(const Input& input);
@@ -45,7 +48,8 @@ private:
     Eigen::MatrixXd shapes_;        // g x modes, mass-orthonormal
     Eigen::MatrixXd momenta_;       // g x modes: mass x shapes
     Eigen::VectorXd hertz_;
-    double damping_ = 0.0, restAmplitude_ = 0.0;
+    Eigen::VectorXd damping_;       // per mode
+    double restAmplitude_ = 0.0;
     Eigen::VectorXd target_, parameters_, change_;
     Eigen::VectorXd amplitude_, rate_, slope_, push_;  // per mode: of y, of v - and of the targets; static response to the force
     bool resting_ = true, refused_ = false;

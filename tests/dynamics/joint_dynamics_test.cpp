@@ -142,6 +142,42 @@ TEST_CASE("joint dynamics: rigid motions follow the targets, at rest everything 
     CHECK(dynamics.parameters() == target);
 }
 
+TEST_CASE("joint dynamics: each mode is damped by what is stored in it, and by the ratio alone where all of it is damped alike") {
+    // Two parameters of their own, of which the second is damped four times as much.
+    JointDynamics::Input input;
+    input.mass = MatrixXd::Identity(2, 2);
+    input.stiffness = Eigen::Vector2d(1.0, 9.0).asDiagonal();
+    input.damped = Eigen::Vector2d(1.0, 36.0).asDiagonal();
+    input.hertz = 2.0;
+    input.damping = 0.1;
+    auto both = JointDynamics::build(input).value();
+    const auto alone = [](double hertz, double damping) {
+        JointDynamics::Input one;
+        one.mass = one.stiffness = MatrixXd::Identity(1, 1);
+        one.hertz = hertz;
+        one.damping = damping;
+        return JointDynamics::build(one).value();
+    };
+    auto first = alone(2.0, 0.1), second = alone(6.0, 0.4);
+    for (int i = 1; i <= 90; ++i) {
+        const VectorXd target = pathOf(2, i / 60.0);
+        both.step(1.0 / 60.0, target);
+        first.step(1.0 / 60.0, target.head(1));
+        second.step(1.0 / 60.0, target.tail(1));
+        CHECK(both.parameters()[0] == doctest::Approx(first.parameters()[0]).epsilon(1e-9));
+        CHECK(both.parameters()[1] == doctest::Approx(second.parameters()[0]).epsilon(1e-9));
+    }
+    input = randomInput(4, 8, 2);
+    auto plain = JointDynamics::build(input).value();
+    input.damped = input.stiffness;
+    auto same = JointDynamics::build(input).value();
+    for (int i = 1; i <= 30; ++i) {
+        plain.step(1.0 / 60.0, pathOf(8, i / 60.0));
+        same.step(1.0 / 60.0, pathOf(8, i / 60.0));
+        CHECK(plain.parameters() == same.parameters());
+    }
+}
+
 TEST_CASE("joint dynamics: a steady force shifts the parameters by stiffness^-1 of it") {
     JointDynamics::Input input;
     input.mass = MatrixXd::Constant(1, 1, 2.0);

@@ -110,6 +110,26 @@ TEST_CASE("run: one answer per command in order, blank lines and comments skippe
     CHECK(script("").status == 0);
 }
 
+TEST_CASE("run: a preset sets the numbers of an element in one step, and what is none is refused with those that are") {
+    writeFile("preset.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+    const std::string lines = R"({"do":"import-element","path":"preset.obj","name":"belly"}
+{"do":"set","target":"belly","property":"preset","value":"jelly"}
+{"do":"set","target":"belly","property":"preset","value":"stone"}
+{"do":"undo"}
+{"do":"undo"}
+{"do":"undo"}
+)";
+    const Run run = script(lines, "--keep-going");
+    REQUIRE(run.answers.size() == 6);
+    CHECK(run.answers[1]["ok"] == true);
+    CHECK(run.answers[2]["error"]["code"] == "bad-value");
+    CHECK(run.answers[2]["error"]["message"].get<std::string>().find("\"jelly\", \"rubber\"") != std::string::npos);
+    CHECK(run.answers[3]["ok"] == true);
+    CHECK(run.answers[4]["ok"] == true);
+    CHECK(run.answers[5]["error"]["code"] == "nothing-to-undo");
+    CHECK(program("run --help").out.find("preset (\"standard\", \"jelly\"") != std::string::npos);
+}
+
 TEST_CASE("run: a dash reads standard input") {
     writeFile("in.jsonl", "{\"do\":\"new\"}\n{\"do\":\"undo\"}\n");
     const Run run = program("run --keep-going - < in.jsonl");

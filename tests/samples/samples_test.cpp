@@ -21,6 +21,7 @@
 
 #include "core/character/character.h"
 #include "core/character/welded_surface.h"
+#include "core/document/material_preset.h"
 #include "core/document/session.h"
 #include "core/mesh/topology.h"
 #include "core/mesh/cgal/intersections.h"
@@ -330,6 +331,42 @@ TEST_CASE("samples: gravity by default sags flesh by 2 to 8 % of the height, wit
         CHECK(sag <= 0.08);
         CHECK(crease <= before + 20.0);  // bones hold faces, flesh hangs between them
         CHECK(slip <= sag);
+    }
+}
+
+TEST_CASE("samples: flesh of each preset sags as far as the preset says, whatever the size, without warnings") {
+    CommandRegistry registry;
+    addCoreCommands(registry);
+    for (const Sample& sample : kAll) {
+        CAPTURE(sample.name);
+        Session session(registry);
+        const auto good = [&](const Json& command) {
+            const auto answer = session.execute(command);
+            if (!answer) FAIL(answer.error().message);
+            return *answer;
+        };
+        good({{"do", "open"}, {"path", (kSamples / (std::string(sample.name) + ".imomushi")).string()}});
+        good({{"do", "enable"}, {"effect", "gravity"}});
+        std::vector<std::string> names;
+        for (const auto& [id, element] : session.document().elements) names.push_back(element->name);
+        for (const std::string& name : names) good({{"do", "set"}, {"target", name}, {"property", "solver-mesh"}, {"value", "as-is"}});
+        for (const MaterialPreset& preset : kMaterialPresets) {
+            CAPTURE(preset.name);
+            for (const std::string& name : names) good({{"do", "set"}, {"target", name}, {"property", "preset"}, {"value", preset.name}});
+            good({{"do", "precompute"}});
+            CHECK(good({{"do", "step"}, {"frames", 2}})["warnings"].empty());
+            double low = std::numeric_limits<double>::infinity(), high = -low, farthest = 0.0;
+            const auto& elements = session.character()->input().elements;
+            for (std::size_t e = 0; e < elements.size(); ++e) {
+                const Points& rest = elements[e].mesh->body.vertices;
+                low = std::min(low, rest.col(1).minCoeff());
+                high = std::max(high, rest.col(1).maxCoeff());
+                farthest = std::max(farthest, (session.character()->positions(static_cast<int>(e)) - rest).rowwise().norm().maxCoeff());
+            }
+            const double sag = farthest / (high - low);
+            MESSAGE(std::string(sample.name) << ", " << std::string(preset.name) << ": sag " << 100.0 * sag << " % of the height, stated " << 100.0 * preset.sag() << " %");
+            CHECK(sag == doctest::Approx(preset.sag()).epsilon(0.25));
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 #include <QComboBox>
 #include <QLabel>
 
+#include "core/document/material_preset.h"
 #include "tests/studio/window.h"
 #include "ui/panels/inspector/inspector_panel.h"
 #include "ui/widgets/number_field.h"
@@ -190,6 +191,48 @@ TEST_CASE("inspector: of two congruent elements the second says whose precompute
     CHECK(says(w, "State", QStringLiteral("Up to date")));
     CHECK(says(w, "Shared with", QStringLiteral("one")));
     w.shoot("shared");
+}
+
+TEST_CASE("inspector: a preset sets the flesh of all that is selected as one step, and is shown as custom once a number is changed") {
+    Window w;
+    const QString file = QStringLiteral(IMOMUSHI_TEST_DATA "/reference/a_cylinder_coarse.obj");
+    const PartId one = cylinder(w, "one", file, 2.0), two = cylinder(w, "two", file, 2.0);
+    w.document().select({{SelectionItem::Kind::Element, one, {}, false}, {SelectionItem::Kind::Element, two, {}, false}});
+    w.settle();
+    const auto shown = [&] {
+        auto* box = inspectorRow<QComboBox>(w, "Preset");
+        REQUIRE(box);
+        return box->currentIndex() < 0 ? box->placeholderText() : box->currentText();
+    };
+    CHECK(shown() == QStringLiteral("Standard: sags 3 %"));
+    const int before = w.document().session().position();
+    choose(w, "Preset", QStringLiteral("Jelly: sags 6 %"));
+    CHECK(w.document().session().position() == before + 1);
+    const MaterialPreset& jelly = *materialPreset("jelly");
+    CHECK(jelly.isOf(*w.now().elements.at(one)));
+    CHECK(jelly.isOf(*w.now().elements.at(two)));
+    w.settle();
+    CHECK(shown() == QStringLiteral("Jelly: sags 6 %"));
+    w.shoot("jelly");
+    w.run({{"do", "set"}, {"target", "two"}, {"property", "preset"}, {"value", "plush"}});
+    w.settle();
+    CHECK(shown() == QString());
+    w.document().select({{SelectionItem::Kind::Element, one, {}, false}});
+    w.settle();
+    auto* field = inspectorRow<NumberField>(w, "Damping");
+    REQUIRE(field);
+    QTest::mouseClick(field, Qt::LeftButton);
+    QTest::keyClick(field, Qt::Key_A, Qt::ControlModifier);
+    QTest::keyClicks(field, QStringLiteral("2.5"));
+    QTest::keyClick(field, Qt::Key_Return);
+    w.settle();
+    CHECK(w.now().elements.at(one)->damping == 2.5);
+    CHECK(shown() == QStringLiteral("Custom"));
+    w.shoot("custom");
+    for (int i = 0; i < 3; ++i) w.trigger("undo");
+    w.settle();
+    CHECK(w.document().session().position() == before);
+    CHECK(shown() == QStringLiteral("Standard: sags 3 %"));
 }
 
 TEST_CASE("inspector: limits of a bone and a pin that holds its direction are set by their rows, and taken back") {

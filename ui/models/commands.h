@@ -89,7 +89,8 @@ struct Property {
     const char* key;
 };
 namespace element {
-inline constexpr Property<double> kPoissonRatio{"nu"}, kStiffness{"stiffness"}, kDensity{"density"};
+inline constexpr Property<double> kPoissonRatio{"nu"}, kStiffness{"stiffness"}, kDensity{"density"}, kDamping{"damping"};
+inline constexpr Property<std::string> kPreset{"preset"};             ///< MaterialPreset::name
 inline constexpr Property<std::string> kColor{"color"};             ///< "#rrggbb"
 inline constexpr Property<std::string> kJointPlanes{"joint-planes"}, kSolverMesh{"solver-mesh"};
 inline constexpr Property<bool> kVisible{"visible"}, kLocked{"locked"};

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <QColorDialog>
+#include <QComboBox>
+#include <QCoreApplication>
 #include <QGridLayout>
 #include <QLocale>
 #include <QToolButton>
 #include <algorithm>
 
 #include "core/base/colour.h"
+#include "core/document/material_preset.h"
 #include "core/mesh/connectivity.h"
 #include "ui/models/effect_texts.h"
 #include "ui/models/texts.h"
@@ -38,6 +41,7 @@ ElementForm::ElementForm(StudioDocument& document, const Items& items, QWidget* 
 
 void ElementForm::addMaterial(const Items& items) {
     addSection(tr("Material"));
+    addPreset(items);
     const auto number = [this](double Element::*member) {
         return [this, member](const SelectionItem& item) -> std::optional<double> {
             const Element* e = element(item);
@@ -48,8 +52,31 @@ void ElementForm::addMaterial(const Items& items) {
     addProperty(tr("Poisson ratio"), {{}, 0.0, 0.5, 0.005, 3, 1.0, standard.nu}, items, number(&Element::nu), commands::element::kPoissonRatio);
     addProperty(tr("Stiffness"), {QStringLiteral("×"), 1e-3, 1e3, 0.02, 3, 1.0, standard.stiffness}, items, number(&Element::stiffness), commands::element::kStiffness);
     addProperty(tr("Density"), {QStringLiteral("kg/m³"), 1.0, 1e5, 10.0, 1, 1.0, standard.density}, items, number(&Element::density), commands::element::kDensity);
+    addProperty(tr("Damping"), {QStringLiteral("×"), 0.0, Element::kMaxDamping, 0.05, 2, 1.0, standard.damping}, items, number(&Element::damping), commands::element::kDamping);
     addColor(items);
     addJointPlanes(items);
+}
+
+void ElementForm::addPreset(const Items& items) {
+    std::vector<std::pair<QString, std::string>> choices;
+    for (const MaterialPreset& preset : kMaterialPresets)
+        choices.emplace_back(tr("%1: sags %2 %").arg(QCoreApplication::translate("MaterialPreset", preset.title), QLocale().toString(100.0 * preset.sag(), 'f', 0)), preset.name);
+    const auto common = [this, items] {
+        return commonValue(items, [this](const SelectionItem& item) -> std::optional<std::string> {
+            const Element* e = element(item);
+            if (!e) return std::nullopt;
+            const MaterialPreset* preset = materialPresetOf(*e);
+            return std::string(preset ? preset->name : "");  // "": numbers of its own
+        });
+    };
+    auto* box = addChoice<std::string>(tr("Preset"), choices, common, [this, items](const std::string& name) {
+        std::vector<Json> wanted;
+        for (const SelectionItem& item : items) wanted.push_back(commands::set(path(item), commands::element::kPreset, name));
+        executeTogether(document_, wanted);
+    });
+    box->setObjectName(QStringLiteral("materialPreset"));
+    box->setToolTip(tr("Sets the four numbers below. How far a character of it sags under gravity with its default numbers, whatever its size, over its height."));
+    follow([box, common] { box->setPlaceholderText(common() == std::string() ? tr("Custom") : QString()); });
 }
 
 void ElementForm::addColor(const Items& items) {

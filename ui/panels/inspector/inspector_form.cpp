@@ -147,7 +147,7 @@ void InspectorForm::addProperty(const QString& label, NumberField::Spec spec, co
     addNumber(label, std::move(spec), items, std::move(get), [this, property](const SelectionItem& item, double value) { return commands::set(path(item), property, value); });
 }
 
-void InspectorForm::addChoiceOf(const QString& label, const QStringList& texts, std::function<int()> current, std::function<void(int)> choose) {
+QComboBox* InspectorForm::addChoiceOf(const QString& label, const QStringList& texts, std::function<int()> current, std::function<void(int)> choose) {
     auto* box = new QComboBox(this);
     // Long names are cut, not the form.
     box->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
@@ -160,6 +160,7 @@ void InspectorForm::addChoiceOf(const QString& label, const QStringList& texts, 
         show();
     });
     follow(show);
+    return box;
 }
 
 QString vectorText(const Vec3& v) {

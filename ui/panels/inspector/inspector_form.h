@@ -13,6 +13,7 @@
 #include "ui/models/studio_document.h"
 #include "ui/widgets/number_field.h"
 
+class QComboBox;
 class QGridLayout;
 class QVBoxLayout;
 
@@ -51,9 +52,9 @@ protected:
     /// Shows what all `items` have in common; an edit issues `command` on each, all as one step.
     void addNumber(const QString& label, NumberField::Spec spec, const Items& items, Get get, std::function<Json(const SelectionItem&, double)> command);
     void addProperty(const QString& label, NumberField::Spec spec, const Items& items, Get get, commands::Property<double> property);
-    /// `current`: none where none of the choices holds for all that is shown.
+    /// `current`: none where none of the choices holds for all that is shown; then it shows its placeholder.
     template <class Value>
-    void addChoice(const QString& label, const std::vector<std::pair<QString, Value>>& choices, std::function<std::optional<Value>()> current, std::function<void(const Value&)> choose);
+    QComboBox* addChoice(const QString& label, const std::vector<std::pair<QString, Value>>& choices, std::function<std::optional<Value>()> current, std::function<void(const Value&)> choose);
 
     [[nodiscard]] const Document& now() const { return document_.document(); }
     [[nodiscard]] const Element* element(const SelectionItem& item) const;
@@ -71,14 +72,14 @@ protected:
     QGridLayout* grid_ = nullptr;  ///< of the section that rows go to
 
 private:
-    void addChoiceOf(const QString& label, const QStringList& texts, std::function<int()> current, std::function<void(int)> choose);
+    QComboBox* addChoiceOf(const QString& label, const QStringList& texts, std::function<int()> current, std::function<void(int)> choose);
 
     std::vector<std::function<void()>> refreshers_;
     std::unique_ptr<Gesture> gesture_;
 };
 
 template <class Value>
-void InspectorForm::addChoice(const QString& label, const std::vector<std::pair<QString, Value>>& choices, std::function<std::optional<Value>()> current,
+QComboBox* InspectorForm::addChoice(const QString& label, const std::vector<std::pair<QString, Value>>& choices, std::function<std::optional<Value>()> current,
                               std::function<void(const Value&)> choose) {
     QStringList texts;
     std::vector<Value> values;
@@ -92,7 +93,7 @@ void InspectorForm::addChoice(const QString& label, const std::vector<std::pair<
             if (now == values[i]) return int(i);
         return -1;
     };
-    addChoiceOf(label, texts, index, [values, choose = std::move(choose)](int i) { choose(values[std::size_t(i)]); });
+    return addChoiceOf(label, texts, index, [values, choose = std::move(choose)](int i) { choose(values[std::size_t(i)]); });
 }
 
 /// "0.120  0.000  -1.300"

@@ -20,6 +20,7 @@ public:
 
 private:
     void addMaterial(const Items& items);
+    void addPreset(const Items& items);
     void addColor(const Items& items);
     void addJointPlanes(const Items& items);
     void addEffects(const Items& items);
