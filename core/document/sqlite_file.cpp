@@ -16,7 +16,7 @@ namespace imomushi {
 
 namespace {
 
-constexpr const char* kFileSystemName = "imomushi-file";
+constexpr const char kFileSystemName[] = "imomushi-file";
 
 struct OpenFile : sqlite3_file {
     int file;
