@@ -680,6 +680,10 @@
             <translation>ファイルを読み込めません。アクセス権を確認してください。</translation>
         </message>
         <message>
+            <source>This version of the project is not there, cannot be read or could not be kept.</source>
+            <translation>プロジェクトのこのバージョンがないか、読めないか、残せませんでした。</translation>
+        </message>
+        <message>
             <source>The project cannot be saved, for it would not open again. Undo what was done last. Nothing was replaced.</source>
             <translation>保存しても開けなくなるため、プロジェクトを保存できません。最後の操作を取り消してください。何も置き換えていません。</translation>
         </message>
