@@ -4,6 +4,10 @@
     <context>
         <name>Actions</name>
         <message>
+            <source>&amp;Versions…</source>
+            <translation>バージョン(&amp;V)…</translation>
+        </message>
+        <message>
             <source>Start &amp;page</source>
             <translation>スタートページ(&amp;P)</translation>
         </message>
@@ -612,6 +616,10 @@
     <context>
         <name>Errors</name>
         <message>
+            <source>This version of the project is not there, cannot be read or could not be kept.</source>
+            <translation>プロジェクトのこのバージョンがないか、読めないか、残せませんでした。</translation>
+        </message>
+        <message>
             <source>There is no such command.</source>
             <translation>そのコマンドはありません。</translation>
         </message>
@@ -678,10 +686,6 @@
         <message>
             <source>The file cannot be read. Check its permissions.</source>
             <translation>ファイルを読み込めません。アクセス権を確認してください。</translation>
-        </message>
-        <message>
-            <source>This version of the project is not there, cannot be read or could not be kept.</source>
-            <translation>プロジェクトのこのバージョンがないか、読めないか、残せませんでした。</translation>
         </message>
         <message>
             <source>The project cannot be saved, for it would not open again. Undo what was done last. Nothing was replaced.</source>
@@ -1984,6 +1988,10 @@
     </context>
     <context>
         <name>imomushi::FileFlow</name>
+        <message>
+            <source>Saved “%1”, but no version of it could be kept. %2</source>
+            <translation>「%1」を保存しましたが、バージョンは残せませんでした。%2</translation>
+        </message>
         <message>
             <source>Unsaved changes</source>
             <translation>未保存の変更</translation>
@@ -3510,6 +3518,18 @@
     <context>
         <name>imomushi::PreferencesDialog</name>
         <message>
+            <source>Versions of a project</source>
+            <translation>プロジェクトのバージョン</translation>
+        </message>
+        <message>
+            <source>None</source>
+            <translation>残さない</translation>
+        </message>
+        <message>
+            <source>Up to %1 GB</source>
+            <translation>%1 GB まで</translation>
+        </message>
+        <message>
             <source>Preferences</source>
             <translation>設定</translation>
         </message>
@@ -3637,6 +3657,38 @@
         <message>
             <source>Recover</source>
             <translation>復旧</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::VersionsDialog</name>
+        <message>
+            <source>Versions of “%1”</source>
+            <translation>「%1」のバージョン</translation>
+        </message>
+        <message>
+            <source>A version is kept whenever a saved project is saved again. There is none yet.</source>
+            <translation>保存済みのプロジェクトを再び保存するたびに、バージョンが残ります。まだありません。</translation>
+        </message>
+        <message>
+            <source>As it was saved. A version opens as an unsaved copy; the project stays as it is.</source>
+            <translation>保存したときの状態です。バージョンは未保存のコピーとして開き、プロジェクトはそのまま残ります。</translation>
+        </message>
+        <message>
+            <source>Versions</source>
+            <translation>バージョン</translation>
+        </message>
+        <message>
+            <source>%1 · %2</source>
+            <comment>date and time, size</comment>
+            <translation>%1 · %2</translation>
+        </message>
+        <message>
+            <source>Cancel</source>
+            <translation>キャンセル</translation>
+        </message>
+        <message>
+            <source>Open</source>
+            <translation>開く</translation>
         </message>
     </context>
     <context>
