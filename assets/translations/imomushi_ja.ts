@@ -4,6 +4,10 @@
     <context>
         <name>Actions</name>
         <message>
+            <source>&amp;Versions…</source>
+            <translation>バージョン(&amp;V)…</translation>
+        </message>
+        <message>
             <source>Start &amp;page</source>
             <translation>スタートページ(&amp;P)</translation>
         </message>
@@ -650,6 +654,10 @@
     </context>
     <context>
         <name>Errors</name>
+        <message>
+            <source>This version of the project is not there, cannot be read or could not be kept.</source>
+            <translation>プロジェクトのこのバージョンがないか、読めないか、残せませんでした。</translation>
+        </message>
         <message>
             <source>There is no such command.</source>
             <translation>そのコマンドはありません。</translation>
@@ -2019,6 +2027,10 @@
     </context>
     <context>
         <name>imomushi::FileFlow</name>
+        <message>
+            <source>Saved “%1”, but no version of it could be kept. %2</source>
+            <translation>「%1」を保存しましたが、バージョンは残せませんでした。%2</translation>
+        </message>
         <message>
             <source>Unsaved changes</source>
             <translation>未保存の変更</translation>
@@ -3565,6 +3577,18 @@
     <context>
         <name>imomushi::PreferencesDialog</name>
         <message>
+            <source>Versions of a project</source>
+            <translation>プロジェクトのバージョン</translation>
+        </message>
+        <message>
+            <source>None</source>
+            <translation>残さない</translation>
+        </message>
+        <message>
+            <source>Up to %1 GB</source>
+            <translation>%1 GB まで</translation>
+        </message>
+        <message>
             <source>Preferences</source>
             <translation>設定</translation>
         </message>
@@ -3692,6 +3716,38 @@
         <message>
             <source>Recover</source>
             <translation>復旧</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::VersionsDialog</name>
+        <message>
+            <source>Versions of “%1”</source>
+            <translation>「%1」のバージョン</translation>
+        </message>
+        <message>
+            <source>A version is kept whenever a saved project is saved again. There is none yet.</source>
+            <translation>保存済みのプロジェクトを再び保存するたびに、バージョンが残ります。まだありません。</translation>
+        </message>
+        <message>
+            <source>As it was saved. A version opens as an unsaved copy; the project stays as it is.</source>
+            <translation>保存したときの状態です。バージョンは未保存のコピーとして開き、プロジェクトはそのまま残ります。</translation>
+        </message>
+        <message>
+            <source>Versions</source>
+            <translation>バージョン</translation>
+        </message>
+        <message>
+            <source>%1 · %2</source>
+            <comment>date and time, size</comment>
+            <translation>%1 · %2</translation>
+        </message>
+        <message>
+            <source>Cancel</source>
+            <translation>キャンセル</translation>
+        </message>
+        <message>
+            <source>Open</source>
+            <translation>開く</translation>
         </message>
     </context>
     <context>

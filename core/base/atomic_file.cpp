@@ -12,6 +12,8 @@
 #include <cstring>
 #include <string>
 
+#include "core/base/abandoned_files.h"
+
 namespace imomushi {
 namespace {
 
@@ -36,16 +38,21 @@ void removeIfAbandoned(const std::filesystem::path& path) {
     ::close(file);
 }
 
-/// Removes what killed writers of `target` left beside it. What cannot be removed stays: it is no reason not to write.
-void removeAbandoned(const std::filesystem::path& target) {
-    const std::string begin = target.filename().string() + ".";
-    const auto folder = target.has_parent_path() ? target.parent_path() : std::filesystem::path(".");
+/// The file that "FILE.PROCESS-ATTEMPT.part" is written for; empty: the name is another.
+std::string_view writtenFor(std::string_view name) {
+    if (!name.ends_with(kSuffix)) return {};
+    name.remove_suffix(kSuffix.size());
+    const auto dot = name.rfind('.');
+    return dot != name.npos && isWriter(name.substr(dot + 1)) ? name.substr(0, dot) : std::string_view();
+}
+
+/// Removes what killed writers left in a folder, all or those of one file. What cannot be removed stays: it is no reason not to write.
+void removeAbandoned(const std::filesystem::path& folder, const std::string& only) {
     std::error_code error;
     for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
         const std::string name = it->path().filename().string();
-        if (name.size() > begin.size() + kSuffix.size() && name.starts_with(begin) && name.ends_with(kSuffix) &&
-            isWriter(std::string_view(name).substr(begin.size(), name.size() - begin.size() - kSuffix.size())))
-            removeIfAbandoned(it->path());
+        const std::string_view target = writtenFor(name);
+        if (!target.empty() && (only.empty() || target == only)) removeIfAbandoned(it->path());
     }
 }
 
@@ -67,7 +74,7 @@ AtomicFile::AtomicFile(const std::filesystem::path& path) : path_(path), target_
         error_ = errno;  // a rename alone would replace a protected file
         return;
     }
-    removeAbandoned(target_);
+    removeAbandoned(target_.has_parent_path() ? target_.parent_path() : std::filesystem::path("."), target_.filename().string());
     for (int attempt = 0; file_ < 0; ++attempt) {
         temporary_ = (target_.string() + "." + std::to_string(::getpid()) + "-" + std::to_string(attempt)).append(kSuffix);
         file_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
@@ -109,6 +116,8 @@ Result<void> AtomicFile::finish() {
     file_ = -1;
     return {};
 }
+
+void removeAbandonedFiles(const std::filesystem::path& folder) { removeAbandoned(folder, {}); }
 
 bool isDiskFull(int error) { return error == ENOSPC || error == EDQUOT || error == EFBIG; }
 

@@ -4,6 +4,7 @@
 #include "core/document/handle_commands.h"
 #include "core/document/names.h"
 #include "core/document/project_file.h"
+#include "core/document/project_versions.h"
 #include "core/document/session_access.h"
 
 namespace imomushi {
@@ -96,10 +97,11 @@ Result<Json> newDocument(SessionAccess& access, const Json& arguments, const Pro
 Result<Json> open(SessionAccess& access, const Json& arguments, const Progress&) {
     const auto path = pathFrom(arguments);
     if (!path) return tl::unexpected(path.error());
-    auto project = openProject(*path);
+    const bool version = arguments.contains("version");
+    auto project = version ? openVersion(*path, arguments["version"].get<std::int64_t>()) : openProject(*path);
     if (!project) return tl::unexpected(project.error());
     const Json* original = find(arguments, "as");
-    access.replace(std::move(*project), original ? std::filesystem::path(original->get_ref<const std::string&>()) : *path, !original, arguments);
+    access.replace(std::move(*project), original ? std::filesystem::path(original->get_ref<const std::string&>()) : version ? std::filesystem::path() : *path, !original && !version, arguments);
     Json answer = contents(access.session);
     addFoundParents(access.session, answer);
     return answer;
@@ -120,10 +122,38 @@ Result<Json> save(SessionAccess& access, const Json& arguments, const Progress&)
     }
     if (path.empty()) return fail("missing-key", "The project was never saved: give \"save\" a \"path\" that ends in .imomushi.");
     if (path.extension() != kProjectSuffix) return fail("bad-value", "\"path\" must end in .imomushi.");
-    if (auto saved = saveProject(path, access.session.project()); !saved) return tl::unexpected(saved.error());
-    if (!arguments.value("copy", false)) access.markSaved(path);
+    Json answer;
+    const VersionLimits& limits = access.session.versionLimits();
     std::error_code error;
-    return Json{{"bytes", std::filesystem::file_size(path, error)}};
+    const bool versions = limits.bytes > 0 && std::filesystem::is_regular_file(path, error);  // a file that is new has none
+    const auto keep = [&] {
+        if (!versions) return;
+        if (const auto kept = keepVersion(path, limits); kept)
+            answer["versions"] = *kept;
+        else
+            answer["not-kept"] = kept.error().message;  // no reason not to save
+    };
+    keep();  // whoever wrote it
+    if (auto saved = saveProject(path, access.session.project()); !saved) return tl::unexpected(saved.error());
+    keep();
+    if (!arguments.value("copy", false)) access.markSaved(path);
+    answer["bytes"] = std::filesystem::file_size(path, error);
+    return answer;
+}
+
+Result<Json> listVersions(SessionAccess& access, const Json& arguments, const Progress&) {
+    std::filesystem::path path = access.session.path();
+    if (arguments.contains("path")) {
+        const auto given = pathFrom(arguments);
+        if (!given) return tl::unexpected(given.error());
+        path = *given;
+    }
+    if (path.empty()) return fail("missing-key", "The project was never saved: give \"versions\" the \"path\" of one that was.");
+    const auto versions = projectVersions(path);
+    if (!versions) return tl::unexpected(versions.error());
+    Json lines = Json::array();
+    for (const ProjectVersion& version : *versions) lines.push_back({{"version", version.number}, {"saved", version.saved}, {"bytes", version.bytes}});
+    return Json{{"versions", std::move(lines)}};
 }
 
 Result<Json> saveScript(SessionAccess& access, const Json& arguments, const Progress&) {
@@ -143,12 +173,15 @@ void addFileCommands(CommandRegistry& registry) {
     registry.addAction("new", "Begins an empty document; the history begins anew.", {{"path", Type::Text, false, "Where a later save without a path goes."}}, newDocument);
     registry.addAction("open", "Opens a project; the history begins anew.",
                        {{"path", Type::Text, true, "A .imomushi file."},
-                        {"as", Type::Text, false, "The file that this is an unsaved copy of, empty: of none. For recovery."}}, open);
+                        {"as", Type::Text, false, "The file that this is an unsaved copy of, empty: of none. For recovery."},
+                        {"version", Type::Integer, false, "Of those that \"versions\" lists, instead of the file as it is now: an unsaved copy."}}, open);
     registry.addAction("save",
-                       "Saves the project in one file, responses included. An old file is replaced whole or not at all.",
+                       "Saves the project in one file, responses included. An old file is replaced whole or not at all, and what it held is kept among its versions.",
                        {{"path", Type::Text, false, "A file that ends in .imomushi (where it was opened or saved last unless given)."},
                         {"copy", Type::Boolean, false, "Leaves the session with its old path and its unsaved changes (false)."}},
                        save);
+    registry.addAction("versions", "What was saved of a project and can be opened again, newest first: \"saved\" in seconds since 1970, \"bytes\" of the file.",
+                       {{"path", Type::Text, false, "A .imomushi file (where it was opened or saved last unless given)."}}, listVersions);
     registry.addAction("save-script", "Saves the commands of this session, without those that were undone, as a script.", {{"path", Type::Text, true, "The file."}}, saveScript);
     registry.addAction("list", "What is in the document: the answer of open.", {}, list);
 }

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "core/base/atomic_file.h"
+#include "core/document/project_content.h"
 #include "core/document/project_rows.h"
 #include "core/document/project_tables.h"
 #include "core/document/response_rows.h"
@@ -129,26 +130,6 @@ Project readProject(Database& db, std::int64_t version, bool keepResponses) {
     return project;
 }
 
-/// A file that is open to be read.
-struct ReadFile {
-    explicit ReadFile(const std::filesystem::path& path) : descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {}
-    ~ReadFile() {
-        if (descriptor >= 0) ::close(descriptor);
-    }
-    ReadFile(ReadFile&& other) noexcept : descriptor(std::exchange(other.descriptor, -1)) {}
-    int descriptor;
-};
-
-Result<ReadFile> openToRead(const std::filesystem::path& path) {
-    const std::string name = "\"" + path.string() + "\"";
-    std::error_code error;
-    if (!std::filesystem::exists(path, error)) return fail("file-not-found", "There is no file " + name + ": check its path.");
-    if (!std::filesystem::is_regular_file(path, error)) return fail("not-readable", name + " is not a file: choose a .imomushi file.");
-    ReadFile file(path);
-    if (file.descriptor < 0) return fail("not-readable", name + " cannot be read: check its permissions.");
-    return file;
-}
-
 /// The part of the document that a row is of, as the artist knows it; empty: it has no name.
 std::string partAt(const Project& project, const Database::Row& row) {
     const Document& document = project.document;
@@ -178,12 +159,32 @@ std::string partAt(const Project& project, const Database::Row& row) {
     return {};
 }
 
-void writeProject(Database& db, const Project& project) {
+void beginProject(Database& db, int version) {
     db.run(("PRAGMA application_id=" + std::to_string(kProjectApplicationId)).c_str());
     db.run("BEGIN");
-    const Document& document = project.document;
-    int version = projectVersion(project);
     createTables(db, 0, version);
+}
+
+/// Ends what beginProject() began, when all rows are there.
+void finishProject(Database& db, int version) {
+    if (db.divided() && version < kDividedVersion) {
+        createTables(db, version, kDividedVersion);
+        version = kDividedVersion;
+    }
+    db.run(("PRAGMA user_version=" + std::to_string(version)).c_str());
+    {
+        const std::string digest = db.digest(projectTables(version));
+        RowWriter info(db, "INSERT INTO info VALUES (?,?)");
+        info.row("program", std::string("imomushi ") + kVersion);
+        info.row("digest", digest);
+    }
+    db.run("COMMIT");
+}
+
+void writeProject(Database& db, const Project& project) {
+    const Document& document = project.document;
+    const int version = projectVersion(project);
+    beginProject(db, version);
     {
         RowWriter settings(db, "INSERT INTO settings VALUES (?,?,?,?)");
         settings.row(basisName(document.settings.basis), formatName(document.settings.format), document.settings.threads, document.nextId);
@@ -204,18 +205,7 @@ void writeProject(Database& db, const Project& project) {
     if (version >= 10) writeMorphTracks(db, document);
     if (version >= 11) writeBoneProperties(db, document);
     if (version >= 13) writeDamping(db, document);
-    if (db.divided() && version < kDividedVersion) {
-        createTables(db, version, kDividedVersion);
-        version = kDividedVersion;
-    }
-    db.run(("PRAGMA user_version=" + std::to_string(version)).c_str());
-    {
-        const std::string digest = db.digest(projectTables(version));
-        RowWriter info(db, "INSERT INTO info VALUES (?,?)");
-        info.row("program", std::string("imomushi ") + kVersion);
-        info.row("digest", digest);
-    }
-    db.run("COMMIT");
+    finishProject(db, version);
 }
 
 }  // namespace
@@ -243,6 +233,35 @@ int projectVersion(const Document& document) {
 int projectVersion(const Project& project) {
     const bool filled = std::any_of(project.responses.begin(), project.responses.end(), [](const auto& part) { return saysFilling(*part.second.response); });
     return std::max(filled ? 10 : 0, projectVersion(project.document));
+}
+
+ReadFile::ReadFile(const std::filesystem::path& path) : descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {}
+ReadFile::ReadFile(ReadFile&& other) noexcept : descriptor(std::exchange(other.descriptor, -1)) {}
+ReadFile::~ReadFile() {
+    if (descriptor >= 0) ::close(descriptor);
+}
+
+Result<ReadFile> openToRead(const std::filesystem::path& path) {
+    const std::string name = "\"" + path.string() + "\"";
+    std::error_code error;
+    if (!std::filesystem::exists(path, error)) return fail("file-not-found", "There is no file " + name + ": check its path.");
+    if (!std::filesystem::is_regular_file(path, error)) return fail("not-readable", name + " is not a file: choose a .imomushi file.");
+    ReadFile file(path);
+    if (file.descriptor < 0) return fail("not-readable", name + " cannot be read: check its permissions.");
+    return file;
+}
+
+Project readChecked(Database& db, std::int64_t version) {
+    RowReader info(db, "SELECT value FROM info WHERE name='digest'");
+    require(info.next() && info.text() == db.digest(projectTables(version)), "its content does not match its digest");
+    return readProject(db, version, true);
+}
+
+void copyProject(Database& from, Database& to, int version) {
+    beginProject(to, version);
+    for (const std::string_view table : projectTables(version))
+        if (table != "value_parts") to.addRows(from, table.data());  // they come with the arrays that they are of
+    finishProject(to, version);
 }
 
 Result<void> saveProject(const std::filesystem::path& path, const Project& project) {
@@ -285,9 +304,7 @@ Result<Project> openProject(const std::filesystem::path& path) {
             return fail("newer-version", name + " was written by a newer version of Imomushi (format " + std::to_string(version) + ", this program knows " +
                                              std::to_string(kProjectVersion) + "): update the program.");
         require(version >= 1, "its version is unknown");
-        RowReader info(db, "SELECT value FROM info WHERE name='digest'");
-        require(info.next() && info.text() == db.digest(projectTables(version)), "its content does not match its digest");
-        return readProject(db, version, true);
+        return readChecked(db, version);
     } catch (const DatabaseError& reason) {
         return fail("damaged", name + " is damaged (" + reason.what() + "): open an earlier version of it.");
     }

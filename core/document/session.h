@@ -15,6 +15,7 @@
 #include "core/document/document.h"
 #include "core/document/document_history.h"
 #include "core/document/document_responses.h"
+#include "core/document/version_limits.h"
 #include "core/io/character_file.h"
 
 namespace imomushi {
@@ -48,6 +49,9 @@ public:
     [[nodiscard]] int position() const { return history_.position(); }                 ///< how many of them are done; the rest can be redone
     /// See DocumentHistory::setDepth().
     void setHistoryDepth(int steps) { history_.setDepth(steps); }
+    /// Of what "save" replaces and writes.
+    void setVersionLimits(const VersionLimits& limits) { versions_ = limits; }
+    [[nodiscard]] const VersionLimits& versionLimits() const { return versions_; }
     /// Commands between begin and end become one undo step (a drag gesture). cancelGesture() takes them back.
     void beginGesture();
     /// `named`: the step is called so, instead of after the last command.
@@ -136,6 +140,7 @@ private:
 
     const CommandRegistry& registry_;
     DocumentHistory history_;
+    VersionLimits versions_;
     DocumentResponses responses_;
     std::unique_ptr<LiveCharacter> live_;
     std::function<void(const Change&)> listener_;

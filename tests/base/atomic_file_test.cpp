@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/base/atomic_file.h"
 
+#include "core/base/abandoned_files.h"
+
 #include <doctest/doctest.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -61,5 +63,16 @@ TEST_CASE("atomic file: the next writer removes what killed ones left, and nothi
     std::string text;
     std::ifstream(path) >> text;
     CHECK(text == "first");
+
+    // All of a folder, where no name is written again.
+    killWhileWriting(path);
+    killWhileWriting(folder / "c.imomushi");
+    {
+        AtomicFile going(folder / "d.imomushi");
+        removeAbandonedFiles(folder);
+        REQUIRE(going.finish());
+    }
+    for (const auto& name : {"a.imomushi.part", "a.imomushi.notes-1.part", "a.imomushi", "d.imomushi"}) CHECK(namesIn(folder).contains(name));
+    CHECK(namesIn(folder).size() == 4);
     std::filesystem::remove_all(folder);
 }

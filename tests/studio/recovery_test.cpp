@@ -10,6 +10,7 @@
 #include "tests/studio/window.h"
 #include "tests/support/own_home.h"
 #include "ui/dialogs/recovery_dialog.h"
+#include "ui/dialogs/versions_dialog.h"
 
 using namespace imomushi;
 
@@ -138,4 +139,29 @@ TEST_CASE("recovery: the copy of a project knows its file, a studio that lives i
     answer("Delete");
     CHECK(!w.window().files().offerRecovery());
     CHECK(copies(recoveryFolder()).isEmpty());
+}
+
+TEST_CASE("recovery: an earlier version of a project opens as an unsaved copy") {
+    QDir(recoveryFolder()).removeRecursively();
+    Window w;
+    const QString path = w.folder.filePath(QStringLiteral("versions.imomushi"));
+    w.run({{"do", "open"}, {"path", caterpillar()}, {"as", ""}});
+    std::string name = "head";
+    for (const char* next : {"first", "second", "third"}) {
+        w.run({{"do", "rename"}, {"target", name}, {"name", next}});
+        w.run({{"do", "save"}, {"path", path.toStdString()}});
+        name = next;
+    }
+    whenModal<VersionsDialog>([](VersionsDialog* dialog) {
+        auto* list = dialog->findChild<QListWidget*>();
+        CHECK(list->count() == 3);
+        list->setCurrentRow(1);
+        if (const QByteArray folder = qgetenv("IMOMUSHI_SCREENSHOTS"); !folder.isEmpty()) dialog->grab().save(QString::fromUtf8(folder) + QStringLiteral("/versions.png"));
+        dialog->accept();
+    });
+    w.window().files().askVersion();
+    CHECK(w.now().elementNamed("second"));
+    CHECK(w.document().session().path().empty());
+    CHECK(w.document().session().modified());
+    CHECK(openProject(path.toStdString()).value().document.elementNamed("third"));
 }

@@ -25,9 +25,17 @@ namespace imomushi {
 
 namespace {
 const QString kHistoryDepth = QStringLiteral("history/depth");
+const QString kVersionGigabytes = QStringLiteral("files/version-gigabytes");
+constexpr int kGigabytes[] = {0, 1, 2, 4, 8, 16, 32};
 }
 
 int PreferencesDialog::historyDepth() { return std::clamp(QSettings().value(kHistoryDepth, DocumentHistory::kDepth).toInt(), 1, 1'000'000); }
+
+VersionLimits PreferencesDialog::versionLimits() {
+    VersionLimits limits;
+    limits.bytes = static_cast<std::uintmax_t>(std::clamp(QSettings().value(kVersionGigabytes, int(limits.bytes >> 30)).toInt(), 0, 1'000'000)) << 30;
+    return limits;
+}
 
 PreferencesDialog::PreferencesDialog(ActionSet& actions, QWidget* parent) : QDialog(parent), actions_(actions) {
     setLayout(new QVBoxLayout);
@@ -106,6 +114,16 @@ void PreferencesDialog::rebuild() {
     row(tr("Steps that can be undone"), depths, depth, [this](int i) {
         QSettings().setValue(kHistoryDepth, kDepths[i]);
         Q_EMIT historyDepthChanged(kDepths[i]);
+    });
+    QStringList spaces;
+    int space = 0;
+    for (int i = 0; i < int(std::size(kGigabytes)); ++i) {
+        spaces << (kGigabytes[i] == 0 ? tr("None") : tr("Up to %1 GB").arg(kGigabytes[i]));
+        if (versionLimits().bytes >> 30 >= std::uintmax_t(kGigabytes[i])) space = i;
+    }
+    row(tr("Versions of a project"), spaces, space, [this](int i) {
+        QSettings().setValue(kVersionGigabytes, kGigabytes[i]);
+        Q_EMIT versionsChanged();
     });
     tabs_->addTab(look, tr("General"));
 

@@ -3,6 +3,8 @@
 
 #include <QDialog>
 
+#include "core/document/version_limits.h"
+
 class QComboBox;
 class QLabel;
 class QTableWidget;
@@ -12,7 +14,7 @@ namespace imomushi {
 
 class ActionSet;
 
-/// Look, language, navigation, who deforms, how much can be undone, and shortcuts. Everything takes effect at once.
+/// Look, language, navigation, who deforms, how much can be undone and kept of what was saved, and shortcuts. Everything takes effect at once.
 class PreferencesDialog : public QDialog {
     Q_OBJECT
 public:
@@ -20,11 +22,13 @@ public:
 
     /// As chosen: see DocumentHistory::setDepth().
     static int historyDepth();
+    static VersionLimits versionLimits();
 
 signals:
     void navigationChanged(int preset);
     void deformOnChanged(int where);  ///< of ViewportWidget::DeformOn
     void historyDepthChanged(int steps);
+    void versionsChanged();
 
 protected:
     void changeEvent(QEvent* event) override;

@@ -7,6 +7,7 @@
 #include <QUuid>
 #include <filesystem>
 
+#include "core/base/abandoned_files.h"
 #include "core/document/project_file.h"
 #include "ui/models/texts.h"
 
@@ -85,6 +86,7 @@ bool Autosave::kept() const { return !file_.isEmpty() && QFile::exists(file_); }
 
 QList<Autosave::Found> Autosave::found() const {
     QList<Found> out;
+    removeAbandonedFiles(folder_.toStdString());  // each copy has a name of its own: nobody writes there again
     const auto files = QDir(folder_).entryInfoList({QStringLiteral("*") + kSuffix}, QDir::Files, QDir::Time);
     for (const QFileInfo& info : files) {
         Found one{info.absoluteFilePath(), {}, info.lastModified(), std::make_shared<QLockFile>(lockOf(info.absoluteFilePath()))};

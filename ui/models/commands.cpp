@@ -49,6 +49,7 @@ Json open(const std::string& path) { return {{"do", "open"}, {"path", path}}; }
 Json openAs(const std::string& path, const std::string& original) { return {{"do", "open"}, {"path", path}, {"as", original}}; }
 Json save(const std::string& path) { return {{"do", "save"}, {"path", path}}; }
 Json saveCopy(const std::string& path) { return {{"do", "save"}, {"path", path}, {"copy", true}}; }
+Json openVersion(const std::string& path, std::int64_t version) { return {{"do", "open"}, {"path", path}, {"version", version}, {"as", ""}}; }
 Json saveScript(const std::string& path) { return {{"do", "save-script"}, {"path", path}}; }
 
 Json writeMesh(const std::string& path, const std::optional<std::string>& element) {

@@ -31,6 +31,8 @@ Json openAs(const std::string& path, const std::string& original);
 Json save(const std::string& path);
 /// The project goes on under its own path.
 Json saveCopy(const std::string& path);
+/// A version of a project, as an unsaved copy. See project_versions.h.
+Json openVersion(const std::string& path, std::int64_t version);
 Json saveScript(const std::string& path);
 /// As it is posed; one element or all.
 Json writeMesh(const std::string& path, const std::optional<std::string>& element);

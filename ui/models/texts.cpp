@@ -41,6 +41,7 @@ const std::map<std::string, const char*> kErrors = {
     {"file-not-found", QT_TRANSLATE_NOOP("Errors", "The file was not found.")},
     {"not-readable", QT_TRANSLATE_NOOP("Errors", "The file cannot be read. Check its permissions.")},
     {"not-writable", QT_TRANSLATE_NOOP("Errors", "The file cannot be written. Check the folder and its permissions.")},
+    {"no-version", QT_TRANSLATE_NOOP("Errors", "This version of the project is not there, cannot be read or could not be kept.")},
     {"not-sound", QT_TRANSLATE_NOOP("Errors", "The project cannot be saved, for it would not open again. Undo what was done last. Nothing was replaced.")},
     {"disk-full", QT_TRANSLATE_NOOP("Errors", "There is no room on the disk. Make room or choose another one. Nothing was replaced.")},
     {"unknown-format", QT_TRANSLATE_NOOP("Errors", "This file format is not known. Use OBJ, PLY, STL, glTF, FBX or DAE.")},

@@ -45,6 +45,7 @@ void ActionStates::update() {
     const auto& selection = document_.selection();
     const auto count = [&](auto... kinds) { return std::count_if(selection.begin(), selection.end(), [&](const SelectionItem& i) { return ((i.kind == kinds) || ...); }); };
     a["delete"]->setEnabled(count(Kind::Element, Kind::Face, Kind::Bone, Kind::Character, Kind::Cut) > 0);
+    a["versions"]->setEnabled(!session.path().empty());
     a["rename"]->setEnabled(selection.size() == 1 && selection.front().kind != Kind::Endpoint);
     a["duplicate"]->setEnabled(canDuplicate(document_));
     for (const char* id : {"mirror-x", "mirror-y", "mirror-z"}) a[id]->setEnabled(canMirror(document_));

@@ -14,6 +14,7 @@
 #include "core/document/proposal_commands.h"
 #include "ui/dialogs/import_dialog.h"
 #include "ui/dialogs/recovery_dialog.h"
+#include "ui/dialogs/versions_dialog.h"
 #include "ui/jobs/character_job.h"
 #include "ui/jobs/repair_job.h"
 #include "ui/models/body_texts.h"
@@ -152,7 +153,10 @@ bool FileFlow::saveTo(const QString& path) {
     if (!answer) return false;
     recent_.add(path);
     Q_EMIT saved(path);
-    Q_EMIT said(tr("Saved “%1”").arg(QFileInfo(path).fileName()));
+    if (answer->contains("not-kept"))
+        Q_EMIT warned(tr("Saved “%1”, but no version of it could be kept. %2").arg(QFileInfo(path).fileName(), errorText({"no-version", answer->at("not-kept").get<std::string>()})));
+    else
+        Q_EMIT said(tr("Saved “%1”").arg(QFileInfo(path).fileName()));
     return true;
 }
 
@@ -178,6 +182,19 @@ void FileFlow::saveCopy() {
     if (path.isEmpty()) return;
     path = withSuffix(path, kSuffix);
     if (document_.execute(commands::saveCopy(path.toStdString()))) Q_EMIT said(tr("Saved a copy as “%1”").arg(QFileInfo(path).fileName()));
+}
+
+void FileFlow::askVersion() {
+    const QString path = pathOf(document_.session());
+    if (path.isEmpty()) return;
+    const auto versions = projectVersions(path.toStdString());
+    if (!versions) {
+        Q_EMIT warned(errorText(versions.error()));
+        return;
+    }
+    VersionsDialog dialog(*versions, QFileInfo(path).completeBaseName(), window_);
+    if (dialog.exec() != QDialog::Accepted || !mayDiscard()) return;
+    if (document_.execute(commands::openVersion(path.toStdString(), versions->at(dialog.chosen()).number))) Q_EMIT opened();
 }
 
 void FileFlow::saveScript() {

@@ -38,6 +38,8 @@ public:
     bool save();                     ///< false: given up or failed
     bool saveAs();
     void saveCopy();
+    /// Asks which version of this project to open, as an unsaved copy.
+    void askVersion();
     void saveScript();
     void writeMesh();
     /// What a file is imported for: as the artist says, or to become a soft character, from any mesh or by its skeleton.

@@ -351,6 +351,7 @@ void MainWindow::connectView() {
     const QSettings settings;
     viewport_->setNavigationPreset(NavigationPreset(std::clamp(settings.value(QStringLiteral("view/navigation"), 0).toInt(), 0, 1)));
     document_.session().setHistoryDepth(PreferencesDialog::historyDepth());
+    document_.session().setVersionLimits(PreferencesDialog::versionLimits());
     viewport_->setDeformOn(ViewportWidget::DeformOn(std::clamp(settings.value(QStringLiteral("view/deform-on"), 0).toInt(), 0, 2)));
 }
 

@@ -65,6 +65,7 @@ void MainWindow::connectFileActions() {
     onSettled("save", [this] { files_->save(); });
     onSettled("save-as", [this] { files_->saveAs(); });
     onSettled("save-copy", [this] { files_->saveCopy(); });
+    onSettled("versions", [this] { files_->askVersion(); });
     onSettled("save-script", [this] { files_->saveScript(); });
     on("export", [this] { openExport(); });
     onSettled("write-mesh", [this] { files_->writeMesh(); });
@@ -274,6 +275,7 @@ void MainWindow::openPreferences() {
     connect(&dialog, &PreferencesDialog::navigationChanged, this, [this](int preset) { viewport_->setNavigationPreset(NavigationPreset(preset)); });
     connect(&dialog, &PreferencesDialog::deformOnChanged, this, [this](int where) { viewport_->setDeformOn(ViewportWidget::DeformOn(where)); });
     connect(&dialog, &PreferencesDialog::historyDepthChanged, this, [this](int steps) { document_.session().setHistoryDepth(steps); });
+    connect(&dialog, &PreferencesDialog::versionsChanged, this, [this] { document_.session().setVersionLimits(PreferencesDialog::versionLimits()); });
     dialog.exec();
 }
 

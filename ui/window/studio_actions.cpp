@@ -21,6 +21,7 @@ constexpr Row kRows[] = {
     {"save", "save", QT_TRANSLATE_NOOP("Actions", "&Save"), "Ctrl+S"},
     {"save-as", "", QT_TRANSLATE_NOOP("Actions", "Save &as…"), "Ctrl+Shift+S"},
     {"save-copy", "", QT_TRANSLATE_NOOP("Actions", "Save a &copy…"), "Ctrl+Alt+S"},
+    {"versions", "", QT_TRANSLATE_NOOP("Actions", "&Versions…"), ""},
     {"save-script", "", QT_TRANSLATE_NOOP("Actions", "Save as s&cript…"), ""},
     {"append", "", QT_TRANSLATE_NOOP("Actions", "A&dd a project…"), ""},
     {"export", "export", QT_TRANSLATE_NOOP("Actions", "&Export…"), "Ctrl+E"},

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/document/project_file.h"
+#include "core/document/version_limits.h"
+
+namespace imomushi {
+
+/// What was saved of a project, so that it can be opened again: beside NAME.imomushi in NAME.imomushi-versions, a SQLite file. Meshes, responses and takes are in it once, however
+/// many versions have them.
+struct ProjectVersion {
+    std::int64_t number = 0;  ///< rises; none is given twice
+    std::int64_t saved = 0;   ///< when, seconds since 1970
+    std::uintmax_t bytes = 0; ///< of its project file
+};
+
+[[nodiscard]] std::filesystem::path versionsFile(const std::filesystem::path& project);
+
+/// Keeps the project file that is at `project` now, if it is not one of its versions already. How many there are.
+/// Errors: "no-version" with the reason; what was kept before stays.
+Result<int> keepVersion(const std::filesystem::path& project, const VersionLimits& limits);
+
+/// Newest first; none where nothing was kept. Errors: "no-version".
+Result<std::vector<ProjectVersion>> projectVersions(const std::filesystem::path& project);
+
+/// Trusts nothing that it reads. Errors: "no-version": there is none of that number, or it is damaged.
+Result<Project> openVersion(const std::filesystem::path& project, std::int64_t number);
+
+}  // namespace imomushi
