@@ -3,8 +3,12 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "core/character/touch_job.h"
+#include "core/mesh/triangle_tree.h"
 
 namespace imomushi {
 
@@ -23,11 +27,13 @@ TestFinger::TestFinger(const CharacterInput& input) {
     if (element_ < 0) return;
     const auto& element = input.elements[static_cast<std::size_t>(element_)];
     const Points& rest = element.mesh->body.vertices;
+    std::vector<std::int32_t> held;
+    for (const JointFace& face : element.faces) held.insert(held.end(), face.triangles.begin(), face.triangles.end());
+    std::optional<TriangleTree> faces;
+    if (!held.empty()) faces.emplace(element.mesh->body, std::move(held));
     double farthest = -1.0;
     for (Eigen::Index v = 0; v < rest.rows(); ++v) {
-        double nearest = 1e300;
-        for (const JointFace& face : element.faces)
-            for (const auto held : face.vertices) nearest = std::min(nearest, (rest.row(v) - rest.row(held)).squaredNorm());
+        const double nearest = faces ? faces->nearest(rest.row(v).transpose()).squaredDistance : 0.0;
         if (nearest > farthest) farthest = nearest, point_ = rest.row(v).transpose();
     }
     const Vec3 low = rest.colwise().minCoeff().transpose(), high = rest.colwise().maxCoeff().transpose();

@@ -74,7 +74,7 @@ AtomicFile::AtomicFile(const std::filesystem::path& path) : path_(path), target_
         error_ = errno;  // a rename alone would replace a protected file
         return;
     }
-    removeAbandoned(target_.has_parent_path() ? target_.parent_path() : std::filesystem::path("."), target_.filename().string());
+    removeAbandonedPartsOf(target_);
     for (int attempt = 0; file_ < 0; ++attempt) {
         temporary_ = (target_.string() + "." + std::to_string(::getpid()) + "-" + std::to_string(attempt)).append(kSuffix);
         file_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
@@ -118,6 +118,8 @@ Result<void> AtomicFile::finish() {
 }
 
 void removeAbandonedFiles(const std::filesystem::path& folder) { removeAbandoned(folder, {}); }
+
+void removeAbandonedPartsOf(const std::filesystem::path& file) { removeAbandoned(file.has_parent_path() ? file.parent_path() : std::filesystem::path("."), file.filename().string()); }
 
 bool isDiskFull(int error) { return error == ENOSPC || error == EDQUOT || error == EFBIG; }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/base/abandoned_files.h"
 #include "core/base/atomic_file.h"
 #include "core/document/command_support.h"
 #include "core/document/handle_commands.h"
@@ -100,6 +101,7 @@ Result<Json> open(SessionAccess& access, const Json& arguments, const Progress&)
     const bool version = arguments.contains("version");
     auto project = version ? openVersion(*path, arguments["version"].get<std::int64_t>()) : openProject(*path);
     if (!project) return tl::unexpected(project.error());
+    removeAbandonedPartsOf(*path);
     const Json* original = find(arguments, "as");
     access.replace(std::move(*project), original ? std::filesystem::path(original->get_ref<const std::string&>()) : version ? std::filesystem::path() : *path, !original && !version, arguments);
     Json answer = contents(access.session);

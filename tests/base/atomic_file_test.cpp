@@ -64,6 +64,12 @@ TEST_CASE("atomic file: the next writer removes what killed ones left, and nothi
     std::ifstream(path) >> text;
     CHECK(text == "first");
 
+    // Those of one file, before anybody writes it again.
+    killWhileWriting(path);
+    CHECK(namesIn(folder).size() == 2 + others.size());
+    removeAbandonedPartsOf(path);
+    CHECK(namesIn(folder) == expected);
+
     // All of a folder, where no name is written again.
     killWhileWriting(path);
     killWhileWriting(folder / "c.imomushi");

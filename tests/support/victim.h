@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+extern char** environ;
+
+namespace imomushi {
+
+/// What a program wrote to its standard output by the time it was killed (SIGKILL) or had ended. Its errors go where those of the test go.
+struct Killed {
+    std::string out;
+    bool ended = false;  ///< before it could be killed
+    int status = -1;     ///< if it ended by itself
+};
+
+/// Starts a program (its path and arguments) and kills it after a time. The pipe holds what it says meanwhile: less than 64 KB.
+inline Killed killAfter(const std::vector<std::string>& command, std::chrono::microseconds time) {
+    std::array<int, 2> ends{};
+    if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
+    posix_spawn_file_actions_t actions;
+    ::posix_spawn_file_actions_init(&actions);
+    ::posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
+    std::vector<char*> words;
+    for (const auto& word : command) words.push_back(const_cast<char*>(word.c_str()));
+    words.push_back(nullptr);
+    pid_t child = 0;
+    const int failed = ::posix_spawn(&child, words[0], &actions, nullptr, words.data(), environ);
+    ::posix_spawn_file_actions_destroy(&actions);
+    ::close(ends[1]);
+    if (failed) throw std::runtime_error("cannot start " + command[0]);
+    std::this_thread::sleep_for(time);
+    ::kill(child, SIGKILL);
+    Killed killed;
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    killed.ended = WIFEXITED(status);
+    if (killed.ended) killed.status = WEXITSTATUS(status);
+    std::array<char, 4096> bytes{};
+    for (ssize_t n = 0; (n = ::read(ends[0], bytes.data(), bytes.size())) > 0;) killed.out.append(bytes.data(), static_cast<std::size_t>(n));
+    ::close(ends[0]);
+    return killed;
+}
+
+}  // namespace imomushi
