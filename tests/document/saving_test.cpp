@@ -98,7 +98,7 @@ TEST_CASE("saving: an array that is divided comes back bit by bit, and its parts
     {
         const std::string bytes = readFile(path);
         Database db(std::as_bytes(std::span(bytes)));
-        CHECK(db.number("PRAGMA user_version") == kProjectVersion);
+        CHECK(db.number("PRAGMA user_version") == 12);  // the first format that has parts
         CHECK(db.number("SELECT count(*) FROM value_parts") == 2);
     }
     for (const char* statement : {"DELETE FROM value_parts", "DELETE FROM value_parts WHERE position=0", "UPDATE value_parts SET position=7 WHERE position=1", "UPDATE value_parts SET bytes=zeroblob(7)",

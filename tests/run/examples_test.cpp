@@ -157,7 +157,7 @@ TEST_CASE("examples: every solver mesh, effect, basis and layout that README.md 
     CHECK(meshes.size() == 8);
     for (const std::string& mesh : meshes) add({{"do", "set"}, {"target", "head"}, {"property", "solver-mesh"}, {"value", mesh}});
     const auto effects = table("effect");
-    CHECK(effects.size() == 9);
+    CHECK(effects.size() == 10);
     for (const auto& [effect, rest] : effects) {
         add({{"do", "enable"}, {"effect", effect}});
         add({{"do", "disable"}, {"effect", effect}});
