@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <random>
@@ -55,12 +56,14 @@ TEST_CASE("killed: whatever moment it is, nothing that was acknowledged is lost,
                                    {{"do", "import-element"}, {"path", "bar.obj"}, {"name", "body 0"}},
                                    {{"do", "add-joint-face"}, {"element", "body 0"}, {"name", "in"}, {"plane", {{"origin", {0, 0, 0}}, {"normal", {0, 0, -1}}}}},
                                    {{"do", "add-joint-face"}, {"element", "body 0"}, {"name", "out"}, {"plane", {{"origin", {0, 0, 3}}, {"normal", {0, 0, 1}}}}},
+                                   {{"do", "set"}, {"target", "body 0"}, {"property", "solver-mesh"}, {"value", "as-is"}},  // the fastest
                                    {{"do", "add-bone"}, {"name", "bone"}, {"from", "body 0/in"}, {"to", "body 0/out"}},
                                    {{"do", "precompute"}},
                                    {{"do", "record"}, {"take", "take 0"}, {"action", "start"}},
                                    {{"do", "step"}, {"frames", 1}},
                                    {{"do", "record"}, {"take", "take 0"}, {"action", "stop"}},
-                                   {{"do", "save"}, {"path", project}}}));
+                                   {{"do", "save"}, {"path", project}}}),
+                            "--cache '" + cache + "'");
     REQUIRE(made.status == 0);
 
     std::mt19937 random(21);
@@ -94,6 +97,6 @@ TEST_CASE("killed: whatever moment it is, nothing that was acknowledged is lost,
     }
     const Run versions = script(lines({{{"do", "versions"}, {"path", project}}}));
     REQUIRE(versions.status == 0);
-    CHECK(versions.answers[0]["versions"].size() == 10);
+    CHECK(versions.answers[0]["versions"].size() == std::min<std::size_t>(10, static_cast<std::size_t>(saved) + 1));
     MESSAGE(kills << " kills, " << saved << " saves acknowledged, " << inTheMiddle << " kills between commands of a save");
 }
