@@ -75,6 +75,8 @@ tl::unexpected<Error> failVersion(const std::string& what, const char* why) { re
 
 /// A file of versions that is ours; an empty one gets its tables.
 void prepareVersions(Database& versions) {
+    // The journal of a writer that was killed before it was valid lies there until somebody writes; this change of its mode and back removes it now.
+    for (const char* mode : {"TRUNCATE", "DELETE"}) versions.run((std::string("PRAGMA journal_mode=") + mode).c_str());
     if (versions.number("SELECT count(*) FROM sqlite_master") == 0 && versions.number("PRAGMA application_id") == 0) {
         versions.run("PRAGMA auto_vacuum=INCREMENTAL");
         versions.run("BEGIN IMMEDIATE");

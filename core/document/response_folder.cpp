@@ -9,8 +9,9 @@
 #include <string>
 #include <utility>
 
-#include "core/document/packed_response.h"
+#include "core/base/abandoned_files.h"
 #include "core/base/atomic_file.h"
+#include "core/document/packed_response.h"
 
 namespace imomushi {
 
@@ -43,6 +44,7 @@ std::shared_ptr<const ElementResponse> responseIn(const std::string& content, co
 }  // namespace
 
 ResponseFolder::ResponseFolder(std::filesystem::path folder, std::uintmax_t limit) : folder_(std::move(folder)), limit_(limit) {
+    removeAbandonedFiles(folder_);
     std::error_code error;
     for (std::filesystem::directory_iterator entry(folder_, error), end; !error && entry != end; entry.increment(error)) {
         const auto key = keyNamed(entry->path());

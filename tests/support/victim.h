@@ -25,8 +25,9 @@ struct Killed {
     int status = -1;     ///< if it ended by itself
 };
 
-/// Starts a program (its path and arguments) and kills it after a time. The pipe holds what it says meanwhile: less than 64 KB.
-inline Killed killAfter(const std::vector<std::string>& command, std::chrono::microseconds time) {
+/// Starts a program (its path and arguments) and kills it after a time; mayEnd: or waits for its end, however long that takes. The pipe holds what it says
+/// meanwhile: less than 64 KB.
+inline Killed killAfter(const std::vector<std::string>& command, std::chrono::microseconds time, bool mayEnd = false) {
     std::array<int, 2> ends{};
     if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
     posix_spawn_file_actions_t actions;
@@ -40,8 +41,10 @@ inline Killed killAfter(const std::vector<std::string>& command, std::chrono::mi
     ::posix_spawn_file_actions_destroy(&actions);
     ::close(ends[1]);
     if (failed) throw std::runtime_error("cannot start " + command[0]);
-    std::this_thread::sleep_for(time);
-    ::kill(child, SIGKILL);
+    if (!mayEnd) {
+        std::this_thread::sleep_for(time);
+        ::kill(child, SIGKILL);
+    }
     Killed killed;
     int status = 0;
     ::waitpid(child, &status, 0);

@@ -88,6 +88,13 @@ QList<Autosave::Found> Autosave::found() const {
     QList<Found> out;
     removeAbandonedFiles(folder_.toStdString());  // each copy has a name of its own: nobody writes there again
     const auto files = QDir(folder_).entryInfoList({QStringLiteral("*") + kSuffix}, QDir::Files, QDir::Time);
+    // Of a studio that was killed before it had a copy, or after that was taken up.
+    for (const QFileInfo& info : QDir(folder_).entryInfoList({QStringLiteral("*.lock"), QStringLiteral("*.path")}, QDir::Files)) {
+        const QString file = QDir(folder_).filePath(info.completeBaseName() + kSuffix);
+        QLockFile lock(lockOf(file));
+        lock.setStaleLockTime(0);
+        if (!QFile::exists(file) && file != file_ && lock.tryLock(0)) QFile::remove(originalOf(file));
+    }
     for (const QFileInfo& info : files) {
         Found one{info.absoluteFilePath(), {}, info.lastModified(), std::make_shared<QLockFile>(lockOf(info.absoluteFilePath()))};
         one.lock->setStaleLockTime(0);
