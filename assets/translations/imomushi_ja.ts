@@ -2068,6 +2068,14 @@
             <translation>Imomushi プロジェクト (*.imomushi)</translation>
         </message>
         <message>
+            <source>Opening “%1”…</source>
+            <translation>「%1」を開いています…</translation>
+        </message>
+        <message>
+            <source>Saving “%1”…</source>
+            <translation>「%1」を保存しています…</translation>
+        </message>
+        <message>
             <source>Saved “%1”</source>
             <translation>「%1」を保存しました</translation>
         </message>

@@ -97,6 +97,12 @@ DocumentChange difference(const Document& before, const Document& after) {
     return change;
 }
 
+bool differInPoseAtMost(const Document& before, const Document& after) {
+    DocumentChange change = difference(before, after);
+    change.pose.reset();
+    return change.empty() && after.nextId == before.nextId;
+}
+
 void exchange(Document& document, DocumentChange& change) {
     exchangeParts(document.elements, change.elements);
     exchangeParts(document.joints, change.joints);

@@ -37,6 +37,8 @@ struct DocumentChange {
 
 /// What differs, as it is in `before`. Time grows with the number of parts, not with their size.
 DocumentChange difference(const Document& before, const Document& after);
+/// What passes with time aside, the two are the same.
+[[nodiscard]] bool differInPoseAtMost(const Document& before, const Document& after);
 void exchange(Document& document, DocumentChange& change);
 
 /// Whether joint points can have moved: more than names and materials differ. `after`: the document that the change led to.

@@ -4,7 +4,6 @@
 #include "core/document/command_support.h"
 #include "core/document/handle_commands.h"
 #include "core/document/names.h"
-#include "core/document/project_file.h"
 #include "core/document/project_versions.h"
 #include "core/document/session_access.h"
 
@@ -99,7 +98,7 @@ Result<Json> open(SessionAccess& access, const Json& arguments, const Progress&)
     const auto path = pathFrom(arguments);
     if (!path) return tl::unexpected(path.error());
     const bool version = arguments.contains("version");
-    auto project = version ? openVersion(*path, arguments["version"].get<std::int64_t>()) : openProject(*path);
+    auto project = access.read(*path, version ? std::optional(arguments["version"].get<std::int64_t>()) : std::nullopt);
     if (!project) return tl::unexpected(project.error());
     removeAbandonedPartsOf(*path);
     const Json* original = find(arguments, "as");
@@ -124,22 +123,12 @@ Result<Json> save(SessionAccess& access, const Json& arguments, const Progress&)
     }
     if (path.empty()) return fail("missing-key", "The project was never saved: give \"save\" a \"path\" that ends in .imomushi.");
     if (path.extension() != kProjectSuffix) return fail("bad-value", "\"path\" must end in .imomushi.");
-    Json answer;
-    const VersionLimits& limits = access.session.versionLimits();
-    std::error_code error;
-    const bool versions = limits.bytes > 0 && std::filesystem::is_regular_file(path, error);  // a file that is new has none
-    const auto keep = [&] {
-        if (!versions) return;
-        if (const auto kept = keepVersion(path, limits); kept)
-            answer["versions"] = *kept;
-        else
-            answer["not-kept"] = kept.error().message;  // no reason not to save
-    };
-    keep();  // whoever wrote it
-    if (auto saved = saveProject(path, access.session.project()); !saved) return tl::unexpected(saved.error());
-    keep();
+    const auto saved = access.write(path);
+    if (!saved) return tl::unexpected(saved.error());
     if (!arguments.value("copy", false)) access.markSaved(path);
-    answer["bytes"] = std::filesystem::file_size(path, error);
+    Json answer{{"bytes", saved->bytes}};
+    if (saved->versions) answer["versions"] = *saved->versions;
+    if (!saved->notKept.empty()) answer["not-kept"] = saved->notKept;
     return answer;
 }
 

@@ -9,11 +9,7 @@
 
 namespace imomushi {
 
-bool PreparedStep::fits(const Document& document) const {
-    DocumentChange change = difference(before, document);
-    change.pose.reset();
-    return change.empty() && document.nextId == before.nextId;
-}
+bool PreparedStep::fits(const Document& document) const { return differInPoseAtMost(before, document); }
 
 Result<PreparedStep> prepareStep(const CommandRegistry& registry, Project project, const Json& command, const std::function<void(Session&)>& arrange, const Progress& progress) {
     PreparedStep made{command, project.document, {}, {}, {}, {}};

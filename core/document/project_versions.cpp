@@ -194,4 +194,23 @@ Result<Project> openVersion(const std::filesystem::path& project, std::int64_t n
     }
 }
 
+Result<Project> loadProject(const std::filesystem::path& path, std::optional<std::int64_t> version) { return version ? openVersion(path, *version) : openProject(path); }
+
+Result<SavedProject> storeProject(const std::filesystem::path& path, const Project& project, const VersionLimits& limits) {
+    SavedProject done;
+    std::error_code error;
+    const bool keeps = limits.bytes > 0 && std::filesystem::is_regular_file(path, error);  // a file that is new has no versions
+    const auto keep = [&] {
+        if (!keeps) return;
+        const auto kept = keepVersion(path, limits);
+        done.versions = kept ? std::optional(*kept) : std::nullopt;
+        done.notKept = kept ? std::string() : kept.error().message;
+    };
+    keep();  // whoever wrote it
+    if (auto saved = saveProject(path, project); !saved) return tl::unexpected(saved.error());
+    keep();
+    done.bytes = std::filesystem::file_size(path, error);
+    return done;
+}
+
 }  // namespace imomushi

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "core/base/result.h"
@@ -30,5 +32,18 @@ Result<std::vector<ProjectVersion>> projectVersions(const std::filesystem::path&
 
 /// Trusts nothing that it reads. Errors: "no-version": there is none of that number, or it is damaged.
 Result<Project> openVersion(const std::filesystem::path& project, std::int64_t number);
+
+/// The project of a file, or of one of its versions. Errors: those of openProject() or openVersion().
+Result<Project> loadProject(const std::filesystem::path& path, std::optional<std::int64_t> version);
+
+/// What saving did.
+struct SavedProject {
+    std::optional<int> versions;  ///< how many there are now; none: none are kept of this file, or it was new
+    std::string notKept;          ///< why this one is not among them, which is no reason not to save
+    std::uintmax_t bytes = 0;     ///< of the file
+};
+
+/// saveProject(); the file that was there and the new one are kept as versions. Errors: those of saveProject().
+Result<SavedProject> storeProject(const std::filesystem::path& path, const Project& project, const VersionLimits& limits);
 
 }  // namespace imomushi

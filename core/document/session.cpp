@@ -42,7 +42,9 @@ Session::Session(const CommandRegistry& registry, std::shared_ptr<ResponseStore>
       importer_(importFile),
       characterImporter_(importCharacter),
       bodyMaker_(makeBodyOf),
-      proposer_(proposeFor) {}
+      proposer_(proposeFor),
+      reader_(loadProject),
+      writer_(storeProject) {}
 
 Session::~Session() = default;
 
@@ -212,6 +214,10 @@ void Session::setCharacterImporter(std::function<Result<CharacterFile>(const Imp
 void Session::setBodyMaker(std::function<Result<Body>(const RenderModel&, const BodySetting&, const Progress&)> maker) { bodyMaker_ = maker ? std::move(maker) : makeBodyOf; }
 
 void Session::setProposer(std::function<Result<Proposal>(const CharacterSource&, const ProposalRequest&, const Progress&)> proposer) { proposer_ = proposer ? std::move(proposer) : proposeFor; }
+
+void Session::setProjectReader(std::function<Result<Project>(const std::filesystem::path&, std::optional<std::int64_t>)> reader) { reader_ = reader ? std::move(reader) : loadProject; }
+
+void Session::setProjectWriter(std::function<Result<SavedProject>(const std::filesystem::path&, const Project&, const VersionLimits&)> writer) { writer_ = writer ? std::move(writer) : storeProject; }
 
 Project Session::project() {
     responses_.refresh();

@@ -15,7 +15,7 @@
 #include "core/document/document.h"
 #include "core/document/document_history.h"
 #include "core/document/document_responses.h"
-#include "core/document/version_limits.h"
+#include "core/document/project_versions.h"
 #include "core/io/character_file.h"
 
 namespace imomushi {
@@ -124,6 +124,10 @@ public:
     void setBodyMaker(std::function<Result<Body>(const RenderModel&, const BodySetting&, const Progress&)> maker);
     /// Replaces proposeFor() in the same way. Empty: proposeFor() again.
     void setProposer(std::function<Result<Proposal>(const CharacterSource&, const ProposalRequest&, const Progress&)> proposer);
+    /// Replaces loadProject() for "open" (the studio reads in the background). Empty: loadProject() again.
+    void setProjectReader(std::function<Result<Project>(const std::filesystem::path&, std::optional<std::int64_t> version)> reader);
+    /// The same of storeProject() for "save".
+    void setProjectWriter(std::function<Result<SavedProject>(const std::filesystem::path&, const Project&, const VersionLimits&)> writer);
     /// execute() takes this over instead of executing the same command again, while it fits the document. Null: none.
     void setPrepared(std::shared_ptr<const PreparedStep> step) { prepared_ = std::move(step); }
     /// What "save" writes, and an autosave: the document as it is now with the responses that its elements have. Copies no mesh and no response.
@@ -150,6 +154,8 @@ private:
     bool historyMoved_ = false;  // by the action that runs: undo, redo, another document, a take
     std::function<Result<Body>(const RenderModel&, const BodySetting&, const Progress&)> bodyMaker_;
     std::function<Result<Proposal>(const CharacterSource&, const ProposalRequest&, const Progress&)> proposer_;
+    std::function<Result<Project>(const std::filesystem::path&, std::optional<std::int64_t>)> reader_;
+    std::function<Result<SavedProject>(const std::filesystem::path&, const Project&, const VersionLimits&)> writer_;
     std::shared_ptr<const PreparedStep> prepared_;
 };
 

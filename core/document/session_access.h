@@ -47,6 +47,10 @@ public:
     }
 
     // ---- file
+    /// As Session::setProjectReader() has it.
+    [[nodiscard]] Result<Project> read(const std::filesystem::path& path, std::optional<std::int64_t> version) const { return session.reader_(path, version); }
+    /// As Session::setProjectWriter() has it.
+    [[nodiscard]] Result<SavedProject> write(const std::filesystem::path& path) const { return session.writer_(path, session.project(), session.versions_); }
     /// Replaces everything by another project; see DocumentHistory::replace().
     void replace(Project project, std::filesystem::path path, bool saved, const Json& line);
     void markSaved(const std::filesystem::path& path);

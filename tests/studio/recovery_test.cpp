@@ -165,3 +165,28 @@ TEST_CASE("recovery: an earlier version of a project opens as an unsaved copy") 
     CHECK(w.document().session().modified());
     CHECK(openProject(path.toStdString()).value().document.elementNamed("third"));
 }
+
+TEST_CASE("saving and opening: the window goes on meanwhile, and takes no input") {
+    Window w;
+    const QString path = w.folder.filePath(QStringLiteral("saved.imomushi"));
+    int turns = 0;
+    QTimer timer;
+    QObject::connect(&timer, &QTimer::timeout, &timer, [&] {
+        ++turns;
+        QTest::keyClick(&w.window(), Qt::Key_A, Qt::ControlModifier);  // selects everything, at other times
+    });
+    w.run({{"do", "open"}, {"path", caterpillar()}, {"as", path.toStdString()}});
+    timer.start(0);
+    REQUIRE(w.window().files().save());
+    CHECK(turns > 0);
+    CHECK(!w.document().session().modified());
+    turns = 0;
+    REQUIRE(w.window().files().open(path));
+    CHECK(turns > 0);
+    timer.stop();
+    CHECK(w.document().selection().empty());
+    w.settle();
+    QTest::keyClick(&w.window(), Qt::Key_A, Qt::ControlModifier);
+    CHECK(!w.document().selection().empty());
+    CHECK(openProject(path.toStdString()).value().document.elements.size() == w.now().elements.size());
+}

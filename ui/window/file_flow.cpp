@@ -70,6 +70,15 @@ FileFlow::FileFlow(StudioDocument& document, StepFlow& steps, QWidget* window)
         const PreparedCharacter* made = prepared->character.get();
         return made && made->proposal && made->asked == request ? *made->proposal : proposeFor(character, request, progress);
     });
+    document.session().setProjectReader([this](const std::filesystem::path& path, std::optional<std::int64_t> version) -> Result<Project> {
+        auto ready = file_.takeRead(path, version);
+        return ready ? std::move(*ready) : loadProject(path, version);
+    });
+    document.session().setProjectWriter([this](const std::filesystem::path& path, const Project& project, const VersionLimits& limits) -> Result<SavedProject> {
+        auto ready = file_.takeWritten(path, project);
+        return ready ? std::move(*ready) : storeProject(path, project, limits);
+    });
+    connect(&file_, &FileJob::takesTime, this, [this] { Q_EMIT working(working_); });
     // Asked for right after the file, by the same command.
     document.session().setBodyMaker([prepared = prepared_](const RenderModel& model, const BodySetting& setting, const Progress& progress) -> Result<Body> {
         const PreparedCharacter* made = prepared->character.get();
@@ -85,6 +94,22 @@ FileFlow::~FileFlow() {
     document_.session().setCharacterImporter({});
     document_.session().setBodyMaker({});
     document_.session().setProposer({});
+    document_.session().setProjectReader({});
+    document_.session().setProjectWriter({});
+}
+
+Result<Json> FileFlow::read(const Json& open) {
+    const auto path = open.at("path").get<std::string>();
+    working_ = tr("Opening “%1”…").arg(QFileInfo(QString::fromStdString(path)).fileName());
+    file_.read(path, open.contains("version") ? std::optional(open["version"].get<std::int64_t>()) : std::nullopt);
+    return document_.execute(open);
+}
+
+Result<Json> FileFlow::write(const Json& save) {
+    const auto path = save.at("path").get<std::string>();
+    working_ = tr("Saving “%1”…").arg(QFileInfo(QString::fromStdString(path)).fileName());
+    file_.write(path, document_.session().project(), document_.session().versionLimits());
+    return document_.execute(save);
 }
 
 QString FileFlow::folder() const {
@@ -118,7 +143,7 @@ bool FileFlow::offerRecovery() {
     RecoveryDialog dialog(found, window_);
     if (dialog.exec() != QDialog::Accepted) return false;
     const Autosave::Found chosen = found.at(dialog.chosen());
-    if (!document_.execute(commands::openAs(chosen.file.toStdString(), chosen.original.toStdString()))) return false;
+    if (!read(commands::openAs(chosen.file.toStdString(), chosen.original.toStdString()))) return false;
     // The old copy goes when there is a new one.
     connect(&autosave_, &BackgroundJob::finished, this, [this, chosen] { if (autosave_.kept()) Autosave::discard(chosen); }, Qt::SingleShotConnection);
     autosave_.saveSoon();
@@ -138,9 +163,7 @@ void FileFlow::askOpen() {
 
 bool FileFlow::open(const QString& path) {
     if (!mayDiscard()) return false;
-    QGuiApplication::setOverrideCursor(Qt::WaitCursor);
-    const auto answer = document_.execute(commands::open(path.toStdString()));
-    QGuiApplication::restoreOverrideCursor();
+    const auto answer = read(commands::open(path.toStdString()));
     if (!answer) return false;
     if (!isSample(path)) QSettings().setValue(QStringLiteral("files/folder"), QFileInfo(path).absolutePath());
     recent_.add(path);
@@ -149,7 +172,7 @@ bool FileFlow::open(const QString& path) {
 }
 
 bool FileFlow::saveTo(const QString& path) {
-    const auto answer = document_.execute(commands::save(path.toStdString()));
+    const auto answer = write(commands::save(path.toStdString()));
     if (!answer) return false;
     recent_.add(path);
     Q_EMIT saved(path);
@@ -181,7 +204,7 @@ void FileFlow::saveCopy() {
     QString path = QFileDialog::getSaveFileName(window_, tr("Save a copy"), QDir(folder()).filePath(tr("%1 copy").arg(name) + u'.' + kSuffix), tr("Imomushi projects (*.imomushi)"));
     if (path.isEmpty()) return;
     path = withSuffix(path, kSuffix);
-    if (document_.execute(commands::saveCopy(path.toStdString()))) Q_EMIT said(tr("Saved a copy as “%1”").arg(QFileInfo(path).fileName()));
+    if (write(commands::saveCopy(path.toStdString()))) Q_EMIT said(tr("Saved a copy as “%1”").arg(QFileInfo(path).fileName()));
 }
 
 void FileFlow::askVersion() {
@@ -194,7 +217,7 @@ void FileFlow::askVersion() {
     }
     VersionsDialog dialog(*versions, QFileInfo(path).completeBaseName(), window_);
     if (dialog.exec() != QDialog::Accepted || !mayDiscard()) return;
-    if (document_.execute(commands::openVersion(path.toStdString(), versions->at(dialog.chosen()).number))) Q_EMIT opened();
+    if (read(commands::openVersion(path.toStdString(), versions->at(dialog.chosen()).number))) Q_EMIT opened();
 }
 
 void FileFlow::saveScript() {

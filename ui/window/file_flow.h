@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "ui/jobs/autosave.h"
+#include "ui/jobs/file_job.h"
 #include "ui/models/recent_files.h"
 #include "ui/models/studio_document.h"
 
@@ -75,6 +76,7 @@ signals:
     void skeletonCame(const QString& character, const QString& message);  ///< its bones may become elements next
     void performable();  ///< a character came that can be dragged at once
     void saved(const QString& path);   ///< a picture may be taken now
+    void working(const QString& what);  ///< on something that takes its time
     void said(const QString& message);
     void warned(const QString& message);
 
@@ -82,6 +84,9 @@ private:
     enum class Dropped { Open, Append, Nothing };
     Dropped askDropped(const QString& path);
     bool saveTo(const QString& path);
+    /// "open" and "save", with the file read or written in the background.
+    Result<Json> read(const Json& open);
+    Result<Json> write(const Json& save);
     void nextImport();
     void finishImport(const Json& answer);
     void madeSoft(const Json& answer, bool isNew);
@@ -93,6 +98,8 @@ private:
     QWidget* window_;
     RecentFiles recent_;
     Autosave autosave_;
+    FileJob file_;
+    QString working_;  ///< what file_ does
     struct Waiting {
         QString path;
         Lead lead;

@@ -191,6 +191,7 @@ void MainWindow::connectFiles() {
         deck_->stopRecording();  // so that the artist is asked whether to keep it
     });
     connect(files_, &FileFlow::warned, this, [this](const QString& text) { messages().say(text, MessageBar::Tone::Warning); });
+    connect(files_, &FileFlow::working, this, [this](const QString& text) { messages().say(text, MessageBar::Tone::Info); });
     connect(files_, &FileFlow::said, this, [this](const QString& text) { messages().say(text, MessageBar::Tone::Good); });
     connect(files_, &FileFlow::opened, this, [this] {
         precompute_->cancel();
