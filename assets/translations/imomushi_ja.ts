@@ -3697,6 +3697,11 @@
     <context>
         <name>imomushi::RecoveryDialog</name>
         <message>
+            <source>%1 · before it was saved last</source>
+            <comment>name, date and time</comment>
+            <translation>%1 · 最後の保存より前</translation>
+        </message>
+        <message>
             <source>Unsaved work</source>
             <translation>保存されていない作業</translation>
         </message>

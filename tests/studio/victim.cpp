@@ -2,6 +2,7 @@
 #include "tests/studio/victim.h"
 
 #include <QApplication>
+#include <QListWidget>
 #include <QPushButton>
 #include <QTest>
 #include <QTimer>
@@ -30,11 +31,15 @@ void say(const char* what, int a, int b = 0) {
     std::fflush(stdout);
 }
 
-/// What the person would answer who finds a dialog: recover what is newest.
+/// What the person would answer who finds a dialog: recover what is newest, and throw away what is older than what was saved.
 void recoverWhenAsked(QApplication& application) {
     auto* timer = new QTimer(&application);
     QObject::connect(timer, &QTimer::timeout, timer, [] {
-        if (auto* dialog = qobject_cast<RecoveryDialog*>(QApplication::activeModalWidget())) dialog->accept();
+        auto* dialog = qobject_cast<RecoveryDialog*>(QApplication::activeModalWidget());
+        if (!dialog) return;
+        if (!dialog->findChild<QListWidget*>()->currentItem()->data(RecoveryDialog::kOutdated).toBool()) return dialog->accept();
+        for (auto* button : dialog->findChildren<QPushButton*>())
+            if (button->text() == QStringLiteral("Delete")) return button->click();
     });
     timer->start(5);
 }

@@ -29,7 +29,9 @@ RecoveryDialog::RecoveryDialog(const QList<Autosave::Found>& found, QWidget* par
     for (int i = 0; i < found.size(); ++i) {
         const auto& one = found.at(i);
         const QString name = one.original.isEmpty() ? tr("New project, never saved") : QFileInfo(one.original).completeBaseName();
-        auto* item = new QListWidgetItem(tr("%1 · %2", "name, date and time").arg(name, locale.toString(one.time, QLocale::ShortFormat)), list_);
+        const QString text = tr("%1 · %2", "name, date and time").arg(name, locale.toString(one.time, QLocale::ShortFormat));
+        auto* item = new QListWidgetItem(one.outdated ? tr("%1 · before it was saved last", "name, date and time").arg(text) : text, list_);
+        item->setData(kOutdated, one.outdated);
         item->setData(Qt::UserRole, i);
         item->setToolTip(one.original);
     }

@@ -15,6 +15,7 @@ class RecoveryDialog : public QDialog {
 public:
     explicit RecoveryDialog(const QList<Autosave::Found>& found, QWidget* parent = nullptr);
     [[nodiscard]] int chosen() const;  ///< in `found`
+    static constexpr int kOutdated = Qt::UserRole + 1;  ///< of items of the list: Found::outdated
 
 private:
     QListWidget* list_ = nullptr;

@@ -3,9 +3,11 @@
 
 #include <QDir>
 #include <QFile>
+#include <QFile>
 #include <QFileInfo>
 #include <QUuid>
 #include <filesystem>
+#include <utility>
 
 #include "core/base/abandoned_files.h"
 #include "core/document/project_file.h"
@@ -16,7 +18,7 @@ namespace {
 
 const QString kSuffix = QStringLiteral(".imomushi");
 
-// Beside a copy: the path of the project that it is of, and what says that its studio lives.
+// Beside a copy: the path of the project that it is of and, in a second line, the name of the copy that it was taken up from; and what says that its studio lives.
 QString originalOf(const QString& file) { return file.chopped(kSuffix.size()) + QStringLiteral(".path"); }
 QString lockOf(const QString& file) { return file.chopped(kSuffix.size()) + QStringLiteral(".lock"); }
 
@@ -45,6 +47,7 @@ Autosave::~Autosave() { clear(); }
 void Autosave::clear() {
     cancel();
     changed_ = false;
+    if (const auto old = std::exchange(takenUp_, std::nullopt)) remove(old->file);
     if (file_.isEmpty()) return;
     remove(file_);
     // What still writes there takes it away itself; the next copy has another name.
@@ -57,14 +60,12 @@ void Autosave::saveSoon() {
     if (file_.isEmpty()) {
         QDir().mkpath(folder_);
         file_ = QDir(folder_).filePath(QUuid::createUuid().toString(QUuid::WithoutBraces) + kSuffix);
-        lock_ = std::make_unique<QLockFile>(lockOf(file_));
-        lock_->setStaleLockTime(0);
-        lock_->tryLock(0);
+        lock_ = FileLock::take(lockOf(file_).toStdString());
     }
     changed_ = false;
     auto result = std::make_shared<Result<void>>();
     const auto project = std::make_shared<const Project>(document_.session().project());
-    const QByteArray original = QByteArray::fromStdString(document_.session().path().string());
+    const QByteArray original = QByteArray::fromStdString(document_.session().path().string()) + '\n' + (takenUp_ ? QFileInfo(takenUp_->file).fileName().toUtf8() : QByteArray());
     launch(
         [result, project, original, file = file_](const Progress& progress) {
             QFile path(originalOf(file));
@@ -79,6 +80,7 @@ void Autosave::saveSoon() {
                 if (!told_) Q_EMIT failed(tr("Your work could not be kept for recovery. %1").arg(errorText(result->error())));
             }
             told_ = !*result;
+            if (const auto old = kept() ? std::exchange(takenUp_, std::nullopt) : std::nullopt) remove(old->file);
         });
 }
 
@@ -86,23 +88,40 @@ bool Autosave::kept() const { return !file_.isEmpty() && QFile::exists(file_); }
 
 QList<Autosave::Found> Autosave::found() const {
     QList<Found> out;
+    QStringList takenUp;
     removeAbandonedFiles(folder_.toStdString());  // each copy has a name of its own: nobody writes there again
     const auto files = QDir(folder_).entryInfoList({QStringLiteral("*") + kSuffix}, QDir::Files, QDir::Time);
-    // Of a studio that was killed before it had a copy, or after that was taken up.
-    for (const QFileInfo& info : QDir(folder_).entryInfoList({QStringLiteral("*.lock"), QStringLiteral("*.path")}, QDir::Files)) {
-        const QString file = QDir(folder_).filePath(info.completeBaseName() + kSuffix);
-        QLockFile lock(lockOf(file));
-        lock.setStaleLockTime(0);
-        if (!QFile::exists(file) && file != file_ && lock.tryLock(0)) QFile::remove(originalOf(file));
-    }
     for (const QFileInfo& info : files) {
-        Found one{info.absoluteFilePath(), {}, info.lastModified(), std::make_shared<QLockFile>(lockOf(info.absoluteFilePath()))};
-        one.lock->setStaleLockTime(0);
-        if (one.file == QFileInfo(file_).absoluteFilePath() || !one.lock->tryLock(0)) continue;  // of a studio that lives
-        if (QFile path(originalOf(one.file)); path.open(QIODevice::ReadOnly)) one.original = QString::fromUtf8(path.readAll());
+        Found one{info.absoluteFilePath(), {}, info.lastModified(), false, nullptr};
+        if (one.file == QFileInfo(file_).absoluteFilePath()) continue;
+        one.lock = FileLock::take(lockOf(one.file).toStdString());
+        if (!one.lock) continue;  // of a studio that lives
+        if (QFile path(originalOf(one.file)); path.open(QIODevice::ReadOnly)) {
+            const QList<QByteArray> lines = path.readAll().split('\n');
+            one.original = QString::fromUtf8(lines.value(0));
+            takenUp << QString::fromUtf8(lines.value(1));
+        }
+        one.outdated = !one.original.isEmpty() && QFileInfo(one.original).lastModified() > one.time;
         out << one;
     }
+    // A studio that was killed between its own copy and the end of the one that it came from.
+    out.removeIf([&](const Found& one) {
+        const bool superseded = takenUp.contains(QFileInfo(one.file).fileName());
+        if (superseded) remove(one.file);
+        return superseded;
+    });
+    // One that was killed before it had a copy.
+    for (const QFileInfo& info : QDir(folder_).entryInfoList({QStringLiteral("*.lock"), QStringLiteral("*.path")}, QDir::Files)) {
+        const QString file = QDir(folder_).filePath(info.completeBaseName() + kSuffix);
+        if (QFile::exists(file) || file == file_) continue;
+        if (const auto lock = FileLock::take(lockOf(file).toStdString())) QFile::remove(originalOf(file));
+    }
     return out;
+}
+
+void Autosave::takeUp(const Found& found) {
+    takenUp_ = found;
+    saveSoon();
 }
 
 void Autosave::discard(const Found& found) {

@@ -3,11 +3,12 @@
 
 #include <QDateTime>
 #include <QList>
-#include <QLockFile>
 #include <QString>
 #include <QTimer>
 #include <memory>
+#include <optional>
 
+#include "core/base/file_lock.h"
 #include "ui/jobs/background_job.h"
 #include "ui/models/studio_document.h"
 
@@ -34,9 +35,12 @@ public:
         QString file;       ///< the copy
         QString original;   ///< the project that it is of, empty: never saved
         QDateTime time;
-        std::shared_ptr<QLockFile> lock;
+        bool outdated = false;  ///< the project was saved later
+        std::shared_ptr<FileLock> lock;
     };
     [[nodiscard]] QList<Found> found() const;  ///< newest first
+    /// What is in the document is this work: it goes when there is a copy of its own.
+    void takeUp(const Found& found);
     static void discard(const Found& found);
 
 signals:
@@ -47,7 +51,8 @@ private:
 
     StudioDocument& document_;
     QString folder_, file_;
-    std::unique_ptr<QLockFile> lock_;
+    std::unique_ptr<FileLock> lock_;
+    std::optional<Found> takenUp_;
     QTimer timer_;
     bool changed_ = false, told_ = false;
 };

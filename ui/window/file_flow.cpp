@@ -143,10 +143,9 @@ bool FileFlow::offerRecovery() {
     RecoveryDialog dialog(found, window_);
     if (dialog.exec() != QDialog::Accepted) return false;
     const Autosave::Found chosen = found.at(dialog.chosen());
-    if (!read(commands::openAs(chosen.file.toStdString(), chosen.original.toStdString()))) return false;
-    // The old copy goes when there is a new one.
-    connect(&autosave_, &BackgroundJob::finished, this, [this, chosen] { if (autosave_.kept()) Autosave::discard(chosen); }, Qt::SingleShotConnection);
-    autosave_.saveSoon();
+    // What was saved later is not replaced by older work unasked: that is a new project then.
+    if (!read(commands::openAs(chosen.file.toStdString(), chosen.outdated ? std::string() : chosen.original.toStdString()))) return false;
+    autosave_.takeUp(chosen);
     Q_EMIT opened();
     return true;
 }
