@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Needs clang (libFuzzer); the libraries are instrumented by -DIMOMUSHI_FUZZ=ON with -DIMOMUSHI_SANITIZE=ON.
+# Needs clang (libFuzzer); see the preset "fuzz".
 add_executable(fuzz_import fuzz/import.cpp)
 target_include_directories(fuzz_import PRIVATE ${PROJECT_SOURCE_DIR})
 target_link_libraries(fuzz_import PRIVATE imomushi_io)
