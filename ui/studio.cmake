@@ -16,7 +16,7 @@ imomushi_library(imomushi_jobs ui/jobs imomushi_models)
 imomushi_library(imomushi_tools ui/tools imomushi_jobs imomushi_scene)
 imomushi_library(imomushi_viewport ui/viewport imomushi_tools Qt6::OpenGLWidgets)
 imomushi_library(imomushi_widgets ui/widgets imomushi_base Qt6::Widgets Qt6::Svg)
-imomushi_library(imomushi_panels ui/panels imomushi_widgets imomushi_models)
+imomushi_library(imomushi_panels ui/panels imomushi_widgets imomushi_jobs)
 imomushi_library(imomushi_inspector ui/panels/inspector imomushi_widgets imomushi_tools)
 # One header for all forms: moc finds by itself only those that have a source of the same name.
 target_sources(imomushi_inspector PRIVATE ${PROJECT_SOURCE_DIR}/ui/panels/inspector/inspector_forms.h)

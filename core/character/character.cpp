@@ -170,19 +170,26 @@ Eigen::MatrixXd Character::renderColumns(int mesh, int element) const {
     return all(rows, Eigen::indexing::all);
 }
 
+std::vector<std::function<void()>> Character::missingWatches() const {
+    std::vector<std::function<void()>> out;
+    for (const auto& e : state_->frame.elements) {
+        if (!e.runtime->lazyWatch || e.runtime->lazyWatch->ready()) continue;
+        out.emplace_back([runtime = e.runtime] { (void)runtime->findWatch(); });
+    }
+    return out;
+}
+
 std::vector<PoseMeasures> Character::measurePose() {
     auto& elements = state_->frame.elements;
-    auto& watches = state_->watches;
     std::vector<PoseMeasures> out(elements.size());
-    watches.resize(elements.size());
     for (std::size_t e = 0; e < elements.size(); ++e) {
         const auto& given = elements[e].runtime->input;
         if (!given.response || given.faces.empty()) continue;
-        if (!watches[e]) watches[e] = elements[e].runtime->watch ? elements[e].runtime->watch : PoseWatch::build(given.mesh->body, given.faces, *given.response);
+        const auto watch = elements[e].runtime->findWatch();
         elements[e].watched.resize(given.faces.size());
         state_->findMotions(elements[e]);
-        auto room = watches[e]->room();
-        out[e] = watches[e]->measure(elements[e].v, elements[e].watched, room);
+        auto room = watch->room();
+        out[e] = watch->measure(elements[e].v, elements[e].watched, room);
     }
     return out;
 }

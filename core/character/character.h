@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -179,6 +180,8 @@ public:
 
     /// What the product A' v does in the pose of the last update(), per element, whatever effects make of it; at rest without a response. The first call makes tables.
     [[nodiscard]] std::vector<PoseMeasures> measurePose();
+    /// What measurePose() would make first, about 10 ms each: for any threads, in any order. Empty: nothing.
+    [[nodiscard]] std::vector<std::function<void()>> missingWatches() const;
 
     struct Stats {
         unsigned warnings = 0;          ///< of FrameWarning

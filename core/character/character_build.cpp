@@ -84,9 +84,7 @@ Result<std::shared_ptr<const ElementRuntime>> Character::State::runtimeOf(std::s
         if (effect->on(e)) effect->ask(input.tables);
     if (!given.response || given.response->loads.size() == 0) input.tables.loads.clear();
     if (auto found = known.find(input)) return found;
-    auto embedded = known.findEmbedded(input);
-    const auto like = known.findLike(input);
-    return ElementRuntime::build(std::move(input), std::move(embedded), like.get());
+    return ElementRuntime::build(std::move(input), known);
 }
 
 void Character::State::buildJoint(std::size_t j, double contraction) {

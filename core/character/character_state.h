@@ -93,7 +93,6 @@ struct Character::State {
 
     Frame frame;
     FrameJobs jobs;
-    std::vector<std::shared_ptr<const PoseWatch>> watches;  // of measurePose(): per element, null: not asked for yet
     bool weighs = false;  // effects are automatic
     const Pose poseOfRest = restPose(frame.input.skeleton);
     TouchJob* touch = nullptr;  // of jobs, null: none

@@ -154,9 +154,13 @@ Points EmbeddedTables::restOf(const EmbeddedPoints& points) const {
     return rest;
 }
 
+std::shared_ptr<const PoseWatch> ElementRuntime::findWatch() const { return lazyWatch ? lazyWatch->get(input.mesh->body, input.faces, *input.response) : nullptr; }
+
 std::size_t ElementRuntime::paddedVertices() const { return embedded ? padded(embedded->first + embedded->count) : padded(vertices); }
 
-Result<std::shared_ptr<const ElementRuntime>> ElementRuntime::build(Input input, std::shared_ptr<const EmbeddedTables> embedded, const ElementRuntime* like) {
+Result<std::shared_ptr<const ElementRuntime>> ElementRuntime::build(Input input, const ElementRuntimes& known) {
+    auto embedded = known.findEmbedded(input);
+    const auto like = known.findLike(input);
     auto made = std::make_shared<ElementRuntime>();
     ElementRuntime& out = *made;
     out.input = std::move(input);
@@ -193,6 +197,10 @@ Result<std::shared_ptr<const ElementRuntime>> ElementRuntime::build(Input input,
         for (std::size_t v = 0; v < out.vertices; ++v)
             if (!onFace[v]) out.free.push_back(static_cast<std::int32_t>(v));
 
+    if (given.response && !given.faces.empty()) {
+        out.lazyWatch = known.findWatch(given);
+        if (!out.lazyWatch) out.lazyWatch = std::make_shared<const LazyPoseWatch>();
+    }
     if (given.embedded && !embedded) {
         auto tables = embed(out);
         if (!tables) return tl::unexpected(tables.error());
@@ -218,7 +226,7 @@ Result<std::shared_ptr<const ElementRuntime>> ElementRuntime::build(Input input,
             auto warp = BendWarpTables::build(body, given.faces, *given.response, given.nu, first, out.middle, {});
             if (!warp) return tl::unexpected(warp.error());
             out.warp = std::move(*warp);
-            if (given.tables.fades) out.watch = PoseWatch::build(body, given.faces, *given.response);
+            if (given.tables.fades) out.watch = out.findWatch();
         }
         if (given.tables.touch && given.response->touch.columns() > 0) {
             auto surface = TouchSurface::build(*given.mesh, given.faces, given.response);
@@ -267,6 +275,12 @@ std::shared_ptr<const ElementRuntime> ElementRuntimes::findLike(const ElementRun
     const auto [begin, end] = byMesh_.equal_range(input.mesh.get());
     const auto found = std::find_if(begin, end, [&](const auto& known) { return known.second->input.embedded && input.embedded && sameBody(known.second->input, input); });
     return found == end ? nullptr : found->second;
+}
+
+std::shared_ptr<const LazyPoseWatch> ElementRuntimes::findWatch(const ElementRuntime::Input& input) const {
+    const auto [begin, end] = byMesh_.equal_range(input.mesh.get());
+    const auto found = std::find_if(begin, end, [&](const auto& known) { return known.second->input.response == input.response && sameFaces(known.second->input.faces, input.faces); });
+    return found == end ? nullptr : found->second->lazyWatch;
 }
 
 bool ElementRuntimes::knows(const std::shared_ptr<const ElementMesh>& mesh, const std::vector<JointFace>& faces,

@@ -50,6 +50,8 @@ struct EmbeddedTables {
     [[nodiscard]] Points restOf(const EmbeddedPoints& points) const;
 };
 
+class ElementRuntimes;
+
 /// What the frames of one element read and never change: it follows from its mesh, joint faces, response and settings alone, not from the pose nor from
 /// other elements. Characters share runtimes: one that is built again takes over those whose input did not change.
 struct ElementRuntime {
@@ -71,12 +73,14 @@ struct ElementRuntime {
     };
 
     /// Tables that the response has nothing for are left out. Errors: "bad-value" (the response belongs to another mesh or other faces).
-    /// embedded: tables of ElementRuntimes::findEmbedded(), or null. like: what ElementRuntimes::findLike() found, or null: tables of the body are taken over from it.
-    static Result<std::shared_ptr<const ElementRuntime>> build(Input input, std::shared_ptr<const EmbeddedTables> embedded = nullptr, const ElementRuntime* like = nullptr);
+    /// What `known` holds of the same tables is taken over.
+    static Result<std::shared_ptr<const ElementRuntime>> build(Input input, const ElementRuntimes& known);
 
     [[nodiscard]] double scale() const { return size > 0.0 ? 1.0 / size : 1.0; }
     [[nodiscard]] int columns() const { return input.response ? input.response->columns() : 0; }  ///< of v
 
+    /// Null: without a response or joint faces. The first call builds it; any thread may call.
+    [[nodiscard]] std::shared_ptr<const PoseWatch> findWatch() const;
     /// Of the body and embedded points, with the room that kernels write to behind them.
     [[nodiscard]] std::size_t paddedVertices() const;
 
@@ -93,7 +97,8 @@ struct ElementRuntime {
     std::size_t bodyBlocks = 0;           ///< those of the body
     std::shared_ptr<const EmbeddedTables> embedded;  ///< null: there are none
     std::shared_ptr<const BendWarpTables> warp;  ///< null: not asked for
-    std::shared_ptr<const PoseWatch> watch;      ///< null: not asked for
+    std::shared_ptr<const PoseWatch> watch;      ///< of frames; null: not asked for
+    std::shared_ptr<const LazyPoseWatch> lazyWatch;  ///< see findWatch()
     std::shared_ptr<const TouchSurface> touch;   ///< null: not asked for
     std::shared_ptr<const ContactSurface> contact;  ///< null: not asked for
     TouchBlocks touchBlocks;
@@ -112,6 +117,8 @@ public:
     [[nodiscard]] std::shared_ptr<const EmbeddedTables> findEmbedded(const ElementRuntime::Input& input) const;
     /// A runtime whose input differs in its embedded points alone. Null: there is none.
     [[nodiscard]] std::shared_ptr<const ElementRuntime> findLike(const ElementRuntime::Input& input) const;
+    /// Of a runtime of this mesh, these faces and this response. Null: there is none.
+    [[nodiscard]] std::shared_ptr<const LazyPoseWatch> findWatch(const ElementRuntime::Input& input) const;
     /// One of this mesh, these faces and this response exists: they fit each other.
     [[nodiscard]] bool knows(const std::shared_ptr<const ElementMesh>& mesh, const std::vector<JointFace>& faces,
                              const std::shared_ptr<const ElementResponse>& response) const;

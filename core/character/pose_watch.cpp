@@ -273,6 +273,12 @@ std::shared_ptr<const PoseWatch> PoseWatch::build(const TriangleMesh& body, std:
     return PoseWatchBuilder(body, faces, response).build();
 }
 
+std::shared_ptr<const PoseWatch> LazyPoseWatch::get(const TriangleMesh& body, std::span<const JointFace> faces, const ElementResponse& response) const {
+    std::call_once(once_, [&] { watch_ = PoseWatch::build(body, faces, response); });
+    ready_ = true;
+    return watch_;
+}
+
 PoseWatch::Room PoseWatch::room() const { return {VectorXd::Zero(rows_.rows()), VectorXd::Zero(rows_.cols()), VectorXd::Zero(rows_.cols())}; }
 
 PoseMeasures PoseWatch::measure(const VectorXd& v, std::span<const FaceMotion> motions, Room& room) const {

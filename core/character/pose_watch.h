@@ -3,8 +3,10 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
@@ -75,6 +77,18 @@ private:
     std::vector<Depth> depths_;
     Eigen::VectorXd volumeSlope_;           // relative, per column; empty: nothing is said of the volume
     Eigen::MatrixXd volumeCurve_;           // the same, second derivative
+};
+
+/// The watch of a body, these faces and this response, built when it is first asked for. Any thread may ask, the others wait.
+class LazyPoseWatch {
+public:
+    [[nodiscard]] std::shared_ptr<const PoseWatch> get(const TriangleMesh& body, std::span<const JointFace> faces, const ElementResponse& response) const;
+    [[nodiscard]] bool ready() const { return ready_; }
+
+private:
+    mutable std::once_flag once_;
+    mutable std::shared_ptr<const PoseWatch> watch_;
+    mutable std::atomic<bool> ready_{false};
 };
 
 }  // namespace imomushi

@@ -182,6 +182,10 @@ const CharacterPlan& Session::plan() const { return live_->plan(); }
 int Session::elementIndex(PartId element) const { return live_->built() ? live_->plan().elementIndex(element) : -1; }
 int Session::pointIndex(const EndpointRef& end) const { return live_->built() ? live_->plan().pointIndex(end) : -1; }
 Result<std::vector<PoseFinding>> Session::checkPose() { return imomushi::checkPose(*live_); }
+std::vector<std::function<void()>> Session::missingWatches() {
+    const Character* alive = character();
+    return alive ? alive->missingWatches() : std::vector<std::function<void()>>();
+}
 const Pose& Session::shownPose() { return live_->shownPose(); }
 Result<Vec3> Session::positionOf(const EndpointRef& end) { return live_->positionOf(end); }
 Result<HandlePose> Session::poseOf(const FaceRef& handle) { return live_->poseOf(handle); }

@@ -86,6 +86,8 @@ public:
     const Pose& shownPose();
     /// See pose_check.h. Errors: those of LiveCharacter::built().
     Result<std::vector<PoseFinding>> checkPose();
+    /// What checkPose() would make first: see Character::missingWatches().
+    std::vector<std::function<void()>> missingWatches();
     Result<Vec3> positionOf(const EndpointRef& end);
     Result<HandlePose> poseOf(const FaceRef& handle);
     [[nodiscard]] Points positionsOf(PartId element);

@@ -32,7 +32,7 @@ bool sameSurfaces(const Character& a, const Character& b) {
 TEST_CASE("runtime: it is found again by what it was built from, and by nothing else") {
     const CharacterInput input = caterpillar::make({});
     ElementRuntimes known;
-    const auto made = ElementRuntime::build(inputOf(input, 1)).value();
+    const auto made = ElementRuntime::build(inputOf(input, 1), {}).value();
     known.add(made);
     CHECK(known.find(inputOf(input, 1)) == made);
     CHECK(known.find(inputOf(input, 2)) == nullptr);
@@ -57,6 +57,23 @@ TEST_CASE("runtime: it is found again by what it was built from, and by nothing 
     CHECK(known.knows(input.elements[1].mesh, input.elements[1].faces, input.elements[1].response));
 }
 
+TEST_CASE("runtime: what checks a pose is made once, whatever effects come and go") {
+    const CharacterInput input = caterpillar::make({});
+    auto character = Character::build(input).value();
+    const auto missing = character.missingWatches();
+    CHECK(missing.size() == input.elements.size());
+    missing.front()();
+    CHECK(character.missingWatches().size() == missing.size() - 1);
+    (void)character.measurePose();
+    CHECK(character.missingWatches().empty());
+    CharacterInput warped = input;
+    warped.effects.set(BendWarpEffect{});
+    const auto next = Character::build(warped, &character).value();
+    CHECK(next.missingWatches().empty());
+    warped.elements[1].response = std::make_shared<const ElementResponse>(*input.elements[1].response);
+    CHECK(Character::build(warped, &character).value().missingWatches().size() == 1);
+}
+
 TEST_CASE("runtime: other embedded points change nothing of the body, whose tables are taken over") {
     const CharacterInput input = caterpillar::make({});
     ElementRuntimes known;
@@ -69,13 +86,13 @@ TEST_CASE("runtime: other embedded points change nothing of the body, whose tabl
         of.tables.warp = true;
         return of;
     };
-    const auto made = ElementRuntime::build(with(0.5, false)).value();
+    const auto made = ElementRuntime::build(with(0.5, false), {}).value();
     known.add(made);
     const auto other = with(0.5, true);
     CHECK(known.find(other) == nullptr);
     const auto like = known.findLike(other);
     REQUIRE(like == made);
-    const auto taken = ElementRuntime::build(other, nullptr, like.get()).value(), fresh = ElementRuntime::build(other).value();
+    const auto taken = ElementRuntime::build(other, known).value(), fresh = ElementRuntime::build(other, {}).value();
     REQUIRE(made->warp);
     CHECK(taken->warp == made->warp);
     CHECK(fresh->warp != made->warp);

@@ -97,6 +97,9 @@ EffectsPanel::EffectsPanel(StudioDocument& document, QWidget* parent) : QScrollA
     check_.setInterval(kCheckMs);
     check_.setSingleShot(true);
     connect(&check_, &QTimer::timeout, this, &EffectsPanel::checkPose);
+    connect(&watches_, &BackgroundJob::finished, this, [this](bool completed) {
+        if (completed) checkPose();
+    });
     const auto look = [this] {
         if (!check_.isActive() && isVisible()) check_.start();
     };
@@ -354,7 +357,8 @@ void EffectsPanel::compare(EffectKind effect, bool on) {
 }
 
 void EffectsPanel::checkPose() {
-    if (comparison_ || gesture_ || !isVisible()) return;
+    if (comparison_ || gesture_ || !isVisible() || watches_.running()) return;
+    if (auto missing = document_.session().missingWatches(); !missing.empty()) return watches_.start(std::move(missing));
     const auto findings = document_.session().checkPose();
     const auto mend = findings ? mendOf(*findings) : std::nullopt;
     for (std::size_t k = 0; k < kEffects; ++k) {

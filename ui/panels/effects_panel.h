@@ -9,6 +9,7 @@
 #include <memory>
 #include <vector>
 
+#include "ui/jobs/watch_job.h"
 #include "ui/models/gesture.h"
 #include "ui/models/studio_document.h"
 #include "ui/widgets/number_field.h"
@@ -76,6 +77,7 @@ private:
     FigureLabel* sum_ = nullptr;
     std::unique_ptr<Gesture> gesture_, comparison_;
     QTimer tell_, check_;
+    WatchJob watches_;
     QElapsedTimer stepped_;            ///< since the last frame
     bool scheduled_ = false, known_ = false;
 };

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How long the studio's window is held up by what a person does with a large character: the longest event of the GUI thread for each thing done, without drawing,
+// which is the graphics card's (or, here, a software renderer's that stands in for one) and printed beside it.
+//   bench_studio [ELEMENTS] [VERTICES OF EACH] [BONES]    100, 2,500 and 100 unless given; on a display, as that of xvfb-run
+#include <QAbstractEventDispatcher>
+#include <QApplication>
+#include <QElapsedTimer>
+#include <QMouseEvent>
+#include <QTemporaryDir>
+#include <QTest>
+#include <QTimer>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <string>
+
+#include "tests/support/own_home.h"
+#include "tests/support/shapes.h"
+#include "ui/studio.h"
+#include "ui/viewport/viewport_widget.h"
+#include "ui/window/file_flow.h"
+#include "ui/window/main_window.h"
+#include "ui/window/studio_actions.h"
+
+using namespace imomushi;
+
+namespace {
+
+/// Measures each event that the GUI thread works on, those within it included.
+class WatchedApplication : public QApplication {
+public:
+    WatchedApplication(int& argc, char** argv) : QApplication(argc, argv) {
+        auto* dispatcher = QAbstractEventDispatcher::instance();
+        connect(dispatcher, &QAbstractEventDispatcher::aboutToBlock, this, [this] { waiting_.start(); });
+        connect(dispatcher, &QAbstractEventDispatcher::awake, this, [this] {
+            if (waiting_.isValid()) waited_ += 1e-6 * static_cast<double>(waiting_.nsecsElapsed());
+            waiting_.invalidate();
+        });
+    }
+
+    bool notify(QObject* receiver, QEvent* event) override {
+        const QEvent::Type type = event->type();
+        const bool drawing = type == QEvent::Paint || type == QEvent::UpdateRequest || type == QEvent::Expose;
+        const std::string name = std::string(receiver->metaObject()->className()) + " " + std::to_string(int(type));
+        const double before = drawn_, waited = waited_;
+        QElapsedTimer clock;
+        clock.start();
+        ++depth_;
+        const bool result = QApplication::notify(receiver, event);
+        --depth_;
+        const double ms = 1e-6 * static_cast<double>(clock.nsecsElapsed());
+        if (drawing) drawn_ = before + ms;
+        if (depth_ > 0) return result;
+        const double held = ms - (drawn_ - before) - (waited_ - waited);
+        longestDrawn = std::max(longestDrawn, drawn_ - before);
+        if (held > longest) longest = held, longestIs = name;
+        return result;
+    }
+    void forget() { longest = longestDrawn = 0.0, longestIs.clear(); }
+
+    double longest = 0.0, longestDrawn = 0.0;
+    std::string longestIs;
+
+private:
+    int depth_ = 0;
+    double drawn_ = 0.0, waited_ = 0.0;  // ms so far; waited: in event loops within events
+    QElapsedTimer waiting_;
+};
+
+Result<ImportResult> tube(const ImportRequest& request, int vertices) {
+    const int around = std::max(8, static_cast<int>(std::sqrt(vertices / 2.0)));
+    ImportedBody body;
+    body.name = request.path.string();
+    body.closed = true;
+    body.mesh.body = shapes::cylinder(0.5, 1.0, around, std::max(2, vertices / around)).mesh;
+    body.mesh.body.vertices.col(2).array() += std::stod(body.name);
+    for (std::int32_t v = 0; v < body.mesh.body.vertices.rows(); ++v) body.mesh.renderMesh.bodyVertex.push_back(v);
+    body.mesh.renderMesh.triangles = body.mesh.body.triangles;
+    ImportResult result;
+    result.format = "shape";
+    result.bodies = {body};
+    return result;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    const int elements = argc > 1 ? std::atoi(argv[1]) : 100, vertices = argc > 2 ? std::atoi(argv[2]) : 2500, bones = argc > 3 ? std::atoi(argv[3]) : 100;
+    ownHome();
+    WatchedApplication application(argc, argv);
+    prepareStudio();
+    CommandRegistry registry;
+    addCoreCommands(registry);
+    QTemporaryDir folder;
+    const QString path = folder.filePath(QStringLiteral("large.imomushi"));
+    {
+        Session session(registry);
+        session.setImporter([vertices](const ImportRequest& request, const Progress&) { return tube(request, vertices); });
+        const auto run = [&](const Json& command) {
+            if (const auto answer = session.execute(command); !answer) {
+                std::fprintf(stderr, "%s: %s\n", command.dump().c_str(), answer.error().message.c_str());
+                std::exit(1);
+            }
+        };
+        for (int e = 0; e < elements; ++e) {
+            const std::string n = std::to_string(e), name = "e" + n;
+            run({{"do", "import-element"}, {"path", n}, {"name", name}});
+            run({{"do", "add-joint-face"}, {"element", name}, {"name", "in"}, {"plane", {{"origin", {0, 0, e}}, {"normal", {0, 0, -1}}}}});
+            run({{"do", "add-joint-face"}, {"element", name}, {"name", "out"}, {"plane", {{"origin", {0, 0, e + 1}}, {"normal", {0, 0, 1}}}}});
+            if (e > 0) run({{"do", "join"}, {"a", "e" + std::to_string(e - 1) + "/out"}, {"b", name + "/in"}});
+            run({{"do", "add-bone"}, {"name", "b" + n}, {"from", e > 0 ? "b" + std::to_string(e - 1) + "/end" : std::string("e0/in")}, {"to", name + "/out"}});
+        }
+        for (int b = elements; b < bones; ++b)
+            run({{"do", "add-bone"}, {"name", "b" + std::to_string(b)}, {"element", ""}, {"from", b > elements ? Json("b" + std::to_string(b - 1) + "/end") : Json{2, 0, 0}}, {"to", {2 + b % 2, 0, b - elements + 1}}});
+        run({{"do", "precompute"}});
+        run({{"do", "pin"}, {"endpoint", "b0/start"}});
+        run({{"do", "save"}, {"path", path.toStdString()}});
+    }
+
+    MainWindow window(registry);
+    window.resize(1200, 800);
+    window.show();
+    if (!QTest::qWaitForWindowExposed(&window)) return 1;
+    StudioDocument& document = window.document();
+    ViewportWidget& view = window.viewport();
+    const auto settle = [&] {
+        for (int i = 0; i < 6; ++i) QTest::qWait(30);
+    };
+    std::printf("%d elements, %d vertices each, %d bones: milliseconds that the GUI thread is held up by one event at most (drawing apart)\n", elements, vertices, bones);
+    std::printf("%-28s %9s %9s  %s\n", "", "longest", "drawing", "of");
+    const auto measure = [&](const char* name, const std::function<void()>& act) {
+        settle();
+        application.forget();
+        QTimer::singleShot(0, &window, act);  // from the event loop, as a person does it
+        settle();
+        std::printf("%-28s %9.1f %9.1f  %s\n", name, application.longest, application.longestDrawn, application.longestIs.c_str());
+        std::fflush(stdout);
+    };
+    const auto execute = [&](const Json& command) {
+        if (const auto answer = document.execute(command); !answer) std::printf("%s\n", answer.error().message.c_str());
+    };
+    const auto send = [&](QEvent::Type type, QPoint at, Qt::MouseButton button, Qt::MouseButtons buttons) {
+        QMouseEvent event(type, at, view.mapToGlobal(at), button, buttons, Qt::NoModifier);
+        QApplication::sendEvent(&view, &event);
+    };
+    const auto moves = [&](QPoint from, Qt::MouseButtons buttons) {
+        for (int i = 0; i < 40; ++i) {
+            QTimer::singleShot(4 * i, &window, [&, i, from, buttons] { send(QEvent::MouseMove, from + QPoint(i, i / 2), Qt::NoButton, buttons); });
+        }
+    };
+    const std::string last = "b" + std::to_string(elements - 1);
+
+    measure("open", [&] { window.files().open(path); });
+    measure("look around", [&] { view.frameAll(false); });
+    measure("hover", [&] { moves(view.rect().center(), Qt::NoButton); });
+    view.setTool(ToolKind::Pose);
+    measure("hover with the pose tool", [&] { moves(view.rect().center(), Qt::NoButton); });
+    const auto end = [&] {
+        const auto place = document.session().positionOf({document.document().boneNamed(last)->id, true});
+        return view.onScreen(*place).value_or(QPointF(view.rect().center())).toPoint();
+    };
+    QPoint at;
+    measure("press on a bone's end", [&] { at = end(); send(QEvent::MouseMove, at, Qt::NoButton, Qt::NoButton); send(QEvent::MouseButtonPress, at, Qt::LeftButton, Qt::LeftButton); });
+    measure("drag it", [&] { moves(at, Qt::LeftButton); });
+    measure("let go", [&] { send(QEvent::MouseButtonRelease, at + QPoint(39, 19), Qt::LeftButton, Qt::NoButton); });
+    measure("undo", [&] { window.actions()["undo"]->trigger(); });
+    measure("redo", [&] { window.actions()["redo"]->trigger(); });
+    view.setTool(ToolKind::Select);
+    measure("select all", [&] { window.actions()["select-all"]->trigger(); });
+    measure("select none", [&] { window.actions()["select-none"]->trigger(); });
+    measure("rename an element", [&] { execute({{"do", "rename"}, {"target", "e1"}, {"name", "other"}}); });
+    measure("stiffness of an element", [&] { execute({{"do", "set"}, {"target", "other"}, {"property", "stiffness"}, {"value", 2.0}}); });
+    measure("nu of an element", [&] { execute({{"do", "set"}, {"target", "other"}, {"property", "nu"}, {"value", 0.37}}); });
+    measure("undo that", [&] { window.actions()["undo"]->trigger(); });
+    measure("turn smooth joints on", [&] { execute({{"do", "enable"}, {"effect", "smooth-joints"}}); });
+    measure("remove an element", [&] { execute({{"do", "remove-element"}, {"name", "other"}}); });
+    measure("undo that", [&] { window.actions()["undo"]->trigger(); });
+    measure("save", [&] { window.files().save(); });
+    measure("keep a copy for recovery", [&] {
+        execute({{"do", "rename"}, {"target", "e2"}, {"name", "another"}});
+        window.files().autosave().saveSoon();
+    });
+    measure("new project", [&] { execute({{"do", "new"}}); });
+    return 0;
+}
