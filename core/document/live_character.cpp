@@ -49,6 +49,15 @@ Result<Character*> LiveCharacter::built() {
     return character_ ? &*character_ : nullptr;
 }
 
+std::shared_ptr<const BuiltCharacter> LiveCharacter::giveAway() {
+    const auto alive = built();
+    if (!alive || !*alive) return nullptr;
+    valid_ = false;
+    auto given = std::make_shared<const BuiltCharacter>(BuiltCharacter{std::move(*character_), embeddedModels_});
+    character_.reset();
+    return given;
+}
+
 bool LiveCharacter::usesLatestResponses() const {
     if (error_) return false;
     responses_.refresh();
@@ -69,6 +78,8 @@ Result<void> LiveCharacter::build() {
         return tl::unexpected(*error_);
     }
     plan_ = **planned;
+    const std::shared_ptr<const BuiltCharacter> lent = std::exchange(lent_, nullptr);
+    if (lent) embeddedModels_ = lent->models;
     addRenderMeshes(plan_, document(), embeddedModels_);
     responses_.refresh();
     if (document().elements.empty() && document().bones.empty()) {
@@ -76,7 +87,7 @@ Result<void> LiveCharacter::build() {
         return {};
     }
     for (std::size_t e = 0; e < plan_.elements.size(); ++e) plan_.input.elements[e].response = responses_.fittingOf(plan_.elements[e]);
-    auto made = Character::build(plan_.input, character_ ? &*character_ : nullptr);
+    auto made = Character::build(plan_.input, lent ? &lent->character : character_ ? &*character_ : nullptr);
     if (!made) {
         character_.reset();
         error_ = made.error();

@@ -20,6 +20,12 @@
 
 namespace imomushi {
 
+/// What a LiveCharacter built, for another one of a document that shares parts with its own. On any thread.
+struct BuiltCharacter {
+    Character character;
+    EmbeddedModels models;
+};
+
 /// The character of a document as it moves: everything that is derived from the document and never saved. Built when somebody asks, from the responses that are
 /// there; elements without a fresh one follow their bones rigidly, or with their last response while it still fits. Of the document it writes only what passes
 /// with time, see DocumentHistory.
@@ -27,6 +33,11 @@ class LiveCharacter {
 public:
     /// Both must outlive this.
     LiveCharacter(DocumentHistory& history, DocumentResponses& responses);
+
+    /// Null: there is none, or it cannot be built. It is not here any more then.
+    [[nodiscard]] std::shared_ptr<const BuiltCharacter> giveAway();
+    /// built() takes over what fits when it builds next.
+    void lend(std::shared_ptr<const BuiltCharacter> built) { lent_ = std::move(built); }
 
     [[nodiscard]] const Document& document() const { return history_.document(); }
 
@@ -169,6 +180,7 @@ private:
     DocumentResponses& responses_;
     std::vector<KnownPlan> knownPlans_;  // latest last
     EmbeddedModels embeddedModels_;      // of characters
+    std::shared_ptr<const BuiltCharacter> lent_;
 
     CharacterPlan plan_;
     std::optional<Character> character_;

@@ -12,7 +12,7 @@ namespace imomushi {
 bool PreparedStep::fits(const Document& document) const { return differInPoseAtMost(before, document); }
 
 Result<PreparedStep> prepareStep(const CommandRegistry& registry, Project project, const Json& command, const std::function<void(Session&)>& arrange, const Progress& progress) {
-    PreparedStep made{command, project.document, {}, {}, {}, {}};
+    PreparedStep made{command, project.document, {}, {}, {}, {}, nullptr};
     Session session(registry);
     if (arrange) arrange(session);
     SessionAccess(session).replace(std::move(project), {}, true, Json{{"do", "open"}});
@@ -25,7 +25,14 @@ Result<PreparedStep> prepareStep(const CommandRegistry& registry, Project projec
     made.lines = session.script();
     made.lines.erase(made.lines.begin());  // it says where the document came from
     assert(!made.lines.empty());
+    made.character = session.giveAwayCharacter();
     return made;
+}
+
+std::shared_ptr<const BuiltCharacter> buildCharacter(const CommandRegistry& registry, Project project) {
+    Session session(registry);
+    SessionAccess(session).replace(std::move(project), {}, true, Json{{"do", "open"}});
+    return session.giveAwayCharacter();
 }
 
 }  // namespace imomushi

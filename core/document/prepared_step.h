@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "core/base/progress.h"
@@ -13,6 +14,7 @@
 
 namespace imomushi {
 
+struct BuiltCharacter;
 class Session;
 
 /// A command that was executed on a copy of a document, for Session::execute() to take over: slow commands need not hold up whoever shows the document.
@@ -22,6 +24,7 @@ struct PreparedStep {
     DocumentHistory::Step step;
     std::vector<Json> lines;  ///< of the script, not empty
     Json answer;
+    std::shared_ptr<const BuiltCharacter> character;  ///< of `after`, null: it cannot be built
 
     /// What the command found is still so: the document differs from `before` in its pose at most, which passes with time.
     [[nodiscard]] bool fits(const Document& document) const;
@@ -30,5 +33,8 @@ struct PreparedStep {
 /// Executes a command that makes one step of the history, in a session of its own. Any thread may call it; meshes and responses of `project` are shared, nothing of it changes.
 /// `arrange`: sets what the session is to take instead of reading files and the like; may be empty. Responses that the command computes are dropped. Errors: the command's own.
 Result<PreparedStep> prepareStep(const CommandRegistry& registry, Project project, const Json& command, const std::function<void(Session&)>& arrange, const Progress& progress);
+
+/// The character of a project, built beside a session that opens it. Any thread may call it. Null: there is none, or it cannot be built.
+std::shared_ptr<const BuiltCharacter> buildCharacter(const CommandRegistry& registry, Project project);
 
 }  // namespace imomushi

@@ -124,6 +124,7 @@ Json Session::takeOver(const PreparedStep& made) {
     for (std::size_t i = 0; i + 1 < made.lines.size(); ++i) history_.note(made.lines[i]);
     history_.commit(made.step, before, made.lines.back());
     history_.endGesture(made.step);
+    live_->lend(made.character);
     Change change;
     change.document = difference(before, history_.document());
     change.pose = true;
@@ -178,6 +179,8 @@ Character* Session::character() {
 }
 
 Result<Character*> Session::builtCharacter() { return live_->built(); }
+std::shared_ptr<const BuiltCharacter> Session::giveAwayCharacter() { return live_->giveAway(); }
+void Session::lendCharacter(std::shared_ptr<const BuiltCharacter> built) { live_->lend(std::move(built)); }
 const CharacterPlan& Session::plan() const { return live_->plan(); }
 int Session::elementIndex(PartId element) const { return live_->built() ? live_->plan().elementIndex(element) : -1; }
 int Session::pointIndex(const EndpointRef& end) const { return live_->built() ? live_->plan().pointIndex(end) : -1; }

@@ -20,6 +20,7 @@
 
 namespace imomushi {
 
+struct BuiltCharacter;
 class LiveCharacter;
 struct CharacterPlan;
 struct PoseFinding;
@@ -79,6 +80,9 @@ public:
     Character* character();
     /// Null: there are no elements and no bones. Errors: those of LiveCharacter::built().
     Result<Character*> builtCharacter();
+    /// See LiveCharacter::giveAway() and lend(): a character that another session built beside this one.
+    [[nodiscard]] std::shared_ptr<const BuiltCharacter> giveAwayCharacter();
+    void lendCharacter(std::shared_ptr<const BuiltCharacter> built);
     /// Of the character that was built last.
     [[nodiscard]] const CharacterPlan& plan() const;
     [[nodiscard]] int elementIndex(PartId element) const;        ///< in character(), -1: none

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/document/document_change.h"
+#include "core/document/prepared_step.h"
 
 namespace imomushi {
 namespace {
@@ -61,11 +62,23 @@ bool areSame(const Project& a, const Project& b) {
 
 }  // namespace
 
-void FileJob::read(const std::filesystem::path& path, std::optional<std::int64_t> version) {
+void FileJob::read(const CommandRegistry& registry, const std::filesystem::path& path, std::optional<std::int64_t> version) {
     path_ = path;
     version_ = version;
-    auto box = std::make_shared<std::optional<Result<Project>>>();
-    launch([box, path, version](const Progress&) { *box = loadProject(path, version); }, [this, box] { read_ = std::move(*box); });
+    struct Read {
+        std::optional<Result<Project>> project;
+        std::shared_ptr<const BuiltCharacter> character;
+    };
+    auto box = std::make_shared<Read>();
+    launch(
+        [box, path, version, &registry](const Progress&) {
+            box->project = loadProject(path, version);
+            if (*box->project) box->character = buildCharacter(registry, **box->project);
+        },
+        [this, box] {
+            read_ = std::move(box->project);
+            character_ = std::move(box->character);
+        });
     wait();
 }
 

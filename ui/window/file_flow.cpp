@@ -101,7 +101,8 @@ FileFlow::~FileFlow() {
 Result<Json> FileFlow::read(const Json& open) {
     const auto path = open.at("path").get<std::string>();
     working_ = tr("Opening “%1”…").arg(QFileInfo(QString::fromStdString(path)).fileName());
-    file_.read(path, open.contains("version") ? std::optional(open["version"].get<std::int64_t>()) : std::nullopt);
+    file_.read(document_.session().registry(), path, open.contains("version") ? std::optional(open["version"].get<std::int64_t>()) : std::nullopt);
+    document_.session().lendCharacter(file_.takeCharacter());
     return document_.execute(open);
 }
 
