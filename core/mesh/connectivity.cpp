@@ -29,6 +29,7 @@ struct MeshConnectivity::Parts {
     Once<VertexCorners> corners;
     Once<Points> normals;
     Once<MeshFacts> facts;
+    Once<TriangleClusters> clusters;
 };
 
 MeshConnectivity::MeshConnectivity(const TriangleMesh& body) : body_(body), parts_(std::make_unique<Parts>()) {}
@@ -45,6 +46,10 @@ const Points& MeshConnectivity::normals() const {
 }
 const MeshFacts& MeshConnectivity::facts() const {
     return parts_->facts.get([this] { return meshFacts(body_); });
+}
+
+const TriangleClusters& MeshConnectivity::clusters() const {
+    return parts_->clusters.get([this] { return TriangleClusters(body_); });
 }
 
 const MeshConnectivity& ElementMesh::connectivity() const {

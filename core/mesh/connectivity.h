@@ -6,6 +6,7 @@
 #include "core/mesh/health.h"
 #include "core/mesh/mesh.h"
 #include "core/mesh/topology.h"
+#include "core/mesh/triangle_clusters.h"
 #include "core/mesh/vertex_corners.h"
 
 namespace imomushi {
@@ -21,6 +22,7 @@ public:
     [[nodiscard]] const VertexCorners& corners() const;
     [[nodiscard]] const Points& normals() const;   ///< vertexNormals()
     [[nodiscard]] const MeshFacts& facts() const;  ///< meshFacts()
+    [[nodiscard]] const TriangleClusters& clusters() const;
 
 private:
     struct Parts;

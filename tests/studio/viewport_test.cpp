@@ -55,6 +55,52 @@ TEST_CASE("viewport: a drag that loses the focus is taken back and leaves no ges
     CHECK(w.document().session().position() == before + 1);
 }
 
+TEST_CASE("viewport: however fast the mouse tells, a drag is a command a frame, of where it was last; a release brings its own place, and Esc leaves none") {
+    Posing w;
+    int commands = 0;
+    w.beginDrag();
+    const auto targets = [&] { return w.now().goals.at(w.end).target; };
+    const auto counted = QObject::connect(&w.document(), &StudioDocument::poseChanged, &w.view(), [&, last = targets()]() mutable {
+        if (targets() != last) ++commands, last = targets();
+    });
+    const QPoint from = w.view().rect().center();
+    const auto move = [&](QPoint at) {
+        QMouseEvent event(QEvent::MouseMove, at, w.view().mapToGlobal(at), Qt::NoButton, Qt::LeftButton, Qt::NoModifier);
+        QApplication::sendEvent(&w.view(), &event);
+    };
+    QTest::qWait(kFrameMs);
+    commands = 0;
+    for (int i = 0; i < 200; ++i) move(from + QPoint(i, 0));  // without a turn of the event loop
+    CHECK(commands <= 1);
+    w.settle();
+    CHECK(commands >= 1);
+    CHECK(commands <= 2);
+    const Vec3 reached = targets();
+    move(from + QPoint(199, 0));
+    w.settle();
+    CHECK((targets() - reached).norm() < 1e-12);  // it was the last one that counted
+    commands = 0;
+    for (int i = 0; i < 20; ++i) move(from + QPoint(199, i));
+    QTest::mouseRelease(&w.view(), Qt::LeftButton, {}, from + QPoint(0, 60));
+    const Vec3 released = targets();
+    w.settle();
+    CHECK((targets() - released).norm() == 0.0);
+    CHECK((released - reached).norm() > 0.01);
+    QObject::disconnect(counted);
+
+    const int before = w.document().session().position();
+    w.run({{"do", "release"}});
+    w.run({{"do", "rest"}});
+    w.settle();
+    w.beginDrag();
+    for (int i = 0; i < 20; ++i) move(from + QPoint(0, i));
+    QTest::keyClick(&w.view(), Qt::Key_Escape);
+    w.settle();
+    CHECK(!w.view().busy());
+    CHECK(!w.now().goals.contains(w.end));
+    CHECK(w.document().session().position() >= before);
+}
+
 TEST_CASE("viewport: Esc, the right button and undo in mid-drag take the drag back, and nothing else") {
     Posing w;
     const int before = w.document().session().position();

@@ -19,9 +19,9 @@ RecoveryDialog::RecoveryDialog(const QList<Autosave::Found>& found, QWidget* par
     auto* column = new QVBoxLayout(this);
     column->setContentsMargins(px(22), px(20), px(22), px(18));
     column->setSpacing(px(14));
-    auto* text = new QLabel(tr("Imomushi ended before this was saved. Take it up where it was?"), this);
-    text->setWordWrap(true);
-    column->addWidget(text);
+    auto* question = new QLabel(tr("Imomushi ended before this was saved. Take it up where it was?"), this);
+    question->setWordWrap(true);
+    column->addWidget(question);
 
     list_ = new QListWidget(this);
     list_->setAccessibleName(tr("Unsaved work"));

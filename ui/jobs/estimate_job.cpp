@@ -50,6 +50,7 @@ void EstimateJob::start() {
                 // An element without a joint face follows its bone rigidly: there is nothing to compute.
                 if (element->faces.empty() || responses.freshOf(id)) continue;
                 const ResponseEstimate e = responses.estimateOf(id);
+                made->elements.emplace(id, StudioDocument::Estimate{element, e});
                 ++made->precompute.elements;
                 made->precompute.seconds += e.seconds;
                 made->precompute.bytes = std::max(made->precompute.bytes, double(e.bytes));  // one after another
@@ -59,6 +60,7 @@ void EstimateJob::start() {
         [this, made] {
             if (again_) return ask();
             latest_ = *made;
+            document_.setEstimates(std::move(latest_->elements));
             Q_EMIT estimated();
         });
 }

@@ -4,6 +4,7 @@
 #include <QTimer>
 #include <array>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 
@@ -22,6 +23,7 @@ struct PrecomputeEstimate {
 struct Estimates {
     PrecomputeEstimate precompute;
     std::array<EffectCost, kEffects> effects;
+    std::map<PartId, StudioDocument::Estimate> elements;  ///< for StudioDocument
 };
 
 /// Estimates in the background what everything costs, after each change: solver meshes are made for it, which takes tenths of a second.

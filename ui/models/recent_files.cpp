@@ -5,8 +5,10 @@
 #include <QCryptographicHash>
 #include <QDir>
 #include <QFileInfo>
+#include <QPointer>
 #include <QSettings>
 #include <QStandardPaths>
+#include <QThreadPool>
 
 namespace imomushi {
 namespace {
@@ -52,11 +54,15 @@ QImage RecentFiles::thumbnail(const QString& path) const { return QImage(thumbna
 
 void RecentFiles::setThumbnail(const QString& path, const QImage& picture) {
     if (picture.isNull()) return;
-    // The middle of the view in the shape of the tiles of the start page.
-    const QSize tile(480, 300);
-    const QImage scaled = picture.scaled(tile, Qt::KeepAspectRatioByExpanding, Qt::SmoothTransformation);
-    scaled.copy((scaled.width() - tile.width()) / 2, (scaled.height() - tile.height()) / 2, tile.width(), tile.height()).save(thumbnailPath(path));
-    Q_EMIT changed();
+    QThreadPool::globalInstance()->start([picture, file = thumbnailPath(path), here = QPointer(this)] {
+        // The middle of the view in the shape of the tiles of the start page.
+        const QSize tile(480, 300);
+        const QImage scaled = picture.scaled(tile, Qt::KeepAspectRatioByExpanding, Qt::SmoothTransformation);
+        scaled.copy((scaled.width() - tile.width()) / 2, (scaled.height() - tile.height()) / 2, tile.width(), tile.height()).save(file);
+        QMetaObject::invokeMethod(QCoreApplication::instance(), [here] {
+            if (here) Q_EMIT here->changed();
+        });
+    });
 }
 
 QList<Sample> samples() {

@@ -99,6 +99,17 @@ unsigned StudioDocument::warnings() {
     return character ? character->stats().warnings : 0;
 }
 
+const ResponseEstimate* StudioDocument::estimateOf(PartId element) const {
+    const auto known = estimates_.find(element);
+    const auto now = document().elements.find(element);
+    return known != estimates_.end() && now != document().elements.end() && known->second.element == now->second ? &known->second.estimate : nullptr;
+}
+
+void StudioDocument::setEstimates(std::map<PartId, Estimate> estimates) {
+    estimates_ = std::move(estimates);
+    Q_EMIT estimated();
+}
+
 void StudioDocument::select(std::vector<SelectionItem> items) {
     std::erase_if(items, [this](const SelectionItem& item) { return !exists(item); });
     if (items == selection_) return;

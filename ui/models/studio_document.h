@@ -4,6 +4,7 @@
 #include <QObject>
 #include <QString>
 #include <array>
+#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -45,6 +46,14 @@ public:
     /// Bits of FrameWarning: what the last frame or pose had to say.
     [[nodiscard]] unsigned warnings();
 
+    /// What solving an element would take, as it was estimated beside the window (EstimateJob). None: not yet, since the element is as it is.
+    struct Estimate {
+        std::shared_ptr<const Element> element;
+        ResponseEstimate estimate;
+    };
+    [[nodiscard]] const ResponseEstimate* estimateOf(PartId element) const;
+    void setEstimates(std::map<PartId, Estimate> estimates);
+
     [[nodiscard]] const std::vector<SelectionItem>& selection() const { return selection_; }
     void select(std::vector<SelectionItem> items);
     [[nodiscard]] bool isSelected(const SelectionItem& item) const;
@@ -58,6 +67,7 @@ Q_SIGNALS:
     void responsesArriving();  ///< they are about to change what is seen
     /// A command runs next that may change what elements are made of, besides how they are posed. historyChanged() follows.
     void changing();
+    void estimated();          ///< estimateOf() says more
     void responsesChanged();   ///< a precompute finished or went out of date
     void historyChanged();     ///< undo, redo, steps
     void fileChanged();        ///< path or saved state
@@ -76,6 +86,7 @@ private:
     std::array<double, kEffects> effectMs_;  ///< negative: none
     double frameMs_ = -1.0;
     std::array<bool, kEffects> measured_ = {};  ///< the effects that frames were measured with
+    std::map<PartId, Estimate> estimates_;
     std::vector<SelectionItem> selection_;
     std::optional<SelectionItem> hovered_;
 };

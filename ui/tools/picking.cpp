@@ -10,6 +10,7 @@
 #include <set>
 
 #include "core/document/character_input.h"
+#include "core/mesh/connectivity.h"
 #include "core/mesh/triangle_tree.h"
 #include "ui/models/paths.h"
 #include "ui/scene/cut_frame.h"
@@ -127,9 +128,11 @@ std::unique_ptr<TriangleTree> skinOf(const Element& element) {
 void addSeenHits(Session& session, const Vec3& origin, const Vec3& direction, std::vector<RayHit>& hits) {
     const auto& elements = session.document().elements;
     std::map<PartId, std::unique_ptr<TriangleTree>> skins;
+    std::vector<std::int32_t> triangles;
     for (const SeenMesh& seen : seenMeshes(session)) {
         const TriangleMesh& mesh = seen.model().mesh.body;
-        for (std::int32_t t = 0; t < mesh.triangles.rows(); ++t) {
+        seen.model().mesh.connectivity().clusters().along(origin, direction, [&](std::int32_t v) { return seen.at(v); }, triangles);
+        for (const std::int32_t t : triangles) {
             const auto crossed = crossing(origin, direction, seen.at(mesh.triangles(t, 0)), seen.at(mesh.triangles(t, 1)), seen.at(mesh.triangles(t, 2)));
             if (!crossed) continue;
             const auto element = elements.find(seen.elementOf(t));
@@ -152,11 +155,13 @@ void addSeenHits(Session& session, const Vec3& origin, const Vec3& direction, st
 
 std::vector<RayHit> rayHits(Session& session, const Vec3& rayOrigin, const Vec3& rayDirection) {
     std::vector<RayHit> hits;
+    std::vector<std::int32_t> triangles;
     for (const auto& [id, element] : session.document().elements) {
         if (!element->visible || element->locked || element->piece) continue;
         const PosedBody body(session, id, *element);
         const TriangleMesh& mesh = element->mesh->body;
-        for (std::int32_t t = 0; t < mesh.triangles.rows(); ++t) {
+        element->mesh->connectivity().clusters().along(rayOrigin, rayDirection, [&](std::int32_t v) { return body.at(v); }, triangles);
+        for (const std::int32_t t : triangles) {
             const Vec3 a = body.at(mesh.triangles(t, 0)), b = body.at(mesh.triangles(t, 1)), c = body.at(mesh.triangles(t, 2));
             const auto crossed = crossing(rayOrigin, rayDirection, a, b, c);
             if (!crossed) continue;
@@ -275,8 +280,14 @@ bool isHeld(const Document& document, const PoseGrip& grip) {
     return goal != document.handleGoals.end() && goal->second.target.held;
 }
 
-std::optional<FaceRef> pickHandle(Session& session, const PointerEvent& e, double pixels) {
-    const auto hits = rayHits(session, e.rayOrigin, e.rayDirection);
+namespace {
+
+bool hasHandles(const Document& document) {
+    return std::any_of(document.elements.begin(), document.elements.end(), [](const auto& part) { return !part.second->handles.empty(); });
+}
+
+/// hits: of the ray of the pointer.
+std::optional<FaceRef> handleAmong(Session& session, const PointerEvent& e, double pixels, const std::vector<RayHit>& hits) {
     const auto& elements = session.document().elements;
     if (!hits.empty()) {
         const Element& element = *elements.at(hits.front().element);
@@ -298,6 +309,13 @@ std::optional<FaceRef> pickHandle(Session& session, const PointerEvent& e, doubl
         }
     }
     return best;
+}
+
+}  // namespace
+
+std::optional<FaceRef> pickHandle(Session& session, const PointerEvent& e, double pixels) {
+    if (!hasHandles(session.document())) return std::nullopt;
+    return handleAmong(session, e, pixels, rayHits(session, e.rayOrigin, e.rayDirection));
 }
 
 std::optional<PoseGrip> pickGrip(Session& session, const PointerEvent& e) {
@@ -358,8 +376,8 @@ std::optional<SelectionItem> pickItem(Session& session, const PointerEvent& e) {
         }
         if (best) return best;
     }
-    if (const auto handle = pickHandle(session, e)) return PoseGrip{{}, *handle}.item();
     const auto hits = rayHits(session, e.rayOrigin, e.rayDirection);
+    if (const auto handle = handleAmong(session, e, kEndpointPixels, hits)) return PoseGrip{{}, *handle}.item();
     if (hits.empty()) return std::nullopt;
     const RayHit& hit = hits.front();
     const Element& element = *session.document().elements.at(hit.element);

@@ -6,7 +6,6 @@
 namespace imomushi {
 namespace {
 
-constexpr int kFrameMs = 16;
 /// A frame that took longer than this (a stall, a sleep) moves the scene by no more than this: the most that bone dynamics take in one step.
 constexpr double kLongestStep = 0.25;
 /// The camera keeps to the clock also where drawing is slow, but a view never changes in less than two pictures.
@@ -54,6 +53,7 @@ void FrameClock::stepPose(double seconds) {
 }
 
 void FrameClock::tick() {
+    Q_EMIT aboutToStep();
     const double passed = double(sinceTick_.nsecsElapsed()) * 1e-9;
     sinceTick_.start();
     camera_.advance(std::min(kLongestTurn, passed));

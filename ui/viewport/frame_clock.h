@@ -16,6 +16,8 @@ namespace imomushi {
 class FrameClock : public QObject {
     Q_OBJECT
 public:
+    static constexpr int kFrameMs = 16;
+
     /// All must outlive it.
     FrameClock(StudioDocument& document, CameraController& camera, FrameMeter& meter);
     /// Also steps what this plays.
@@ -28,6 +30,7 @@ public:
     void poseChanged();
 
 Q_SIGNALS:
+    void aboutToStep();  ///< what the next frame is to follow must be known now
     void ticked();
 
 private:

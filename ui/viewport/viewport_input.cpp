@@ -8,6 +8,7 @@
 #include <QNativeGestureEvent>
 #include <QWheelEvent>
 #include <numbers>
+#include <utility>
 
 #include "ui/models/commands.h"
 #include "ui/models/paths.h"
@@ -51,6 +52,24 @@ void ViewportWidget::withTool(const Act& act) {
     updateHint();
 }
 
+void ViewportWidget::keepMove(const PointerEvent& e) {
+    if (move_ && (move_->modifiers != e.modifiers || move_->buttons != e.buttons)) giveMove();
+    move_ = e;
+    const qint64 passed = sinceMove_.isValid() ? sinceMove_.elapsed() : FrameClock::kFrameMs;
+    if (passed >= FrameClock::kFrameMs)
+        giveMove();
+    else if (!nextMove_.isActive())
+        nextMove_.start(int(FrameClock::kFrameMs - passed));
+}
+
+void ViewportWidget::giveMove() {
+    nextMove_.stop();
+    const auto e = std::exchange(move_, std::nullopt);
+    if (!e) return;
+    sinceMove_.start();
+    withTool([&](Tool& tool) { tool.move(*e); });
+}
+
 // While something is unfinished, its keys belong to the tool and not to the menu.
 bool ViewportWidget::belongsToTool(const QKeyEvent& key) const {
     const bool plain = !(key.modifiers() & (Qt::ControlModifier | Qt::AltModifier | Qt::MetaModifier));
@@ -92,6 +111,7 @@ bool ViewportWidget::event(QEvent* e) {
 // ---- pointer -----------------------------------------------------------------------------------------------------------
 
 void ViewportWidget::mousePressEvent(QMouseEvent* e) {
+    giveMove();
     const bool right = e->button() == Qt::RightButton;
     if (tool_->busy()) {
         if (right) {
@@ -121,17 +141,20 @@ void ViewportWidget::mouseMoveEvent(QMouseEvent* e) {
     }
     if (tool_->busy() && !(e->buttons() & Qt::LeftButton)) {
         // The release went elsewhere: what was reached so far stands.
+        giveMove();
         tool_->release(pointer(p, Qt::LeftButton, e->buttons(), e->modifiers()));
     }
     if (navigator_.hover(p, !tool_->busy())) redraw();
     if (navigator_.overBall()) {
+        move_.reset();
         document_.setHovered(std::nullopt);
         return;
     }
-    withTool([&](Tool& tool) { tool.move(pointer(p, Qt::NoButton, e->buttons(), e->modifiers())); });
+    keepMove(pointer(p, Qt::NoButton, e->buttons(), e->modifiers()));
 }
 
 void ViewportWidget::mouseReleaseEvent(QMouseEvent* e) {
+    giveMove();
     if (navigator_.active()) {
         if (const auto axis = navigator_.release(e->position(), e->button())) setViewAxis(*axis);
         return redraw();
@@ -140,11 +163,13 @@ void ViewportWidget::mouseReleaseEvent(QMouseEvent* e) {
 }
 
 void ViewportWidget::mouseDoubleClickEvent(QMouseEvent* e) {
+    giveMove();
     if (tool_->busy() || e->button() != Qt::LeftButton || navigator_.takes(e->position(), e->button(), e->modifiers())) return mousePressEvent(e);
     withTool([&](Tool& tool) { tool.doubleClick(pointer(e->position(), e->button(), e->buttons(), e->modifiers())); });
 }
 
 void ViewportWidget::wheelEvent(QWheelEvent* e) {
+    giveMove();
     const double notches = notchesOf(*e);
     e->accept();
     if (notches != 0.0 && tool_->wheel(notches, pointer(e->position(), Qt::NoButton, e->buttons(), e->modifiers())))
@@ -190,6 +215,7 @@ void ViewportWidget::contextMenuEvent(QContextMenuEvent* e) {
 
 void ViewportWidget::leaveEvent(QEvent* e) {
     if (!tool_->busy()) {
+        move_.reset();
         tool_->leave();
         document_.setHovered(std::nullopt);
         updateHint();
@@ -227,6 +253,7 @@ bool ViewportWidget::navigationKey(QKeyEvent* e) {
 }
 
 void ViewportWidget::keyPressEvent(QKeyEvent* e) {
+    giveMove();
     if ((e->key() == Qt::Key_Escape && tool_->pending()) || (tool_->busy() && e->matches(QKeySequence::Undo))) {
         cancel();
         return;
@@ -256,6 +283,7 @@ void ViewportWidget::keyPressEvent(QKeyEvent* e) {
 }
 
 void ViewportWidget::keyReleaseEvent(QKeyEvent* e) {
+    giveMove();
     if (!e->isAutoRepeat()) tool_->keyReleased(e->key());
     QWidget::keyReleaseEvent(e);
 }
@@ -274,6 +302,7 @@ void ViewportWidget::showEvent(QShowEvent* e) {
 
 void ViewportWidget::hideEvent(QHideEvent* e) {
     if (tool_->busy()) cancel();
+    move_.reset();
     clock_.stop();
     navigator_.cancel();
     QWidget::hideEvent(e);

@@ -34,6 +34,10 @@ ViewportWidget::ViewportWidget(StudioDocument& document, QWidget* parent)
     setObjectName(QStringLiteral("viewport"));
 
     connect(&clock_, &FrameClock::ticked, this, &ViewportWidget::redraw);
+    connect(&clock_, &FrameClock::aboutToStep, this, &ViewportWidget::giveMove);
+    nextMove_.setSingleShot(true);
+    nextMove_.setTimerType(Qt::PreciseTimer);
+    connect(&nextMove_, &QTimer::timeout, this, &ViewportWidget::giveMove);
     connect(&document_, &StudioDocument::structureChanged, this, &ViewportWidget::structureChanged);
     connect(&document_, &StudioDocument::poseChanged, this, &ViewportWidget::poseChanged);
     connect(&document_, &StudioDocument::responsesArriving, this, [this] {
@@ -138,6 +142,7 @@ void ViewportWidget::leaveTool() {
 }
 
 void ViewportWidget::useTool(ToolKind kind, std::unique_ptr<Tool> tool) {
+    move_.reset();
     tool_->cancel();
     bool kept = false;
     if (auto* proposal = dynamic_cast<ProposalTool*>(tool_.get()); proposal && !proposal->dropped()) {
@@ -165,6 +170,7 @@ void ViewportWidget::setToolOptions(ToolOptions options) {
 bool ViewportWidget::busy() const { return tool_->busy(); }
 
 void ViewportWidget::cancel() {
+    move_.reset();
     tool_->cancel();
     redraw();
     updateHint();

@@ -149,6 +149,9 @@ private:
     [[nodiscard]] PointerEvent pointer(QPointF position, Qt::MouseButton button, Qt::MouseButtons buttons, Qt::KeyboardModifiers modifiers) const;
     template <class Act>
     void withTool(const Act& act);
+    /// The tool hears of the pointer once a frame at most, however fast the mouse tells: of where it is now. What comes after a move is heard after it.
+    void keepMove(const PointerEvent& e);
+    void giveMove();
     [[nodiscard]] bool belongsToTool(const QKeyEvent& key) const;
     [[nodiscard]] bool navigationKey(QKeyEvent* e);
 
@@ -164,6 +167,9 @@ private:
     FrameClock clock_;
     DeformOn deformOn_ = DeformOn::Automatic;
     bool swallowMenu_ = false;
+    std::optional<PointerEvent> move_;  ///< that the tool has not heard of yet
+    QElapsedTimer sinceMove_;           ///< since it heard of one
+    QTimer nextMove_;
 
     bool bones_ = true, grid_ = true, bodies_ = false, xray_ = false;
     bool empty_ = true;           ///< there were no elements: the first that comes is framed

@@ -79,7 +79,10 @@ void ElementForm::addSolverMesh(const Items& items) {
     const auto tolerant = [this, items] {
         return std::any_of(items.begin(), items.end(), [&](const SelectionItem& item) {
             const Element* e = element(item);
-            return e && (e->solverMesh.tolerance != SolverMeshSetting::kUsualTolerance || document_.session().responseEstimate(item.part).hierarchical);
+            if (!e || e->solverMesh.tolerance != SolverMeshSetting::kUsualTolerance) return e != nullptr;
+            if (const auto response = document_.session().response(item.part)) return response->quality.solve.hierarchical;
+            const ResponseEstimate* estimate = document_.estimateOf(item.part);
+            return estimate && estimate->hierarchical;
         });
     };
     if (tolerant()) {
@@ -98,19 +101,8 @@ void ElementForm::addSolverMesh(const Items& items) {
                               });
                           });
     }
-    const auto parts = [this, items] {
-        std::vector<std::shared_ptr<const Element>> found;
-        for (const SelectionItem& item : items)
-            if (const auto part = now().elements.find(item.part); part != now().elements.end()) found.push_back(part->second);
-        return found;
-    };
-    // Looked at again only when an element is another one: a drag refreshes in every frame.
-    follow([this, parts, counted, tolerant, seen = parts(), hadCount = counted(), hadTolerance = tolerant(), differ = false]() mutable {
-        if (auto present = parts(); present != seen) {
-            seen = std::move(present);
-            differ = counted() != hadCount || tolerant() != hadTolerance;
-        }
-        if (differ) askForRows();  // again while a gesture keeps the rows from being made
+    follow([this, counted, tolerant, hadCount = counted(), hadTolerance = tolerant()] {
+        if (counted() != hadCount || tolerant() != hadTolerance) askForRows();  // again while a gesture keeps the rows from being made
     });
 }
 
@@ -209,8 +201,8 @@ void ElementForm::addEstimate(const SelectionItem& item) {
     });
     addFact(tr("Will take"), [this, item] {
         if (!hasFaces(item)) return QStringLiteral("–");
-        const ResponseEstimate estimate = document_.session().responseEstimate(item.part);
-        return tr("about %1, %2").arg(durationText(estimate.seconds), bytesText(double(estimate.bytes)));
+        const ResponseEstimate* estimate = document_.estimateOf(item.part);
+        return estimate ? tr("about %1, %2").arg(durationText(estimate->seconds), bytesText(double(estimate->bytes))) : QStringLiteral("…");
     });
     addShared(item);
     auto* button = new QPushButton(themedIcon(QStringLiteral("precompute"), Appearance::Role::OnAccent), tr("Precompute"), this);
