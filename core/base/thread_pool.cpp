@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <map>
-#include <system_error>
 #include <utility>
 
 namespace imomushi {
@@ -53,7 +53,7 @@ void ThreadPool::grow(int threads) {
     while (this->threads() < threads) {
         try {
             workers_.emplace_back([this] { serve(); });
-        } catch (const std::system_error&) {
+        } catch (const std::exception&) {
             return;  // the system gives no more: loops run with those that there are
         }
         workerCount_.fetch_add(1, std::memory_order_relaxed);

@@ -2,6 +2,7 @@
 #include "core/document/document_history.h"
 
 #include <algorithm>
+#include <new>
 #include <sstream>
 #include <utility>
 
@@ -38,6 +39,11 @@ std::vector<Json> withoutLeftovers(const std::vector<Json>& all) {
 
 std::string textOf(const Json& line) { return line.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n'; }
 
+template <class T>
+void makeRoomForOne(std::vector<T>& list) {
+    if (list.size() == list.capacity()) list.reserve(2 * list.size() + 1);
+}
+
 std::string countText(int count, const char* none, const char* verb) {
     return count == 0 ? std::string(none) : "There are only " + std::to_string(count) + " steps to " + verb + ".";
 }
@@ -48,24 +54,29 @@ DocumentHistory::DocumentHistory() { firstLines_ = textOf(Json{{"do", "new"}}); 
 
 void DocumentHistory::commit(Step step, const Document& before, const Json& line) {
     if (gesture_) {
-        gesture_->step = std::move(step);
         gesture_->lines += textOf(line);
+        gesture_->step = std::move(step);
     } else {
         push(std::move(step), before, textOf(line));
     }
 }
 
-void DocumentHistory::push(Step step, const Document& before, Lines lines) {
+void DocumentHistory::push(Step&& step, const Document& before, Lines&& lines) {
     DocumentChange change = difference(before, document_);
     // The pose goes on changing as frames pass; undo leads back to the one of before.
     if (!change.pose && (!change.goals.empty() || movesJointPoints(change, document_))) change.pose = before.pose;
+    makeRoomForOne(entries_);
+    makeRoomForOne(steps_);
     if (savedPosition_ > position_) savedPosition_ = -1;
-    entries_.resize(static_cast<std::size_t>(position_));
-    steps_.resize(static_cast<std::size_t>(position_));
+    entries_.erase(entries_.begin() + position_, entries_.end());
+    steps_.erase(steps_.begin() + position_, steps_.end());
     steps_.push_back(std::move(step));
     entries_.push_back({std::move(change), std::move(lines)});
     ++position_;
-    dropOldest();
+    try {
+        dropOldest();
+    } catch (const std::bad_alloc&) {  // then with the next step
+    }
 }
 
 void DocumentHistory::setDepth(int steps) {
@@ -77,7 +88,9 @@ void DocumentHistory::dropOldest() {
     // Steps that can be redone are newer, but nothing leads there without those before: undone ones stay until something else is done.
     const int gone = std::min(static_cast<int>(entries_.size()) - depth_, position_);
     if (gone <= 0) return;
-    for (int i = 0; i < gone; ++i) firstLines_ += entries_[static_cast<std::size_t>(i)].lines;
+    Lines lines;
+    for (int i = 0; i < gone; ++i) lines += entries_[static_cast<std::size_t>(i)].lines;
+    firstLines_ += lines;
     entries_.erase(entries_.begin(), entries_.begin() + gone);
     steps_.erase(steps_.begin(), steps_.begin() + gone);
     position_ -= gone;
@@ -93,29 +106,27 @@ void DocumentHistory::advanceGlides(double seconds) {
         if (turn.elapsed < turn.seconds) turn.elapsed = std::min(turn.seconds, turn.elapsed + seconds);
 }
 
-void DocumentHistory::exchangeEntry(int index) {
-    exchange(document_, entries_[static_cast<std::size_t>(index)].change);
+void DocumentHistory::exchangeEntries(int first, int last, bool redo) {
+    Document document = document_;
+    std::vector<DocumentChange> changes;
+    for (int i = first; i < last; ++i) changes.push_back(entries_[static_cast<std::size_t>(i)].change);
+    for (std::size_t i = 0; i < changes.size(); ++i) exchange(document, changes[redo ? i : changes.size() - 1 - i]);
+    document_ = std::move(document);
+    for (std::size_t i = 0; i < changes.size(); ++i) entries_[static_cast<std::size_t>(first) + i].change = std::move(changes[i]);
+    position_ = redo ? last : first;
 }
 
-Result<std::vector<DocumentHistory::Step>> DocumentHistory::undo(int count) {
+Result<void> DocumentHistory::undo(int count) {
     if (count > position_) return fail("nothing-to-undo", countText(position_, "There is nothing to undo.", "undo"));
-    std::vector<Step> done;
-    for (; count > 0; --count) {
-        exchangeEntry(--position_);
-        done.push_back(steps_[static_cast<std::size_t>(position_)]);
-    }
-    return done;
+    exchangeEntries(position_ - count, position_, false);
+    return {};
 }
 
-Result<std::vector<DocumentHistory::Step>> DocumentHistory::redo(int count) {
+Result<void> DocumentHistory::redo(int count) {
     const int left = static_cast<int>(entries_.size()) - position_;
     if (count > left) return fail("nothing-to-redo", countText(left, "There is nothing to redo.", "redo"));
-    std::vector<Step> done;
-    for (; count > 0; --count) {
-        done.push_back(steps_[static_cast<std::size_t>(position_)]);
-        exchangeEntry(position_++);
-    }
-    return done;
+    exchangeEntries(position_, position_ + count, true);
+    return {};
 }
 
 void DocumentHistory::beginGesture() {
@@ -128,20 +139,27 @@ bool DocumentHistory::endGesture(Step named) {
     flushFrames();
     Gesture gesture = std::move(*gesture_);
     gesture_.reset();
-    if (gesture.step.name.empty()) {
-        append(gesture.lines);
-        return false;
+    try {
+        if (gesture.step.name.empty()) {
+            append(gesture.lines);
+            return false;
+        }
+        push(std::move(named.name.empty() ? gesture.step : named), gesture.before, std::move(gesture.lines));
+    } catch (const std::bad_alloc&) {
+        gesture_ = std::move(gesture);
+        throw;
     }
-    push(named.name.empty() ? std::move(gesture.step) : std::move(named), gesture.before, std::move(gesture.lines));
     return true;
 }
 
 void DocumentHistory::cancelGesture() {
     if (!gesture_) return;
     DocumentChange change = difference(gesture_->before, document_);
+    Document document = document_;
+    exchange(document, change);
+    document_ = std::move(document);
     frames_.clear();
     gesture_.reset();
-    exchange(document_, change);
 }
 
 bool DocumentHistory::modified() const { return position_ != savedPosition_ || (gesture_ && !gesture_->step.name.empty()); }
@@ -152,11 +170,11 @@ void DocumentHistory::markSaved(std::filesystem::path path) {
 }
 
 void DocumentHistory::replace(Document document, std::filesystem::path path, bool saved, const Json& line) {
+    firstLines_ = textOf(line);
     document_ = std::move(document);
     path_ = std::move(path);
     entries_.clear();
     steps_.clear();
-    firstLines_ = textOf(line);
     position_ = 0;
     savedPosition_ = saved ? 0 : -1;
     gesture_.reset();
@@ -173,8 +191,8 @@ void DocumentHistory::flushFrames() {
     if (frames_.empty()) return;
     const bool even = std::all_of(frames_.begin(), frames_.end(), [&](double dt) { return dt == frames_[0]; });
     const Json line{{"do", "step"}, {"frames", frames_.size()}, {"dt", even ? Json(frames_[0]) : Json(frames_)}};
-    frames_.clear();
     note(line);
+    frames_.clear();
 }
 
 std::vector<Json> DocumentHistory::script() const {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/result.h"
@@ -24,27 +25,31 @@ public:
     DocumentHistory();
     [[nodiscard]] const Document& document() const { return document_; }
 
+    // Where memory runs out (std::bad_alloc), each of these leaves everything as it was.
+
     // ---- one change: edit(), then either commit() or rollBack() with the document as it was before
     Document& edit() { return document_; }
     /// Makes what changed since `before` one undo step, or a part of the gesture that goes on. `line`: the command, for the script.
     void commit(Step step, const Document& before, const Json& line);
-    void rollBack(const Document& before) { document_ = before; }
+    /// What it was until now.
+    Document rollBack(Document before) { return std::exchange(document_, std::move(before)); }
 
     // ---- what passes with time is no step
     Pose& pose() { return document_.pose; }
     /// s.
     void advanceGlides(double seconds);
 
-    // ---- undo and redo: `count` steps at once. They return the steps, in the order in which they went.
+    // ---- undo and redo: `count` steps at once
     /// Errors: "nothing-to-undo"; then nothing changes.
-    Result<std::vector<Step>> undo(int count);
+    Result<void> undo(int count);
     /// Errors: "nothing-to-redo"; then nothing changes.
-    Result<std::vector<Step>> redo(int count);
+    Result<void> redo(int count);
     [[nodiscard]] const std::vector<Step>& steps() const { return steps_; }  ///< all, oldest first
     [[nodiscard]] int position() const { return position_; }                 ///< how many of them are done; the rest can be redone
     static constexpr int kDepth = 1000;
     /// How many steps are kept from now on, at least 1: the oldest go first, and what only they held. The script keeps their lines.
     void setDepth(int steps);
+    [[nodiscard]] int depth() const { return depth_; }
 
     // ---- gestures: all commits between begin and end become one step, named after the last of them
     void beginGesture();
@@ -84,10 +89,11 @@ private:
         Lines lines;
         Step step;  ///< without a name: nothing was committed
     };
-    void push(Step step, const Document& before, Lines lines);
+    void push(Step&& step, const Document& before, Lines&& lines);
     void append(const Lines& lines);
     void dropOldest();
-    void exchangeEntry(int index);
+    /// Undoes entries [first, last) or redoes them.
+    void exchangeEntries(int first, int last, bool redo);
 
     Document document_;
     std::filesystem::path path_;

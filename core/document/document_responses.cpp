@@ -129,10 +129,11 @@ const SharedResponse* DocumentResponses::sharedOf(PartId element) const {
 }
 
 void DocumentResponses::findShared() const {
-    const Sharing was = std::exchange(sharing_, {});
-    sharing_.elements = document_.elements;
-    sharing_.basis = document_.settings.basis;
-    sharing_.effects = document_.effects;
+    const Sharing& was = sharing_;
+    Sharing now;
+    now.elements = document_.elements;
+    now.basis = document_.settings.basis;
+    now.effects = document_.effects;
     struct Candidate {
         PartId id;
         bool known;  // unchanged, and computed itself the last time too
@@ -142,14 +143,14 @@ void DocumentResponses::findShared() const {
         if (part->faces.empty()) continue;
         const auto oldKey = was.keys.find(id);
         const bool same = oldKey != was.keys.end() && oldKey->second == keyOf(id);
-        sharing_.keys.emplace(id, keyOf(id));
+        now.keys.emplace(id, keyOf(id));
         const auto last = same ? was.shared.find(id) : was.shared.end();
         auto& candidates = computed[partsOf(id)];
         bool found = false;
         for (const Candidate& first : candidates) {
             if (same && first.known) {
                 if (last != was.shared.end() && last->second.from == first.id) {
-                    sharing_.shared.insert(*last);
+                    now.shared.insert(*last);
                     found = true;
                     break;
                 }
@@ -158,12 +159,13 @@ void DocumentResponses::findShared() const {
             }
             auto congruence = findCongruence(inputOf(first.id), inputOf(id));
             if (!congruence) continue;
-            sharing_.shared[id] = {first.id, std::make_shared<const Congruence>(std::move(*congruence))};
+            now.shared[id] = {first.id, std::make_shared<const Congruence>(std::move(*congruence))};
             found = true;
             break;
         }
         if (!found) candidates.push_back({id, same && last == was.shared.end()});
     }
+    sharing_ = std::move(now);
 }
 
 // ---- what is there -----------------------------------------------------------------------------------------------------
@@ -320,11 +322,10 @@ void DocumentResponses::markSaved() {
     for (const auto& [id, response] : last_) unsaved_.erase(response.key);
 }
 
-void DocumentResponses::forget() {
-    last_.clear();
-    unsaved_.clear();
+DocumentResponses::Remembered DocumentResponses::replace(Remembered by) {
     asked_.clear();
     sharing_ = {};
+    return {std::exchange(last_, std::move(by.last)), std::exchange(unsaved_, std::move(by.unsaved))};
 }
 
 }  // namespace imomushi

@@ -97,8 +97,13 @@ public:
     /// A response of an element was computed since the project was saved: work that would be lost.
     [[nodiscard]] bool unsaved() const;
     void markSaved();
-    /// Another document took the place of this one.
-    void forget();
+    /// What is remembered of a document besides what can be asked again.
+    struct Remembered {
+        std::map<PartId, StoredResponse> last;
+        std::set<ContentKey> unsaved;
+    };
+    /// Another document took the place of this one, with responses that the store has. Those of the one before.
+    Remembered replace(Remembered by);
 
 private:
     /// What the document asks of the response of an element, besides the element itself.

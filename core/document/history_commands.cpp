@@ -12,11 +12,20 @@ Result<Json> move(SessionAccess& access, const Json& arguments, bool back) {
         if (auto ok = numberWithin(*given, "count", 1, 1e9); !ok) return tl::unexpected(ok.error());
         count = integer(*given);
     }
-    const auto steps = back ? access.undo(count) : access.redo(count);
-    if (!steps) return tl::unexpected(steps.error());
+    // The answer is made first: nothing may fail once the step is done.
+    const auto& steps = access.session.steps();
+    const int position = access.session.position();
     Json names = Json::array();
-    for (const auto& step : *steps) names.push_back(step.name);
-    return Json{{back ? "undone" : "redone", std::move(names)}, {"position", access.session.position()}};
+    for (int i = 0; i < count; ++i) {
+        const int step = back ? position - 1 - i : position + i;
+        if (step < 0 || step >= static_cast<int>(steps.size())) break;
+        names.push_back(steps[static_cast<std::size_t>(step)].name);
+    }
+    const char* done = back ? "undone" : "redone";
+    Json answer{{done, std::move(names)}, {"position", back ? position - count : position + count}}, ofGesture{{done, Json::array()}, {"position", position}};
+    const auto moved = back ? access.undo(count) : access.redo(count);
+    if (!moved) return tl::unexpected(moved.error());
+    return *moved ? std::move(answer) : std::move(ofGesture);
 }
 
 }  // namespace

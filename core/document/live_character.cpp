@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <new>
 
 #include "core/document/character_change.h"
 #include "core/document/morph_weights.h"
@@ -40,10 +41,15 @@ Result<Character*> LiveCharacter::built() {
     const auto revision = responses_.store().revision();  // before the look: others may insert meanwhile
     if (valid_ && responsesSeen_ != revision) valid_ = usesLatestResponses();
     responsesSeen_ = revision;
-    if (!valid_) {
-        if (auto ok = build(); !ok) return tl::unexpected(ok.error());
-    } else if (!performanceValid_ && !error_) {
-        if (auto ok = prepare(); !ok) return tl::unexpected(ok.error());
+    try {
+        if (!valid_) {
+            if (auto ok = build(); !ok) return tl::unexpected(ok.error());
+        } else if (!performanceValid_ && !error_) {
+            if (auto ok = prepare(); !ok) return tl::unexpected(ok.error());
+        }
+    } catch (const std::bad_alloc&) {
+        drop();
+        throw;
     }
     if (error_) return tl::unexpected(*error_);
     return character_ ? &*character_ : nullptr;
@@ -413,19 +419,38 @@ Result<void> LiveCharacter::follow(const Document& before) {
     return alive ? Result<void>() : tl::unexpected(alive.error());
 }
 
-void LiveCharacter::takeBack(const DocumentChange& change) {
-    const bool rebuild = changesCharacter(change, document()) || error_;
-    if (rebuild) valid_ = false;
-    if (change.effects) performanceValid_ = false;
-    if (change.posing()) poseSettled_ = false;
-    if ((rebuild || !change.empty()) && built() && !shownTake_) showPose();
+void LiveCharacter::takeBack(const Document& failed) {
+    try {
+        const DocumentChange change = difference(failed, document());
+        const bool rebuild = changesCharacter(change, document()) || error_;
+        if (rebuild) valid_ = false;
+        if (change.effects) performanceValid_ = false;
+        if (change.posing()) poseSettled_ = false;
+        if ((rebuild || !change.empty()) && built() && !shownTake_) showPose();
+    } catch (const std::bad_alloc&) {
+        drop();
+    }
 }
 
-void LiveCharacter::followExchange(const DocumentChange& change) {
+void LiveCharacter::followExchange(const Document& before) {
     positions_.clear();
-    if (change.structure() && changesCharacter(change, document())) valid_ = false;
-    if (change.effects) performanceValid_ = false;
-    if (built()) jumpToPose();
+    try {
+        const DocumentChange change = difference(before, document());
+        if (change.structure() && changesCharacter(change, document())) valid_ = false;
+        if (change.effects) performanceValid_ = false;
+        if (built()) jumpToPose();
+    } catch (const std::bad_alloc&) {
+        drop();
+    }
+}
+
+void LiveCharacter::drop() {
+    valid_ = poseSettled_ = false;
+    error_.reset();
+    character_.reset();
+    performance_.reset();
+    shownTake_.reset();
+    positions_.clear();
 }
 
 void LiveCharacter::replace() {

@@ -128,10 +128,12 @@ public:
     // ---- following the document: what the session calls when it has changed
     /// After a command: brings targets and pose along, see followSkeleton(). Errors: those of planCharacter(), settle() and built().
     Result<void> follow(const Document& before);
-    /// After a failed command; `change`: to what the document is again.
-    void takeBack(const DocumentChange& change);
+    /// After a failed command, with the document as it left it.
+    void takeBack(const Document& failed);
     /// After undo, redo and a gesture that was cancelled: jumps to the pose.
-    void followExchange(const DocumentChange& change);
+    void followExchange(const Document& before);
+    /// There was no memory to follow: whoever asks next has it built from nothing.
+    void drop();
     /// Another document took the place of this one.
     void replace();
     /// Ends what counts as at rest. `posed`: targets or poses may be others, which are solved again.

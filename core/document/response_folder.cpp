@@ -124,18 +124,22 @@ void ResponseFolder::work() {
         jobs_.pop_front();
         if (files_.contains(job.key)) continue;
         lock.unlock();
-        std::error_code error;
-        std::filesystem::create_directories(folder_, error);
-        const auto path = pathOf(job.key);
         std::uintmax_t bytes = 0;
         try {
+            std::error_code error;
+            std::filesystem::create_directories(folder_, error);
+            const auto path = pathOf(job.key);
             if (const auto content = contentOf(job.key, *job.response); content && writeFileAtomically(path, *content)) bytes = content->size();
         } catch (const std::bad_alloc&) {  // then without
         }
         job.response.reset();
         lock.lock();
         if (bytes == 0) continue;
-        files_[job.key] = {bytes, std::filesystem::file_time_type::clock::now()};
+        try {
+            files_[job.key] = {bytes, std::filesystem::file_time_type::clock::now()};
+        } catch (const std::bad_alloc&) {  // it is found at the next start
+            continue;
+        }
         bytes_ += bytes;
         evict();
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/document/response_store.h"
 
+#include <new>
 #include <utility>
 
 #include "core/document/response_folder.h"
@@ -61,12 +62,18 @@ std::size_t ResponseStore::bytes() const {
 }
 
 void ResponseStore::keep(const ContentKey& key, std::shared_ptr<const ElementResponse> response) {
-    const auto [found, isNew] = entries_.try_emplace(key);
+    const auto use = uses_.insert(uses_.end(), key);
+    const auto [found, isNew] = [&] {
+        try {
+            return entries_.try_emplace(key);
+        } catch (const std::bad_alloc&) {
+            uses_.erase(use);
+            throw;
+        }
+    }();
     Entry& entry = found->second;
-    if (isNew)
-        entry.use = uses_.insert(uses_.end(), key);
-    else
-        uses_.splice(uses_.end(), uses_, entry.use);
+    if (!isNew) uses_.erase(entry.use);
+    entry.use = use;
     bytes_ -= entry.bytes;
     entry.response = std::move(response);
     entry.bytes = entry.response->bytes();

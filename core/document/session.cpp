@@ -31,6 +31,8 @@ std::string subjectOf(const Json& arguments) {
     return {};
 }
 
+tl::unexpected<Error> noMemory(const std::string& what) { return fail("no-memory", "There is not enough memory for \"" + what + "\": close other programs or use a smaller mesh."); }
+
 Result<Body> makeBodyOf(const RenderModel& model, const BodySetting& setting, const Progress& progress) { return makeBody(model.mesh.body, model.part, setting, progress); }
 
 }  // namespace
@@ -51,6 +53,14 @@ Session::~Session() = default;
 // ---- the one door ------------------------------------------------------------------------------------------------------
 
 Result<Json> Session::execute(const Json& command, const Progress& progress) {
+    try {
+        return executeOrThrow(command, progress);
+    } catch (const std::bad_alloc&) {
+        return noMemory("a command");
+    }
+}
+
+Result<Json> Session::executeOrThrow(const Json& command, const Progress& progress) {
     if (!command.is_object()) return fail("bad-command", "A command is a JSON object with the key \"do\".");
     const Json* name = find(command, "do");
     if (!name || !name->is_string()) return fail("bad-command", "A command needs the key \"do\" with the name of what to do.");
@@ -73,21 +83,35 @@ Result<Json> Session::execute(const Json& command, const Progress& progress) {
         }
     } outer{*this};
     auto answer = perform(*what, command, before, progress);
+    Change change;
+    try {
+        if (answer || historyMoved_) change.document = difference(before, history_.document());
+        if (answer && what->changesDocument()) history_.commit({what->name, subjectOf(command)}, before, command);
+    } catch (const std::bad_alloc&) {
+        if (historyMoved_)
+            told_.replaced = true;  // what changed is not known
+        else
+            answer = noMemory(what->name);
+    }
     // What an action did to the history as a whole stands, even where it failed after that: half of it taken back would fit nothing.
     if (!answer && !historyMoved_) {
         takeBack(before);
         return answer;
     }
-    Change change = std::move(told_);
-    told_ = {};
-    change.document = difference(before, history_.document());
     const bool posed = change.document.posing();
-    change.pose = change.pose || posed || (what->changesDocument() && change.structure());
-    if (what->changesDocument()) history_.commit({what->name, subjectOf(command)}, before, command);
+    change.replaced = told_.replaced;
+    change.responses = told_.responses;
+    change.file = told_.file;
+    change.pose = told_.pose || posed || (what->changesDocument() && change.structure());
+    told_ = {};
     const bool stepped = what->changesDocument() || historyMoved_;
     if (stepped || change.structure() || change.responses) live_->stir(stepped);
-    if (what->changesDocument() && (posed || change.document.effects)) live_->leaveTake();
-    if (change.structure() || change.responses) responses_.refresh();
+    try {
+        if (what->changesDocument() && (posed || change.document.effects)) live_->leaveTake();
+        if (change.structure() || change.responses) responses_.refresh();
+    } catch (const std::bad_alloc&) {
+        live_->drop();
+    }
     if (listener_ && (stepped || change.structure() || change.pose || change.responses || change.file)) listener_(change);
     return answer;
 }
@@ -107,10 +131,12 @@ Result<Json> Session::perform(const Command& command, const Json& arguments, con
             SessionAccess access(*this);
             answer = command.run(access, arguments, progress);
         }
+        former_.reset();
         if (answer && !finite(*answer)) return fail("not-finite", "The answer is not finite: check the input of this command.");
         return answer;
     } catch (const std::bad_alloc&) {
-        return fail("no-memory", "There is not enough memory for \"" + command.name + "\": close other programs or use a smaller mesh.");
+        if (former_) putBack();
+        return noMemory(command.name);
     } catch (const std::exception& error) {
         return fail("internal", "\"" + command.name + "\" failed: " + error.what());
     }
@@ -129,18 +155,25 @@ Json Session::takeOver(const PreparedStep& made) {
     change.document = difference(before, history_.document());
     change.pose = true;
     live_->stir(true);
-    live_->followExchange(change.document);
+    live_->followExchange(before);
     responses_.refresh();
     if (listener_) listener_(change);
     return made.answer;
 }
 
 void Session::takeBack(const Document& before) {
-    const DocumentChange change = difference(history_.document(), before);
-    history_.rollBack(before);
-    responses_.dropGone();
-    live_->takeBack(change);
     told_ = {};
+    const Document failed = history_.rollBack(before);
+    responses_.dropGone();
+    live_->takeBack(failed);
+}
+
+void Session::putBack() {
+    history_ = std::move(former_->history);
+    responses_.replace(std::move(former_->responses));
+    former_.reset();
+    live_->replace();
+    historyMoved_ = false;
 }
 
 // ---- gestures ----------------------------------------------------------------------------------------------------------
@@ -158,7 +191,7 @@ void Session::dropGesture() {
     const Document before = history_.document();
     history_.cancelGesture();
     live_->stir(true);
-    live_->followExchange(difference(before, history_.document()));
+    live_->followExchange(before);
 }
 
 void Session::cancelGesture() {
@@ -235,27 +268,26 @@ Project Session::project() {
 
 SessionAccess::SessionAccess(Session& owner) : session(owner), live(*owner.live_), responses(owner.responses_) {}
 
-Result<std::vector<DocumentHistory::Step>> SessionAccess::undo(int count) {
+Result<bool> SessionAccess::undo(int count) {
     if (session.history_.inGesture()) {
-        session.historyMoved_ = true;
         session.dropGesture();
-        session.told_.pose = true;
-        return std::vector<DocumentHistory::Step>{};
+        session.historyMoved_ = session.told_.pose = true;
+        return false;
     }
     const Document before = session.document();
-    auto steps = session.history_.undo(count);
-    session.historyMoved_ = steps.has_value();
-    if (steps) live.followExchange(difference(before, session.document()));
-    return steps;
+    if (auto ok = session.history_.undo(count); !ok) return tl::unexpected(ok.error());
+    session.historyMoved_ = true;
+    live.followExchange(before);
+    return true;
 }
 
-Result<std::vector<DocumentHistory::Step>> SessionAccess::redo(int count) {
+Result<bool> SessionAccess::redo(int count) {
     session.endGesture();
     const Document before = session.document();
-    auto steps = session.history_.redo(count);
-    session.historyMoved_ = steps.has_value();
-    if (steps) live.followExchange(difference(before, session.document()));
-    return steps;
+    if (auto ok = session.history_.redo(count); !ok) return tl::unexpected(ok.error());
+    session.historyMoved_ = true;
+    live.followExchange(before);
+    return true;
 }
 
 std::shared_ptr<const Take> SessionAccess::addTake(Take take, const Json& line) {
@@ -279,10 +311,12 @@ void SessionAccess::endStep(DocumentHistory::Step step) {
 }
 
 void SessionAccess::replace(Project project, std::filesystem::path path, bool saved, const Json& line) {
-    session.history_.replace(std::move(project.document), std::move(path), saved, line);
+    for (const auto& [element, response] : project.responses) responses.store().insert(response.key, response.response);
+    DocumentHistory history;
+    history.replace(std::move(project.document), std::move(path), saved, line);
+    history.setDepth(session.history_.depth());
+    session.former_.emplace(std::exchange(session.history_, std::move(history)), responses.replace({std::move(project.responses), {}}));
     session.historyMoved_ = true;
-    responses.forget();
-    for (const auto& [element, response] : project.responses) responses.bring(element, response);
     live.replace();
     session.told_.replaced = session.told_.pose = session.told_.responses = session.told_.file = true;
 }

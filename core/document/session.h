@@ -38,7 +38,7 @@ public:
     Session& operator=(const Session&) = delete;
 
     /// Runs one command: {"do": name, key: value, ...}. Checks names, types and finiteness of every key first; on an error the document
-    /// is as it was. Errors: "unknown-command", "unknown-key", "missing-key", "bad-type", "not-finite", and the command's own.
+    /// is as it was. Errors: "unknown-command", "unknown-key", "missing-key", "bad-type", "not-finite", "no-memory", and the command's own.
     Result<Json> execute(const Json& command, const Progress& progress = {});
 
     [[nodiscard]] const Document& document() const { return history_.document(); }
@@ -141,10 +141,14 @@ public:
 
 private:
     friend class SessionAccess;
+    /// Throws std::bad_alloc only while nothing has changed.
+    Result<Json> executeOrThrow(const Json& command, const Progress& progress);
     /// Runs a command that was checked, and what follows from it.
     Result<Json> perform(const Command& command, const Json& arguments, const Document& before, const Progress& progress);
     Json takeOver(const PreparedStep& made);
     void takeBack(const Document& before);
+    /// The document that was replaced is back.
+    void putBack();
     /// Takes back the gesture that goes on.
     void dropGesture();
 
@@ -156,6 +160,12 @@ private:
     std::function<void(const Change&)> listener_;
     std::function<Result<ImportResult>(const ImportRequest&, const Progress&)> importer_;
     std::function<Result<CharacterFile>(const ImportRequest&, const Progress&)> characterImporter_;
+    /// What another document took the place of, until the command that did it has ended.
+    struct Former {
+        DocumentHistory history;
+        DocumentResponses::Remembered responses;
+    };
+    std::optional<Former> former_;
     Change told_;  // by the command that runs, besides the parts of the document
     bool historyMoved_ = false;  // by the action that runs: undo, redo, another document, a take
     std::function<Result<Body>(const RenderModel&, const BodySetting&, const Progress&)> bodyMaker_;

@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <memory>
-#include <vector>
 
 #include "core/document/live_character.h"
 #include "core/document/project_file.h"
@@ -28,10 +27,10 @@ public:
     // ---- history
     /// A line that belongs into the script without being a step.
     void note(const Json& line) { session.history_.note(line); }
-    /// Errors: "nothing-to-undo". In a gesture it takes back that, which is no step.
-    Result<std::vector<DocumentHistory::Step>> undo(int count);
+    /// False: in a gesture it takes back that, which is no step. Errors: "nothing-to-undo".
+    Result<bool> undo(int count);
     /// Ends a gesture. Errors: "nothing-to-redo".
-    Result<std::vector<DocumentHistory::Step>> redo(int count);
+    Result<bool> redo(int count);
     /// Makes a take that was recorded a part of the document, as one step of its own, in the middle of a gesture too. `line`: the command, for the script.
     std::shared_ptr<const Take> addTake(Take take, const Json& line);
     /// Other commands as one step, which is a gesture: begin, execute(), end. A gesture that goes on ends first.

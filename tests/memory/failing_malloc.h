@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+namespace imomushi {
+
+/// While this lives, the n-th request for memory of this program fails, whoever asks for it on whichever thread (operator new, Eigen, SQLite, C libraries), and all
+/// others succeed. Where a library cannot survive it, the one after fails.
+class FailingMalloc {
+public:
+    explicit FailingMalloc(long n);
+    ~FailingMalloc();
+    FailingMalloc(const FailingMalloc&) = delete;
+    FailingMalloc& operator=(const FailingMalloc&) = delete;
+
+    /// There was an n-th.
+    [[nodiscard]] static bool failed();
+    /// False: the program runs under a sanitizer, which has a malloc of its own.
+    [[nodiscard]] static bool works();
+};
+
+}  // namespace imomushi
