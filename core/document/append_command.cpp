@@ -8,6 +8,7 @@
 #include "core/document/command_support.h"
 #include "core/document/copied_parts.h"
 #include "core/document/document_edit.h"
+#include "core/document/names.h"
 #include "core/document/part_copies.h"
 #include "core/document/project_file.h"
 
@@ -42,12 +43,6 @@ void moveTake(Take& take, const Vec3& offset) {
     take.shapes = FrameNumbers(shapes);
     for (Take::Target& target : take.targets)
         if (target.held) target.to += offset;
-}
-
-std::string freeTakeName(const Document& document, const std::string& wish) {
-    std::string name = wish;
-    for (int n = 2; document.takeNamed(name); ++n) name = wish + " " + std::to_string(n);
-    return name;
 }
 
 /// Beside all that is there, along x, with a tenth of their width between.

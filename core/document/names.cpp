@@ -58,6 +58,12 @@ std::string numberedName(const Document& document, std::string_view name, int fi
         if (std::string candidate = std::string(name) + " " + std::to_string(n); checkNewName(document, candidate)) return candidate;
 }
 
+std::string freeTakeName(const Document& document, const std::string& wish) {
+    std::string name = wish;
+    for (int n = 2; document.takeNamed(name); ++n) name = wish + " " + std::to_string(n);
+    return name;
+}
+
 std::string listNames(const std::vector<std::string>& names) {
     if (names.empty()) return "there are none yet";
     constexpr std::size_t kMax = 12;

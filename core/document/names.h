@@ -21,6 +21,9 @@ std::string freeName(const Document& document, std::string_view wish);
 /// `name` with the first number that is free, from `first` on, instead of the one at its end: "arm" and "arm 2" give "arm 3".
 std::string numberedName(const Document& document, std::string_view name, int first = 2);
 
+/// `wish`, or that with the first number that makes it the name of no take.
+std::string freeTakeName(const Document& document, const std::string& wish);
+
 /// 'the names are "a", "b"', for messages; few of many.
 std::string listNames(const std::vector<std::string>& names);
 

@@ -38,10 +38,13 @@ Result<Json> record(SessionAccess& access, const Json& arguments, const Progress
     if (!recording) return fail("not-recording", "Nothing is being recorded: start first.");
     if (recording->take.name != name) return fail("not-recording", "\"" + recording->take.name + "\" is being recorded, not \"" + name + "\".");
     const bool whole = recording->going;
-    const auto take = access.addTake(access.live.stopRecording(), arguments);
+    Take made = access.live.stopRecording();
+    made.name = freeTakeName(access.document(), name);  // another take may have got it meanwhile
+    const auto take = access.addTake(std::move(made), arguments);
     Json answer = takeJson(*take);
     answer["whole"] = whole;
     answer["warnings"] = Json::array();
+    if (take->name != name) answer["warnings"].push_back("Another take got the name \"" + name + "\" meanwhile: this one is \"" + take->name + "\".");
     if (!whole) answer["warnings"].push_back("The recording ended early: the character changed while it was recorded, or the take was full.");
     return answer;
 }

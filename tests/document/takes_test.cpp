@@ -216,6 +216,19 @@ TEST_CASE("takes: recording, renaming and removing are single steps of the histo
     CHECK(play(w, 0.1)["exact"] == true);
 }
 
+TEST_CASE("takes: one whose name another take gets while it is recorded has a number, and the project is saved") {
+    Workbench w;
+    w.buildChain();
+    for (const char* action : {"start", "stop"}) w.good({{"do", "record"}, {"take", "first"}, {"action", action}});
+    w.good({{"do", "record"}, {"take", "second"}, {"action", "start"}});
+    w.good({{"do", "step"}, {"frames", 2}});
+    w.good({{"do", "rename-take"}, {"take", "first"}, {"name", "second"}});
+    const Json answer = w.good({{"do", "record"}, {"take", "second"}, {"action", "stop"}});
+    CHECK(answer["take"] == "second 2");
+    CHECK(answer["warnings"].size() == 1);
+    w.good({{"do", "save"}, {"path", (Workbench::folder() / "names.imomushi").string()}});
+}
+
 TEST_CASE("takes: trimming keeps what was seen between two times, from 0 on, and is a single step") {
     Workbench w;
     w.buildChain();
