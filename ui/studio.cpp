@@ -14,6 +14,7 @@
 #include "core/document/command.h"
 #include "core/document/response_store.h"
 #include "core/document/version.h"
+#include "ui/dialogs/preferences_dialog.h"
 #include "ui/widgets/appearance.h"
 #include "ui/window/file_flow.h"
 #include "ui/window/main_window.h"
@@ -57,7 +58,7 @@ int runStudio(int argc, char** argv) {
     addCoreCommands(registry);
     // What was computed once is there for other projects too.
     const QString cache = QStandardPaths::writableLocation(QStandardPaths::CacheLocation) + QStringLiteral("/responses");
-    MainWindow window(registry, std::make_shared<ResponseStore>(ResponseStore::Limits{}, std::filesystem::path(cache.toStdString())));
+    MainWindow window(registry, std::make_shared<ResponseStore>(PreferencesDialog::responseLimits(), std::filesystem::path(cache.toStdString())));
     window.show();
     QStringList files;
     for (const QString& argument : QCoreApplication::arguments().mid(1))

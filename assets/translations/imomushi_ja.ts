@@ -819,6 +819,10 @@
             <translation>やり直す操作はありません。</translation>
         </message>
         <message>
+            <source>This session has been too long for one script: save the project, and the script begins there.</source>
+            <translation>作業が長く、一つのスクリプトに収まりません。プロジェクトを保存すると、スクリプトはそこから始まります。</translation>
+        </message>
+        <message>
             <source>OpenGL 3.3 is not available on this machine.</source>
             <translation>この環境では OpenGL 3.3 を使えません。</translation>
         </message>
@@ -3591,6 +3595,14 @@
         <message>
             <source>None</source>
             <translation>残さない</translation>
+        </message>
+        <message>
+            <source>Memory for what was precomputed</source>
+            <translation>事前計算の結果に使うメモリ</translation>
+        </message>
+        <message>
+            <source>Disk for what was precomputed</source>
+            <translation>事前計算の結果に使うディスク</translation>
         </message>
         <message>
             <source>Up to %1 GB</source>

@@ -50,14 +50,14 @@ std::string countText(int count, const char* none, const char* verb) {
 
 }  // namespace
 
-DocumentHistory::DocumentHistory() { firstLines_ = textOf(Json{{"do", "new"}}); }
+DocumentHistory::DocumentHistory() { firstLines_ = kept(textOf(Json{{"do", "new"}})); }
 
 void DocumentHistory::commit(Step step, const Document& before, const Json& line) {
     if (gesture_) {
-        gesture_->lines += textOf(line);
+        gesture_->lines += kept(textOf(line));
         gesture_->step = std::move(step);
     } else {
-        push(std::move(step), before, textOf(line));
+        push(std::move(step), before, kept(textOf(line)));
     }
 }
 
@@ -68,6 +68,11 @@ void DocumentHistory::push(Step&& step, const Document& before, Lines&& lines) {
     makeRoomForOne(entries_);
     makeRoomForOne(steps_);
     if (savedPosition_ > position_) savedPosition_ = -1;
+    if (scriptFrom_ && *scriptFrom_ > position_) {  // it begins at what is no more
+        dropLines();
+        lines.clear();
+    }
+    for (std::size_t i = static_cast<std::size_t>(position_); i < entries_.size(); ++i) scriptBytes_ -= entries_[i].lines.size();
     entries_.erase(entries_.begin() + position_, entries_.end());
     steps_.erase(steps_.begin() + position_, steps_.end());
     steps_.push_back(std::move(step));
@@ -95,6 +100,7 @@ void DocumentHistory::dropOldest() {
     steps_.erase(steps_.begin(), steps_.begin() + gone);
     position_ -= gone;
     savedPosition_ = savedPosition_ >= gone ? savedPosition_ - gone : -1;
+    if (scriptFrom_) scriptFrom_ = std::max(0, *scriptFrom_ - gone);
 }
 
 void DocumentHistory::advanceGlides(double seconds) {
@@ -158,6 +164,7 @@ void DocumentHistory::cancelGesture() {
     Document document = document_;
     exchange(document, change);
     document_ = std::move(document);
+    scriptBytes_ -= gesture_->lines.size();
     frames_.clear();
     gesture_.reset();
 }
@@ -165,12 +172,19 @@ void DocumentHistory::cancelGesture() {
 bool DocumentHistory::modified() const { return position_ != savedPosition_ || (gesture_ && !gesture_->step.name.empty()); }
 
 void DocumentHistory::markSaved(std::filesystem::path path) {
+    if (!scriptFrom_) {
+        firstLines_ = textOf(Json{{"do", "open"}, {"path", path.string()}});
+        scriptBytes_ = firstLines_.size();
+        scriptFrom_ = position_;
+    }
     path_ = std::move(path);
     savedPosition_ = position_;
 }
 
 void DocumentHistory::replace(Document document, std::filesystem::path path, bool saved, const Json& line) {
     firstLines_ = textOf(line);
+    scriptBytes_ = firstLines_.size();
+    scriptFrom_ = 0;
     document_ = std::move(document);
     path_ = std::move(path);
     entries_.clear();
@@ -181,10 +195,38 @@ void DocumentHistory::replace(Document document, std::filesystem::path path, boo
     frames_.clear();
 }
 
-void DocumentHistory::note(const Json& line) { append(textOf(line)); }
+void DocumentHistory::note(const Json& line) { append(kept(textOf(line))); }
 
 void DocumentHistory::append(const Lines& lines) {
-    (gesture_ ? gesture_->lines : position_ > 0 ? entries_[static_cast<std::size_t>(position_ - 1)].lines : firstLines_) += lines;
+    if (!scriptFrom_) return;
+    if (!gesture_ && position_ < *scriptFrom_) return dropLines();
+    (gesture_ ? gesture_->lines : position_ > *scriptFrom_ ? entries_[static_cast<std::size_t>(position_ - 1)].lines : firstLines_) += lines;
+}
+
+DocumentHistory::Lines DocumentHistory::kept(Lines line) {
+    if (scriptFrom_ && scriptBytes_ + line.size() > mostScriptBytes_) dropLines();
+    if (!scriptFrom_) return {};
+    scriptBytes_ += line.size();
+    return line;
+}
+
+void DocumentHistory::setScriptBytes(std::size_t bytes) {
+    mostScriptBytes_ = bytes;
+    if (scriptBytes_ > bytes) dropLines();
+}
+
+void DocumentHistory::dropLines() {
+    scriptFrom_.reset();
+    scriptBytes_ = 0;
+    firstLines_ = {};
+    for (Entry& entry : entries_) entry.lines = {};
+    if (gesture_) gesture_->lines = {};
+}
+
+void DocumentHistory::noteFrame(double seconds) {
+    constexpr std::size_t kMost = 10'000;  // a few minutes
+    if (frames_.size() >= kMost) flushFrames();
+    frames_.push_back(seconds);
 }
 
 void DocumentHistory::flushFrames() {
@@ -202,7 +244,7 @@ std::vector<Json> DocumentHistory::script() const {
         for (std::string line; std::getline(text, line);) all.push_back(Json::parse(line));
     };
     add(firstLines_);
-    for (int i = 0; i < position_; ++i) add(entries_[static_cast<std::size_t>(i)].lines);
+    for (int i = scriptFrom_.value_or(0); i < position_; ++i) add(entries_[static_cast<std::size_t>(i)].lines);
     return withoutLeftovers(all);
 }
 

@@ -49,7 +49,7 @@ public:
     static constexpr int kDepth = 1000;
     /// How many steps are kept from now on, at least 1: the oldest go first, and what only they held. The script keeps their lines.
     void setDepth(int steps);
-    [[nodiscard]] int depth() const { return depth_; }
+    void setLimits(const DocumentHistory& asOf) { depth_ = asOf.depth_, mostScriptBytes_ = asOf.mostScriptBytes_; }
 
     // ---- gestures: all commits between begin and end become one step, named after the last of them
     void beginGesture();
@@ -71,10 +71,14 @@ public:
     /// A line that belongs into the script without being a step (precompute).
     void note(const Json& line);
     /// A frame of `seconds` was stepped: takes depend on frames. Frames become one line when flushFrames() is called.
-    void noteFrame(double seconds) { frames_.push_back(seconds); }
+    void noteFrame(double seconds);
     void flushFrames();
-    /// The commands that make this document again, oldest first. What was undone is left out, and frames that no take depends on.
+    /// The commands that make this document again, oldest first. What was undone is left out, and frames that no take depends on. Where there is one: see hasScript().
     [[nodiscard]] std::vector<Json> script() const;
+    /// False: its lines took more memory than they may, and went. It begins anew, from the project file, when that is saved.
+    [[nodiscard]] bool hasScript() const { return scriptFrom_ && position_ >= *scriptFrom_; }
+    static constexpr std::size_t kScriptBytes = std::size_t{128} << 20;  ///< hours of dragging
+    void setScriptBytes(std::size_t bytes);
 
 private:
     /// Lines of the script as text, each with its end: hours of dragging are some ten times smaller so than as values.
@@ -91,6 +95,9 @@ private:
     };
     void push(Step&& step, const Document& before, Lines&& lines);
     void append(const Lines& lines);
+    /// What is kept of a line that is about to be added.
+    [[nodiscard]] Lines kept(Lines line);
+    void dropLines();
     void dropOldest();
     /// Undoes entries [first, last) or redoes them.
     void exchangeEntries(int first, int last, bool redo);
@@ -105,6 +112,9 @@ private:
     int savedPosition_ = 0;          // -1: no number of undos or redos leads back to the saved state
     std::optional<Gesture> gesture_;
     std::vector<double> frames_;     // s each, not flushed yet
+    std::size_t scriptBytes_ = 0;    // of all lines; those that were undone count until other steps replace them
+    std::size_t mostScriptBytes_ = kScriptBytes;
+    std::optional<int> scriptFrom_ = 0;  // firstLines_ and the lines of entries from here on are the script; none: lines are missing
 };
 
 }  // namespace imomushi

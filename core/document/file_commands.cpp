@@ -150,6 +150,7 @@ Result<Json> listVersions(SessionAccess& access, const Json& arguments, const Pr
 Result<Json> saveScript(SessionAccess& access, const Json& arguments, const Progress&) {
     const auto path = pathFrom(arguments);
     if (!path) return tl::unexpected(path.error());
+    if (!access.session.hasScript()) return fail("script-too-long", "This session has been too long for one script: save the project, and the script begins there.");
     const std::vector<Json> script = access.session.script();
     std::string lines;
     for (const Json& line : script) lines += line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -173,6 +173,8 @@ private:
     /// Puts the fingers of the character where the document has them.
     void applyTouches();
     void measureEffects();
+    /// The bones of a take are those of the character, between the same joint points.
+    [[nodiscard]] bool sameSkeleton(const Take& take) const;
     /// A take of the character as it is, without frames.
     [[nodiscard]] Take emptyTake(const std::string& name) const;
     /// Adds what is shown now, `seconds` after the last frame, to the take that is being recorded.

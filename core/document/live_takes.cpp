@@ -18,6 +18,16 @@ bool sameTarget(const EndpointGoal& a, const EndpointGoal& b) { return a.pinned 
 
 bool LiveCharacter::fits(const Take& take) const { return character_ && take.elements == plan_.elements && take.layout == character_->shapeLayout(); }
 
+bool LiveCharacter::sameSkeleton(const Take& take) const {
+    const Skeleton& skeleton = plan_.input.skeleton;
+    if (take.bones.size() != plan_.bones.size() || take.points != static_cast<int>(skeleton.points.size())) return false;
+    for (std::size_t b = 0; b < take.bones.size(); ++b) {
+        const Take::Bone& was = take.bones[b];
+        if (was.bone != plan_.bones[b] || was.start != skeleton.bones[b].start || was.end != skeleton.bones[b].end) return false;
+    }
+    return true;
+}
+
 Take LiveCharacter::emptyTake(const std::string& name) const {
     Take take;
     take.name = name;
@@ -46,8 +56,7 @@ void LiveCharacter::recordFrame(double seconds) {
     if (!recording_ || !recording_->going || !character_) return;
     Recording& r = *recording_;
     Take& take = r.take;
-    const bool sameBones = std::equal(take.bones.begin(), take.bones.end(), plan_.bones.begin(), plan_.bones.end(), [](const Take::Bone& was, PartId is) { return was.bone == is; });
-    r.going = sameBones && fits(take) && take.times.size() * r.frameBytes < kMaxTakeBytes;
+    r.going = sameSkeleton(take) && fits(take) && take.times.size() * r.frameBytes < kMaxTakeBytes;
     if (!r.going) return;
     // Times of a take rise. Steps so short that the time stays the same add up until it does not.
     r.passed += seconds;

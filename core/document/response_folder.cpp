@@ -70,6 +70,12 @@ ResponseFolder::~ResponseFolder() {
     writer_.join();
 }
 
+void ResponseFolder::setLimit(std::uintmax_t limit) {
+    const std::lock_guard lock(mutex_);
+    limit_ = limit;
+    evict();
+}
+
 std::filesystem::path ResponseFolder::pathOf(const ContentKey& key) const { return folder_ / (key.hex() + kResponseSuffix); }
 
 std::shared_ptr<const ElementResponse> ResponseFolder::read(const ContentKey& key, const TriangleMesh& body, std::span<const JointFace> faces) {

@@ -25,6 +25,7 @@ public:
     ResponseFolder(std::filesystem::path folder, std::uintmax_t limit);
     /// Waits for what is being written.
     ~ResponseFolder();
+    void setLimit(std::uintmax_t limit);
     ResponseFolder(const ResponseFolder&) = delete;
     ResponseFolder& operator=(const ResponseFolder&) = delete;
 
@@ -50,8 +51,8 @@ private:
     void work();
 
     const std::filesystem::path folder_;
-    const std::uintmax_t limit_;
     std::mutex mutex_;
+    std::uintmax_t limit_;
     std::condition_variable wake_;
     std::map<ContentKey, File> files_;
     std::uintmax_t bytes_ = 0;

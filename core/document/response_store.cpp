@@ -14,6 +14,13 @@ ResponseStore::ResponseStore(Limits limits, const std::filesystem::path& folder)
 
 ResponseStore::~ResponseStore() = default;
 
+void ResponseStore::setLimits(const Limits& limits) {
+    const std::lock_guard lock(mutex_);
+    limits_ = limits;
+    evict();
+    if (folder_) folder_->setLimit(limits.disk);
+}
+
 std::shared_ptr<const ElementResponse> ResponseStore::inMemory(const ContentKey& key) {
     const auto found = entries_.find(key);
     if (found == entries_.end()) return nullptr;

@@ -32,6 +32,8 @@ public:
     /// `folder` is made when needed; see ResponseFolder.
     ResponseStore(Limits limits, const std::filesystem::path& folder);
     ~ResponseStore();
+    /// At once: what is over them goes, least recently used first.
+    void setLimits(const Limits& limits);
     ResponseStore(const ResponseStore&) = delete;
     ResponseStore& operator=(const ResponseStore&) = delete;
 
@@ -62,8 +64,8 @@ private:
     void keep(const ContentKey& key, std::shared_ptr<const ElementResponse> response);
     void evict();
 
-    const Limits limits_;
     mutable std::mutex mutex_;
+    Limits limits_;
     std::map<ContentKey, Entry> entries_;
     std::list<ContentKey> uses_;  // least recently used first
     std::size_t bytes_ = 0;

@@ -313,8 +313,8 @@ void SessionAccess::endStep(DocumentHistory::Step step) {
 void SessionAccess::replace(Project project, std::filesystem::path path, bool saved, const Json& line) {
     for (const auto& [element, response] : project.responses) responses.store().insert(response.key, response.response);
     DocumentHistory history;
+    history.setLimits(session.history_);
     history.replace(std::move(project.document), std::move(path), saved, line);
-    history.setDepth(session.history_.depth());
     session.former_.emplace(std::exchange(session.history_, std::move(history)), responses.replace({std::move(project.responses), {}}));
     session.historyMoved_ = true;
     live.replace();

@@ -61,8 +61,10 @@ public:
     /// Differs from what was last saved or opened, or has responses that were computed since.
     [[nodiscard]] bool modified() const { return history_.modified() || responses_.unsaved(); }
     [[nodiscard]] const std::filesystem::path& path() const { return history_.path(); }  ///< of the project file, empty: never saved
-    /// The commands that make the document again, as "save-script" writes them.
+    /// The commands that make the document again, as "save-script" writes them; see DocumentHistory::hasScript().
     [[nodiscard]] std::vector<Json> script() const { return history_.script(); }
+    [[nodiscard]] bool hasScript() const { return history_.hasScript(); }
+    void setScriptBytes(std::size_t bytes) { history_.setScriptBytes(bytes); }
 
     // ---- responses: see DocumentResponses
     DocumentResponses& responses() { return responses_; }

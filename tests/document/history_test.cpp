@@ -265,3 +265,37 @@ TEST_CASE("history: only the last steps are kept, and what only older ones held 
     w.session.setHistoryDepth(2);
     CHECK(w.session.position() == 2);
 }
+
+TEST_CASE("script: beyond its bytes there is none, and it begins anew where the project is saved") {
+    Workbench w;
+    w.buildChain();
+    const std::string path = (Workbench::folder() / "long.imomushi").string(), script = (Workbench::folder() / "long.jsonl").string();
+    const auto drag = [&](double x) { w.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {x, 0, 5}}}); };
+    w.session.setScriptBytes(4000);
+    CHECK(w.session.hasScript());
+    for (int i = 0; w.session.hasScript() && i < 100; ++i) drag(0.01 * i);
+    CHECK(!w.session.hasScript());
+    CHECK(w.code({{"do", "save-script"}, {"path", script}}) == "script-too-long");
+    drag(0.5);
+    w.good({{"do", "undo"}});  // the history is whole
+    w.good({{"do", "save"}, {"path", path}});
+    CHECK(w.session.hasScript());
+    drag(0.7);
+    w.good({{"do", "set"}, {"target", "A"}, {"property", "nu"}, {"value", 0.2}});
+    const std::string end = w.content();
+    w.good({{"do", "save-script"}, {"path", script}});
+    CHECK(w.session.script().size() == 3);
+    Workbench again;
+    for (const Json& line : w.session.script()) again.good(line);
+    CHECK(again.content() == end);
+    w.good({{"do", "undo"}, {"count", 3}});
+    CHECK(!w.session.hasScript());  // it does not know what was before
+    w.good({{"do", "redo"}, {"count", 3}});
+    CHECK(w.session.hasScript());
+    CHECK(w.session.script().size() == 3);
+    w.good({{"do", "undo"}, {"count", 3}});
+    drag(0.9);
+    CHECK(!w.session.hasScript());
+    w.good({{"do", "save"}, {"path", path}});
+    CHECK(w.session.script().size() == 1);
+}

@@ -348,12 +348,14 @@ TEST_CASE("takes: a recording ends where the character becomes another one") {
     w.good({{"do", "record"}, {"take", "t"}, {"action", "start"}});
     w.good({{"do", "step"}, {"frames", 5}});
     CHECK(w.session.recording()->frames == 6);
-    w.good({{"do", "add-bone"}, {"name", "c"}, {"from", "b/end"}, {"to", {0, 1, 7}}});
+    SUBCASE("by another bone") { w.good({{"do", "add-bone"}, {"name", "c"}, {"from", "b/end"}, {"to", {0, 1, 7}}}); }
+    SUBCASE("by a bone that leaves its neighbour") { w.good({{"do", "edit-bone"}, {"name", "b"}, {"from", {0, 0, 3.5}}}); }
     w.good({{"do", "step"}, {"frames", 5}});
     const Json answer = w.good({{"do", "record"}, {"take", "t"}, {"action", "stop"}});
     CHECK(answer["frames"] == 6);
     CHECK(answer["whole"] == false);
     CHECK(!w.session.recording());
+    w.good({{"do", "save"}, {"path", (Workbench::folder() / "ended.imomushi").string()}});
 }
 
 TEST_CASE("takes: bad input is refused with a reason") {

@@ -26,14 +26,29 @@ namespace imomushi {
 namespace {
 const QString kHistoryDepth = QStringLiteral("history/depth");
 const QString kVersionGigabytes = QStringLiteral("files/version-gigabytes");
+const QString kMemoryGigabytes = QStringLiteral("responses/memory-gigabytes");
+const QString kDiskGigabytes = QStringLiteral("responses/disk-gigabytes");
 constexpr int kGigabytes[] = {0, 1, 2, 4, 8, 16, 32};
+
+/// Bytes, as chosen; `usual` unless something was.
+std::uintmax_t gigabytes(const QString& key, std::uintmax_t usual) {
+    return static_cast<std::uintmax_t>(std::clamp(QSettings().value(key, int(usual >> 30)).toInt(), 0, 1'000'000)) << 30;
 }
+
+}  // namespace
 
 int PreferencesDialog::historyDepth() { return std::clamp(QSettings().value(kHistoryDepth, DocumentHistory::kDepth).toInt(), 1, 1'000'000); }
 
 VersionLimits PreferencesDialog::versionLimits() {
     VersionLimits limits;
-    limits.bytes = static_cast<std::uintmax_t>(std::clamp(QSettings().value(kVersionGigabytes, int(limits.bytes >> 30)).toInt(), 0, 1'000'000)) << 30;
+    limits.bytes = gigabytes(kVersionGigabytes, limits.bytes);
+    return limits;
+}
+
+ResponseStore::Limits PreferencesDialog::responseLimits() {
+    ResponseStore::Limits limits;
+    limits.memory = std::size_t(gigabytes(kMemoryGigabytes, limits.memory));
+    limits.disk = gigabytes(kDiskGigabytes, limits.disk);
     return limits;
 }
 
@@ -115,16 +130,21 @@ void PreferencesDialog::rebuild() {
         QSettings().setValue(kHistoryDepth, kDepths[i]);
         Q_EMIT historyDepthChanged(kDepths[i]);
     });
-    QStringList spaces;
-    int space = 0;
-    for (int i = 0; i < int(std::size(kGigabytes)); ++i) {
-        spaces << (kGigabytes[i] == 0 ? tr("None") : tr("Up to %1 GB").arg(kGigabytes[i]));
-        if (versionLimits().bytes >> 30 >= std::uintmax_t(kGigabytes[i])) space = i;
-    }
-    row(tr("Versions of a project"), spaces, space, [this](int i) {
-        QSettings().setValue(kVersionGigabytes, kGigabytes[i]);
-        Q_EMIT versionsChanged();
-    });
+    const auto space = [&](const QString& label, const QString& key, std::uintmax_t now, auto changed) {
+        QStringList spaces;
+        int current = 0;
+        for (int i = 0; i < int(std::size(kGigabytes)); ++i) {
+            spaces << (kGigabytes[i] == 0 ? tr("None") : tr("Up to %1 GB").arg(kGigabytes[i]));
+            if (now >> 30 >= std::uintmax_t(kGigabytes[i])) current = i;
+        }
+        row(label, spaces, current, [this, key, changed](int i) {
+            QSettings().setValue(key, kGigabytes[i]);
+            Q_EMIT (this->*changed)();
+        });
+    };
+    space(tr("Versions of a project"), kVersionGigabytes, versionLimits().bytes, &PreferencesDialog::versionsChanged);
+    space(tr("Memory for what was precomputed"), kMemoryGigabytes, responseLimits().memory, &PreferencesDialog::responsesChanged);
+    space(tr("Disk for what was precomputed"), kDiskGigabytes, responseLimits().disk, &PreferencesDialog::responsesChanged);
     tabs_->addTab(look, tr("General"));
 
     auto* keys = new QWidget;

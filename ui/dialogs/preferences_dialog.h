@@ -3,6 +3,7 @@
 
 #include <QDialog>
 
+#include "core/document/response_store.h"
 #include "core/document/version_limits.h"
 
 class QComboBox;
@@ -14,7 +15,7 @@ namespace imomushi {
 
 class ActionSet;
 
-/// Look, language, navigation, who deforms, how much can be undone and kept of what was saved, and shortcuts. Everything takes effect at once.
+/// Look, language, navigation, who deforms, how much can be undone and kept of what was saved and precomputed, and shortcuts. Everything takes effect at once.
 class PreferencesDialog : public QDialog {
     Q_OBJECT
 public:
@@ -23,12 +24,14 @@ public:
     /// As chosen: see DocumentHistory::setDepth().
     static int historyDepth();
     static VersionLimits versionLimits();
+    static ResponseStore::Limits responseLimits();
 
 signals:
     void navigationChanged(int preset);
     void deformOnChanged(int where);  ///< of ViewportWidget::DeformOn
     void historyDepthChanged(int steps);
     void versionsChanged();
+    void responsesChanged();
 
 protected:
     void changeEvent(QEvent* event) override;

@@ -64,6 +64,7 @@ const std::map<std::string, const char*> kErrors = {
     {"not-a-project", QT_TRANSLATE_NOOP("Errors", "This file is not an Imomushi project.")},
     {"nothing-to-undo", QT_TRANSLATE_NOOP("Errors", "There is nothing to undo.")},
     {"nothing-to-redo", QT_TRANSLATE_NOOP("Errors", "There is nothing to redo.")},
+    {"script-too-long", QT_TRANSLATE_NOOP("Errors", "This session has been too long for one script: save the project, and the script begins there.")},
     {"no-such-effect", QT_TRANSLATE_NOOP("Errors", "There is no effect of that name.")},
     {"not-enabled", QT_TRANSLATE_NOOP("Errors", "The effect is not turned on.")},
     {"not-automatic", QT_TRANSLATE_NOOP("Errors", "This effect cannot wait for poses that call for it.")},

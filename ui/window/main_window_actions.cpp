@@ -276,6 +276,7 @@ void MainWindow::openPreferences() {
     connect(&dialog, &PreferencesDialog::deformOnChanged, this, [this](int where) { viewport_->setDeformOn(ViewportWidget::DeformOn(where)); });
     connect(&dialog, &PreferencesDialog::historyDepthChanged, this, [this](int steps) { document_.session().setHistoryDepth(steps); });
     connect(&dialog, &PreferencesDialog::versionsChanged, this, [this] { document_.session().setVersionLimits(PreferencesDialog::versionLimits()); });
+    connect(&dialog, &PreferencesDialog::responsesChanged, this, [this] { document_.session().responses().store().setLimits(PreferencesDialog::responseLimits()); });
     dialog.exec();
 }
 

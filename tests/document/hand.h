@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <iterator>
+#include <random>
+#include <string>
+
+#include "core/document/session.h"
+
+namespace imomushi {
+
+/// Somebody who tries everything: commands with arguments by chance, most of which fit the document.
+class Hand {
+public:
+    Hand(const Session& session, unsigned seed) : session_(session), random_(seed) {}
+
+    std::size_t below(std::size_t n) { return n == 0 ? 0 : random_() % n; }
+    double number(double low, double high) { return low + (high - low) * static_cast<double>(random_()) / 4294967295.0; }
+
+    Json command() {
+        const Document& d = session_.document();
+        if (d.elements.size() < 2 || (d.elements.size() < 6 && below(12) == 0)) return import();
+        if (d.bones.size() < 2 && below(2)) return below(2) ? addFace() : Json{{"do", "add-bone"}, {"name", name()}, {"from", face()}, {"to", face()}};
+        if (d.takes.empty() && below(6) == 0) return {{"do", "record"}, {"take", "take"}, {"action", below(2) ? "start" : "stop"}};
+        switch (below(34)) {
+            case 0: return addFace();
+            case 1:
+            case 2: return {{"do", "join"}, {"a", face()}, {"b", face()}};
+            case 3: return {{"do", "unjoin"}, {"face", face()}};
+            case 4: return {{"do", below(3) ? "undo" : "remove-joint-face"}, {below(3) ? "count" : "face", below(2) ? Json(1) : Json(face())}};
+            case 5:
+            case 6: return {{"do", "add-bone"}, {"name", name()}, {"from", end()}, {"to", end()}};
+            case 7: return {{"do", "edit-bone"}, {"name", bone()}, {below(2) ? "from" : "to", end()}};
+            case 8: return {{"do", "remove-bone"}, {"name", bone()}};
+            case 9: return below(4) ? import() : Json{{"do", "remove-element"}, {"name", element()}};
+            case 10: return {{"do", "rename"}, {"target", below(2) ? element() : bone()}, {"name", name()}};
+            case 11: return {{"do", "set"}, {"target", element()}, {"property", one({"nu", "stiffness", "density", "damping"})}, {"value", number(-0.1, 1.0)}};
+            case 12: return {{"do", "set"}, {"target", bone()}, {"property", one({"min-stretch", "max-twist", "stiffness", "weight"})}, {"value", number(0.0, 2.0)}};
+            case 13: return {{"do", "set"}, {"target", "character"}, {"property", one({"basis", "threads"})}, {"value", below(2) ? Json(one({"paper", "affine", "modes:6"})) : Json(below(3))}};
+            case 14: return {{"do", below(3) ? "enable" : "disable"}, {"effect", effect()}};
+            case 15: return {{"do", "set"}, {"target", effect()}, {"property", one({"damping", "strength", "height", "sag", "amount"})}, {"value", number(-1.0, 3.0)}};
+            case 16:
+            case 17:
+            case 18: return {{"do", "drag"}, {"endpoint", end()}, {"to", place(8.0)}};
+            case 19: return {{"do", "drag"}, {"endpoint", end()}, {"to", place(2.0)}, {"roll", number(-3.0, 3.0)}, {"seconds", number(0.0, 0.2)}};
+            case 20: return {{"do", below(2) ? "pin" : "unpin"}, {"endpoint", end()}};
+            case 21: return below(2) ? Json{{"do", "release"}} : Json{{"do", "release"}, {"endpoint", end()}};
+            case 22: return {{"do", "rest"}};
+            case 23: return {{"do", "step"}, {"frames", 1 + below(4)}};
+            case 24: return {{"do", "touch"}, {"element", element()}, {"point", vertex()}, {"to", below(2) ? vertex() : Json()}};
+            case 25: return {{"do", "handle"}, {"element", element()}, {"point", vertex()}, {"radius", number(0.2, 0.6)}};
+            case 26: return {{"do", "remove-handle"}, {"handle", handle()}};
+            case 27: return {{"do", "record"}, {"take", below(2) ? "take" : name()}, {"action", below(2) ? "start" : "stop"}};
+            case 28: return {{"do", one({"remove-take", "play"})}, {"take", take()}};
+            case 29: return {{"do", one({"rename-take", "duplicate-take"})}, {"take", take()}, {"name", name()}};
+            case 30: return {{"do", "duplicate"}, {"names", {below(2) ? element() : bone()}}};
+            case 31: return {{"do", "mirror"}, {"from", {below(2) ? element() : bone()}}};
+            case 32: return {{"do", one({"undo", "redo"})}, {"count", 1 + below(4)}};
+            default: return below(4) ? Json{{"do", "redo"}} : Json{{"do", "precompute"}};
+        }
+    }
+
+private:
+    std::string one(std::initializer_list<const char*> list) { return *(list.begin() + static_cast<std::ptrdiff_t>(below(list.size()))); }
+    template <class Parts>
+    std::string nameIn(const Parts& parts, const char* none) {
+        if (parts.empty() || below(40) == 0) return none;
+        return std::next(parts.begin(), static_cast<std::ptrdiff_t>(below(parts.size())))->second->name;
+    }
+    std::string element() { return nameIn(session_.document().elements, "nobody"); }
+    std::string bone() { return nameIn(session_.document().bones, "no bone"); }
+    std::string take() { return nameIn(session_.document().takes, "no take"); }
+    std::string face() {
+        const auto& elements = session_.document().elements;
+        const auto& e = *std::next(elements.begin(), static_cast<std::ptrdiff_t>(below(elements.size())))->second;
+        return e.name + "/" + (e.faces.empty() ? "in" : e.faces[below(e.faces.size())].name);
+    }
+    std::string handle() {
+        for (const auto& [id, e] : session_.document().elements)
+            if (!e->handles.empty() && below(2)) return e->handles[below(e->handles.size())].face;
+        return "no handle";
+    }
+    std::string end() {
+        if (below(6) == 0) return face();
+        if (below(8) == 0) return handle();
+        return bone() + one({"/start", "/end"});
+    }
+    std::string effect() { return one({"bone-dynamics", "smooth-joints", "bend-warp", "joint-dynamics", "gravity", "inflate", "touch", "contact", "ground"}); }
+    /// Names that a person gives, and some that are taken or not allowed.
+    std::string name() { return one({"arm", "Arm", "足", "tail.L", "tail.R", "a/b", "", "bar0", "いもむし 1"}) + (below(2) ? std::to_string(below(50)) : ""); }
+    Json place(double reach) { return {number(-reach, reach), number(-reach, reach), number(-reach, reach + 6.0)}; }
+    /// The end of a bar, mostly.
+    Json addFace() {
+        const auto& elements = session_.document().elements;
+        const Element& e = *std::next(elements.begin(), static_cast<std::ptrdiff_t>(below(elements.size())))->second;
+        const bool far = below(2);
+        const auto z = e.mesh->body.vertices.col(2);
+        const double side = far ? z.maxCoeff() : z.minCoeff();
+        return {{"do", "add-joint-face"}, {"element", e.name}, {"name", far ? "out" : "in"}, {"plane", {{"origin", {0, 0, side}}, {"normal", {0, 0, far ? 1 : -1}}}}};
+    }
+    Json vertex() {
+        const auto& elements = session_.document().elements;
+        const Points& all = std::next(elements.begin(), static_cast<std::ptrdiff_t>(below(elements.size())))->second->mesh->body.vertices;
+        const auto v = static_cast<Eigen::Index>(below(static_cast<std::size_t>(all.rows())));
+        return {all(v, 0), all(v, 1), all(v, 2)};
+    }
+    Json import() {
+        const std::string place = std::to_string(below(5));
+        return {{"do", "import-element"}, {"path", one({"bar", "bar", "coarse"}) + place}, {"name", name()}};
+    }
+
+    const Session& session_;
+    std::mt19937 random_;
+};
+
+}  // namespace imomushi
