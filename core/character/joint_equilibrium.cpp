@@ -9,6 +9,7 @@
 
 #include "core/base/block_cholesky.h"
 #include "core/base/finite.h"
+#include "core/base/parallel.h"
 #include "core/joints/warping.h"
 
 namespace imomushi {
@@ -80,11 +81,10 @@ struct JointEquilibrium::State {
         }
         std::set<std::pair<int, int>> pairs;
         elements.resize(input.elements.size());
-        for (std::size_t e = 0; e < elements.size(); ++e) {
-            buildElement(static_cast<int>(e));
-            for (const auto& f : elements[e].faces)
-                for (const auto& g : elements[e].faces) pairs.emplace(f.joint, g.joint);
-        }
+        parallelFor(hardwareThreads(), elements.size(), 1, [this](std::size_t e, std::size_t) { buildElement(static_cast<int>(e)); });
+        for (const auto& element : elements)
+            for (const auto& f : element.faces)
+                for (const auto& g : element.faces) pairs.emplace(f.joint, g.joint);
         std::vector<int> sizes;
         for (const char f : free) sizes.push_back(f ? 3 + modes : 0);
         system = BlockCholesky<Eigen::Dynamic>(sizes, {pairs.begin(), pairs.end()});
@@ -173,10 +173,10 @@ struct JointEquilibrium::State {
         const int curved = basis.flat ? 0 : 1, warped = basis.warping.count(), own = 3 + curved + warped;
         const auto points = areaPoints(body, face);
         MatrixXd left(static_cast<Eigen::Index>(points.size()), own), right_(static_cast<Eigen::Index>(points.size()), scalars);
+        VectorXd mine(own);
         for (std::size_t i = 0; i < points.size(); ++i) {
             const auto row = static_cast<Eigen::Index>(i);
             const Vec3& p = points[i].local;
-            VectorXd mine(own);
             mine.head<3>() << 1.0, p.x() / face.size, p.y() / face.size;
             if (curved) mine[3] = p.z() / face.size;
             basis.warping.at(p.x(), p.y(), mine.data() + 3 + curved);

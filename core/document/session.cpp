@@ -118,6 +118,7 @@ Result<Json> Session::executeOrThrow(const Json& command, const Progress& progre
 
 Result<Json> Session::perform(const Command& command, const Json& arguments, const Document& before, const Progress& progress) {
     Result<Json> answer;
+    former_.reset();
     try {
         if (command.changesDocument()) {
             DocumentEdit edit(history_.edit(), *live_, responses_, importer_, characterImporter_, bodyMaker_);

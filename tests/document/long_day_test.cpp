@@ -67,8 +67,8 @@ TEST_CASE("a long day: what is held stops growing when the bounds of history, sc
             if (const auto recording = w.session.recording()) w.good({{"do", "record"}, {"take", recording->take}, {"action", "stop"}});
             const Document all = w.session.document();
             for (const auto& [id, take] : all.takes) w.good({{"do", "remove-take"}, {"take", take->name}});
-            for (const auto& [id, element] : all.elements) w.good({{"do", "remove-element"}, {"name", element->name}});
             for (const auto& [id, bone] : all.bones) w.good({{"do", "remove-bone"}, {"name", bone->name}});
+            for (const auto& [id, element] : all.elements) w.good({{"do", "remove-element"}, {"name", element->name}});
             for (const char* effect : {"bone-dynamics", "smooth-joints", "bend-warp", "joint-dynamics", "gravity", "inflate", "touch", "contact", "ground"}) w.code({{"do", "disable"}, {"effect", effect}});
             cuts += w.session.hasScript() ? 0 : 1;
             CHECK(w.session.responses().store().bytes() <= 2 * limits.memory);

@@ -2,6 +2,7 @@
 #include "ui/tools/picking.h"
 
 #include <Eigen/Geometry>
+#include <QThreadPool>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -152,6 +153,17 @@ void addSeenHits(Session& session, const Vec3& origin, const Vec3& direction, st
 }
 
 }  // namespace
+
+void preparePicking(const Document& document) {
+    std::vector<std::shared_ptr<const ElementMesh>> bodies;
+    std::vector<std::shared_ptr<const RenderModel>> models;
+    for (const auto& [id, element] : document.elements) bodies.push_back(element->mesh);
+    for (const auto& [id, character] : document.characters) models.push_back(character->model);
+    QThreadPool::globalInstance()->start([bodies = std::move(bodies), models = std::move(models)] {
+        for (const auto& body : bodies) (void)body->connectivity().clusters();
+        for (const auto& model : models) (void)model->mesh.connectivity().clusters();
+    });
+}
 
 std::vector<RayHit> rayHits(Session& session, const Vec3& rayOrigin, const Vec3& rayDirection) {
     std::vector<RayHit> hits;

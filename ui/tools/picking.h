@@ -31,6 +31,9 @@ struct RayHit {
     std::int32_t seen = -1;      ///< triangle of that render mesh
 };
 
+/// Makes in the background what rays ask of meshes, so that the first ray waits for none of it.
+void preparePicking(const Document& document);
+
 /// All crossings with what is seen of visible, unlocked elements, nearest first. rayDirection must be a unit vector.
 std::vector<RayHit> rayHits(Session& session, const Vec3& rayOrigin, const Vec3& rayDirection);
 

@@ -293,6 +293,7 @@ void ViewportWidget::structureChanged() {
     const bool empty = document_.document().elements.empty();
     if (empty_ && !empty) frameAll(false);
     empty_ = empty;
+    preparePicking(document_.document());
     if (!document_.document().elements.contains(highlightedElement_)) setHighlightedTriangles(0, {});
     if (marked_ && !document_.document().characters.contains(marked_->character)) setMarked(std::nullopt);
     poseChanged();
