@@ -23,12 +23,12 @@ void shift(double* at, const Eigen::Matrix3d& linear, const Vec3& offset) {
 }
 
 void moveTake(Take& take, const Vec3& offset) {
-    std::vector<std::vector<double>> poses, shapes;
+    FrameNumbers poses, shapes;
+    std::vector<double> pose(take.poses.width()), shape(take.shapes.width());
     for (std::size_t f = 0; f < take.times.size(); ++f) {
-        auto& pose = poses.emplace_back(take.poses.width());
         take.poses.at(f, pose.data());
         for (int p = 0; p < take.points; ++p) Eigen::Map<Vec3>(pose.data() + 3 * p) += offset;
-        auto& shape = shapes.emplace_back(take.shapes.width());
+        poses.add(pose);
         take.shapes.at(f, shape.data());
         for (std::size_t e = 0; e < take.layout.elements.size(); ++e) {
             double* at = shape.data() + take.layout.element(e);
@@ -38,9 +38,12 @@ void moveTake(Take& take, const Vec3& offset) {
             double* at = shape.data() + take.layout.joint(j) + 4;
             shift(at + 9, Eigen::Map<const Eigen::Matrix3d>(at), offset);
         }
+        shapes.add(shape);
     }
-    take.poses = FrameNumbers(poses);
-    take.shapes = FrameNumbers(shapes);
+    poses.finish();
+    shapes.finish();
+    take.poses = std::move(poses);
+    take.shapes = std::move(shapes);
     for (Take::Target& target : take.targets)
         if (target.held) target.to += offset;
 }

@@ -99,9 +99,7 @@ public:
     // ---- takes
     /// A take that is being recorded.
     struct Recording {
-        Take take;                                   ///< without poses and shapes
-        std::size_t frameBytes = 0;
-        std::vector<std::vector<double>> poses, shapes;
+        Take take;
         std::map<EndpointRef, EndpointGoal> goals;   ///< as of the last frame
         double passed = 0.0;                         ///< s, since the last frame
         bool going = true;                           ///< false: it ended, as the character is another one or the take is full

@@ -45,7 +45,6 @@ Result<void> LiveCharacter::startRecording(const std::string& name) {
     if (shownTake_) showPose();
     Recording made;
     made.take = emptyTake(name);
-    made.frameBytes = (poseNumbers(restPose(plan_.input.skeleton)).size() + static_cast<std::size_t>(made.take.layout.size())) * sizeof(double);
     recording_ = std::move(made);
     character_->keepExact(true);
     recordFrame(0.0);
@@ -56,7 +55,7 @@ void LiveCharacter::recordFrame(double seconds) {
     if (!recording_ || !recording_->going || !character_) return;
     Recording& r = *recording_;
     Take& take = r.take;
-    r.going = sameSkeleton(take) && fits(take) && take.times.size() * r.frameBytes < kMaxTakeBytes;
+    r.going = sameSkeleton(take) && fits(take) && take.bytes() < kMaxTakeBytes;
     if (!r.going) return;
     // Times of a take rise. Steps so short that the time stays the same add up until it does not.
     r.passed += seconds;
@@ -64,8 +63,10 @@ void LiveCharacter::recordFrame(double seconds) {
     if (!take.times.empty() && !(now > take.times.back())) return;
     r.passed = 0.0;
     take.times.push_back(now);
-    r.poses.push_back(poseNumbers(performance_ ? performance_->pose() : posed()));
-    character_->shape(r.shapes.emplace_back(static_cast<std::size_t>(take.layout.size())).data());
+    take.poses.add(poseNumbers(performance_ ? performance_->pose() : posed()));
+    std::vector<double> shape(static_cast<std::size_t>(take.layout.size()));
+    character_->shape(shape.data());
+    take.shapes.add(shape);
     const auto& targets = document().goals;
     for (const auto& [end, held] : targets) {
         const auto known = r.goals.find(end);
@@ -80,8 +81,8 @@ Take LiveCharacter::stopRecording() {
     Recording recorded = std::move(*recording_);
     recording_.reset();
     if (character_) character_->keepExact(false);
-    recorded.take.poses = FrameNumbers(recorded.poses);
-    recorded.take.shapes = FrameNumbers(recorded.shapes);
+    recorded.take.poses.finish();
+    recorded.take.shapes.finish();
     return std::move(recorded.take);
 }
 
@@ -91,12 +92,10 @@ Result<Take> LiveCharacter::playThrough(const std::string& name, const std::vect
     if (!*alive) return fail("no-element", "There is nothing to record: import an element or add a bone first.");
     Take take = emptyTake(name);
     take.times = times;
-    const std::size_t frameBytes = (poseNumbers(restPose(plan_.input.skeleton)).size() + static_cast<std::size_t>(take.layout.size())) * sizeof(double);
-    if (times.size() * frameBytes > kMaxTakeBytes) return fail("too-long", "The take would not fit into memory: choose fewer frames per second.");
-    std::vector<std::vector<double>> poses, shapes;
+    std::vector<double> shape(static_cast<std::size_t>(take.layout.size()));
     character_->keepExact(true);
-    bool cancelled = false, tooFar = false;
-    for (std::size_t f = 0; f < times.size() && !cancelled; ++f) {
+    bool cancelled = false, tooFar = false, tooLong = false;
+    for (std::size_t f = 0; f < times.size() && !cancelled && !tooLong; ++f) {
         const PlayedFrame frame = frameAt(times[f]);
         tooFar = std::any_of(frame.pose.points.begin(), frame.pose.points.end(), [](const Vec3& p) { return !(p.cwiseAbs().maxCoeff() <= kMaxCoordinate); });
         if (tooFar) break;
@@ -109,8 +108,10 @@ Result<Take> LiveCharacter::playThrough(const std::string& name, const std::vect
         } else {
             character_->update(frame.pose, times[f] - times[f - 1]);
         }
-        poses.push_back(poseNumbers(frame.pose));
-        character_->shape(shapes.emplace_back(static_cast<std::size_t>(take.layout.size())).data());
+        take.poses.add(poseNumbers(frame.pose));
+        character_->shape(shape.data());
+        take.shapes.add(shape);
+        tooLong = take.bytes() > kMaxTakeBytes;
         progress.report("record", static_cast<double>(f + 1) / static_cast<double>(times.size()));
         cancelled = progress.cancelled();
     }
@@ -118,8 +119,9 @@ Result<Take> LiveCharacter::playThrough(const std::string& name, const std::vect
     jumpToPose();
     if (cancelled) return fail(kCancelled, "Recording the take was cancelled.");
     if (tooFar) return fail("bad-value", "The clip takes bones farther away than 1e9 m: its file is broken.");
-    take.poses = FrameNumbers(poses);
-    take.shapes = FrameNumbers(shapes);
+    if (tooLong) return fail("too-long", "The take would not fit into memory: choose fewer frames per second.");
+    take.poses.finish();
+    take.shapes.finish();
     return take;
 }
 

@@ -3,31 +3,112 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <iterator>
 #include <map>
+#include <span>
 #include <utility>
 
 namespace imomushi {
 
-FrameNumbers::FrameNumbers(const std::vector<std::vector<double>>& rows) {
-    if (rows.empty()) return;
-    first_ = rows.front();
-    for (std::size_t i = 0; i < first_.size(); ++i)
-        if (std::any_of(rows.begin(), rows.end(), [&](const auto& row) { return row[i] != first_[i]; })) varying_.push_back(static_cast<std::int32_t>(i));
-    values_.reserve(rows.size() * varying_.size());
-    for (const auto& row : rows)
-        for (const std::int32_t i : varying_) values_.push_back(row[static_cast<std::size_t>(i)]);
+namespace {
+
+/// Where rows, one after the other, differ from `first`, ascending.
+std::vector<std::int32_t> varyingOf(std::span<const double> rows, std::span<const double> first) {
+    std::vector<char> varies(first.size(), 0);
+    for (std::size_t at = 0; at < rows.size(); at += first.size())
+        for (std::size_t i = 0; i < first.size(); ++i) varies[i] |= static_cast<char>(rows[at + i] != first[i]);
+    std::vector<std::int32_t> out;
+    for (std::size_t i = 0; i < first.size(); ++i)
+        if (varies[i]) out.push_back(static_cast<std::int32_t>(i));
+    return out;
+}
+
+void addAll(std::vector<std::int32_t>& places, const std::vector<std::int32_t>& more) {
+    std::vector<std::int32_t> both;
+    std::set_union(places.begin(), places.end(), more.begin(), more.end(), std::back_inserter(both));
+    places = std::move(both);
+}
+
+}  // namespace
+
+FrameNumbers::FrameNumbers(const std::vector<double>& first, const std::vector<std::int32_t>& varying, const std::vector<double>& values) : first_(first) {
+    std::vector<double> row = first;
+    for (std::size_t at = 0; at < values.size();) {
+        for (const std::int32_t i : varying) row[static_cast<std::size_t>(i)] = values[at++];
+        add(row);
+    }
+    finish();
+}
+
+void FrameNumbers::add(const std::vector<double>& row) {
+    if (frames_ == 0) first_ = row;
+    if (frames_ > 0 && frames_ % kRows == 0) finish();
+    open_.insert(open_.end(), row.begin(), row.end());
+    ++frames_;
+}
+
+void FrameNumbers::finish() {
+    if (open_.empty()) return;
+    const std::span<const double> start(open_.data(), width());
+    auto block = std::make_shared<Block>();
+    block->moved = varyingOf(start, first_);
+    for (const std::int32_t i : block->moved) block->to.push_back(start[static_cast<std::size_t>(i)]);
+    block->varying = varyingOf(open_, start);
+    block->values.reserve(open_.size() / width() * block->varying.size());
+    for (std::size_t at = 0; at < open_.size(); at += width())
+        for (const std::int32_t i : block->varying) block->values.push_back(open_[at + static_cast<std::size_t>(i)]);
+    blocks_.push_back(std::move(block));
+    open_ = {};
 }
 
 void FrameNumbers::at(std::size_t frame, double* numbers) const {
+    const std::size_t block = frame / kRows, row = frame % kRows;
     std::copy(first_.begin(), first_.end(), numbers);
-    const double* from = values_.data() + frame * varying_.size();
-    for (const std::int32_t i : varying_) numbers[i] = *from++;
+    if (block < blocks_.size()) {
+        const Block& b = *blocks_[block];
+        for (std::size_t i = 0; i < b.moved.size(); ++i) numbers[b.moved[i]] = b.to[i];
+        const double* from = b.values.data() + row * b.varying.size();
+        for (const std::int32_t i : b.varying) numbers[i] = *from++;
+    } else if (frame < frames_) {
+        std::copy_n(open_.begin() + static_cast<std::ptrdiff_t>(row * width()), width(), numbers);
+    }
 }
 
 FrameNumbers FrameNumbers::part(std::size_t first, std::size_t count) const {
-    std::vector<std::vector<double>> rows(count, std::vector<double>(width()));
-    for (std::size_t i = 0; i < count; ++i) at(first + i, rows[i].data());
-    return FrameNumbers(rows);
+    FrameNumbers part;
+    std::vector<double> row(width());
+    for (std::size_t i = 0; i < count; ++i) {
+        at(first + i, row.data());
+        part.add(row);
+    }
+    part.finish();
+    return part;
+}
+
+std::size_t FrameNumbers::bytes() const {
+    std::size_t bytes = (first_.size() + open_.size()) * sizeof(double);
+    for (const auto& b : blocks_) bytes += (b->to.size() + b->values.size()) * sizeof(double) + (b->moved.size() + b->varying.size()) * sizeof(std::int32_t);
+    return bytes;
+}
+
+std::vector<std::int32_t> FrameNumbers::varying() const {
+    std::vector<std::int32_t> out = varyingOf(open_, first_);
+    for (const auto& b : blocks_) {
+        addAll(out, b->moved);
+        addAll(out, b->varying);
+    }
+    return out;
+}
+
+std::vector<double> FrameNumbers::values() const {
+    const std::vector<std::int32_t> places = varying();
+    std::vector<double> out, row(width());
+    out.reserve(frames_ * places.size());
+    for (std::size_t f = 0; f < frames_ && !places.empty(); ++f) {
+        at(f, row.data());
+        for (const std::int32_t i : places) out.push_back(row[static_cast<std::size_t>(i)]);
+    }
+    return out;
 }
 
 TakeMoment momentAt(const std::vector<double>& times, double time) {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,31 +15,45 @@
 
 namespace imomushi {
 
-/// Rows of numbers, one per frame; numbers that never change are kept once.
+/// Rows of numbers, one per frame. Numbers that do not change for some seconds are not kept for each frame of these: hours are recorded as they come, and copies share
+/// what they have in common.
 class FrameNumbers {
 public:
     FrameNumbers() = default;
-    /// All rows of one size.
-    explicit FrameNumbers(const std::vector<std::vector<double>>& rows);
     /// first: of frame 0; varying: ascending places in it; values: of these, #frames x #varying, row by row.
-    FrameNumbers(std::vector<double> first, std::vector<std::int32_t> varying, std::vector<double> values)
-        : first_(std::move(first)), varying_(std::move(varying)), values_(std::move(values)) {}
+    FrameNumbers(const std::vector<double>& first, const std::vector<std::int32_t>& varying, const std::vector<double>& values);
+
+    /// One more frame: as many numbers as those before it have.
+    void add(const std::vector<double>& row);
+    /// After the last frame.
+    void finish();
 
     [[nodiscard]] std::size_t width() const { return first_.size(); }
     /// width() numbers.
     void at(std::size_t frame, double* numbers) const;
     /// The rows [first, first + count).
     [[nodiscard]] FrameNumbers part(std::size_t first, std::size_t count) const;
-    [[nodiscard]] std::size_t bytes() const { return (first_.size() + values_.size()) * sizeof(double) + varying_.size() * sizeof(std::int32_t); }
+    [[nodiscard]] std::size_t bytes() const;
 
+    // ---- as files have them; see the constructor
     [[nodiscard]] const std::vector<double>& first() const { return first_; }
-    [[nodiscard]] const std::vector<std::int32_t>& varying() const { return varying_; }
-    [[nodiscard]] const std::vector<double>& values() const { return values_; }
+    [[nodiscard]] std::vector<std::int32_t> varying() const;
+    [[nodiscard]] std::vector<double> values() const;
 
 private:
+    /// kRows frames, in the last one fewer.
+    struct Block {
+        std::vector<std::int32_t> moved;    ///< what its first frame has otherwise than the first of all
+        std::vector<double> to;
+        std::vector<std::int32_t> varying;  ///< what changes after its first frame
+        std::vector<double> values;
+    };
+    static constexpr std::size_t kRows = 256;
+
+    std::size_t frames_ = 0;
     std::vector<double> first_;
-    std::vector<std::int32_t> varying_;
-    std::vector<double> values_;
+    std::vector<std::shared_ptr<const Block>> blocks_;
+    std::vector<double> open_;  // frames after the blocks, with all their numbers
 };
 
 /// A recorded performance. Per frame it keeps two things: the pose that was shown, which fits as long as its bones are there; and the shape of the

@@ -81,21 +81,23 @@ private:
         }
         if (bones.empty()) return false;
         const auto was = static_cast<std::size_t>(take.points), frames = 3 * was, rolls = frames + 4 * all;
-        std::vector<std::vector<double>> rows;
-        std::vector<double> old(take.poses.width());
+        FrameNumbers poses;
+        std::vector<double> old(take.poses.width()), row;
         for (std::size_t f = 0; f < take.times.size(); ++f) {
             take.poses.at(f, old.data());
             const auto at = [&](std::size_t i) { return old.begin() + static_cast<std::ptrdiff_t>(i); };
-            std::vector<double>& row = rows.emplace_back(old.begin(), at(frames));
+            row.assign(old.begin(), at(frames));
             for (const int p : points)
                 for (int k = 0; k < 3; ++k) row.push_back(old[static_cast<std::size_t>(3 * p + k)] + shift_[k]);
             row.insert(row.end(), at(frames), at(rolls));
             for (const std::size_t b : bones) row.insert(row.end(), at(frames + 4 * b), at(frames + 4 * b + 4));
             row.insert(row.end(), at(rolls), old.end());
             for (const int p : points) row.push_back(old[rolls + static_cast<std::size_t>(p)]);
+            poses.add(row);
         }
+        poses.finish();
         take.points += static_cast<int>(points.size());
-        take.poses = FrameNumbers(rows);
+        take.poses = std::move(poses);
         std::vector<Take::Target> told;
         for (const Take::Target& target : take.targets) {
             told.push_back(target);
@@ -183,22 +185,23 @@ private:
                 now.morphs += countOf(*character);
             }
         }
-        std::vector<std::vector<double>> rows;
-        std::vector<double> old(take.shapes.width());
+        FrameNumbers shapes;
+        std::vector<double> old(take.shapes.width()), row;
         for (std::size_t f = 0; f < take.times.size(); ++f) {
             take.shapes.at(f, old.data());
-            std::vector<double>& row = rows.emplace_back();
-            row.reserve(static_cast<std::size_t>(now.size()));
+            row.clear();
             for (const CopiedNumbers& piece : pieces) {
                 const std::size_t at = row.size();
                 row.insert(row.end(), old.begin() + piece.at, old.begin() + piece.at + piece.count);
                 if (piece.kind == CopiedNumbers::Kind::Frame) shiftMap(Eigen::Quaterniond(row.data() + at).toRotationMatrix(), row.data() + at + 4);
                 if (piece.kind == CopiedNumbers::Kind::Joint) shiftMap(Eigen::Map<const Eigen::Matrix3d>(row.data() + at + 4), row.data() + at + 13);
             }
+            shapes.add(row);
         }
+        shapes.finish();
         take.elements = after_.elements;
         take.layout = std::move(now);
-        take.shapes = FrameNumbers(rows);
+        take.shapes = std::move(shapes);
         return true;
     }
 

@@ -390,9 +390,10 @@ void BoneSprings::solveRoll(const BoneTargets& targets, const Motion& motion, do
         double pull = g.stiffness * (targets.roll[i] - targets.roll[p]) + g.damping * (s * (predicted[i] - predicted[p]) + rate(i) - rate(p));
         if (const SpringDamper& stop = twistStop_[aboveBone_[i]]; stop.stiffness > 0.0) {
             const double twist = predicted[i] - predicted[p], most = skeleton_.bones[aboveBone_[i]].maxTwist;
-            if (std::abs(twist + seconds * (predictedRate[i] - predictedRate[p])) > most) {
+            const double ahead = twist + seconds * (predictedRate[i] - predictedRate[p]);
+            if (std::abs(ahead) > most) {
                 weight += stop.stiffness + stop.damping * s;
-                pull += std::copysign(stop.stiffness * most, twist) + stop.damping * s * twist;
+                pull += std::copysign(stop.stiffness * most, ahead) + stop.damping * s * twist;
             }
         }
         if (!held[i]) rollDiagonal_[i] += weight, roll[i] += pull;

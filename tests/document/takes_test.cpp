@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <random>
+
 #include "tests/document/workbench.h"
 
 using namespace imomushi;
@@ -414,4 +416,40 @@ TEST_CASE("takes: a broken take in a file is found, and files without takes open
     project.document.takes.clear();
     REQUIRE(saveProject(path, project));
     CHECK(openProject(path).has_value());
+}
+
+TEST_CASE("takes: numbers of frames are what was added, frame by frame, in parts and as files have them, and what rests costs next to nothing") {
+    std::mt19937 random(4);
+    for (const std::size_t frames : {0u, 1u, 255u, 256u, 257u, 1000u}) {
+        constexpr std::size_t kWidth = 40;
+        std::vector<std::vector<double>> rows;
+        std::vector<double> row(kWidth, 0.5);
+        FrameNumbers numbers;
+        for (std::size_t f = 0; f < frames; ++f) {
+            // Some never change, some for a while, one always.
+            if (f / 300 == 1) row[3 + random() % 5] = static_cast<double>(random());
+            row[20] = static_cast<double>(f);
+            rows.push_back(row);
+            numbers.add(row);
+            std::vector<double> now(kWidth);
+            numbers.at(f, now.data());
+            REQUIRE(now == row);
+        }
+        numbers.finish();
+        const FrameNumbers read(numbers.first(), numbers.varying(), numbers.values()), part = numbers.part(frames / 3, frames / 2);
+        CHECK(std::ssize(numbers.varying()) == (frames > 300 ? 6 : frames > 1 ? 1 : 0));
+        CHECK(numbers.values().size() == frames * numbers.varying().size());
+        std::size_t wrong = 0;
+        for (std::size_t f = 0; f < frames; ++f) {
+            std::vector<double> a(kWidth), b(kWidth), c(kWidth);
+            numbers.at(f, a.data());
+            read.at(f, b.data());
+            wrong += a != rows[f] || b != rows[f];
+            if (f >= frames / 2) continue;
+            part.at(f, c.data());
+            wrong += c != rows[frames / 3 + f];
+        }
+        CHECK(wrong == 0);
+        CHECK(numbers.bytes() < 8 * (kWidth + 4 * frames + 100));  // of 40 numbers a frame
+    }
 }

@@ -121,9 +121,9 @@ TEST_CASE("work in the background that fails: it says so, and the studio lives")
     public:
         using BackgroundJob::BackgroundJob;
         void start(std::function<void()> work) {
-            launch([work = std::move(work)](const Progress&) { work(); }, [this] { ++done; });
+            launch([work = std::move(work)](const Progress&) { work(); }, [this] { ++done; }, [this] { ++failed; });
         }
-        int done = 0;
+        int done = 0, failed = 0;
     };
     Window w;
     Work job;
@@ -141,8 +141,10 @@ TEST_CASE("work in the background that fails: it says so, and the studio lives")
     CHECK(said([] { throw 5; }).contains(QStringLiteral("report")));
     CHECK(ended == 3);
     CHECK(job.done == 0);
+    CHECK(job.failed == 3);
     job.start([] {});
     waitFor([&] { return job.done == 1; });
+    CHECK(job.failed == 3);
     build(w);
     CHECK(w.now().bones.size() == 1);
 }

@@ -38,10 +38,11 @@ BackgroundJob::~BackgroundJob() {
     abandoned_.request_stop();
 }
 
-void BackgroundJob::launch(std::function<void(const Progress&)> work, std::function<void()> done) {
+void BackgroundJob::launch(std::function<void(const Progress&)> work, std::function<void()> done, std::function<void()> failed) {
     cancel();
     shared_ = std::make_shared<Shared>();
     done_ = std::move(done);
+    failed_ = std::move(failed);
     running_ = true;
     stage_.clear();
     fraction_ = 0.0;
@@ -97,12 +98,14 @@ void BackgroundJob::poll() {
     running_ = false;
     timer_.stop();
     thread_.join();
+    const auto doneNow = std::move(done_), failedNow = std::move(failed_);  // they may launch again
     if (failure) {
+        if (failedNow) failedNow();
         Q_EMIT finished(false);
         Q_EMIT failures().failed(textOf(failure));
         return;
     }
-    done_();
+    doneNow();
     Q_EMIT finished(true);
 }
 

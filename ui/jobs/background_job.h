@@ -49,8 +49,8 @@ signals:
 
 protected:
     /// Runs `work` on a new thread, then `done` on the GUI thread unless cancelled. `work` shares nothing with the GUI thread but what it captured. What it
-    /// throws ends it like a cancel.
-    void launch(std::function<void(const Progress&)> work, std::function<void()> done);
+    /// throws ends it like a cancel; then `failed` runs instead of `done`.
+    void launch(std::function<void(const Progress&)> work, std::function<void()> done, std::function<void()> failed = {});
 
 private:
     // What the thread and the GUI share; outlives the job while the thread still runs.
@@ -66,7 +66,7 @@ private:
     std::shared_ptr<Shared> shared_;
     std::jthread thread_;
     std::jthread abandoned_;
-    std::function<void()> done_;
+    std::function<void()> done_, failed_;
     QTimer timer_;
     QElapsedTimer clock_;
     QString stage_;

@@ -105,6 +105,12 @@ void DraftJob::start() {
         [this] {
             takeDone();
             start();
+        },
+        [this] {
+            takeDone();
+            for (const Work::Item& item : work_->items)
+                if (!item.taken) failed_.insert(item.shape);  // not again and again
+            start();
         });
 }
 

@@ -62,6 +62,9 @@ void EstimateJob::start() {
             latest_ = *made;
             document_.setEstimates(std::move(latest_->elements));
             Q_EMIT estimated();
+        },
+        [this] {
+            if (again_) ask();
         });
 }
 
