@@ -3673,6 +3673,18 @@
             <translation>グラフィックカード</translation>
         </message>
         <message>
+            <source>Picture</source>
+            <translation>画質</translation>
+        </message>
+        <message>
+            <source>Fast, for slow machines</source>
+            <translation>速度優先（遅いマシン向け）</translation>
+        </message>
+        <message>
+            <source>Fine at all times</source>
+            <translation>常に高画質</translation>
+        </message>
+        <message>
             <source>General</source>
             <translation>一般</translation>
         </message>

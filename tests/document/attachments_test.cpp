@@ -254,7 +254,7 @@ TEST_CASE("attach: nothing is precomputed again, and elements that do not carry 
     CHECK(after.elements[1].embedded == before.elements[1].embedded);
     CHECK(after.renderMeshes == before.renderMeshes);
     for (std::size_t e = 0; e < 2; ++e) CHECK(after.elements[e].response == before.elements[e].response);
-    for (const Json& element : w.good({{"do", "list"}})["elements"]) CHECK(element["state"] == "fresh");
+    for (const Json all = w.good({{"do", "list"}}); const Json& element : all["elements"]) CHECK(element["state"] == "fresh");
     // What follows in the same way is the same again.
     w.good(attached("eye", "auto"));
     (void)w.session.character();

@@ -240,7 +240,7 @@ TEST_CASE("move-cut: two elements change, all else stays the same objects, and w
     w.good({{"do", "move-cut"}, {"cut", "second"}, {"plane", planeAt(8.3)}});
     CHECK(meshOf("middle")->body.vertices == middle->body.vertices);
     CHECK(meshOf("high")->body.triangles == high->body.triangles);
-    for (const Json& element : w.good({{"do", "list"}})["elements"]) CHECK(element["state"] == "fresh");
+    for (const Json all = w.good({{"do", "list"}}); const Json& element : all["elements"]) CHECK(element["state"] == "fresh");
     CHECK(w.good({{"do", "move-cut"}, {"cut", "second"}, {"plane", planeAt(8.3)}})["stale"] == Json::array());
     // Turned.
     w.good({{"do", "move-cut"}, {"cut", "first"}, {"plane", {{"origin", {0, 0, 3.1}}, {"normal", {0.2, 0.1, 1}}}}});
@@ -422,7 +422,7 @@ TEST_CASE("append: a character comes whole, beside another of the same names, an
     CHECK(characters[1]["name"] == "worm 2");
     CHECK(characters[1]["cuts"][1]["name"] == "second 2");
     CHECK(characters[1]["elements"] == answer["elements"]);
-    for (const Json& element : w.good({{"do", "list"}})["elements"]) CHECK(element["state"] == "fresh");
+    for (const Json all = w.good({{"do", "list"}}); const Json& element : all["elements"]) CHECK(element["state"] == "fresh");
     const auto lowest = elementNamed(w, "low 2").mesh;
     CHECK(w.good({{"do", "move-cut"}, {"cut", "second 2"}, {"plane", {{"origin", {4.1, 0.3, 9.9}}, {"normal", {0, 0, 1}}}}})["stale"] == Json::array({"middle 2", "high 2"}));
     CHECK(elementNamed(w, "low 2").mesh == lowest);

@@ -74,7 +74,7 @@ TEST_CASE("duplicate: elements with bones, joints, pins and effects stand beside
     CHECK(d.effects.has(EffectKind::Gravity, elementNamed(w, "A 2").id));
     CHECK_FALSE(d.effects.has(EffectKind::Gravity, elementNamed(w, "B 2").id));
     CHECK(d.goals.at({d.boneNamed("a 2")->id, false}).pinned);
-    for (const Json& line : w.good({{"do", "precompute"}})["elements"]) CHECK(line["cached"] == true);
+    for (const Json all = w.good({{"do", "precompute"}}); const Json& line : all["elements"]) CHECK(line["cached"] == true);
     // The copies move as the first ones do.
     w.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {1, 0.4, 5.2}}});
     w.good({{"do", "drag"}, {"endpoint", "b 2/end"}, {"to", {5, 0.9, 4.95}}});

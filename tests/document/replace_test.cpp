@@ -84,7 +84,7 @@ TEST_CASE("replace-mesh: the same mesh again changes nothing that was computed")
     CHECK(answer["lost"].empty());
     CHECK(answer["stale"].empty());
     CHECK(answer["kept"]["parts"] == Json::array({"eye"}));
-    for (const Json& line : w.good({{"do", "precompute"}})["elements"]) CHECK(line["cached"] == true);
+    for (const Json all = w.good({{"do", "precompute"}}); const Json& line : all["elements"]) CHECK(line["cached"] == true);
 }
 
 TEST_CASE("replace-mesh: what has no place on the new mesh is lost with the reason, bones stay where they are") {

@@ -2,6 +2,7 @@
 #include "ui/viewport/viewport_widget.h"
 
 #include <QFocusEvent>
+#include <QOpenGLWidget>
 #include <QSignalSpy>
 #include <QWheelEvent>
 
@@ -151,6 +152,18 @@ TEST_CASE("viewport: the axis ball and the number keys show the axis views") {
     CHECK((w.view().cameraController().axes().col(2) - Vec3::UnitY()).norm() < 1e-9);
     QTest::keyClick(&w.view(), Qt::Key_5);
     CHECK(w.view().orthographic());
+}
+
+TEST_CASE("viewport: fast pictures are coarse ones, fine ones are what a picture of the view is made of") {
+    Posing w;
+    auto* canvas = w.view().findChild<QOpenGLWidget*>();
+    REQUIRE(canvas);
+    const auto drawn = [&] { return canvas->grabFramebuffer(); };
+    waitFor([&] { return !w.view().cameraController().moving(); });
+    const QImage fine = w.view().grabFramebuffer();
+    CHECK(drawn() != fine);
+    w.view().setPictureQuality(ViewportWidget::PictureQuality::Fine);
+    CHECK(drawn() == fine);
 }
 
 TEST_CASE("viewport: draws while something moves and is still when nothing does") {

@@ -119,6 +119,10 @@ void PreferencesDialog::rebuild() {
         QSettings().setValue(QStringLiteral("view/deform-on"), i);
         Q_EMIT deformOnChanged(i);
     });
+    row(tr("Picture"), {tr("Automatic"), tr("Fast, for slow machines"), tr("Fine at all times")}, QSettings().value(QStringLiteral("view/picture"), 0).toInt(), [this](int i) {
+        QSettings().setValue(QStringLiteral("view/picture"), i);
+        Q_EMIT pictureQualityChanged(i);
+    });
     static constexpr int kDepths[] = {100, 300, DocumentHistory::kDepth, 3000, 10000};
     QStringList depths;
     int depth = 2;

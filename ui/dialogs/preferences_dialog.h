@@ -29,6 +29,7 @@ public:
 signals:
     void navigationChanged(int preset);
     void deformOnChanged(int where);  ///< of ViewportWidget::DeformOn
+    void pictureQualityChanged(int quality);  ///< of ViewportWidget::PictureQuality
     void historyDepthChanged(int steps);
     void versionsChanged();
     void responsesChanged();

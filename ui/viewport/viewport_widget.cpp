@@ -274,6 +274,11 @@ void ViewportWidget::setDeformOn(DeformOn where) {
     redraw();
 }
 
+void ViewportWidget::setPictureQuality(PictureQuality quality) {
+    quality_ = quality;
+    redraw();
+}
+
 std::optional<QPointF> ViewportWidget::onScreen(const Vec3& p) const {
     CameraController camera = camera_;
     camera.setViewport(width(), height());
@@ -411,8 +416,8 @@ void ViewportWidget::paint() {
     scene_.pixelRatio = float(devicePixelRatioF());
     // Frames follow each other while something moves, by itself or by hand.
     const bool moving = clock_.running() || tool_->busy() || navigator_.active() || fade_.active();
-    scene_.smooth = !moving && (!renderer.software() || smooth_);
-    scene_.halved = moving && renderer.software();
+    scene_.smooth = quality_ == PictureQuality::Fine || (!moving && (smooth_ || (quality_ == PictureQuality::Automatic && !renderer.software())));
+    scene_.halved = !scene_.smooth && (quality_ == PictureQuality::Fast || (moving && renderer.software()));
     smooth_ = false;
     if (const auto element = document_.document().elements.find(highlightedElement_); !highlighted_.empty() && element != document_.document().elements.end())
         if (render::Body* body = bodyOf(scene_, *element->second)) body->highlightedTriangles = &highlighted_;
@@ -425,7 +430,7 @@ void ViewportWidget::paint() {
     painter.end();
 
     if (fade_.active()) redraw();
-    if (!scene_.smooth && renderer.software()) still_.start();
+    if (!scene_.smooth && renderer.software() && quality_ == PictureQuality::Automatic) still_.start();
     if (const auto frame = meter_.drawn(elapsedMs(drawing), moving)) {
         int vertices = 0;
         for (const render::Body& body : scene_.bodies) vertices += int(body.mesh ? body.mesh->body.vertices.rows() : 0);

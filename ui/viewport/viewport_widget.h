@@ -65,6 +65,9 @@ public:
     /// What deforms vertices: the GPU what it can and the processor the rest, or the processor all. Automatic: the GPU, unless OpenGL is software.
     enum class DeformOn { Automatic, Processor, Gpu };
     void setDeformOn(DeformOn where);
+    /// Automatic: smooth edges, where the processor draws on still pictures only, with half as many pixels each way while something moves. Fast: that always. Fine: never.
+    enum class PictureQuality { Automatic, Fast, Fine };
+    void setPictureQuality(PictureQuality quality);
     void setViewAxis(ViewAxis axis);
     void setOrthographic(bool on);
     [[nodiscard]] bool orthographic() const { return camera_.orthographic(); }
@@ -166,6 +169,7 @@ private:
     FrameMeter meter_;
     FrameClock clock_;
     DeformOn deformOn_ = DeformOn::Automatic;
+    PictureQuality quality_ = PictureQuality::Automatic;
     bool swallowMenu_ = false;
     std::optional<PointerEvent> move_;  ///< that the tool has not heard of yet
     QElapsedTimer sinceMove_;           ///< since it heard of one

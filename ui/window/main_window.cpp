@@ -354,6 +354,7 @@ void MainWindow::connectView() {
     document_.session().setHistoryDepth(PreferencesDialog::historyDepth());
     document_.session().setVersionLimits(PreferencesDialog::versionLimits());
     viewport_->setDeformOn(ViewportWidget::DeformOn(std::clamp(settings.value(QStringLiteral("view/deform-on"), 0).toInt(), 0, 2)));
+    viewport_->setPictureQuality(ViewportWidget::PictureQuality(std::clamp(settings.value(QStringLiteral("view/picture"), 0).toInt(), 0, 2)));
 }
 
 void MainWindow::restore() {
