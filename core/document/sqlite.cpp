@@ -69,7 +69,7 @@ Database::Database(std::span<const std::byte> file) : handle_(openMemory()) {
     try {
         auto* copy = static_cast<unsigned char*>(sqlite3_malloc64(file.size() + 1));
         if (!copy) throw std::bad_alloc();
-        std::memcpy(copy, file.data(), file.size());
+        std::copy_n(reinterpret_cast<const unsigned char*>(file.data()), file.size(), copy);
         const auto size = static_cast<sqlite3_int64>(file.size());
         check(handle_, sqlite3_deserialize(handle_, "main", copy, size, size, SQLITE_DESERIALIZE_FREEONCLOSE | SQLITE_DESERIALIZE_READONLY));
         distrust(handle_);
