@@ -94,7 +94,7 @@ void ContactJob::run(Stage stage, Frame& frame) {
     presses_ = !near_.none() || !contact_.idle();
     if (!presses_) return;
     if (frame.stopped) contact_.reset();
-    const FleshContact::Settings numbers{.friction = settings().friction, .ground = settings().ground.value_or(0.0), .groundFriction = settings().groundFriction};
+    const FleshContact::Settings numbers{.friction = settings().friction, .ground = settings().ground.value_or(Plane()), .groundFriction = settings().groundFriction};
     contact_.step(Posed(frame, bodies_), near_, numbers, frame.stopped || frame.seconds <= 0.0);
     for (std::size_t b = 0; b < bodies_.size(); ++b) frame.elements[bodies_[b].element].patchForces += contact_.patchForces(b);
 }
@@ -118,7 +118,7 @@ bool ContactJob::mayMeetGround(const Frame& frame, std::size_t body) {
     const auto& of = frame.elements[bodies_[body].element];
     const bool bent = isBent(of);
     const double beyond = bent ? kBent * of.runtime->size : bodies_[body].bound;
-    if (of.frame(of.runtime->middle).z() - 0.5 * of.runtime->size - beyond > *settings().ground) return false;
+    if (settings().ground->height(of.frame(of.runtime->middle)) > 0.5 * of.runtime->size + beyond) return false;
     return bent || contact_.isNearGround(body, middlesOf(frame, body), *settings().ground);
 }
 

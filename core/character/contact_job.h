@@ -20,8 +20,8 @@ struct ContactEffect : EffectOf<ContactEffect> {
     static constexpr auto kHelp = IMOMUSHI_TEXT("Effects", "Elements press dents into each other where they meet, instead of passing through. With the ground, into them, too.");
     double patches = 48.0;  ///< of the surface of each element, on which others press: columns of its response, those of touch
     double friction = 0.5;
-    /// The plane of the effect on bones that holds them, which holds flesh, too: its height (m) and friction. None: there is no such plane.
-    std::optional<double> ground;
+    /// The plane of the effect on bones that holds them, which holds flesh, too, and its friction. None: there is no such plane.
+    std::optional<Plane> ground;
     double groundFriction = 0.6;
 
     static constexpr auto properties() {

@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "core/base/plane.h"
 #include "core/character/effect_settings.h"
 
 namespace imomushi {
@@ -47,6 +48,8 @@ struct GroundEffect : EffectOf<GroundEffect> {
     static constexpr auto kHelp = IMOMUSHI_TEXT("Effects", "Bodies rest on a plane and do not sink through it.");
     double height = 0.0;    ///< m
     double friction = 0.6;  ///< Coulomb's coefficient
+
+    [[nodiscard]] Plane plane() const { return Plane::level(height); }
 
     static constexpr auto properties() {
         return std::array{

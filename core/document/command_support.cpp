@@ -61,7 +61,6 @@ Result<std::filesystem::path> pathFrom(const Json& arguments) {
 }
 
 Result<Plane> planeFrom(const Json& value) {
-    Plane plane;
     for (const auto& item : value.items())
         if (item.key() != "origin" && item.key() != "normal")
             return fail("unknown-key", "\"plane\" has no key \"" + item.key() + "\"; it has origin and normal.");
@@ -70,11 +69,7 @@ Result<Plane> planeFrom(const Json& value) {
     if (!origin || !normal) return fail("missing-key", "\"plane\" needs origin and normal.");
     const auto o = vector3(*origin), n = vector3(*normal);
     if (!o || !n) return fail("bad-type", "\"origin\" and \"normal\" of \"plane\" must be three numbers, each within 1e9.");
-    const double largest = n->cwiseAbs().maxCoeff();
-    if (largest == 0.0) return fail("bad-value", "The normal of the plane is zero: give it a direction.");
-    plane.origin = *o;
-    plane.normal = (*n / largest).normalized();
-    return plane;
+    return Plane::through(*o, *n);
 }
 
 Result<std::filesystem::path> outputPath(const Json& arguments, const char* key, std::initializer_list<std::string_view> endings) {

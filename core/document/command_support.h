@@ -9,6 +9,7 @@
 #include <string_view>
 #include <type_traits>
 
+#include "core/base/plane.h"
 #include "core/document/command.h"
 #include "core/document/document.h"
 #include "core/mesh/bounds.h"
@@ -52,9 +53,6 @@ Result<double> numberWithin(const Json& value, std::string_view name, double low
 /// The text of the key "path". Errors: "bad-value".
 Result<std::filesystem::path> pathFrom(const Json& arguments);
 
-struct Plane {
-    Vec3 origin, normal;  ///< m; unit
-};
 /// {"origin": [x,y,z], "normal": [x,y,z]}. Errors: "unknown-key", "missing-key", "bad-type", "bad-value".
 Result<Plane> planeFrom(const Json& value);
 

@@ -37,7 +37,7 @@ Result<std::pair<std::shared_ptr<const CharacterSource>, const Cut*>> cutOf(cons
 Result<CutPlane> cutPlaneFrom(const Json& arguments) {
     const auto plane = planeFrom(arguments.at("plane"));
     if (!plane) return tl::unexpected(plane.error());
-    return CutPlane{plane->origin, plane->normal};
+    return CutPlane{plane->origin(), plane->normal()};
 }
 
 Result<Json> cut(DocumentEdit& edit, const Json& arguments, const Progress& progress) {

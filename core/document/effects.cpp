@@ -146,8 +146,9 @@ CharacterEffects characterEffects(const Document& document) {
             for (const auto& [id, element] : document.elements) settings->elements.push_back(document.effects.has(d.kind, id));
         if (d.kind == EffectKind::Contact && document.effects.has(EffectKind::Ground)) {
             auto& contact = static_cast<ContactEffect&>(*settings);
-            contact.ground = document.effects.number(EffectKind::Ground, "height");
-            contact.groundFriction = document.effects.number(EffectKind::Ground, "friction");
+            const auto ground = document.effects.settings<GroundEffect>(EffectKind::Ground);
+            contact.ground = ground.plane();
+            contact.groundFriction = ground.friction;
         }
         made.set(std::move(settings));
     }

@@ -55,7 +55,7 @@ Result<Json> addJointFace(DocumentEdit& edit, const Json& arguments, const Progr
             if (!number) return tl::unexpected(number.error());
             tolerance = *number;
         }
-        face = jointFaceByPlane(body, given->origin, given->normal, tolerance);
+        face = jointFaceByPlane(body, given->origin(), given->normal(), tolerance);
     } else {
         if (arguments.contains("tolerance")) return fail("unknown-key", "\"tolerance\" goes with \"plane\" only.");
         const auto indices = indicesFrom(*vertices, body.vertices.rows());

@@ -101,8 +101,8 @@ double Performance::predict(const Document& document, const CharacterPlan& plan)
 
 std::optional<BoneDynamicsSettings::Ground> Performance::groundOf(const Effects& effects) const {
     if (!effects.has(EffectKind::Ground)) return std::nullopt;
-    const auto plane = effects.settings<GroundEffect>(EffectKind::Ground);
-    return BoneDynamicsSettings::Ground{Vec3(0.0, plane.height, 0.0), Vec3::UnitY(), plane.friction, clearance_};
+    const auto asked = effects.settings<GroundEffect>(EffectKind::Ground);
+    return BoneDynamicsSettings::Ground{asked.plane(), asked.friction, clearance_};
 }
 
 BoneDynamicsSettings Performance::settingsOf(const Effects& effects) const {
@@ -145,9 +145,9 @@ void Performance::raise(const Pose& kinematic) {
     if (!ground_ || !fits(skeleton_, kinematic)) return;
     bool lifted = false;
     for (std::size_t i = 0; i < raised_.points.size(); ++i) {
-        const double gap = ground_->normal.dot(raised_.points[i] - ground_->point) - ground_->clearance[i];
+        const double gap = ground_->plane.height(raised_.points[i]) - ground_->clearance[i];
         if (gap >= 0.0) continue;
-        raised_.points[i] -= gap * ground_->normal;
+        raised_.points[i] -= gap * ground_->plane.normal();
         lifted = true;
     }
     if (!lifted) return;

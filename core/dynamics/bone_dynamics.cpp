@@ -47,7 +47,7 @@ BoneDynamics::State::State(Input given)
 }
 
 void BoneDynamics::State::prepare() {
-    normal = settings.ground ? Vec3(settings.ground->normal / settings.ground->normal.cwiseAbs().maxCoeff()).normalized() : Vec3(Vec3::UnitY());
+    normal = settings.ground ? settings.ground->plane.normal() : Vec3(Vec3::UnitY());
     springs.calibrate(settings.springs, settings.returnHertz, held, pointing);
     weight = 0.0;
     for (const double m : mass) weight += m * settings.gravity.norm();

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/plane.h"
 #include "core/base/result.h"
 #include "core/skeleton/skeleton.h"
 
@@ -29,11 +30,10 @@ struct BoneDynamicsSettings {
     /// BoneSpring::kMaxHertz; 0: it floats, flies and falls freely (what `ground` wants).
     double returnHertz = 0.5;
     Vec3 gravity = Vec3::Zero();  ///< m/s^2
-    /// A plane that no joint point crosses, held ones included: they stay on the side that `normal` points to.
+    /// A plane that no joint point crosses, held ones included: they stay in front of it.
     struct Ground {
-        Vec3 point = Vec3::Zero();
-        Vec3 normal = Vec3::UnitY();  ///< of any length but 0
-        double friction = 0.6;        ///< Coulomb's coefficient, 0 ... 10
+        Plane plane;
+        double friction = 0.6;  ///< Coulomb's coefficient, 0 ... 10
         /// Per joint point, m, >= 0: how far above the plane it stays, for the flesh around it. Empty: the points themselves meet the plane.
         std::vector<double> clearance;
     };

@@ -32,10 +32,6 @@ Result<void> checkSettings(const BoneDynamicsSettings& s, std::size_t bones, std
     if (!allFinite(s.gravity) || s.gravity.cwiseAbs().maxCoeff() > kMaxGravity)
         return fail("bad-value", "Gravity is not below 1e12 m/s^2: choose a weaker one.");
     if (!s.ground) return {};
-    if (!allFinite(s.ground->point) || s.ground->point.cwiseAbs().maxCoeff() > 1e30)
-        return fail("bad-value", "The ground has no place: give a point of it.");
-    if (!allFinite(s.ground->normal) || !(s.ground->normal.cwiseAbs().maxCoeff() > 0.0))
-        return fail("bad-value", "The ground has no direction: give a normal that is not zero.");
     if (!within(s.ground->friction, 0.0, 10.0)) return fail("bad-value", "The friction of the ground is not between 0 and 10: choose one that is.");
     const auto& clearance = s.ground->clearance;
     if (!clearance.empty() && clearance.size() != points) return fail("bad-value", "There is not one clearance per joint point: give as many, or none.");

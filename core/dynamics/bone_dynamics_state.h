@@ -31,7 +31,7 @@ struct BoneDynamics::State {
     /// Height of joint point i at p above its clearance of the ground, m.
     [[nodiscard]] double height(std::size_t i, const Vec3& p) const {
         const auto& g = *settings.ground;
-        return normal.dot(p - g.point) - (g.clearance.empty() ? 0.0 : g.clearance[i]);
+        return g.plane.height(p) - (g.clearance.empty() ? 0.0 : g.clearance[i]);
     }
     [[nodiscard]] Vec3 aboveGround(std::size_t i, const Vec3& p) const {
         if (!settings.ground) return p;

@@ -79,7 +79,7 @@ FleshContact::FleshContact(std::vector<Body> bodies) : bodies_(std::move(bodies)
     clearance_.assign(bodies_.size() * bodies_.size(), std::numeric_limits<double>::infinity());
     for (std::size_t a = 0; a < bodies_.size(); ++a)
         for (std::size_t b = a; b < bodies_.size(); ++b) {
-            findContacts({{{a, b}}, {}}, rest, 0.0);
+            findContacts({{{a, b}}, {}}, rest, {});
             for (const Contact& contact : contacts_) {
                 if (contact.at.distance > kTouching * std::min(bodies_[a].surface->surface().size(), bodies_[b].surface->surface().size())) continue;
                 auto& muted = states_[contact.on.body].muted[contact.under.body];
@@ -114,9 +114,9 @@ bool FleshContact::areNear(std::size_t a, const Eigen::Matrix3Xd& A, std::size_t
     return false;
 }
 
-bool FleshContact::isNearGround(std::size_t body, const Eigen::Matrix3Xd& middles, double ground) const {
+bool FleshContact::isNearGround(std::size_t body, const Eigen::Matrix3Xd& middles, const Plane& ground) const {
     for (Eigen::Index p = 0; p < middles.cols(); ++p)
-        if (middles(2, p) < ground + kReach * bodies_[body].surface->radius(static_cast<int>(p))) return true;
+        if (ground.height(middles.col(p)) < kReach * bodies_[body].surface->radius(static_cast<int>(p))) return true;
     return false;
 }
 
@@ -251,25 +251,25 @@ bool FleshContact::meet(std::size_t body, std::size_t sample, const Posed& posed
     return true;
 }
 
-void FleshContact::meetGround(std::size_t body, const Posed& posed, double ground) {
+void FleshContact::meetGround(std::size_t body, const Posed& posed, const Plane& ground) {
     const ContactSurface& of = *bodies_[body].surface;
     for (std::size_t i = 0; i < of.samples() && contacts_.size() < kMost; ++i) {
         const Vec3 at = vertexAt(body, of.vertex(i), posed);
-        const double gap = at.z() - ground;
+        const double gap = ground.height(at);
         if (gap > kMargin * of.spacing()) continue;
         Contact& out = contacts_.emplace_back();
         out.sample = i;
         out.at.distance = gap;
         out.on.body = body;
         out.under.body = kGround;
-        out.normal = -Vec3::UnitZ();
-        out.apart = Vec3(at.x(), at.y(), gap);
+        out.normal = -ground.normal();
+        out.apart = at - ground.origin();
         states_[body].candidates[i] = {step_, -1.0, kGround, 0};  // it looks for nobody else
         deepest_ = std::max(deepest_, -gap);
     }
 }
 
-void FleshContact::findContacts(const Near& near, const Posed& posed, double ground) {
+void FleshContact::findContacts(const Near& near, const Posed& posed, const Plane& ground) {
     ++step_;
     contacts_.clear();
     deepest_ = 0.0;
@@ -394,7 +394,7 @@ void FleshContact::solve(const Posed& posed, const Settings& settings, int sweep
         c.goal = c.apart.dot(c.normal) * c.normal;
         if (known.step + 1 == step_ && known.other == c.under.body) {
             // It sticks to the flesh that it was on: to the side it is apart from there.
-            Vec3 held = Vec3::Zero();
+            Vec3 held = ground ? settings.ground.origin() : Vec3(Vec3::Zero());
             for (std::size_t k = 0; !ground && k < 3; ++k)
                 if (const double part = known.held.barycentric[static_cast<Eigen::Index>(k)]; part > 0.0) held += part * vertexAt(c.under.body, bodies_[c.under.body].surface->surface().corners(known.held.triangle)[k], posed);
             const Vec3 apart = vertexAt(c.on.body, vertex, posed) - held - axesUnder(c, posed) * known.slipped;

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/plane.h"
 #include "core/touch/contact_solve.h"
 #include "core/touch/contact_surface.h"
 
@@ -27,7 +28,8 @@ public:
     };
     struct Settings {
         double friction = 0.5;    ///< Coulomb's coefficient
-        double ground = 0.0, groundFriction = 0.6;  ///< height of a plane across z that bodies of Near::grounded do not sink through, m
+        Plane ground{};  ///< that bodies of Near::grounded do not sink through
+        double groundFriction = 0.6;
         double mostStrain = 0.95;  ///< largest displacement gradient (Frobenius) that contact makes in an element
     };
     /// Those that may meet.
@@ -50,7 +52,7 @@ public:
     };
     /// Whether two bodies may meet where their patches have these middles (3 x P, m, world).
     [[nodiscard]] bool areNear(std::size_t a, const Eigen::Matrix3Xd& middlesOfA, std::size_t b, const Eigen::Matrix3Xd& middlesOfB) const;
-    [[nodiscard]] bool isNearGround(std::size_t body, const Eigen::Matrix3Xd& middles, double ground) const;
+    [[nodiscard]] bool isNearGround(std::size_t body, const Eigen::Matrix3Xd& middles, const Plane& ground) const;
     /// Two surfaces that have turned against each other by less (radians), and moved by less than half of their restClearance(), do not meet.
     static constexpr double kMostTurn = 0.5;
     /// m: at rest, no samples of the two that such a turn may oppose to each other are nearer. Infinite: there are none.
@@ -120,7 +122,7 @@ private:
     struct Contact : ContactPoint {
         std::size_t sample = 0;
         TouchSurface::Point at;      // of the other body; distance: of the sample from it, along the normal
-        Vec3 apart = Vec3::Zero();   // of the sample from there, by the pose alone, m, world; of the ground: from below the origin
+        Vec3 apart = Vec3::Zero();   // of the sample from there, by the pose alone, m, world; of the ground: from below its origin
         Spread on, under;
         Eigen::Matrix3d compliance = Eigen::Matrix3d::Zero();
     };
@@ -130,8 +132,8 @@ private:
     void findCandidates(std::size_t a, std::size_t b, const Posed& posed);
     void look(std::size_t body, std::size_t patch, std::size_t other, std::size_t otherPatch, const Posed& posed);
     bool meet(std::size_t body, std::size_t sample, const Posed& posed, Contact& out);
-    void meetGround(std::size_t body, const Posed& posed, double ground);
-    void findContacts(const Near& near, const Posed& posed, double ground);
+    void meetGround(std::size_t body, const Posed& posed, const Plane& ground);
+    void findContacts(const Near& near, const Posed& posed, const Plane& ground);
     [[nodiscard]] double softness(const Contact& contact) const;
     [[nodiscard]] Eigen::Matrix3d axesUnder(const Contact& contact, const Posed& posed) const;
     bool spread(Spread& out, const std::array<std::int32_t, 3>& corners, const Vec3& parts);

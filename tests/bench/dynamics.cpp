@@ -35,7 +35,7 @@ void frames(const char* name, const Skeleton& s, bool ground) {
     auto input = inputOf(s);
     if (ground) {
         input.settings.gravity = Vec3(0, -9.81, 0);
-        input.settings.ground = BoneDynamicsSettings::Ground{Vec3(0, -0.3, 0), Vec3::UnitY(), 0.5};
+        input.settings.ground = BoneDynamicsSettings::Ground{Plane::level(-0.3), 0.5};
     }
     auto dynamics = BoneDynamics::build(input).value();
     InverseKinematics ik(s);
@@ -105,7 +105,7 @@ bool million(long count) {
         for (double& m : input.mass) m = std::pow(10.0, 3.0 * d(random));
         input.settings.gravity = 10.0 * static_cast<double>(scenes % 3) * Vec3(d(random), d(random), d(random));
         const bool ground = random() % 2;
-        if (ground) input.settings.ground = BoneDynamicsSettings::Ground{Vec3(0, -1, 0), Vec3::UnitY(), std::abs(d(random))};
+        if (ground) input.settings.ground = BoneDynamicsSettings::Ground{Plane::level(-1.0), std::abs(d(random))};
         auto dynamics = BoneDynamics::build(input).value();
         InverseKinematics ik(s);
         Pose pose = restPose(s);

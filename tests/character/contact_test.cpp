@@ -145,24 +145,34 @@ TEST_CASE("contact: nothing is done while nothing is near") {
     }
 }
 
-TEST_CASE("contact: flesh that is pressed on the ground stays above it") {
+TEST_CASE("contact: flesh that is pressed on the ground stays above it, whichever way that looks") {
     CharacterInput input = longCaterpillar();
     auto plain = Character::build(input).value();
     ContactEffect effect;
-    effect.ground = 0.0;
+    Vec3 up;
+    SUBCASE("up") { up = Vec3::UnitY(); }
+    SUBCASE("along the body's own axis") { up = Vec3::UnitZ(); }
+    SUBCASE("slanting") { up = Vec3(0.4, -0.7, 0.2); }
+    const Plane ground = Plane::through(Vec3(3, -2, 1), up).value();
+    effect.ground = ground;
     input.effects.set(effect);
     auto c = Character::build(input).value();
     Pose pose = restPose(input.skeleton);
-    const auto lie = [&](double height) {  // along y
-        for (std::size_t p = 0; p < pose.points.size(); ++p) pose.points[p] = Vec3(0.0, static_cast<double>(p), height);
-        for (auto& frame : pose.frames) frame = Eigen::Quaterniond(Eigen::AngleAxisd(-0.25 * kTurn, Vec3::UnitX()));
+    const auto lie = [&](double height) {
+        const auto side = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitY(), ground.normal());
+        for (std::size_t p = 0; p < pose.points.size(); ++p) pose.points[p] = ground.origin() + side * Vec3(0.0, height, static_cast<double>(p));
+        for (auto& frame : pose.frames) frame = side;
     };
-    const auto lowest = [](const Character& of) {
+    const auto lowest = [&](const Character& of) {
         double out = 1.0;
-        for (int e = 0; e < 12; ++e) out = std::min(out, of.positions(e).col(2).minCoeff());
+        for (int e = 0; e < 12; ++e) {
+            const Points at = of.positions(e);
+            for (Eigen::Index v = 0; v < at.rows(); ++v) out = std::min(out, ground.height(at.row(v).transpose()));
+        }
         return out;
     };
     lie(0.8);
+    c.stop();  // at rest the plane may go through it
     c.update(pose, 1.0 / 60.0);
     CHECK(c.resting());
     for (int i = 0; i <= 60; ++i) {
@@ -177,7 +187,7 @@ TEST_CASE("contact: flesh that is pressed on the ground stays above it") {
         const Points at = c.positions(e);
         const auto held = c.heldVertices(e);
         for (Eigen::Index v = 0; v < at.rows(); ++v)
-            if (std::find(held.begin(), held.end(), static_cast<std::int32_t>(v)) == held.end()) free = std::min(free, at(v, 2));
+            if (std::find(held.begin(), held.end(), static_cast<std::int32_t>(v)) == held.end()) free = std::min(free, ground.height(at.row(v).transpose()));
     }
     CHECK(free >= -0.01);
 }

@@ -41,7 +41,7 @@ std::vector<float> soak(Workbench& w, std::vector<std::string> effects, unsigned
     const double size = (high - low).norm();
 
     for (const auto& effect : effects) w.good({{"do", "enable"}, {"effect", effect}});
-    w.good({{"do", "set"}, {"target", "ground"}, {"property", "height"}, {"value", low.y() - 0.5 * size}});
+    w.good({{"do", "set"}, {"target", "ground"}, {"property", "height"}, {"value", low.y()}});
     w.good({{"do", "precompute"}});
     std::mt19937 random(seed);
     const auto uniform = [&](double from, double to) { return from + (to - from) * static_cast<double>(random()) / 4294967295.0; };

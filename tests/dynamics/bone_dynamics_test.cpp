@@ -259,7 +259,7 @@ TEST_CASE("bone dynamics: energy never grows while nothing outside moves, whatev
             input.settings.springs.push_back({any(0.01, 1000), std::max(d(random), 0.0), any(0.01, 1000), std::max(d(random), 0.0), 1.0, 0.1});
         for (double& m : input.mass) m = any(1e-3, 10.0);
         if (scene % 2) input.settings.gravity = Vec3(0, -9.81, 0);
-        if (scene % 4 == 3) input.settings.ground = BoneDynamicsSettings::Ground{Vec3(0, -1.5, 0), Vec3(0.1, 1, 0), 0.5};
+        if (scene % 4 == 3) input.settings.ground = BoneDynamicsSettings::Ground{Plane::through(Vec3(0, -1.5, 0), Vec3(0.1, 1, 0)).value(), 0.5};
         if (scene % 5 == 4) input.settings.returnHertz = 0.0;
         auto dynamics = BoneDynamics::build(input).value();
         Pose wild = restPose(s);

@@ -39,7 +39,7 @@ TEST_CASE("bone dynamics: bodies fall on the ground, never through it, and come 
             auto input = inputOf(s);
             input.settings.gravity = Vec3(0, -9.81, 0);
             input.settings.returnHertz = 0.0;
-            input.settings.ground = BoneDynamicsSettings::Ground{Vec3(0, -2, 0), Vec3(0, 3, 0), friction};
+            input.settings.ground = BoneDynamicsSettings::Ground{Plane::level(-2.0), friction};
             auto dynamics = BoneDynamics::build(input).value();
             Pose start = restPose(s);
             const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.5, Vec3(1, 0, 1).normalized()));
@@ -65,7 +65,7 @@ TEST_CASE("bone dynamics: a fall looks the same at any frame rate") {
         auto input = inputOf(s);
         input.settings.gravity = Vec3(0, -9.81, 0);
         input.settings.returnHertz = 0.0;
-        input.settings.ground = BoneDynamicsSettings::Ground{Vec3(0, -1, 0), Vec3(0.2, 1, 0), 0.3};
+        input.settings.ground = BoneDynamicsSettings::Ground{Plane::through(Vec3(0, -1, 0), Vec3(0.2, 1, 0)).value(), 0.3};
         auto dynamics = BoneDynamics::build(input).value();
         for (int i = 0; i < rate; ++i) dynamics.step(1.0 / rate, restPose(s), {});
         seen.push_back(dynamics.pose());
@@ -81,7 +81,7 @@ TEST_CASE("bone dynamics: a body on a slope stays where friction is strong and s
         auto input = inputOf(s);
         input.settings.gravity = Vec3(0, -9.81, 0);
         input.settings.returnHertz = 0.0;
-        input.settings.ground = BoneDynamicsSettings::Ground{Vec3::Zero(), Vec3(0, std::cos(0.5), -std::sin(0.5)), friction};  // tan .5 = .55
+        input.settings.ground = BoneDynamicsSettings::Ground{Plane::through(Vec3::Zero(), Vec3(0, std::cos(0.5), -std::sin(0.5))).value(), friction};  // tan .5 = .55
         auto dynamics = BoneDynamics::build(input).value();
         for (int i = 0; i < 60; ++i) dynamics.step(kFrame, restPose(s), {});
         const double speed = dynamics.velocities()[1].norm(), moved = (dynamics.pose().points[1] - s.points[1]).norm();
@@ -102,15 +102,15 @@ TEST_CASE("bone dynamics: a ground that rises lifts what lies on it, one that si
     auto input = inputOf(s);
     input.settings.gravity = Vec3(0, -9.81, 0);
     input.settings.returnHertz = 0.0;
-    input.settings.ground = BoneDynamicsSettings::Ground{Vec3(0, 0, 0), Vec3::UnitY(), 0.5};
+    input.settings.ground = BoneDynamicsSettings::Ground{Plane(), 0.5};
     auto dynamics = BoneDynamics::build(input).value();
     for (int i = 0; i < 60; ++i) dynamics.step(kFrame, restPose(s), {});
     REQUIRE(dynamics.resting());
-    input.settings.ground->point.y() = 0.1;
+    input.settings.ground->plane = Plane::level(0.1);
     REQUIRE(dynamics.set(input.settings));
     dynamics.step(kFrame, restPose(s), {});
     for (const auto& p : dynamics.pose().points) CHECK(p.y() >= 0.1 - 1e-6);
-    input.settings.ground->point.y() = -5.0;
+    input.settings.ground->plane = Plane::level(-5.0);
     REQUIRE(dynamics.set(input.settings));
     const double before = dynamics.pose().points[0].y();
     for (int i = 0; i < 30; ++i) dynamics.step(kFrame, restPose(s), {});
@@ -120,7 +120,7 @@ TEST_CASE("bone dynamics: a ground that rises lifts what lies on it, one that si
 TEST_CASE("bone dynamics: held points stay above the ground, too") {
     const Skeleton s = boneChain(3);
     auto input = inputOf(s);
-    input.settings.ground = BoneDynamicsSettings::Ground{Vec3(0, -0.2, 0), Vec3::UnitY(), 0.5};
+    input.settings.ground = BoneDynamicsSettings::Ground{Plane::level(-0.2), 0.5};
     auto dynamics = BoneDynamics::build(input).value();
     Pose pose = restPose(s);
     const std::vector<IkGoal> goals = {{0, Vec3::Zero()}, {3, Vec3::Zero()}};

@@ -21,7 +21,7 @@ TEST_CASE("bone dynamics: bodies of a micrometre and of a thousand kilometres mo
         auto input = inputOf(s);
         for (double& m : input.mass) m *= size * size * size;
         input.settings.gravity = Vec3(0, -5.0 * size, 0);
-        input.settings.ground = BoneDynamicsSettings::Ground{Vec3(0, -0.2 * size, 0), Vec3::UnitY(), 0.3};
+        input.settings.ground = BoneDynamicsSettings::Ground{Plane::level(-0.2 * size), 0.3};
         auto dynamics = BoneDynamics::build(input).value();
         const std::vector<IkGoal> goals = {{0, Vec3::Zero()}};
         Pose pose = restPose(s);
@@ -125,7 +125,7 @@ TEST_CASE("bone dynamics: input that contradicts itself is refused with a reason
     input.settings.springs.resize(2);
     CHECK(code(input) == "bad-value");
     input = good;
-    input.settings.ground = BoneDynamicsSettings::Ground{Vec3::Zero(), Vec3::Zero(), 0.5};
+    input.settings.ground = BoneDynamicsSettings::Ground{Plane(), -0.5};
     CHECK(code(input) == "bad-value");
     input = good;
     input.skeleton.bones.push_back({0, 3, -1, 3.0});
@@ -145,7 +145,7 @@ TEST_CASE("bone dynamics: steps do not allocate, and the same input gives the sa
     const Skeleton s = boneOctopus(4, 3);
     auto input = inputOf(s);
     input.settings.gravity = Vec3(0, -9.81, 0);
-    input.settings.ground = BoneDynamicsSettings::Ground{Vec3(0, -0.8, 0), Vec3::UnitY(), 0.4};
+    input.settings.ground = BoneDynamicsSettings::Ground{Plane::level(-0.8), 0.4};
     auto one = BoneDynamics::build(input).value(), other = BoneDynamics::build(input).value();
     Pose pose = restPose(s);
     const std::vector<IkGoal> all = {{0, Vec3::Zero()}, {4, Vec3::Zero()}};
@@ -178,7 +178,7 @@ TEST_CASE("bone dynamics: random bodies, drags, frame rates and limits: finite, 
             input.settings.springs.push_back({pick(hertz), pick(ratios), pick(hertz), pick(ratios), pick(hertz), pick(ratios)});
         for (double& m : input.mass) m = std::pow(10.0, 2.0 * d(random));
         input.settings.gravity = Vec3(0, -9.81 * (scene % 3), 0);
-        if (scene % 4 == 1) input.settings.ground = BoneDynamicsSettings::Ground{Vec3(0, -1, 0), Vec3::UnitY(), 0.4};
+        if (scene % 4 == 1) input.settings.ground = BoneDynamicsSettings::Ground{Plane::level(-1.0), 0.4};
         auto dynamics = BoneDynamics::build(input).value();
         InverseKinematics ik(s);
         Pose pose = restPose(s);

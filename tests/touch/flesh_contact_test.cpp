@@ -53,6 +53,7 @@ public:
 
 const Eigen::Matrix3d kUpsideDown = Eigen::AngleAxisd(std::numbers::pi, Vec3::UnitX()).toRotationMatrix();
 const FleshContact::Near kBoth{{{0, 1}}, {}};
+const Plane kFloor = Plane::through(Vec3::Zero(), Vec3::UnitZ()).value();  // the bodies here stand along z
 
 /// The upper half of a sphere of radius 1, held below: it does not sway.
 const Touched& dome() {
@@ -187,13 +188,13 @@ TEST_CASE("flesh contact: the ground holds flesh like the plane between two equa
     const Stands both = poles(2.0 * depth), alone({{&ball(), kUpsideDown, Vec3(0, 0, 1.0 - depth)}});
     FleshContact pressed = both.contact(), grounded = alone.contact();
     pressed.step(both, kBoth, {}, true);
-    grounded.step(alone, {{}, {0}}, {}, true);
+    grounded.step(alone, {{}, {0}}, {.ground = kFloor}, true);
     CHECK(grounded.force(0).z() == doctest::Approx(pressed.force(1).z()).epsilon(0.05));
     CHECK(alone.dented(grounded, 0).col(2).minCoeff() >= -0.1 * depth);
 
     Stands moving({{&dome(), kUpsideDown, Vec3(0, 0, 1.0 - depth)}});
     FleshContact dragged = moving.contact();
-    const FleshContact::Settings settings{.groundFriction = 0.2};
+    const FleshContact::Settings settings{.ground = kFloor, .groundFriction = 0.2};
     dragged.step(moving, {{}, {0}}, settings, true);
     const double before = dragged.force(0).x();
     for (int i = 1; i <= 60; ++i) {
@@ -201,4 +202,39 @@ TEST_CASE("flesh contact: the ground holds flesh like the plane between two equa
         dragged.step(moving, {{}, {0}}, settings, false);
     }
     CHECK(dragged.force(0).x() - before == doctest::Approx(-0.2 * dragged.force(0).z()).epsilon(0.1));
+}
+
+TEST_CASE("flesh contact: a turned scene, its ground too, has the turned answer") {
+    std::mt19937 random(11);
+    std::uniform_real_distribution<double> number(-1.0, 1.0);
+    struct Scene {
+        Stands stands{{{&ball(), kUpsideDown, Vec3(0, 0, 0.93)}, {&ball(), Eigen::Matrix3d::Identity(), Vec3(0.05, 0, 2.8)}}};
+        FleshContact contact = stands.contact();
+        FleshContact::Settings settings{.ground = kFloor};
+    } straight;
+    const auto press = [](Scene& scene, const Eigen::Matrix3d& turn, const Vec3& shift) {
+        for (int i = 0; i < 8; ++i) {
+            Stands now = scene.stands;
+            for (auto& place : now.places) {
+                place.shift = turn * (place.shift + 0.01 * i * Vec3(0.3, 0.1, -1.0)) + shift;
+                place.axes = turn * place.axes;
+            }
+            scene.contact.step(now, {{{0, 1}}, {0}}, scene.settings, i == 0);
+        }
+    };
+    press(straight, Eigen::Matrix3d::Identity(), Vec3::Zero());
+    REQUIRE(straight.contact.force(0).z() > 0.0);
+    for (int i = 0; i < 6; ++i) {
+        const Eigen::Matrix3d turn = Eigen::Quaterniond(number(random), number(random), number(random), number(random)).normalized().toRotationMatrix();
+        const Vec3 shift(5.0 * number(random), 5.0 * number(random), 5.0 * number(random));
+        Scene turned;
+        turned.settings.ground = Plane::through(shift, turn * Vec3::UnitZ()).value();
+        press(turned, turn, shift);
+        for (const std::size_t body : {0, 1}) {
+            // Products are kept in single precision, and the sweeps stop where nothing moves by more than a part of 1e-5.
+            const double size = straight.contact.patchForces(body).norm();
+            CHECK((turned.contact.patchForces(body) - straight.contact.patchForces(body)).norm() <= 1e-3 * size);
+            CHECK((turned.contact.force(body) - turn * straight.contact.force(body)).norm() <= 1e-3 * straight.contact.force(body).norm());
+        }
+    }
 }
