@@ -32,6 +32,8 @@ public:
     /// The part of a direction that runs along it.
     [[nodiscard]] Vec3 along(const Vec3& d) const { return d - normal_.dot(d) * normal_; }
 
+    bool operator==(const Plane&) const = default;
+
 private:
     Plane(const Vec3& origin, const Vec3& normal) : origin_(origin), normal_(normal) {}
     Vec3 origin_ = Vec3::Zero(), normal_ = Vec3::UnitY();

@@ -44,9 +44,12 @@ void Character::State::showShape(std::chrono::steady_clock::time_point start) {
     const auto weighed = std::chrono::steady_clock::now();
     stats.evaluatedElements = stats.evaluatedVertices = 0;
     frame.loadMsOfWarp = 0.0;
-    for (auto& e : elements) beginDents(e);
+    for (auto& e : elements) {
+        findMoved(e);
+        beginDents(e);
+    }
     jobs.run(Stage::Weights, frame);
-    for (std::size_t e = 0; e < elements.size(); ++e) decideWork(e);
+    for (auto& e : elements) decideWork(e);
     jobs.run(Stage::LocalShape, frame);
     std::size_t bytes = 0;
     for (const auto& e : elements)

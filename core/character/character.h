@@ -78,6 +78,7 @@ enum class FrameWarning : unsigned {
     PoseRefused = 4,       ///< a pose came out non-finite; the last good one stays
     Diverged = 16,         ///< the explicit dynamics of the previous model diverged; its joints stand still at their last good place
     LoadsBounded = 8,      ///< gravity or pressure would deform an element beyond what is linear: it feels less of them
+    ContactsBounded = 32,  ///< flesh is pressed in more places than contact looks at: the deepest are held, others may cross
 };
 
 /// A character that is performed: pose -> joint maps -> v -> A' v -> world positions and normals (model.md section 1, steps 1 and 3).

@@ -131,7 +131,7 @@ void Character::State::buildElement(std::size_t e) {
     out.local = AlignedBuffer<float>(out.blocks.rest().size());
     const std::size_t padded = (runtime.vertices + kVertexBlock - 1) / kVertexBlock * kVertexBlock + kVertexBlock;
     if (runtime.touch) {
-        out.patchForces = Eigen::VectorXd::Zero(runtime.touch->touch().columns());
+        out.patchForces = out.shownPatchForces = Eigen::VectorXd::Zero(runtime.touch->touch().columns());
         out.dents = AlignedBuffer<float>(3 * kVertexBlock * runtime.bodyBlocks);
         out.touchBlocks = runtime.touchBlocks;
     }

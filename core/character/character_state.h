@@ -68,7 +68,8 @@ struct Character::State {
     void findMotions(ElementFrame& element) const;
 
     // v -> vertices (character_surface.cpp).
-    void decideWork(std::size_t e);
+    void findMoved(ElementFrame& out);
+    void decideWork(ElementFrame& out);
     static void showPositions(ElementFrame& out, std::size_t begin, std::size_t end);
     // Nothing presses yet, or what a shape that is shown again says.
     void beginDents(ElementFrame& out) const;

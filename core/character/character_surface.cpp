@@ -14,8 +14,7 @@ constexpr double kSameShape = 1e-8;
 
 }  // namespace
 
-void Character::State::decideWork(std::size_t e) {
-    auto& out = frame.elements[e];
+void Character::State::findMoved(ElementFrame& out) {
     const auto& joints = frame.joints;
     const auto& runtime = *out.runtime;
     const bool warped = runtime.warp && out.warpPart > 0.0;
@@ -39,8 +38,18 @@ void Character::State::decideWork(std::size_t e) {
     if (frame.exact || frame.replaying) sameShape = sameShape && out.weights() == out.shownWeights && !(warped && out.moved);
     sameShape = sameShape && out.warpPart == out.shownWarpPart;
     out.shownWarpPart = out.warpPart;
-    const bool external = out.wantsExternal && !out.wantsLocal && !out.wantsHere && !warped;
-    out.moved = out.moved || !sameShape || out.wantsLocal || external != out.external;
+    out.sameShape = sameShape;
+    out.moved = out.moved || !sameShape;
+}
+
+void Character::State::decideWork(ElementFrame& out) {
+    const auto& runtime = *out.runtime;
+    const bool warped = runtime.warp && out.warpPart > 0.0, sameShape = out.sameShape;
+    // Dents are added to `local`, unless they and what is under them stay as they are.
+    const bool pressed = (out.patchForces.array() != 0.0).any();
+    if (out.moved ? pressed : out.patchForces != out.shownPatchForces) out.wantsLocal = true;
+    const bool external = out.wantsExternal && !out.wantsLocal && !out.wantsHere && !warped && !pressed;
+    out.moved = out.moved || out.wantsLocal || external != out.external;
     out.external = external;
     out.work = VertexWork::None;
     if (!out.moved) return;
@@ -85,14 +94,15 @@ void Character::State::showPositions(ElementFrame& out, std::size_t begin, std::
 
 void Character::State::beginDents(ElementFrame& out) const {
     if (!frame.replaying) out.patchForces.setZero();
-    out.wantsLocal = out.dented || (out.patchForces.array() != 0.0).any();
+    out.wantsLocal = false;
 }
 
 void Character::State::placeDents() {
     const auto start = std::chrono::steady_clock::now();
     std::size_t bytes = 0;
     for (auto& out : frame.elements) {
-        if (out.patchForces.size() == 0) continue;
+        if (out.patchForces.size() == 0 || !out.moved) continue;
+        out.shownPatchForces = out.patchForces;
         out.touchBlocks.weigh(out.patchForces);
         out.dented = out.touchBlocks.idle() ? nullptr : out.dents.data();
         if (out.dented) bytes += out.dents.bytes() * static_cast<std::size_t>(out.touchBlocks.activeColumns());
@@ -101,7 +111,7 @@ void Character::State::placeDents() {
         frame.share(bytes, productPieces, [this](const Piece& p) {
             auto& out = frame.elements[static_cast<std::size_t>(p.element)];
             const std::size_t end = std::min(p.end, out.runtime->bodyBlocks), first = 3 * kVertexBlock * p.begin;
-            if (!out.dented || p.begin >= end) return;
+            if (!out.moved || !out.dented || p.begin >= end) return;
             std::copy_n(out.local.data() + first, 3 * kVertexBlock * (end - p.begin), out.dents.data() + first);
             out.touchBlocks.add(p.begin, end, out.dents.data());
             place(out.dents.data(), out.blocks.first(), out.placement, p.begin, end, out.positions.data());

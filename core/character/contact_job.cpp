@@ -43,7 +43,17 @@ private:
 };
 
 ContactJob::ContactJob(Frame& frame, const ContactEffect& settings)
-    : EffectJob(settings, {Stage::Weights, Stage::Dents}), bodies_(bodiesOf(frame, settings)), contact_(surfacesOf(frame, bodies_)), found_(bodies_.size()) {
+    : EffectJob(settings, {Stage::Weights, Stage::Dents}),
+      bodies_(bodiesOf(frame, settings)),
+      contact_(surfacesOf(frame, bodies_)),
+      found_(bodies_.size()),
+      moved_(bodies_.size()) {
+    for (const Body& body : bodies_) {
+        const auto& runtime = *frame.elements[body.element].runtime;
+        const Vec3 far = Vec3::Constant(0.5 * runtime.size);
+        boxes_.push_back({runtime.middle - far, runtime.middle + far});
+    }
+    tree_ = BoxTree(boxes_);
     near_.pairs.reserve(bodies_.size() * (bodies_.size() + 1) / 2);
     near_.grounded.reserve(bodies_.size());
 }
@@ -84,42 +94,70 @@ std::vector<FleshContact::Body> ContactJob::surfacesOf(const Frame& frame, const
 }
 
 void ContactJob::run(Stage stage, Frame& frame) {
-    if (frame.replaying) return;
-    if (stage == Stage::Weights) {
-        findNear(frame);
-        for (const auto& [a, b] : near_.pairs) frame.elements[bodies_[a].element].wantsLocal = frame.elements[bodies_[b].element].wantsLocal = true;
-        for (const std::size_t body : near_.grounded) frame.elements[bodies_[body].element].wantsLocal = true;
+    if (frame.replaying) {
+        known_ = false;  // elements go where contact does not follow them
         return;
     }
+    if (stage == Stage::Weights) return begin(frame);
     presses_ = !near_.none() || !contact_.idle();
     if (!presses_) return;
+    contact_.finish(Posed(frame, bodies_), frame.stopped || frame.seconds <= 0.0);
+    for (std::size_t b = 0; b < bodies_.size(); ++b)
+        if (contact_.awake(b)) frame.elements[bodies_[b].element].patchForces += contact_.patchForces(b);
+    if (contact_.bounded()) frame.warn(FrameWarning::ContactsBounded);
+}
+
+void ContactJob::begin(Frame& frame) {
     if (frame.stopped) contact_.reset();
     const FleshContact::Settings numbers{.friction = settings().friction, .ground = settings().ground.value_or(Plane()), .groundFriction = settings().groundFriction};
-    contact_.step(Posed(frame, bodies_), near_, numbers, frame.stopped || frame.seconds <= 0.0);
-    for (std::size_t b = 0; b < bodies_.size(); ++b) frame.elements[bodies_[b].element].patchForces += contact_.patchForces(b);
+    const bool all = !known_ || frame.stopped || grounded_ != settings().ground.has_value() || !(numbers == numbers_);
+    bool any = false;
+    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+        moved_[b] = all || frame.elements[bodies_[b].element].moved;
+        any = any || moved_[b];
+    }
+    known_ = true;
+    grounded_ = settings().ground.has_value();
+    numbers_ = numbers;
+    if (any) findNear(frame);
+    contact_.begin(near_, numbers, moved_);
+    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+        auto& of = frame.elements[bodies_[b].element];
+        if (contact_.awake(b)) of.wantsLocal = true;
+        if (contact_.asleep(b)) of.patchForces += contact_.patchForces(b);
+    }
 }
 
 void ContactJob::findNear(Frame& frame) {
     near_.pairs.clear();
     near_.grounded.clear();
     std::fill(found_.begin(), found_.end(), 0);
-    for (Body& body : bodies_) {
+    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+        Body& body = bodies_[b];
         const auto& of = frame.elements[body.element];
         body.bound = of.weights().cwiseAbs().dot(of.runtime->columnSize);
+        const Vec3 middle = of.frame(of.runtime->middle), far = Vec3::Constant(0.5 * of.runtime->size + beyond(frame, b));
+        boxes_[b] = {middle - far, middle + far};
+        if (mayMeet(frame, b, b)) near_.pairs.emplace_back(b, b);
+        if (settings().ground && mayMeetGround(frame, b)) near_.grounded.push_back(b);
     }
-    for (std::size_t a = 0; a < bodies_.size(); ++a)
-        for (std::size_t b = a; b < bodies_.size(); ++b)
-            if (mayMeet(frame, a, b)) near_.pairs.emplace_back(a, b);
-    for (std::size_t body = 0; settings().ground && body < bodies_.size(); ++body)
-        if (mayMeetGround(frame, body)) near_.grounded.push_back(body);
+    tree_.follow(boxes_);
+    tree_.near(0.0, [&](std::int32_t i, std::int32_t k) {
+        const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(k);
+        if (mayMeet(frame, a, b)) near_.pairs.emplace_back(a, b);
+    });
+    std::sort(near_.pairs.begin(), near_.pairs.end());
+}
+
+double ContactJob::beyond(const Frame& frame, std::size_t body) const {
+    const auto& of = frame.elements[bodies_[body].element];
+    return isBent(of) ? kBent * of.runtime->size : bodies_[body].bound;
 }
 
 bool ContactJob::mayMeetGround(const Frame& frame, std::size_t body) {
     const auto& of = frame.elements[bodies_[body].element];
-    const bool bent = isBent(of);
-    const double beyond = bent ? kBent * of.runtime->size : bodies_[body].bound;
-    if (settings().ground->height(of.frame(of.runtime->middle)) > 0.5 * of.runtime->size + beyond) return false;
-    return bent || contact_.isNearGround(body, middlesOf(frame, body), *settings().ground);
+    if (settings().ground->height(of.frame(of.runtime->middle)) > 0.5 * of.runtime->size + beyond(frame, body)) return false;
+    return isBent(of) || contact_.isNearGround(body, middlesOf(frame, body), *settings().ground);
 }
 
 bool ContactJob::mayMeet(const Frame& frame, std::size_t a, std::size_t b) {
@@ -138,12 +176,13 @@ bool ContactJob::mayMeet(const Frame& frame, std::size_t a, std::size_t b) {
     }
     if (turned < FleshContact::kMostTurn && moved < 0.5 * clearance) return false;
     if (a != b) {
-        const double beyond = bent ? kBent * (A.runtime->size + B.runtime->size) : bodies_[a].bound + bodies_[b].bound;
-        const double reach = 0.5 * (A.runtime->size + B.runtime->size) + beyond;
+        const double reach = 0.5 * (A.runtime->size + B.runtime->size) + beyond(frame, a) + beyond(frame, b);
         if ((A.frame(A.runtime->middle) - B.frame(B.runtime->middle)).squaredNorm() > reach * reach) return false;
     }
     if (bent) return true;
-    return contact_.areNear(a, middlesOf(frame, a), b, middlesOf(frame, b));
+    middlesOf(frame, a);
+    middlesOf(frame, b);
+    return contact_.areNear(a, b);
 }
 
 const Eigen::Matrix3Xd& ContactJob::middlesOf(const Frame& frame, std::size_t index) {
@@ -154,6 +193,7 @@ const Eigen::Matrix3Xd& ContactJob::middlesOf(const Frame& frame, std::size_t in
     body.weights = of.weights().cast<float>();
     body.moved.noalias() = body.middles * body.weights;
     for (Eigen::Index p = 0; p < body.rest.cols(); ++p) body.now.col(p) = of.frame(body.rest.col(p) + body.moved.segment<3>(3 * p).cast<double>());
+    contact_.place(index, body.now);
     return body.now;
 }
 

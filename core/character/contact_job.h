@@ -36,8 +36,8 @@ struct ContactEffect : EffectOf<ContactEffect> {
     [[nodiscard]] Result<void> addJob(Frame& frame, FrameJobs& jobs) const override;
 };
 
-/// Contact of flesh with flesh, by the surfaces that the pose alone leaves. Nothing is evaluated for it while nothing is near.
-///   reads   ElementFrame::frame, v, local; Frame::seconds, stopped
+/// Contact of flesh with flesh, by the surfaces that the pose alone leaves. Nothing is evaluated for it while nothing is near, or what meets has settled and stays.
+///   reads   ElementFrame::frame, v, moved, local; Frame::seconds, stopped
 ///   writes  ElementFrame::wantsLocal, patchForces
 class ContactJob final : public EffectJob<ContactEffect> {
 public:
@@ -62,16 +62,25 @@ private:
     class Posed;
     static std::vector<Body> bodiesOf(const Frame& frame, const ContactEffect& settings);
     static std::vector<FleshContact::Body> surfacesOf(const Frame& frame, const std::vector<Body>& bodies);
+    void begin(Frame& frame);
     void findNear(Frame& frame);
+    /// m: no vertex of it is farther out of the ball around its body at rest.
+    [[nodiscard]] double beyond(const Frame& frame, std::size_t body) const;
     [[nodiscard]] bool mayMeetGround(const Frame& frame, std::size_t body);
     [[nodiscard]] bool mayMeet(const Frame& frame, std::size_t a, std::size_t b);
     const Eigen::Matrix3Xd& middlesOf(const Frame& frame, std::size_t body);
 
     std::vector<Body> bodies_;
     FleshContact contact_;
+    FleshContact::Settings numbers_;
+    BoxTree tree_;                    // over bodies
+    std::vector<Bounds> boxes_;       // of these
     FleshContact::Near near_;         // in this frame
     std::vector<char> found_;         // per body: its middles are those of this frame
+    std::vector<char> moved_;         // per body: it is not where it was in the last frame
     bool presses_ = false;
+    bool known_ = false;     // the last frame was one of this job's
+    bool grounded_ = false;  // it had a ground
 };
 
 }  // namespace imomushi

@@ -98,7 +98,9 @@ struct ElementFrame {
     Eigen::VectorXd v;
     Eigen::VectorXd withLoads;       // v, then loads; without such columns: empty
     Eigen::VectorXd jointForces;     // of loads on its joints, see ElementResponse::loadForces; empty: none
-    Eigen::VectorXd patchForces;     // on its patches, over its shear modulus, m^2, in its axes (TouchResponse); empty: nothing presses it
+    // On its patches, over its shear modulus, m^2, in its axes (TouchResponse); empty: nothing presses it. Who knows them adds them in Stage::Weights; who must see
+    // `local` for them asks for it there, and adds them in Stage::Dents.
+    Eigen::VectorXd patchForces;
     [[nodiscard]] const Eigen::VectorXd& weights() const { return withLoads.size() > 0 ? withLoads : v; }
     /// Where a free vertex is in the element's frame, m, by `local` or what has its layout.
     [[nodiscard]] Vec3 localAt(std::int32_t vertex, const float* blocksOf) const;
@@ -117,7 +119,9 @@ struct ElementFrame {
     Eigen::VectorXd shownWeights;
     std::vector<AffineMap> shownJoints;          // per face
     std::vector<Eigen::Matrix3Xd> shownWarping;  // per face, with smooth joints
-    bool shown = false, moved = false;
+    bool shown = false, moved = false;  // moved, Stage::Weights: its joints, frame, turns or shape are not those that were shown; later: what is shown changes
+    bool sameShape = false;          // its weights and warp are those that were shown
+    Eigen::VectorXd shownPatchForces;
     bool localShown = false;         // `local` belongs to shownWeights
     double shownWarpPart = 0.0;
 

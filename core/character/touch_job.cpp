@@ -25,7 +25,7 @@ Result<TouchJob> TouchJob::build(Frame& frame, const TouchEffect& settings) {
         if (!of.runtime->touch || !settings.on(e)) continue;
         auto contact = TouchContact::build(of.runtime->touch, settings);
         if (!contact) return tl::unexpected(contact.error());
-        made.elements_.push_back({static_cast<int>(e), std::move(*contact), {}});
+        made.elements_.push_back({static_cast<int>(e), std::move(*contact), {}, false});
     }
     return made;
 }
@@ -34,7 +34,8 @@ void TouchJob::run(Stage stage, Frame& frame) {
     if (frame.replaying) return;
     for (auto& touched : elements_) {
         auto& out = frame.elements[static_cast<std::size_t>(touched.index)];
-        if (!active(touched)) continue;
+        touched.pressed = active(touched);
+        if (!touched.pressed) continue;
         if (stage == Stage::Weights) {
             out.wantsLocal = true;
         } else {
@@ -94,8 +95,8 @@ bool TouchJob::take(const TouchEffect& settings) {
     return taken;
 }
 
-bool TouchJob::resting(const Frame& frame) const {
-    return std::none_of(elements_.begin(), elements_.end(), [&](const Element& e) { return active(e) || frame.elements[static_cast<std::size_t>(e.index)].dented; });
+bool TouchJob::resting(const Frame&) const {
+    return std::none_of(elements_.begin(), elements_.end(), [](const Element& e) { return active(e) || e.pressed; });
 }
 
 std::size_t TouchJob::bytes() const {

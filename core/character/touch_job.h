@@ -50,7 +50,7 @@ public:
     void liftFinger(int element, int finger);
 
     void run(Stage stage, Frame& frame) override;
-    [[nodiscard]] bool resting(const Frame& frame) const override;
+    [[nodiscard]] bool resting(const Frame&) const override;
     [[nodiscard]] std::size_t bytes() const override;
     void report(Frame& frame, double ms) const override;
 
@@ -65,6 +65,7 @@ private:
         int index = 0;
         TouchContact contact;
         std::array<Finger, TouchContact::kFingers> fingers{};
+        bool pressed = false;  // in the last frame
     };
     static bool active(const Element& touched);
     static void aimFingers(Element& touched, const Frame& frame);

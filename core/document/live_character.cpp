@@ -393,6 +393,8 @@ std::vector<std::string> LiveCharacter::warningTexts(unsigned warnings) const {
         texts.emplace_back("The explicit dynamics of the previous model diverged; its joint faces stand still at their last good place: choose a smaller step or a softer shear-modulus.");
     if (has(FrameWarning::LoadsBounded))
         texts.emplace_back("Gravity or pressure is stronger than flesh so soft can show without folding, and acts less than asked for: raise its shear-modulus, or lower the pressure.");
+    if (has(FrameWarning::ContactsBounded))
+        texts.emplace_back("Flesh is pressed in more places than contact looks at; the deepest are held, others may cross: move what presses it apart, or give contact fewer patches.");
     if (has(FrameWarning::PoseRefused))
         texts.emplace_back("A pose was not finite and was refused; the last good pose stays: release the endpoints or return to rest.");
     return texts;

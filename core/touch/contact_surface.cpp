@@ -8,6 +8,22 @@
 #include "core/mesh/connectivity.h"
 
 namespace imomushi {
+namespace {
+
+/// Patches of one body are neighbours where their middles at rest are nearer than this many times their radii together.
+constexpr double kApart = 2.5;
+
+/// The cosine of normals that are opposed after a turn by kMostTurn and as much strain at most.
+const double kTurned = std::cos(std::acos(ContactSurface::kOpposed) - 2.0 * ContactSurface::kMostTurn);
+
+/// The distance of two samples, where it is less and they may be opposed.
+void nearer(const ContactSurface& a, std::int32_t i, const ContactSurface& b, std::int32_t k, double& least) {
+    const std::int32_t v = a.vertex(static_cast<std::size_t>(i)), w = b.vertex(static_cast<std::size_t>(k));
+    const double distance = (a.surface().vertex(v) - b.surface().vertex(w)).norm();
+    if (distance < least && a.surface().normal(v).dot(b.surface().normal(w)) < kTurned) least = distance;
+}
+
+}  // namespace
 
 ContactSurface::ContactSurface(const ElementMesh& mesh, std::shared_ptr<const TouchSurface> surface) : surface_(std::move(surface)) {
     const TriangleMesh& body = mesh.body;
@@ -50,6 +66,38 @@ ContactSurface::ContactSurface(const ElementMesh& mesh, std::shared_ptr<const To
     }
     first_.push_back(vertex_.size());
     for (const double s : spacing_) meanSpacing_ += s / static_cast<double>(count);
+    std::vector<Bounds> places;
+    for (const std::int32_t v : vertex_) places.push_back({at(v), at(v)});
+    tree_ = BoxTree(places);
+    ownClearance_ = std::numeric_limits<double>::infinity();
+    bool can = false;
+    for (int i = 0; i < patches().count(); ++i)
+        for (int k = i + 1; !can && k < patches().count(); ++k) can = areApart(i, k);
+    if (can) tree_.near(ownClearance_, [&](std::int32_t i, std::int32_t k) { nearer(*this, i, *this, k, ownClearance_); });
+}
+
+bool ContactSurface::areApart(int i, int k) const {
+    const auto& centre = patches().centre;
+    return (surface_->vertex(centre[static_cast<std::size_t>(i)]) - surface_->vertex(centre[static_cast<std::size_t>(k)])).norm() >=
+           kApart * (radius(i) + radius(k));
+}
+
+double ContactSurface::clearance(const ContactSurface& a, const ContactSurface& b) {
+    double least = std::numeric_limits<double>::infinity();
+    if (a.tree_.empty() || b.tree_.empty()) return least;
+    const double apart = std::sqrt(BoxTree::squaredDistance(a.tree_.bounds(), b.tree_.bounds()));
+    if (apart > 0.5 * std::min(a.surface().size(), b.surface().size())) return apart;
+    a.tree_.near(b.tree_, least, [&](std::int32_t i, std::int32_t k) { nearer(a, i, b, k, least); });
+    return least;
+}
+
+BoxTree ContactSurface::patchTree(double reach) const {
+    std::vector<Bounds> boxes;
+    for (int p = 0; p < patches().count(); ++p) {
+        const Vec3 middle = surface_->vertex(patches().centre[static_cast<std::size_t>(p)]), far = Vec3::Constant(reach * radius(p));
+        boxes.push_back({middle - far, middle + far});
+    }
+    return BoxTree(boxes);
 }
 
 }  // namespace imomushi

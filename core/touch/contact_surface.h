@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "core/mesh/box_tree.h"
 #include "core/mesh/vertex_corners.h"
 #include "core/touch/touch_surface.h"
 
@@ -32,6 +33,18 @@ public:
     [[nodiscard]] double spacing() const { return meanSpacing_; }  ///< of all patches, their mean
     /// Of the triangles around a vertex that can be touched.
     [[nodiscard]] std::span<const std::int32_t> corners(std::int32_t vertex) const { return corners_.at(vertex); }
+    /// Patches that are no neighbours: they may press on each other.
+    [[nodiscard]] bool areApart(int patch, int other) const;
+    /// Surfaces can press where their normals are opposed by more than this cosine: at a right angle or so, one looks along the other.
+    static constexpr double kOpposed = -0.1;
+    /// Radians by which surfaces turn against each other, at most, for what is said of them at rest to hold.
+    static constexpr double kMostTurn = 0.5;
+    /// m: at rest, no samples of two surfaces that a turn by kMostTurn may oppose to each other are nearer. Where the surfaces are farther apart than half of the
+    /// smaller one, it is the distance of their boxes. Infinite: there are no such samples.
+    [[nodiscard]] static double clearance(const ContactSurface& a, const ContactSurface& b);
+    [[nodiscard]] double ownClearance() const { return ownClearance_; }  ///< with itself
+    /// Over the middles of patches at rest, each within its radius and `reach` times as far.
+    [[nodiscard]] BoxTree patchTree(double reach) const;
     /// Others around it cannot.
     [[nodiscard]] bool onBorder(std::int32_t vertex) const { return border_[static_cast<std::size_t>(vertex)] != 0; }
     [[nodiscard]] std::size_t bytes() const { return corners_.bytes() + border_.size() + sizeof(std::int32_t) * vertex_.size(); }
@@ -44,6 +57,8 @@ private:
     std::vector<std::size_t> first_;
     std::vector<double> radius_, spacing_;
     double meanSpacing_ = 0.0;
+    BoxTree tree_;  // over samples, at rest
+    double ownClearance_ = 0.0;
 };
 
 }  // namespace imomushi

@@ -191,3 +191,100 @@ TEST_CASE("contact: flesh that is pressed on the ground stays above it, whicheve
     }
     CHECK(free >= -0.01);
 }
+
+TEST_CASE("contact: what lies on the ground and has settled is shown as it is, to the byte, and costs nothing until it moves") {
+    CharacterInput input = longCaterpillar();
+    ContactEffect effect;
+    effect.ground = Plane::level(-0.4);
+    input.effects.set(effect);
+    auto c = Character::build(input).value();
+    Pose pose = restPose(input.skeleton);
+    const auto update = [&] { c.update(pose, 1.0 / 60.0); };
+    const auto shown = [&] {
+        std::vector<Points> out;
+        for (int e = 0; e < 12; ++e) out.push_back(c.positions(e));
+        return out;
+    };
+    int frames = 0;
+    for (; frames < 120 && !(c.resting() && c.stats().evaluatedVertices == 0 && frames > 0); ++frames) update();
+    CHECK(frames < 120);
+    const auto settled = shown();
+    double lowest = 1.0;
+    for (const Points& at : settled) lowest = std::min(lowest, at.col(1).minCoeff());
+    for (int i = 0; i < 5; ++i) {
+        const std::size_t before = allocations();
+        update();
+        CHECK(allocations() == before);
+        CHECK(c.resting());
+        CHECK(c.stats().evaluatedVertices == 0);
+        CHECK(shown() == settled);
+    }
+    const auto revision = c.surface(3).revision;
+    update();
+    CHECK(c.surface(3).revision == revision);
+
+    // A take in between goes elsewhere; what comes after is as before it.
+    std::vector<double> numbers(c.shapeLayout().size()), flat(c.shapeLayout().size());
+    c.shape(numbers.data());
+    auto other = Character::build(input).value();
+    Pose high = pose;
+    for (Vec3& p : high.points) p.y() += 2.0;
+    other.update(high, 1.0 / 60.0);
+    other.shape(flat.data());
+    c.show(flat.data());
+    CHECK(c.positions(3) == other.positions(3));
+    update();
+    for (int e = 0; e < 12; ++e) CHECK((c.positions(e) - settled[static_cast<std::size_t>(e)]).cwiseAbs().maxCoeff() <= 1e-3);
+    c.show(numbers.data());
+    CHECK(shown() == settled);
+
+    // It is pressed farther, and let go.
+    for (Vec3& p : pose.points) p.y() -= 0.05;
+    update();
+    CHECK(c.surface(3).revision > revision);
+    for (Vec3& p : pose.points) p.y() += 2.0;
+    for (int i = 0; i < 3; ++i) update();
+    CHECK(c.resting());
+    auto plain = Character::build([&] {
+        CharacterInput without = input;
+        without.effects = {};
+        return without;
+    }()).value();
+    plain.update(pose, 1.0 / 60.0);
+    for (int e = 0; e < 12; ++e) CHECK((c.positions(e) - plain.positions(e)).cwiseAbs().maxCoeff() <= 1e-6);
+}
+
+TEST_CASE("contact: where more flesh meets than is looked at, a frame says so") {
+    caterpillar::Shape shape;
+    shape.elements = 2;
+    shape.around = {32};
+    shape.along = {16};
+    shape.precomputed = false;
+    CharacterInput input = caterpillar::make(shape);
+    for (auto& element : input.elements) {
+        ResponseInput in;
+        in.mesh = element.mesh;
+        in.faces = element.faces;
+        in.basis = input.basis;
+        in.touch = 48;
+        in.solverMesh = {SolverMeshSetting::Kind::AsIs, 0};
+        element.response = std::make_shared<const ElementResponse>(buildResponse(in, {}).value());
+    }
+    ContactEffect effect;
+    effect.ground = Plane::level(0.0);
+    input.effects.set(effect);
+    auto c = Character::build(input).value();
+    const auto bounded = [&](double height) {
+        Pose pose = restPose(input.skeleton);
+        for (Vec3& p : pose.points) p.y() += height;
+        // Bent a little, so that the two may meet.
+        pose.points.back().x() += 0.4;
+        pose.frames.back() = Eigen::Quaterniond(Eigen::AngleAxisd(0.38, Vec3::UnitY()));
+        c.stop();
+        c.update(pose, 1.0 / 60.0);
+        return (c.stats().warnings & static_cast<unsigned>(FrameWarning::ContactsBounded)) != 0;
+    };
+    CHECK_FALSE(bounded(0.45));
+    CHECK(bounded(-0.6));
+    CHECK_FALSE(bounded(2.0));
+}

@@ -54,4 +54,21 @@ TEST_CASE("caterpillar on the ground with contact: its weight presses its flesh 
                            << " m without contact, " << after.col(1).minCoeff() - plain.low.y() << " m with it");
     CHECK(mean.y() > 0.0);
     CHECK(std::hypot(mean.x(), mean.z()) <= 0.002 * size);
+
+    // When its bones have come to rest, nothing of it is made again.
+    const auto revisions = [&] {
+        std::vector<std::uint64_t> out;
+        Character& c = *pressed.w.session.character();
+        for (int e = 0; e < static_cast<int>(c.input().elements.size()); ++e) out.push_back(c.surface(e).revision);
+        return out;
+    };
+    bool asleep = false;
+    for (int i = 0; i < 20 && !asleep; ++i) {
+        pressed.w.good({{"do", "step"}, {"frames", 100}});
+        const auto seen = revisions();
+        const Points rested = pressed.vertices();
+        pressed.w.session.stepFrame(1.0 / 60.0);
+        asleep = revisions() == seen && pressed.vertices() == rested;
+    }
+    CHECK(asleep);
 }

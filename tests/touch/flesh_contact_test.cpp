@@ -238,3 +238,94 @@ TEST_CASE("flesh contact: a turned scene, its ground too, has the turned answer"
         }
     }
 }
+
+TEST_CASE("flesh contact: what has settled sleeps, byte for byte, until one that it hangs together with moves or goes") {
+    // Two pairs of balls, far from each other, and one that lies on the ground.
+    Stands stands({{&ball()}, {&ball(), kUpsideDown, Vec3(0, 0, 1.9)}, {&ball(), Eigen::Matrix3d::Identity(), Vec3(9, 0, 0)}, {&ball(), kUpsideDown, Vec3(9, 0, 1.9)}, {&ball(), kUpsideDown, Vec3(20, 0, 0.9)}});
+    FleshContact contact = stands.contact();
+    const FleshContact::Settings settings{.ground = kFloor};
+    const FleshContact::Near near{{{0, 1}, {2, 3}}, {4}};
+    std::vector<char> moved(5, 0);
+    const auto asleep = [&] {
+        std::vector<bool> out;
+        for (std::size_t b = 0; b < 5; ++b) out.push_back(contact.asleep(b));
+        return out;
+    };
+    contact.step(stands, near, settings, true);
+    for (int i = 0; i < 20 && asleep() != std::vector<bool>(5, true); ++i) {
+        contact.begin(near, settings, moved);
+        contact.finish(stands, false);
+    }
+    REQUIRE(asleep() == std::vector<bool>(5, true));
+    std::vector<Eigen::VectorXd> before;
+    for (std::size_t b = 0; b < 5; ++b) before.push_back(contact.patchForces(b));
+    const auto same = [&](std::size_t b) { return contact.patchForces(b) == before[b]; };
+    for (int i = 0; i < 3; ++i) {
+        contact.begin(near, settings, moved);
+        contact.finish(stands, i == 1);
+        for (std::size_t b = 0; b < 5; ++b) CHECK(same(b));
+    }
+
+    stands.places[1].shift.z() -= 0.02;
+    moved[1] = 1;
+    contact.begin(near, settings, moved);
+    CHECK(asleep() == std::vector<bool>{false, false, true, true, true});
+    contact.finish(stands, false);
+    CHECK_FALSE(same(0));
+    CHECK_FALSE(same(1));
+    for (const std::size_t b : {2, 3, 4}) CHECK(same(b));
+
+    // The other pair parts: who stays behind is no longer pressed.
+    stands.places[3].shift.z() += 5.0;
+    moved = {0, 0, 0, 1, 0};
+    contact.begin({{{0, 1}}, {4}}, settings, moved);
+    contact.finish(stands, false);
+    CHECK(contact.patchForces(2).isZero(0.0));
+    CHECK(contact.patchForces(3).isZero(0.0));
+    CHECK(same(4));
+
+    // Other numbers wake everybody.
+    moved.assign(5, 0);
+    contact.begin({{{0, 1}}, {4}}, {.friction = 0.1, .ground = kFloor}, moved);
+    CHECK(asleep() == std::vector<bool>(5, false));
+}
+
+TEST_CASE("flesh contact: more contacts than are solved are said, and each body keeps its deepest ones") {
+    // Both are in the ground as a whole, and meet each other a little.
+    Stands stands({{&ball(), kUpsideDown, Vec3(-0.99, 0, -1.2)}, {&ball(), kUpsideDown, Vec3(0.99, 0, -1.2)}});
+    FleshContact contact = stands.contact();
+    const FleshContact::Near near{{{0, 1}}, {0, 1}};
+    contact.step(stands, near, {.ground = kFloor}, true);
+    CHECK(contact.bounded());
+    CHECK(contact.force(0).z() > 0.0);
+    // The two are mirror images but for their patches: none is held less for having been looked at later.
+    CHECK(contact.force(1).z() == doctest::Approx(contact.force(0).z()).epsilon(0.1));
+    for (auto& place : stands.places) place.shift.z() = 0.95;
+    contact.step(stands, near, {.ground = kFloor}, true);
+    CHECK_FALSE(contact.bounded());
+}
+
+TEST_CASE("flesh contact: clearances at rest are those of all samples, or less where surfaces are far apart") {
+    const Touched& low = segment();
+    for (const double apart : {0.0, 0.3, 0.9, 6.0}) {
+        CAPTURE(apart);
+        Touched high = low;
+        high.mesh.vertices.col(2).array() += 1.0 + apart;
+        const Stands stands({{&low}, {&high}});
+        const FleshContact contact = stands.contact();
+        const auto surface = [](const Touched& of) {
+            const ElementMesh mesh{of.mesh, {}};
+            return ContactSurface(mesh, TouchSurface::build(mesh, of.faces, of.response).value());
+        };
+        const ContactSurface a = surface(low), b = surface(high);
+        // Opposed after a turn of .5 and as much strain.
+        const double turned = std::cos(std::acos(-0.1) - 1.0);
+        double least = 1e9;
+        for (std::size_t i = 0; i < a.samples(); ++i)
+            for (std::size_t k = 0; k < b.samples(); ++k)
+                if (a.surface().normal(a.vertex(i)).dot(b.surface().normal(b.vertex(k))) < turned) least = std::min(least, (a.surface().vertex(a.vertex(i)) - b.surface().vertex(b.vertex(k))).norm());
+        CHECK(contact.restClearance(0, 1) <= least);
+        if (apart < 0.5) CHECK(contact.restClearance(0, 1) == least);
+        if (apart > 5.0) CHECK(contact.restClearance(0, 1) >= apart);
+    }
+}
