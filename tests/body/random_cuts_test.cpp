@@ -10,6 +10,7 @@
 #include "core/body/cut.h"
 #include "core/mesh/cgal/intersections.h"
 #include "tests/body/cut_checks.h"
+#include "tests/support/left_out.h"
 #include "tests/support/obj.h"
 #include "tests/support/shapes.h"
 #include "tests/support/voxels.h"
@@ -177,10 +178,7 @@ TEST_CASE("random cuts: each plane cuts or is refused with a reason, all is clos
 
 TEST_CASE("random cuts: characters of others") {
     const std::filesystem::path folder = IMOMUSHI_SHARED_MESHES;
-    if (!std::filesystem::exists(folder)) {
-        MESSAGE("skipped: no folder " IMOMUSHI_SHARED_MESHES);
-        return;
-    }
+    if (!std::filesystem::exists(folder)) return leaveOut("no folder " IMOMUSHI_SHARED_MESHES);
     Random random(72);
     for (const char* name :
          {"penguin", "cat-low-resolution", "fish_low_resolution", "koala_low_resolution", "scorpion_low_resolution", "spot_low_resolution", "torus"}) {
@@ -201,10 +199,7 @@ TEST_CASE("random cuts: characters of others") {
 
 TEST_CASE("cuts of a character: the penguin falls into wings, head and trunk") {
     const std::filesystem::path path = std::filesystem::path(IMOMUSHI_SHARED_MESHES) / "penguin.obj";
-    if (!std::filesystem::exists(path)) {
-        MESSAGE("skipped: no " << path.string());
-        return;
-    }
+    if (!std::filesystem::exists(path)) return leaveOut("no " + path.string());
     const TriangleMesh body = readObj(path.string());
     const std::vector<CutPlane> cuts{
         {Vec3(-0.6, 0.2, -0.05), Vec3(-1, -0.6, 0)}, {Vec3(0.62, 0.2, -0.05), Vec3(1, -0.6, 0)}, {Vec3(0, 0.68, 0), Vec3(0, 1, 0)}};

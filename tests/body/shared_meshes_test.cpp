@@ -12,6 +12,7 @@
 #include "core/io/build_result.h"
 #include "core/mesh/bounds.h"
 #include "tests/body/messes.h"
+#include "tests/support/left_out.h"
 
 using namespace imomushi;
 using namespace imomushi::messes;
@@ -27,7 +28,7 @@ Result<RawScene> read(const fs::path& path) {
 
 bool meshesExist() {
     if (fs::exists(IMOMUSHI_SHARED_MESHES)) return true;
-    MESSAGE("skipped: no folder " IMOMUSHI_SHARED_MESHES);
+    leaveOut("no folder " IMOMUSHI_SHARED_MESHES);
     return false;
 }
 

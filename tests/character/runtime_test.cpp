@@ -3,12 +3,11 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <chrono>
-#include <limits>
 #include <random>
 
 #include "core/character/element_runtime.h"
 #include "tests/character/random_characters.h"
+#include "tests/support/allocations.h"
 
 using namespace imomushi;
 
@@ -145,21 +144,19 @@ TEST_CASE("runtime: an edit of one element of 200 costs a small part of a build"
         input.elements[e].response = std::make_shared<const ElementResponse>(buildResponse(in, {}).value());
     }
     for (std::size_t e = 2; e < 199; ++e) input.elements[e].response = input.elements[1].response;
-    const auto milliseconds = [&](const Character* previous) {
-        double best = std::numeric_limits<double>::max();
-        for (int i = 0; i < 3; ++i) {
-            const auto start = std::chrono::steady_clock::now();
-            (void)Character::build(input, previous).value();
-            best = std::min(best, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
-        }
-        return best;
+    const auto asked = [&](const Character* previous) {
+        const std::size_t before = allocations();
+        (void)Character::build(input, previous).value();
+        return allocations() - before;
     };
     const auto first = Character::build(input).value();
-    const double whole = milliseconds(nullptr);
+    const std::size_t whole = asked(nullptr), none = asked(&first);
     input.elements[100].response = std::make_shared<const ElementResponse>(*input.elements[100].response);
-    const double one = milliseconds(&first);
-    MESSAGE("a build of 200 elements takes " << whole << " ms, after an edit of one of them " << one << " ms");
-    CHECK(one < 0.5 * whole);
+    const std::size_t one = asked(&first);
+    MESSAGE("a build of 200 elements asks for memory " << whole << " times, after an edit of one of them " << one << " times, after none " << none << " times");
+    // All elements are made of as much: one is a 200th of what is not taken over.
+    REQUIRE(whole > none);
+    CHECK(one - none <= (whole - none) / 100);
 }
 
 TEST_CASE("effects: numbers that are none are refused, and say which rule they break") {

@@ -19,6 +19,7 @@
 
 #include "tests/io/glb.h"
 #include "tests/support/folder.h"
+#include "tests/support/left_out.h"
 #include "tests/support/shapes.h"
 
 using Json = nlohmann::ordered_json;
@@ -36,6 +37,7 @@ const std::filesystem::path& folder() {
     return folder.path();
 }
 
+using imomushi::leaveOut;
 using imomushi::readFile;
 
 /// Runs a command in the folder; what it printed.
@@ -49,14 +51,14 @@ bool hasNode() {
     int status = 0;
     run("node --version", status);
     const bool there = status == 0 && std::filesystem::exists(IMOMUSHI_CLIENTS "/node_modules/.package-lock.json");
-    if (!there) MESSAGE("skipped: node or its packages are not installed (packaging/install.sh test)");
+    if (!there) leaveOut("node or its packages are not installed (packaging/install.sh test)");
     return there;
 }
 
 bool hasBlender() {
     int status = 0;
     run("blender --version", status);
-    if (status != 0) MESSAGE("skipped: Blender is not installed");
+    if (status != 0) leaveOut("Blender is not installed");
     return status == 0;
 }
 
@@ -132,7 +134,7 @@ Json inThree(const Json& jobs) {
     int status = 0;
     std::string out = run("node '" IMOMUSHI_CLIENTS "/check_browser.js' jobs.json", status);
     if (status == kNoBrowser) {
-        MESSAGE("skipped: WebGL, as Chromium is not installed (packaging/install.sh test)");
+        leaveOut("WebGL, as Chromium is not installed (packaging/install.sh test)");
         out = run("node '" IMOMUSHI_CLIENTS "/check_node.js' jobs.json", status);
     }
     INFO(jobs.dump() << "\n" << out << readFile(folder() / "err"));
@@ -257,10 +259,7 @@ TEST_CASE("clients: the validator finds nothing in any layout of any sample, and
 TEST_CASE("clients: clips of imported skeletons, exported as takes, have the joints of the original file in three.js") {
     namespace fs = std::filesystem;
     if (!hasNode()) return;
-    if (!fs::exists(IMOMUSHI_SHARED_MESHES)) {
-        MESSAGE("skipped: no folder " IMOMUSHI_SHARED_MESHES);
-        return;
-    }
+    if (!fs::exists(IMOMUSHI_SHARED_MESHES)) return leaveOut("no folder " IMOMUSHI_SHARED_MESHES);
     struct Rigged {
         const char *file, *unit;
         double scale;

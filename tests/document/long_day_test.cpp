@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <malloc.h>
 
-#include <algorithm>
 #include <iomanip>
 #include <sstream>
 
 #include "tests/document/hand.h"
 #include "tests/document/workbench.h"
+#include "tests/support/left_out.h"
 #include "tests/support/thorough.h"
 
 using namespace imomushi;
@@ -23,12 +23,6 @@ std::size_t held() {
 #endif
 }
 
-double median(std::vector<std::size_t>::const_iterator begin, std::vector<std::size_t>::const_iterator end) {
-    std::vector<std::size_t> sorted(begin, end);
-    std::sort(sorted.begin(), sorted.end());
-    return static_cast<double>(sorted[sorted.size() / 2]);
-}
-
 }  // namespace
 
 TEST_CASE("a long day: what is held stops growing when the bounds of history, script and responses are reached") {
@@ -42,12 +36,13 @@ TEST_CASE("a long day: what is held stops growing when the bounds of history, sc
     w.session.setScriptBytes(std::size_t{256} << 10);
     const std::string path = (Workbench::folder() / "day.imomushi").string();
     w.good({{"do", "set"}, {"target", "character"}, {"property", "threads"}, {"value", 1}});
-    Hand hand(w.session, 8);
-    std::vector<std::size_t> bytes;
+    std::vector<std::size_t> bytes = {held()};  // after each hour
     std::ostringstream told;
-    double nu = 0.3;
     int cuts = 0;
     for (int hour = 0; hour < hours; ++hour) {
+        // Each hour is like the others, so that nothing but what is kept of former ones makes it hold more.
+        Hand hand(w.session, 8);
+        double nu = 0.3;
         for (int part = 0; part < parts; ++part) {
             w.buildChain();
             w.good({{"do", "record"}, {"take", "dance"}, {"action", "start"}});
@@ -73,14 +68,15 @@ TEST_CASE("a long day: what is held stops growing when the bounds of history, sc
             cuts += w.session.hasScript() ? 0 : 1;
             CHECK(w.session.responses().store().bytes() <= 2 * limits.memory);
             if (part % 5 == 4) w.good({{"do", "save"}, {"path", path}});
-            bytes.push_back(held());
         }
-        told << std::fixed << std::setprecision(2) << (hour > 0 ? ", " : "") << median(bytes.end() - parts, bytes.end()) / 1048576.0;
+        bytes.push_back(held());
+        told << std::fixed << std::setprecision(2) << (hour > 0 ? ", " : "") << static_cast<double>(bytes.back()) / 1048576.0;
     }
-    MESSAGE("MiB held in each hour: " << told.str());
+    MESSAGE("MiB held after each hour: " << told.str());
     CHECK(w.session.steps().size() == 100);
     CHECK(cuts > 0);
-    if (bytes.back() == 0) return;
-    const auto middle = bytes.begin() + std::ssize(bytes) / 2;
-    CHECK(median(middle, bytes.end()) < 1.7 * median(bytes.begin(), middle));  // where all is kept: 2.8
+    if (bytes.back() == 0) return leaveOut("the malloc of this build does not say how much is held");
+    // Where all is kept the second half of the day adds half of what the first hour brought, times the hours.
+    const double first = static_cast<double>(bytes[1]) - static_cast<double>(bytes[0]), later = static_cast<double>(bytes[hours]) - static_cast<double>(bytes[hours / 2]);
+    CHECK(later < 0.1 * first * (hours / 2));
 }

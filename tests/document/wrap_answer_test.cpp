@@ -6,6 +6,7 @@
 
 #include "tests/document/read_character.h"
 #include "tests/document/workbench.h"
+#include "tests/support/left_out.h"
 
 using namespace imomushi;
 namespace fs = std::filesystem;
@@ -66,10 +67,7 @@ struct Handled {
 }  // namespace
 
 TEST_CASE("wraps: a clean character that is wrapped on purpose moves as with its exact body, within 5 %, and what is stated covers it") {
-    if (!fs::exists(IMOMUSHI_SHARED_MESHES)) {
-        MESSAGE("skipped: no folder " IMOMUSHI_SHARED_MESHES);
-        return;
-    }
+    if (!fs::exists(IMOMUSHI_SHARED_MESHES)) return leaveOut("no folder " IMOMUSHI_SHARED_MESHES);
     for (const char* file : {"penguin.obj", "cat-low-resolution.obj", "scorpion_low_resolution.obj"}) {
         CAPTURE(file);
         const fs::path path = fs::path(IMOMUSHI_SHARED_MESHES) / file;

@@ -8,6 +8,7 @@
 #include "core/document/session.h"
 #include "tests/document/workbench.h"
 #include "tests/export/read_glb.h"
+#include "tests/support/left_out.h"
 #include "tests/support/printed.h"
 
 using namespace imomushi;
@@ -28,10 +29,7 @@ Json skeletonData(const std::filesystem::path& glb) {
 }  // namespace
 
 TEST_CASE("driver: smooth joints, gravity and inflation weigh morph targets as the character does") {
-    if (printed("node --version 2>/dev/null").empty()) {
-        MESSAGE("skipped: node is not installed");
-        return;
-    }
+    if (printed("node --version 2>/dev/null").empty()) return leaveOut("node is not installed");
     for (const char* basis : {"paper", "affine", "modes:6"})
         for (const auto& effects : std::initializer_list<std::vector<const char*>>{{}, {"gravity", "inflate"}, {"smooth-joints"}, {"smooth-joints", "gravity", "inflate"}}) {
             CAPTURE(std::string(basis));
@@ -80,10 +78,7 @@ TEST_CASE("driver: smooth joints, gravity and inflation weigh morph targets as t
 }
 
 TEST_CASE("driver: parts of a character are weighed by all elements that move them, with targets of their own or shared") {
-    if (printed("node --version 2>/dev/null").empty()) {
-        MESSAGE("skipped: node is not installed");
-        return;
-    }
+    if (printed("node --version 2>/dev/null").empty()) return leaveOut("node is not installed");
     Workbench w;
     w.good({{"do", "import-character"}, {"path", "snowman"}, {"name", "doll"}});
     w.addFace("doll body", "in", 0, -1);

@@ -1,16 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Second-order finite elements (tests/support/finite_elements.h): an answer to compare with, and what a user would use instead.
-# CHOLMOD solves, gmsh fills bodies with tetrahedra. Without gmsh its tests and the benchmark say so.
-find_path(GMSH_INCLUDE gmsh.h)
-find_library(GMSH_LIBRARY gmsh)
+# CHOLMOD solves, gmsh fills bodies with tetrahedra.
+find_path(GMSH_INCLUDE gmsh.h REQUIRED)
+find_library(GMSH_LIBRARY gmsh REQUIRED)
 add_library(imomushi_finite_elements STATIC ${CMAKE_CURRENT_SOURCE_DIR}/support/finite_elements.cpp ${CMAKE_CURRENT_SOURCE_DIR}/support/reference_case.cpp)
-target_include_directories(imomushi_finite_elements PRIVATE ${CHOLMOD_INCLUDE})
-target_link_libraries(imomushi_finite_elements PUBLIC imomushi_joints PRIVATE nlohmann_json::nlohmann_json ${CHOLMOD_LIBRARY})
-if(GMSH_INCLUDE AND GMSH_LIBRARY)
-    target_compile_definitions(imomushi_finite_elements PRIVATE IMOMUSHI_HAS_GMSH)
-    target_include_directories(imomushi_finite_elements PRIVATE ${GMSH_INCLUDE})
-    target_link_libraries(imomushi_finite_elements PRIVATE ${GMSH_LIBRARY})
-endif()
+target_include_directories(imomushi_finite_elements PRIVATE ${CHOLMOD_INCLUDE} ${GMSH_INCLUDE})
+target_link_libraries(imomushi_finite_elements PUBLIC imomushi_joints PRIVATE nlohmann_json::nlohmann_json ${CHOLMOD_LIBRARY} ${GMSH_LIBRARY})
 
 imomushi_test(finite_elements NUMERIC imomushi_finite_elements imomushi_reduction)
 

@@ -11,6 +11,7 @@
 #include "core/base/finite.h"
 #include "core/io/character_file.h"
 #include "tests/io/files.h"
+#include "tests/support/left_out.h"
 
 using namespace imomushi;
 namespace fs = std::filesystem;
@@ -57,10 +58,7 @@ PlainGlb plainGlb(const fs::path& path) {
 }  // namespace
 
 TEST_CASE("third-party skeletons: bones, skins and clips come as another program counts them") {
-    if (!fs::exists(IMOMUSHI_SHARED_MESHES)) {
-        MESSAGE("skipped: no folder " IMOMUSHI_SHARED_MESHES);
-        return;
-    }
+    if (!fs::exists(IMOMUSHI_SHARED_MESHES)) return leaveOut("no folder " IMOMUSHI_SHARED_MESHES);
     setImportWorker(IMOMUSHI_TEST_IMPORT_WORKER);
     struct Counts {
         std::size_t bones, clips;
@@ -98,10 +96,7 @@ TEST_CASE("third-party skeletons: bones, skins and clips come as another program
 
 TEST_CASE("third-party skeletons: the frog of an FBX file") {
     const fs::path path = fs::path(IMOMUSHI_SHARED_MESHES) / "Easy_Animated_Enemy_Pack_-_Jan_2019__Frog.fbx";
-    if (!fs::exists(path)) {
-        MESSAGE("skipped: no file " << path.string());
-        return;
-    }
+    if (!fs::exists(path)) return leaveOut("no file " + path.string());
     setImportWorker(IMOMUSHI_TEST_IMPORT_WORKER);
     ImportRequest request;
     request.path = path;
@@ -126,10 +121,7 @@ TEST_CASE("third-party skeletons: the frog of an FBX file") {
 }
 
 TEST_CASE("third-party meshes as characters: each readable file gives its own vertices in order, whatever the surface; the others the right reason") {
-    if (!fs::exists(IMOMUSHI_SHARED_MESHES)) {
-        MESSAGE("skipped: no folder " IMOMUSHI_SHARED_MESHES);
-        return;
-    }
+    if (!fs::exists(IMOMUSHI_SHARED_MESHES)) return leaveOut("no folder " IMOMUSHI_SHARED_MESHES);
     setImportWorker(IMOMUSHI_TEST_IMPORT_WORKER);
     const std::map<std::string, std::string> refused = {{"empty.obj", "empty-mesh"}, {"rig-snake.glb", "empty-mesh"}, {"rig-spider.glb", "empty-mesh"}, {"malformed.obj", "bad-file"}, {"truncated_chunk_data.glb", "bad-file"}, {"OutOfMemory.off", "unknown-format"}};
     std::set<std::string> read, bitwise;

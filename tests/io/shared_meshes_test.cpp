@@ -4,15 +4,13 @@
 #include <map>
 
 #include "tests/io/files.h"
+#include "tests/support/left_out.h"
 
 using namespace imomushi;
 namespace fs = std::filesystem;
 
 TEST_CASE("third-party meshes: each is imported, or refused with the right reason") {
-    if (!fs::exists(IMOMUSHI_SHARED_MESHES)) {
-        MESSAGE("skipped: no folder " IMOMUSHI_SHARED_MESHES);
-        return;
-    }
+    if (!fs::exists(IMOMUSHI_SHARED_MESHES)) return leaveOut("no folder " IMOMUSHI_SHARED_MESHES);
     struct Expected {
         const char* code;  ///< of the refusal; "closed", or the issue that keeps a body from being an element
         Eigen::Index vertices = 0, triangles = 0;
@@ -36,7 +34,7 @@ TEST_CASE("third-party meshes: each is imported, or refused with the right reaso
         CAPTURE(name);
         const fs::path path = fs::path(IMOMUSHI_SHARED_MESHES) / name;
         if (!fs::exists(path)) {
-            MESSAGE("skipped: no " << name);
+            leaveOut("no " + name);
             continue;
         }
         const auto answer = io_test::import(path);

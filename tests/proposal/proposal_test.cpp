@@ -19,6 +19,7 @@
 #include "core/mesh/bounds.h"
 #include "core/mesh/health.h"
 #include "tests/support/capsules.h"
+#include "tests/support/left_out.h"
 #include "tests/support/shapes.h"
 
 using namespace imomushi;
@@ -255,10 +256,7 @@ TEST_CASE("mirror planes: found where they are, in any direction, and only there
 }
 
 TEST_CASE("proposals: characters of other people") {
-    if (!fs::exists(IMOMUSHI_SHARED_MESHES)) {
-        MESSAGE("skipped: no folder " IMOMUSHI_SHARED_MESHES);
-        return;
-    }
+    if (!fs::exists(IMOMUSHI_SHARED_MESHES)) return leaveOut("no folder " IMOMUSHI_SHARED_MESHES);
     struct Expected {
         const char* file;
         std::vector<std::string> pieces;  ///< beginnings of names that there must be

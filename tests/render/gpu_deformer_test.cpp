@@ -191,7 +191,6 @@ private:
 }  // namespace
 
 TEST_CASE("gpu: vertices and normals of any character are those that the processor makes") {
-    if (!haveOpenGl()) return;
     std::mt19937 random(11);
     double positions = 0.0, normals = 0.0, largest = 0.0;
     for (int kind = 0; kind < 24; ++kind) {
@@ -219,7 +218,6 @@ TEST_CASE("gpu: vertices and normals of any character are those that the process
 }
 
 TEST_CASE("gpu: render meshes over any character are those that the processor makes, attached parts and joints too") {
-    if (!haveOpenGl()) return;
     std::mt19937 random(12);
     double positions = 0.0, normals = 0.0;
     int compared = 0;
@@ -250,7 +248,6 @@ TEST_CASE("gpu: render meshes over any character are those that the processor ma
 }
 
 TEST_CASE("gpu: what does not move is neither uploaded nor made again") {
-    if (!haveOpenGl()) return;
     Twins twins(caterpillar::make({}));
     Pose pose = restPose(twins.here().input().skeleton);
     twins.update(pose);
@@ -271,7 +268,6 @@ TEST_CASE("gpu: what does not move is neither uploaded nor made again") {
 }
 
 TEST_CASE("gpu: another character is taken over, and a driver's state is left as it was") {
-    if (!haveOpenGl()) return;
     Twins twins(caterpillar::make({}));
     twins.update(restPose(twins.here().input().skeleton));
     auto other = Character::build(caterpillar::make({})).value();

@@ -86,7 +86,6 @@ TEST_CASE("a picture cannot be written where there is no folder") {
 }
 
 TEST_CASE("textures, vertex colours and materials colour a body") {
-    if (!haveOpenGl()) return;
     TestBody body = blob(Vec3::Zero(), Vec3::Ones());
     Scene scene;
     scene.camera.eye = Vec3(0, 0, 5);

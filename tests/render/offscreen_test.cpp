@@ -27,7 +27,6 @@ struct TwoBalls {
 }  // namespace
 
 TEST_CASE("offscreen view: pictures that follow each other are those of a view that draws the first time") {
-    if (!haveOpenGl()) return;
     TwoBalls balls;
     TwoBalls other;
     other.scene.darkTheme = false;
@@ -45,7 +44,6 @@ TEST_CASE("offscreen view: pictures that follow each other are those of a view t
 }
 
 TEST_CASE("an invisible body leaves no trace, and is the same when it is shown again") {
-    if (!haveOpenGl()) return;
     TwoBalls balls;
     OffscreenView view;
     const auto both = view.draw(balls.scene, 120, 80).value();
@@ -58,7 +56,6 @@ TEST_CASE("an invisible body leaves no trace, and is the same when it is shown a
 }
 
 TEST_CASE("a two-sided body that is inside out looks like the same body outside out") {
-    if (!haveOpenGl()) return;
     TwoBalls balls;
     balls.scene.bodies.pop_back();
     const Picture closed = drawn(balls.scene, 120, 80);
@@ -73,7 +70,6 @@ TEST_CASE("a two-sided body that is inside out looks like the same body outside 
 }
 
 TEST_CASE("data colours stay within a fifth of what a legend shows, wherever light and shadow fall") {
-    if (!haveOpenGl()) return;
     TestBody ball = blob(Vec3::Zero(), Vec3::Ones());
     const auto n = ball.mesh->body.vertices.rows();
     RenderMesh& surface = ball.mesh->renderMesh;

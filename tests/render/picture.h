@@ -11,7 +11,7 @@
 
 namespace imomushi {
 
-/// A drawn picture. Where EGL is missing altogether the test that asks for one is left out, and says so.
+/// A drawn picture.
 struct Picture {
     int width = 0, height = 0;
     std::vector<std::uint8_t> rgba;
@@ -36,15 +36,6 @@ inline int differing(const Picture& a, const Picture& b, int by = 8) {
         n += most > by;
     }
     return n;
-}
-
-inline bool haveOpenGl() {
-    static const bool have = [] {
-        const auto context = render::OffscreenContext::create();
-        if (!context) MESSAGE("left out: ", context.error().message);
-        return context.has_value();
-    }();
-    return have;
 }
 
 inline Picture drawn(const render::Scene& scene, int width, int height) {

@@ -46,7 +46,6 @@ struct Live {
 }  // namespace
 
 TEST_CASE("an empty scene is a background that is neither black nor of one colour, and light in the light theme") {
-    if (!haveOpenGl()) return;
     Scene scene;
     for (const bool grid : {true, false}) {
         scene.grid = grid;
@@ -69,7 +68,6 @@ TEST_CASE("an empty scene is a background that is neither black nor of one colou
 }
 
 TEST_CASE("a red sphere is red in the middle, brighter towards the light, and leaves the corners alone") {
-    if (!haveOpenGl()) return;
     SphereScene s;
     const Picture picture = drawn(s.scene, 200, 200);
     const auto middle = picture.at(100, 100);
@@ -82,7 +80,6 @@ TEST_CASE("a red sphere is red in the middle, brighter towards the light, and le
 }
 
 TEST_CASE("two draws of one scene are the same bytes") {
-    if (!haveOpenGl()) return;
     SphereScene s;
     s.scene.bodies[0].selected = true;
     Marker bone;
@@ -94,7 +91,6 @@ TEST_CASE("two draws of one scene are the same bytes") {
 }
 
 TEST_CASE("a transparent picture has no background, and opaque straight colours where a body is") {
-    if (!haveOpenGl()) return;
     SphereScene s;
     s.scene.transparentBackground = true;
     s.scene.grid = false;
@@ -118,7 +114,6 @@ TEST_CASE("a transparent picture has no background, and opaque straight colours 
 }
 
 TEST_CASE("selecting a body draws a line around it and nothing inside or far away") {
-    if (!haveOpenGl()) return;
     SphereScene s;
     const Picture plain = drawn(s.scene, 240, 240);
     s.scene.bodies[0].selected = true;
@@ -137,7 +132,6 @@ TEST_CASE("selecting a body draws a line around it and nothing inside or far awa
 }
 
 TEST_CASE("hovered, out of date, highlighted and x-ray bodies all look different from plain ones") {
-    if (!haveOpenGl()) return;
     SphereScene s;
     const Picture plain = drawn(s.scene, 160, 160);
     s.scene.bodies[0].hovered = true;
@@ -157,7 +151,6 @@ TEST_CASE("hovered, out of date, highlighted and x-ray bodies all look different
 }
 
 TEST_CASE("a ball over the ground darkens it, with and without the grid") {
-    if (!haveOpenGl()) return;
     SphereScene s;
     s.scene.camera.eye = Vec3(0, 4, 5);
     for (const bool grid : {true, false}) {
@@ -180,7 +173,6 @@ TEST_CASE("a ball over the ground darkens it, with and without the grid") {
 }
 
 TEST_CASE("joint, held and pinned points differ by shape: also in a picture without colour") {
-    if (!haveOpenGl()) return;
     Scene scene;
     scene.grid = scene.groundShadow = false;
     scene.camera.eye = Vec3(0, 0, 5);
@@ -203,7 +195,6 @@ TEST_CASE("joint, held and pinned points differ by shape: also in a picture with
 }
 
 TEST_CASE("a point keeps its size in logical pixels: twice as large on a display of twice the density, and at any distance") {
-    if (!haveOpenGl()) return;
     Scene scene;
     scene.grid = scene.groundShadow = false;
     scene.transparentBackground = true;
@@ -226,7 +217,6 @@ TEST_CASE("a point keeps its size in logical pixels: twice as large on a display
 }
 
 TEST_CASE("bones inside a body show through it, dimmer than in front of it") {
-    if (!haveOpenGl()) return;
     SphereScene s;
     const Picture plain = drawn(s.scene, 200, 200);
     Marker bone;
@@ -243,7 +233,6 @@ TEST_CASE("bones inside a body show through it, dimmer than in front of it") {
 }
 
 TEST_CASE("pick answers the body, its triangle and the point under the pointer, and nothing beside it") {
-    if (!haveOpenGl()) return;
     SphereScene s;
     const TestBody second = blob(Vec3(2.5, 0, 0), Vec3(0.5, 0.5, 0.5));
     s.scene.bodies.push_back(second.body(9, kRed));
@@ -286,7 +275,6 @@ TEST_CASE("pick answers the body, its triangle and the point under the pointer, 
 }
 
 TEST_CASE("markers win over bodies within a few pixels, points over bones, and hidden outlines do not") {
-    if (!haveOpenGl()) return;
     SphereScene s;
     Marker bone, point, outline;
     bone.shape = Marker::Shape::Bone;
@@ -318,7 +306,6 @@ TEST_CASE("markers win over bodies within a few pixels, points over bones, and h
 }
 
 TEST_CASE("a new revision is drawn, an unchanged one is not read again") {
-    if (!haveOpenGl()) return;
     SphereScene s;
     Live live;
     GLuint texture = 0, target = 0;
@@ -350,7 +337,6 @@ TEST_CASE("a new revision is drawn, an unchanged one is not read again") {
 }
 
 TEST_CASE("sizes from one pixel to beyond a screen are drawn, larger ones than promised are refused") {
-    if (!haveOpenGl()) return;
     SphereScene s;
     for (const auto& [w, h] : {std::pair{1, 1}, std::pair{3, 700}, std::pair{2600, 1400}}) CHECK(drawn(s.scene, w, h).rgba.size() == std::size_t(w) * h * 4);
     for (const auto& [w, h] : {std::pair{0, 5}, std::pair{5, -1}, std::pair{kLargestSide + 1, 1}, std::pair{kLargestSide, kLargestSide}}) {
@@ -361,7 +347,6 @@ TEST_CASE("sizes from one pixel to beyond a screen are drawn, larger ones than p
 }
 
 TEST_CASE("scenes of the size of a grain and of a mountain are drawn alike") {
-    if (!haveOpenGl()) return;
     const auto picture = [](double scale) {
         const TestBody ball = blob(Vec3::Zero(), Vec3::Constant(scale));
         Scene scene;
@@ -378,7 +363,6 @@ TEST_CASE("scenes of the size of a grain and of a mountain are drawn alike") {
 }
 
 TEST_CASE("while an offscreen context lives its thread has no floating-point traps, afterwards they are as before") {
-    if (!haveOpenGl()) return;
     const int before = fegetexcept();
     {
         Live live;

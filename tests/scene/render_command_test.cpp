@@ -55,7 +55,6 @@ struct Bench {
 }  // namespace
 
 TEST_CASE("render writes a picture of the asked size that shows the element, the same bytes twice") {
-    if (!haveOpenGl()) return;
     Bench bench;
     const Picture first = bench.picture(bench.plain());
     CHECK(first.width == 90);
@@ -67,7 +66,6 @@ TEST_CASE("render writes a picture of the asked size that shows the element, the
 }
 
 TEST_CASE("render takes a camera, a theme, bones, and a transparent background") {
-    if (!haveOpenGl()) return;
     Bench bench;
     const Picture first = bench.picture(bench.plain());
     Json camera = bench.plain();
@@ -120,6 +118,6 @@ TEST_CASE("render refuses what it cannot draw or write, and leaves no undo step"
     CHECK(camera({{"fov", 3.2}}) == "bad-value");
     CHECK(camera({{"fov", "wide"}}) == "bad-value");
     CHECK(camera({{"zoom", 2}}) == "unknown-key");
-    if (haveOpenGl()) CHECK(changed("path", "/no/such/folder/a.png") == "not-writable");
+    CHECK(changed("path", "/no/such/folder/a.png") == "not-writable");
     CHECK(bench.session->position() == steps);
 }

@@ -178,7 +178,7 @@ TEST_CASE("studio: flesh anywhere is pulled by a passing handle, soft while it i
     w.settle();
     CHECK(element().handles.size() == 4);
     waitFor([&] { return w.document().session().responses().fittingOf(id) != nullptr; });
-    QTest::qWait(int(1000.0 * ShapeFade::kSeconds) + 200);
+    waitFor([&] { return !w.view().fading(); });
     w.shoot("passing-kept");
     CHECK(w.now().handleGoals.size() == 1);
     w.trigger("undo");
@@ -205,14 +205,14 @@ TEST_CASE("studio: a body that is to become soft anew keeps its shape until it i
     REQUIRE(!w.document().session().responses().fittingOf(id));
     const QImage waiting = w.view().grabFramebuffer();
     CHECK(!w.document().session().responses().fittingOf(id));
+    CHECK(w.view().fading());
     // While it fades, the processor draws half as many pixels each way: edges look softer. A rigid body differs by more, see below.
     CHECK(different(soft, waiting) < 0.01);
+    // When it is soft it fades from there (tests/scene/shape_fade_test.cpp), and comes to an end.
     waitFor([&] { return w.document().session().responses().fittingOf(id) != nullptr; });
-    const QImage begins = w.view().grabFramebuffer();
-    CHECK(different(soft, begins) < 0.01);
-    QTest::qWait(int(1000.0 * ShapeFade::kSeconds) + 200);
+    waitFor([&] { return !w.view().fading(); });
     w.shoot("anew-after");
-    MESSAGE("pixels that differ: ", different(soft, waiting), " while it waits, ", different(soft, begins), " when it is soft, ", different(soft, w.view().grabFramebuffer()), " then");
+    MESSAGE("pixels that differ: ", different(soft, waiting), " while it waits, ", different(soft, w.view().grabFramebuffer()), " when it is soft");
     // Nothing waits where nobody makes it soft: then what is rigid is seen.
     w.trigger("soft-at-once");
     w.run({{"do", "remove-handle"}, {"handle", element.handles[2].face}});

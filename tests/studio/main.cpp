@@ -9,6 +9,7 @@
 #include "core/io/import.h"
 #include "tests/studio/victim.h"
 #include "tests/studio/window.h"
+#include "tests/support/left_out.h"
 #include "tests/support/own_home.h"
 #include "ui/studio.h"
 #include "ui/widgets/appearance.h"
@@ -24,7 +25,7 @@ int main(int argc, char** argv) {
     QSettings().setValue(QStringLiteral("import/make-soft"), false);
     QSettings().setValue(QStringLiteral("view/picture"), 1);  // four fifths of the time goes into drawing; pictures that are grabbed are fine ones
     imomushi::Appearance::instance().setLanguage(QStringLiteral("en"));
-    const int status = doctest::Context(argc, argv).run();
+    const int status = imomushi::statusOf(doctest::Context(argc, argv).run());
     imomushi::SharedStudio::instance().close();
     return status;
 }

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "tests/studio/window.h"
+#include "tests/support/left_out.h"
 #include "ui/dialogs/bones_dialog.h"
 #include "ui/dialogs/clips_dialog.h"
 #include "ui/panels/takes_panel.h"
@@ -66,10 +67,7 @@ double longestEdge(const CharacterSource& character, const Points& now) {
 }  // namespace
 
 TEST_CASE("studio: a whole penguin is cut into head, wings and trunk by four clicks, gets bones by clicks, and each part is dragged") {
-    if (!std::filesystem::exists(kPenguin)) {
-        MESSAGE("skipped: there is no " << kPenguin.string());
-        return;
-    }
+    if (!std::filesystem::exists(kPenguin)) return leaveOut("there is no " + kPenguin.string());
     Window w;
     w.trigger("soft-at-once");
     QElapsedTimer clock;
@@ -161,10 +159,7 @@ TEST_CASE("studio: a whole penguin is cut into head, wings and trunk by four cli
 }
 
 TEST_CASE("studio: a penguin is made soft as it is imported, in one step, and a part is dragged while drafts are still better") {
-    if (!std::filesystem::exists(kPenguin)) {
-        MESSAGE("skipped: there is no " << kPenguin.string());
-        return;
-    }
+    if (!std::filesystem::exists(kPenguin)) return leaveOut("there is no " + kPenguin.string());
     Window w;
     w.trigger("soft-at-once");
     QSettings().setValue(QStringLiteral("import/make-soft"), true);
@@ -225,10 +220,7 @@ TEST_CASE("studio: a penguin is made soft as it is imported, in one step, and a 
 
 TEST_CASE("studio: a rigged file becomes soft by the bones that are chosen, its clips become takes, and another skeleton takes its place") {
     const std::filesystem::path fox = IMOMUSHI_SHARED_MESHES "/Fox.glb";
-    if (!std::filesystem::exists(fox)) {
-        MESSAGE("skipped: there is no " << fox.string());
-        return;
-    }
+    if (!std::filesystem::exists(fox)) return leaveOut("there is no " + fox.string());
     Window w;
     w.window().files().import({QString::fromStdString(fox.string())}, FileFlow::Lead::RiggedFile);
     auto* dialog = w.window().findChild<ImportDialog*>();
@@ -295,7 +287,7 @@ TEST_CASE("studio: a rigged file becomes soft by the bones that are chosen, its 
     // The bones of another file take the place of these.
     const std::size_t bones = w.now().characters.begin()->second->rig->bones.size();
     const std::filesystem::path spider = IMOMUSHI_SHARED_MESHES "/rig-spider.glb";
-    if (!std::filesystem::exists(spider)) return;
+    if (!std::filesystem::exists(spider)) return leaveOut("there is no " + spider.string());
     w.window().files().importSkeleton(*w.now().characters.begin()->second, QString::fromStdString(spider.string()));
     waitFor([&] { return !w.window().steps().running(); });
     CHECK(w.now().characters.begin()->second->rig->bones.size() != bones);

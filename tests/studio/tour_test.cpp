@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <QDir>
 #include <QDockWidget>
 #include <QFile>
 #include <QLineEdit>
@@ -17,6 +18,7 @@
 using namespace imomushi;
 
 TEST_CASE("studio: samples open in one click and are ready to be dragged") {
+    REQUIRE(samples().size() == QDir(QStringLiteral(IMOMUSHI_SOURCE_DIR "/assets/samples")).entryList({QStringLiteral("*.imomushi")}).size());
     for (const Sample& sample : samples()) {
         CAPTURE(sample.name.toStdString());
         Window w;

@@ -2,6 +2,7 @@
 #include "tests/support/finite_elements.h"
 
 #include <cholmod.h>
+#include <gmsh.h>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -12,10 +13,6 @@
 #include <cmath>
 #include <string>
 #include <unordered_map>
-
-#ifdef IMOMUSHI_HAS_GMSH
-#include <gmsh.h>
-#endif
 
 namespace imomushi::finite_elements {
 namespace {
@@ -118,7 +115,6 @@ Points QuadraticTets::atVertices(const Points& values) const {
     return result;
 }
 
-#ifdef IMOMUSHI_HAS_GMSH
 namespace {
 
 /// Distances to a set of segments.
@@ -310,11 +306,6 @@ Result<QuadraticTets> meshBody(const TriangleMesh& body, std::span<const JointFa
         return fail("mesher", "gmsh could not fill the body: " + reason);
     }
 }
-#else
-Result<QuadraticTets> meshBody(const TriangleMesh&, std::span<const JointFace>, const Grading&) {
-    return fail("no-mesher", "This build has no gmsh; install libgmsh-dev and configure again.");
-}
-#endif
 
 struct Elastostatics::State {
     const QuadraticTets* mesh = nullptr;

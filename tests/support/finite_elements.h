@@ -41,7 +41,7 @@ QuadraticTets quadraticTets(const Points& corners, const Eigen::Matrix<std::int3
                             std::span<const Triangles> faceTriangles);
 
 /// Fills exactly the polyhedron `body` (closed, outward) with tetrahedra; every triangle and every vertex of it is kept.
-/// Errors: "no-mesher" (built without gmsh), "mesher" with gmsh's reason.
+/// Errors: "mesher" with gmsh's reason.
 Result<QuadraticTets> meshBody(const TriangleMesh& body, std::span<const JointFace> faces, const Grading& grading);
 
 /// The stiffness matrix of the nodes that no face holds, factorised (CHOLMOD, supernodal, ordered by METIS).

@@ -4,10 +4,11 @@
 #include <cfenv>
 #include <doctest/doctest.h>
 
+#include "tests/support/left_out.h"
 #include "tests/support/own_home.h"
 
 int main(int argc, char** argv) {
     feenableexcept(FE_DIVBYZERO | FE_INVALID | FE_OVERFLOW);
     imomushi::ownHome();
-    return doctest::Context(argc, argv).run();
+    return imomushi::statusOf(doctest::Context(argc, argv).run());
 }

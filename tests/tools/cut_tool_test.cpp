@@ -140,22 +140,24 @@ TEST_CASE("cuts: a plane that is placed on flesh crosses it; keys move and turn 
 TEST_CASE("cuts: a refused cut changes nothing, says why, and offers the nearest place that works") {
     ToolStage stage;
     addWorm(stage);
-    stage.run({{"do", "cut"}, {"element", "worm"}, {"plane", {{"origin", {1.3, 0, 0}}, {"normal", {1, 0, 0}}}}});
+    // A slanted cut, which a straight one meets where it is placed.
+    stage.run({{"do", "cut"}, {"element", "worm"}, {"plane", {{"origin", {1.3, 0, 0}}, {"normal", {1, 0.6, 0}}}}});
     stage.look(ViewAxis::Front);
-    const auto nearest = nearestCut(stage.now(), stage.element("worm body").id, 0, {Vec3(1.28, 0, 0), Vec3::UnitX()});
     std::vector<Json> offers;
-    QObject::connect(&stage.document(), &StudioDocument::offered, [&](const QString&, const QString&, const Json& command) { offers.push_back(command); });
+    QObject::connect(&stage.document(), &StudioDocument::offered, [&](const QString& why, const QString&, const Json& command) {
+        CHECK(!why.isEmpty());
+        offers.push_back(command);
+    });
     FaceTool tool(stage.document());
     const int before = stage.steps();
     stage.document().select({});
-    stage.click(tool, onLimb(1.28), Qt::ShiftModifier);
+    stage.click(tool, onLimb(1.2), Qt::ShiftModifier);
     tool.key(Qt::Key_X, {});
     tool.key(Qt::Key_Enter, {});
     CHECK(worm(stage).cuts.size() == 1);
     CHECK(stage.steps() == before);
-    CHECK(offers.size() + stage.refusals.size() == 1);
-    CHECK(offers.empty() == !nearest.has_value());
-    if (offers.empty()) return;
+    CHECK(stage.refusals.empty());
+    REQUIRE(offers.size() == 1);
     stage.run(offers[0]);
     CHECK(worm(stage).cuts.size() == 2);
 }

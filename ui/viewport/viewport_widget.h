@@ -96,6 +96,8 @@ public:
     [[nodiscard]] CameraController& cameraController() { return camera_; }
     /// What is shown now; null where there is no OpenGL.
     [[nodiscard]] QImage grabFramebuffer();
+    /// Something is shown between what it was and what it is, or as it was until it is soft.
+    [[nodiscard]] bool fading() const { return fade_.active(); }
 
     [[nodiscard]] QSize sizeHint() const override { return {960, 640}; }
     [[nodiscard]] QSize minimumSizeHint() const override { return {160, 120}; }
