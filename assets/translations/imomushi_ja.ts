@@ -803,6 +803,10 @@
             <translation>解の精度が足りません。細長い三角形がないか確認してください。</translation>
         </message>
         <message>
+            <source>The project was made before the first release of Imomushi, and cannot be opened. Make it again from its meshes or scripts.</source>
+            <translation>最初のリリースより前の Imomushi で作られたプロジェクトは開けません。メッシュまたはスクリプトから作り直してください。</translation>
+        </message>
+        <message>
             <source>The project was made by a newer version of Imomushi. Update to open it.</source>
             <translation>新しい版の Imomushi で作られたプロジェクトです。更新してから開いてください。</translation>
         </message>
@@ -2031,6 +2035,18 @@
     </context>
     <context>
         <name>imomushi::FileFlow</name>
+        <message>
+            <source>, </source>
+            <translation>、</translation>
+        </message>
+        <message>
+            <source>A newer version of Imomushi wrote this project. Opened as a copy: saving it drops %1.</source>
+            <translation>新しい版の Imomushi で作られたプロジェクトです。コピーとして開きました。保存すると次のものは失われます：%1</translation>
+        </message>
+        <message>
+            <source>A newer version of Imomushi wrote this project. What this one does not know has no effect and stays: %1.</source>
+            <translation>新しい版の Imomushi で作られたプロジェクトです。この版にない次のものは働きませんが、そのまま残ります：%1</translation>
+        </message>
         <message>
             <source>Saved “%1”, but no version of it could be kept. %2</source>
             <translation>「%1」を保存しましたが、バージョンは残せませんでした。%2</translation>

@@ -6,8 +6,10 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -169,6 +171,14 @@ struct CharacterSettings {
     bool operator==(const CharacterSettings&) const = default;
 };
 
+/// What a newer program wrote into a project and this one does not know: it has no effect, and is written again as it was.
+struct UnknownRows {
+    std::map<std::string, int> effects;                                               ///< by name, with their state: off, on, automatic
+    std::map<std::pair<std::string, std::string>, std::array<double, 3>> properties;  ///< by effect and name
+    std::map<std::string, std::set<PartId>> elements;                                 ///< that an effect is on
+    std::map<std::string, std::string> settings;                                      ///< of the project
+};
+
 /// What the artist authors, in immutable parts: a change replaces a part by another one. Commands change it (document_edit.h); as frames pass, inverse kinematics
 /// moves `pose` and glides advance (live_character.h).
 struct Document {
@@ -186,6 +196,7 @@ struct Document {
     std::vector<Touch> touches;        ///< fingers that are down
     Pose pose;                         ///< empty: at rest
     PartId nextId = 1;
+    UnknownRows unknown;
 
     [[nodiscard]] const Element* elementNamed(std::string_view name) const;
     [[nodiscard]] const Bone* boneNamed(std::string_view name) const;

@@ -66,6 +66,14 @@ Json contents(const Session& session) {
     answer["held"] = std::move(held);
     answer["basis"] = basisName(document.settings.basis);
     answer["characters"] = charactersJson(document);
+    if (const UnknownRows& unknown = document.unknown; !(unknown.effects.empty() && unknown.properties.empty() && unknown.settings.empty())) {
+        Json names = Json::array();
+        for (const auto& [name, state] : unknown.effects) names.push_back(name);
+        for (const auto& [of, values] : unknown.properties)
+            if (!unknown.effects.contains(of.first)) names.push_back(of.first + "/" + of.second);
+        for (const auto& [name, value] : unknown.settings) names.push_back(name);
+        answer["unknown"] = std::move(names);
+    }
     return answer;
 }
 
@@ -102,9 +110,13 @@ Result<Json> open(SessionAccess& access, const Json& arguments, const Progress&)
     if (!project) return tl::unexpected(project.error());
     removeAbandonedPartsOf(*path);
     const Json* original = find(arguments, "as");
-    access.replace(std::move(*project), original ? std::filesystem::path(original->get_ref<const std::string&>()) : version ? std::filesystem::path() : *path, !original && !version, arguments);
+    const std::vector<std::string> dropped = project->dropped;
+    // What saving would drop is not lost by an absent-minded "save".
+    const bool copy = version || !dropped.empty();
+    access.replace(std::move(*project), original ? std::filesystem::path(original->get_ref<const std::string&>()) : copy ? std::filesystem::path() : *path, !original && !copy, arguments);
     Json answer = contents(access.session);
     addFoundParents(access.session, answer);
+    if (!dropped.empty()) answer["dropped"] = dropped;
     return answer;
 }
 
@@ -163,7 +175,8 @@ Result<Json> saveScript(SessionAccess& access, const Json& arguments, const Prog
 void addFileCommands(CommandRegistry& registry) {
     using Type = CommandKey::Type;
     registry.addAction("new", "Begins an empty document; the history begins anew.", {{"path", Type::Text, false, "Where a later save without a path goes."}}, newDocument);
-    registry.addAction("open", "Opens a project; the history begins anew.",
+    registry.addAction("open", "Opens a project; the history begins anew. \"unknown\": effects and settings of a newer program, which stay; \"dropped\": tables of one, which saving drops, "
+                       "so that it is opened as an unsaved copy.",
                        {{"path", Type::Text, true, "A .imomushi file."},
                         {"as", Type::Text, false, "The file that this is an unsaved copy of, empty: of none. For recovery."},
                         {"version", Type::Integer, false, "Of those that \"versions\" lists, instead of the file as it is now: an unsaved copy."}}, open);

@@ -9,8 +9,8 @@ namespace imomushi {
 
 namespace {
 
-/// Bytes: a take that is being recorded ends there.
-constexpr std::size_t kMaxTakeBytes = std::size_t{1} << 31;
+/// Bytes in memory: a take that is being recorded ends there. An hour of thirty elements that all move takes about 2.5e9. Saving needs a block more.
+constexpr std::size_t kMaxTakeBytes = std::size_t{1} << 32;
 
 bool sameTarget(const EndpointGoal& a, const EndpointGoal& b) { return a.pinned == b.pinned && a.target == b.target && a.roll == b.roll; }
 

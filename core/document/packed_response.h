@@ -14,7 +14,7 @@ namespace imomushi {
 /// number is not finite.
 Result<std::vector<std::byte>> packResponse(const ElementResponse& response);
 
-/// The response that packResponse() got, bit by bit. `body`, `faces`: what it was built for. Trusts nothing in `bytes`. Errors: "damaged".
+/// The response that packResponse() got, bit by bit. `body`, `faces`: what it was built for. Trusts nothing in `bytes`. Errors: "damaged", "not-readable".
 Result<ElementResponse> unpackResponse(std::span<const std::byte> bytes, const TriangleMesh& body, std::span<const JointFace> faces);
 
 }  // namespace imomushi

@@ -13,7 +13,6 @@ namespace {
 constexpr const char* kAttachmentTables = R"(
 CREATE TABLE attachments (character INTEGER, part INTEGER, shell INTEGER, mode INTEGER, pivot BLOB, element INTEGER, PRIMARY KEY (character, part, shell));
 CREATE TABLE part_turns (character INTEGER, part INTEGER, shell INTEGER, turn BLOB, from_turn BLOB, seconds REAL, elapsed REAL, PRIMARY KEY (character, part, shell));
-CREATE TABLE take_turns (take INTEGER PRIMARY KEY, turns INTEGER);
 )";
 
 PartRef readPart(RowReader& row, const Document& document) {
@@ -41,9 +40,6 @@ void writeAttachments(Database& db, const Document& document) {
         const Eigen::Vector4d target = turn.target.coeffs(), from = turn.from.coeffs();
         turns.row(ref.character, ref.part.part, ref.part.shell, target, from, turn.seconds, turn.elapsed);
     }
-    RowWriter takes(db, "INSERT INTO take_turns VALUES (?,?)");
-    for (const auto& [id, take] : document.takes)
-        if (take->layout.turns > 0) takes.row(id, take->layout.turns);
 }
 
 void readAttachments(Database& db, Document& document) {
@@ -72,17 +68,6 @@ void readAttachments(Database& db, Document& document) {
         goal.elapsed = turns.real(0.0, 1e6);
         document.turns.emplace(ref, goal);
     }
-}
-
-std::map<PartId, int> readTakeTurns(Database& db) {
-    constexpr std::int64_t kMostTurns = 1'000'000;
-    std::map<PartId, int> turns;
-    RowReader rows(db, "SELECT * FROM take_turns ORDER BY take");
-    while (rows.next()) {
-        const PartId take = readId(rows);
-        turns.emplace(take, static_cast<int>(rows.integer(1, kMostTurns)));
-    }
-    return turns;
 }
 
 }  // namespace imomushi

@@ -22,13 +22,10 @@ struct ReadFile {
 /// Errors: "file-not-found", "not-readable".
 Result<ReadFile> openToRead(const std::filesystem::path& path);
 
-/// The project of a database of a known version, if its content matches its digest.
-Project readChecked(Database& db, std::int64_t version);
+/// The project of a database, if it has the format of this program and its content matches its digest.
+Project readChecked(Database& db);
 
-/// Copies the tables of a project file of format `version`, unchecked, into an empty database, which gets a digest of its own.
-void copyProject(Database& from, Database& to, int version);
-
-/// The oldest format that copyProject() knows.
-inline constexpr int kOldestCopied = 5;
+/// Copies the tables of a project file that this program knows, unchecked, into an empty database, which gets a digest of its own.
+void copyProject(Database& from, Database& to);
 
 }  // namespace imomushi

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <array>
+#include <utility>
 
 #include "core/document/project_rows.h"
 #include "core/document/project_tables.h"
@@ -32,45 +34,55 @@ void writeEffects(Database& db, const Document& document) {
         }
         for (const PartId element : effect.elements) elements.row(name, element);
     }
+    for (const auto& [name, state] : document.unknown.effects) effects.row(name, state);
+    for (const auto& [of, values] : document.unknown.properties) settings.row(of.first, of.second, values[0], values[1], values[2]);
+    for (const auto& [name, on] : document.unknown.elements)
+        for (const PartId element : on)
+            if (document.elements.contains(element)) elements.row(name, element);
 }
 
 void readEffects(Database& db, Document& document) {
-    const auto kindOf = [](RowReader& rows) {
-        const auto kind = effectNamed(rows.text());
-        require(kind.has_value(), "an effect is unknown");
-        return *kind;
+    // What this program does not know stays as rows.
+    const auto known = [](const std::string& effect) {
+        require(isUtf8(effect), "a text is not UTF-8");
+        return effectNamed(effect);
     };
+    UnknownRows& unknown = document.unknown;
     RowReader effects(db, "SELECT * FROM effects");
     while (effects.next()) {
-        const EffectKind kind = kindOf(effects);
-        const auto state = effects.integer(0, 2);
-        require(state < 2 || effectDescriptor(kind).canBeAutomatic, "an effect cannot be automatic");
-        document.effects[kind].enabled = state > 0;
-        document.effects[kind].automatic = state == 2;
+        const std::string name = effects.text();
+        const auto state = static_cast<int>(effects.integer(0, 2));
+        const auto kind = known(name);
+        if (!kind) {
+            unknown.effects.emplace(name, state);
+            continue;
+        }
+        require(state < 2 || effectDescriptor(*kind).canBeAutomatic, "an effect cannot be automatic");
+        document.effects[*kind].enabled = state > 0;
+        document.effects[*kind].automatic = state == 2;
     }
     RowReader settings(db, "SELECT * FROM effect_settings");
-    bool sag = false;
     while (settings.next()) {
-        const EffectKind kind = kindOf(settings);
-        const std::string name = settings.text();
-        const auto properties = effectProperties(kind);
+        const std::string effect = settings.text(), name = readUtf8(settings);
+        const auto kind = known(effect);
+        const auto properties = kind ? effectProperties(*kind) : std::span<const EffectProperty>();
         const auto property = std::find_if(properties.begin(), properties.end(), [&](const EffectProperty& p) { return p.name == name; });
-        require(property != properties.end(), "a setting of an effect is unknown");
-        sag = sag || (kind == EffectKind::Gravity && name == "sag");
+        if (property == properties.end()) {
+            const double x = settings.real(), y = settings.real(), z = settings.real();
+            unknown.properties.emplace(std::pair(effect, name), std::array{x, y, z});
+            continue;
+        }
         for (int i = 0; i < property->size; ++i)
-            document.effects[kind].values[static_cast<std::size_t>(Effects::place(kind, name) + i)] = settings.real(property->low, property->high);
-    }
-    // Files from before the sag keep every number, set or not: the modulus that it had at first, where there is no gravity, was never chosen.
-    if (Effect& gravity = document.effects[EffectKind::Gravity]; !sag && !gravity.enabled) {
-        double& modulus = gravity.values[static_cast<std::size_t>(Effects::place(EffectKind::Gravity, "shear-modulus"))];
-        if (modulus == 3000.0) modulus = 0.0;
+            document.effects[*kind].values[static_cast<std::size_t>(Effects::place(*kind, name) + i)] = settings.real(property->low, property->high);
     }
     RowReader elements(db, "SELECT * FROM effect_elements");
     while (elements.next()) {
-        const EffectKind kind = kindOf(elements);
+        const std::string effect = elements.text();
         const PartId element = readId(elements);
-        require(isOfElements(kind) && document.elements.contains(element), "an effect is on an element that is not there");
-        document.effects[kind].elements.insert(element);
+        require(document.elements.contains(element), "an effect is on an element that is not there");
+        const auto kind = known(effect);
+        require(!kind || isOfElements(*kind), "an effect is on an element that is not there");
+        (kind ? document.effects[*kind].elements : unknown.elements[effect]).insert(element);
     }
 }
 

@@ -17,7 +17,7 @@ CREATE TABLE meshes (id INTEGER PRIMARY KEY, vertices BLOB, triangles BLOB, rend
 CREATE TABLE materials (mesh INTEGER, position INTEGER, name TEXT, base_color BLOB, metallic REAL, roughness REAL, texture INTEGER,
     PRIMARY KEY (mesh, position));
 CREATE TABLE textures (mesh INTEGER, position INTEGER, name TEXT, mime_type TEXT, bytes BLOB, PRIMARY KEY (mesh, position));
-CREATE TABLE elements (id INTEGER PRIMARY KEY, name TEXT, mesh INTEGER, nu REAL, stiffness REAL, density REAL, color BLOB, visible INTEGER,
+CREATE TABLE elements (id INTEGER PRIMARY KEY, name TEXT, mesh INTEGER, nu REAL, stiffness REAL, density REAL, damping REAL, color BLOB, visible INTEGER,
     locked INTEGER, solver_mesh TEXT, joint_planes INTEGER);
 CREATE TABLE issues (element INTEGER, position INTEGER, severity INTEGER, code TEXT, text TEXT, count INTEGER, fixed INTEGER,
     triangles BLOB, vertices BLOB, PRIMARY KEY (element, position));
@@ -63,9 +63,9 @@ MeshIssue readIssue(RowReader& row, const TriangleMesh& mesh) {
 void createElementTables(Database& db) { db.run(kElementTables); }
 
 void writeElements(Database& db, const Document& document, const MeshIds& meshIds) {
-    RowWriter elements(db, "INSERT INTO elements VALUES (?,?,?,?,?,?,?,?,?,?,?)");
+    RowWriter elements(db, "INSERT INTO elements VALUES (?,?,?,?,?,?,?,?,?,?,?,?)");
     for (const auto& [id, e] : document.elements)
-        elements.row(id, e->name, meshIds.at(e->mesh.get()), e->nu, e->stiffness, e->density, e->color, e->visible, e->locked, solverMeshName(e->solverMesh),
+        elements.row(id, e->name, meshIds.at(e->mesh.get()), e->nu, e->stiffness, e->density, e->damping, e->color, e->visible, e->locked, solverMeshName(e->solverMesh),
                      static_cast<int>(e->jointPlanes));
     RowWriter issues(db, "INSERT INTO issues VALUES (?,?,?,?,?,?,?,?,?)");
     for (const auto& [id, e] : document.elements)
@@ -97,6 +97,7 @@ void readElements(Database& db, Document& document, const ReadMeshes& meshes) {
         e.nu = elements.real(0.0, 0.5);
         e.stiffness = elements.real(1e-6, 1e6);
         e.density = elements.real(1e-3, 1e6);
+        e.damping = elements.real(0.0, Element::kMaxDamping);
         const auto color = elements.array<float>(3);
         require(color.size() == 3 && allFinite(color) && std::all_of(color.begin(), color.end(), [](float c) { return c >= 0.0f && c <= 1.0f; }), "a colour is broken");
         e.color = Eigen::Vector3f(color[0], color[1], color[2]);
@@ -141,25 +142,6 @@ void readElements(Database& db, Document& document, const ReadMeshes& meshes) {
     for (auto& [part, element] : read) {
         require(checkNewName(document, element.name).has_value(), "a name is broken or used twice");
         document.elements.emplace(part, std::make_shared<const Element>(std::move(element)));
-    }
-}
-
-void createDampingTable(Database& db) { db.run("CREATE TABLE element_damping (element INTEGER PRIMARY KEY, damping REAL)"); }
-
-void writeDamping(Database& db, const Document& document) {
-    RowWriter rows(db, "INSERT INTO element_damping VALUES (?,?)");
-    for (const auto& [id, element] : document.elements)
-        if (element->damping != Element().damping) rows.row(id, element->damping);
-}
-
-void readDamping(Database& db, Document& document) {
-    RowReader rows(db, "SELECT * FROM element_damping ORDER BY element");
-    while (rows.next()) {
-        const PartId part = readId(rows);
-        require(document.elements.contains(part), "a damping is of no element");
-        Element element = *document.elements.at(part);
-        element.damping = rows.real(0.0, Element::kMaxDamping);
-        document.elements.at(part) = std::make_shared<const Element>(std::move(element));
     }
 }
 

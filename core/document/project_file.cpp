@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cstring>
 #include <initializer_list>
 #include <set>
@@ -15,50 +16,70 @@
 #include "core/document/project_rows.h"
 #include "core/document/project_tables.h"
 #include "core/document/response_rows.h"
-#include "core/document/version.h"
 
 namespace imomushi {
 
 namespace {
 
-constexpr const char* kProjectTable = R"(
-CREATE TABLE info (name TEXT PRIMARY KEY, value TEXT NOT NULL);
-CREATE TABLE settings (basis TEXT, format TEXT, threads INTEGER, next_id INTEGER);
-)";
-
-/// Has arrays in parts.
-constexpr int kDividedVersion = 12;
-
-constexpr const char* kUseTable = R"(
+constexpr const char* kProjectTables = R"(
+CREATE TABLE settings (name TEXT PRIMARY KEY, value TEXT);
 CREATE TABLE element_responses (element INTEGER PRIMARY KEY, response INTEGER);
 )";
 
-/// Those that came after version `from`, up to `to`. In this order: the same project gives the same bytes.
-void createTables(Database& db, int from, int to) {
-    const auto came = [&](int version) { return from < version && version <= to; };
-    if (came(5)) {
-        db.run(kProjectTable);
-        createElementTables(db);
-        createSkeletonTables(db);
-        createResponseTable(db);
-        db.run(kUseTable);
-        createTouchTable(db);
-        createTakeTables(db);
-        createEffectTables(db);
+void createTables(Database& db) {
+    db.run(kProjectTables);
+    createElementTables(db);
+    createCharacterTables(db);
+    createSkeletonTables(db);
+    createHandleTables(db);
+    createAttachmentTables(db);
+    createRigTables(db);
+    createMorphTables(db);
+    createEffectTables(db);
+    createTakeTables(db);
+    createResponseTables(db);
+    db.createPartTable();
+}
+
+constexpr const char *kBasis = "basis", *kFormat = "format", *kThreads = "threads", *kNextId = "next-id";
+
+void writeSettings(Database& db, const Document& document) {
+    RowWriter settings(db, "INSERT INTO settings VALUES (?,?)");
+    settings.row(kBasis, basisName(document.settings.basis));
+    settings.row(kFormat, formatName(document.settings.format));
+    settings.row(kThreads, std::to_string(document.settings.threads));
+    settings.row(kNextId, std::to_string(document.nextId));
+    for (const auto& [name, value] : document.unknown.settings) settings.row(name, value);
+}
+
+void readSettings(Database& db, Document& document) {
+    std::map<std::string, std::string> all;
+    RowReader settings(db, "SELECT * FROM settings ORDER BY name");
+    while (settings.next()) {
+        std::string name = readUtf8(settings);
+        all.emplace(std::move(name), readUtf8(settings));
     }
-    if (came(6)) {
-        createHandleTables(db);
-        createCharacterTables(db);
-    }
-    if (came(7)) createAttachmentTables(db);
-    if (came(8)) createRigTables(db);
-    if (came(9)) createMorphTables(db);
-    if (came(10)) {
-        createFilledTable(db);
-        createMorphTrackTable(db);
-    }
-    if (came(11)) createBonePropertyTables(db);
-    if (came(13)) createDampingTable(db);
+    const auto take = [&](const char* name) {
+        auto found = all.extract(name);
+        require(!found.empty(), "a setting is missing");
+        return found.mapped();
+    };
+    const auto number = [&](const char* name, std::int64_t low, std::int64_t high) {
+        const std::string text = take(name);
+        std::int64_t value = 0;
+        const auto read = std::from_chars(text.data(), text.data() + text.size(), value);
+        require(read.ec == std::errc() && read.ptr == text.data() + text.size() && value >= low && value <= high, "a setting is out of range");
+        return value;
+    };
+    const auto basis = parseBasis(take(kBasis));
+    require(basis.has_value(), "the basis is unknown");
+    document.settings.basis = *basis;
+    const auto format = responseFormat(take(kFormat));
+    require(format.has_value(), "the format is unknown");
+    document.settings.format = *format;
+    document.settings.threads = static_cast<int>(number(kThreads, 0, 1024));
+    document.nextId = static_cast<PartId>(number(kNextId, 1, kMaxId));
+    document.unknown.settings = std::move(all);
 }
 
 /// Each response once, though elements share it.
@@ -72,8 +93,8 @@ void writeProjectResponses(Database& db, const Project& project) {
     for (const auto& [element, r] : project.responses) uses.row(element, ids.at(r.key));
 }
 
-void readProjectResponses(Database& db, Project& project, const ResponseTables& tables, bool keep) {
-    auto read = readResponses(db, tables, keep);
+void readProjectResponses(Database& db, Project& project, bool keep) {
+    auto read = readResponses(db, keep);
     std::set<std::int64_t> warped;  // elements that share a response are the same
     RowReader uses(db, "SELECT * FROM element_responses ORDER BY element");
     while (uses.next()) {
@@ -89,34 +110,22 @@ void readProjectResponses(Database& db, Project& project, const ResponseTables& 
     }
 }
 
-/// keepResponses false: checks them and keeps none of their matrices.
-Project readProject(Database& db, std::int64_t version, bool keepResponses) {
+/// keep false: checks responses and takes, and keeps none of their numbers.
+Project readProject(Database& db, bool keep) {
     Project project;
     Document& document = project.document;
-    RowReader settings(db, "SELECT * FROM settings");
-    require(settings.next(), "the settings are missing");
-    const auto basis = parseBasis(settings.text());
-    require(basis.has_value(), "the basis is unknown");
-    document.settings.basis = *basis;
-    const auto format = responseFormat(settings.text());
-    require(format.has_value(), "the format is unknown");
-    document.settings.format = *format;
-    document.settings.threads = static_cast<int>(settings.integer(0, 1024));
-    document.nextId = readId(settings);
+    readSettings(db, document);
     const ReadMeshes meshes = readMeshes(db);
     readElements(db, document, meshes);
-    if (version >= 13) readDamping(db, document);
-    readSkeleton(db, document, version >= 11);
-    if (version >= 3) readProjectResponses(db, project, {version >= 4, version >= 10}, keepResponses);  // older ones are of older solvers
-    if (version >= 4) readEffects(db, document);
-    if (version >= 5) readTakes(db, document, version >= 7 ? readTakeTurns(db) : std::map<PartId, int>(), version >= 9 ? readTakeMorphs(db) : std::map<PartId, int>());
-    if (version >= 6) {
-        readHandles(db, document);
-        readCharacters(db, document, meshes);
-    }
-    if (version >= 7) readAttachments(db, document);
-    if (version >= 8) readRigs(db, document, version);
-    if (version >= 9) readMorphs(db, document);
+    readSkeleton(db, document);
+    readProjectResponses(db, project, keep);
+    readEffects(db, document);
+    readTakes(db, document, keep);
+    readHandles(db, document);
+    readCharacters(db, document, meshes);
+    readAttachments(db, document);
+    readRigs(db, document);
+    readMorphs(db, document);
     std::set<PartId> ids;
     const auto unique = [&](PartId part) { require(part < document.nextId && ids.insert(part).second, "an id is used twice"); };
     for (const auto& [part, element] : document.elements) unique(part);
@@ -140,7 +149,7 @@ std::string partAt(const Project& project, const Database::Row& row) {
     };
     const auto isOneOf = [&](std::initializer_list<const char*> tables) { return std::any_of(tables.begin(), tables.end(), [&](const char* table) { return row.table == table; }); };
     if (isOneOf({"elements", "issues", "faces", "pieces", "piece_sides", "handles", "handle_goals", "element_responses"})) return called("element", document.elements, id);
-    if (isOneOf({"bones", "held", "bone_properties", "held_turns"})) return called("bone", document.bones, id);
+    if (isOneOf({"bones", "held"})) return called("bone", document.bones, id);
     if (row.table.starts_with("take")) return called("take", document.takes, id);
     if (row.table.starts_with("character") || row.table.starts_with("rig") || row.table.starts_with("morph") || isOneOf({"attachments", "part_turns"})) return called("character", document.characters, id);
     if (isOneOf({"meshes", "materials", "textures"})) {
@@ -159,81 +168,38 @@ std::string partAt(const Project& project, const Database::Row& row) {
     return {};
 }
 
-void beginProject(Database& db, int version) {
+void beginProject(Database& db) {
     db.run(("PRAGMA application_id=" + std::to_string(kProjectApplicationId)).c_str());
+    db.run(("PRAGMA user_version=" + std::to_string(kProjectVersion)).c_str());
     db.run("BEGIN");
-    createTables(db, 0, version);
+    createTables(db);
 }
 
 /// Ends what beginProject() began, when all rows are there.
-void finishProject(Database& db, int version) {
-    if (db.divided() && version < kDividedVersion) {
-        createTables(db, version, kDividedVersion);
-        version = kDividedVersion;
-    }
-    db.run(("PRAGMA user_version=" + std::to_string(version)).c_str());
-    {
-        const std::string digest = db.digest(projectTables(version));
-        RowWriter info(db, "INSERT INTO info VALUES (?,?)");
-        info.row("program", std::string("imomushi ") + kVersion);
-        info.row("digest", digest);
-    }
+void finishProject(Database& db) {
+    db.seal();
     db.run("COMMIT");
 }
 
 void writeProject(Database& db, const Project& project) {
     const Document& document = project.document;
-    const int version = projectVersion(project);
-    beginProject(db, version);
-    {
-        RowWriter settings(db, "INSERT INTO settings VALUES (?,?,?,?)");
-        settings.row(basisName(document.settings.basis), formatName(document.settings.format), document.settings.threads, document.nextId);
-    }
+    beginProject(db);
+    writeSettings(db, document);
     const MeshIds meshes = writeMeshes(db, document);
     writeElements(db, document, meshes);
     writeSkeleton(db, document);
     writeProjectResponses(db, project);
     writeEffects(db, document);
     writeTakes(db, document);
-    if (version >= 6) {
-        writeHandles(db, document);
-        writeCharacters(db, document, meshes);
-    }
-    if (version >= 7) writeAttachments(db, document);
-    if (version >= 8) writeRigs(db, document);
-    if (version >= 9) writeMorphs(db, document);
-    if (version >= 10) writeMorphTracks(db, document);
-    if (version >= 11) writeBoneProperties(db, document);
-    if (version >= 13) writeDamping(db, document);
-    finishProject(db, version);
+    writeHandles(db, document);
+    writeCharacters(db, document, meshes);
+    writeAttachments(db, document);
+    writeRigs(db, document);
+    writeMorphs(db, document);
+    finishProject(db);
 }
 
 }  // namespace
-
-int projectVersion(const Document& document) {
-    if (std::any_of(document.elements.begin(), document.elements.end(), [](const auto& part) { return part.second->damping != Element().damping; })) return 13;
-    if (std::any_of(document.bones.begin(), document.bones.end(), [](const auto& part) { return hasProperties(*part.second); }) ||
-        std::any_of(document.goals.begin(), document.goals.end(), [](const auto& part) { return part.second.turn.has_value(); }))
-        return 11;
-    const auto anyCharacter = [&](const auto& has) { return std::any_of(document.characters.begin(), document.characters.end(), [&](const auto& part) { return has(*part.second); }); };
-    const auto named = [](const RigNode& node) { return !node.name.empty(); };
-    const auto weighs = [](const RigClip& clip) { return !clip.morphs.empty(); };
-    if (anyCharacter([&](const CharacterSource& c) { return c.rig && std::any_of(c.rig->clips.begin(), c.rig->clips.end(), weighs); })) return 10;
-    if (anyCharacter([&](const CharacterSource& c) { return !c.model->morphs.empty() || (c.rig && std::any_of(c.rig->nodes.begin(), c.rig->nodes.end(), named)); }) ||
-        std::any_of(document.takes.begin(), document.takes.end(), [](const auto& part) { return part.second->layout.morphs > 0; }))
-        return 9;
-    if (anyCharacter([](const CharacterSource& c) { return c.rig != nullptr; })) return 8;
-    const bool attached = std::any_of(document.characters.begin(), document.characters.end(), [](const auto& part) { return !part.second->attachments.empty(); });
-    const bool turned = std::any_of(document.takes.begin(), document.takes.end(), [](const auto& part) { return part.second->layout.turns > 0; });
-    if (attached || turned) return 7;
-    const bool handles = std::any_of(document.elements.begin(), document.elements.end(), [](const auto& part) { return !part.second->handles.empty(); });
-    return handles || !document.characters.empty() ? 6 : 5;
-}
-
-int projectVersion(const Project& project) {
-    const bool filled = std::any_of(project.responses.begin(), project.responses.end(), [](const auto& part) { return saysFilling(*part.second.response); });
-    return std::max(filled ? 10 : 0, projectVersion(project.document));
-}
 
 ReadFile::ReadFile(const std::filesystem::path& path) : descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {}
 ReadFile::ReadFile(ReadFile&& other) noexcept : descriptor(std::exchange(other.descriptor, -1)) {}
@@ -251,17 +217,22 @@ Result<ReadFile> openToRead(const std::filesystem::path& path) {
     return file;
 }
 
-Project readChecked(Database& db, std::int64_t version) {
-    RowReader info(db, "SELECT value FROM info WHERE name='digest'");
-    require(info.next() && info.text() == db.digest(projectTables(version)), "its content does not match its digest");
-    return readProject(db, version, true);
+Project readChecked(Database& db) {
+    Database model;
+    createTables(model);
+    model.seal();
+    std::vector<std::string> others = db.compareSchema(model);
+    db.checkSeal();
+    Project project = readProject(db, true);
+    project.dropped = std::move(others);
+    return project;
 }
 
-void copyProject(Database& from, Database& to, int version) {
-    beginProject(to, version);
-    for (const std::string_view table : projectTables(version))
-        if (table != "value_parts") to.addRows(from, table.data());  // they come with the arrays that they are of
-    finishProject(to, version);
+void copyProject(Database& from, Database& to) {
+    beginProject(to);
+    for (const std::string& table : to.tables())
+        if (table != Database::kPartTable) to.addRows(from, table);  // these come with the arrays that they are of
+    finishProject(to);
 }
 
 Result<void> saveProject(const std::filesystem::path& path, const Project& project) {
@@ -275,14 +246,15 @@ Result<void> saveProject(const std::filesystem::path& path, const Project& proje
         // What is saved opens: it is read as openProject() will read it.
         Database db(file.descriptor(), Database::Access::Read);
         try {
-            readProject(db, db.number("PRAGMA user_version"), false);
+            readProject(db, false);
         } catch (const DatabaseError& reason) {
+            if (!reason.damaged()) throw;
             const std::string part = partAt(project, db.row());
             return fail("not-sound", "The project cannot be saved, for it would not open again (" + (part.empty() ? part : part + ": ") + reason.what() +
                                          "): undo what made it so, or remove that part. Nothing was replaced.");
         }
     } catch (const DatabaseError& error) {
-        if (error.diskFull) return failDiskFull(path);
+        if (error.kind == DatabaseError::Kind::DiskFull) return failDiskFull(path);
         return fail("not-writable", std::string("The project could not be written (") + error.what() + "): nothing was changed on the disk.");
     }
     return file.finish();
@@ -304,8 +276,11 @@ Result<Project> openProject(const std::filesystem::path& path) {
             return fail("newer-version", name + " was written by a newer version of Imomushi (format " + std::to_string(version) + ", this program knows " +
                                              std::to_string(kProjectVersion) + "): update the program.");
         require(version >= 1, "its version is unknown");
-        return readChecked(db, version);
+        if (version < kProjectVersion)
+            return fail("before-release", name + " was made before the first release of Imomushi (format " + std::to_string(version) + "), which this program does not open: make it again from its meshes or scripts.");
+        return readChecked(db);
     } catch (const DatabaseError& reason) {
+        if (!reason.damaged()) return fail("not-readable", name + " could not be read (" + reason.what() + "): nothing says that it is damaged; try again.");
         return fail("damaged", name + " is damaged (" + reason.what() + "): open an earlier version of it.");
     }
 }

@@ -13,10 +13,11 @@ namespace {
 constexpr const char* kRigTables = R"(
 CREATE TABLE rigs (character INTEGER PRIMARY KEY, to_scene BLOB, first BLOB, bone BLOB, weight BLOB);
 CREATE TABLE rig_bones (character INTEGER, position INTEGER, name TEXT, parent INTEGER, node INTEGER, head BLOB, tail BLOB, rotation BLOB, PRIMARY KEY (character, position));
-CREATE TABLE rig_nodes (character INTEGER, position INTEGER, parent INTEGER, translation BLOB, rotation BLOB, scale BLOB, PRIMARY KEY (character, position));
+CREATE TABLE rig_nodes (character INTEGER, position INTEGER, name TEXT, parent INTEGER, translation BLOB, rotation BLOB, scale BLOB, PRIMARY KEY (character, position));
 CREATE TABLE rig_clips (character INTEGER, position INTEGER, name TEXT, seconds REAL, PRIMARY KEY (character, position));
 CREATE TABLE rig_tracks (character INTEGER, clip INTEGER, position INTEGER, node INTEGER, path INTEGER, interpolation INTEGER, times BLOB, numbers BLOB,
     PRIMARY KEY (character, clip, position));
+CREATE TABLE rig_morph_tracks (character INTEGER, clip INTEGER, position INTEGER, target TEXT, interpolation INTEGER, times BLOB, weights BLOB, PRIMARY KEY (character, clip, position));
 )";
 
 constexpr std::int64_t kLargestIndex = std::numeric_limits<std::int32_t>::max();
@@ -35,8 +36,9 @@ Vec3 readFilePoint(RowReader& row) {
 void createRigTables(Database& db) { db.run(kRigTables); }
 
 void writeRigs(Database& db, const Document& document) {
-    RowWriter rigs(db, "INSERT INTO rigs VALUES (?,?,?,?,?)"), bones(db, "INSERT INTO rig_bones VALUES (?,?,?,?,?,?,?,?)"), nodes(db, "INSERT INTO rig_nodes VALUES (?,?,?,?,?,?)"),
-        clips(db, "INSERT INTO rig_clips VALUES (?,?,?,?)"), tracks(db, "INSERT INTO rig_tracks VALUES (?,?,?,?,?,?,?,?)");
+    RowWriter rigs(db, "INSERT INTO rigs VALUES (?,?,?,?,?)"), bones(db, "INSERT INTO rig_bones VALUES (?,?,?,?,?,?,?,?)"), nodes(db, "INSERT INTO rig_nodes VALUES (?,?,?,?,?,?,?)"),
+        clips(db, "INSERT INTO rig_clips VALUES (?,?,?,?)"), tracks(db, "INSERT INTO rig_tracks VALUES (?,?,?,?,?,?,?,?)"),
+        morphs(db, "INSERT INTO rig_morph_tracks VALUES (?,?,?,?,?,?,?)");
     for (const auto& [id, character] : document.characters) {
         if (!character->rig) continue;
         const Rig& rig = *character->rig;
@@ -45,18 +47,22 @@ void writeRigs(Database& db, const Document& document) {
             const RigBone& b = rig.bones[i];
             bones.row(id, i, b.name, b.parent, b.node, b.head, b.tail, b.rotation.coeffs());
         }
-        for (std::size_t i = 0; i < rig.nodes.size(); ++i) nodes.row(id, i, rig.nodes[i].parent, rig.nodes[i].translation, rig.nodes[i].rotation.coeffs(), rig.nodes[i].scale);
+        for (std::size_t i = 0; i < rig.nodes.size(); ++i) nodes.row(id, i, rig.nodes[i].name, rig.nodes[i].parent, rig.nodes[i].translation, rig.nodes[i].rotation.coeffs(), rig.nodes[i].scale);
         for (std::size_t i = 0; i < rig.clips.size(); ++i) {
             clips.row(id, i, rig.clips[i].name, rig.clips[i].seconds);
             for (std::size_t k = 0; k < rig.clips[i].tracks.size(); ++k) {
                 const RigTrack& t = rig.clips[i].tracks[k];
                 tracks.row(id, i, k, t.node, static_cast<int>(t.path), static_cast<int>(t.interpolation), t.times, t.values);
             }
+            for (std::size_t k = 0; k < rig.clips[i].morphs.size(); ++k) {
+                const MorphTrack& t = rig.clips[i].morphs[k];
+                morphs.row(id, i, k, t.target, static_cast<int>(t.interpolation), t.times, t.weights);
+            }
         }
     }
 }
 
-void readRigs(Database& db, Document& document, std::int64_t version) {
+void readRigs(Database& db, Document& document) {
     std::map<PartId, Rig> read;
     RowReader rigs(db, "SELECT * FROM rigs ORDER BY character");
     while (rigs.next()) {
@@ -92,6 +98,7 @@ void readRigs(Database& db, Document& document, std::int64_t version) {
         Rig& rig = rigAt(readId(nodes));
         readPosition(nodes, rig.nodes.size());
         RigNode& n = rig.nodes.emplace_back();
+        n.name = readUtf8(nodes);
         n.parent = readIndex(nodes, -1);
         n.translation = readFilePoint(nodes);
         n.rotation = readTurn(nodes);
@@ -118,13 +125,17 @@ void readRigs(Database& db, Document& document, std::int64_t version) {
         t.times = tracks.array<double>();
         t.values = tracks.array<double>();
     }
-    if (version >= 10) readMorphTracks(db, read);
-    for (const auto& [id, names] : version >= 9 ? readNodeNames(db) : std::map<PartId, std::map<std::int64_t, std::string>>()) {
-        Rig& rig = rigAt(id);
-        for (const auto& [node, name] : names) {
-            require(static_cast<std::size_t>(node) < rig.nodes.size(), "a node of a skeleton is missing");
-            rig.nodes[static_cast<std::size_t>(node)].name = name;
-        }
+    RowReader morphs(db, "SELECT * FROM rig_morph_tracks ORDER BY character, clip, position");
+    while (morphs.next()) {
+        Rig& rig = rigAt(readId(morphs));
+        const auto clip = static_cast<std::size_t>(morphs.integer(0, kLargestIndex));
+        require(clip < rig.clips.size(), "a track belongs to no clip");
+        readPosition(morphs, rig.clips[clip].morphs.size());
+        MorphTrack& t = rig.clips[clip].morphs.emplace_back();
+        t.target = readUtf8(morphs);
+        t.interpolation = static_cast<RigTrack::Interpolation>(morphs.integer(0, static_cast<int>(RigTrack::Interpolation::Cubic)));
+        t.times = morphs.array<double>();
+        t.weights = morphs.array<double>();
     }
     for (auto& [id, rig] : read) {
         require(checkRig(rig, static_cast<std::size_t>(document.characters.at(id)->model->mesh.body.vertices.rows())).empty(), "a skeleton is broken");

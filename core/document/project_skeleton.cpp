@@ -16,15 +16,10 @@ constexpr const char* kSkeletonTables = R"(
 CREATE TABLE joints (id INTEGER PRIMARY KEY);
 CREATE TABLE joint_faces (joint INTEGER, position INTEGER, element INTEGER, face TEXT, PRIMARY KEY (joint, position));
 CREATE TABLE bones (id INTEGER PRIMARY KEY, name TEXT, element INTEGER, parent INTEGER, roll REAL, min_stretch REAL, max_stretch REAL,
-    start_kind TEXT, start_part INTEGER, start_name TEXT, start_point BLOB, end_kind TEXT, end_part INTEGER, end_name TEXT, end_point BLOB);
-CREATE TABLE held (bone INTEGER, at_end INTEGER, pinned INTEGER, target BLOB, roll REAL, from_roll REAL, from_point BLOB, seconds REAL,
+    max_bend REAL, max_twist REAL, stiffness REAL, weight REAL, start_kind TEXT, start_part INTEGER, start_name TEXT, start_point BLOB, end_kind TEXT, end_part INTEGER, end_name TEXT, end_point BLOB);
+CREATE TABLE held (bone INTEGER, at_end INTEGER, pinned INTEGER, target BLOB, roll REAL, turn BLOB, from_roll REAL, from_point BLOB, seconds REAL,
     elapsed REAL, PRIMARY KEY (bone, at_end));
 CREATE TABLE pose (points BLOB, frames BLOB, rolls BLOB);
-)";
-
-constexpr const char* kPropertyTables = R"(
-CREATE TABLE bone_properties (bone INTEGER PRIMARY KEY, max_bend REAL, max_twist REAL, stiffness REAL, weight REAL);
-CREATE TABLE held_turns (bone INTEGER, at_end INTEGER, turn BLOB, PRIMARY KEY (bone, at_end));
 )";
 
 struct PlaceRow {
@@ -53,21 +48,6 @@ Bone::Place readPlace(RowReader& rows) {
 }  // namespace
 
 void createSkeletonTables(Database& db) { db.run(kSkeletonTables); }
-void createBonePropertyTables(Database& db) { db.run(kPropertyTables); }
-
-bool hasProperties(const Bone& bone) {
-    const Bone plain;
-    return bone.maxBend != plain.maxBend || bone.maxTwist != plain.maxTwist || bone.stiffness != plain.stiffness || bone.weight != plain.weight;
-}
-
-void writeBoneProperties(Database& db, const Document& document) {
-    RowWriter rows(db, "INSERT INTO bone_properties VALUES (?,?,?,?,?)");
-    for (const auto& [id, bone] : document.bones)
-        if (hasProperties(*bone)) rows.row(id, bone->maxBend, bone->maxTwist, bone->stiffness, bone->weight);
-    RowWriter turns(db, "INSERT INTO held_turns VALUES (?,?,?)");
-    for (const auto& [end, h] : document.goals)
-        if (h.turn) turns.row(end.bone, end.atEnd, std::vector<double>(h.turn->begin(), h.turn->end()));
-}
 
 void writeSkeleton(Database& db, const Document& document) {
     RowWriter joints(db, "INSERT INTO joints VALUES (?)");
@@ -75,15 +55,15 @@ void writeSkeleton(Database& db, const Document& document) {
     RowWriter jointFaces(db, "INSERT INTO joint_faces VALUES (?,?,?,?)");
     for (const auto& [id, joint] : document.joints)
         for (std::size_t i = 0; i < joint->faces.size(); ++i) jointFaces.row(id, i, joint->faces[i].element, joint->faces[i].face);
-    RowWriter bones(db, "INSERT INTO bones VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
+    RowWriter bones(db, "INSERT INTO bones VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
     for (const auto& [id, bone] : document.bones) {
         const PlaceRow s = placeRow(bone->start), e = placeRow(bone->end);
-        bones.row(id, bone->name, bone->element, bone->parent, bone->roll, bone->minStretch, bone->maxStretch, s.kind, s.part, s.name, s.point,
-                  e.kind, e.part, e.name, e.point);
+        bones.row(id, bone->name, bone->element, bone->parent, bone->roll, bone->minStretch, bone->maxStretch, bone->maxBend, bone->maxTwist, bone->stiffness,
+                  bone->weight, s.kind, s.part, s.name, s.point, e.kind, e.part, e.name, e.point);
     }
-    RowWriter held(db, "INSERT INTO held VALUES (?,?,?,?,?,?,?,?,?)");
+    RowWriter held(db, "INSERT INTO held VALUES (?,?,?,?,?,?,?,?,?,?)");
     for (const auto& [end, h] : document.goals)
-        held.row(end.bone, end.atEnd, h.pinned, h.target, h.roll, h.fromRoll, h.from, h.seconds, h.elapsed);
+        held.row(end.bone, end.atEnd, h.pinned, h.target, h.roll, h.turn ? std::vector<double>(h.turn->begin(), h.turn->end()) : std::vector<double>(), h.fromRoll, h.from, h.seconds, h.elapsed);
     std::vector<double> points, frames;
     for (const Vec3& p : document.pose.points) points.insert(points.end(), p.data(), p.data() + 3);
     for (const auto& q : document.pose.frames) frames.insert(frames.end(), q.coeffs().data(), q.coeffs().data() + 4);
@@ -91,7 +71,7 @@ void writeSkeleton(Database& db, const Document& document) {
     pose.row(points, frames, document.pose.roll);
 }
 
-void readSkeleton(Database& db, Document& document, bool properties) {
+void readSkeleton(Database& db, Document& document) {
     std::map<PartId, Joint> joints;
     RowReader jointRows(db, "SELECT * FROM joints ORDER BY id");
     while (jointRows.next()) {
@@ -128,6 +108,10 @@ void readSkeleton(Database& db, Document& document, bool properties) {
         bone.roll = bones.real(-1e6, 1e6);
         bone.minStretch = bones.real(0.01, 1.0);
         bone.maxStretch = bones.real(1.0, 100.0);
+        bone.maxBend = bones.real(0.0, Skeleton::Bone::kFreeBend);
+        bone.maxTwist = bones.real(0.0, Skeleton::Bone::kFreeTwist);
+        bone.stiffness = bones.real(1.0 / Bone::kMaxRatio, Bone::kMaxRatio);
+        bone.weight = bones.real(1.0 / Bone::kMaxRatio, Bone::kMaxRatio);
         bone.start = readPlace(bones);
         bone.end = readPlace(bones);
         require(checkNewName(document, bone.name).has_value(), "a name is broken or used twice");
@@ -135,19 +119,6 @@ void readSkeleton(Database& db, Document& document, bool properties) {
         document.bones.emplace(bone.id, std::make_shared<const Bone>(std::move(bone)));
     }
     for (const auto& [part, bone] : document.bones) require(bone->parent == 0 || document.bones.contains(bone->parent), "the parent of a bone is missing");
-    if (properties) {
-        RowReader rows(db, "SELECT * FROM bone_properties ORDER BY bone");
-        while (rows.next()) {
-            const PartId part = readId(rows);
-            require(document.bones.contains(part), "what belongs to a bone is of none");
-            Bone bone = *document.bones.at(part);
-            bone.maxBend = rows.real(0.0, Skeleton::Bone::kFreeBend);
-            bone.maxTwist = rows.real(0.0, Skeleton::Bone::kFreeTwist);
-            bone.stiffness = rows.real(1.0 / Bone::kMaxRatio, Bone::kMaxRatio);
-            bone.weight = rows.real(1.0 / Bone::kMaxRatio, Bone::kMaxRatio);
-            document.bones.at(part) = std::make_shared<const Bone>(std::move(bone));
-        }
-    }
     const auto plan = planCharacter(document);
     if (!plan) throw DatabaseError(plan.error().message);
 
@@ -161,25 +132,18 @@ void readSkeleton(Database& db, Document& document, bool properties) {
         h.target = readPoint(held);
         h.roll = held.optionalReal();
         require(!h.roll || std::abs(*h.roll) <= 1e6, "a roll is out of range");
+        const auto turn = held.array<double>(4);
+        if (!turn.empty()) {
+            require(turn.size() == 4 && allFinite(turn), "a held bone is broken");
+            std::copy(turn.begin(), turn.end(), h.turn.emplace().begin());
+            require(std::abs(Eigen::Quaterniond(turn.data()).norm() - 1.0) < 1e-6, "a held bone has no rotation");
+        }
         h.fromRoll = held.real(-1e9, 1e9);
         h.from = readPoint(held);
         h.seconds = held.real(0.0, 1e6);
         h.elapsed = held.real(0.0, 1e6);
         require(document.bones.contains(end.bone), "a held endpoint is missing");
         document.goals.emplace(end, h);
-    }
-    if (properties) {
-        RowReader turns(db, "SELECT * FROM held_turns ORDER BY bone, at_end");
-        while (turns.next()) {
-            EndpointRef end;
-            end.bone = readId(turns);
-            end.atEnd = turns.boolean();
-            const auto numbers = turns.array<double>(4);
-            const auto goal = document.goals.find(end);
-            require(goal != document.goals.end() && numbers.size() == 4 && allFinite(numbers), "a held bone is broken");
-            std::copy(numbers.begin(), numbers.end(), goal->second.turn.emplace().begin());
-            require(std::abs(Eigen::Quaterniond(numbers.data()).norm() - 1.0) < 1e-6, "a held bone has no rotation");
-        }
     }
     RowReader pose(db, "SELECT * FROM pose");
     require(pose.next(), "the pose is missing");

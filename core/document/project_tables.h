@@ -30,11 +30,6 @@ void createElementTables(Database& db);
 void writeElements(Database& db, const Document& document, const MeshIds& meshes);
 void readElements(Database& db, Document& document, const ReadMeshes& meshes);
 
-/// Damping of elements that have one of their own. Reads after the elements.
-void createDampingTable(Database& db);
-void writeDamping(Database& db, const Document& document);
-void readDamping(Database& db, Document& document);
-
 /// Characters with their bodies and cuts, and what elements are of them. Reads after the elements and bones.
 void createCharacterTables(Database& db);
 void writeCharacters(Database& db, const Document& document, const MeshIds& meshes);
@@ -43,46 +38,32 @@ void readCharacters(Database& db, Document& document, const ReadMeshes& meshes);
 /// Joints, bones, held endpoints and the pose. Reads after the elements.
 void createSkeletonTables(Database& db);
 void writeSkeleton(Database& db, const Document& document);
-/// properties: the file has the table of bone properties.
-void readSkeleton(Database& db, Document& document, bool properties);
-void createBonePropertyTables(Database& db);
-/// The bone has limits of turns, a stiffness or a weight of its own.
-[[nodiscard]] bool hasProperties(const Bone& bone);
-void writeBoneProperties(Database& db, const Document& document);
+void readSkeleton(Database& db, Document& document);
 
 /// Handles and where they were taken. Reads after the skeleton.
 void createHandleTables(Database& db);
 void writeHandles(Database& db, const Document& document);
 void readHandles(Database& db, Document& document);
 
-/// Attached parts of characters, how they are turned, and for how many takes have turns. Reads after the characters, and takes after their turns.
+/// Attached parts of characters and how they are turned. Reads after the characters.
 void createAttachmentTables(Database& db);
 void writeAttachments(Database& db, const Document& document);
 void readAttachments(Database& db, Document& document);
-std::map<PartId, int> readTakeTurns(Database& db);
 
 /// Skeletons of characters. Reads after the characters.
 void createRigTables(Database& db);
 void writeRigs(Database& db, const Document& document);
-void readRigs(Database& db, Document& document, std::int64_t version);
+void readRigs(Database& db, Document& document);
 
-/// Morph targets of characters, their weights, for how many takes have weights, and names of nodes of rigs. Reads after the rigs, and takes after their weights.
+/// Morph targets of characters and their weights. Reads after the characters.
 void createMorphTables(Database& db);
 void writeMorphs(Database& db, const Document& document);
 void readMorphs(Database& db, Document& document);
-std::map<PartId, int> readTakeMorphs(Database& db);
-/// Per character the names of its nodes by their number.
-std::map<PartId, std::map<std::int64_t, std::string>> readNodeNames(Database& db);
-
-/// What clips of rigs weigh morph targets by. Read with the rigs, into one per character.
-void createMorphTrackTable(Database& db);
-void writeMorphTracks(Database& db, const Document& document);
-void readMorphTracks(Database& db, std::map<PartId, Rig>& rigs);
 
 void createTakeTables(Database& db);
 void writeTakes(Database& db, const Document& document);
-/// turns, morphs: of ShapeLayout, of those that have any.
-void readTakes(Database& db, Document& document, const std::map<PartId, int>& turns, const std::map<PartId, int>& morphs);
+/// keep false: checks the frames and keeps none.
+void readTakes(Database& db, Document& document, bool keep);
 
 /// Reads after the elements.
 void createEffectTables(Database& db);

@@ -3,6 +3,7 @@
 
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <string>
 
 #include "core/base/hash.h"
@@ -14,9 +15,9 @@ namespace imomushi {
 namespace {
 
 /// "IMOV": SQLite's application id of a file of versions.
-constexpr std::int64_t kVersionsId = 0x494d4f56, kVersionsFormat = 1;
+constexpr std::int64_t kVersionsId = 0x494d4f56, kVersionsFormat = 2;
 
-/// `rest`: a project file without its large arrays.
+/// `rest`: keys of parts which are, one after the other, a project file without its large arrays.
 constexpr const char* kVersionTables = R"(
 CREATE TABLE versions (id INTEGER PRIMARY KEY AUTOINCREMENT, saved INTEGER, bytes INTEGER, digest TEXT, rest BLOB);
 CREATE TABLE parts (id INTEGER PRIMARY KEY, key BLOB UNIQUE, bytes BLOB);
@@ -44,6 +45,23 @@ public:
         }
         RowWriter(versions_, "INSERT OR IGNORE INTO uses VALUES (?,?)").row(version_, id);
         return key;
+    }
+
+    /// Any number of bytes: the keys of their parts.
+    std::vector<ContentKey> keepAll(std::span<const std::byte> bytes) {
+        std::vector<ContentKey> keys;
+        for (std::size_t at = 0; at < bytes.size(); at += kPartBytes) keys.push_back(keep(bytes.subspan(at, std::min(kPartBytes, bytes.size() - at))));
+        return keys;
+    }
+    std::vector<std::byte> findAll(const std::vector<ContentKey>& keys) {
+        std::vector<std::byte> bytes;
+        const std::int64_t most = versions_.number("PRAGMA page_count") * versions_.number("PRAGMA page_size");
+        for (const ContentKey& key : keys) {
+            const auto part = find(key);
+            require(std::ssize(bytes) + std::ssize(part) <= most, "it is larger than the file that it is in");
+            bytes.insert(bytes.end(), part.begin(), part.end());
+        }
+        return bytes;
     }
 
     std::vector<std::byte> find(const ContentKey& key) override {
@@ -86,6 +104,9 @@ void prepareVersions(Database& versions) {
         versions.run("COMMIT");
     }
     require(versions.number("PRAGMA application_id") == kVersionsId && versions.number("PRAGMA user_version") == kVersionsFormat, "the file of versions is of another program");
+    Database model;
+    model.run(kVersionTables);
+    (void)versions.compareSchema(model);
 }
 
 /// Takes the oldest versions away that are over the limits, and what only they have. How many are left.
@@ -116,8 +137,7 @@ Result<int> keepVersion(const std::filesystem::path& project, const VersionLimit
     try {
         Database saved(file->descriptor, Database::Access::Read);
         require(saved.number("PRAGMA application_id") == kProjectApplicationId, "it is no project");
-        const std::int64_t format = saved.number("PRAGMA user_version");
-        require(format >= kOldestCopied && format <= kProjectVersion, "it is of an older or newer program");
+        require(saved.number("PRAGMA user_version") == kProjectVersion, "it is of an older or newer program");
         RowReader info(saved, "SELECT value FROM info WHERE name='digest'");
         require(info.next(), "it has no digest");
         const std::string digest = info.text();
@@ -134,8 +154,8 @@ Result<int> keepVersion(const std::filesystem::path& project, const VersionLimit
         Database rest;
         rest.setStore(parts);
         rest.run("PRAGMA page_size=512");  // it is mostly small tables
-        copyProject(saved, rest, static_cast<int>(format));
-        RowWriter(versions, "UPDATE versions SET rest=? WHERE id=?").row(rest.file(), number);
+        copyProject(saved, rest);
+        RowWriter(versions, "UPDATE versions SET rest=? WHERE id=?").row(parts.keepAll(rest.file()), number);
         const int left = evict(versions, limits);
         require(left > 0, "it is larger than all versions together may be");
         versions.run("COMMIT");
@@ -177,20 +197,20 @@ Result<Project> openVersion(const std::filesystem::path& project, std::int64_t n
         Database versions(file, false);
         prepareVersions(versions);
         versions.run("BEGIN");  // nobody takes parts away meanwhile
-        std::vector<std::byte> bytes;
+        SharedParts parts(versions, 0);
+        std::vector<ContentKey> keys;
         {
             RowReader rows(versions, ("SELECT rest FROM versions WHERE id=" + std::to_string(number)).c_str());
             if (!rows.next()) return fail("no-version", "There is no version " + std::to_string(number) + " of this project: \"versions\" lists those that are kept.");
-            bytes = rows.array<std::byte>();
+            keys = rows.array<ContentKey>();
         }
-        SharedParts parts(versions, 0);
-        Database rest(bytes);
+        Database rest(parts.findAll(keys));
         rest.setStore(parts);
-        const std::int64_t format = rest.number("PRAGMA user_version");
-        require(format >= kOldestCopied && format <= kProjectVersion, "its format is unknown");
-        return readChecked(rest, format);
+        require(rest.number("PRAGMA user_version") == kProjectVersion, "its format is unknown");
+        return readChecked(rest);
     } catch (const DatabaseError& reason) {
-        return failVersion("Version " + std::to_string(number) + " of the project is damaged", reason.what());
+        const std::string version = "Version " + std::to_string(number) + " of the project ";
+        return failVersion(version + (reason.damaged() ? "is damaged" : "could not be read"), reason.what());
     }
 }
 

@@ -33,12 +33,23 @@ Result<std::string> contentOf(const ContentKey& key, const ElementResponse& resp
     return key.hex().append(reinterpret_cast<const char*>(packed->data()), packed->size());
 }
 
-/// Null: it holds no such response.
-std::shared_ptr<const ElementResponse> responseIn(const std::string& content, const ContentKey& key, const TriangleMesh& body, std::span<const JointFace> faces) {
+/// The content of a file. Nullopt: the system does not read it now.
+std::optional<std::string> contentOf(const std::filesystem::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream) return std::nullopt;
+    stream.exceptions(std::ios::badbit);  // also what is thrown while it is read: memory that runs out
+    try {
+        return std::string(std::istreambuf_iterator<char>(stream), {});
+    } catch (const std::ios::failure&) {
+        return std::nullopt;
+    }
+}
+
+/// Errors: "damaged": it holds no such response; "not-readable".
+Result<ElementResponse> responseIn(const std::string& content, const ContentKey& key, const TriangleMesh& body, std::span<const JointFace> faces) {
     const std::string name = key.hex();
-    if (!content.starts_with(name)) return nullptr;
-    auto response = unpackResponse(std::as_bytes(std::span(content)).subspan(name.size()), body, faces);
-    return response ? std::make_shared<const ElementResponse>(std::move(*response)) : nullptr;
+    if (!content.starts_with(name)) return fail("damaged", "It holds another response.");
+    return unpackResponse(std::as_bytes(std::span(content)).subspan(name.size()), body, faces);
 }
 
 }  // namespace
@@ -79,19 +90,23 @@ void ResponseFolder::setLimit(std::uintmax_t limit) {
 std::filesystem::path ResponseFolder::pathOf(const ContentKey& key) const { return folder_ / (key.hex() + kResponseSuffix); }
 
 std::shared_ptr<const ElementResponse> ResponseFolder::read(const ContentKey& key, const TriangleMesh& body, std::span<const JointFace> faces) {
+    if (!has(key)) return nullptr;
+    const auto path = pathOf(key);
+    const auto content = contentOf(path);
+    auto response = content ? responseIn(*content, key, body, faces) : fail("not-readable", "It cannot be read.");
+    std::error_code error;
+    const bool gone = !std::filesystem::exists(path, error) && !error;
+    if (!response && !gone && response.error().code != "damaged") return nullptr;
     const std::lock_guard lock(mutex_);
-    const auto found = files_.find(key);
-    if (found == files_.end()) return nullptr;
-    std::ifstream file(pathOf(key), std::ios::binary);
-    auto response = responseIn(std::string(std::istreambuf_iterator<char>(file), {}), key, body, faces);
     if (!response) {
         remove(key);
         return nullptr;
     }
-    found->second.used = std::filesystem::file_time_type::clock::now();
-    std::error_code error;
-    std::filesystem::last_write_time(pathOf(key), found->second.used, error);
-    return response;
+    if (const auto found = files_.find(key); found != files_.end()) {
+        found->second.used = std::filesystem::file_time_type::clock::now();
+        std::filesystem::last_write_time(path, found->second.used, error);
+    }
+    return std::make_shared<const ElementResponse>(std::move(*response));
 }
 
 bool ResponseFolder::has(const ContentKey& key) {
@@ -112,6 +127,7 @@ void ResponseFolder::remove(const ContentKey& key) {
     std::error_code error;
     std::filesystem::remove(pathOf(key), error);
     const auto found = files_.find(key);
+    if (found == files_.end()) return;
     bytes_ -= found->second.bytes;
     files_.erase(found);
 }

@@ -17,7 +17,7 @@
 namespace imomushi {
 
 /// Responses on disk, a file KEY.response per content key: the key and a packed response, which holds its digest. A file appears whole or not at all. One that is
-/// damaged, or holds another key than its name says, counts as absent and is removed; files of other names are left alone. Beyond the limit the files that were
+/// damaged, or holds another key than its name says, counts as absent and is removed; one that cannot be read now counts as absent and stays; files of other names are left alone. Beyond the limit the files that were
 /// used longest ago are removed. Failures to write are no errors: the response is computed again next time. Thread-safe.
 class ResponseFolder {
 public:
@@ -29,7 +29,7 @@ public:
     ResponseFolder(const ResponseFolder&) = delete;
     ResponseFolder& operator=(const ResponseFolder&) = delete;
 
-    /// Null: absent. `body`, `faces`: of an element with this key.
+    /// Null: absent. `body`, `faces`: of an element with this key. Nobody else waits for it. Throws std::bad_alloc.
     [[nodiscard]] std::shared_ptr<const ElementResponse> read(const ContentKey& key, const TriangleMesh& body, std::span<const JointFace> faces);
     /// Without reading the file.
     [[nodiscard]] bool has(const ContentKey& key);
@@ -46,7 +46,7 @@ private:
         std::shared_ptr<const ElementResponse> response;
     };
     [[nodiscard]] std::filesystem::path pathOf(const ContentKey& key) const;
-    void remove(const ContentKey& key);  // these two under the lock
+    void remove(const ContentKey& key);  // these two under the lock; nothing where it is not there
     void evict();
     void work();
 

@@ -14,15 +14,11 @@ constexpr const char* kResponseTable = R"(
 CREATE TABLE responses (id INTEGER PRIMARY KEY, key BLOB, shape BLOB, free_vertices BLOB, bases BLOB, response BLOB, stiffness BLOB,
     tractions BLOB, loads BLOB, load_forces BLOB,
     residual REAL, rcond REAL, peak_bytes INTEGER, asymmetry REAL, negative_energy REAL, solver_vertices INTEGER, solver_nodes INTEGER,
-    decimated INTEGER, error REAL, mapping_error REAL, shape_error REAL);
+    decimated INTEGER, error REAL, mapping_error REAL, shape_error REAL, tetrahedra INTEGER, no_filling TEXT);
 )";
 constexpr const char* kTouchTable = R"(
 CREATE TABLE touch_responses (response INTEGER PRIMARY KEY, centres BLOB, reach REAL, first BLOB, patches BLOB, weights BLOB, displacement BLOB,
     forces BLOB, compliance BLOB, probes BLOB, gradients BLOB, asymmetry REAL, negative_energy REAL);
-)";
-
-constexpr const char* kFilledTable = R"(
-CREATE TABLE filled_responses (response INTEGER PRIMARY KEY, tetrahedra INTEGER, note TEXT);
 )";
 
 constexpr std::size_t kMaxTouchPatches = 100'000;
@@ -74,13 +70,13 @@ TouchResponse readTouch(RowReader& rows, const std::vector<std::int32_t>& freeVe
 
 }  // namespace
 
-void createResponseTable(Database& db) { db.run(kResponseTable); }
-void createTouchTable(Database& db) { db.run(kTouchTable); }
-void createFilledTable(Database& db) { db.run(kFilledTable); }
-bool saysFilling(const ElementResponse& response) { return response.quality.tetrahedra > 0 || !response.quality.noFilling.empty(); }
+void createResponseTables(Database& db) {
+    db.run(kResponseTable);
+    db.run(kTouchTable);
+}
 
 void writeResponses(Database& db, std::span<const StoredResponse> responses) {
-    RowWriter rows(db, "INSERT INTO responses VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
+    RowWriter rows(db, "INSERT INTO responses VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
     int id = 0;
     for (const StoredResponse& r : responses) {
         const ElementResponse& a = *r.response;
@@ -90,7 +86,8 @@ void writeResponses(Database& db, std::span<const StoredResponse> responses) {
             bases.insert(bases.end(), {static_cast<std::int32_t>(basis.kind), basis.kind == BasisKind::Full ? basis.vertices : basis.flat + 2 * basis.modes});
         rows.row(++id, std::vector{r.key.high, r.key.low}, std::vector{r.shape.high, r.shape.low}, a.freeVertices, bases, a.response, a.stiffness, a.tractions, a.loads,
                  a.loadForces, a.quality.solve.residual, a.quality.solve.rcond, a.quality.solve.peakBytes, a.quality.asymmetry, a.quality.negativeEnergy,
-                 a.quality.solverVertices, a.quality.solverNodes, a.quality.decimated, a.quality.error, a.quality.mappingError, a.quality.shapeError);
+                 a.quality.solverVertices, a.quality.solverNodes, a.quality.decimated, a.quality.error, a.quality.mappingError, a.quality.shapeError,
+                 a.quality.tetrahedra, a.quality.noFilling);
     }
     RowWriter touches(db, "INSERT INTO touch_responses VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?)");
     id = 0;
@@ -101,16 +98,9 @@ void writeResponses(Database& db, std::span<const StoredResponse> responses) {
         touches.row(id, t.patches.centre, t.patches.reach, t.patches.first, t.patches.patch, t.patches.weight, t.displacement, t.forces, t.compliance, t.probes, t.gradients,
                     t.asymmetry, t.negativeEnergy);
     }
-    if (std::none_of(responses.begin(), responses.end(), [](const StoredResponse& r) { return saysFilling(*r.response); })) return;
-    RowWriter filled(db, "INSERT INTO filled_responses VALUES (?,?,?)");
-    id = 0;
-    for (const StoredResponse& r : responses) {
-        ++id;
-        if (saysFilling(*r.response)) filled.row(id, r.response->quality.tetrahedra, r.response->quality.noFilling);
-    }
 }
 
-std::map<std::int64_t, ResponseRow> readResponses(Database& db, const ResponseTables& tables, bool keep) {
+std::map<std::int64_t, ResponseRow> readResponses(Database& db, bool keep) {
     std::map<std::int64_t, ResponseRow> read;
     const auto touchOf = [&](std::int64_t response, const ElementResponse& of) {
         RowReader rows(db, ("SELECT * FROM touch_responses WHERE response=" + std::to_string(response)).c_str());
@@ -173,22 +163,15 @@ std::map<std::int64_t, ResponseRow> readResponses(Database& db, const ResponseTa
         a->quality.error = rows.real();
         a->quality.mappingError = rows.real();
         a->quality.shapeError = rows.real();
-        if (tables.touch) a->touch = touchOf(responseId, *a);
+        a->quality.tetrahedra = rows.integer(0, std::numeric_limits<std::int32_t>::max());
+        a->quality.noFilling = readUtf8(rows);
+        a->touch = touchOf(responseId, *a);
         if (!keep) {
             for (Eigen::MatrixXd* part : {&a->response, &a->stiffness, &a->tractions, &a->loads, &a->loadForces}) part->resize(0, 0);
             a->touch = {};
         }
         r.response = std::move(a);
         read.emplace(responseId, std::move(r));
-    }
-    if (!tables.filled) return read;
-    RowReader filled(db, "SELECT * FROM filled_responses ORDER BY response");
-    while (filled.next()) {
-        const auto of = read.find(filled.integer());
-        require(of != read.end(), "a filling belongs to no response");
-        ResponseQuality& quality = of->second.response->quality;
-        quality.tetrahedra = filled.integer(0, std::numeric_limits<std::int32_t>::max());
-        quality.noFilling = readUtf8(filled);
     }
     return read;
 }

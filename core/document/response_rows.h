@@ -12,7 +12,7 @@
 #include "core/document/stored_response.h"
 #include "core/reduction/element_response.h"
 
-// Responses as rows of three tables, "responses", "touch_responses" and "filled_responses". Everything of a response is kept but the times of its precompute (the same work gives the
+// Responses as rows of two tables, "responses" and "touch_responses". Everything of a response is kept but the times of its precompute (the same work gives the
 // same bytes) and the warping of its faces, which follows from the mesh. All throw DatabaseError.
 
 namespace imomushi {
@@ -23,19 +23,11 @@ struct ResponseRow {
     std::shared_ptr<ElementResponse> response;
 };
 
-void createResponseTable(Database& db);
-void createTouchTable(Database& db);
-void createFilledTable(Database& db);
-/// Whether the response has a row in "filled_responses": it was solved in tetrahedra, or says why not. The table is needed only where one has.
-[[nodiscard]] bool saysFilling(const ElementResponse& response);
+void createResponseTables(Database& db);
 /// Their ids are 1, 2, ...
 void writeResponses(Database& db, std::span<const StoredResponse> responses);
-/// Which tables there are besides "responses".
-struct ResponseTables {
-    bool touch = true, filled = true;
-};
 /// By id, checked in themselves: sizes agree, all numbers are finite. `keep` false: only to check them, without their matrices.
-std::map<std::int64_t, ResponseRow> readResponses(Database& db, const ResponseTables& tables, bool keep = true);
+std::map<std::int64_t, ResponseRow> readResponses(Database& db, bool keep = true);
 /// Whether the bases of `response` have warping columns.
 [[nodiscard]] bool hasWarping(const ElementResponse& response);
 /// Works out the warping of the faces again. `faces`: those of the response, on `body`.

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <iterator>
+#include <map>
 #include <memory>
 #include <new>
 #include <utility>
@@ -13,17 +15,42 @@
 #include "core/base/atomic_file.h"
 #include "core/base/hash.h"
 #include "core/document/sqlite_file.h"
+#include "core/document/version.h"
 
 namespace imomushi {
 
 namespace {
 
+using Kind = DatabaseError::Kind;
+
+/// What an error code of SQLite, without its extension, means. Those that are not here say that the content is damaged: it is no database, names what is not
+/// there, breaks a rule of its schema.
+struct Meaning {
+    int code;
+    Kind kind;
+};
+constexpr Meaning kMeanings[] = {
+    {SQLITE_FULL, Kind::DiskFull},  {SQLITE_IOERR, Kind::Refused}, {SQLITE_CANTOPEN, Kind::Refused}, {SQLITE_PERM, Kind::Refused},     {SQLITE_READONLY, Kind::Refused},
+    {SQLITE_AUTH, Kind::Refused},   {SQLITE_NOLFS, Kind::Refused}, {SQLITE_BUSY, Kind::Busy},        {SQLITE_LOCKED, Kind::Busy},      {SQLITE_PROTOCOL, Kind::Busy},
+    {SQLITE_TOOBIG, Kind::TooLarge},
+};
+
 void check(sqlite3* handle, int code) {
     if (code == SQLITE_OK || code == SQLITE_DONE || code == SQLITE_ROW) return;
-    const int kind = code & 0xff, system = kind == SQLITE_FULL ? ENOSPC : kind == SQLITE_IOERR && handle ? sqlite3_system_errno(handle) : 0;
-    DatabaseError error(system ? std::strerror(system) : handle ? sqlite3_errmsg(handle) : sqlite3_errstr(code));
-    error.diskFull = isDiskFull(system);
-    throw error;
+    const int primary = code & 0xff;
+    if (primary == SQLITE_NOMEM || code == SQLITE_IOERR_NOMEM) throw std::bad_alloc();
+    const auto* known = std::find_if(std::begin(kMeanings), std::end(kMeanings), [primary](const Meaning& m) { return m.code == primary; });
+    Kind kind = known == std::end(kMeanings) ? Kind::Damaged : known->kind;
+    const int system = primary == SQLITE_FULL ? ENOSPC : primary == SQLITE_IOERR && handle ? sqlite3_system_errno(handle) : 0;
+    if (isDiskFull(system)) kind = Kind::DiskFull;
+    throw DatabaseError(system ? std::strerror(system) : handle ? sqlite3_errmsg(handle) : sqlite3_errstr(code), kind);
+}
+
+/// The bytes of a value as SQLite has them: numbers as text. Null without an error is an empty value.
+std::span<const std::byte> bytesAt(sqlite3* handle, sqlite3_stmt* statement, int column) {
+    const auto* bytes = static_cast<const std::byte*>(sqlite3_column_blob(statement, column));
+    if (!bytes && sqlite3_errcode(handle) == SQLITE_NOMEM) throw std::bad_alloc();
+    return {bytes, bytes ? static_cast<std::size_t>(sqlite3_column_bytes(statement, column)) : 0};
 }
 
 /// Databases of SQLite's ":memory:" have no limit of their own: those over 1 GB are saved too.
@@ -32,15 +59,21 @@ sqlite3* openMemory() {
     const int code = sqlite3_open_v2(":memory:", &handle, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_MEMORY, nullptr);
     if (code != SQLITE_OK) {
         sqlite3_close(handle);
-        throw DatabaseError(sqlite3_errstr(code));
+        check(nullptr, code);
     }
     sqlite3_extended_result_codes(handle, 1);
     return handle;
 }
 
+/// Bytes: a row has a few arrays that are not divided, at most.
+constexpr int kMostInRow = 16 * static_cast<int>(kPartBytes);
+
 void distrust(sqlite3* handle) {
     sqlite3_db_config(handle, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
     sqlite3_db_config(handle, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
+    sqlite3_db_config(handle, SQLITE_DBCONFIG_ENABLE_VIEW, 0, nullptr);
+    sqlite3_db_config(handle, SQLITE_DBCONFIG_ENABLE_TRIGGER, 0, nullptr);
+    sqlite3_limit(handle, SQLITE_LIMIT_LENGTH, kMostInRow);
     check(handle, sqlite3_exec(handle, "PRAGMA cell_size_check=ON", nullptr, nullptr, nullptr));
 }
 
@@ -50,9 +83,23 @@ sqlite3_stmt* prepare(Database& database, const char* sql) {
     return statement;
 }
 
-constexpr const char* kInsertPart = "INSERT INTO value_parts VALUES (?,?,?)";
+using Statement = std::unique_ptr<sqlite3_stmt, decltype(&sqlite3_finalize)>;
+Statement statementOf(Database& database, const std::string& sql) { return {prepare(database, sql.c_str()), sqlite3_finalize}; }
 
-std::string partsOf(std::int64_t parted) { return "SELECT position, bytes FROM value_parts WHERE value=" + std::to_string(parted) + " ORDER BY position"; }
+std::string quoted(const std::string& name) {
+    std::string out = "\"";
+    for (const char c : name) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+    return out + "\"";
+}
+
+constexpr const char* kInsertPart = "INSERT INTO value_parts VALUES (?,?,?,?)";
+
+std::string partsOf(std::int64_t parted) { return "SELECT position, total, bytes FROM value_parts WHERE value=" + std::to_string(parted) + " ORDER BY position"; }
+
+/// Of an array in parts, bytes.
+constexpr std::int64_t kMostDivided = std::int64_t{1} << 46;
+
+constexpr const char* kInfo = "info";
 
 /// What stands for a part that is in a store: its key and size.
 std::pair<ContentKey, std::size_t> sharedPart(RowReader& parts) {
@@ -102,7 +149,6 @@ Database::Database(const std::filesystem::path& file, bool make) {
         check(handle_, sqlite3_open_v2(file.c_str(), &handle_, SQLITE_OPEN_READWRITE | (make ? SQLITE_OPEN_CREATE : 0) | SQLITE_OPEN_NOMUTEX, nullptr));
         sqlite3_extended_result_codes(handle_, 1);
         sqlite3_busy_timeout(handle_, 3000);
-        sqlite3_db_config(handle_, SQLITE_DBCONFIG_ENABLE_TRIGGER, 0, nullptr);
         distrust(handle_);
     } catch (...) {
         sqlite3_close(handle_);
@@ -115,12 +161,10 @@ Database::~Database() { sqlite3_close(handle_); }
 void Database::run(const char* sql) { check(handle_, sqlite3_exec(handle_, sql, nullptr, nullptr, nullptr)); }
 
 std::int64_t Database::number(const char* sql) {
-    sqlite3_stmt* statement = prepare(*this, sql);
-    const int code = sqlite3_step(statement);
-    const std::int64_t value = code == SQLITE_ROW ? sqlite3_column_int64(statement, 0) : 0;
-    sqlite3_finalize(statement);
+    const Statement statement = statementOf(*this, sql);
+    const int code = sqlite3_step(statement.get());
     check(handle_, code);
-    return value;
+    return code == SQLITE_ROW ? sqlite3_column_int64(statement.get(), 0) : 0;
 }
 
 std::vector<std::byte> Database::file() {
@@ -131,62 +175,99 @@ std::vector<std::byte> Database::file() {
     return {first, first + size};
 }
 
-std::string Database::digest(std::span<const char* const> tables) {
+std::vector<std::string> Database::tables() {
+    std::vector<std::string> names;
+    RowReader rows(*this, "SELECT name FROM sqlite_schema WHERE type='table' AND rootpage>0 AND name NOT LIKE 'sqlite\\_%' ESCAPE '\\' ORDER BY name");
+    while (rows.next()) names.push_back(rows.text());
+    return names;
+}
+
+std::string Database::digest() {
     ContentHasher hasher;
-    for (const char* table : tables) {
-        sqlite3_stmt* statement = prepare(*this, ("SELECT * FROM " + std::string(table) + " ORDER BY rowid").c_str());
+    for (const std::string& table : tables()) {
+        hasher.text(table);
+        const Statement rows = statementOf(*this, "SELECT * FROM " + quoted(table) + (table == kInfo ? " WHERE name<>'digest'" : "") + " ORDER BY rowid");
         int code = SQLITE_ROW;
-        while ((code = sqlite3_step(statement)) == SQLITE_ROW)
-            for (int column = 0; column < sqlite3_column_count(statement); ++column) {
-                const int type = sqlite3_column_type(statement, column);
+        while ((code = sqlite3_step(rows.get())) == SQLITE_ROW)
+            for (int column = 0; column < sqlite3_column_count(rows.get()); ++column) {
+                const int type = sqlite3_column_type(rows.get(), column);
                 hasher.number(type);
                 if (type == SQLITE_FLOAT) {
-                    hasher.number(sqlite3_column_double(statement, column));
+                    hasher.number(sqlite3_column_double(rows.get(), column));
                 } else {
-                    const void* bytes = sqlite3_column_blob(statement, column);  // whole numbers as their text
-                    hasher.bytes(bytes, static_cast<std::size_t>(sqlite3_column_bytes(statement, column)));
+                    const auto bytes = bytesAt(handle_, rows.get(), column);
+                    hasher.bytes(bytes.data(), bytes.size());
                 }
             }
-        sqlite3_finalize(statement);
         check(handle_, code);
     }
     return hasher.key().hex();
 }
 
-void Database::beginParts() {
-    if (parted_++ == 0) run("CREATE TABLE value_parts (value INTEGER, position INTEGER, bytes BLOB, PRIMARY KEY (value, position))");
+void Database::seal() {
+    run("CREATE TABLE info (name TEXT PRIMARY KEY, value TEXT NOT NULL)");
+    RowWriter info(*this, "INSERT INTO info VALUES (?,?)");
+    info.row("program", std::string("imomushi ") + kVersion);
+    info.row("digest", digest());
 }
 
-void Database::addPart(RowWriter& rows, std::int64_t position, std::span<const std::byte> part) {
-    if (!store_) return rows.row(parted_, position, part);
+void Database::checkSeal() {
+    RowReader info(*this, "SELECT value FROM info WHERE name='digest'");
+    if (!info.next() || info.text() != digest()) throw DatabaseError("its content does not match its digest");
+}
+
+std::vector<std::string> Database::compareSchema(Database& model) {
+    using Schema = std::map<std::string, std::string>;  // by name: kind and text
+    const auto schemaOf = [](Database& db) {
+        Schema schema;
+        RowReader rows(db, "SELECT name, type || ' ' || sql FROM sqlite_schema WHERE sql IS NOT NULL ORDER BY name");
+        while (rows.next()) {
+            std::string name = rows.text();
+            schema.emplace(std::move(name), rows.text());
+        }
+        return schema;
+    };
+    const Schema here = schemaOf(*this), wanted = schemaOf(model);
+    for (const auto& [name, text] : wanted)
+        if (const auto found = here.find(name); found == here.end() || found->second != text) throw DatabaseError("the table \"" + name + "\" is not as it should be");
+    std::vector<std::string> others;
+    for (const auto& [name, text] : here)
+        if (!wanted.contains(name)) others.push_back(name);
+    return others;
+}
+
+void Database::createPartTable() { run("CREATE TABLE value_parts (value INTEGER, position INTEGER, total INTEGER, bytes BLOB, PRIMARY KEY (value, position))"); }
+
+void Database::addPart(RowWriter& rows, std::int64_t position, std::int64_t total, std::span<const std::byte> part) {
+    if (!store_) return rows.row(parted_, position, total, part);
     const ContentKey key = store_->keep(part);
-    rows.row(parted_, position, std::vector<std::uint64_t>{key.high, key.low, part.size()});
+    rows.row(parted_, position, total, std::vector<std::uint64_t>{key.high, key.low, part.size()});
 }
 
 std::int64_t Database::divide(const void* data, std::size_t size) {
-    beginParts();
+    ++parted_;
     const std::span<const std::byte> bytes(static_cast<const std::byte*>(data), size);
     RowWriter rows(*this, kInsertPart);
-    for (std::size_t at = 0; at < size; at += kPartBytes) addPart(rows, static_cast<std::int64_t>(at / kPartBytes), bytes.subspan(at, std::min(kPartBytes, size - at)));
+    for (std::size_t at = 0; at < size; at += kPartBytes)
+        addPart(rows, static_cast<std::int64_t>(at / kPartBytes), static_cast<std::int64_t>(size), bytes.subspan(at, std::min(kPartBytes, size - at)));
     return parted_;
 }
 
 std::int64_t Database::divideLike(Database& from, std::int64_t parted) {
-    beginParts();
+    ++parted_;
     RowWriter rows(*this, kInsertPart);
     RowReader parts(from, partsOf(parted).c_str());
     while (parts.next()) {
-        const std::int64_t position = parts.integer();
-        const auto part = parts.array<std::byte>();
-        addPart(rows, position, part);
+        const std::int64_t position = parts.integer(), total = parts.integer();
+        addPart(rows, position, total, parts.bytes());
     }
     return parted_;
 }
 
-void Database::addRows(Database& from, const char* table) {
-    const std::unique_ptr<sqlite3_stmt, decltype(&sqlite3_finalize)> rows(prepare(from, ("SELECT * FROM " + std::string(table) + " ORDER BY rowid").c_str()), sqlite3_finalize);
+void Database::addRows(Database& from, const std::string& table) {
+    const Statement rows = statementOf(from, "SELECT * FROM " + quoted(table) + " ORDER BY rowid");
     const int columns = sqlite3_column_count(rows.get());
-    std::string sql = "INSERT INTO " + std::string(table) + " VALUES (?";
+    std::string sql = "INSERT INTO " + quoted(table) + " VALUES (?";
     for (int c = 1; c < columns; ++c) sql += ",?";
     RowWriter writer(*this, (sql + ")").c_str());
     int code = SQLITE_ROW;
@@ -203,14 +284,11 @@ void Database::addRows(Database& from, const char* table) {
                 case SQLITE_FLOAT: writer.bind(sqlite3_column_double(rows.get(), c)); break;
                 case SQLITE_NULL: writer.bind(std::optional<double>()); break;
                 case SQLITE_TEXT: {
-                    const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(rows.get(), c));
-                    writer.bind(std::string(text, static_cast<std::size_t>(sqlite3_column_bytes(rows.get(), c))));
+                    const auto text = bytesAt(from.handle(), rows.get(), c);
+                    writer.bind(std::string(reinterpret_cast<const char*>(text.data()), text.size()));
                     break;
                 }
-                default: {
-                    const void* bytes = sqlite3_column_blob(rows.get(), c);
-                    writer.blob(bytes, static_cast<std::size_t>(sqlite3_column_bytes(rows.get(), c)));
-                }
+                default: writer.bind(bytesAt(from.handle(), rows.get(), c));
             }
         }
         writer.finish();
@@ -218,35 +296,38 @@ void Database::addRows(Database& from, const char* table) {
     check(from.handle(), code);
 }
 
-std::size_t Database::sizeOf(std::int64_t parted) {
+void Database::copyParts(std::int64_t parted, const std::function<void*(std::size_t)>& room) {
     const Row row = row_;
-    std::size_t size = 0;
-    {
-        RowReader parts(*this, (store_ ? partsOf(parted) : "SELECT 0, sum(length(bytes)) FROM value_parts WHERE value=" + std::to_string(parted)).c_str());
-        while (parts.next()) {
-            parts.integer();
-            size += store_ ? sharedPart(parts).second : static_cast<std::size_t>(parts.integer());  // NULL where there are none
-        }
-    }
-    row_ = row;
-    return size;
-}
-
-void Database::copy(std::int64_t parted, void* to) {
-    const Row row = row_;
-    auto* next = static_cast<std::byte*>(to);
+    std::byte* next = nullptr;
+    std::size_t left = 0;
     RowReader parts(*this, partsOf(parted).c_str());
-    for (std::int64_t position = 0; parts.next(); ++position) {
+    std::int64_t position = 0, total = 0;
+    for (; parts.next(); ++position) {
         parts.integer(position, position);
+        const std::int64_t told = parts.integer(1, kMostDivided);
+        if (position == 0) {
+            // What a file of this size cannot hold is not asked for. Parts in a store may be shared.
+            if (!store_ && told > number("PRAGMA page_count") * number("PRAGMA page_size")) throw DatabaseError("an array is larger than its file");
+            total = told;
+            left = static_cast<std::size_t>(total);
+            next = static_cast<std::byte*>(room(left));
+        }
+        if (told != total) throw DatabaseError("an array has a broken size");
+        const auto take = [&](std::span<const std::byte> part) {
+            if (part.size() > left) throw DatabaseError("an array has a broken size");
+            next = std::copy(part.begin(), part.end(), next);
+            left -= part.size();
+        };
         if (store_) {
             const auto [key, size] = sharedPart(parts);
             const auto part = store_->find(key);
             if (part.size() != size) throw DatabaseError("a part has a broken size");
-            next = std::copy(part.begin(), part.end(), next);
+            take(part);
         } else {
-            next += parts.part(next);
+            take(parts.bytes());
         }
     }
+    if (position == 0 || left > 0) throw DatabaseError("a part of an array is missing");
     row_ = row;
 }
 
@@ -337,32 +418,20 @@ std::optional<double> RowReader::optionalReal() {
 
 std::string RowReader::text() {
     expect(SQLITE_TEXT);
-    const auto* bytes = reinterpret_cast<const char*>(sqlite3_column_text(statement_, column_));
-    std::string value(bytes ? bytes : "", static_cast<std::size_t>(sqlite3_column_bytes(statement_, column_)));
-    ++column_;
-    return value;
+    const auto text = bytesAt(database_.handle(), statement_, column_++);
+    return {reinterpret_cast<const char*>(text.data()), text.size()};
 }
 
-std::size_t RowReader::size() {
-    if (sqlite3_column_type(statement_, column_) == SQLITE_INTEGER) return database_.sizeOf(sqlite3_column_int64(statement_, column_));
+std::span<const std::byte> RowReader::bytes() {
     expect(SQLITE_BLOB);
-    return static_cast<std::size_t>(sqlite3_column_bytes(statement_, column_));
+    return bytesAt(database_.handle(), statement_, column_++);
 }
 
-void RowReader::copy(void* to) {
-    if (sqlite3_column_type(statement_, column_) == SQLITE_INTEGER)
-        database_.copy(sqlite3_column_int64(statement_, column_++), to);
-    else
-        part(to);
-}
-
-std::size_t RowReader::part(void* to) {
-    expect(SQLITE_BLOB);
-    const void* bytes = sqlite3_column_blob(statement_, column_);
-    const auto size = static_cast<std::size_t>(sqlite3_column_bytes(statement_, column_));
-    if (size > 0) std::memcpy(to, bytes, size);
-    ++column_;
-    return size;
+void RowReader::takeArray(const std::function<void*(std::size_t)>& room) {
+    if (sqlite3_column_type(statement_, column_) == SQLITE_INTEGER) return database_.copyParts(sqlite3_column_int64(statement_, column_++), room);
+    const auto array = bytes();
+    void* to = room(array.size());
+    if (!array.empty()) std::memcpy(to, array.data(), array.size());
 }
 
 }  // namespace imomushi

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <span>
@@ -22,10 +23,20 @@ namespace imomushi {
 
 class RowWriter;
 
-/// Why a database could not be written or read. Callers of saveProject(), openProject(), packResponse() and unpackResponse() get an Error instead.
+/// Why a database could not be written or read. Callers of saveProject(), openProject(), packResponse() and unpackResponse() get an Error instead. Memory that
+/// runs out is no DatabaseError but std::bad_alloc: it says nothing of the file.
 struct DatabaseError : std::runtime_error {
-    using std::runtime_error::runtime_error;
-    bool diskFull = false;
+    enum class Kind {
+        Damaged,   ///< the content is not what it should be
+        DiskFull,
+        Refused,   ///< the system does not read or write the file: permissions, a broken disk
+        Busy,      ///< another process has it
+        TooLarge,  ///< a value or row is larger than a database takes
+    };
+    explicit DatabaseError(const std::string& what, Kind why = Kind::Damaged) : std::runtime_error(what), kind(why) {}
+    Kind kind;
+    /// Whether what was read is to blame: a value that no database of ours has is too large, too.
+    [[nodiscard]] bool damaged() const { return kind == Kind::Damaged || kind == Kind::TooLarge; }
 };
 
 /// Arrays larger than this, bytes, are divided into parts of this size, so that neither writing nor reading one needs more memory than a few parts beside the array.
@@ -44,8 +55,9 @@ public:
     virtual std::vector<std::byte> find(const ContentKey& key) = 0;
 };
 
-/// A database in memory, built row by row and turned into the bytes of a file, or the other way round; or in a file of its own.
-/// A divided array has rows in "value_parts", which is made with the first one, and their number where the array would be.
+/// A database in memory, built row by row and turned into the bytes of a file, or the other way round; or in a file of its own. What is read is not trusted:
+/// views, triggers and functions that a schema names have no effect.
+/// A divided array has rows in the table of createPartTable(), and their number where the array would be.
 class Database {
 public:
     enum class Access { Write, Read };
@@ -63,20 +75,29 @@ public:
     [[nodiscard]] std::int64_t number(const char* sql);
     [[nodiscard]] std::vector<std::byte> file();  ///< its bytes
     [[nodiscard]] sqlite3* handle() { return handle_; }
-    /// Of the types and bytes of all values in `tables`, row by row: 32 hexadecimal digits.
-    [[nodiscard]] std::string digest(std::span<const char* const> tables);
 
+    /// The tables that hold rows, by name: no views, no virtual tables.
+    [[nodiscard]] std::vector<std::string> tables();
+    /// Of the names of all tables() and the types and bytes of their values, row by row, but for the digest that seal() wrote: 32 hexadecimal digits.
+    [[nodiscard]] std::string digest();
+    /// The last thing that is written: a table "info" with the name of the program and the digest.
+    void seal();
+    /// Throws DatabaseError where the content is not what was sealed.
+    void checkSeal();
+    /// Everything that `model` has is here, to the letter; throws DatabaseError where it is not. What is here besides: tables, views and triggers, by name.
+    [[nodiscard]] std::vector<std::string> compareSchema(Database& model);
+
+    static constexpr const char* kPartTable = "value_parts";
+    void createPartTable();
     /// The parts of arrays are or go there. `store` must outlive this.
     void setStore(PartStore& store) { store_ = &store; }
     [[nodiscard]] std::size_t wholeBytes() const { return store_ ? kSharedBytes : kPartBytes; }
     /// Keeps an array in parts. Its number.
     std::int64_t divide(const void* data, std::size_t size);
     /// Adds the rows of a table of another database to the same table of this one, large arrays part by part.
-    void addRows(Database& from, const char* table);
-    /// Whether an array was divided.
-    [[nodiscard]] bool divided() const { return parted_ > 0; }
-    [[nodiscard]] std::size_t sizeOf(std::int64_t parted);
-    void copy(std::int64_t parted, void* to);
+    void addRows(Database& from, const std::string& table);
+    /// Puts the parts of an array together, where `room`(bytes) says.
+    void copyParts(std::int64_t parted, const std::function<void*(std::size_t)>& room);
 
     /// The row that is being read, of the reader that moved last.
     struct Row {
@@ -88,8 +109,7 @@ public:
 private:
     friend class RowReader;
     std::int64_t divideLike(Database& from, std::int64_t parted);
-    void beginParts();
-    void addPart(RowWriter& rows, std::int64_t position, std::span<const std::byte> part);
+    void addPart(RowWriter& rows, std::int64_t position, std::int64_t total, std::span<const std::byte> part);
 
     Row row_;
     PartStore* store_ = nullptr;
@@ -160,10 +180,12 @@ public:
     /// An array whose size must be a multiple of `width` items.
     template <class T>
     std::vector<T> array(std::size_t width = 1) {
-        const std::size_t bytes = size();
-        if (bytes % (sizeof(T) * width) != 0) throw DatabaseError("an array has a broken size");
-        std::vector<T> values(bytes / sizeof(T));
-        copy(values.data());
+        std::vector<T> values;
+        takeArray([&](std::size_t bytes) {
+            if (bytes % (sizeof(T) * width) != 0) throw DatabaseError("an array has a broken size");
+            values.resize(bytes / sizeof(T));
+            return static_cast<void*>(values.data());
+        });
         return values;
     }
     /// A matrix of as many columns as its type has, any number of rows.
@@ -171,19 +193,20 @@ public:
     Matrix matrix() {
         constexpr int kColumns = Matrix::ColsAtCompileTime;
         constexpr std::size_t kRow = kColumns * sizeof(typename Matrix::Scalar);
-        const std::size_t bytes = size();
-        if (bytes % kRow != 0) throw DatabaseError("an array has a broken size");
-        if (bytes / kRow > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) throw DatabaseError("an array is too long");
-        Matrix m(static_cast<Eigen::Index>(bytes / kRow), kColumns);
-        copy(m.data());
+        Matrix m;
+        takeArray([&](std::size_t bytes) {
+            if (bytes % kRow != 0) throw DatabaseError("an array has a broken size");
+            if (bytes / kRow > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) throw DatabaseError("an array is too long");
+            m.resize(static_cast<Eigen::Index>(bytes / kRow), kColumns);
+            return static_cast<void*>(m.data());
+        });
         return m;
     }
 
 private:
     friend class Database;
-    std::size_t size();         // of the array, bytes
-    void copy(void* to);        // the array, which may be divided
-    std::size_t part(void* to); // what is in this row; its size
+    void takeArray(const std::function<void*(std::size_t)>& room);  // which may be divided; into `room`(bytes)
+    std::span<const std::byte> bytes();                             // an array of this row, until the next one
     void expect(int type);
 
     Database& database_;

@@ -23,22 +23,7 @@ std::vector<std::int32_t> varyingOf(std::span<const double> rows, std::span<cons
     return out;
 }
 
-void addAll(std::vector<std::int32_t>& places, const std::vector<std::int32_t>& more) {
-    std::vector<std::int32_t> both;
-    std::set_union(places.begin(), places.end(), more.begin(), more.end(), std::back_inserter(both));
-    places = std::move(both);
-}
-
 }  // namespace
-
-FrameNumbers::FrameNumbers(const std::vector<double>& first, const std::vector<std::int32_t>& varying, const std::vector<double>& values) : first_(first) {
-    std::vector<double> row = first;
-    for (std::size_t at = 0; at < values.size();) {
-        for (const std::int32_t i : varying) row[static_cast<std::size_t>(i)] = values[at++];
-        add(row);
-    }
-    finish();
-}
 
 void FrameNumbers::add(const std::vector<double>& row) {
     if (frames_ == 0) first_ = row;
@@ -59,6 +44,11 @@ void FrameNumbers::finish() {
         for (const std::int32_t i : block->varying) block->values.push_back(open_[at + static_cast<std::size_t>(i)]);
     blocks_.push_back(std::move(block));
     open_ = {};
+}
+
+void FrameNumbers::addBlock(std::shared_ptr<const Block> block, std::size_t rows) {
+    blocks_.push_back(std::move(block));
+    frames_ += rows;
 }
 
 void FrameNumbers::at(std::size_t frame, double* numbers) const {
@@ -91,24 +81,9 @@ std::size_t FrameNumbers::bytes() const {
     return bytes;
 }
 
-std::vector<std::int32_t> FrameNumbers::varying() const {
-    std::vector<std::int32_t> out = varyingOf(open_, first_);
-    for (const auto& b : blocks_) {
-        addAll(out, b->moved);
-        addAll(out, b->varying);
-    }
-    return out;
-}
-
-std::vector<double> FrameNumbers::values() const {
-    const std::vector<std::int32_t> places = varying();
-    std::vector<double> out, row(width());
-    out.reserve(frames_ * places.size());
-    for (std::size_t f = 0; f < frames_ && !places.empty(); ++f) {
-        at(f, row.data());
-        for (const std::int32_t i : places) out.push_back(row[static_cast<std::size_t>(i)]);
-    }
-    return out;
+bool FrameNumbers::operator==(const FrameNumbers& other) const {
+    return frames_ == other.frames_ && first_ == other.first_ && open_ == other.open_ &&
+           std::equal(blocks_.begin(), blocks_.end(), other.blocks_.begin(), other.blocks_.end(), [](const auto& a, const auto& b) { return a == b || *a == *b; });
 }
 
 TakeMoment momentAt(const std::vector<double>& times, double time) {

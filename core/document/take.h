@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/character/character_shape.h"
@@ -19,14 +20,26 @@ namespace imomushi {
 /// what they have in common.
 class FrameNumbers {
 public:
+    /// Frames of a block; the last one may have fewer.
+    static constexpr std::size_t kRows = 256;
+    struct Block {
+        std::vector<std::int32_t> moved;    ///< ascending places: what its first frame has otherwise than the first of all
+        std::vector<double> to;             ///< of these
+        std::vector<std::int32_t> varying;  ///< ascending places: what changes after its first frame
+        std::vector<double> values;         ///< of these, #frames x #varying, row by row
+        bool operator==(const Block&) const = default;
+    };
+
     FrameNumbers() = default;
-    /// first: of frame 0; varying: ascending places in it; values: of these, #frames x #varying, row by row.
-    FrameNumbers(const std::vector<double>& first, const std::vector<std::int32_t>& varying, const std::vector<double>& values);
+    /// Of the frames of blocks that addBlock() brings. first: of frame 0.
+    explicit FrameNumbers(std::vector<double> first) : first_(std::move(first)) {}
 
     /// One more frame: as many numbers as those before it have.
     void add(const std::vector<double>& row);
     /// After the last frame.
     void finish();
+    /// The next `rows` frames, as blocks() of another one has them.
+    void addBlock(std::shared_ptr<const Block> block, std::size_t rows);
 
     [[nodiscard]] std::size_t width() const { return first_.size(); }
     /// width() numbers.
@@ -35,21 +48,12 @@ public:
     [[nodiscard]] FrameNumbers part(std::size_t first, std::size_t count) const;
     [[nodiscard]] std::size_t bytes() const;
 
-    // ---- as files have them; see the constructor
     [[nodiscard]] const std::vector<double>& first() const { return first_; }
-    [[nodiscard]] std::vector<std::int32_t> varying() const;
-    [[nodiscard]] std::vector<double> values() const;
+    /// After finish(): of all frames. None where a frame has no numbers.
+    [[nodiscard]] const std::vector<std::shared_ptr<const Block>>& blocks() const { return blocks_; }
+    bool operator==(const FrameNumbers& other) const;
 
 private:
-    /// kRows frames, in the last one fewer.
-    struct Block {
-        std::vector<std::int32_t> moved;    ///< what its first frame has otherwise than the first of all
-        std::vector<double> to;
-        std::vector<std::int32_t> varying;  ///< what changes after its first frame
-        std::vector<double> values;
-    };
-    static constexpr std::size_t kRows = 256;
-
     std::size_t frames_ = 0;
     std::vector<double> first_;
     std::vector<std::shared_ptr<const Block>> blocks_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Memory and time that saving and opening a project of several hundred megabytes of responses take, beside the project itself.
+// Memory and time that saving and opening take, beside the project itself: one of several hundred megabytes of responses, and one of an hour of a take of thirty
+// elements that all move.
 #include <unistd.h>
 
 #include <chrono>
@@ -12,6 +13,7 @@
 
 #include "core/document/project_file.h"
 #include "tests/support/folder.h"
+#include "tests/support/long_take.h"
 #include "tests/support/shapes.h"
 
 using namespace imomushi;
@@ -68,12 +70,22 @@ Project project() {
 int main() {
     const TestFolder folder;
     const auto path = folder.path() / "large.imomushi";
-    const Project made = project();
-    std::printf("project    %8.0f MB\n", megabytes("VmRSS"));
-    measure("save", [&] { return saveProject(path, made).has_value(); });
-    std::error_code error;
-    std::printf("file       %8.0f MB\n", static_cast<double>(std::filesystem::file_size(path, error)) / 1048576.0);
-    measure("save again", [&] { return saveProject(path, made).has_value(); });
-    measure("open", [&] { return openProject(path).has_value(); });
+    const auto saveAndOpen = [&](const Project& made) {
+        std::printf("project    %8.0f MB\n", megabytes("VmRSS"));
+        measure("save", [&] { return saveProject(path, made).has_value(); });
+        std::error_code error;
+        std::printf("file       %8.0f MB\n", static_cast<double>(std::filesystem::file_size(path, error)) / 1048576.0);
+        measure("save again", [&] { return saveProject(path, made).has_value(); });
+        measure("open", [&] { return openProject(path).has_value(); });
+    };
+    std::puts("responses");
+    saveAndOpen(project());
+    constexpr std::size_t kFrames = 60 * 60 * 60;
+    std::puts("an hour of a take of 30 elements");
+    Project take;
+    auto hour = longTake(30, kFrames);
+    hour->id = take.document.nextId++;
+    take.document.takes[hour->id] = std::move(hour);
+    saveAndOpen(take);
     return 0;
 }

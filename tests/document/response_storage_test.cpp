@@ -36,12 +36,10 @@ TEST_CASE("storage: the response of touch opens as it was saved, and a broken on
     CHECK(b.gradients == a.gradients);
     CHECK(b.asymmetry == a.asymmetry);
     CHECK(b.negativeEnergy == a.negativeEnergy);
-    CHECK(projectVersion(project) == 5);
     auto told = std::make_shared<ElementResponse>(*response);
     told->quality.tetrahedra = 12'345;
     told->quality.noFilling = "Why not.";
     project.responses[id].response = told;
-    CHECK(projectVersion(project) == 10);
     REQUIRE(saveProject(path, project));
     const auto again = openProject(path);
     REQUIRE(again);

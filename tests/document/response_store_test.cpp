@@ -171,6 +171,23 @@ TEST_CASE("response folder: a damaged file and one of another key are absent and
     CHECK(readFile(file) == good);
 }
 
+TEST_CASE("response folder: what cannot be read now is absent and stays") {
+    const TestFolder folder;
+    Workbench w;
+    const Solved s = solved(w);
+    ResponseStore(kRoom, folder.path()).insertComputed(s.key, s.response);
+    const auto file = filesIn(folder.path()).at(0);
+    ResponseStore store(kRoom, folder.path());
+    const std::string good = readFile(file);
+    std::filesystem::remove(file);
+    std::filesystem::create_directory(file);  // it opens, and reading it fails
+    CHECK(!s.in(store));
+    CHECK(std::filesystem::is_directory(file));
+    std::filesystem::remove(file);
+    folder.write(file.filename().string(), good);
+    CHECK(s.in(store));
+}
+
 TEST_CASE("response folder: beyond its bound the files that were used longest ago go") {
     const TestFolder folder;
     Workbench w;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <fcntl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <csignal>
 #include <cstdlib>
@@ -8,9 +10,11 @@
 #include <set>
 
 #include "core/document/packed_response.h"
+#include "core/document/project_versions.h"
 #include "core/mesh/bounds.h"
 #include "tests/document/tamper.h"
 #include "tests/document/workbench.h"
+#include "tests/support/long_take.h"
 
 // Saving where there is much to save, or little room for it.
 
@@ -98,10 +102,10 @@ TEST_CASE("saving: an array that is divided comes back bit by bit, and its parts
     {
         const std::string bytes = readFile(path);
         Database db(std::as_bytes(std::span(bytes)));
-        CHECK(db.number("PRAGMA user_version") == 12);  // the first format that has parts
         CHECK(db.number("SELECT count(*) FROM value_parts") == 2);
     }
-    for (const char* statement : {"DELETE FROM value_parts", "DELETE FROM value_parts WHERE position=0", "UPDATE value_parts SET position=7 WHERE position=1", "UPDATE value_parts SET bytes=zeroblob(7)",
+    for (const char* statement : {"DELETE FROM value_parts", "DELETE FROM value_parts WHERE position=0", "UPDATE value_parts SET position=7 WHERE position=1", "UPDATE value_parts SET total=total-8", "UPDATE value_parts SET total=total+8", "UPDATE value_parts SET total=1<<40",
+                                  "UPDATE value_parts SET total=8 WHERE position=1", "UPDATE value_parts SET bytes=zeroblob(7)",
                                   "UPDATE value_parts SET bytes='text'", "UPDATE value_parts SET bytes=1e30", "UPDATE value_parts SET bytes=NULL WHERE position=1", "UPDATE responses SET response=2",
                                   "UPDATE responses SET response=-1"}) {
         CAPTURE(statement);
@@ -135,6 +139,34 @@ TEST_CASE("saving: needs memory for its largest response, not for the project") 
     CHECK(std::filesystem::file_size(folder / "large.imomushi") > kBytes);
     // A few parts, and one response twice while it is checked.
     CHECK(memory("VmHWM") - before < 2 * (kBytes / 4) + 4 * kPartBytes);
+}
+
+TEST_CASE("saving: needs memory for a few blocks of a take, not for all of it, and so does keeping a version") {
+    const TestFolder folder;
+    const auto path = folder / "take.imomushi";
+    Project project = projectOf(1, 1000);
+    const auto take = longTake(5, 80'000);
+    take->id = project.document.nextId++;
+    project.document.takes[take->id] = take;
+    const std::size_t bytes = take->bytes();
+    REQUIRE(bytes > 8 * kPartBytes);
+    for (const char* way : {"new", "over another"}) {
+        CAPTURE(way);
+        std::ofstream("/proc/self/clear_refs") << "5";
+        const std::size_t before = memory("VmRSS");
+        REQUIRE(storeProject(path, project, {}));
+        CHECK(memory("VmHWM") - before < 3 * kPartBytes);
+    }
+    std::ofstream("/proc/self/clear_refs") << "5";
+    const std::size_t before = memory("VmRSS");
+    const auto opened = openProject(path);
+    REQUIRE(opened);
+    CHECK(memory("VmHWM") - before < bytes + 3 * kPartBytes);
+    const Take& read = *opened->document.takes.begin()->second;
+    CHECK(read.times == take->times);
+    CHECK(read.shapes == take->shapes);
+    REQUIRE(saveProject(folder / "again.imomushi", *opened));
+    CHECK(readFile(folder / "again.imomushi") == readFile(path));
 }
 #endif
 
@@ -218,6 +250,35 @@ TEST_CASE("saving: a skeleton that cannot be built is refused, and the file with
     REQUIRE(!saved);
     CHECK(saved.error().code == "not-sound");
     CHECK(openProject(path).value().responses.size() == project.responses.size());
+}
+
+TEST_CASE("saving: what the system refuses is no damage") {
+    Workbench w;
+    w.buildChain();
+    const TestFolder folder;
+    const auto path = folder / "a.imomushi";
+    w.good({{"do", "save"}, {"path", path.string()}});
+    const int file = ::open(path.c_str(), O_WRONLY);  // reading it fails
+    REQUIRE(file >= 0);
+    try {
+        Database db(file, Database::Access::Read);
+        (void)db.number("PRAGMA user_version");
+        CHECK(false);
+    } catch (const DatabaseError& error) {
+        CHECK(error.kind == DatabaseError::Kind::Refused);
+        CHECK(!error.damaged());
+    }
+    ::close(file);
+    sqlite3* other = nullptr;  // somebody writes
+    REQUIRE(sqlite3_open(path.c_str(), &other) == SQLITE_OK);
+    REQUIRE(sqlite3_exec(other, "BEGIN EXCLUSIVE", nullptr, nullptr, nullptr) == SQLITE_OK);
+    try {
+        Database(path, false).number("SELECT count(*) FROM elements");
+        CHECK(false);
+    } catch (const DatabaseError& error) {
+        CHECK(error.kind == DatabaseError::Kind::Busy);
+    }
+    sqlite3_close(other);
 }
 
 TEST_CASE("saving: a folder whose path is long is no obstacle") {

@@ -408,9 +408,11 @@ TEST_CASE("takes: a broken take in a file is found, and files without takes open
     CHECK(code([](Take& t) { t.bones[0].end = t.points; }) == "not-sound");
     CHECK(code([](Take& t) { t.layout.joints += 1; }) == "not-sound");
     CHECK(code([](Take& t) {
-        auto values = t.shapes.values();
-        for (double& x : values) x *= 3.0;  // rotations are none
-        t.shapes = FrameNumbers(t.shapes.first(), t.shapes.varying(), values);
+        auto block = std::make_shared<FrameNumbers::Block>(*t.shapes.blocks().back());
+        for (double& x : block->values) x *= 3.0;  // rotations are none
+        FrameNumbers broken(t.shapes.first());
+        broken.addBlock(block, t.times.size());
+        t.shapes = broken;
     }) == "not-sound");
     CHECK(code([](Take& t) { t.targets[0].time = -1.0; }) == "not-sound");
     project.document.takes.clear();
@@ -436,9 +438,12 @@ TEST_CASE("takes: numbers of frames are what was added, frame by frame, in parts
             REQUIRE(now == row);
         }
         numbers.finish();
-        const FrameNumbers read(numbers.first(), numbers.varying(), numbers.values()), part = numbers.part(frames / 3, frames / 2);
-        CHECK(std::ssize(numbers.varying()) == (frames > 300 ? 6 : frames > 1 ? 1 : 0));
-        CHECK(numbers.values().size() == frames * numbers.varying().size());
+        const FrameNumbers part = numbers.part(frames / 3, frames / 2);
+        FrameNumbers read(numbers.first());
+        for (std::size_t b = 0; b < numbers.blocks().size(); ++b) read.addBlock(numbers.blocks()[b], std::min(FrameNumbers::kRows, frames - b * FrameNumbers::kRows));
+        CHECK(read == numbers);
+        CHECK(numbers.blocks().size() == (frames + FrameNumbers::kRows - 1) / FrameNumbers::kRows);
+        for (const auto& block : numbers.blocks()) CHECK(std::ssize(block->varying) <= 6);
         std::size_t wrong = 0;
         for (std::size_t f = 0; f < frames; ++f) {
             std::vector<double> a(kWidth), b(kWidth), c(kWidth);

@@ -30,7 +30,7 @@ inline void sql(const std::filesystem::path& path, const std::string& statement)
 inline void sign(const std::filesystem::path& path) {
     const std::string bytes = readFile(path);
     Database db(std::as_bytes(std::span(bytes)));
-    sql(path, "UPDATE info SET value='" + db.digest(projectTables(db.number("PRAGMA user_version"))) + "' WHERE name='digest'");
+    sql(path, "UPDATE info SET value='" + db.digest() + "' WHERE name='digest'");
 }
 
 }  // namespace imomushi

@@ -60,6 +60,7 @@ const std::map<std::string, const char*> kErrors = {
     {"singular", QT_TRANSLATE_NOOP("Errors", "The element cannot be solved. Check its mesh.")},
     {"not-closed", QT_TRANSLATE_NOOP("Errors", "The mesh is not a closed surface facing outward. Repair it first.")},
     {"inaccurate", QT_TRANSLATE_NOOP("Errors", "The solution is not accurate enough. Check the mesh for slivers.")},
+    {"before-release", QT_TRANSLATE_NOOP("Errors", "The project was made before the first release of Imomushi, and cannot be opened. Make it again from its meshes or scripts.")},
     {"newer-version", QT_TRANSLATE_NOOP("Errors", "The project was made by a newer version of Imomushi. Update to open it.")},
     {"not-a-project", QT_TRANSLATE_NOOP("Errors", "This file is not an Imomushi project.")},
     {"nothing-to-undo", QT_TRANSLATE_NOOP("Errors", "There is nothing to undo.")},

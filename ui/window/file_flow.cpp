@@ -103,7 +103,16 @@ Result<Json> FileFlow::read(const Json& open) {
     working_ = tr("Opening “%1”…").arg(QFileInfo(QString::fromStdString(path)).fileName());
     file_.read(document_.session().registry(), path, open.contains("version") ? std::optional(open["version"].get<std::int64_t>()) : std::nullopt);
     document_.session().lendCharacter(file_.takeCharacter());
-    return document_.execute(open);
+    auto answer = document_.execute(open);
+    if (!answer) return answer;
+    const auto names = [&](const char* key) {
+        QStringList list;
+        for (const Json& name : answer->at(key)) list += QString::fromStdString(name.get<std::string>());
+        return list.join(tr(", "));
+    };
+    if (answer->contains("dropped")) Q_EMIT warned(tr("A newer version of Imomushi wrote this project. Opened as a copy: saving it drops %1.").arg(names("dropped")));
+    else if (answer->contains("unknown")) Q_EMIT warned(tr("A newer version of Imomushi wrote this project. What this one does not know has no effect and stays: %1.").arg(names("unknown")));
+    return answer;
 }
 
 Result<Json> FileFlow::write(const Json& save) {
