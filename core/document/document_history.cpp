@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <new>
 #include <sstream>
+#include <type_traits>
 #include <utility>
 
 namespace imomushi {
@@ -39,44 +40,87 @@ std::vector<Json> withoutLeftovers(const std::vector<Json>& all) {
 
 std::string textOf(const Json& line) { return line.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n'; }
 
-template <class T>
-void makeRoomForOne(std::vector<T>& list) {
-    if (list.size() == list.capacity()) list.reserve(2 * list.size() + 1);
-}
-
 std::string countText(int count, const char* none, const char* verb) {
     return count == 0 ? std::string(none) : "There are only " + std::to_string(count) + " steps to " + verb + ".";
 }
 
 }  // namespace
 
-DocumentHistory::DocumentHistory() { firstLines_ = kept(textOf(Json{{"do", "new"}})); }
+static_assert(std::is_nothrow_move_constructible_v<Document> && std::is_nothrow_move_assignable_v<Document>, "taking back moves documents");
+
+DocumentHistory::DocumentHistory() {
+    firstLines_ = textOf(Json{{"do", "new"}});
+    scriptBytes_ = firstLines_.size();
+}
 
 void DocumentHistory::commit(Step step, const Document& before, const Json& line) {
+    const Lines lines = kept(textOf(line));
     if (gesture_) {
-        gesture_->lines += kept(textOf(line));
+        gesture_->lines += lines;
+        scriptBytes_ += lines.size();
         gesture_->step = std::move(step);
     } else {
-        push(std::move(step), before, kept(textOf(line)));
+        Entry entry = entryOf(before, document_, lines);
+        makeRoom(1);
+        scriptBytes_ += lines.size();
+        push(std::move(step), std::move(entry));
     }
 }
 
-void DocumentHistory::push(Step&& step, const Document& before, Lines&& lines) {
-    DocumentChange change = difference(before, document_);
+void DocumentHistory::addStep(Step step, Document after, const std::vector<Json>& lines) {
+    flushFrames();
+    Lines added;
+    for (const Json& line : lines) added += textOf(line);
+    added = kept(std::move(added));
+    const std::size_t bytes = added.size();
+    std::optional<Gesture> rest;
+    std::optional<Entry> until;
+    const bool empty = gesture_ && gesture_->step.name.empty();
+    if (gesture_) {
+        rest = Gesture{after, {}, {}};
+        if (Lines* last = empty ? lastLines(false) : nullptr) last->reserve(last->size() + gesture_->lines.size());
+        if (!empty) until = entryOf(gesture_->before, document_, {});
+    }
+    Entry entry = entryOf(document_, after, std::move(added));
+    makeRoom(2);
+    // From here on nothing fails.
+    if (Lines* last = empty ? lastLines(false) : nullptr) *last += gesture_->lines;
+    if (until) {
+        until->lines = std::move(gesture_->lines);
+        push(std::move(gesture_->step), std::move(*until));
+    }
+    scriptBytes_ += bytes;
+    document_ = std::move(after);
+    gesture_ = std::move(rest);
+    push(std::move(step), std::move(entry));
+}
+
+DocumentHistory::Entry DocumentHistory::entryOf(const Document& before, const Document& after, Lines lines) {
+    DocumentChange change = difference(before, after);
     // The pose goes on changing as frames pass; undo leads back to the one of before.
-    if (!change.pose && (!change.goals.empty() || movesJointPoints(change, document_))) change.pose = before.pose;
-    makeRoomForOne(entries_);
-    makeRoomForOne(steps_);
+    if (!change.pose && (!change.goals.empty() || movesJointPoints(change, after))) change.pose = before.pose;
+    return {std::move(change), std::move(lines)};
+}
+
+void DocumentHistory::makeRoom(std::size_t steps) {
+    const auto in = [steps](auto& list) {
+        if (list.capacity() < list.size() + steps) list.reserve(2 * list.size() + steps);
+    };
+    in(entries_);
+    in(steps_);
+}
+
+void DocumentHistory::push(Step&& step, Entry&& entry) noexcept {
     if (savedPosition_ > position_) savedPosition_ = -1;
     if (scriptFrom_ && *scriptFrom_ > position_) {  // it begins at what is no more
         dropLines();
-        lines.clear();
+        entry.lines.clear();
     }
     for (std::size_t i = static_cast<std::size_t>(position_); i < entries_.size(); ++i) scriptBytes_ -= entries_[i].lines.size();
     entries_.erase(entries_.begin() + position_, entries_.end());
     steps_.erase(steps_.begin() + position_, steps_.end());
     steps_.push_back(std::move(step));
-    entries_.push_back({std::move(change), std::move(lines)});
+    entries_.push_back(std::move(entry));
     ++position_;
     try {
         dropOldest();
@@ -143,30 +187,27 @@ void DocumentHistory::beginGesture() {
 bool DocumentHistory::endGesture(Step named) {
     if (!gesture_) return false;
     flushFrames();
-    Gesture gesture = std::move(*gesture_);
-    gesture_.reset();
-    try {
-        if (gesture.step.name.empty()) {
-            append(gesture.lines);
-            return false;
-        }
-        push(std::move(named.name.empty() ? gesture.step : named), gesture.before, std::move(gesture.lines));
-    } catch (const std::bad_alloc&) {
-        gesture_ = std::move(gesture);
-        throw;
+    if (gesture_->step.name.empty()) {
+        if (Lines* last = lastLines(false)) *last += gesture_->lines;
+        gesture_.reset();
+        return false;
     }
+    Entry entry = entryOf(gesture_->before, document_, {});
+    makeRoom(1);
+    entry.lines = std::move(gesture_->lines);
+    Step step = std::move(named.name.empty() ? gesture_->step : named);
+    gesture_.reset();
+    push(std::move(step), std::move(entry));
     return true;
 }
 
-void DocumentHistory::cancelGesture() {
-    if (!gesture_) return;
-    DocumentChange change = difference(gesture_->before, document_);
-    Document document = document_;
-    exchange(document, change);
-    document_ = std::move(document);
+Document DocumentHistory::cancelGesture() noexcept {
+    gesture_->before.nextId = document_.nextId;
     scriptBytes_ -= gesture_->lines.size();
     frames_.clear();
+    Document left = std::exchange(document_, std::move(gesture_->before));
     gesture_.reset();
+    return left;
 }
 
 bool DocumentHistory::modified() const { return position_ != savedPosition_ || (gesture_ && !gesture_->step.name.empty()); }
@@ -195,19 +236,25 @@ void DocumentHistory::replace(Document document, std::filesystem::path path, boo
     frames_.clear();
 }
 
-void DocumentHistory::note(const Json& line) { append(kept(textOf(line))); }
-
-void DocumentHistory::append(const Lines& lines) {
-    if (!scriptFrom_) return;
-    if (!gesture_ && position_ < *scriptFrom_) return dropLines();
-    (gesture_ ? gesture_->lines : position_ > *scriptFrom_ ? entries_[static_cast<std::size_t>(position_ - 1)].lines : firstLines_) += lines;
+void DocumentHistory::note(const Json& line) {
+    const Lines lines = kept(textOf(line));
+    Lines* last = lastLines(gesture_.has_value());
+    if (!last) return;
+    *last += lines;
+    scriptBytes_ += lines.size();
 }
 
-DocumentHistory::Lines DocumentHistory::kept(Lines line) {
-    if (scriptFrom_ && scriptBytes_ + line.size() > mostScriptBytes_) dropLines();
-    if (!scriptFrom_) return {};
-    scriptBytes_ += line.size();
-    return line;
+DocumentHistory::Lines* DocumentHistory::lastLines(bool ofGesture) {
+    if (!scriptFrom_) return nullptr;
+    if (ofGesture) return &gesture_->lines;
+    if (position_ < *scriptFrom_) dropLines();
+    if (!scriptFrom_) return nullptr;
+    return position_ > *scriptFrom_ ? &entries_[static_cast<std::size_t>(position_ - 1)].lines : &firstLines_;
+}
+
+DocumentHistory::Lines DocumentHistory::kept(Lines lines) {
+    if (scriptFrom_ && scriptBytes_ + lines.size() > mostScriptBytes_) dropLines();
+    return scriptFrom_ ? std::move(lines) : Lines();
 }
 
 void DocumentHistory::setScriptBytes(std::size_t bytes) {

@@ -31,8 +31,10 @@ public:
     Document& edit() { return document_; }
     /// Makes what changed since `before` one undo step, or a part of the gesture that goes on. `line`: the command, for the script.
     void commit(Step step, const Document& before, const Json& line);
-    /// What it was until now.
-    Document rollBack(Document before) { return std::exchange(document_, std::move(before)); }
+    /// What it was until now. Takes no memory.
+    Document rollBack(Document&& before) noexcept { return std::exchange(document_, std::move(before)); }
+    /// Makes `after` the document, as one undo step of its own, in the middle of a gesture too: that is one step until here and another from here on. `lines`: for the script.
+    void addStep(Step step, Document after, const std::vector<Json>& lines);
 
     // ---- what passes with time is no step
     Pose& pose() { return document_.pose; }
@@ -55,8 +57,8 @@ public:
     void beginGesture();
     /// False: nothing was committed, so there is no step. `named`: the step is called so instead.
     bool endGesture(Step named = {});
-    /// The document is again what it was at beginGesture().
-    void cancelGesture();
+    /// The document is again what it was at beginGesture(), but for ids that were given out. What it was until now. Only in a gesture; takes no memory.
+    Document cancelGesture() noexcept;
     [[nodiscard]] bool inGesture() const { return gesture_.has_value(); }
 
     // ---- file
@@ -93,10 +95,15 @@ private:
         Lines lines;
         Step step;  ///< without a name: nothing was committed
     };
-    void push(Step&& step, const Document& before, Lines&& lines);
-    void append(const Lines& lines);
-    /// What is kept of a line that is about to be added.
-    [[nodiscard]] Lines kept(Lines line);
+    /// A step that led from one document to the other.
+    [[nodiscard]] static Entry entryOf(const Document& before, const Document& after, Lines lines);
+    /// For this many steps that are pushed next.
+    void makeRoom(std::size_t steps);
+    void push(Step&& step, Entry&& entry) noexcept;
+    /// Where lines of the script are added: to the gesture, or to what was done last. Null: there is no script.
+    [[nodiscard]] Lines* lastLines(bool ofGesture);
+    /// What is kept of lines that are about to be added.
+    [[nodiscard]] Lines kept(Lines lines);
     void dropLines();
     void dropOldest();
     /// Undoes entries [first, last) or redoes them.

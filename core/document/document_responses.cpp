@@ -324,7 +324,9 @@ void DocumentResponses::markSaved() {
 
 DocumentResponses::Remembered DocumentResponses::replace(Remembered by) {
     asked_.clear();
-    sharing_ = {};
+    sharing_.elements.clear();  // asks for no memory, as an empty Sharing would
+    sharing_.keys.clear();
+    sharing_.shared.clear();
     return {std::exchange(last_, std::move(by.last)), std::exchange(unsaved_, std::move(by.unsaved))};
 }
 

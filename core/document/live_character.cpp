@@ -421,7 +421,7 @@ Result<void> LiveCharacter::follow(const Document& before) {
     return alive ? Result<void>() : tl::unexpected(alive.error());
 }
 
-void LiveCharacter::takeBack(const Document& failed) {
+void LiveCharacter::takeBack(const Document& failed) noexcept {
     try {
         const DocumentChange change = difference(failed, document());
         const bool rebuild = changesCharacter(change, document()) || error_;
@@ -429,24 +429,24 @@ void LiveCharacter::takeBack(const Document& failed) {
         if (change.effects) performanceValid_ = false;
         if (change.posing()) poseSettled_ = false;
         if ((rebuild || !change.empty()) && built() && !shownTake_) showPose();
-    } catch (const std::bad_alloc&) {
+    } catch (const std::exception&) {  // no memory
         drop();
     }
 }
 
-void LiveCharacter::followExchange(const Document& before) {
+void LiveCharacter::followExchange(const Document& before) noexcept {
     positions_.clear();
     try {
         const DocumentChange change = difference(before, document());
         if (change.structure() && changesCharacter(change, document())) valid_ = false;
         if (change.effects) performanceValid_ = false;
         if (built()) jumpToPose();
-    } catch (const std::bad_alloc&) {
+    } catch (const std::exception&) {  // no memory
         drop();
     }
 }
 
-void LiveCharacter::drop() {
+void LiveCharacter::drop() noexcept {
     valid_ = poseSettled_ = false;
     error_.reset();
     character_.reset();

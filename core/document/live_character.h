@@ -127,11 +127,11 @@ public:
     /// After a command: brings targets and pose along, see followSkeleton(). Errors: those of planCharacter(), settle() and built().
     Result<void> follow(const Document& before);
     /// After a failed command, with the document as it left it.
-    void takeBack(const Document& failed);
+    void takeBack(const Document& failed) noexcept;
     /// After undo, redo and a gesture that was cancelled: jumps to the pose.
-    void followExchange(const Document& before);
+    void followExchange(const Document& before) noexcept;
     /// There was no memory to follow: whoever asks next has it built from nothing.
-    void drop();
+    void drop() noexcept;
     /// Another document took the place of this one.
     void replace();
     /// Ends what counts as at rest. `posed`: targets or poses may be others, which are solved again.

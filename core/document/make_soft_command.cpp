@@ -37,8 +37,8 @@ public:
     Step(const Step&) = delete;
     Step& operator=(const Step&) = delete;
     void end(DocumentHistory::Step step) {
-        open_ = false;
         access_.endStep(std::move(step));
+        open_ = false;
     }
 
 private:

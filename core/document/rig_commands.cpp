@@ -88,9 +88,17 @@ Result<Json> takeClip(SessionAccess& access, const Json& arguments, const Progre
     };
     auto taken = access.live.playThrough(name, times, frameAt, progress);
     if (!taken) return tl::unexpected(taken.error());
-    const auto take = access.addTake(std::move(*taken), arguments);
-    return Json{{"take", take->name},     {"frames", take->times.size()},          {"seconds", take->duration()}, {"bytes", take->bytes()},
-                {"bones", following}, {"morphs", weighed.size()}, {"exact_joints", follower.exactPoints()}, {"carried_joints", follower.carriedPoints()}};
+    // The answer is made first: nothing may fail once the step is done.
+    Json answer{{"take", taken->name},
+                {"frames", taken->times.size()},
+                {"seconds", taken->duration()},
+                {"bytes", taken->bytes()},
+                {"bones", following},
+                {"morphs", weighed.size()},
+                {"exact_joints", follower.exactPoints()},
+                {"carried_joints", follower.carriedPoints()}};
+    access.addTake(std::move(*taken), arguments);
+    return answer;
 }
 
 }  // namespace

@@ -31,7 +31,13 @@ std::string subjectOf(const Json& arguments) {
     return {};
 }
 
-tl::unexpected<Error> noMemory(const std::string& what) { return fail("no-memory", "There is not enough memory for \"" + what + "\": close other programs or use a smaller mesh."); }
+/// What a command answers where memory runs out: made before anything changes.
+struct NoMemory {
+    explicit NoMemory(const std::string& what)
+        : nothingDone{"no-memory", "There is not enough memory for \"" + what + "\": close other programs or use a smaller mesh."},
+          done{"no-memory-after", "\"" + what + "\" was done, and there is not enough memory for what follows it: undo takes it back."} {}
+    Error nothingDone, done;
+};
 
 Result<Body> makeBodyOf(const RenderModel& model, const BodySetting& setting, const Progress& progress) { return makeBody(model.mesh.body, model.part, setting, progress); }
 
@@ -55,8 +61,8 @@ Session::~Session() = default;
 Result<Json> Session::execute(const Json& command, const Progress& progress) {
     try {
         return executeOrThrow(command, progress);
-    } catch (const std::bad_alloc&) {
-        return noMemory("a command");
+    } catch (const std::bad_alloc&) {  // not even for saying so at length
+        return tl::unexpected(Error{"no-memory", "No memory left."});
     }
 }
 
@@ -71,7 +77,8 @@ Result<Json> Session::executeOrThrow(const Json& command, const Progress& progre
 
     // Frames that follow each other are one line of the script.
     if (what->name != "step") history_.flushFrames();
-    const Document before = history_.document();  // shares all parts
+    Document before = history_.document();  // shares all parts
+    NoMemory noMemory(what->name);
     // A command may run others (SessionAccess::execute()): what it has told so far is its own.
     struct Outer {
         Session& session;
@@ -82,24 +89,33 @@ Result<Json> Session::executeOrThrow(const Json& command, const Progress& progre
             session.historyMoved_ = historyMoved;
         }
     } outer{*this};
-    auto answer = perform(*what, command, before, progress);
-    Change change;
+    Result<Json> answer;
+    former_.reset();
     try {
-        if (answer || historyMoved_) change.document = difference(before, history_.document());
-        if (answer && what->changesDocument()) history_.commit({what->name, subjectOf(command)}, before, command);
+        answer = perform(*what, command, before, progress);
     } catch (const std::bad_alloc&) {
-        if (historyMoved_)
-            told_.replaced = true;  // what changed is not known
-        else
-            answer = noMemory(what->name);
+        if (former_) putBack();
+        answer = tl::unexpected(std::move(historyMoved_ ? noMemory.done : noMemory.nothingDone));
+    }
+    former_.reset();
+    Change change;
+    if (answer && what->changesDocument()) {
+        try {
+            change.document = difference(before, history_.document());
+            history_.commit({what->name, subjectOf(command)}, before, command);
+        } catch (const std::bad_alloc&) {
+            answer = tl::unexpected(std::move(noMemory.nothingDone));
+        }
+    } else if (answer || historyMoved_) {
+        change = changeSince(before);
     }
     // What an action did to the history as a whole stands, even where it failed after that: half of it taken back would fit nothing.
     if (!answer && !historyMoved_) {
-        takeBack(before);
+        takeBack(std::move(before));
         return answer;
     }
     const bool posed = change.document.posing();
-    change.replaced = told_.replaced;
+    change.replaced = change.replaced || told_.replaced;
     change.responses = told_.responses;
     change.file = told_.file;
     change.pose = told_.pose || posed || (what->changesDocument() && change.structure());
@@ -112,13 +128,12 @@ Result<Json> Session::executeOrThrow(const Json& command, const Progress& progre
     } catch (const std::bad_alloc&) {
         live_->drop();
     }
-    if (listener_ && (stepped || change.structure() || change.pose || change.responses || change.file)) listener_(change);
+    if (stepped || change.structure() || change.pose || change.responses || change.file) tell(change);
     return answer;
 }
 
 Result<Json> Session::perform(const Command& command, const Json& arguments, const Document& before, const Progress& progress) {
     Result<Json> answer;
-    former_.reset();
     try {
         if (command.changesDocument()) {
             DocumentEdit edit(history_.edit(), *live_, responses_, importer_, characterImporter_, bodyMaker_);
@@ -132,12 +147,10 @@ Result<Json> Session::perform(const Command& command, const Json& arguments, con
             SessionAccess access(*this);
             answer = command.run(access, arguments, progress);
         }
-        former_.reset();
         if (answer && !finite(*answer)) return fail("not-finite", "The answer is not finite: check the input of this command.");
         return answer;
     } catch (const std::bad_alloc&) {
-        if (former_) putBack();
-        return noMemory(command.name);
+        throw;
     } catch (const std::exception& error) {
         return fail("internal", "\"" + command.name + "\" failed: " + error.what());
     }
@@ -145,28 +158,44 @@ Result<Json> Session::perform(const Command& command, const Json& arguments, con
 
 Json Session::takeOver(const PreparedStep& made) {
     endGesture();
+    Json answer = made.answer;
     const Document before = history_.document();
-    history_.beginGesture();
-    history_.edit() = made.after;
-    for (std::size_t i = 0; i + 1 < made.lines.size(); ++i) history_.note(made.lines[i]);
-    history_.commit(made.step, before, made.lines.back());
-    history_.endGesture(made.step);
-    live_->lend(made.character);
     Change change;
-    change.document = difference(before, history_.document());
+    change.document = difference(before, made.after);
     change.pose = true;
+    history_.addStep(made.step, made.after, made.lines);
+    live_->lend(made.character);
     live_->stir(true);
     live_->followExchange(before);
-    responses_.refresh();
-    if (listener_) listener_(change);
-    return made.answer;
+    try {
+        responses_.refresh();
+    } catch (const std::bad_alloc&) {
+        live_->drop();
+    }
+    tell(change);
+    return answer;
 }
 
-void Session::takeBack(const Document& before) {
+void Session::takeBack(Document&& before) noexcept {
     told_ = {};
-    const Document failed = history_.rollBack(before);
+    const Document failed = history_.rollBack(std::move(before));
     responses_.dropGone();
     live_->takeBack(failed);
+}
+
+Session::Change Session::changeSince(const Document& before) const noexcept {
+    Change change;
+    try {
+        change.document = difference(before, document());
+    } catch (const std::bad_alloc&) {
+        change.document = {};
+        change.replaced = true;  // what changed is not known
+    }
+    return change;
+}
+
+void Session::tell(const Change& change) noexcept {
+    if (listener_) listener_(change);
 }
 
 void Session::putBack() {
@@ -185,24 +214,22 @@ void Session::beginGesture() {
 }
 
 void Session::endGesture(Step named) {
-    if (history_.endGesture(std::move(named)) && listener_) listener_({});
+    if (history_.endGesture(std::move(named))) tell({});
 }
 
-void Session::dropGesture() {
-    const Document before = history_.document();
-    history_.cancelGesture();
+Document Session::dropGesture() noexcept {
+    Document left = history_.cancelGesture();
     live_->stir(true);
-    live_->followExchange(before);
+    live_->followExchange(left);
+    return left;
 }
 
-void Session::cancelGesture() {
+void Session::cancelGesture() noexcept {
     if (!history_.inGesture()) return;
-    const Document before = history_.document();
-    dropGesture();
-    Change change;
-    change.document = difference(before, history_.document());
+    const Document left = dropGesture();
+    Change change = changeSince(left);
     change.pose = true;
-    if (listener_) listener_(change);
+    tell(change);
 }
 
 // ---- the live character ------------------------------------------------------------------------------------------------
@@ -292,16 +319,11 @@ Result<bool> SessionAccess::redo(int count) {
 }
 
 std::shared_ptr<const Take> SessionAccess::addTake(Take take, const Json& line) {
-    // Undoing a drag in which a recording ends leaves the take alone: the gesture is a step until here, and another from here on.
-    const bool gesture = session.history_.inGesture();
-    if (gesture) session.history_.endGesture();
-    const Document before = session.document();
-    Document& document = session.history_.edit();
-    take.id = document.nextId++;
+    Document after = session.document();
+    take.id = after.nextId++;
     auto added = std::make_shared<const Take>(std::move(take));
-    document.takes.emplace(added->id, added);
-    session.history_.commit({text(line, "do"), added->name}, before, line);
-    if (gesture) session.history_.beginGesture();
+    after.takes.emplace(added->id, added);
+    session.history_.addStep({text(line, "do"), added->name}, std::move(after), {line});
     session.historyMoved_ = true;
     return added;
 }

@@ -38,7 +38,8 @@ public:
     Session& operator=(const Session&) = delete;
 
     /// Runs one command: {"do": name, key: value, ...}. Checks names, types and finiteness of every key first; on an error the document
-    /// is as it was. Errors: "unknown-command", "unknown-key", "missing-key", "bad-type", "not-finite", "no-memory", and the command's own.
+    /// is as it was. Errors: "unknown-command", "unknown-key", "missing-key", "bad-type", "not-finite", "no-memory" (nothing changed), "no-memory-after" (an action that
+    /// made a step and ran out of memory after that: undo takes it back), and the command's own.
     Result<Json> execute(const Json& command, const Progress& progress = {});
 
     [[nodiscard]] const Document& document() const { return history_.document(); }
@@ -57,7 +58,7 @@ public:
     void beginGesture();
     /// `named`: the step is called so, instead of after the last command.
     void endGesture(Step named = {});
-    void cancelGesture();
+    void cancelGesture() noexcept;
     /// Differs from what was last saved or opened, or has responses that were computed since.
     [[nodiscard]] bool modified() const { return history_.modified() || responses_.unsaved(); }
     [[nodiscard]] const std::filesystem::path& path() const { return history_.path(); }  ///< of the project file, empty: never saved
@@ -122,7 +123,7 @@ public:
         bool file = false;        ///< path or saved state
         [[nodiscard]] bool structure() const { return replaced || document.structure(); }
     };
-    /// Called after each change, on the caller's thread.
+    /// Called after each change, on the caller's thread. It must not throw: what it is told has happened.
     void setListener(std::function<void(const Change&)> listener);
     /// Replaces importFile() (the studio imports in the background and answers from what it prepared). Empty: importFile() again.
     void setImporter(std::function<Result<ImportResult>(const ImportRequest&, const Progress&)> importer);
@@ -148,11 +149,14 @@ private:
     /// Runs a command that was checked, and what follows from it.
     Result<Json> perform(const Command& command, const Json& arguments, const Document& before, const Progress& progress);
     Json takeOver(const PreparedStep& made);
-    void takeBack(const Document& before);
+    // What takes back asks for no memory that it could not do without.
+    void takeBack(Document&& before) noexcept;
+    [[nodiscard]] Change changeSince(const Document& before) const noexcept;
+    void tell(const Change& change) noexcept;
     /// The document that was replaced is back.
     void putBack();
-    /// Takes back the gesture that goes on.
-    void dropGesture();
+    /// Takes back the gesture that goes on. The document as it was with it.
+    Document dropGesture() noexcept;
 
     const CommandRegistry& registry_;
     DocumentHistory history_;

@@ -38,7 +38,7 @@ public:
     Result<Json> execute(const Json& command, const Progress& progress) { return session.execute(command, progress); }
     void endStep(DocumentHistory::Step step);
     /// Takes back what was executed since beginStep().
-    void cancelStep() { session.cancelGesture(); }
+    void cancelStep() noexcept { session.cancelGesture(); }
 
     /// As Session::setProposer() has it.
     [[nodiscard]] Result<Proposal> propose(const CharacterSource& character, const ProposalRequest& request, const Progress& progress) const {

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <new>
 #include <string>
 #include <thread>
 #include <vector>
@@ -179,8 +180,11 @@ struct Folder {
         if (const char* made = ::mkdtemp(name.data())) path = made;
     }
     ~Folder() {
-        std::error_code error;
-        if (!path.empty()) std::filesystem::remove_all(path, error);
+        try {
+            std::error_code error;
+            if (!path.empty()) std::filesystem::remove_all(path, error);
+        } catch (const std::bad_alloc&) {  // the system removes it some day
+        }
     }
 };
 

@@ -12,7 +12,8 @@
 
 namespace {
 
-std::atomic<long> left{0};  // requests until one fails; 0 and less: none will
+std::atomic<long> left{0};        // requests until one fails; 0 and less: it has failed, or none will
+std::atomic<bool> goesOn{false};  // all after it fail too
 
 /// What libraries cannot survive: destructors of nlohmann's JSON ask for memory (for a stack instead of recursion), and what makes an object or an array of null there
 /// does it in two steps; libstdc++ reads folders in functions that are noexcept.
@@ -33,9 +34,10 @@ bool deadlyNow() {
 }
 
 bool failsNow() {
-    if (left.load(std::memory_order_relaxed) <= 0 || left.fetch_sub(1) != 1) return false;
+    const long before = left.load(std::memory_order_relaxed) > 0 ? left.fetch_sub(1) : 0;
+    if (before > 1 || (before <= 0 && !goesOn.load(std::memory_order_relaxed))) return false;
     if (!deadlyNow()) return true;
-    left = 1;  // the next one
+    if (before == 1 && !goesOn) left = 1;  // the next one
     return false;
 }
 
@@ -43,11 +45,15 @@ bool failsNow() {
 
 namespace imomushi {
 
-FailingMalloc::FailingMalloc(long n) {
+FailingMalloc::FailingMalloc(long n, Fails fails) {
     deadlyNow();  // asks for memory itself the first time
     left = n;
+    goesOn = fails == Fails::FromThenOn;
 }
-FailingMalloc::~FailingMalloc() { left = 0; }
+FailingMalloc::~FailingMalloc() {
+    goesOn = false;
+    left = 0;
+}
 bool FailingMalloc::failed() { return left <= 0; }
 
 }  // namespace imomushi

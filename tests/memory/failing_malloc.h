@@ -4,10 +4,11 @@
 namespace imomushi {
 
 /// While this lives, the n-th request for memory of this program fails, whoever asks for it on whichever thread (operator new, Eigen, SQLite, C libraries), and all
-/// others succeed. Where a library cannot survive it, the one after fails.
+/// others succeed; or all from the n-th on fail. Where a library cannot survive it, the next one after that fails.
 class FailingMalloc {
 public:
-    explicit FailingMalloc(long n);
+    enum class Fails { Once, FromThenOn };
+    explicit FailingMalloc(long n, Fails fails = Fails::Once);
     ~FailingMalloc();
     FailingMalloc(const FailingMalloc&) = delete;
     FailingMalloc& operator=(const FailingMalloc&) = delete;
