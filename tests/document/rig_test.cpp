@@ -9,11 +9,12 @@
 #include <map>
 #include <optional>
 
-#include "core/proposal/rig_proposal.h"
 #include "core/document/rig_follower.h"
+#include "core/proposal/rig_proposal.h"
 #include "tests/document/read_character.h"
 #include "tests/document/tamper.h"
 #include "tests/document/workbench.h"
+#include "tests/support/left_out.h"
 
 using namespace imomushi;
 
@@ -418,10 +419,7 @@ TEST_CASE("skeletons: an export has the skeleton of the file: its names, hierarc
 
 TEST_CASE("skeletons: clips of third-party files as takes of their proposals, exported") {
     namespace fs = std::filesystem;
-    if (!fs::exists(IMOMUSHI_SHARED_MESHES)) {
-        MESSAGE("skipped: no folder " IMOMUSHI_SHARED_MESHES);
-        return;
-    }
+    if (!fs::exists(IMOMUSHI_SHARED_MESHES)) return leaveOut("no folder " IMOMUSHI_SHARED_MESHES);
     for (const auto& [file, clip] : {std::pair("Fox.glb", "Run"), std::pair("snake-animations.glb", "Side winding"), std::pair("character.glb", "walk")}) {
         CAPTURE(file);
         Workbench w;
