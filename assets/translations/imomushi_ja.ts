@@ -629,6 +629,10 @@
             <translation>重力または圧力が、この柔らかさの体には強すぎます。指定より弱く働いています。</translation>
         </message>
         <message>
+            <source>Flesh is pressed in more places than contact looks at: the deepest are held, others may cross.</source>
+            <translation>接触で扱える数より多くの場所が押されています。深い場所から支え、ほかは貫通することがあります。</translation>
+        </message>
+        <message>
             <source>Out of reach: the bones stretch no farther.</source>
             <translation>届きません。ボーンがこれ以上伸びません。</translation>
         </message>

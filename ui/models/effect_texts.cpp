@@ -24,6 +24,7 @@ constexpr Warning kWarnings[] = {
      QT_TRANSLATE_NOOP("Effects", "The pose twists a joint face, which the joint modes “Paper” cannot follow: choose “Affine”.")},
     {FrameWarning::Diverged, true, QT_TRANSLATE_NOOP("Effects", "The previous model diverged: its joints stand still. Choose a smaller step or softer flesh.")},
     {FrameWarning::LoadsBounded, false, QT_TRANSLATE_NOOP("Effects", "Gravity or pressure is too strong for flesh so soft: it acts less than asked for.")},
+    {FrameWarning::ContactsBounded, false, QT_TRANSLATE_NOOP("Effects", "Flesh is pressed in more places than contact looks at: the deepest are held, others may cross.")},
     {FrameWarning::TargetOutOfReach, false, QT_TRANSLATE_NOOP("Effects", "Out of reach: the bones stretch no farther.")},
 };
 
