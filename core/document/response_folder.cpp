@@ -159,11 +159,10 @@ void ResponseFolder::work() {
         if (bytes == 0) continue;
         try {
             files_[job.key] = {bytes, std::filesystem::file_time_type::clock::now()};
-        } catch (const std::bad_alloc&) {  // it is found at the next start
-            continue;
+            bytes_ += bytes;
+            evict();
+        } catch (const std::bad_alloc&) {  // it is found at the next start, and others go with the next one
         }
-        bytes_ += bytes;
-        evict();
     }
 }
 

@@ -34,12 +34,33 @@ std::shared_ptr<const ElementResponse> ResponseStore::find(const ContentKey& key
 }
 
 std::shared_ptr<const ElementResponse> ResponseStore::find(const ContentKey& key, const TriangleMesh& body, std::span<const JointFace> faces) {
-    const std::lock_guard lock(mutex_);
-    if (auto known = inMemory(key)) return known;
-    if (!folder_) return nullptr;
-    auto read = folder_->read(key, body, faces);
-    if (read) keep(key, read);
+    std::unique_lock lock(mutex_);
+    for (;;) {
+        if (auto known = inMemory(key)) return known;
+        if (!folder_) return nullptr;
+        if (!reading_.contains(key)) break;
+        readEnded_.wait(lock);
+    }
+    std::shared_ptr<const ElementResponse> read;
+    {
+        const Reading unlocked(*this, key, lock);
+        read = folder_->read(key, body, faces);
+    }
+    if (!read) return nullptr;
+    if (auto known = inMemory(key)) return known;  // inserted meanwhile
+    keep(key, read);
     return read;
+}
+
+ResponseStore::Reading::Reading(ResponseStore& store, const ContentKey& key, std::unique_lock<std::mutex>& lock)
+    : store_(store), key_(store.reading_.insert(key).first), lock_(lock) {
+    lock_.unlock();
+}
+
+ResponseStore::Reading::~Reading() {
+    lock_.lock();
+    store_.reading_.erase(key_);
+    store_.readEnded_.notify_all();
 }
 
 bool ResponseStore::has(const ContentKey& key) const {

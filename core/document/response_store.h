@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -9,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <span>
 
 #include "core/base/hash.h"
@@ -39,7 +41,7 @@ public:
 
     /// In memory; null: not there.
     [[nodiscard]] std::shared_ptr<const ElementResponse> find(const ContentKey& key);
-    /// In memory or on disk; null: in neither. `body`, `faces`: of an element with this key.
+    /// In memory or on disk; null: in neither. `body`, `faces`: of an element with this key. While a file is read only who asks for the same key waits.
     [[nodiscard]] std::shared_ptr<const ElementResponse> find(const ContentKey& key, const TriangleMesh& body, std::span<const JointFace> faces);
     /// In memory or on disk, without reading it.
     [[nodiscard]] bool has(const ContentKey& key) const;
@@ -59,6 +61,19 @@ private:
         std::size_t bytes = 0;
         std::list<ContentKey>::iterator use;
     };
+    /// While it lives a key is being read, and the lock is open.
+    class Reading {
+    public:
+        Reading(ResponseStore& store, const ContentKey& key, std::unique_lock<std::mutex>& lock);
+        ~Reading();
+        Reading(const Reading&) = delete;
+        Reading& operator=(const Reading&) = delete;
+
+    private:
+        ResponseStore& store_;
+        std::set<ContentKey>::iterator key_;
+        std::unique_lock<std::mutex>& lock_;
+    };
     // These three under the lock.
     std::shared_ptr<const ElementResponse> inMemory(const ContentKey& key);
     void keep(const ContentKey& key, std::shared_ptr<const ElementResponse> response);
@@ -69,6 +84,8 @@ private:
     std::map<ContentKey, Entry> entries_;
     std::list<ContentKey> uses_;  // least recently used first
     std::size_t bytes_ = 0;
+    std::set<ContentKey> reading_;
+    std::condition_variable readEnded_;
     std::atomic<std::uint64_t> revision_ = 0;
     std::unique_ptr<ResponseFolder> folder_;
 };

@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/document/response_store.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <thread>
+
 #include "core/document/response_folder.h"
 #include "tests/document/workbench.h"
 
@@ -215,6 +221,47 @@ TEST_CASE("response folder: beyond its bound the files that were used longest ag
     CHECK(!std::filesystem::exists(older));
     ResponseStore({kRoom.memory, size - 1}, folder.path());
     CHECK(filesIn(folder.path()).empty());
+}
+
+TEST_CASE("response store: while a file is read other keys are answered, and who asks for the same key gets what is read once") {
+    const TestFolder folder;
+    Workbench w, v;
+    const Solved slow = solved(w), other = solved(v, "modes:3");
+    {
+        ResponseStore written(kRoom, folder.path());
+        written.insertComputed(slow.key, slow.response);
+        written.insertComputed(other.key, other.response);
+    }
+    ResponseStore store(kRoom, folder.path());
+    // A pipe in place of the file: reading it begins when this end is opened, and ends when it is closed.
+    const std::string file = folder.file(slow.key.hex() + ".response"), content = readFile(file);
+    std::filesystem::remove(file);
+    REQUIRE(::mkfifo(file.c_str(), 0600) == 0);
+    std::shared_ptr<const ElementResponse> first, second;
+    std::thread reader([&] { first = slow.in(store); });
+    const int pipe = ::open(file.c_str(), O_WRONLY);
+    REQUIRE(pipe >= 0);
+    // It is being read now.
+    CHECK(store.has(slow.key));
+    CHECK(store.has(other.key));
+    CHECK(!store.find(slow.key));
+    CHECK(other.in(store));
+    store.insert(key(1), made(1));
+    CHECK(store.find(key(1)));
+    CHECK(store.count() == 2);
+    std::thread waiting([&] { second = slow.in(store); });  // would find a part of what is written here, or nothing
+    for (std::size_t at = 0; at < content.size();) {
+        const ssize_t n = ::write(pipe, content.data() + at, content.size() - at);
+        REQUIRE(n > 0);
+        at += static_cast<std::size_t>(n);
+    }
+    ::close(pipe);
+    reader.join();
+    waiting.join();
+    REQUIRE(first);
+    CHECK(first->response == slow.response->response);
+    CHECK(first == second);
+    CHECK(store.count() == 3);
 }
 
 TEST_CASE("response folder: one that cannot be written is none") {
