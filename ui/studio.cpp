@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/studio.h"
 
-#include <QApplication>
 #include <QFileInfo>
 #include <QIcon>
 #include <QStandardPaths>
@@ -15,8 +14,10 @@
 #include "core/document/response_store.h"
 #include "core/document/version.h"
 #include "ui/dialogs/preferences_dialog.h"
+#include "ui/models/failures.h"
 #include "ui/widgets/appearance.h"
 #include "ui/window/file_flow.h"
+#include "ui/window/guarded_application.h"
 #include "ui/window/main_window.h"
 
 // A static library's resources must be asked for from outside any namespace.
@@ -32,6 +33,7 @@ void prepareStudio() {
     QGuiApplication::setApplicationDisplayName({});
     QGuiApplication::setDesktopFileName(QStringLiteral("imomushi"));
     QGuiApplication::setWindowIcon(QIcon(QStringLiteral(":/icons/imomushi.svg")));
+    Failures::instance().listen();
     Appearance::start();
 }
 
@@ -51,7 +53,7 @@ void refuseToStart(QtMsgType type, const QMessageLogContext&, const QString& mes
 
 int runStudio(int argc, char** argv) {
     const QtMessageHandler usual = qInstallMessageHandler(refuseToStart);
-    QApplication application(argc, argv);
+    GuardedApplication application(argc, argv);
     qInstallMessageHandler(usual);
     prepareStudio();
     CommandRegistry registry;

@@ -783,6 +783,10 @@
             <translation>メモリが足りません。計算用メッシュを小さくしてください。</translation>
         </message>
         <message>
+            <source>It was done, but there was not enough memory for what follows it. Undo takes it back.</source>
+            <translation>実行しましたが、その後の処理に必要なメモリが足りませんでした。「元に戻す」で取り消せます。</translation>
+        </message>
+        <message>
             <source>The element needs a joint face first.</source>
             <translation>要素には先に関節面が必要です。</translation>
         </message>
@@ -1918,14 +1922,6 @@
     <context>
         <name>imomushi::BackgroundJob</name>
         <message>
-            <source>There is not enough memory for this, and nothing was changed. Close other programs, or choose a coarser solver mesh.</source>
-            <translation>メモリが足りないため実行できませんでした。何も変更されていません。ほかのプログラムを終了するか、より粗いソルバーメッシュを選んでください。</translation>
-        </message>
-        <message>
-            <source>The program made an error, and nothing was changed: %1. Please report it.</source>
-            <translation>プログラムの内部でエラーが起きました。何も変更されていません：%1。ご報告ください。</translation>
-        </message>
-        <message>
             <source>%1 · %2 left</source>
             <comment>stage, time</comment>
             <translation>%1 · 残り %2</translation>
@@ -2035,6 +2031,17 @@
         <message>
             <source>Not now</source>
             <translation>今はしない</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::Failures</name>
+        <message>
+            <source>There is not enough memory: what was to be done or drawn was left out, and your work is safe. Close other programs, or choose a coarser solver mesh.</source>
+            <translation>メモリが足りないため、実行または描画できなかったものがあります。作業中の内容は失われていません。ほかのプログラムを終了するか、より粗いソルバーメッシュを選んでください。</translation>
+        </message>
+        <message>
+            <source>The program made an error and left out what it was doing: %1. Please report it.</source>
+            <translation>プログラムの内部でエラーが起きたため、処理を中止しました：%1。ご報告ください。</translation>
         </message>
     </context>
     <context>

@@ -9,8 +9,8 @@
 #include <map>
 #include <optional>
 
-#include "core/document/rig_follower.h"
 #include "core/proposal/rig_proposal.h"
+#include "core/document/rig_follower.h"
 #include "tests/document/read_character.h"
 #include "tests/document/tamper.h"
 #include "tests/document/workbench.h"

@@ -2,9 +2,11 @@
 #include "ui/render/offscreen.h"
 
 #include <algorithm>
+#include <new>
 
 #include "tests/render/picture.h"
 #include "tests/render/test_bodies.h"
+#include "tests/support/failing_new.h"
 
 using namespace imomushi;
 using namespace imomushi::render;
@@ -41,6 +43,33 @@ TEST_CASE("offscreen view: pictures that follow each other are those of a view t
         CHECK(*pixels == drawOffscreen(balls.scene, 120, 80).value());
     }
     CHECK(between.draw(other.scene, 90, 50).value() == drawOffscreen(other.scene, 90, 50).value());
+}
+
+TEST_CASE(
+    "offscreen view: whichever request for memory fails while a picture is drawn, whoever asked for it is told, and the next picture is "
+    "whole") {
+    TwoBalls balls;
+    OffscreenView view;
+    const auto whole = view.draw(balls.scene, 120, 80).value();
+    int told = 0;
+    for (const auto fails : {FailingNew::Fails::Once, FailingNew::Fails::FromThenOn})
+        for (long n = 1;; n += std::max(1L, n / 4)) {
+            CAPTURE(n);
+            bool failed = false, thrown = false;
+            {
+                const FailingNew failing(FailingNew::On::OtherThreads, n, fails);
+                try {
+                    (void)OffscreenView().draw(balls.scene, 120, 80);  // from nothing
+                } catch (const std::bad_alloc&) {
+                    thrown = true;
+                }
+                failed = FailingNew::failed();
+            }
+            CHECK(view.draw(balls.scene, 120, 80).value() == whole);
+            told += thrown;
+            if (!failed) break;
+        }
+    CHECK(told > 5);
 }
 
 TEST_CASE("an invisible body leaves no trace, and is the same when it is shown again") {

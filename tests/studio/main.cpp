@@ -13,13 +13,14 @@
 #include "tests/support/own_home.h"
 #include "ui/studio.h"
 #include "ui/widgets/appearance.h"
+#include "ui/window/guarded_application.h"
 
 int main(int argc, char** argv) {
     // importFile() starts this very program as its worker.
     if (argc > 1 && std::strcmp(argv[1], "import-worker") == 0) return imomushi::importWorkerMain();
     if (argc > 2 && std::strcmp(argv[1], "victim") == 0) return imomushi::studioVictim(argc, argv, argv[2], argc > 3);  // in the home of the test that kills it
     imomushi::ownHome();
-    QApplication application(argc, argv);
+    imomushi::GuardedApplication application(argc, argv);
     imomushi::prepareStudio();
     QSettings().setValue(QStringLiteral("precompute/soft-at-once"), false);  // cases that are about it turn it on
     QSettings().setValue(QStringLiteral("import/make-soft"), false);

@@ -11,6 +11,7 @@
 
 #include "core/base/abandoned_files.h"
 #include "core/document/project_file.h"
+#include "ui/models/failures.h"
 #include "ui/models/texts.h"
 
 namespace imomushi {
@@ -42,7 +43,9 @@ Autosave::Autosave(StudioDocument& document, QString folder, QObject* parent) : 
     });
 }
 
-Autosave::~Autosave() { clear(); }
+Autosave::~Autosave() {
+    attempt([this] { clear(); });
+}
 
 void Autosave::clear() {
     cancel();
@@ -62,7 +65,6 @@ void Autosave::saveSoon() {
         file_ = QDir(folder_).filePath(QUuid::createUuid().toString(QUuid::WithoutBraces) + kSuffix);
         lock_ = FileLock::take(lockOf(file_).toStdString());
     }
-    changed_ = false;
     auto result = std::make_shared<Result<void>>();
     const auto project = std::make_shared<const Project>(document_.session().project());
     const QByteArray original = QByteArray::fromStdString(document_.session().path().string()) + '\n' + (takenUp_ ? QFileInfo(takenUp_->file).fileName().toUtf8() : QByteArray());
@@ -82,6 +84,7 @@ void Autosave::saveSoon() {
             told_ = !*result;
             if (const auto old = kept() ? std::exchange(takenUp_, std::nullopt) : std::nullopt) remove(old->file);
         });
+    changed_ = false;
 }
 
 bool Autosave::kept() const { return !file_.isEmpty() && QFile::exists(file_); }

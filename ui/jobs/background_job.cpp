@@ -1,32 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/jobs/background_job.h"
 
-#include <new>
+#include <utility>
 
+#include "ui/models/failures.h"
 #include "ui/models/texts.h"
 
 namespace imomushi {
-
-namespace {
-
-QString textOf(const std::exception_ptr& failure) {
-    try {
-        std::rethrow_exception(failure);
-    } catch (const std::bad_alloc&) {
-        return BackgroundJob::tr("There is not enough memory for this, and nothing was changed. Close other programs, or choose a coarser solver mesh.");
-    } catch (const std::exception& e) {
-        return BackgroundJob::tr("The program made an error, and nothing was changed: %1. Please report it.").arg(QString::fromUtf8(e.what()));
-    } catch (...) {
-        return BackgroundJob::tr("The program made an error, and nothing was changed: %1. Please report it.").arg(QStringLiteral("?"));
-    }
-}
-
-}  // namespace
-
-JobFailures& BackgroundJob::failures() {
-    static JobFailures failures;
-    return failures;
-}
 
 BackgroundJob::BackgroundJob(QObject* parent) : QObject(parent) {
     timer_.setInterval(50);
@@ -40,14 +20,8 @@ BackgroundJob::~BackgroundJob() {
 
 void BackgroundJob::launch(std::function<void(const Progress&)> work, std::function<void()> done, std::function<void()> failed) {
     cancel();
-    shared_ = std::make_shared<Shared>();
-    done_ = std::move(done);
-    failed_ = std::move(failed);
-    running_ = true;
-    stage_.clear();
-    fraction_ = 0.0;
-    clock_.start();
-    thread_ = std::jthread([shared = shared_, work = std::move(work)](std::stop_token stop) {
+    const auto shared = std::make_shared<Shared>();
+    thread_ = std::jthread([shared, work = std::move(work)](std::stop_token stop) {
         std::exception_ptr failure;
         try {
             work(Progress(
@@ -64,6 +38,13 @@ void BackgroundJob::launch(std::function<void(const Progress&)> work, std::funct
         shared->failure = std::move(failure);
         shared->ended = true;
     });
+    shared_ = shared;
+    done_ = std::move(done);
+    failed_ = std::move(failed);
+    running_ = true;
+    stage_.clear();
+    fraction_ = 0.0;
+    clock_.start();
     timer_.start();
 }
 
@@ -99,14 +80,11 @@ void BackgroundJob::poll() {
     timer_.stop();
     thread_.join();
     const auto doneNow = std::move(done_), failedNow = std::move(failed_);  // they may launch again
-    if (failure) {
-        if (failedNow) failedNow();
-        Q_EMIT finished(false);
-        Q_EMIT failures().failed(textOf(failure));
-        return;
-    }
-    doneNow();
-    Q_EMIT finished(true);
+    if (failure) Failures::instance().note(failure);
+    const bool completed = !failure && attempt(doneNow);
+    if (!completed && failedNow) attempt(failedNow);
+    Q_EMIT finished(completed);
+    if (!completed) Failures::instance().say();
 }
 
 }  // namespace imomushi

@@ -16,13 +16,6 @@
 
 namespace imomushi {
 
-/// Hears of work in the background that ended by an exception: no memory, or a fault of the program.
-class JobFailures : public QObject {
-    Q_OBJECT
-signals:
-    void failed(const QString& why);  ///< a sentence or two, translated
-};
-
 /// Work on a thread of its own that reports progress and can be given up at once. Belongs to the GUI thread.
 class BackgroundJob : public QObject {
     Q_OBJECT
@@ -40,16 +33,13 @@ public:
     /// Seconds that are still needed, by what passed so far; negative while unknown.
     [[nodiscard]] double secondsLeft() const;
 
-    /// Of all jobs.
-    static JobFailures& failures();
-
 signals:
     void progressed();                ///< about 20 times a second while running
-    void finished(bool completed);    ///< false: cancelled, or failed; failures() says why
+    void finished(bool completed);    ///< false: cancelled, or failed; Failures says why
 
 protected:
-    /// Runs `work` on a new thread, then `done` on the GUI thread unless cancelled. `work` shares nothing with the GUI thread but what it captured. What it
-    /// throws ends it like a cancel; then `failed` runs instead of `done`.
+    /// Runs `work` on a new thread, then `done` on the GUI thread unless cancelled. `work` shares nothing with the GUI thread but what it captured. What one of
+    /// them throws ends it like a cancel; then `failed` runs.
     void launch(std::function<void(const Progress&)> work, std::function<void()> done, std::function<void()> failed = {});
 
 private:

@@ -92,13 +92,12 @@ void FileJob::write(const std::filesystem::path& path, Project project, const Ve
 
 void FileJob::wait() {
     const HeldInput held;
-    QEventLoop loop;
     QTimer told;
     told.setSingleShot(true);
     connect(&told, &QTimer::timeout, this, &FileJob::takesTime);
-    connect(this, &BackgroundJob::finished, &loop, &QEventLoop::quit);
     told.start(kToldMs);
-    if (running()) loop.exec();
+    QEventLoop loop;
+    while (running()) loop.processEvents(QEventLoop::WaitForMoreEvents);  // whatever becomes of those who hear that it has finished
 }
 
 std::optional<Result<Project>> FileJob::takeRead(const std::filesystem::path& path, std::optional<std::int64_t> version) {

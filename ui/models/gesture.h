@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "ui/models/failures.h"
 #include "ui/models/studio_document.h"
 
 namespace imomushi {
@@ -11,9 +12,9 @@ public:
     explicit Gesture(StudioDocument& document) : document_(&document) { document.session().beginGesture(); }
     ~Gesture() {
         if (!document_) return;
-        Q_EMIT document_->changing();
+        attempt([this] { Q_EMIT document_->changing(); });
         document_->session().cancelGesture();
-        Q_EMIT document_->historyChanged();
+        attempt([this] { Q_EMIT document_->historyChanged(); });
     }
     Gesture(const Gesture&) = delete;
     Gesture& operator=(const Gesture&) = delete;

@@ -10,6 +10,8 @@
 #include <QStandardPaths>
 #include <QThreadPool>
 
+#include "ui/models/failures.h"
+
 namespace imomushi {
 namespace {
 
@@ -55,12 +57,14 @@ QImage RecentFiles::thumbnail(const QString& path) const { return QImage(thumbna
 void RecentFiles::setThumbnail(const QString& path, const QImage& picture) {
     if (picture.isNull()) return;
     QThreadPool::globalInstance()->start([picture, file = thumbnailPath(path), here = QPointer(this)] {
-        // The middle of the view in the shape of the tiles of the start page.
-        const QSize tile(480, 300);
-        const QImage scaled = picture.scaled(tile, Qt::KeepAspectRatioByExpanding, Qt::SmoothTransformation);
-        scaled.copy((scaled.width() - tile.width()) / 2, (scaled.height() - tile.height()) / 2, tile.width(), tile.height()).save(file);
-        QMetaObject::invokeMethod(QCoreApplication::instance(), [here] {
-            if (here) Q_EMIT here->changed();
+        attempt([&] {
+            // The middle of the view in the shape of the tiles of the start page.
+            const QSize tile(480, 300);
+            const QImage scaled = picture.scaled(tile, Qt::KeepAspectRatioByExpanding, Qt::SmoothTransformation);
+            scaled.copy((scaled.width() - tile.width()) / 2, (scaled.height() - tile.height()) / 2, tile.width(), tile.height()).save(file);
+            QMetaObject::invokeMethod(QCoreApplication::instance(), [here] {
+                if (here) Q_EMIT here->changed();
+            });
         });
     });
 }

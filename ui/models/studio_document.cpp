@@ -3,7 +3,10 @@
 
 #include <QElapsedTimer>
 #include <algorithm>
+#include <utility>
 
+#include "core/document/document_change.h"
+#include "ui/models/failures.h"
 #include "ui/models/paths.h"
 #include "ui/models/texts.h"
 
@@ -29,24 +32,30 @@ StudioDocument::StudioDocument(const CommandRegistry& registry, std::shared_ptr<
     : QObject(parent), session_(registry, std::move(store)) {
     effectMs_.fill(-1.0);
     session_.setListener([this](const Session::Change& change) {
-        if (change.structure()) {
-            // What is gone cannot stay selected; listeners of structureChanged() may already rely on that.
-            std::erase_if(selection_, [this](const SelectionItem& item) { return !exists(item); });
-            if (hovered_ && !exists(*hovered_)) hovered_.reset();
-            std::array<bool, kEffects> effects;
-            for (std::size_t k = 0; k < kEffects; ++k) effects[k] = document().effects.has(EffectKind(k));
-            if (effects != measured_) {  // frames of another price
-                measured_ = effects;
-                effectMs_.fill(-1.0);
-                frameMs_ = -1.0;
-            }
-            Q_EMIT structureChanged(change.document);
-            Q_EMIT selectionChanged();
-        }
-        if (change.pose) Q_EMIT poseChanged();
-        if (change.responses) Q_EMIT responsesChanged();
-        if (change.file) Q_EMIT fileChanged();
+        if (!attempt([&] { tell(change); })) unheard_ = true;
     });
+}
+
+void StudioDocument::tell(const Session::Change& change) {
+    // Where memory ran out while it was told, who did not hear is told everything next time.
+    const bool all = std::exchange(unheard_, false);
+    if (all || change.structure()) {
+        // What is gone cannot stay selected; listeners of structureChanged() may already rely on that.
+        std::erase_if(selection_, [this](const SelectionItem& item) { return !exists(item); });
+        if (hovered_ && !exists(*hovered_)) hovered_.reset();
+        std::array<bool, kEffects> effects;
+        for (std::size_t k = 0; k < kEffects; ++k) effects[k] = document().effects.has(EffectKind(k));
+        if (effects != measured_) {  // frames of another price
+            measured_ = effects;
+            effectMs_.fill(-1.0);
+            frameMs_ = -1.0;
+        }
+        Q_EMIT structureChanged(all ? difference({}, document()) : change.document);
+        Q_EMIT selectionChanged();
+    }
+    if (all || change.pose) Q_EMIT poseChanged();
+    if (all || change.responses) Q_EMIT responsesChanged();
+    if (all || change.file) Q_EMIT fileChanged();
 }
 
 bool StudioDocument::exists(const SelectionItem& item) const {

@@ -81,10 +81,12 @@ Q_SIGNALS:
 
 private:
     [[nodiscard]] bool exists(const SelectionItem& item) const;
+    void tell(const Session::Change& change);
 
     Session session_;
     std::array<double, kEffects> effectMs_;  ///< negative: none
     double frameMs_ = -1.0;
+    bool unheard_ = false;                      ///< not everybody was told what changed
     std::array<bool, kEffects> measured_ = {};  ///< the effects that frames were measured with
     std::map<PartId, Estimate> estimates_;
     std::vector<SelectionItem> selection_;

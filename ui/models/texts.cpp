@@ -54,6 +54,7 @@ const std::map<std::string, const char*> kErrors = {
     {"worker-failed", QT_TRANSLATE_NOOP("Errors", "The importer could not read the file.")},
     {"cancelled", QT_TRANSLATE_NOOP("Errors", "Cancelled.")},
     {"no-memory", QT_TRANSLATE_NOOP("Errors", "There is not enough memory. Use a smaller solver mesh.")},
+    {"no-memory-after", QT_TRANSLATE_NOOP("Errors", "It was done, but there was not enough memory for what follows it. Undo takes it back.")},
     {"no-face", QT_TRANSLATE_NOOP("Errors", "The element needs a joint face first.")},
     {"shared-rim", QT_TRANSLATE_NOOP("Errors", "Two joint faces of one element touch each other. Leave a row of vertices between them.")},
     {"no-free-vertex", QT_TRANSLATE_NOOP("Errors", "Joint faces cover the whole element. Leave some of it free.")},

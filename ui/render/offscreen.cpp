@@ -9,6 +9,7 @@
 #include <condition_variable>
 #include <cstdio>
 #include <cstring>
+#include <exception>
 #include <functional>
 #include <mutex>
 #include <optional>
@@ -157,16 +158,27 @@ public:
         return *thread;
     }
 
+    /// What drawing throws is thrown here; the next picture is drawn from nothing.
     Result<std::vector<std::uint8_t>> draw(const OffscreenView& view, const Scene& scene, int width, int height) {
         const std::lock_guard oneAtATime(callers_);
         Result<std::vector<std::uint8_t>> pixels;
-        run([&] { pixels = paint(view, scene, width, height); });
+        std::exception_ptr failure;
+        run([&] {
+            try {
+                pixels = paint(view, scene, width, height);
+            } catch (...) {
+                failure = std::current_exception();
+                renderer_.reset();
+                last_ = nullptr;
+            }
+        });
+        if (failure) std::rethrow_exception(failure);
         return pixels;
     }
-    void release(const OffscreenView& view) {
+    void release(const OffscreenView& view) noexcept {
         const std::lock_guard oneAtATime(callers_);
         if (last_ != &view) return;
-        run([&] {
+        run([this] {
             last_ = nullptr;
             if (renderer_) renderer_->releaseMemory();
         });
@@ -175,6 +187,7 @@ public:
 private:
     DrawingThread() : thread_([this] { work(); }) { thread_.detach(); }
 
+    /// The task throws nothing.
     void run(const std::function<void()>& task) {
         std::unique_lock lock(mutex_);
         task_ = &task;

@@ -13,6 +13,7 @@
 #include "core/document/character_input.h"
 #include "core/mesh/connectivity.h"
 #include "core/mesh/triangle_tree.h"
+#include "ui/models/failures.h"
 #include "ui/models/paths.h"
 #include "ui/scene/cut_frame.h"
 #include "ui/scene/document_scene.h"
@@ -160,8 +161,10 @@ void preparePicking(const Document& document) {
     for (const auto& [id, element] : document.elements) bodies.push_back(element->mesh);
     for (const auto& [id, character] : document.characters) models.push_back(character->model);
     QThreadPool::globalInstance()->start([bodies = std::move(bodies), models = std::move(models)] {
-        for (const auto& body : bodies) (void)body->connectivity().clusters();
-        for (const auto& model : models) (void)model->mesh.connectivity().clusters();
+        attempt([&] {
+            for (const auto& body : bodies) (void)body->connectivity().clusters();
+            for (const auto& model : models) (void)model->mesh.connectivity().clusters();
+        });
     });
 }
 

@@ -5,6 +5,8 @@
 #include <QOpenGLContext>
 #include <QSurfaceFormat>
 
+#include "ui/models/failures.h"
+
 namespace imomushi {
 namespace {
 
@@ -33,6 +35,7 @@ bool GlCanvas::available() {
 
 GlCanvas::GlCanvas(QWidget* parent) : QOpenGLWidget(parent) {
     setFormat(wantedFormat());
+    setUpdateBehavior(PartialUpdate);  // what was drawn stays where memory runs out for the next picture
     setAttribute(Qt::WA_TransparentForMouseEvents);
     setFocusPolicy(Qt::NoFocus);
 }
@@ -45,17 +48,20 @@ GlCanvas::~GlCanvas() {
 void GlCanvas::initializeGL() {
     // A widget that moves to another window gets another context, and everything in the old one goes with it.
     connect(context(), &QOpenGLContext::aboutToBeDestroyed, this, &GlCanvas::releaseRenderer, Qt::UniqueConnection);
-    auto renderer = render::SceneRenderer::create();
-    if (!renderer) {
-        Q_EMIT failed(QString::fromStdString(renderer.error().message));
-        return;
-    }
-    renderer_ = std::move(*renderer);
-    Q_EMIT ready();
+    // Nothing may be thrown through QOpenGLWidget: it would take itself for one that is painting.
+    attempt([this] {
+        auto renderer = render::SceneRenderer::create();
+        if (!renderer) {
+            Q_EMIT failed(QString::fromStdString(renderer.error().message));
+            return;
+        }
+        renderer_ = std::move(*renderer);
+        Q_EMIT ready();
+    });
 }
 
 void GlCanvas::paintGL() {
-    if (renderer_) Q_EMIT painting();
+    if (renderer_) attempt([this] { Q_EMIT painting(); });
 }
 
 void GlCanvas::releaseRenderer() {

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "core/base/colour.h"
+#include "ui/models/failures.h"
 #include "ui/models/texts.h"
 #include "ui/scene/framing.h"
 #include "ui/viewport/picture_warm_up.h"
@@ -51,8 +52,7 @@ void TurntableView::paintEvent(QPaintEvent*) {
     PictureWarmUp& first = PictureWarmUp::instance();
     if (!first.done()) {
         first.begin();
-    } else if (drawnRatio_ != devicePixelRatioF()) {
-        drawPictures();
+    } else if (drawnRatio_ != devicePixelRatioF() && attempt([this] { drawPictures(); })) {  // else what was drawn last is shown
         drawnRatio_ = devicePixelRatioF();
     }
     QPainter painter(this);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/mesh/bounds.h"
+#include "ui/models/failures.h"
 #include "ui/models/texts.h"
 #include "ui/tools/picking.h"
 #include "ui/tools/proposal_tool.h"
@@ -76,7 +77,7 @@ ViewportWidget::ViewportWidget(StudioDocument& document, QWidget* parent)
 }
 
 ViewportWidget::~ViewportWidget() {
-    tool_->cancel();  // while this is still whole: a gesture that is taken back changes the document
+    attempt([this] { tool_->cancel(); });  // while this is still whole: a gesture that is taken back changes the document
     document_.disconnect(this);
 }
 
@@ -422,8 +423,13 @@ void ViewportWidget::paint() {
     if (const auto element = document_.document().elements.find(highlightedElement_); !highlighted_.empty() && element != document_.document().elements.end())
         if (render::Body* body = bodyOf(scene_, *element->second)) body->highlightedTriangles = &highlighted_;
     tool_->decorate(scene_);
-    renderer.draw(scene_, canvas_->defaultFramebufferObject(), int(std::lround(width() * devicePixelRatioF())),
-                  int(std::lround(height() * devicePixelRatioF())));
+    try {
+        renderer.draw(scene_, canvas_->defaultFramebufferObject(), int(std::lround(width() * devicePixelRatioF())),
+                      int(std::lround(height() * devicePixelRatioF())));
+    } catch (const std::exception&) {
+        renderer.releaseMemory();  // the next picture is drawn from nothing
+        throw;
+    }
     QPainter painter(canvas_);
     navigator_.paintBall(painter, dark());
     ViewOverlay{size(), dark(), palette().color(QPalette::Highlight), tool_->box(), tool_->banner(), deck_}.paint(painter, document_);

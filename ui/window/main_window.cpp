@@ -23,6 +23,7 @@
 #include "ui/jobs/proposal_job.h"
 #include "ui/models/commands.h"
 #include "ui/models/effect_texts.h"
+#include "ui/models/failures.h"
 #include "ui/models/selection_commands.h"
 #include "ui/models/texts.h"
 #include "ui/panels/accuracy/accuracy_panel.h"
@@ -171,7 +172,7 @@ void MainWindow::buildStatusBar() {
 void MainWindow::connectDocument() {
     const auto warning = [this](const QString& text) { messages().say(text, MessageBar::Tone::Warning); };
     connect(&document_, &StudioDocument::failed, this, warning);
-    connect(&BackgroundJob::failures(), &JobFailures::failed, this, warning);
+    connect(&Failures::instance(), &Failures::failed, this, warning);
     connect(&document_, &StudioDocument::frameStepped, this, &MainWindow::warn);
     connect(&document_, &StudioDocument::madeCut, this, [this](const QString& text) { messages().offer(text, tr("Place bones"), [this] { setTool(ToolKind::Bone); }); });
     connect(&document_, &StudioDocument::offered, this, [this](const QString& text, const QString& label, const Json& command) {
