@@ -289,7 +289,7 @@ void Session::setProjectWriter(std::function<Result<SavedProject>(const std::fil
 
 Project Session::project() {
     responses_.refresh();
-    return {history_.document(), responses_.last()};
+    return {history_.document(), responses_.last(), {}};
 }
 
 // ---- what commands may do ----------------------------------------------------------------------------------------------
