@@ -107,8 +107,9 @@ public:
     [[nodiscard]] const std::optional<Recording>& recording() const { return recording_; }
     /// Begins a take with what is shown. Errors: those of built(), "no-element".
     Result<void> startRecording(const std::string& name);
-    /// What was recorded, without an id.
-    Take stopRecording();
+    /// What is recorded so far, without an id.
+    [[nodiscard]] Take recordedTake() const;
+    void endRecording() noexcept;
     /// A frame of a take that is made at once.
     struct PlayedFrame {
         Pose pose;

@@ -62,11 +62,19 @@ void LiveCharacter::recordFrame(double seconds) {
     const double now = take.duration() + r.passed;
     if (!take.times.empty() && !(now > take.times.back())) return;
     r.passed = 0.0;
-    take.times.push_back(now);
-    take.poses.add(poseNumbers(performance_ ? performance_->pose() : posed()));
+    const std::size_t frames = take.times.size();
     std::vector<double> shape(static_cast<std::size_t>(take.layout.size()));
     character_->shape(shape.data());
+    // A frame is there as a whole or not at all.
     take.shapes.add(shape);
+    try {
+        take.times.push_back(now);
+        take.poses.add(poseNumbers(performance_ ? performance_->pose() : posed()));
+    } catch (...) {
+        take.shapes.removeLast();
+        take.times.resize(std::min(take.times.size(), frames));
+        throw;
+    }
     const auto& targets = document().goals;
     for (const auto& [end, held] : targets) {
         const auto known = r.goals.find(end);
@@ -77,13 +85,16 @@ void LiveCharacter::recordFrame(double seconds) {
     r.goals = targets;
 }
 
-Take LiveCharacter::stopRecording() {
-    Recording recorded = std::move(*recording_);
+Take LiveCharacter::recordedTake() const {
+    Take take = recording_->take;
+    take.poses.finish();
+    take.shapes.finish();
+    return take;
+}
+
+void LiveCharacter::endRecording() noexcept {
     recording_.reset();
     if (character_) character_->keepExact(false);
-    recorded.take.poses.finish();
-    recorded.take.shapes.finish();
-    return std::move(recorded.take);
 }
 
 Result<Take> LiveCharacter::playThrough(const std::string& name, const std::vector<double>& times, const std::function<PlayedFrame(double time)>& frameAt, const Progress& progress) {

@@ -32,6 +32,11 @@ void FrameNumbers::add(const std::vector<double>& row) {
     ++frames_;
 }
 
+void FrameNumbers::removeLast() noexcept {
+    open_.resize(open_.size() - width());
+    --frames_;
+}
+
 void FrameNumbers::finish() {
     if (open_.empty()) return;
     const std::span<const double> start(open_.data(), width());

@@ -34,8 +34,10 @@ public:
     /// Of the frames of blocks that addBlock() brings. first: of frame 0.
     explicit FrameNumbers(std::vector<double> first) : first_(std::move(first)) {}
 
-    /// One more frame: as many numbers as those before it have.
+    /// One more frame: as many numbers as those before it have. All frames stay as they are where memory runs out.
     void add(const std::vector<double>& row);
+    /// Takes back the last add().
+    void removeLast() noexcept;
     /// After the last frame.
     void finish();
     /// The next `rows` frames, as blocks() of another one has them.

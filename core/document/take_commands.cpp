@@ -38,9 +38,10 @@ Result<Json> record(SessionAccess& access, const Json& arguments, const Progress
     if (!recording) return fail("not-recording", "Nothing is being recorded: start first.");
     if (recording->take.name != name) return fail("not-recording", "\"" + recording->take.name + "\" is being recorded, not \"" + name + "\".");
     const bool whole = recording->going;
-    Take made = access.live.stopRecording();
+    Take made = access.live.recordedTake();
     made.name = freeTakeName(access.document(), name);  // another take may have got it meanwhile
     const auto take = access.addTake(std::move(made), arguments);
+    access.live.endRecording();  // it goes on where memory ran out
     Json answer = takeJson(*take);
     answer["whole"] = whole;
     answer["warnings"] = Json::array();

@@ -145,7 +145,7 @@ TEST_CASE("saving: needs memory for a few blocks of a take, not for all of it, a
     const TestFolder folder;
     const auto path = folder / "take.imomushi";
     Project project = projectOf(1, 1000);
-    const auto take = longTake(5, 80'000);
+    const auto take = longTake(5, 100'000);
     take->id = project.document.nextId++;
     project.document.takes[take->id] = take;
     const std::size_t bytes = take->bytes();

@@ -4,6 +4,7 @@
 
 #include "tests/document/tamper.h"
 #include "tests/document/workbench.h"
+#include "tests/support/thorough.h"
 
 using namespace imomushi;
 
@@ -388,7 +389,7 @@ TEST_CASE("storage: schemas and values changed at random under a valid digest ar
     std::mt19937 random(11);
     const auto any = [&](const auto& of) { return of[random() % std::size(of)]; };
     const char* values[] = {"NULL", "0", "-1", "9223372036854775807", "1e308", "-0.0", "'text'", "x''", "x'ff'", "zeroblob(100000)", "randomblob(24)", "randomblob(96)", "1<<33", "0.5"};
-    for (int i = 0; i < 250; ++i) {
+    for (int i = 0; i < repeats(250, 20'000); ++i) {
         Workbench::writeFile(bad, whole);
         const auto [table, column] = any(columns);
         const std::string value = any(values);
