@@ -485,8 +485,8 @@
             <translation>戻り</translation>
         </message>
         <message>
-            <source>How fast a body that nothing holds comes back. 0: it floats and falls, as it always does above the ground.</source>
-            <translation>何も保持していない体が元の位置に戻る速さ。0：浮かび、落ちる（床があるときは常に落ちる）。</translation>
+            <source>How fast a body that nothing holds comes back. 0: it floats and falls, as it always does where gravity draws it to the ground.</source>
+            <translation>何も保持していない体が元の位置に戻る速さ。0：浮かび、落ちる（重力が床へ引くときは常に落ちる）。</translation>
         </message>
         <message>
             <source>Jiggle</source>
@@ -631,6 +631,10 @@
         <message>
             <source>Flesh is pressed in more places than contact looks at: the deepest are held, others may cross.</source>
             <translation>接触で扱える数より多くの場所が押されています。深い場所から支え、ほかは貫通することがあります。</translation>
+        </message>
+        <message>
+            <source>In the ground: the target is below it, and the body stays above.</source>
+            <translation>床の中です。目標が床より下にあり、体は床の上に留まります。</translation>
         </message>
         <message>
             <source>Out of reach: the bones stretch no farther.</source>

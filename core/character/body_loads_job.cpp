@@ -100,8 +100,10 @@ void BodyLoadsJob::load(Frame& frame, std::size_t e) {
         own.acceleration.step(frame.seconds, place);
         const double modulus = gravity_->shearModulus > 0.0 ? gravity_->shearModulus : own.modulus / gravity_->sag;
         const double softness = modulus > 0.0 ? given.density / (modulus * given.stiffness) : 0.0;
-        all.segment<kGravityColumns>(first) =
-            softness * (out.frame.linear.transpose() * (gravity_->acceleration - gravity_->inertia * own.acceleration.value()));
+        // Flesh that lies on the ground does not lag into it, nor off it: the ground carries it. Bones that the ground moves by their flesh would move it on and on.
+        Vec3 lag = gravity_->inertia * own.acceleration.value();
+        lag -= (1.0 - out.aloft) * frame.up.dot(lag) * frame.up;
+        all.segment<kGravityColumns>(first) = softness * (out.frame.linear.transpose() * (gravity_->acceleration - lag));
     }
     if (own.inflated) all[first + count - 1] = (inflate_->pressure + inflate_->breath * std::sin(phase_.radians())) / given.stiffness;
     const double wanted = all.tail(count).cwiseAbs().dot(runtime.columnSize.tail(count)), most = kMaxLoaded * runtime.size;

@@ -117,6 +117,10 @@ void Character::liftFinger(int element, int finger) {
     if (state_->touch) state_->touch->liftFinger(element, finger);
 }
 
+const Pose& Character::pose() const { return state_->frame.pose; }
+
+std::span<const FleshPoint> Character::groundFlesh() const { return state_->ground ? state_->ground->flesh() : std::span<const FleshPoint>(); }
+
 bool Character::resting() const { return state_->jobs.resting(state_->frame); }
 
 Character::Surface Character::surface(int element) const {

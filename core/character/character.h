@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,6 +18,7 @@
 #include "core/character/handle_pose.h"
 #include "core/character/pose_watch.h"
 #include "core/character/response_format.h"
+#include "core/dynamics/flesh_clearance.h"
 #include "core/joints/joint_face.h"
 #include "core/reduction/element_response.h"
 #include "core/skeleton/inverse_kinematics.h"
@@ -79,6 +81,7 @@ enum class FrameWarning : unsigned {
     Diverged = 16,         ///< the explicit dynamics of the previous model diverged; its joints stand still at their last good place
     LoadsBounded = 8,      ///< gravity or pressure would deform an element beyond what is linear: it feels less of them
     ContactsBounded = 32,  ///< flesh is pressed in more places than contact looks at: the deepest are held, others may cross
+    HeldByGround = 64,     ///< a target is in the ground, which keeps its endpoint above (LiveCharacter: no character knows of it)
 };
 
 /// A character that is performed: pose -> joint maps -> v -> A' v -> world positions and normals (model.md section 1, steps 1 and 3).
@@ -120,6 +123,10 @@ public:
     /// radius: m, 0: as small as can be. Or moves one that is there. False: the element feels no touch, or the point is not a number.
     bool setFinger(int element, int finger, const Vec3& rest, const Vec3& target, double radius);
     void liftFinger(int element, int finger);
+
+    [[nodiscard]] const Pose& pose() const;  ///< of the last update()
+    /// With the effect "ground": flesh that it may meet, as of the last update() (GroundJob). Else empty.
+    [[nodiscard]] std::span<const FleshPoint> groundFlesh() const;
 
     /// No effect goes on by itself: the next update() of the same pose changes nothing.
     [[nodiscard]] bool resting() const;

@@ -8,6 +8,7 @@
 #include "core/character/frame.h"
 #include "core/character/frame_job.h"
 #include "core/character/deform_input.h"
+#include "core/character/ground_job.h"
 #include "core/character/render_mesh_job.h"
 #include "core/character/touch_job.h"
 #include "core/skeleton/skeleton.h"
@@ -97,6 +98,7 @@ struct Character::State {
     bool weighs = false;  // effects are automatic
     const Pose poseOfRest = restPose(frame.input.skeleton);
     TouchJob* touch = nullptr;  // of jobs, null: none
+    GroundJob* ground = nullptr;
     RenderMeshJob* renderMeshes = nullptr;
     InverseKinematics kinematics;
     std::vector<std::vector<int>> jointsOf;  // per element: those that its faces belong to, ascending

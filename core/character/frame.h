@@ -105,6 +105,8 @@ struct ElementFrame {
     /// Where a free vertex is in the element's frame, m, by `local` or what has its layout.
     [[nodiscard]] Vec3 localAt(std::int32_t vertex, const float* blocksOf) const;
 
+    double aloft = 1.0;              // 0: its flesh lies on the ground, as of the last frame, which carries it; 1: it is well above; always 1 without a ground
+
     // Of the bend warp: how much of it is shown, 0 (the product alone, nothing is computed) ... 1; it fades where it is automatic (weighEffects()).
     double warpPart = 0.0;
     bool fades = false;              // fixed by the character
@@ -185,6 +187,7 @@ struct Frame {
     std::vector<Vec3> offsets; // per node of the previous model: m, in the rest axes of its joint
     std::vector<std::vector<double>> askedMorphs, morphs;  // weights of morph targets, per render mesh: as asked for, and as of this frame
 
+    Vec3 up = Vec3::UnitY();   // away from the ground
     Pose pose;                 // the last good one
     double seconds = 0.0;      // that pass in this frame
     bool stopped = true;       // it starts from rest

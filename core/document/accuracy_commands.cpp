@@ -58,17 +58,14 @@ std::optional<StudyInput::Effect> pricedEffect(const Session& session, const Doc
     with.effects[kind].elements.clear();
     auto planned = planCharacter(with);
     if (!planned) return std::nullopt;
-    StudyInput::Effect out{std::string(effectName(kind)), 0.0, {}, {}, {}};
+    StudyInput::Effect out{std::string(effectName(kind)), session.effectCost(kind).milliseconds, {}, {}, {}};
     if (effectDescriptor(kind).scope == EffectScope::Bones) {
         auto built = Performance::build(with, *planned);
         if (!built) return std::nullopt;
-        out.predictedMs = Performance::predict(with, *planned);
         out.step = [performance = std::make_shared<Performance>(std::move(*built))](double seconds, const Pose& kinematic, std::span<const IkGoal> goals) -> const Pose& {
             performance->step(seconds, kinematic, goals);
             return performance->pose();
         };
-    } else {
-        out.predictedMs = session.effectCost(kind).milliseconds;
     }
     if (kind == EffectKind::Touch) {
         for (std::size_t e = 0; e < planned->elements.size(); ++e) {

@@ -3,12 +3,11 @@
 
 #include <array>
 
-#include "core/base/plane.h"
 #include "core/character/effect_settings.h"
 
 namespace imomushi {
 
-// Effects that act on bones before a character is deformed (performance.h): they have no job in its frames.
+// Effects that act on bones before a character is deformed (performance.h), and have no job in its frames.
 
 /// Bones are springs (core/dynamics/bone_dynamics.h).
 struct BoneDynamicsEffect : EffectOf<BoneDynamicsEffect> {
@@ -36,26 +35,7 @@ struct BoneDynamicsEffect : EffectOf<BoneDynamicsEffect> {
                                                      IMOMUSHI_TEXT("Effects", "Damping ratio of the roll. 0: it never stops; 1: no swing.")),
             number<&BoneDynamicsEffect::returnHertz>(
                 "return-hertz", "Hz", 0.0, 1000.0, IMOMUSHI_TEXT("Effects", "Return"),
-                IMOMUSHI_TEXT("Effects", "How fast a body that nothing holds comes back. 0: it floats and falls, as it always does above the ground.")),
-        };
-    }
-};
-
-/// A plane below which nothing goes.
-struct GroundEffect : EffectOf<GroundEffect> {
-    static constexpr std::string_view kName = "ground";
-    static constexpr auto kTitle = IMOMUSHI_TEXT("Effects", "Ground");
-    static constexpr auto kHelp = IMOMUSHI_TEXT("Effects", "Bodies rest on a plane and do not sink through it.");
-    double height = 0.0;    ///< m
-    double friction = 0.6;  ///< Coulomb's coefficient
-
-    [[nodiscard]] Plane plane() const { return Plane::level(height); }
-
-    static constexpr auto properties() {
-        return std::array{
-            number<&GroundEffect::height>("height", "m", -1e9, 1e9, IMOMUSHI_TEXT("Effects", "Height"), IMOMUSHI_TEXT("Effects", "Height of the plane.")),
-            number<&GroundEffect::friction>("friction", "", 0.0, 10.0, IMOMUSHI_TEXT("Effects", "Friction"),
-                                            IMOMUSHI_TEXT("Effects", "Coulomb’s coefficient between bodies and the ground, with bone dynamics.")),
+                IMOMUSHI_TEXT("Effects", "How fast a body that nothing holds comes back. 0: it floats and falls, as it always does where gravity draws it to the ground.")),
         };
     }
 };

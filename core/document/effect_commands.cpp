@@ -104,14 +104,14 @@ EffectCost DocumentResponses::costOf(EffectKind kind) const {
     const Document& document = document_;
     const EffectDescriptor& effect = effectDescriptor(kind);
     EffectCost cost;
+    if (effect.pairs) cost.milliseconds = 1e3 * machineRates().secondsPerPair * effect.pairs(document);
     if (effect.scope == EffectScope::Bones) {
         Document asked = document;
-        asked.effects[kind].enabled = true;
+        for (const EffectKind other : {EffectKind::BoneDynamics, EffectKind::Ground}) asked.effects[other].enabled = other == kind;
         const auto planned = planCharacter(asked);
-        if (planned) cost.milliseconds = Performance::predict(asked, *planned);
+        if (planned) cost.milliseconds += Performance::predict(asked, *planned);
         return cost;
     }
-    if (effect.pairs) cost.milliseconds = 1e3 * machineRates().secondsPerPair * effect.pairs(document);
     for (const auto& [id, element] : document.elements) {
         if (element->faces.empty()) continue;
         if (effect.tractions) {

@@ -9,6 +9,7 @@
 #include "core/character/bend_warp_job.h"
 #include "core/character/body_loads_job.h"
 #include "core/character/contact_job.h"
+#include "core/character/ground_job.h"
 #include "core/character/joint_dynamics_job.h"
 #include "core/character/previous_model_job.h"
 #include "core/character/smooth_joints_job.h"
@@ -21,8 +22,8 @@ namespace imomushi {
 namespace {
 
 // Pairs (EffectDescriptor::pairs) of a joint with its in-plane stretch alone; what it costs more with warping modes, by their number and its square (smooth
-// joints); of a joint with dynamics; of a warped vertex; of an entry of a matrix of tractions.
-constexpr double kJointPairs = 26.0, kWarpingPairs = 40.0, kModePairs = 1.0, kModesPairs = 0.86, kDynamicPairs = 13.0, kWarpPairs = 1.45, kTractionPairs = 0.006;
+// joints); of a joint with dynamics; of a warped vertex; of an entry of a matrix of tractions; of a vertex that the ground may meet.
+constexpr double kJointPairs = 26.0, kWarpingPairs = 40.0, kModePairs = 1.0, kModesPairs = 0.86, kDynamicPairs = 13.0, kWarpPairs = 1.45, kTractionPairs = 0.006, kGroundPairs = 0.3;
 
 double jointsOf(const Document& document) {
     const auto planned = planCharacter(document);
@@ -78,6 +79,12 @@ constexpr EffectDescriptor row(EffectKind kind, EffectDescriptor effect = {}) {
     return effect;
 }
 
+double groundPairs(const Document& document) {
+    double points = 0.0;
+    for (const auto& [id, element] : document.elements) points += std::min(2.0 * GroundJob::kPerPoint, static_cast<double>(element->mesh->body.vertices.rows()));
+    return kGroundPairs * points;
+}
+
 void askForLoads(const Effects&, EffectColumns& columns) { columns.loads = true; }
 double jointDynamicsPairs(const Document& document) { return kDynamicPairs * jointsOf(document); }
 
@@ -100,7 +107,7 @@ constexpr EffectDescriptor kTable[] = {
                                              .ask = askForPatches<EffectKind::Contact>,
                                              .columns = [](const Effects& effects) { return 3 * patches(effects, EffectKind::Contact); },
                                              .mostRead = 36}),
-    row<GroundEffect>(EffectKind::Ground, {.scope = EffectScope::Bones}),
+    row<GroundEffect>(EffectKind::Ground, {.scope = EffectScope::Bones, .seesFlesh = true, .pairs = groundPairs}),
 };
 static_assert(std::size(kTable) == kEffects);
 static_assert([] {
@@ -127,7 +134,7 @@ EffectColumns columnsAsked(const Effects& effects, PartId element, EffectKind wi
 
 bool sameOnCharacter(const Effects& a, const Effects& b) {
     for (const EffectDescriptor& d : kTable) {
-        if (d.scope == EffectScope::Bones) continue;
+        if (!d.isOnCharacter()) continue;
         if (a.has(d.kind) != b.has(d.kind)) return false;
         if (!a.has(d.kind)) continue;
         if (a[d.kind].elements != b[d.kind].elements || a[d.kind].automatic != b[d.kind].automatic) return false;
@@ -140,7 +147,7 @@ bool sameOnCharacter(const Effects& a, const Effects& b) {
 CharacterEffects characterEffects(const Document& document) {
     CharacterEffects made;
     for (const EffectDescriptor& d : kTable) {
-        if (d.scope == EffectScope::Bones || !document.effects.has(d.kind)) continue;
+        if (!d.isOnCharacter() || !document.effects.has(d.kind)) continue;
         auto settings = document.effects.settings(d.kind);
         if (!document.effects[d.kind].elements.empty())
             for (const auto& [id, element] : document.elements) settings->elements.push_back(document.effects.has(d.kind, id));

@@ -82,6 +82,7 @@ enum class EffectScope {
 /// One effect: all that the document, its commands and the studio know of it. A function that is null has nothing to say.
 struct EffectDescriptor {
     EffectScope scope = EffectScope::Character;
+    bool seesFlesh = false;  ///< of bones: a job tells it of each frame where flesh is
     /// What it asks of the response of each element that it acts on, and how many columns these are.
     void (*ask)(const Effects&, EffectColumns&) = nullptr;
     int (*columns)(const Effects&) = nullptr;
@@ -93,8 +94,11 @@ struct EffectDescriptor {
     /// It can wait until a pose calls for it, on each element as far as it does, and costs nothing meanwhile.
     bool canBeAutomatic = false;
     /// Predicted cost of a frame besides its columns, in pairs of a collocation point and a triangle, whose time is measured on every machine (machineRates()).
-    /// Predictions are replaced by what is measured once frames pass. Null: nearly nothing; for effects on bones, a few frames are tried out.
+    /// Predictions are replaced by what is measured once frames pass. Null: nearly nothing. For effects on bones a few frames are tried out, too.
     double (*pairs)(const Document&) = nullptr;
+
+    /// It has a job in the frames of a character.
+    [[nodiscard]] constexpr bool isOnCharacter() const { return scope != EffectScope::Bones || seesFlesh; }
 
     // What its settings say of it (effect_settings.h).
     EffectKind kind = EffectKind::kCount;

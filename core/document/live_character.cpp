@@ -15,6 +15,10 @@ namespace {
 
 /// A static pose counts as found after this many steps of inverse kinematics at the latest: about a tenth of a second for a large character.
 constexpr int kSettleSteps = 200;
+/// A pose that is shown without frames is lifted out of the ground in this many rounds at most, each of which leaves less than half of what was below.
+constexpr int kLiftRounds = 8;
+/// The same in a frame, where flesh came deep into the ground.
+constexpr int kLiftsOfFrame = 4;
 
 }  // namespace
 
@@ -129,7 +133,9 @@ Result<void> LiveCharacter::prepare() {
     auto made = Performance::build(document(), plan_);
     if (!made) return tl::unexpected(made.error());
     performance_ = std::move(*made);
-    performance_->reset(posed());
+    seeFlesh();
+    collectGoals();
+    performance_->reset(posed(), goals_);
     return {};
 }
 
@@ -222,7 +228,7 @@ Result<LiveCharacter::Settled> LiveCharacter::settle() {
         if (!report.finite) break;
     }
     showPose();
-    settled.warnings = character_->stats().warnings;
+    settled.warnings = warnings();
     settled.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return settled;
 }
@@ -245,19 +251,41 @@ void LiveCharacter::showPose() {
     if (!character_) return;
     shownTake_.reset();
     const Pose pose = posed();
-    if (performance_ && !performance_->isDynamic()) performance_->reset(pose);
+    const bool raised = performance_ && !performance_->isDynamic();
+    if (raised) {
+        collectGoals();
+        performance_->reset(pose, goals_);
+    }
     applyHandles();
     applyTurns();
     applyMorphs();
     applyTouches();
     character_->update(performance_ ? performance_->pose() : pose);
+    seeFlesh();
+    if (raised) liftFlesh(pose);
+}
+
+void LiveCharacter::seeFlesh() {
+    if (performance_ && character_) performance_->seeFlesh(character_->groundFlesh(), character_->pose().points);
+}
+
+void LiveCharacter::liftFlesh(const Pose& pose) {
+    for (int round = 0; round < kLiftRounds && !performance_->holdsFlesh(); ++round) {
+        performance_->reset(pose, goals_);
+        character_->update(performance_->pose());
+        seeFlesh();
+    }
 }
 
 void LiveCharacter::jumpToPose() {
     if (!character_) return;
-    if (performance_) performance_->reset(posed());
+    if (performance_) {
+        collectGoals();
+        performance_->reset(posed(), goals_);
+    }
     character_->stop();
     showPose();
+    if (performance_ && performance_->isDynamic()) liftFlesh(posed());
 }
 
 bool LiveCharacter::putFinger(const Touch& touch) {
@@ -327,7 +355,7 @@ void LiveCharacter::applyTouches() {
 bool LiveCharacter::moving() {
     const auto alive = built();
     if (!alive || !*alive || shownTake_) return false;
-    if (stirred_ && (!character_->resting() || (performance_ && performance_->isDynamic()))) return true;
+    if (stirred_ && (!character_->resting() || (performance_ && (performance_->isDynamic() || !performance_->resting())))) return true;
     const auto& held = document().goals;
     const auto& handles = document().handleGoals;
     const auto glides = [](const auto& h) { return h.second.elapsed < h.second.seconds; };
@@ -354,6 +382,11 @@ void LiveCharacter::stepFrame(double seconds) {
     if (performance_) {
         performance_->step(seconds, ownPose(), goals_);
         character_->update(performance_->pose(), seconds);
+        seeFlesh();
+        for (int round = 0; round < kLiftsOfFrame && performance_->lift(); ++round) {
+            character_->update(performance_->pose());
+            seeFlesh();
+        }
     } else if (handled || turned || morphed || !document().pose.points.empty() || stirred_ || wasTake || !character_->resting()) {
         character_->update(ownPose(), seconds);
     }
@@ -366,16 +399,23 @@ void LiveCharacter::stepFrame(double seconds) {
 void LiveCharacter::measureEffects() {
     effectMs_.fill(-1.0);
     const auto measured = [&](EffectKind kind, double milliseconds) { effectMs_[static_cast<std::size_t>(kind)] = milliseconds; };
-    if (performance_) measured(performance_->isDynamic() ? EffectKind::BoneDynamics : EffectKind::Ground, performance_->milliseconds());
     // An effect that is on but waits for a precompute takes no time.
     for (std::size_t k = 0; k < kEffects; ++k)
-        if (const auto kind = static_cast<EffectKind>(k); document().effects.has(kind) && effectDescriptor(kind).scope != EffectScope::Bones) measured(kind, 0.0);
+        if (const auto kind = static_cast<EffectKind>(k); document().effects.has(kind) && effectDescriptor(kind).isOnCharacter()) measured(kind, 0.0);
     for (const auto& [effect, milliseconds] : character_->stats().effects) measured(*effectNamed(effect), milliseconds);
+    if (performance_ && performance_->isDynamic()) measured(EffectKind::BoneDynamics, performance_->milliseconds());
+    if (performance_ && !performance_->isDynamic()) effectMs_[static_cast<std::size_t>(EffectKind::Ground)] += performance_->milliseconds();
 }
 
 std::optional<double> LiveCharacter::effectMilliseconds(EffectKind effect) const {
     const double ms = effectMs_[static_cast<std::size_t>(effect)];
     return ms < 0.0 ? std::nullopt : std::optional(ms);
+}
+
+unsigned LiveCharacter::warnings() const {
+    if (!character_) return 0;
+    const bool held = performance_ && !shownTake_ && (performance_->warnings() & static_cast<unsigned>(DynamicsWarning::HeldByGround)) != 0;
+    return character_->stats().warnings | (held ? static_cast<unsigned>(FrameWarning::HeldByGround) : 0u);
 }
 
 bool LiveCharacter::droppedTime() const { return performance_ && (performance_->warnings() & static_cast<unsigned>(DynamicsWarning::TimeDropped)) != 0; }
@@ -387,6 +427,8 @@ std::vector<std::string> LiveCharacter::warningTexts(unsigned warnings) const {
         texts.emplace_back("The pose twists or shifts a joint face in its plane, which the basis \"paper\" cannot follow: set the character's basis to \"affine\".");
     if (has(FrameWarning::TargetOutOfReach))
         texts.emplace_back("A target is out of reach; the endpoint stays as near as its bones can stretch (max-stretch).");
+    if (has(FrameWarning::HeldByGround))
+        texts.emplace_back("A target is in the ground, which keeps its endpoint above: move the target up, or lower the ground.");
     if (document().effects.has(EffectKind::PreviousModel) && document().settings.basis != BasisKind::Full)
         texts.emplace_back("The previous model works in the basis \"full\" alone and does nothing now: set the character's basis to \"full\", and precompute.");
     if (has(FrameWarning::Diverged))

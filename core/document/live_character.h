@@ -91,6 +91,8 @@ public:
     bool moving();
     /// Milliseconds that an effect took in the last frame; none: the frame did without it.
     [[nodiscard]] std::optional<double> effectMilliseconds(EffectKind effect) const;
+    /// Of FrameWarning: what the last frame has to say.
+    [[nodiscard]] unsigned warnings() const;
     /// The last frame was longer than bone dynamics can follow.
     [[nodiscard]] bool droppedTime() const;
     /// One sentence for each bit of FrameWarning, and what the plan says.
@@ -171,6 +173,10 @@ private:
     bool applyMorphs();
     /// Puts the fingers of the character where the document has them.
     void applyTouches();
+    /// Tells the ground where flesh is shown.
+    void seeFlesh();
+    /// Shows a pose until no flesh of it is in the ground.
+    void liftFlesh(const Pose& pose);
     void measureEffects();
     /// The bones of a take are those of the character, between the same joint points.
     [[nodiscard]] bool sameSkeleton(const Take& take) const;

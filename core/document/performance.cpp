@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "core/character/ground_job.h"
 #include "core/document/bone_effects.h"
 #include "core/mesh/topology.h"
 
@@ -40,26 +41,18 @@ std::vector<double> massesOf(const Document& document, const CharacterPlan& plan
     return masses;
 }
 
-/// m per joint point: the radius of the joint faces there; where there is none, the distance of the nearest skin of its elements.
-std::vector<double> clearancesOf(const CharacterPlan& plan) {
-    const Skeleton& skeleton = plan.input.skeleton;
-    std::vector<double> clearance(skeleton.points.size(), 0.0);
-    for (const auto& joint : plan.input.joints) {
-        if (joint.point < 0) continue;
-        for (const auto& f : joint.faces) {
-            const JointFace& face = plan.input.elements[static_cast<std::size_t>(f.element)].faces[static_cast<std::size_t>(f.face)];
-            auto& c = clearance[static_cast<std::size_t>(joint.point)];
-            c = std::max(c, face.size);
-        }
-    }
-    for (const auto& element : plan.input.elements)
-        for (const int b : element.bones)
-            for (const int p : {skeleton.bones[static_cast<std::size_t>(b)].start, skeleton.bones[static_cast<std::size_t>(b)].end}) {
-                auto& c = clearance[static_cast<std::size_t>(p)];
-                if (c == 0.0 && element.mesh->body.vertices.rows() > 0)
-                    c = (element.mesh->body.vertices.rowwise() - skeleton.points[static_cast<std::size_t>(p)].transpose()).rowwise().norm().minCoeff();
-            }
-    return clearance;
+/// With contact, flesh between a joint point and the ground is pressed together by this part: bones come down until it is, and dents carry them.
+constexpr double kPressed = 0.1;
+/// Flesh without bone dynamics is held when another round would move no joint point by more, in sizes of the skeleton.
+constexpr double kHeld = 1e-5;
+/// Joint points that the ground lifts farther than this (sizes) above where they are held say so.
+constexpr double kLifted = 1e-3;
+/// Flesh that is deeper in the ground than this (sizes of the skeleton) at the end of a frame is not shown so.
+constexpr double kDeep = 0.005;
+
+bool same(const Pose& a, const Pose& b) {
+    return a.points == b.points && a.roll == b.roll &&
+           std::equal(a.frames.begin(), a.frames.end(), b.frames.begin(), b.frames.end(), [](const auto& p, const auto& q) { return p.coeffs() == q.coeffs(); });
 }
 
 }  // namespace
@@ -67,15 +60,17 @@ std::vector<double> clearancesOf(const CharacterPlan& plan) {
 Result<Performance> Performance::build(const Document& document, const CharacterPlan& plan) {
     Performance made;
     made.skeleton_ = plan.input.skeleton;
-    made.tree_ = boneTree(made.skeleton_);
-    if (document.effects.has(EffectKind::Ground)) made.clearance_ = clearancesOf(plan);
-    made.ground_ = made.groundOf(document.effects);
+    for (const Vec3& p : made.skeleton_.points) made.size_ = std::max(made.size_, (p - made.skeleton_.points.front()).norm());
+    made.clearance_.resize(made.skeleton_.points.size());
+    made.take(document.effects);
     if (document.effects.has(EffectKind::BoneDynamics) && !plan.input.skeleton.bones.empty()) {
         auto dynamics = BoneDynamics::build({plan.input.skeleton, massesOf(document, plan), made.settingsOf(document.effects)});
         if (!dynamics) return tl::unexpected(dynamics.error());
         made.dynamics_ = std::move(*dynamics);
     }
-    made.raise(restPose(made.skeleton_));
+    made.clearing_.emplace(made.skeleton_);
+    made.kinematic_ = made.raised_ = made.next_ = restPose(made.skeleton_);
+    made.raise(made.kinematic_, made.raised_);
     return made;
 }
 
@@ -83,7 +78,7 @@ double Performance::predict(const Document& document, const CharacterPlan& plan)
     auto trial = build(document, plan);
     if (!trial || plan.input.skeleton.bones.empty()) return 0.0;
     Pose pose = restPose(plan.input.skeleton);
-    trial->reset(pose);
+    trial->reset(pose, {});
     // One bone in three is turned a little, so that all springs work.
     for (std::size_t i = 0; i < pose.points.size(); i += 3) pose.points[i] += Vec3::Constant(0.05 * plan.input.skeleton.bones[0].length);
     // The first ones find caches cold, and others are disturbed. Somebody waits for the answer.
@@ -99,65 +94,110 @@ double Performance::predict(const Document& document, const CharacterPlan& plan)
     return *quiet;
 }
 
-std::optional<BoneDynamicsSettings::Ground> Performance::groundOf(const Effects& effects) const {
-    if (!effects.has(EffectKind::Ground)) return std::nullopt;
-    const auto asked = effects.settings<GroundEffect>(EffectKind::Ground);
-    return BoneDynamicsSettings::Ground{asked.plane(), asked.friction, clearance_};
+void Performance::take(const Effects& effects) {
+    ground_.reset();
+    if (effects.has(EffectKind::Ground)) {
+        const auto asked = effects.settings<GroundEffect>(EffectKind::Ground);
+        ground_ = BoneDynamicsSettings::Ground{asked.plane(), asked.friction};
+    }
+    pressed_ = effects.has(EffectKind::Contact) ? kPressed : 0.0;
 }
 
 BoneDynamicsSettings Performance::settingsOf(const Effects& effects) const {
     const auto asked = effects.settings<BoneDynamicsEffect>(EffectKind::BoneDynamics);
     BoneDynamicsSettings settings;
     settings.springs = {{asked.stretchHertz, asked.stretchDamping, asked.swingHertz, asked.swingDamping, asked.rollHertz, asked.rollDamping}};
-    settings.ground = groundOf(effects);
-    // Whatever rests on the ground must be free to fall on it.
-    settings.returnHertz = settings.ground ? 0.0 : asked.returnHertz;
+    settings.ground = ground_;
     if (effects.has(EffectKind::Gravity)) settings.gravity = effects.vector(EffectKind::Gravity, "acceleration");
+    // What falls on the ground must be free to lie where it falls; without such gravity it comes back, and rests on the ground where its pose is in it.
+    settings.returnHertz = ground_ && ground_->plane.normal().dot(settings.gravity) < 0.0 ? 0.0 : asked.returnHertz;
     return settings;
 }
 
 Result<void> Performance::set(const Effects& effects) {
+    const auto ground = ground_;
+    const double pressed = pressed_;
+    take(effects);
     if (dynamics_)
-        if (auto ok = dynamics_->set(settingsOf(effects)); !ok) return ok;
-    ground_ = groundOf(effects);
+        if (auto ok = dynamics_->set(settingsOf(effects)); !ok) {
+            ground_ = ground;
+            pressed_ = pressed;
+            return ok;
+        }
+    held_ = false;
     return {};
 }
 
-void Performance::reset(const Pose& kinematic) {
+void Performance::reset(const Pose& kinematic, std::span<const IkGoal> goals) {
+    lifted_ = false;
     if (dynamics_)
         dynamics_->reset(kinematic);
     else
-        raise(kinematic);
+        follow(kinematic, goals);
 }
 
 void Performance::step(double seconds, const Pose& kinematic, std::span<const IkGoal> goals) {
     const auto start = std::chrono::steady_clock::now();
+    lifted_ = false;
     if (dynamics_)
         dynamics_->step(seconds, kinematic, goals);
     else
-        raise(kinematic);
+        follow(kinematic, goals);
     milliseconds_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-// Joint points that the ground lifts take their bones along; each frame hangs on its parent's by the least rotation.
-void Performance::raise(const Pose& kinematic) {
-    raised_ = kinematic;
-    if (!ground_ || !fits(skeleton_, kinematic)) return;
-    bool lifted = false;
-    for (std::size_t i = 0; i < raised_.points.size(); ++i) {
-        const double gap = ground_->plane.height(raised_.points[i]) - ground_->clearance[i];
-        if (gap >= 0.0) continue;
-        raised_.points[i] -= gap * ground_->plane.normal();
-        lifted = true;
+void Performance::follow(const Pose& kinematic, std::span<const IkGoal> goals) {
+    warnings_ = 0;
+    if (!fits(skeleton_, kinematic)) return;
+    // What is held stays where it is, to the bit.
+    if (!held_ || !same(kinematic, kinematic_)) {
+        kinematic_ = kinematic;
+        raise(kinematic_, raised_);
     }
-    if (!lifted) return;
+    for (const IkGoal& goal : goals) {
+        if (!ground_ || goal.point < 0 || goal.point >= static_cast<int>(raised_.points.size())) continue;
+        const auto i = static_cast<std::size_t>(goal.point);
+        if (ground_->plane.normal().dot(raised_.points[i] - kinematic_.points[i]) > kLifted * size_) warnings_ |= static_cast<unsigned>(DynamicsWarning::HeldByGround);
+    }
+}
+
+void Performance::seeFlesh(std::span<const FleshPoint> flesh, const std::vector<Vec3>& points) {
+    if (!ground_) return;
+    flesh_.assign(flesh.begin(), flesh.end());
+    for (FleshPoint& f : flesh_) f.offset *= 1.0 - pressed_;
+    if (dynamics_) dynamics_->seeFlesh(flesh_, points);
+    clearing_->see(flesh_, points);
+    if (dynamics_) {
+        held_ = clearing_->depth(ground_->plane) <= kHeld * size_;
+        return;
+    }
+    raise(kinematic_, next_);
+    double moved = 0.0;
+    for (std::size_t i = 0; i < next_.points.size(); ++i) moved = std::max(moved, (next_.points[i] - raised_.points[i]).cwiseAbs().maxCoeff());
+    held_ = moved <= kHeld * size_;
+}
+
+bool Performance::lift() {
+    if (!ground_ || clearing_->depth(ground_->plane) <= kDeep * size_) return false;
+    // From where it is shown: each time only farther up.
+    raise(pose(), next_);
+    std::swap(next_, raised_);
+    lifted_ = true;
+    return true;
+}
+
+// Joint points that the ground lifts take their bones along; each frame hangs on its parent's by the least rotation.
+void Performance::raise(const Pose& pose, Pose& raised) {
+    raised = pose;
+    if (!ground_) return;
+    clearing_->raise(raised.points, ground_->plane, clearance_);
+    if (raised.points == pose.points) return;
     for (std::size_t b = 0; b < skeleton_.bones.size(); ++b) {
         const auto& bone = skeleton_.bones[b];
-        const Vec3 along = raised_.points[static_cast<std::size_t>(bone.end)] - raised_.points[static_cast<std::size_t>(bone.start)];
-        if (along.norm() <= 1e-9 * bone.length) continue;
-        const int parent = tree_.parent[b];
-        const Eigen::Quaterniond base = parent < 0 ? kinematic.frames[b] : raised_.frames[static_cast<std::size_t>(parent)];
-        raised_.frames[b] = (minimalRotation((base * tree_.restDirection[b]).normalized(), along.normalized()) * base).normalized();
+        const auto start = static_cast<std::size_t>(bone.start), end = static_cast<std::size_t>(bone.end);
+        const Vec3 was = pose.points[end] - pose.points[start], is = raised.points[end] - raised.points[start];
+        if (is.norm() <= 1e-9 * bone.length || was.norm() <= 1e-9 * bone.length) continue;
+        raised.frames[b] = (minimalRotation(was.normalized(), is.normalized()) * pose.frames[b]).normalized();
     }
 }
 

@@ -8,7 +8,6 @@
 #include "core/document/character_input.h"
 #include "core/document/effects.h"
 #include "core/dynamics/bone_dynamics.h"
-#include "core/skeleton/bone_tree.h"
 
 namespace imomushi {
 
@@ -27,29 +26,44 @@ public:
     /// Takes over the settings of effects and keeps the motion. Errors: as in build(); then nothing changes.
     Result<void> set(const Effects& effects);
 
-    /// Stops at `kinematic`.
-    void reset(const Pose& kinematic);
+    /// Stops at `kinematic`, where `goals` hold points.
+    void reset(const Pose& kinematic, std::span<const IkGoal> goals);
     /// One frame: the per-frame job. `seconds` > 0.
     void step(double seconds, const Pose& kinematic, std::span<const IkGoal> goals);
+    /// The flesh that the ground meets (Character::groundFlesh()), as it is shown with these joint points. The next frame holds it. Seeing what is shown, not what will be, leaves one
+    /// way from bones to flesh; where nothing moves both are the same.
+    void seeFlesh(std::span<const FleshPoint> flesh, const std::vector<Vec3>& points);
 
-    [[nodiscard]] const Pose& pose() const { return dynamics_ ? dynamics_->pose() : raised_; }
+    /// Where flesh came deep into the ground within one frame, faster than bones follow, pose() is lifted out of it until the next step(). False: there is none.
+    bool lift();
+
+    [[nodiscard]] const Pose& pose() const { return dynamics_ && !lifted_ ? dynamics_->pose() : raised_; }
     [[nodiscard]] bool isDynamic() const { return dynamics_.has_value(); }
     [[nodiscard]] bool hasGround() const { return ground_.has_value(); }
-    [[nodiscard]] bool resting() const { return !dynamics_ || dynamics_->resting(); }
-    [[nodiscard]] unsigned warnings() const { return dynamics_ ? dynamics_->warnings() : 0u; }  ///< of DynamicsWarning
+    [[nodiscard]] bool resting() const { return dynamics_ ? dynamics_->resting() : held_; }
+    /// No flesh is in the ground as it was seen last, or deeper than contact carries.
+    [[nodiscard]] bool holdsFlesh() const { return held_; }
+    [[nodiscard]] unsigned warnings() const { return dynamics_ ? dynamics_->warnings() : warnings_; }  ///< of DynamicsWarning
     [[nodiscard]] double milliseconds() const { return milliseconds_; }                          ///< wall time of the last step()
 
 private:
-    [[nodiscard]] std::optional<BoneDynamicsSettings::Ground> groundOf(const Effects& effects) const;
+    void take(const Effects& effects);
     [[nodiscard]] BoneDynamicsSettings settingsOf(const Effects& effects) const;
-    void raise(const Pose& kinematic);
+    void follow(const Pose& kinematic, std::span<const IkGoal> goals);
+    // A pose, above the ground.
+    void raise(const Pose& pose, Pose& raised);
 
     Skeleton skeleton_;
-    BoneTree tree_;
-    std::vector<double> clearance_;  // m, per joint point
+    double size_ = 0.0;              // of the skeleton, m
     std::optional<BoneDynamicsSettings::Ground> ground_;
+    double pressed_ = 0.0;
     std::optional<BoneDynamics> dynamics_;
-    Pose raised_;                    // without dynamics: the kinematic pose, above the ground
+    std::vector<FleshPoint> flesh_;  // as it presses
+    bool held_ = true, lifted_ = false;
+    std::optional<FleshClearance> clearing_;
+    std::vector<double> clearance_;  // m, per joint point
+    Pose kinematic_, raised_, next_; // without dynamics: as it was given, as it is shown, and as it would be shown next; with them what lift() did
+    unsigned warnings_ = 0;
     double milliseconds_ = 0.0;
 };
 

@@ -322,7 +322,7 @@ Result<Json> step(SessionAccess& access, const Json& arguments, const Progress& 
         total.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
         if (!character) continue;
         const Character::Stats& stats = character->stats();
-        warnings |= stats.warnings;
+        warnings |= live.warnings();
         timeDropped = timeDropped || live.droppedTime();
         for (std::size_t k = 0; k < kEffects; ++k)
             if (const auto ms = live.effectMilliseconds(static_cast<EffectKind>(k))) effects[k].push_back(*ms);

@@ -258,6 +258,7 @@ Points Session::renderPositionsOf(PartId character) { return live_->renderPositi
 bool Session::moving() { return live_->moving(); }
 void Session::stepFrame(double seconds) { live_->stepFrame(seconds); }
 std::optional<double> Session::effectMilliseconds(EffectKind effect) const { return live_->effectMilliseconds(effect); }
+unsigned Session::warnings() const { return live_->warnings(); }
 
 std::optional<Session::Recording> Session::recording() const {
     const auto& recorded = live_->recording();

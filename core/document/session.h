@@ -103,6 +103,7 @@ public:
     /// Advances by one frame (s). What "step" does `frames` times.
     void stepFrame(double seconds);
     [[nodiscard]] std::optional<double> effectMilliseconds(EffectKind effect) const;
+    [[nodiscard]] unsigned warnings() const;                                 ///< of FrameWarning, see LiveCharacter
     /// What is being recorded (the command "record"); none: nothing.
     struct Recording {
         std::string take;

@@ -22,7 +22,7 @@ constexpr double kCollapsed = 1e-3;  // of the rest length: kinematic bones coun
 
 BoneDynamics::State::State(Input given)
     : skeleton(std::move(given.skeleton)), settings(std::move(given.settings)), mass(std::move(given.mass)), springs(skeleton, mass),
-      system(std::vector<int>(skeleton.points.size(), 3), springs.pairs()) {
+      system(std::vector<int>(skeleton.points.size(), 3), springs.pairs()), flesh(skeleton) {
     const std::size_t points = skeleton.points.size(), bones = skeleton.bones.size();
     for (const auto& p : skeleton.points) size = std::max(size, (p - skeleton.points[0]).norm());
     for (const auto& b : skeleton.bones) unit += b.length / static_cast<double>(bones);
@@ -37,7 +37,9 @@ BoneDynamics::State::State(Input given)
     body.x = body.v = body.offset = zeros;
     body.roll = body.rollRate = body.normalForce = roll0;
     body.contact.assign(points, kNone);
+    body.clearance = wanted = roll0;
     arriving.assign(points, 0);
+    alone = arriving;
     saved = body;
     last = next = stage = frameStart = frameEnd = BoneTargets{zeros, std::vector<double>(bones, 1.0), std::vector<Vec3>(bones, Vec3::UnitX()), roll0, {}};
     if (springs.limitsBends())
@@ -114,8 +116,9 @@ void BoneDynamics::State::reset(const Pose& pose) {
     frameEnd = last;
     kinematic = from;
     out = from;
+    body.x = from.points;
+    if (settings.ground) flesh.raise(body.x, settings.ground->plane, body.clearance);
     for (std::size_t i = 0; i < body.x.size(); ++i) {
-        body.x[i] = aboveGround(i, from.points[i]);
         body.v[i].setZero();
         body.roll[i] = from.roll[i];
         body.rollRate[i] = 0.0;
@@ -124,6 +127,7 @@ void BoneDynamics::State::reset(const Pose& pose) {
         body.offset[i] = held[i] ? Vec3(body.x[i] - from.points[i]) : Vec3(Vec3::Zero());
     }
     phase = 0.0;
+    unseen = -1.0;
     warnings = good ? 0u : static_cast<unsigned>(DynamicsWarning::InputRefused);
     wake();
     energy = energyOf(body.x, body.v, last);
@@ -147,7 +151,7 @@ void BoneDynamics::State::writePose(const Body& from, const BoneTargets& targets
 }
 
 void BoneDynamics::State::step(double seconds, const Pose& target, std::span<const IkGoal> goals) {
-    warnings = 0;
+    const unsigned before = std::exchange(warnings, 0u);
     const int points = static_cast<int>(body.x.size());
     std::fill(heldNow.begin(), heldNow.end(), char(0));
     std::fill(pointingNow.begin(), pointingNow.end(), char(0));
@@ -162,8 +166,12 @@ void BoneDynamics::State::step(double seconds, const Pose& target, std::span<con
         warnings |= static_cast<unsigned>(DynamicsWarning::InputRefused);
         return;
     }
+    if (unseen >= 0.0) unseen += seconds;
     const bool sameTarget = target.points == kinematic.points && target.roll == kinematic.roll && sameFrames(target);
-    if (resting && sameTarget && heldNow == held && pointingNow == pointing) return;
+    if (resting && sameTarget && heldNow == held && pointingNow == pointing) {
+        warnings |= before & static_cast<unsigned>(DynamicsWarning::HeldByGround);
+        return;
+    }
     if (seconds == 0.0) return;
     if (heldNow != held || pointingNow != pointing) {
         for (int i = 0; i < points; ++i) {
@@ -192,6 +200,7 @@ void BoneDynamics::State::step(double seconds, const Pose& target, std::span<con
     kinematic.roll = target.roll;
     const double ahead = phase;
     phase += seconds;
+    remaining = phase;
     for (int k = 1; phase >= kStep * (1.0 - 1e-9); ++k) {
         phase = std::max(phase - kStep, 0.0);
         const double part = std::clamp((k * kStep - ahead) / seconds, 0.0, 1.0);
@@ -268,7 +277,7 @@ Result<BoneDynamics> BoneDynamics::build(Input input) {
 }
 
 Result<void> BoneDynamics::set(const BoneDynamicsSettings& settings) {
-    if (const auto ok = checkSettings(settings, state_->skeleton.bones.size(), state_->skeleton.points.size()); !ok) return ok;
+    if (const auto ok = checkSettings(settings, state_->skeleton.bones.size()); !ok) return ok;
     std::fill(state_->body.contact.begin(), state_->body.contact.end(), State::kNone);  // the ground may have sunk
     state_->settings = settings;
     state_->prepare();
@@ -277,6 +286,7 @@ Result<void> BoneDynamics::set(const BoneDynamicsSettings& settings) {
 
 void BoneDynamics::reset(const Pose& pose) { state_->reset(pose); }
 void BoneDynamics::step(double seconds, const Pose& kinematic, std::span<const IkGoal> goals) { state_->step(seconds, kinematic, goals); }
+void BoneDynamics::seeFlesh(std::span<const FleshPoint> flesh, const std::vector<Vec3>& points) { state_->seeFlesh(flesh, points); }
 const Pose& BoneDynamics::pose() const { return state_->out; }
 bool BoneDynamics::resting() const { return state_->resting; }
 unsigned BoneDynamics::warnings() const { return state_->warnings; }

@@ -9,6 +9,7 @@
 
 #include "core/base/plane.h"
 #include "core/base/result.h"
+#include "core/dynamics/flesh_clearance.h"
 #include "core/skeleton/skeleton.h"
 
 namespace imomushi {
@@ -30,12 +31,10 @@ struct BoneDynamicsSettings {
     /// BoneSpring::kMaxHertz; 0: it floats, flies and falls freely (what `ground` wants).
     double returnHertz = 0.5;
     Vec3 gravity = Vec3::Zero();  ///< m/s^2
-    /// A plane that no joint point crosses, held ones included: they stay in front of it.
+    /// A plane that no joint point crosses, nor the flesh around it (seeFlesh()), held ones included: they stay in front of it.
     struct Ground {
         Plane plane;
         double friction = 0.6;  ///< Coulomb's coefficient, 0 ... 10
-        /// Per joint point, m, >= 0: how far above the plane it stays, for the flesh around it. Empty: the points themselves meet the plane.
-        std::vector<double> clearance;
     };
     std::optional<Ground> ground;
 };
@@ -45,6 +44,7 @@ enum class DynamicsWarning : unsigned {
     InputRefused = 1,   ///< a time, pose or goal was not usable: the frame was skipped, or the goal ignored
     TimeDropped = 2,    ///< the frame lasted longer than kMaxSeconds: the rest of its time passed without motion
     StepRefused = 4,    ///< the equations had no finite solution: the last good state stays and its velocities are zero
+    HeldByGround = 8,   ///< a point is held above its kinematic place, which is in the ground
 };
 
 /// Bone dynamics, step 2 of the paper (model.md section 1): every joint point has an equation of motion; its forces come from the lengths of its bones
@@ -86,6 +86,10 @@ public:
     /// A point that is newly held approaches its kinematic place within about a fifth of a second. Targets of goals do not count, the kinematic
     /// pose does. Neither allocates, locks nor fails.
     void step(double seconds, const Pose& kinematic, std::span<const IkGoal> goals);
+
+    /// The flesh that the ground meets, as it is shown with these joint points: until it is seen again it turns with its bones. Wakes what rests where flesh comes
+    /// to or off the ground. Allocates as FleshClearance::see().
+    void seeFlesh(std::span<const FleshPoint> flesh, const std::vector<Vec3>& points);
 
     /// The pose at the end of the last frame.
     [[nodiscard]] const Pose& pose() const;

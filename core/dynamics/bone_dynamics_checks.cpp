@@ -14,7 +14,7 @@ bool within(double value, double low, double high) { return std::isfinite(value)
 
 }  // namespace
 
-Result<void> checkSettings(const BoneDynamicsSettings& s, std::size_t bones, std::size_t points) {
+Result<void> checkSettings(const BoneDynamicsSettings& s, std::size_t bones) {
     if (s.springs.size() != 1 && s.springs.size() != bones)
         return fail("bad-value", "There are springs for " + std::to_string(s.springs.size()) + " of " + std::to_string(bones) +
                                      " bones: give one for all or one per bone.");
@@ -33,10 +33,6 @@ Result<void> checkSettings(const BoneDynamicsSettings& s, std::size_t bones, std
         return fail("bad-value", "Gravity is not below 1e12 m/s^2: choose a weaker one.");
     if (!s.ground) return {};
     if (!within(s.ground->friction, 0.0, 10.0)) return fail("bad-value", "The friction of the ground is not between 0 and 10: choose one that is.");
-    const auto& clearance = s.ground->clearance;
-    if (!clearance.empty() && clearance.size() != points) return fail("bad-value", "There is not one clearance per joint point: give as many, or none.");
-    for (const double c : clearance)
-        if (!within(c, 0.0, 1e30)) return fail("bad-value", "A clearance above the ground is not a length of 0 or more: choose one that is.");
     return {};
 }
 
@@ -58,7 +54,7 @@ Result<void> checkInput(const BoneDynamics::Input& input) {
         if (trees.find(b.start) == trees.find(b.end)) return fail("bone-loop", "The bones close a loop: bones form trees, so leave one bone of the loop out.");
         trees.unite(b.start, b.end);
     }
-    return checkSettings(input.settings, input.skeleton.bones.size(), input.skeleton.points.size());
+    return checkSettings(input.settings, input.skeleton.bones.size());
 }
 
 }  // namespace imomushi

@@ -21,6 +21,7 @@ struct BoneDynamics::State {
         std::vector<char> contact;          // of Contact
         std::vector<double> normalForce;    // N, of the ground in the last step
         std::vector<Vec3> offset;           // of held points from their kinematic place
+        std::vector<double> clearance;      // m: how far points stay above the ground for the flesh around them
     };
     enum Contact : char { kNone, kSliding, kSticking };
 
@@ -30,8 +31,7 @@ struct BoneDynamics::State {
     void wake();
     /// Height of joint point i at p above its clearance of the ground, m.
     [[nodiscard]] double height(std::size_t i, const Vec3& p) const {
-        const auto& g = *settings.ground;
-        return g.plane.height(p) - (g.clearance.empty() ? 0.0 : g.clearance[i]);
+        return settings.ground->plane.height(p) - body.clearance[i];
     }
     [[nodiscard]] Vec3 aboveGround(std::size_t i, const Vec3& p) const {
         if (!settings.ground) return p;
@@ -53,6 +53,11 @@ struct BoneDynamics::State {
     [[nodiscard]] double friction(int i) const;
     /// J: kinetic energy of all free points at the speed of the fastest target in this step.
     [[nodiscard]] double followingEnergy(double h) const;
+    /// Clearances at the end of the next h seconds.
+    void followFlesh(double h);
+    /// It lies on the ground, by a contact or held.
+    [[nodiscard]] bool touches(std::size_t i) const;
+    void seeFlesh(std::span<const FleshPoint> seen, const std::vector<Vec3>& points);
     /// Prescribed points of the next h seconds into `freedom` and `goal`. True: something outside moves.
     bool prescribe(double h);
     /// One step of `h` seconds from `last` to `next`.
@@ -81,6 +86,7 @@ struct BoneDynamics::State {
     std::vector<double> mass;
     BoneSprings springs;
     BlockCholesky<3> system;
+    FleshClearance flesh;
     double unit = 0.0;  // mean rest length of the bones, m
     double size = 0.0;  // of the skeleton, m
     Vec3 normal = Vec3::UnitY();
@@ -92,9 +98,12 @@ struct BoneDynamics::State {
     BoneTargets frameStart, frameEnd;
     Pose kinematic, out;
     double phase = 0.0;            // s, from the last full step to the end of the last frame
+    double remaining = 0.0;        // s, of the frame
+    double unseen = 0.0;           // s, since flesh was seen; negative: it is to be seen as it is
     std::vector<char> held, heldNow;
     std::vector<char> pointing, pointingNow;  // per bone: held as it points
     bool resting = false, slow = false;
+    bool fleshMoves = false;       // on the ground, in this step
     int slowSteps = 0;
     unsigned warnings = 0;
     Energy energy;
@@ -104,13 +113,15 @@ struct BoneDynamics::State {
     std::vector<Freedom> freedom;
     double stageSeconds = 0.0;     // of its last stage
     std::vector<char> arriving;
+    std::vector<char> alone;       // flesh turns as the point follows it, see FleshClearance::find()
+    std::vector<double> wanted;    // clearances
     std::vector<Vec3> goal;        // where fixed points are at the end of the step
     std::vector<Vec3> x0, v0, xs, vs, force, change, force0;
     std::vector<double> roll0, rollRate0, rollStage, rollRateStage;
 };
 
 /// Whether settings fit a skeleton; what BoneDynamics::build() checks besides. Errors as there.
-Result<void> checkSettings(const BoneDynamicsSettings& settings, std::size_t bones, std::size_t points);
+Result<void> checkSettings(const BoneDynamicsSettings& settings, std::size_t bones);
 Result<void> checkInput(const BoneDynamics::Input& input);
 
 }  // namespace imomushi

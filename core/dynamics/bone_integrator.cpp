@@ -127,6 +127,7 @@ double BoneDynamics::State::followingEnergy(double h) const {
     double fastest = 0.0, free = 0.0;
     for (std::size_t i = 0; i < goal.size(); ++i) {
         fastest = std::max({fastest, (goal[i] - body.x[i]).norm(), (next.points[i] - last.points[i]).norm()});
+        if (freedom[i] == Freedom::OnPlane) fastest = std::max(fastest, std::abs(height(i, body.x[i])));
         if (!held[i]) free += mass[i];
     }
     return 0.5 * free * (fastest / h) * (fastest / h);
@@ -134,6 +135,7 @@ double BoneDynamics::State::followingEnergy(double h) const {
 
 void BoneDynamics::State::advance(double h) {
     const std::size_t n = body.x.size();
+    if (settings.ground) followFlesh(h);
     const bool driven = prescribe(h);
     double allowed = energy.total();
     if (driven || !energyKnown) {
@@ -223,7 +225,7 @@ void BoneDynamics::State::accept(double h) {
         body.x[i] = xs[i];
         body.v[i] = vs[i];
     }
-    slow = fastest <= kRestSpeed * size && pushed <= kRestPush * size;
+    slow = fastest <= kRestSpeed * size && pushed <= kRestPush * size && !fleshMoves;
 }
 
 void BoneDynamics::State::advanceRoll(double h, const BoneSprings::Motion& motion) {

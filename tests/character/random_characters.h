@@ -9,6 +9,7 @@
 #include "core/character/bend_warp_job.h"
 #include "core/character/body_loads_job.h"
 #include "core/character/contact_job.h"
+#include "core/character/ground_job.h"
 #include "core/character/joint_dynamics_job.h"
 #include "core/character/smooth_joints_job.h"
 #include "core/character/touch_job.h"
@@ -42,6 +43,7 @@ inline CharacterInput randomCharacter(std::mt19937& random) {
     if (chance(0.3)) input.effects.set(JointDynamicsEffect{});
     if (chance(0.4)) input.effects.set(TouchEffect{});
     if (chance(0.3)) input.effects.set(ContactEffect{});
+    if (chance(0.3)) input.effects.set(GroundEffect{});
     BendWarpEffect warp;
     warp.elements.assign(input.elements.size(), 0);
     for (std::size_t e = 0; e < input.elements.size(); ++e) {

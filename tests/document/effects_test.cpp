@@ -177,12 +177,20 @@ TEST_CASE("ground: what is held is lifted out of it, and what floats falls on it
     Workbench w;
     w.buildChain();
     w.good({{"do", "precompute"}});
-    const double radius = std::sqrt(0.5);  // of the bars' square faces
+    const auto lowest = [&] {
+        double found = 1e30;
+        for (int e = 0; e < 2; ++e) {
+            const auto surface = w.session.character()->surface(e);
+            for (int i = 0; i < surface.vertices; ++i) found = std::min(found, static_cast<double>(surface.positions[3 * i + 1]));
+        }
+        return found;
+    };
     w.good(set("ground", "height", -1.0));
     w.good(enable("ground"));
     w.good({{"do", "pin"}, {"endpoint", "a/start"}});
     w.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {0.0, -4.0, 4.0}}});
-    CHECK(tip(w).y() == doctest::Approx(-1.0 + radius).epsilon(1e-9));
+    CHECK(lowest() > -1.0 - 1e-3);  // bars are 1 m wide
+    CHECK(tip(w).y() > -1.0 + 0.3);
     CHECK(w.good({{"do", "step"}, {"frames", 3}})["effects"].contains("ground"));
     w.good({{"do", "rest"}});
     w.good({{"do", "unpin"}, {"endpoint", "a/start"}});
@@ -195,7 +203,7 @@ TEST_CASE("ground: what is held is lifted out of it, and what floats falls on it
     CHECK(tip(w).y() < -0.5);
     const Json answer = w.good({{"do", "step"}, {"frames", 600}});
     CHECK(answer["finite"] == true);
-    CHECK(tip(w).y() == doctest::Approx(-3.0 + radius).epsilon(1e-6));
+    CHECK(lowest() == doctest::Approx(-3.0).epsilon(1e-4));
     CHECK_FALSE(w.session.moving());
 }
 

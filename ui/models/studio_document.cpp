@@ -104,8 +104,7 @@ std::optional<double> StudioDocument::effectMilliseconds(EffectKind effect) cons
 std::optional<double> StudioDocument::frameMilliseconds() const { return frameMs_ < 0.0 ? std::nullopt : std::optional(frameMs_); }
 
 unsigned StudioDocument::warnings() {
-    const Character* character = session_.character();
-    return character ? character->stats().warnings : 0;
+    return session_.character() ? session_.warnings() : 0;
 }
 
 const ResponseEstimate* StudioDocument::estimateOf(PartId element) const {

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Geometry>
+#include <span>
+#include <vector>
+
+#include "core/base/plane.h"
+#include "core/skeleton/skeleton.h"
+
+namespace imomushi {
+
+/// A point of the flesh that the ground may meet.
+struct FleshPoint {
+    int point = -1;               ///< the joint point that moves it most
+    int bone = -1;                ///< that it turns with, one that ends at `point`; -1: it does not turn
+    double lever = 0.0;           ///< how far it lies beyond that end of the bone at rest, over the length of the bone, >= 0
+    Vec3 offset = Vec3::Zero();   ///< m, world, from the joint point, as it was shown last
+};
+
+/// How far joint points must stay above a plane so that the flesh around them does, from where that was shown last: until it is shown again, it turns with its
+/// bone. So it is right where nothing moves, and a frame late where flesh moves by itself; a point that follows it approaches that place and never swings about it.
+class FleshClearance {
+public:
+    explicit FleshClearance(const Skeleton& skeleton);
+
+    /// Flesh as it was shown with joint points at these places, by joint point, ascending. Allocates where there is more of it than ever before.
+    /// part: how much of what flesh did by itself is taken over, 0...1.
+    void see(std::span<const FleshPoint> flesh, const std::vector<Vec3>& points, double part = 1.0);
+
+    /// Per joint point, m, >= 0: its height where the lowest of its flesh touches the plane. alone: where a point follows its flesh, which turns with it. 0: there is no flesh.
+    void find(const std::vector<Vec3>& points, const Plane& plane, const std::vector<char>& alone, std::vector<double>& clearance);
+    /// Lifts points until their flesh touches the plane, and gives the clearance that keeps it there.
+    void raise(std::vector<Vec3>& points, const Plane& plane, std::vector<double>& clearance);
+    /// m: how far the deepest flesh was below the plane when it was shown, >= 0.
+    [[nodiscard]] double depth(const Plane& plane) const;
+
+private:
+    struct Bone {
+        int start = -1, end = -1;
+        Vec3 shown = Vec3::UnitX();   // its direction when flesh was shown
+        Vec3 normal = Vec3::UnitY();  // of the plane, turned back from now to then
+        Eigen::Quaterniond turned = Eigen::Quaterniond::Identity();  // since it was shown before
+    };
+    std::vector<Bone> bones_;
+    std::vector<FleshPoint> flesh_;
+    std::vector<Vec3> shownAt_;      // per joint point
+    std::vector<double> lift_;       // per joint point, m
+    std::vector<char> all_;          // per joint point: 1
+};
+
+}  // namespace imomushi

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "core/character/deform_input.h"
+#include "core/character/ground_job.h"
+#include "tests/character/random_characters.h"
+#include "tests/support/allocations.h"
+
+using namespace imomushi;
+
+namespace {
+
+double lowest(const Character& c, const Vec3& down) {
+    double found = 1e30;
+    for (std::size_t e = 0; e < c.input().elements.size(); ++e) {
+        const Points positions = c.positions(static_cast<int>(e));
+        found = std::min(found, (positions * -down).minCoeff());
+    }
+    return found;
+}
+
+double lowestFlesh(const Character& c, const Vec3& down) {
+    double found = 1e30;
+    for (const FleshPoint& f : c.groundFlesh()) found = std::min(found, -down.dot(c.pose().points[static_cast<std::size_t>(f.point)] + f.offset));
+    return found;
+}
+
+}  // namespace
+
+TEST_CASE("ground: flesh that it watches is near the lowest vertex whatever lies below, in any pose, and where the character has it") {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> d(-1.0, 1.0);
+    for (int kind = 0; kind < 24; ++kind) {
+        CAPTURE(kind);
+        CharacterInput input = randomCharacter(random);
+        GroundEffect ground;
+        ground.height = 1e9;  // none of it is far above
+        input.effects.set(ground);
+        auto c = Character::build(input).value();
+        const double size = (input.skeleton.points.back() - input.skeleton.points.front()).norm() / static_cast<double>(input.elements.size());
+        Pose pose = restPose(input.skeleton);
+        for (int frame = 0; frame < 6; ++frame) {
+            for (int i = 0; i < 20; ++i) {
+                const Vec3 down = Vec3(d(random), d(random), d(random)).normalized();
+                // Elements are as high as wide. Directions are .25 radians apart, which misses 1 - cos(.15) of a radius, and what reaches less than .2 % of the diagonal
+                // beyond is not taken: less than one per cent together at rest, and some more where an element is bent as none was when vertices were chosen.
+                CHECK(lowestFlesh(c, down) - lowest(c, down) < 0.015 * size);
+                CHECK(lowestFlesh(c, down) - lowest(c, down) > -1e-5 * size);
+            }
+            wander(c, random, pose);
+            c.update(pose, 1.0 / 60.0);
+        }
+    }
+}
+
+TEST_CASE("ground: it sees the same flesh whoever deforms the elements, after a shape was shown too, and its frames do not allocate") {
+    std::mt19937 random(4);
+    for (int kind = 0; kind < 16; ++kind) {
+        CAPTURE(kind);
+        CharacterInput input = randomCharacter(random);
+        GroundEffect ground;
+        ground.height = 1e9;
+        input.effects.set(ground);
+        auto here = Character::build(input).value(), there = Character::build(input).value();
+        (void)there.deformInput();
+        for (int e = 0; e < static_cast<int>(input.elements.size()); ++e) (void)there.deformExternally(e, true);
+        Pose pose = restPose(input.skeleton);
+        const auto same = [&] {
+            return std::equal(here.groundFlesh().begin(), here.groundFlesh().end(), there.groundFlesh().begin(), there.groundFlesh().end(),
+                              [](const FleshPoint& a, const FleshPoint& b) { return a.point == b.point && a.bone == b.bone && a.offset == b.offset; });
+        };
+        std::vector<double> shape(static_cast<std::size_t>(here.shapeLayout().size()));
+        there.shape(shape.data());
+        for (int frame = 0; frame < 5; ++frame) {
+            wander(here, random, pose);
+            here.update(pose, 1.0 / 60.0);
+            const auto before = allocations();
+            there.update(pose, 1.0 / 60.0);
+            CHECK(allocations() == before);
+            CHECK(same());
+        }
+        there.show(shape.data());
+        here.update(pose);
+        there.update(pose);
+        CHECK(same());
+    }
+}
+
+TEST_CASE("ground: far above it flesh is not evaluated, and is seen above it") {
+    CharacterInput input = caterpillar::make({});
+    GroundEffect ground;
+    ground.height = -100.0;
+    input.effects.set(ground);
+    auto c = Character::build(input).value();
+    CHECK(lowestFlesh(c, -Vec3::UnitY()) > -1.0);
+    ground.height = -0.6;
+    CharacterEffects near;
+    near.set(ground);
+    c.tune(near);
+    c.update(restPose(input.skeleton));
+    CHECK(lowestFlesh(c, -Vec3::UnitY()) == doctest::Approx(lowest(c, -Vec3::UnitY())).epsilon(1e-3));
+}

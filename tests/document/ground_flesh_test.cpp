@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "tests/document/workbench.h"
+
+using namespace imomushi;
+
+namespace {
+
+/// A sample that stands on the ground.
+struct OnGround {
+    explicit OnGround(const std::string& sample, std::initializer_list<const char*> effects) {
+        w.good({{"do", "open"}, {"path", IMOMUSHI_SAMPLES "/" + sample + ".imomushi"}});
+        for (const auto& [id, element] : w.session.document().elements) {
+            const Points& rest = element->mesh->body.vertices;
+            low = low.cwiseMin(rest.colwise().minCoeff().transpose());
+            high = high.cwiseMax(rest.colwise().maxCoeff().transpose());
+        }
+        w.good({{"do", "set"}, {"target", "ground"}, {"property", "height"}, {"value", low.y()}});
+        for (const char* effect : effects) w.good({{"do", "enable"}, {"effect", effect}});
+    }
+    /// Of all body vertices as they are seen, over the height at rest.
+    double lowest() {
+        double found = 1e30;
+        for (std::size_t e = 0; e < w.session.document().elements.size(); ++e) {
+            const auto surface = w.session.character()->surface(static_cast<int>(e));
+            for (int i = 0; i < surface.vertices; ++i) found = std::min(found, static_cast<double>(surface.positions[3 * i + 1]));
+        }
+        return (found - low.y()) / height();
+    }
+    Vec3 middle() {
+        Vec3 sum = Vec3::Zero();
+        int count = 0;
+        for (std::size_t e = 0; e < w.session.document().elements.size(); ++e) {
+            const auto surface = w.session.character()->surface(static_cast<int>(e));
+            for (int i = 0; i < surface.vertices; ++i, ++count) sum += Eigen::Map<const Eigen::Vector3f>(surface.positions + 3 * i).cast<double>();
+        }
+        return sum / count;
+    }
+    double step(int frames) {
+        double found = lowest();
+        for (int i = 0; i < frames; ++i) {
+            said = w.good({{"do", "step"}, {"frames", 1}})["warnings"];
+            found = std::min(found, lowest());
+        }
+        return found;
+    }
+    void drag(const std::string& end, const Vec3& to, double seconds = 0.5) {
+        w.good({{"do", "drag"}, {"endpoint", end}, {"to", {to.x(), to.y(), to.z()}}, {"seconds", seconds}});
+    }
+    void unpin() {
+        std::vector<std::string> ends;
+        for (const auto& [id, bone] : w.session.document().bones)
+            for (const char* end : {"/start", "/end"}) ends.push_back(bone->name + end);
+        for (const std::string& end : ends) w.code({{"do", "unpin"}, {"endpoint", end}});
+    }
+    bool warned() const { return said.dump().find("lower the ground") != std::string::npos; }
+    [[nodiscard]] double height() const { return high.y() - low.y(); }
+    [[nodiscard]] double size() const { return (high - low).norm(); }
+
+    Workbench w;
+    Vec3 low = Vec3::Constant(1e30), high = -low;
+    Json said;
+};
+
+// Of the height at rest: flesh is followed to single precision, and vertices of which none is a sample lie between samples.
+constexpr double kStill = 0.01, kMoving = 0.03;
+
+void checkHeld(OnGround& scene) {
+    CHECK(scene.step(600) > -kMoving);
+    CHECK(scene.lowest() > -kStill);
+    CHECK_FALSE(scene.w.session.moving());
+    const Vec3 to(scene.high.x() - 0.3 * (scene.high.x() - scene.low.x()), scene.low.y() - 0.3 * scene.height(), 0.0);
+    scene.drag("head-bone/end", to);
+    CHECK(scene.step(120) > -kMoving);
+    CHECK(scene.warned());
+    scene.step(480);
+    CHECK(scene.lowest() > -kStill);
+    CHECK(scene.warned());
+    CHECK_FALSE(scene.w.session.moving());
+    scene.drag("head-bone/end", Vec3(scene.low.x(), scene.low.y() + 0.1 * scene.height(), 0.0));
+    CHECK(scene.step(120) > -kMoving);
+    scene.step(480);
+    CHECK(scene.lowest() > -kStill);
+    scene.w.good({{"do", "release"}});
+    CHECK(scene.step(600) > -kMoving);
+    CHECK(scene.lowest() > -kStill);
+    CHECK_FALSE(scene.warned());
+    CHECK_FALSE(scene.w.session.moving());
+}
+
+}  // namespace
+
+TEST_CASE("ground: the flesh of the caterpillar stays above it at rest, with its head dragged into it and folded over, and comes to rest") {
+    OnGround scene("caterpillar", {"bone-dynamics", "gravity", "ground"});
+    checkHeld(scene);
+}
+
+TEST_CASE("ground: the same flesh with the bend warp stays above it") {
+    OnGround scene("caterpillar", {"bone-dynamics", "gravity", "bend-warp", "ground"});
+    checkHeld(scene);
+}
+
+TEST_CASE("ground: the same flesh without bone dynamics stays above it, at once") {
+    OnGround scene("caterpillar", {"gravity", "ground"});
+    CHECK(scene.lowest() > -kStill);
+    const Json answer = scene.w.good({{"do", "drag"}, {"endpoint", "head-bone/end"}, {"to", {scene.high.x(), scene.low.y() - 0.3 * scene.height(), 0.0}}});
+    CHECK(scene.lowest() > -kStill);
+    CHECK(answer["warnings"].dump().find("lower the ground") != std::string::npos);
+    scene.drag("head-bone/end", Vec3(scene.low.x(), scene.low.y() + 0.1 * scene.height(), 0.0));
+    CHECK(scene.step(120) > -kMoving);
+    CHECK(scene.lowest() > -kStill);
+    CHECK_FALSE(scene.w.session.moving());
+}
+
+TEST_CASE("ground: without gravity what is let go comes back and rests on it") {
+    OnGround scene("caterpillar", {"bone-dynamics", "ground"});
+    scene.unpin();
+    const Vec3 before = scene.middle();
+    scene.drag("middle-bone/end", before + Vec3(0.2, 1.0, 0.0));
+    scene.step(60);
+    CHECK((scene.middle() - before).norm() > 0.1);
+    scene.w.good({{"do", "release"}});
+    scene.step(900);
+    CHECK_FALSE(scene.w.session.moving());
+    CHECK(std::abs(scene.lowest()) < kStill);
+    // One that is in the ground lies on it.
+    scene.w.good({{"do", "set"}, {"target", "ground"}, {"property", "height"}, {"value", scene.low.y() + 0.3 * scene.height()}});
+    scene.step(600);
+    CHECK(scene.lowest() == doctest::Approx(0.3).epsilon(kStill));
+    CHECK_FALSE(scene.w.session.moving());
+}
+
+TEST_CASE("ground: a symmetric push does not drift to the side, and what rests costs nothing") {
+    OnGround scene("caterpillar", {"bone-dynamics", "gravity", "ground"});
+    scene.step(600);
+    const Vec3 before = scene.middle();
+    scene.drag("head-bone/end", Vec3(scene.high.x(), scene.low.y() - 0.3 * scene.height(), 0.0));
+    scene.step(300);
+    scene.w.good({{"do", "release"}});
+    scene.step(600);
+    CHECK(std::abs(scene.middle().z() - before.z()) < 0.002 * scene.size());
+    REQUIRE_FALSE(scene.w.session.moving());
+    const auto surface = scene.w.session.character()->surface(0);
+    scene.step(10);
+    CHECK(scene.w.session.character()->surface(0).revision == surface.revision);
+    CHECK_FALSE(scene.w.session.moving());
+}
+
+TEST_CASE("ground: the flesh of every sample rests on it") {
+    for (const std::string sample : {"caterpillar", "figure", "octopus", "dragon"}) {
+        CAPTURE(sample);
+        OnGround scene(sample, {"bone-dynamics", "gravity", "ground"});
+        scene.unpin();
+        CHECK(scene.step(300) > -kMoving);
+        scene.step(600);
+        CHECK(scene.lowest() > -kStill);
+        CHECK(scene.lowest() < kStill);
+    }
+}
+
+TEST_CASE("effects: every sample with effects on the ground, dragged about and let go, stays finite and above it") {
+    // Numbers as artists have them; soak_test.cpp has the others.
+    const char* given = std::getenv("IMOMUSHI_SOAK_FRAMES");
+    const int frames = given ? std::clamp(std::atoi(given), 1, 100'000) : 2000;
+    for (const std::string sample : {"caterpillar", "figure", "octopus", "dragon"}) {
+        CAPTURE(sample);
+        OnGround scene(sample, {"bone-dynamics", "smooth-joints", "bend-warp", "joint-dynamics", "gravity", "ground"});
+        std::vector<std::string> ends;
+        for (const auto& [id, bone] : scene.w.session.document().bones)
+            for (const char* end : {"/start", "/end"}) ends.push_back(bone->name + end);
+        std::mt19937 random(7);
+        const auto uniform = [&](double from, double to) { return from + (to - from) * static_cast<double>(random()) / 4294967295.0; };
+        std::vector<double> ms;
+        double lowest = 0.0;
+        for (int frame = 0; frame < frames; ++frame) {
+            if (frame % 60 == 0) {
+                const Vec3 part(uniform(-0.3, 1.3), uniform(-0.2, 1.5), uniform(-0.3, 1.3));
+                const Vec3 to = scene.low + part.cwiseProduct(scene.high - scene.low);
+                scene.w.code({{"do", "drag"}, {"endpoint", ends[random() % ends.size()]}, {"to", {to.x(), to.y(), to.z()}}, {"seconds", uniform(0.3, 1.0)}});
+            }
+            if (frame % 240 == 239) scene.w.good({{"do", "release"}});
+            const Json answer = scene.w.good({{"do", "step"}, {"frames", 1}});
+            REQUIRE(answer["finite"] == true);
+            ms.push_back(answer["ms_per_frame"]["median"].get<double>());
+            lowest = std::min(lowest, scene.lowest());
+        }
+        std::sort(ms.begin(), ms.end());
+        MESSAGE(sample << ": " << frames << " frames, p99 " << ms[ms.size() * 99 / 100] << " ms, lowest " << 100.0 * lowest << " % of the height");
+        CHECK(lowest > -2.0 * kMoving);  // whole bodies are thrown about, faster than one endpoint is dragged
+    }
+}
