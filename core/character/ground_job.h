@@ -50,7 +50,7 @@ public:
     /// As of the last frame, by joint point.
     [[nodiscard]] std::span<const FleshPoint> flesh() const { return flesh_; }
 
-    static constexpr std::size_t kPerPoint = 72;  ///< vertices of an element around one joint point, at most
+    static constexpr std::size_t kPerPoint = 128;  ///< vertices of an element around one joint point, at most
 
 private:
     struct Chosen {

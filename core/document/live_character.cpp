@@ -383,7 +383,12 @@ void LiveCharacter::stepFrame(double seconds) {
         performance_->step(seconds, ownPose(), goals_);
         character_->update(performance_->pose(), seconds);
         seeFlesh();
-        for (int round = 0; round < kLiftsOfFrame && performance_->lift(); ++round) {
+        int round = 0;
+        for (; round < kLiftsOfFrame && performance_->lift(); ++round) {
+            character_->update(performance_->pose());
+            seeFlesh();
+        }
+        if (round == kLiftsOfFrame && performance_->liftWhole()) {
             character_->update(performance_->pose());
             seeFlesh();
         }

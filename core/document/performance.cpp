@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "core/base/union_find.h"
 #include "core/character/ground_job.h"
 #include "core/document/bone_effects.h"
 #include "core/mesh/topology.h"
@@ -62,6 +63,12 @@ Result<Performance> Performance::build(const Document& document, const Character
     made.skeleton_ = plan.input.skeleton;
     for (const Vec3& p : made.skeleton_.points) made.size_ = std::max(made.size_, (p - made.skeleton_.points.front()).norm());
     made.clearance_.resize(made.skeleton_.points.size());
+    made.depthOf_.resize(made.skeleton_.points.size());
+    UnionFind wholes(made.skeleton_.points.size());
+    for (const auto& bone : made.skeleton_.bones) wholes.unite(bone.start, bone.end);
+    for (const auto& element : plan.input.elements)
+        for (const int bone : element.bones) wholes.unite(made.skeleton_.bones[static_cast<std::size_t>(element.bones.front())].start, made.skeleton_.bones[static_cast<std::size_t>(bone)].start);
+    for (std::size_t i = 0; i < made.skeleton_.points.size(); ++i) made.wholeOf_.push_back(wholes.find(static_cast<std::int32_t>(i)));
     made.take(document.effects);
     if (document.effects.has(EffectKind::BoneDynamics) && !plan.input.skeleton.bones.empty()) {
         auto dynamics = BoneDynamics::build({plan.input.skeleton, massesOf(document, plan), made.settingsOf(document.effects)});
@@ -181,6 +188,17 @@ bool Performance::lift() {
     if (!ground_ || clearing_->depth(ground_->plane) <= kDeep * size_) return false;
     // From where it is shown: each time only farther up.
     raise(pose(), next_);
+    std::swap(next_, raised_);
+    lifted_ = true;
+    return true;
+}
+
+bool Performance::liftWhole() {
+    if (!ground_ || clearing_->depth(ground_->plane) <= kDeep * size_) return false;
+    clearing_->depths(ground_->plane, wholeOf_, depthOf_);
+    next_ = pose();
+    for (std::size_t i = 0; i < next_.points.size(); ++i)
+        next_.points[i] += std::max(0.0, depthOf_[static_cast<std::size_t>(wholeOf_[i])] - kDeep * size_) * ground_->plane.normal();
     std::swap(next_, raised_);
     lifted_ = true;
     return true;

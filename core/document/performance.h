@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <span>
 
@@ -36,6 +37,8 @@ public:
 
     /// Where flesh came deep into the ground within one frame, faster than bones follow, pose() is lifted out of it until the next step(). False: there is none.
     bool lift();
+    /// Where flesh is still there, as it does not follow the joint points next to it: lifts whole characters. False: there is none.
+    bool liftWhole();
 
     [[nodiscard]] const Pose& pose() const { return dynamics_ && !lifted_ ? dynamics_->pose() : raised_; }
     [[nodiscard]] bool isDynamic() const { return dynamics_.has_value(); }
@@ -62,6 +65,8 @@ private:
     bool held_ = true, lifted_ = false;
     std::optional<FleshClearance> clearing_;
     std::vector<double> clearance_;  // m, per joint point
+    std::vector<std::int32_t> wholeOf_;  // per joint point, the lowest one that bones and elements connect it with
+    std::vector<double> depthOf_;        // m, per such point
     Pose kinematic_, raised_, next_; // without dynamics: as it was given, as it is shown, and as it would be shown next; with them what lift() did
     unsigned warnings_ = 0;
     double milliseconds_ = 0.0;

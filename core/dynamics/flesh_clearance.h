@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -34,6 +35,8 @@ public:
     void raise(std::vector<Vec3>& points, const Plane& plane, std::vector<double>& clearance);
     /// m: how far the deepest flesh was below the plane when it was shown, >= 0.
     [[nodiscard]] double depth(const Plane& plane) const;
+    /// The same of each group of joint points, m. groupOf: per joint point, its group.
+    void depths(const Plane& plane, const std::vector<std::int32_t>& groupOf, std::vector<double>& depthOf) const;
 
 private:
     struct Bone {

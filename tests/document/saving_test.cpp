@@ -273,7 +273,7 @@ TEST_CASE("saving: what the system refuses is no damage") {
     REQUIRE(sqlite3_open(path.c_str(), &other) == SQLITE_OK);
     REQUIRE(sqlite3_exec(other, "BEGIN EXCLUSIVE", nullptr, nullptr, nullptr) == SQLITE_OK);
     try {
-        Database(path, false).number("SELECT count(*) FROM elements");
+        (void)Database(path, false).number("SELECT count(*) FROM elements");
         CHECK(false);
     } catch (const DatabaseError& error) {
         CHECK(error.kind == DatabaseError::Kind::Busy);
