@@ -58,8 +58,7 @@ TEST_CASE("caterpillar on the ground with contact: its weight presses its flesh 
         MESSAGE("flesh moved " << mean.transpose() / size << " sizes; lowest " << before.col(1).minCoeff() - plain.low.y() << " m without contact, "
                                << after.col(1).minCoeff() - plain.low.y() << " m with it");
         CHECK(std::hypot(mean.x(), mean.z()) <= 0.002 * size);
-        // Its head hangs lower than its flesh can be dented linearly.
-        CHECK(after.col(1).minCoeff() - plain.low.y() >= -0.03 * (plain.high.y() - plain.low.y()));
+        CHECK(after.col(1).minCoeff() - plain.low.y() >= -0.01 * (plain.high.y() - plain.low.y()));
 
         // Nothing of it is made again.
         const auto revisions = [&] {

@@ -120,6 +120,20 @@ TEST_CASE("ground: the same flesh without bone dynamics stays above it, at once"
     CHECK_FALSE(scene.w.session.moving());
 }
 
+TEST_CASE("ground: with contact flesh is dented, and its bones come down no farther than dents carry") {
+    OnGround scene("caterpillar", {"bone-dynamics", "gravity", "ground", "contact"});
+    scene.w.good({{"do", "precompute"}});
+    scene.w.good({{"do", "step"}, {"frames", 600}});
+    CHECK(scene.lowest() > -kStill);
+    CHECK(scene.lowest() < 0.0);
+    scene.drag("head-bone/end", Vec3(0.5, scene.low.y() - 0.3 * scene.height(), 0.0));
+    scene.w.good({{"do", "step"}, {"frames", 300}});
+    CHECK(scene.lowest() > -kMoving);
+    scene.drag("head-bone/end", Vec3(scene.low.x(), scene.low.y() + 0.2 * scene.height(), 0.0));
+    scene.w.good({{"do", "step"}, {"frames", 300}});
+    CHECK(scene.lowest() > -kMoving);
+}
+
 TEST_CASE("ground: without gravity what is let go comes back and rests on it") {
     OnGround scene("caterpillar", {"bone-dynamics", "ground"});
     scene.unpin();
