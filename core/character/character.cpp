@@ -7,12 +7,13 @@
 
 namespace imomushi {
 
-void Character::State::update(const Pose& wanted, double seconds) {
+void Character::State::update(const Pose& wanted, double seconds, bool again) {
     const auto start = std::chrono::steady_clock::now();
     frame.warnings = 0;
     frame.seconds = seconds;
+    frame.again = again;
     frame.replaying = false;
-    jobs.begin();
+    if (!again) beginTimes();
     if (wanted.points.empty() && !frame.pose.points.empty())
         assign(poseOfRest);
     else if (fits(frame.input.skeleton, wanted))
@@ -38,12 +39,17 @@ void Character::State::update(const Pose& wanted, double seconds) {
     frame.stopped = false;
 }
 
+void Character::State::beginTimes() {
+    jobs.begin();
+    frame.loadMsOfWarp = dentMs = 0.0;
+    frame.stats.jointsMs = frame.stats.productMs = frame.stats.normalsMs = 0.0;
+}
+
 void Character::State::showShape(std::chrono::steady_clock::time_point start) {
     auto& elements = frame.elements;
     auto& stats = frame.stats;
     const auto weighed = std::chrono::steady_clock::now();
     stats.evaluatedElements = stats.evaluatedVertices = 0;
-    frame.loadMsOfWarp = 0.0;
     for (auto& e : elements) {
         findMoved(e);
         beginDents(e);
@@ -73,9 +79,9 @@ void Character::State::showShape(std::chrono::steady_clock::time_point start) {
     jobs.run(Stage::Normals, frame);
     for (std::size_t e = 0; deformInput && e < elements.size(); ++e) fillDeformInput(e);
     const auto done = std::chrono::steady_clock::now();
-    stats.jointsMs = milliseconds(start, weighed);
-    stats.productMs = milliseconds(weighed, placed);
-    stats.normalsMs = milliseconds(placed, done);
+    stats.jointsMs += milliseconds(start, weighed);
+    stats.productMs += milliseconds(weighed, placed);
+    stats.normalsMs += milliseconds(placed, done);
     stats.warnings = solveWarnings | frame.warnings;
     jobs.report(frame);
 }
@@ -103,7 +109,9 @@ InverseKinematics::Report Character::solvePose(const std::vector<IkGoal>& goals,
     return report;
 }
 
-void Character::update(const Pose& pose, double seconds) { state_->update(pose, seconds); }
+void Character::update(const Pose& pose, double seconds) { state_->update(pose, seconds, false); }
+
+void Character::correct(const Pose& pose) { state_->update(pose, 0.0, true); }
 
 void Character::stop() { state_->frame.stopped = true; }
 

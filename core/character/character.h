@@ -103,6 +103,8 @@ public:
     /// Deforms all elements to `pose`. Elements whose v did not change are moved as they are (evaluated once more when that begins); those that
     /// did not move either are left alone. `seconds` passed since the last update(), for effects that have a past; 0: none, what oscillates stays at its phase.
     void update(const Pose& pose, double seconds = 0.0);
+    /// The last update() once more in another pose, of which the next frame goes on: what has a past takes a step, and does not settle. Times add up.
+    void correct(const Pose& pose);
     /// Where a handle is to be in the next update(); at rest until then. False: not finite, or no rotation, and nothing changes.
     bool setHandle(int handle, const HandlePose& pose);
     [[nodiscard]] const HandlePose& handlePose(int handle) const;        ///< as it was set

@@ -73,7 +73,7 @@ Result<void> Character::State::build(const ElementRuntimes& known, const RenderM
     std::size_t bytes = jobs.bytes();
     for (const auto& e : frame.elements) bytes += e.blocks.count() * e.blocks.bytesPerBlock() + e.touchBlocks.bytes() + e.dents.bytes();
     if (threads > 1 && bytes >= Frame::kBytesWorthThreads) frame.pool = ThreadPool::shared(threads);
-    update(frame.pose, 0.0);
+    update(frame.pose, 0.0, false);
     return {};
 }
 

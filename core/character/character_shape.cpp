@@ -62,7 +62,7 @@ void Character::show(const double* from) {
     Frame& s = state_->frame;
     const auto start = std::chrono::steady_clock::now();
     s.warnings = 0;
-    state_->jobs.begin();
+    state_->beginTimes();
     const auto take = [&from](double* to, Eigen::Index count) {
         std::copy_n(from, count, to);
         from += count;

@@ -48,7 +48,8 @@ struct Character::State {
     void buildSeam(const CharacterInput::Joint& joint, std::vector<std::vector<std::int32_t>>& rimOf);
 
     // Each frame (character.cpp).
-    void update(const Pose& wanted, double seconds);
+    void update(const Pose& wanted, double seconds, bool again);
+    void beginTimes();
     // Its second half: what vertices do.
     void showShape(std::chrono::steady_clock::time_point start);
     void assign(const Pose& p);
@@ -95,6 +96,7 @@ struct Character::State {
 
     Frame frame;
     FrameJobs jobs;
+    double dentMs = 0.0;  // of placing dents, since beginTimes()
     bool weighs = false;  // effects are automatic
     const Pose poseOfRest = restPose(frame.input.skeleton);
     TouchJob* touch = nullptr;  // of jobs, null: none

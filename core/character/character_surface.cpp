@@ -116,7 +116,7 @@ void Character::State::placeDents() {
             out.touchBlocks.add(p.begin, end, out.dents.data());
             place(out.dents.data(), out.blocks.first(), out.placement, p.begin, end, out.positions.data());
         });
-    frame.dentMs = milliseconds(start, std::chrono::steady_clock::now());
+    frame.dentMs = dentMs += milliseconds(start, std::chrono::steady_clock::now());
 }
 
 void Character::State::holdVertices(ElementFrame& out) const {

@@ -101,7 +101,7 @@ void ContactJob::run(Stage stage, Frame& frame) {
     if (stage == Stage::Weights) return begin(frame);
     presses_ = !near_.none() || !contact_.idle();
     if (!presses_) return;
-    contact_.finish(Posed(frame, bodies_), frame.stopped || frame.seconds <= 0.0);
+    contact_.finish(Posed(frame, bodies_), frame.stopped || (frame.seconds <= 0.0 && !frame.again));
     for (std::size_t b = 0; b < bodies_.size(); ++b)
         if (contact_.awake(b)) frame.elements[bodies_[b].element].patchForces += contact_.patchForces(b);
     if (contact_.bounded()) frame.warn(FrameWarning::ContactsBounded);

@@ -191,6 +191,7 @@ struct Frame {
     Pose pose;                 // the last good one
     double seconds = 0.0;      // that pass in this frame
     bool stopped = true;       // it starts from rest
+    bool again = false;        // see Character::correct()
     bool exact = false;        // see Character::keepExact()
     bool replaying = false;    // it shows numbers of Character::shape(), jobs before Stage::Weights do not run
     unsigned warnings = 0;     // of FrameWarning

@@ -385,11 +385,11 @@ void LiveCharacter::stepFrame(double seconds) {
         seeFlesh();
         int round = 0;
         for (; round < kLiftsOfFrame && performance_->lift(); ++round) {
-            character_->update(performance_->pose());
+            character_->correct(performance_->pose());
             seeFlesh();
         }
         if (round == kLiftsOfFrame && performance_->liftWhole()) {
-            character_->update(performance_->pose());
+            character_->correct(performance_->pose());
             seeFlesh();
         }
     } else if (handled || turned || morphed || !document().pose.points.empty() || stirred_ || wasTake || !character_->resting()) {

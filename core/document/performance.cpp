@@ -47,6 +47,8 @@ std::vector<double> massesOf(const Document& document, const CharacterPlan& plan
 constexpr double kPressed = 0.08;
 /// Flesh without bone dynamics is held when another round would move no joint point by more, in sizes of the skeleton.
 constexpr double kHeld = 1e-5;
+/// Frames in which joint points follow their flesh down again, while nobody moves them.
+constexpr int kFollowed = 30;
 /// Joint points that the ground lifts farther than this (sizes) above where they are held say so.
 constexpr double kLifted = 1e-3;
 /// Flesh that is deeper in the ground than this (sizes of the skeleton) at the end of a frame is not shown so.
@@ -77,7 +79,7 @@ Result<Performance> Performance::build(const Document& document, const Character
         made.dynamics_ = std::move(*dynamics);
     }
     made.clearing_.emplace(made.skeleton_);
-    made.kinematic_ = made.raised_ = made.next_ = restPose(made.skeleton_);
+    made.kinematic_ = made.raised_ = made.next_ = made.shown_ = restPose(made.skeleton_);
     made.raise(made.kinematic_, made.raised_);
     return made;
 }
@@ -133,11 +135,13 @@ Result<void> Performance::set(const Effects& effects) {
             return ok;
         }
     held_ = false;
+    still_ = 0;
     return {};
 }
 
 void Performance::reset(const Pose& kinematic, std::span<const IkGoal> goals) {
-    lifted_ = false;
+    lifted_ = held_ = false;
+    still_ = 0;
     if (dynamics_)
         dynamics_->reset(kinematic);
     else
@@ -146,21 +150,29 @@ void Performance::reset(const Pose& kinematic, std::span<const IkGoal> goals) {
 
 void Performance::step(double seconds, const Pose& kinematic, std::span<const IkGoal> goals) {
     const auto start = std::chrono::steady_clock::now();
-    lifted_ = false;
-    if (dynamics_)
+    if (dynamics_) {
+        lifted_ = false;
         dynamics_->step(seconds, kinematic, goals);
-    else
+    } else {
         follow(kinematic, goals);
+    }
     milliseconds_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
 void Performance::follow(const Pose& kinematic, std::span<const IkGoal> goals) {
     warnings_ = 0;
     if (!fits(skeleton_, kinematic)) return;
-    // What is held stays where it is, to the bit.
-    if (!held_ || !same(kinematic, kinematic_)) {
+    const bool known = same(kinematic, kinematic_);
+    still_ = known ? std::min(still_ + 1, kFollowed) : 0;
+    // What is held stays where it is, to the bit. Where flesh and its joint points chase each other, from then on points go up only.
+    if (!(known && (held_ || still_ == kFollowed))) {
         kinematic_ = kinematic;
+        shown_ = raised_;
+        lifted_ = false;
         raise(kinematic_, raised_);
+    } else if (still_ == kFollowed) {
+        shown_ = raised_;
+        lifted_ = true;
     }
     for (const IkGoal& goal : goals) {
         if (!ground_ || goal.point < 0 || goal.point >= static_cast<int>(raised_.points.size())) continue;
@@ -179,9 +191,11 @@ void Performance::seeFlesh(std::span<const FleshPoint> flesh, const std::vector<
         held_ = clearing_->depth(ground_->plane) <= kHeld * size_;
         return;
     }
-    raise(kinematic_, next_);
+    // Where flesh had to be lifted, the way there goes on: what counts is that it ends where it did in the last frame.
+    if (!lifted_) raise(kinematic_, next_);
+    const Pose& again = lifted_ ? shown_ : next_;
     double moved = 0.0;
-    for (std::size_t i = 0; i < next_.points.size(); ++i) moved = std::max(moved, (next_.points[i] - raised_.points[i]).cwiseAbs().maxCoeff());
+    for (std::size_t i = 0; i < raised_.points.size(); ++i) moved = std::max(moved, (again.points[i] - raised_.points[i]).cwiseAbs().maxCoeff());
     held_ = moved <= kHeld * size_;
 }
 

@@ -68,6 +68,8 @@ private:
     std::vector<std::int32_t> wholeOf_;  // per joint point, the lowest one that bones and elements connect it with
     std::vector<double> depthOf_;        // m, per such point
     Pose kinematic_, raised_, next_; // without dynamics: as it was given, as it is shown, and as it would be shown next; with them what lift() did
+    Pose shown_;                     // without dynamics: what the frame before ended with
+    int still_ = 0;                  // frames since kinematic_ changed
     unsigned warnings_ = 0;
     double milliseconds_ = 0.0;
 };

@@ -57,6 +57,8 @@ FleshContact::FleshContact(std::vector<Body> bodies) : bodies_(std::move(bodies)
         s.candidates.resize(surface.samples());
         s.near.reserve(surface.samples());
         s.vertices.resize(touch.patches.first.size() - 1);
+        s.sampleAt = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(surface.samples()));
+        s.placed.assign(n, 0);
         s.muted.resize(count);
         for (int i = 0; i < touch.patches.count(); ++i)
             s.boxes.push_back(
@@ -173,6 +175,15 @@ const Vec3& FleshContact::normalAt(std::size_t body, std::int32_t vertex, const 
     return out.normal;
 }
 
+void FleshContact::placeSamples(std::size_t body, std::size_t patch, const Posed& posed) {
+    State& s = states_[body];
+    if (s.placed[patch] == step_) return;
+    s.placed[patch] = step_;
+    const ContactSurface& of = *bodies_[body].surface;
+    for (std::size_t i = of.firstOf(static_cast<int>(patch)); i < of.firstOf(static_cast<int>(patch) + 1); ++i)
+        s.sampleAt.col(static_cast<Eigen::Index>(i)) = vertexAt(body, of.vertex(i), posed);
+}
+
 /// Samples of a patch and the nearest ones of another.
 void FleshContact::look(std::size_t body, std::size_t patch, std::size_t other, std::size_t otherPatch, const Posed& posed) {
     const ContactSurface &of = *bodies_[body].surface, &to = *bodies_[other].surface;
@@ -182,16 +193,19 @@ void FleshContact::look(std::size_t body, std::size_t patch, std::size_t other, 
     const double far = 2.0 * std::max(of.spacing(static_cast<int>(patch)), to.spacing(static_cast<int>(otherPatch))) + 0.5 * (of.radius(static_cast<int>(patch)) + to.radius(static_cast<int>(otherPatch)));
     const Vec3 middle = vertexAt(other, to.patches().centre[otherPatch], posed);
     const double within = far + kReach * to.radius(static_cast<int>(otherPatch));
+    placeSamples(body, patch, posed);
+    placeSamples(other, otherPatch, posed);
+    const Eigen::Matrix3Xd &here = s.sampleAt, &there = states_[other].sampleAt;
     for (std::size_t i = of.firstOf(static_cast<int>(patch)); i < of.firstOf(static_cast<int>(patch) + 1); ++i) {
         if (!muted.empty() && muted[i]) continue;
-        const Vec3 at = vertexAt(body, of.vertex(i), posed);
+        const Vec3 at = here.col(static_cast<Eigen::Index>(i));
         if ((at - middle).squaredNorm() > within * within) continue;
         Candidate& known = s.candidates[i];
         const bool fresh = known.step != step_;
         Candidate best{step_, fresh ? far * far : known.square, known.body, known.vertex};
         bool found = false;
         for (std::size_t k = to.firstOf(static_cast<int>(otherPatch)); k < to.firstOf(static_cast<int>(otherPatch) + 1); ++k) {
-            const double square = (vertexAt(other, to.vertex(k), posed) - at).squaredNorm();
+            const double square = (there.col(static_cast<Eigen::Index>(k)) - at).squaredNorm();
             if (square >= best.square) continue;
             best = {step_, square, other, to.vertex(k)};
             found = true;

@@ -125,6 +125,8 @@ private:
         std::vector<Candidate> candidates;     // per sample
         std::vector<std::size_t> near;         // samples with a candidate
         std::vector<Vertex> vertices;          // of the body
+        Eigen::Matrix3Xd sampleAt;             // m, world, of the patches that were placed
+        std::vector<std::uint64_t> placed;     // per patch: the step in which it was
         std::vector<std::vector<char>> muted;  // per body, per sample, 1: it touches that one at rest; empty: none does
         BoxTree tree;                          // over its patches
         std::vector<Bounds> boxes;             // of these
@@ -159,6 +161,7 @@ private:
     const Vec3& normalAt(std::size_t body, std::int32_t vertex, const Posed& posed);
     void beginStep(const Posed& posed);
     void findCandidates(std::size_t a, std::size_t b, const Posed& posed);
+    void placeSamples(std::size_t body, std::size_t patch, const Posed& posed);
     void look(std::size_t body, std::size_t patch, std::size_t other, std::size_t otherPatch, const Posed& posed);
     bool meet(std::size_t body, std::size_t sample, const Posed& posed, Meeting& out);
     void findGround(std::size_t body, const Posed& posed);

@@ -120,6 +120,28 @@ TEST_CASE("ground: the same flesh without bone dynamics stays above it, at once"
     CHECK_FALSE(scene.w.session.moving());
 }
 
+TEST_CASE("ground: without bone dynamics every sample comes to rest above a ground that rises into it") {
+    for (const std::string sample : {"caterpillar", "figure", "octopus", "dragon"})
+        for (const bool warp : {false, true}) {
+            CAPTURE(sample);
+            CAPTURE(warp);
+            OnGround scene(sample, {"gravity", "ground"});
+            if (warp) scene.w.good({{"do", "enable"}, {"effect", "bend-warp"}});
+            for (const double part : {0.1, 0.2, 0.4}) {
+                CAPTURE(part);
+                scene.w.good({{"do", "set"}, {"target", "ground"}, {"property", "height"}, {"value", scene.low.y() + part * scene.height()}});
+                scene.step(60);
+                CHECK(scene.lowest() > part - kStill);
+                CHECK_FALSE(scene.w.session.moving());
+            }
+            // Where it goes down again, so do they.
+            scene.w.good({{"do", "set"}, {"target", "ground"}, {"property", "height"}, {"value", scene.low.y()}});
+            scene.step(60);
+            CHECK(scene.lowest() == doctest::Approx(0.0).epsilon(kStill));
+            CHECK_FALSE(scene.w.session.moving());
+        }
+}
+
 TEST_CASE("ground: with contact flesh is dented, and its bones come down no farther than dents carry") {
     OnGround scene("caterpillar", {"bone-dynamics", "gravity", "ground", "contact"});
     scene.w.good({{"do", "precompute"}});
