@@ -45,6 +45,8 @@ std::vector<double> massesOf(const Document& document, const CharacterPlan& plan
 /// With contact, flesh between a joint point and the ground is pressed together by this part: bones come down until it is, and dents carry them. A
 /// tenth is more than the dents of a folded caterpillar carry: its flesh is then 3.4 % of its height below.
 constexpr double kPressed = 0.08;
+/// But never farther than this (sizes of the skeleton): what is far from its joint point is not thicker there.
+constexpr double kMostPressed = 0.008;
 /// Flesh without bone dynamics is held when another round would move no joint point by more, in sizes of the skeleton.
 constexpr double kHeld = 1e-5;
 /// Frames in which joint points follow their flesh down again, while nobody moves them.
@@ -184,7 +186,8 @@ void Performance::follow(const Pose& kinematic, std::span<const IkGoal> goals) {
 void Performance::seeFlesh(std::span<const FleshPoint> flesh, const std::vector<Vec3>& points) {
     if (!ground_) return;
     flesh_.assign(flesh.begin(), flesh.end());
-    for (FleshPoint& f : flesh_) f.offset *= 1.0 - pressed_;
+    for (FleshPoint& f : flesh_)
+        if (const double far = f.offset.norm(); far > 0.0) f.offset *= 1.0 - std::min(pressed_, kMostPressed * size_ / far);
     if (dynamics_) dynamics_->seeFlesh(flesh_, points);
     clearing_->see(flesh_, points);
     if (dynamics_) {
