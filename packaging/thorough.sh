@@ -3,7 +3,7 @@
 # What takes hours, for before a release:
 #   packaging/thorough.sh [STEP...]    all of them unless named
 #   repeats    all tests, those of chance as often as they can be asked to (IMOMUSHI_THOROUGH)
-#   frames     100,000 frames of each sample with all effects on, on the ground too
+#   frames     a million frames of each sample with all effects on, and 100,000 of it on the ground
 #   address    all tests with the address and undefined-behaviour sanitizers
 #   thread     all tests with the thread sanitizer
 #   fuzz       each fuzzer for ten minutes
