@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <utility>
@@ -196,6 +197,25 @@ UnionFind touchingBodies(const std::vector<TriangleMesh>& bodies, const Progress
     return groups;
 }
 
+/// Whether an edge has more than two triangles.
+bool crowded(const EdgeTable& edges) {
+    for (int e = 0; e < edges.size(); ++e)
+        if (edges.uses(e).size() > 2) return true;
+    return false;
+}
+
+/// A closed surface that touches itself, in edges and vertices of its own there for each side.
+TriangleMesh separated(TriangleMesh mesh) {
+    if (const EdgeTable edges(mesh.triangles); nonManifoldVertices(mesh.triangles, edges).empty() && !crowded(edges)) return mesh;
+    RawSurface raw;
+    raw.mesh.body = std::move(mesh);
+    MendSurface s(std::move(raw));
+    separateNonManifold(s);
+    std::vector<std::int32_t> all(s.faces.size());
+    std::iota(all.begin(), all.end(), 0);
+    return taken({s.points, s.triangles()}, all, false);  // without vertices that are no longer used
+}
+
 /// Bodies that touch each other as one. Each joins when it touches what the others have become, so that every step is a union of two that meet. Empty where
 /// CGAL cannot, or when cancelled.
 std::optional<TriangleMesh> united(std::vector<TriangleMesh> bodies, std::size_t& unions, const Progress& progress) {
@@ -207,7 +227,7 @@ std::optional<TriangleMesh> united(std::vector<TriangleMesh> bodies, std::size_t
         if (next == bodies.end()) break;  // the others lie inside by now
         std::optional<TriangleMesh> both = unite(whole, *next);
         if (!both) return std::nullopt;
-        whole = std::move(*both);
+        whole = separated(std::move(*both));
         bodies.erase(next);
         ++unions;
     }

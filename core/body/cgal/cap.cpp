@@ -27,6 +27,11 @@ constexpr double kLargest = 1.5;            // longest side of a triangle, of th
 constexpr double kMostTriangles = 3.0;      // triangles than this per point of the loops: in wide regions they grow inward
 /// Points in all, per point of the loops and for small loops, before refinement gives up (walls of no thickness, loops that nearly touch).
 constexpr std::size_t kMost = 12, kMostSmall = 4000;
+/// Steps of the mesher per point that it may have before it is given up: each adds a point, or finds that none is needed.
+constexpr std::size_t kMostSteps = 20;
+/// Sides that come nearer to a point of another one than this, in sizes of the region, are not refined: new points lie about as close together as they do, and
+/// their coordinates are rounded. Where triangles are much thinner than the rounding of their corners the mesher loses its way, and does not end or crashes.
+constexpr double kNearest = 1e-6;
 
 /// The number of a vertex, -1: the mesher made it.
 struct Number {
@@ -40,6 +45,11 @@ using Cdt = CGAL::Constrained_Delaunay_triangulation_2<Kernel, CGAL::Triangulati
 using Criteria = CGAL::Delaunay_mesh_size_criteria_2<Cdt>;
 
 Vec2 placeOf(Cdt::Vertex_handle v) { return {v->point().x(), v->point().y()}; }
+
+double distanceTo(const Vec2& a, const Vec2& b, const Vec2& p) {
+    const Vec2 side = b - a;
+    return (a + std::clamp(side.dot(p - a) / side.squaredNorm(), 0.0, 1.0) * side - p).norm();
+}
 
 double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
@@ -104,13 +114,38 @@ public:
         return true;
     }
 
-    /// Ruppert's refinement, which splits sides of loops where they are too long for what is near. False where it would need too many points.
+    /// Whether all sides of loops keep apart, those that meet at a corner included: there the ends of the two do.
+    [[nodiscard]] bool apart() const {
+        Vec2 low = points_[0], high = points_[0];
+        for (std::size_t i = 0; i < given_; ++i) low = low.cwiseMin(points_[i]), high = high.cwiseMax(points_[i]);
+        const double least = kNearest * (high - low).norm();
+        std::vector<std::pair<double, std::size_t>> sorted;  // along the longer axis
+        const int axis = high.x() - low.x() < high.y() - low.y() ? 1 : 0;
+        for (std::size_t i = 0; i < given_; ++i) sorted.emplace_back(points_[i][axis], i);
+        std::sort(sorted.begin(), sorted.end());
+        for (std::size_t i = 0; i < given_; ++i) {
+            const auto end = static_cast<std::size_t>(next_[i]);
+            const Vec2 &a = points_[i], &b = points_[end];
+            const Vec2 from = (a.cwiseMin(b).array() - least).matrix(), to = (a.cwiseMax(b).array() + least).matrix();
+            for (auto p = std::lower_bound(sorted.begin(), sorted.end(), std::pair(from[axis], std::size_t{0}));
+                 p != sorted.end() && p->first <= to[axis]; ++p) {
+                const Vec2& q = points_[p->second];
+                if (p->second == i || p->second == end || q[1 - axis] < from[1 - axis] || q[1 - axis] > to[1 - axis]) continue;
+                if (distanceTo(a, b, q) < least) return false;
+            }
+        }
+        return true;
+    }
+
+    /// Ruppert's refinement, which splits sides of loops where they are too long for what is near. False where it would need too many points. For sides that
+    /// are apart().
     bool refine() {
         const double s = std::sin(kWanted);
         CGAL::Delaunay_mesher_2<Cdt, Criteria> mesher(cdt_, Criteria(s * s, longest_));
         mesher.init(true);
-        while (!mesher.is_refinement_done()) {
-            if (cdt_.number_of_vertices() > kMost * given_ + kMostSmall) return false;
+        const std::size_t most = kMost * given_ + kMostSmall;
+        for (std::size_t steps = 0; !mesher.is_refinement_done(); ++steps) {
+            if (cdt_.number_of_vertices() > most || steps > kMostSteps * most) return false;
             mesher.step_by_step_refine_mesh();
         }
         for (auto v = cdt_.finite_vertices_begin(); v != cdt_.finite_vertices_end(); ++v)
@@ -214,7 +249,7 @@ std::optional<PlaneRegion> meshRegion(const std::vector<std::vector<Vec2>>& loop
     if (!region.triangulate()) return std::nullopt;
     if (region.good()) return region.result();
     PlaneRegion plain = region.result();
-    if (plain.triangles.rows() == 0 || !region.refine()) return plain;
+    if (plain.triangles.rows() == 0 || !region.apart() || !region.refine()) return plain;
     PlaneRegion refined = region.result();
     return refined.smallestAngle >= plain.smallestAngle ? refined : plain;
 }

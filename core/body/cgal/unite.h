@@ -11,7 +11,7 @@ namespace imomushi {
 bool surfacesMeet(const TriangleMesh& a, const TriangleMesh& b);
 
 /// The union of two closed, outward bodies whose surfaces cross; vertices of both that lie on it keep their coordinates. None where a surface crosses itself or
-/// the two cannot be told apart there. May hold triangles without area.
+/// the two cannot be told apart there. May hold triangles without area; where triangles of both lie on each other, it may touch itself in edges and vertices.
 std::optional<TriangleMesh> unite(const TriangleMesh& a, const TriangleMesh& b);
 
 }  // namespace imomushi
