@@ -2,19 +2,12 @@
 #include "core/io/morph_builder.h"
 
 #include <cmath>
-#include <set>
 
 #include "core/base/finite.h"
 #include "core/io/reader_support.h"
 #include "core/mesh/bounds.h"
 
 namespace imomushi {
-
-namespace {
-
-constexpr std::size_t kLongestMorphStem = 180;  // bytes of a name that gets a number, so that it stays a name (cleanName())
-
-}  // namespace
 
 int MorphBuilder::target(const std::string& name, bool named, double atRest) {
     if (!isFinite(atRest) || std::abs(atRest) > kLargestMorphWeight) atRest = 0.0;
@@ -56,14 +49,7 @@ void MorphBuilder::finish(RawScene& scene) {
             ++broken;
             continue;
         }
-        made.name = target.name;
-        if (!names.insert(made.name).second) {
-            std::size_t length = std::min(made.name.size(), kLongestMorphStem);
-            while (length < made.name.size() && (static_cast<unsigned char>(made.name[length]) & 0xC0U) == 0x80U) --length;  // whole characters
-            const std::string stem = made.name.substr(0, length);
-            for (int n = 2;; ++n)
-                if (made.name = stem + " (" + std::to_string(n) + ")"; names.insert(made.name).second) break;
-        }
+        made.name = uniqueName(names, target.name);
         deltas += made.vertices.size();
         target.given = made.name;
         scene.morphs.push_back(std::move(made));

@@ -16,6 +16,7 @@ namespace imomushi {
 namespace {
 
 constexpr std::int32_t kLargestByEars = 256;
+constexpr std::size_t kLongestStem = 180;  // bytes of a name that gets a number, so that it stays a name (cleanName())
 constexpr std::size_t kLargestTexture = std::size_t{64} << 20;
 constexpr std::size_t kLargestTextures = std::size_t{512} << 20;  // all of a file
 
@@ -117,6 +118,15 @@ std::string cleanName(std::string_view name, std::string_view otherwise) {
     while (!clean.empty() && clean.front() == ' ') clean.erase(0, 1);
     while (!clean.empty() && clean.back() == ' ') clean.pop_back();
     return clean.empty() ? std::string(otherwise) : clean;
+}
+
+std::string uniqueName(std::set<std::string>& taken, const std::string& name) {
+    if (taken.insert(name).second) return name;
+    std::size_t length = std::min(name.size(), kLongestStem);
+    while (length < name.size() && (static_cast<unsigned char>(name[length]) & 0xC0U) == 0x80U) --length;  // whole characters
+    const std::string stem = name.substr(0, length);
+    for (int i = 2;; ++i)
+        if (std::string other = stem + " (" + std::to_string(i) + ")"; taken.insert(other).second) return other;
 }
 
 void triangulatePolygon(const std::vector<double>& points, const std::vector<std::int32_t>& corners,

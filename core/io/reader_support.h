@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -33,6 +34,9 @@ void tellReplacedAttributes(RawScene& scene, std::size_t count);
 
 /// A "bad-file" error: "'horse.obj', line 12: <what>". line 0: no line.
 tl::unexpected<Error> badFile(const SourceFile& file, std::size_t line, const std::string& what);
+
+/// `name`, or with a number behind it that none of `taken` has, which it then is among.
+std::string uniqueName(std::set<std::string>& taken, const std::string& name);
 
 /// Adds an issue of the file.
 void tell(RawScene& scene, Severity severity, const char* code, std::string text, std::size_t count, bool fixed = true);

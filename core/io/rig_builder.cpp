@@ -2,7 +2,6 @@
 #include "core/io/rig_builder.h"
 
 #include <algorithm>
-#include <set>
 #include <utility>
 
 #include "core/base/finite.h"
@@ -13,18 +12,7 @@ namespace imomushi {
 
 namespace {
 
-constexpr std::size_t kLongestStem = 180;  // bytes of a name that gets a number, so that it stays a name (cleanName())
 constexpr double kLeastWeight = 1e-5;  // of a vertex: smaller ones are what quantised weights leave over
-
-/// `name`, or with a number behind it that no other has.
-std::string uniqueName(std::set<std::string>& taken, const std::string& name) {
-    if (taken.insert(name).second) return name;
-    std::size_t length = std::min(name.size(), kLongestStem);
-    while (length < name.size() && (static_cast<unsigned char>(name[length]) & 0xC0U) == 0x80U) --length;  // whole characters
-    const std::string stem = name.substr(0, length);
-    for (int i = 2;; ++i)
-        if (std::string other = stem + " (" + std::to_string(i) + ")"; taken.insert(other).second) return other;
-}
 
 }  // namespace
 
