@@ -8,10 +8,10 @@
 #include <QPushButton>
 #include <QTreeWidget>
 #include <QVBoxLayout>
-#include <algorithm>
 #include <set>
 
 #include "ui/widgets/appearance.h"
+#include "ui/widgets/layouts.h"
 
 namespace imomushi {
 namespace {
@@ -48,31 +48,21 @@ BonesDialog::BonesDialog(const Rig& rig, const Proposal& proposal, QWidget* pare
     tree_->expandAll();
     tree_->setCurrentItem(items_.empty() ? nullptr : items_.front());
 
-    count_ = new QLabel(this);
-    count_->setProperty("role", "muted");
+    count_ = styled(new QLabel(this), "muted");
     auto* all = new QPushButton(tr("Check all"), this);
     auto* none = new QPushButton(tr("Check none"), this);
-    auto* reset = new QPushButton(tr("As proposed"), this);
-    reset->setObjectName(QStringLiteral("asProposed"));
-    auto* row = new QHBoxLayout;
-    row->setSpacing(px(8));
+    auto* reset = named(new QPushButton(tr("As proposed"), this), "asProposed");
+    auto* row = fill(new QHBoxLayout, Spacing{px(8)});
     for (QPushButton* button : {all, none, reset}) {
         button->setAutoDefault(false);
         row->addWidget(button);
     }
-    row->addStretch(1);
-    row->addWidget(count_);
+    fill(row, Stretch{}, count_);
     auto* buttons = new QDialogButtonBox(QDialogButtonBox::Cancel, this);
     auto* use = buttons->addButton(tr("Use these bones"), QDialogButtonBox::AcceptRole);
     use->setObjectName(QStringLiteral("useBones"));
     use->setDefault(true);
-    auto* layout = new QVBoxLayout(this);
-    layout->setContentsMargins(px(20), px(18), px(20), px(16));
-    layout->setSpacing(px(12));
-    layout->addWidget(text);
-    layout->addWidget(tree_, 1);
-    layout->addLayout(row);
-    layout->addWidget(buttons);
+    fill(new QVBoxLayout(this), QMargins(px(20), px(18), px(20), px(16)), Spacing{px(12)}, text, Share{tree_, 1}, row, buttons);
     resize(px(620), px(560));
 
     connect(buttons, &QDialogButtonBox::accepted, this, &QDialog::accept);

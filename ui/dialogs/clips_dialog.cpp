@@ -9,6 +9,7 @@
 
 #include "ui/models/texts.h"
 #include "ui/widgets/appearance.h"
+#include "ui/widgets/layouts.h"
 
 namespace imomushi {
 
@@ -24,20 +25,14 @@ ClipsDialog::ClipsDialog(const QString& character, const std::vector<RigClip>& c
         item->setCheckState(clips.size() == 1 ? Qt::Checked : Qt::Unchecked);
     }
     list_->setCurrentRow(0);
-    auto* all = new QPushButton(tr("Check all"), this);
-    all->setObjectName(QStringLiteral("allClips"));
+    auto* all = named(new QPushButton(tr("Check all"), this), "allClips");
     all->setAutoDefault(false);
     auto* buttons = new QDialogButtonBox(QDialogButtonBox::Cancel, this);
     buttons->addButton(all, QDialogButtonBox::ResetRole);
     make_ = buttons->addButton(tr("Make takes"), QDialogButtonBox::AcceptRole);
     make_->setObjectName(QStringLiteral("makeTakes"));
     make_->setDefault(true);
-    auto* layout = new QVBoxLayout(this);
-    layout->setContentsMargins(px(20), px(18), px(20), px(16));
-    layout->setSpacing(px(12));
-    layout->addWidget(text);
-    layout->addWidget(list_, 1);
-    layout->addWidget(buttons);
+    fill(new QVBoxLayout(this), QMargins(px(20), px(18), px(20), px(16)), Spacing{px(12)}, text, Share{list_, 1}, buttons);
     resize(px(460), px(380));
     connect(buttons, &QDialogButtonBox::accepted, this, &QDialog::accept);
     connect(buttons, &QDialogButtonBox::rejected, this, &QDialog::reject);

@@ -24,6 +24,7 @@
 #include "ui/widgets/appearance.h"
 #include "ui/widgets/choice_card.h"
 #include "ui/widgets/dialog_form.h"
+#include "ui/widgets/layouts.h"
 
 namespace imomushi {
 namespace {
@@ -57,27 +58,17 @@ ExportDialog::ExportDialog(StudioDocument& document, const QString& folder, QWid
     setWindowTitle(tr("Export"));
     setObjectName(QStringLiteral("exportDialog"));
     const auto section = [this](const QString& text) {
-        auto* label = new QLabel(text, this);
-        label->setProperty("role", "section");
+        auto* label = styled(new QLabel(text, this), "section");
         return label;
     };
-    auto* layout = new QVBoxLayout(this);
-    layout->setContentsMargins(px(22), px(18), px(22), px(16));
-    layout->setSpacing(px(10));
-    layout->addWidget(section(tr("For")));
-    layout->addLayout(makePresets());
-    layout->addSpacing(px(4));
-    layout->addWidget(section(tr("As")));
-    layout->addLayout(makeLayouts());
-    layout->addSpacing(px(8));
-    auto* columns = new QHBoxLayout;
-    columns->setSpacing(px(22));
-    columns->addLayout(makeOptions(), 1);
+    // In the order in which the keyboard goes through them.
+    auto* layout = fill(new QVBoxLayout(this), QMargins(px(22), px(18), px(22), px(16)), Spacing{px(10)}, section(tr("For")));
+    fill(layout, makePresets(), Space{px(4)}, section(tr("As")));
+    fill(layout, makeLayouts(), Space{px(8)});
+    auto* columns = fill(new QHBoxLayout, Spacing{px(22)}, Share{makeOptions(), 1});
     report_ = new ExportReportView(this);
     columns->addWidget(report_, 1);
-    layout->addLayout(columns, 1);
-    layout->addSpacing(px(4));
-    layout->addLayout(makeFile());
+    fill(layout, Share{columns, 1}, Space{px(4)}, makeFile());
     layout->addLayout(makeFoot());
     resize(px(940), px(640));
 
@@ -105,8 +96,7 @@ ExportDialog::ExportDialog(StudioDocument& document, const QString& folder, QWid
 
 QLayout* ExportDialog::makePresets() {
     presets_ = new QButtonGroup(this);
-    auto* row = new QHBoxLayout;
-    row->setSpacing(px(8));
+    auto* row = fill(new QHBoxLayout, Spacing{px(8)});
     int id = 0;
     for (const ExportPreset& preset : exportPresets()) {
         auto* card = new ChoiceCard(presetTitle(QString::fromLatin1(preset.name)), presetNote(preset.options), this);
@@ -119,8 +109,7 @@ QLayout* ExportDialog::makePresets() {
 
 QLayout* ExportDialog::makeLayouts() {
     layouts_ = new QButtonGroup(this);
-    auto* row = new QHBoxLayout;
-    row->setSpacing(px(8));
+    auto* row = fill(new QHBoxLayout, Spacing{px(8)});
     const QString texts[][2] = {{tr("Baked"), tr("Rigid motion and morphs: exact, plays anywhere")},
                                 {tr("Rigged"), tr("One skeleton with what drives it: can be puppeteered live")},
                                 {tr("Skinned"), tr("Fitted weights, no morph targets: for any engine")},
@@ -164,42 +153,25 @@ QLayout* ExportDialog::makeFile() {
     auto* choose = new QPushButton(tr("Choose…"), this);
     choose->setAutoDefault(false);
     connect(choose, &QPushButton::clicked, this, &ExportDialog::browse);
-    auto* label = new QLabel(tr("File"), this);
-    label->setProperty("role", "muted");
+    auto* label = styled(new QLabel(tr("File"), this), "muted");
     label->setBuddy(path_);
-    auto* row = new QHBoxLayout;
-    row->setSpacing(px(8));
-    row->addWidget(label);
-    row->addWidget(path_, 1);
-    row->addWidget(choose);
-    return row;
+    return fill(new QHBoxLayout, Spacing{px(8)}, label, Share{path_, 1}, choose);
 }
 
 QLayout* ExportDialog::makeFoot() {
-    replaces_ = new QLabel(this);
-    replaces_->setProperty("role", "muted");
+    replaces_ = styled(new QLabel(this), "muted");
     progress_ = new QProgressBar(this);
     progress_->setRange(0, 1000);
     progress_->setTextVisible(false);
     progress_->setFixedWidth(px(200));
-    stage_ = new QLabel(this);
-    stage_->setProperty("role", "muted");
-    close_ = new QPushButton(this);
-    close_->setObjectName(QStringLiteral("closeButton"));
+    stage_ = styled(new QLabel(this), "muted");
+    close_ = named(new QPushButton(this), "closeButton");
     close_->setAutoDefault(false);
-    write_ = new QPushButton(tr("Export"), this);
-    write_->setObjectName(QStringLiteral("exportButton"));
+    write_ = named(new QPushButton(tr("Export"), this), "exportButton");
     write_->setDefault(true);
     connect(close_, &QPushButton::clicked, this, &ExportDialog::reject);
     connect(write_, &QPushButton::clicked, this, &ExportDialog::write);
-    auto* row = new QHBoxLayout;
-    row->setSpacing(px(12));
-    row->addWidget(progress_);
-    row->addWidget(stage_);
-    row->addWidget(replaces_, 1);
-    row->addWidget(close_);
-    row->addWidget(write_);
-    return row;
+    return fill(new QHBoxLayout, Spacing{px(12)}, progress_, stage_, Share{replaces_, 1}, close_, write_);
 }
 
 void ExportDialog::recall(const QString& folder) {

@@ -12,6 +12,7 @@
 
 #include "ui/models/effect_texts.h"
 #include "ui/models/texts.h"
+#include "ui/widgets/layouts.h"
 
 namespace imomushi {
 namespace {
@@ -45,23 +46,16 @@ QString largest(const Json& error) { return shareText(error.at("max_percent").ge
 
 ExportReportView::ExportReportView(QWidget* parent) : QFrame(parent) {
     setObjectName(QStringLiteral("card"));
-    auto* layout = new QVBoxLayout(this);
-    layout->setContentsMargins(px(16), px(12), px(16), px(12));
-    layout->setSpacing(px(8));
-    title_ = new QLabel(this);
-    title_->setProperty("role", "section");
+    title_ = styled(new QLabel(this), "section");
     title_->setWordWrap(true);
-    layout->addWidget(title_);
     lines_ = new QVBoxLayout;
     lines_->setSpacing(px(7));
-    layout->addLayout(lines_);
-    layout->addStretch();
-    show_ = new QPushButton(tr("Show in folder"), this);
-    show_->setObjectName(QStringLiteral("showInFolder"));
+    show_ = named(new QPushButton(tr("Show in folder"), this), "showInFolder");
     show_->setIcon(themedIcon(QStringLiteral("open")));
     show_->setAutoDefault(false);
     connect(show_, &QPushButton::clicked, this, [this] { QDesktopServices::openUrl(QUrl::fromLocalFile(QFileInfo(written_).absolutePath())); });
-    layout->addWidget(show_, 0, Qt::AlignLeft);
+    fill(new QVBoxLayout(this), QMargins(px(16), px(12), px(16), px(12)), Spacing{px(8)}, title_, lines_, Stretch{},
+         Share{show_, 0, Qt::AlignLeft});
 }
 
 void ExportReportView::begin(const QString& title) {
@@ -78,16 +72,12 @@ void ExportReportView::begin(const QString& title) {
 }
 
 void ExportReportView::add(const char* icon, Role role, const QString& text) {
-    auto* line = new QHBoxLayout;
-    line->setSpacing(px(8));
     auto* sign = new QLabel(this);
     sign->setPixmap(themedIcon(QLatin1String(icon), role).pixmap(QSize(px(16), px(16)), devicePixelRatioF()));
     auto* words = new QLabel(text, this);
     words->setWordWrap(true);
     words->setTextInteractionFlags(Qt::TextSelectableByMouse);
-    line->addWidget(sign, 0, Qt::AlignTop);
-    line->addWidget(words, 1);
-    lines_->addLayout(line);
+    lines_->addLayout(fill(new QHBoxLayout, Spacing{px(8)}, Share{sign, 0, Qt::AlignTop}, Share{words, 1}));
 }
 
 void ExportReportView::showBefore(const Effects& effects) {

@@ -4,7 +4,6 @@
 #include <QFrame>
 
 #include "core/document/effects.h"
-#include "ui/models/studio_document.h"
 #include "ui/widgets/appearance.h"
 
 class QLabel;

@@ -29,6 +29,7 @@
 #include "ui/widgets/appearance.h"
 #include "ui/widgets/choice_card.h"
 #include "ui/widgets/dialog_form.h"
+#include "ui/widgets/layouts.h"
 
 namespace imomushi {
 namespace {
@@ -68,10 +69,8 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
     setObjectName(QStringLiteral("importDialog"));
     job_ = new ImportJob(this);
     character_ = new CharacterJob(this);
-    wholeCard_ = new ChoiceCard(tr("Whole character"), tr("Any mesh. It stays as it is; a body moves it."), this);
-    wholeCard_->setObjectName(QStringLiteral("wholeCharacter"));
-    elementsCard_ = new ChoiceCard(tr("Elements"), tr("Closed surfaces, each soft by itself."), this);
-    elementsCard_->setObjectName(QStringLiteral("elements"));
+    wholeCard_ = named(new ChoiceCard(tr("Whole character"), tr("Any mesh. It stays as it is; a body moves it."), this), "wholeCharacter");
+    elementsCard_ = named(new ChoiceCard(tr("Elements"), tr("Closed surfaces, each soft by itself."), this), "elements");
     auto* kinds = new QButtonGroup(this);
     for (ChoiceCard* card : {wholeCard_, elementsCard_}) {
         card->setCheckable(true);
@@ -84,45 +83,30 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
     up_ = new QComboBox(this);
     up_->addItems({tr("As in the file"), tr("Y is up"), tr("Z is up")});
     split_ = new QCheckBox(tr("One element per separate part"), this);
-    soft_ = new QCheckBox(tr("Make it soft: cuts and bones as its shape suggests"), this);
-    soft_->setObjectName(QStringLiteral("makeSoft"));
+    soft_ = named(new QCheckBox(tr("Make it soft: cuts and bones as its shape suggests"), this), "makeSoft");
     soft_->setToolTip(tr("From the skeleton of the file, if it has one, else from the shape. Everything can be changed afterwards, and taken back in one step."));
     bodyLabel_ = new QLabel(tr("Body"), this);
-    body_ = new QComboBox(this);
-    body_->setObjectName(QStringLiteral("body"));
+    body_ = named(new QComboBox(this), "body");
     body_->addItems({tr("Automatic"), tr("Exact: the mesh itself"), tr("Mended: holes closed, parts united"), tr("Wrapped: a new surface around it"), tr("Unmended: mend issue by issue")});
     body_->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);  // long names are cut, not the picture
     body_->setMinimumContentsLength(12);
     body_->setAccessibleName(bodyLabel_->text());
     detailLabel_ = new QLabel(tr("Detail of a wrap"), this);
-    detail_ = new QComboBox(this);
-    detail_->setObjectName(QStringLiteral("detail"));
+    detail_ = named(new QComboBox(this), "detail");
     detail_->addItems({tr("Automatic"), tr("Coarse"), tr("Medium"), tr("Fine"), tr("Very fine")});
     detail_->setAccessibleName(detailLabel_->text());
     detail_->setToolTip(tr("Gaps narrower than twice this part of the diagonal are closed: 1/30, 1/60, 1/120, 1/250."));
     bonesLabel_ = new QLabel(tr("Skeleton"), this);
-    bones_ = new QPushButton(this);
-    bones_->setObjectName(QStringLiteral("chooseBones"));
+    bones_ = named(new QPushButton(this), "chooseBones");
     bones_->setAutoDefault(false);
     bones_->setAccessibleName(tr("Bones of the skeleton that stay"));
-    sizeQuestion_ = new QFrame(this);
-    sizeQuestion_->setObjectName(QStringLiteral("card"));
+    sizeQuestion_ = named(new QFrame(this), "card");
     sizeText_ = new QLabel(sizeQuestion_);
     sizeText_->setWordWrap(true);
-    takeUnit_ = new QPushButton(sizeQuestion_);
-    takeUnit_->setObjectName(QStringLiteral("takeUnit"));
-    keepSize_ = new QPushButton(tr("Keep this size"), sizeQuestion_);
-    keepSize_->setObjectName(QStringLiteral("keepSize"));
-    auto* sizeButtons = new QHBoxLayout;
-    sizeButtons->setSpacing(px(8));
-    sizeButtons->addWidget(takeUnit_);
-    sizeButtons->addWidget(keepSize_);
-    sizeButtons->addStretch(1);
-    auto* sizeLayout = new QVBoxLayout(sizeQuestion_);
-    sizeLayout->setContentsMargins(px(12), px(10), px(12), px(12));
-    sizeLayout->setSpacing(px(8));
-    sizeLayout->addWidget(sizeText_);
-    sizeLayout->addLayout(sizeButtons);
+    takeUnit_ = named(new QPushButton(sizeQuestion_), "takeUnit");
+    keepSize_ = named(new QPushButton(tr("Keep this size"), sizeQuestion_), "keepSize");
+    auto* sizeButtons = fill(new QHBoxLayout, Spacing{px(8)}, takeUnit_, keepSize_, Stretch{});
+    fill(new QVBoxLayout(sizeQuestion_), QMargins(px(12), px(10), px(12), px(12)), Spacing{px(8)}, sizeText_, sizeButtons);
     sizeQuestion_->hide();
     connect(takeUnit_, &QPushButton::clicked, this, [this] { answerSize(true); });
     connect(keepSize_, &QPushButton::clicked, this, [this] { answerSize(false); });
@@ -140,8 +124,7 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
     progress_ = new QProgressBar(this);
     progress_->setRange(0, 1000);
     progress_->setTextVisible(false);
-    stage_ = new QLabel(this);
-    stage_->setProperty("role", "muted");
+    stage_ = styled(new QLabel(this), "muted");
 
     const QSettings settings;
     const QString group = QStringLiteral("import/%1/").arg(QFileInfo(path).suffix().toLower());
@@ -183,40 +166,15 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
     });
     connect(buttons, &QDialogButtonBox::rejected, this, &QDialog::reject);
 
-    auto* right = new QVBoxLayout;
-    right->setSpacing(px(12));
-    auto* title = new QLabel(QFileInfo(path).fileName(), this);
-    title->setProperty("role", "title");
+    auto* title = styled(new QLabel(QFileInfo(path).fileName(), this), "title");
     title->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
-    right->addWidget(title);
-    auto* cards = new QHBoxLayout;
-    cards->setSpacing(px(8));
-    cards->addWidget(wholeCard_, 1);
-    cards->addWidget(elementsCard_, 1);
-    right->addLayout(cards);
-    right->addLayout(form);
-    auto* rule = new QFrame(this);
-    rule->setObjectName(QStringLiteral("rule"));
-    right->addWidget(rule);
-    right->addWidget(verdict_);
-    right->addWidget(sizeQuestion_);
-    right->addWidget(facts_);
-    right->addWidget(issues_, 1);
-    auto* columns = new QHBoxLayout;
-    columns->setSpacing(px(20));
-    columns->addWidget(preview_, 4);
-    columns->addLayout(right, 3);
-    auto* foot = new QHBoxLayout;
-    foot->setSpacing(px(12));
+    auto* cards = fill(new QHBoxLayout, Spacing{px(8)}, Share{wholeCard_, 1}, Share{elementsCard_, 1});
+    auto* rule = named(new QFrame(this), "rule");
+    auto* right = fill(new QVBoxLayout, Spacing{px(12)}, title, cards, form, rule, verdict_, sizeQuestion_, facts_, Share{issues_, 1});
+    auto* columns = fill(new QHBoxLayout, Spacing{px(20)}, Share{preview_, 4}, Share{right, 3});
     progress_->setFixedWidth(px(160));
-    foot->addWidget(progress_);
-    foot->addWidget(stage_, 1);
-    foot->addWidget(buttons);
-    auto* layout = new QVBoxLayout(this);
-    layout->setContentsMargins(px(20), px(20), px(20), px(16));
-    layout->setSpacing(px(16));
-    layout->addLayout(columns, 1);
-    layout->addLayout(foot);
+    auto* foot = fill(new QHBoxLayout, Spacing{px(12)}, progress_, Share{stage_, 1}, buttons);
+    fill(new QVBoxLayout(this), QMargins(px(20), px(20), px(20), px(16)), Spacing{px(16)}, Share{columns, 1}, foot);
     resize(px(960), px(660));
 
     connect(unit_, &QComboBox::activated, this, [this] { unitOfAnswer_ = false; });

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <memory>
 #include <vector>
 
 #include "core/body/body.h"

@@ -20,6 +20,7 @@
 #include "core/document/document_history.h"
 #include "ui/widgets/action_set.h"
 #include "ui/widgets/appearance.h"
+#include "ui/widgets/layouts.h"
 
 namespace imomushi {
 
@@ -71,11 +72,8 @@ void PreferencesDialog::rebuild() {
     layout()->setContentsMargins(0, 0, 0, 0);
     content_ = new QWidget(this);
     layout()->addWidget(content_);
-    auto* column = new QVBoxLayout(content_);
-    column->setContentsMargins(px(16), px(12), px(16), px(14));
     tabs_ = new QTabWidget(content_);
     tabs_->setDocumentMode(true);
-    column->addWidget(tabs_);
 
     auto* look = new QWidget;
     auto* form = new QFormLayout(look);
@@ -85,8 +83,7 @@ void PreferencesDialog::rebuild() {
     form->setFieldGrowthPolicy(QFormLayout::AllNonFixedFieldsGrow);
     form->setLabelAlignment(Qt::AlignLeft | Qt::AlignVCenter);
     const auto row = [&](const QString& label, const QStringList& choices, int current, auto chosen) {
-        auto* text = new QLabel(label, look);
-        text->setProperty("role", "muted");
+        auto* text = styled(new QLabel(label, look), "muted");
         auto* box = new QComboBox(look);
         box->addItems(choices);
         box->setCurrentIndex(current);
@@ -152,8 +149,6 @@ void PreferencesDialog::rebuild() {
     tabs_->addTab(look, tr("General"));
 
     auto* keys = new QWidget;
-    auto* keysLayout = new QVBoxLayout(keys);
-    keysLayout->setContentsMargins(px(4), px(12), px(4), px(4));
     table_ = new QTableWidget(keys);
     table_->setColumnCount(2);
     table_->setHorizontalHeaderLabels({tr("Command"), tr("Shortcut")});
@@ -166,19 +161,15 @@ void PreferencesDialog::rebuild() {
     table_->setSelectionMode(QAbstractItemView::NoSelection);
     table_->setEditTriggers(QAbstractItemView::NoEditTriggers);
     table_->setAccessibleName(tr("Shortcuts"));
-    conflict_ = new QLabel(keys);
-    conflict_->setProperty("role", "warning");
+    conflict_ = styled(new QLabel(keys), "warning");
     conflict_->setWordWrap(true);
     auto* reset = new QPushButton(themedIcon(QStringLiteral("reset")), tr("Reset all shortcuts"), keys);
     connect(reset, &QPushButton::clicked, this, [this] {
         actions_.resetShortcuts();
         fillShortcuts();
     });
-    auto* foot = new QHBoxLayout;
-    foot->addWidget(conflict_, 1);
-    foot->addWidget(reset);
-    keysLayout->addWidget(table_);
-    keysLayout->addLayout(foot);
+    auto* foot = fill(new QHBoxLayout, Share{conflict_, 1}, reset);
+    fill(new QVBoxLayout(keys), QMargins(px(4), px(12), px(4), px(4)), table_, foot);
     tabs_->addTab(keys, tr("Shortcuts"));
     tabs_->setCurrentIndex(tab);
     fillShortcuts();
@@ -187,8 +178,7 @@ void PreferencesDialog::rebuild() {
     auto* close = buttons->addButton(tr("Close"), QDialogButtonBox::RejectRole);
     close->setDefault(true);
     connect(buttons, &QDialogButtonBox::rejected, this, &QDialog::accept);
-    column->addSpacing(px(8));
-    column->addWidget(buttons);
+    fill(new QVBoxLayout(content_), QMargins(px(16), px(12), px(16), px(14)), tabs_, Space{px(8)}, buttons);
 }
 
 void PreferencesDialog::fillShortcuts() {

@@ -11,17 +11,14 @@
 #include <algorithm>
 
 #include "ui/widgets/appearance.h"
+#include "ui/widgets/layouts.h"
 
 namespace imomushi {
 
 RecoveryDialog::RecoveryDialog(const QList<Autosave::Found>& found, QWidget* parent) : QDialog(parent) {
     setWindowTitle(tr("Unsaved work"));
-    auto* column = new QVBoxLayout(this);
-    column->setContentsMargins(px(22), px(20), px(22), px(18));
-    column->setSpacing(px(14));
     auto* question = new QLabel(tr("Imomushi ended before this was saved. Take it up where it was?"), this);
     question->setWordWrap(true);
-    column->addWidget(question);
 
     list_ = new QListWidget(this);
     list_->setAccessibleName(tr("Unsaved work"));
@@ -39,7 +36,6 @@ RecoveryDialog::RecoveryDialog(const QList<Autosave::Found>& found, QWidget* par
     list_->setSizeAdjustPolicy(QAbstractScrollArea::AdjustToContents);
     list_->setMinimumSize(px(380), px(std::min(16 + 44 * int(found.size()), 300)));
     connect(list_, &QListWidget::itemActivated, this, &QDialog::accept);
-    column->addWidget(list_);
 
     auto* row = new QHBoxLayout;
     auto* throwAway = new QPushButton(tr("Delete"), this);
@@ -47,11 +43,8 @@ RecoveryDialog::RecoveryDialog(const QList<Autosave::Found>& found, QWidget* par
     auto* recover = new QPushButton(tr("Recover"), this);
     recover->setDefault(true);
     for (auto* button : {throwAway, later}) button->setAutoDefault(false);
-    row->addWidget(throwAway);
-    row->addStretch();
-    row->addWidget(later);
-    row->addWidget(recover);
-    column->addLayout(row);
+    fill(row, throwAway, Stretch{}, later, recover);
+    fill(new QVBoxLayout(this), QMargins(px(22), px(20), px(22), px(18)), Spacing{px(14)}, question, list_, row);
     connect(recover, &QPushButton::clicked, this, &QDialog::accept);
     connect(later, &QPushButton::clicked, this, &QDialog::reject);
     connect(throwAway, &QPushButton::clicked, this, [this, found] {

@@ -10,19 +10,16 @@
 #include <QVBoxLayout>
 
 #include "ui/widgets/appearance.h"
+#include "ui/widgets/layouts.h"
 
 namespace imomushi {
 
 VersionsDialog::VersionsDialog(const std::vector<ProjectVersion>& versions, const QString& project, QWidget* parent) : QDialog(parent) {
     setWindowTitle(tr("Versions of “%1”").arg(project));
-    auto* column = new QVBoxLayout(this);
-    column->setContentsMargins(px(22), px(20), px(22), px(18));
-    column->setSpacing(px(14));
     auto* text = new QLabel(versions.empty() ? tr("A version is kept whenever a saved project is saved again. There is none yet.")
                                              : tr("As it was saved. A version opens as an unsaved copy; the project stays as it is."),
                             this);
     text->setWordWrap(true);
-    column->addWidget(text);
 
     list_ = new QListWidget(this);
     list_->setAccessibleName(tr("Versions"));
@@ -34,7 +31,6 @@ VersionsDialog::VersionsDialog(const std::vector<ProjectVersion>& versions, cons
     list_->setMinimumSize(px(380), px(std::min(16 + 44 * int(versions.size()), 300)));
     list_->setVisible(!versions.empty());
     connect(list_, &QListWidget::itemActivated, this, &QDialog::accept);
-    column->addWidget(list_);
 
     auto* row = new QHBoxLayout;
     auto* close = new QPushButton(tr("Cancel"), this);
@@ -42,10 +38,8 @@ VersionsDialog::VersionsDialog(const std::vector<ProjectVersion>& versions, cons
     open->setEnabled(!versions.empty());
     open->setDefault(true);
     close->setAutoDefault(false);
-    row->addStretch();
-    row->addWidget(close);
-    row->addWidget(open);
-    column->addLayout(row);
+    fill(row, Stretch{}, close, open);
+    fill(new QVBoxLayout(this), QMargins(px(22), px(20), px(22), px(18)), Spacing{px(14)}, text, list_, row);
     connect(open, &QPushButton::clicked, this, &QDialog::accept);
     connect(close, &QPushButton::clicked, this, &QDialog::reject);
 }

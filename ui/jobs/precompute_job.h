@@ -2,7 +2,6 @@
 #pragma once
 
 #include <QString>
-#include <vector>
 
 #include "ui/jobs/background_job.h"
 #include "ui/models/studio_document.h"

@@ -19,6 +19,7 @@
 #include "ui/models/texts.h"
 #include "ui/widgets/appearance.h"
 #include "ui/widgets/figure_label.h"
+#include "ui/widgets/layouts.h"
 #include "ui/widgets/switch.h"
 
 namespace imomushi {
@@ -136,25 +137,14 @@ void EffectsPanel::rebuild() {
     auto* body = new QWidget;
     usePanelBackground(body);
     setAccessibleName(tr("Effects"));
-    auto* all = new QVBoxLayout(body);
-    all->setContentsMargins(px(14), px(12), px(12), px(14));
-    all->setSpacing(px(4));
+    auto* all = fill(new QVBoxLayout(body), QMargins(px(14), px(12), px(12), px(14)), Spacing{px(4)});
 
-    auto* head = new QHBoxLayout;
-    auto* title = new QLabel(tr("All effects"), body);
-    title->setProperty("role", "section");
-    sum_ = new FigureLabel(body);
-    sum_->setObjectName(QStringLiteral("effectSum"));
+    auto* title = styled(new QLabel(tr("All effects"), body), "section");
+    sum_ = named(new FigureLabel(body), "effectSum");
     sum_->setToolTip(tr("Processor time of what is on, of a whole frame without drawing. Nothing is computed while everything rests."));
-    head->addWidget(title);
-    head->addStretch(1);
-    head->addWidget(sum_);
-    all->addLayout(head);
-    auto* rule = new QFrame(body);
-    rule->setObjectName(QStringLiteral("rule"));
-    all->addSpacing(px(2));
-    all->addWidget(rule);
-    all->addSpacing(px(2));
+    all->addLayout(fill(new QHBoxLayout, title, Stretch{}, sum_));
+    auto* rule = named(new QFrame(body), "rule");
+    fill(all, Space{px(2)}, rule, Space{px(2)});
 
     for (std::size_t k = 0; k < kEffects; ++k) {
         const auto effect = EffectKind(k);
@@ -167,8 +157,6 @@ void EffectsPanel::rebuild() {
         r.layout = new QVBoxLayout(holder);
         r.layout->setContentsMargins(0, px(3), 0, px(3));
         r.layout->setSpacing(px(3));
-        auto* line = new QHBoxLayout;
-        line->setSpacing(px(9));
         r.button = new Switch(holder);
         r.button->setObjectName(name);
         r.button->setAccessibleName(effectTitle(effect));
@@ -176,24 +164,17 @@ void EffectsPanel::rebuild() {
         auto* text = new QLabel(effectTitle(effect), holder);
         r.price = new FigureLabel(holder);
         for (QWidget* w : {static_cast<QWidget*>(r.button), static_cast<QWidget*>(text)}) w->setToolTip(effectHelp(effect));
-        line->addWidget(r.button);
-        line->addWidget(text);
-        line->addStretch(1);
-        line->addWidget(r.price);
-        r.layout->addLayout(line);
+        r.layout->addLayout(fill(new QHBoxLayout, Spacing{px(9)}, r.button, text, Stretch{}, r.price));
 
         r.needs = new QWidget(holder);
         auto* needs = new QHBoxLayout(r.needs);
         needs->setContentsMargins(r.button->sizeHint().width() + px(9), 0, 0, 0);
-        r.needsText = new QLabel(r.needs);
-        r.needsText->setProperty("role", "muted");
+        r.needsText = styled(new QLabel(r.needs), "muted");
         auto* button = new QPushButton(r.needs);
         button->setProperty("flat", true);
         connect(button, &QPushButton::clicked, this, &EffectsPanel::precomputeWanted);
         r.precompute = button;
-        needs->addWidget(r.needsText);
-        needs->addWidget(button);
-        needs->addStretch(1);
+        fill(needs, r.needsText, button, Stretch{});
         r.needs->hide();
         r.layout->addWidget(r.needs);
         all->addWidget(holder);
@@ -288,8 +269,7 @@ void EffectsPanel::buildSettings(EffectKind effect) {
 }
 
 void EffectsPanel::addAutomatic(Row& r, QGridLayout& grid, EffectKind effect) {
-    auto* box = new QCheckBox(tr("Only where a pose calls for it"), r.settings);
-    box->setObjectName(QStringLiteral("automatic"));
+    auto* box = named(new QCheckBox(tr("Only where a pose calls for it"), r.settings), "automatic");
     box->setToolTip(tr("Comes by itself, element by element, before anything folds, and costs nothing meanwhile."));
     grid.addWidget(box, grid.rowCount(), 0, 1, 2);
     connect(box, &QCheckBox::clicked, this, [this, effect](bool automatic) {
@@ -307,25 +287,18 @@ void EffectsPanel::addAutomatic(Row& r, QGridLayout& grid, EffectKind effect) {
 
 void EffectsPanel::buildOffer(EffectKind effect) {
     Row& r = row(effect);
-    r.offer = new QWidget(r.layout->parentWidget());
-    r.offer->setObjectName(QStringLiteral("offer"));
+    r.offer = named(new QWidget(r.layout->parentWidget()), "offer");
     auto* all = new QVBoxLayout(r.offer);
-    all->setContentsMargins(r.button->sizeHint().width() + px(9), 0, 0, px(4));
-    all->setSpacing(px(4));
+    fill(all, QMargins(r.button->sizeHint().width() + px(9), 0, 0, px(4)), Spacing{px(4)});
     r.offerText = new QLabel(r.offer);
     r.offerText->setWordWrap(true);
-    auto* dismiss = new QToolButton(r.offer);
-    dismiss->setObjectName(QStringLiteral("dismiss"));
+    auto* dismiss = named(new QToolButton(r.offer), "dismiss");
     dismiss->setText(QStringLiteral("✕"));
     dismiss->setAutoRaise(true);
     dismiss->setAccessibleName(tr("Not now"));
     dismiss->setToolTip(tr("Not now"));
-    auto* said = new QHBoxLayout;
-    said->addWidget(r.offerText, 1);
-    said->addWidget(dismiss, 0, Qt::AlignTop);
-    all->addLayout(said);
-    auto* line = new QHBoxLayout;
-    line->setSpacing(px(6));
+    all->addLayout(fill(new QHBoxLayout, Share{r.offerText, 1}, Share{dismiss, 0, Qt::AlignTop}));
+    auto* line = fill(new QHBoxLayout, Spacing{px(6)});
     const bool automatic = effectDescriptor(effect).canBeAutomatic;
     r.take = new QPushButton(tr("Turn on"), r.offer);
     r.take->setToolTip(automatic ? tr("Turns it on only where a pose calls for it.") : effectHelp(effect));
@@ -379,8 +352,7 @@ void EffectsPanel::addNumber(Row& r, QGridLayout& grid, EffectKind effect, const
     static constexpr const char* kAxes[] = {"X", "Y", "Z"};
     QString title = effectPropertyTitle(property);
     if (property.size > 1) title += QStringLiteral(" %1").arg(QLatin1String(kAxes[part]));
-    auto* label = new QLabel(title, r.settings);
-    label->setProperty("role", "muted");
+    auto* label = styled(new QLabel(title, r.settings), "muted");
     auto* field = new NumberField(specOf(effect, property, part), r.settings);
     field->setObjectName(QString::fromUtf8(property.name.data(), qsizetype(property.name.size())));
     field->setAccessibleName(title);
@@ -410,8 +382,7 @@ void EffectsPanel::addNumber(Row& r, QGridLayout& grid, EffectKind effect, const
 }
 
 void EffectsPanel::addElements(Row& r, QGridLayout& grid, EffectKind effect) {
-    auto* label = new QLabel(tr("Works on"), r.settings);
-    label->setProperty("role", "muted");
+    auto* label = styled(new QLabel(tr("Works on"), r.settings), "muted");
     auto* button = new QPushButton(r.settings);
     button->setProperty("field", true);
     button->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Fixed);

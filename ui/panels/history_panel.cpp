@@ -8,6 +8,7 @@
 #include <QVBoxLayout>
 
 #include "ui/widgets/appearance.h"
+#include "ui/widgets/layouts.h"
 
 namespace imomushi {
 namespace {
@@ -47,9 +48,7 @@ HistoryPanel::HistoryPanel(StudioDocument& document, QWidget* parent) : QWidget(
     list_->setUniformItemSizes(true);
     list_->setAccessibleName(tr("History"));
     usePanelBackground(this);
-    auto* layout = new QVBoxLayout(this);
-    layout->setContentsMargins(8, 8, 6, 6);
-    layout->addWidget(list_);
+    fill(new QVBoxLayout(this), QMargins(8, 8, 6, 6), list_);
     connect(list_, &QListView::clicked, this, [this](const QModelIndex& index) { model_->goTo(index.row()); });
     connect(list_, &QListView::activated, this, [this](const QModelIndex& index) { model_->goTo(index.row()); });
     connect(model_, &HistoryModel::positionChanged, this, [this] {

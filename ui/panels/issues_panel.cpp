@@ -8,6 +8,7 @@
 #include <QPushButton>
 #include <QVBoxLayout>
 
+#include "ui/widgets/layouts.h"
 #include "ui/widgets/line_delegate.h"
 
 namespace imomushi {
@@ -30,18 +31,12 @@ IssuesPanel::IssuesPanel(StudioDocument& document, QWidget* parent) : QWidget(pa
     list_->setModel(model_);
     list_->setMouseTracking(true);
     list_->setItemDelegate(new LineDelegate({IssueModel::IconRole, IssueModel::DetailRole, true, IssueModel::RoomRole}, styleBySeverity, list_));
-    empty_ = new QLabel(this);
-    empty_->setProperty("role", "muted");
+    empty_ = styled(new QLabel(this), "muted");
     empty_->setAlignment(Qt::AlignCenter);
     empty_->setWordWrap(true);
     usePanelBackground(this);
-    auto* layout = new QVBoxLayout(this);
-    layout->setContentsMargins(8, 8, 6, 6);
-    layout->addWidget(list_);
-    layout->addWidget(empty_, 1);
-    all_ = new QPushButton(this);
-    all_->setObjectName(QStringLiteral("repairAll"));
-    layout->addWidget(all_);
+    all_ = named(new QPushButton(this), "repairAll");
+    fill(new QVBoxLayout(this), QMargins(8, 8, 6, 6), list_, Share{empty_, 1}, all_);
     connect(all_, &QPushButton::clicked, this, [this] { repair(model_->repairAll()); });
     const auto choose = [this, &document](const QModelIndex& index) {
         if (const PartId character = model_->character(index)) {
@@ -95,9 +90,7 @@ void IssuesPanel::addButtons() {
         button->setProperty("small", true);
         button->setToolTip(index.data(Qt::ToolTipRole).toString());
         button->setAccessibleName(QStringLiteral("%1 — %2").arg(button->text(), index.data().toString()));
-        auto* line = new QHBoxLayout(place);
-        line->setContentsMargins(0, 0, px(6), px(3));
-        line->addWidget(button, 1, Qt::AlignRight | Qt::AlignBottom);
+        fill(new QHBoxLayout(place), QMargins(0, 0, px(6), px(3)), Share{button, 1, Qt::AlignRight | Qt::AlignBottom});
         model_->setRoom(index, button->sizeHint().width() + px(14));
         list_->setIndexWidget(index, place);
         connect(button, &QPushButton::clicked, this, [this, command] { repair({*command}); });

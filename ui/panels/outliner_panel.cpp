@@ -11,6 +11,7 @@
 #include <functional>
 
 #include "ui/widgets/appearance.h"
+#include "ui/widgets/layouts.h"
 #include "ui/widgets/line_delegate.h"
 
 namespace imomushi {
@@ -55,11 +56,7 @@ OutlinerPanel::OutlinerPanel(StudioDocument& document, QWidget* parent) : QWidge
     tree_->header()->setSectionResizeMode(OutlinerModel::Name, QHeaderView::Stretch);
     for (int c = OutlinerModel::State; c < OutlinerModel::kColumns; ++c) tree_->header()->setSectionResizeMode(c, QHeaderView::Fixed);
 
-    auto* layout = new QVBoxLayout(this);
-    layout->setContentsMargins(10, 8, 6, 6);
-    layout->setSpacing(8);
-    layout->addWidget(search_);
-    layout->addWidget(tree_);
+    fill(new QVBoxLayout(this), QMargins(10, 8, 6, 6), Spacing{8}, search_, tree_);
 
     connect(search_, &QLineEdit::textChanged, this, [this](const QString& text) {
         filter_->setFilterFixedString(text);

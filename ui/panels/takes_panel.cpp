@@ -16,6 +16,7 @@
 #include "ui/panels/time_bar.h"
 #include "ui/widgets/action_set.h"
 #include "ui/widgets/appearance.h"
+#include "ui/widgets/layouts.h"
 #include "ui/widgets/line_delegate.h"
 
 namespace imomushi {
@@ -24,8 +25,7 @@ TakesPanel::TakesPanel(StudioDocument& document, TakeDeck& deck, ActionSet& acti
     : QWidget(parent), document_(document), deck_(deck), actions_(actions) {
     usePanelBackground(this);
     model_ = new TakeModel(document, this);
-    record_ = new QPushButton(this);
-    record_->setObjectName(QStringLiteral("recordButton"));
+    record_ = named(new QPushButton(this), "recordButton");
     record_->setFocusPolicy(Qt::TabFocus);
     connect(record_, &QPushButton::clicked, actions["record"], &QAction::trigger);
     connect(actions["record"], &QAction::changed, this, [this] { record_->setEnabled(actions_["record"]->isEnabled()); });
@@ -59,13 +59,11 @@ TakesPanel::TakesPanel(StudioDocument& document, TakeDeck& deck, ActionSet& acti
         follow();
     });
 
-    empty_ = new QLabel(this);
-    empty_->setProperty("role", "muted");
+    empty_ = styled(new QLabel(this), "muted");
     empty_->setWordWrap(true);
     empty_->setAlignment(Qt::AlignLeft | Qt::AlignTop);
 
-    clips_ = new QToolButton(this);
-    clips_->setObjectName(QStringLiteral("fromClip"));
+    clips_ = named(new QToolButton(this), "fromClip");
     clips_->setDefaultAction(actions["take-clip"]);
     clips_->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
     clips_->setFocusPolicy(Qt::TabFocus);
@@ -73,20 +71,15 @@ TakesPanel::TakesPanel(StudioDocument& document, TakeDeck& deck, ActionSet& acti
     connect(actions["take-clip"], &QAction::changed, this, &TakesPanel::showClips);
 
     transport_ = new QWidget(this);
-    auto* buttons = new QHBoxLayout(transport_);
-    buttons->setContentsMargins(0, 0, 0, 0);
-    buttons->setSpacing(2);
+    auto* buttons = fill(new QHBoxLayout(transport_), QMargins(0, 0, 0, 0), Spacing{2});
     for (const char* action : {"take-back", "play", "take-forward", "loop"}) button(action, buttons);
     buttons->addSpacing(10);
     for (const char* action : {"mark-in", "mark-out", "trim-take"}) button(action, buttons);
     moreClips_ = button("take-clip", buttons);
     clock_ = new QLabel(this);
-    buttons->addSpacing(10);
-    buttons->addWidget(clock_);
-    note_ = new QLabel(this);
-    note_->setProperty("role", "warning");
-    buttons->addSpacing(10);
-    buttons->addWidget(note_, 1);
+    fill(buttons, Space{10}, clock_);
+    note_ = styled(new QLabel(this), "warning");
+    fill(buttons, Space{10}, Share{note_, 1});
     live_ = button("leave-take", buttons);
     live_->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
     live_->setProperty("small", true);
@@ -98,35 +91,16 @@ TakesPanel::TakesPanel(StudioDocument& document, TakeDeck& deck, ActionSet& acti
     connect(bar_, &TimeBar::spanWanted, &deck_, &TakeDeck::setSpan);
 
     takeButtons_ = new QWidget(this);
-    auto* takeRow = new QHBoxLayout(takeButtons_);
-    takeRow->setContentsMargins(0, 0, 0, 0);
-    takeRow->setSpacing(2);
+    auto* takeRow = fill(new QHBoxLayout(takeButtons_), QMargins(0, 0, 0, 0), Spacing{2});
     for (const char* action : {"rename-take", "duplicate-take", "remove-take"}) button(action, takeRow);
-    auto* recordRow = new QHBoxLayout;
-    recordRow->setSpacing(2);
-    recordRow->addWidget(record_, 1);
-    recordRow->addSpacing(4);
+    auto* recordRow = fill(new QHBoxLayout, Spacing{2}, Share{record_, 1}, Space{4});
     button("count-in", recordRow);
     recordRow->addWidget(takeButtons_);
     left_ = new QWidget(this);
-    auto* left = new QVBoxLayout(left_);
-    left->setContentsMargins(0, 0, 0, 0);
-    left->setSpacing(6);
-    left->addLayout(recordRow);
-    left->addWidget(list_, 1);
+    auto* left = fill(new QVBoxLayout(left_), QMargins(0, 0, 0, 0), Spacing{6}, recordRow, Share{list_, 1});
     left->addStretch();  // the button stays where it is while there is no list
-    auto* right = new QVBoxLayout;
-    right->setSpacing(4);
-    right->addWidget(empty_);
-    right->addWidget(clips_, 0, Qt::AlignLeft);
-    right->addWidget(transport_);
-    right->addStretch();
-    right->addWidget(bar_);
-    auto* layout = new QHBoxLayout(this);
-    layout->setContentsMargins(10, 8, 12, 8);
-    layout->setSpacing(14);
-    layout->addWidget(left_);
-    layout->addLayout(right, 1);
+    auto* right = fill(new QVBoxLayout, Spacing{4}, empty_, Share{clips_, 0, Qt::AlignLeft}, transport_, Stretch{}, bar_);
+    fill(new QHBoxLayout(this), QMargins(10, 8, 12, 8), Spacing{14}, left_, Share{right, 1});
 
     connect(&deck_, &TakeDeck::changed, this, &TakesPanel::follow);
     connect(&document_, &StudioDocument::structureChanged, this, &TakesPanel::follow);

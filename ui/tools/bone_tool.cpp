@@ -2,7 +2,6 @@
 #include "ui/tools/bone_tool.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "ui/models/commands.h"
 #include "ui/models/paths.h"

@@ -7,10 +7,8 @@
 #include <Qt>
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <memory>
 #include <optional>
-#include <vector>
 
 #include "ui/models/studio_document.h"
 #include "ui/render/scene.h"

@@ -2,7 +2,6 @@
 #include "ui/tools/touch_tool.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/base/finite.h"
 #include "ui/models/commands.h"

@@ -4,7 +4,6 @@
 #include <QEvent>
 #include <QMouseEvent>
 #include <QPainter>
-#include <algorithm>
 #include <cmath>
 
 #include "core/base/colour.h"

@@ -2,9 +2,7 @@
 #include "ui/window/command_search.h"
 
 #include <QEvent>
-#include <QHBoxLayout>
 #include <QKeyEvent>
-#include <QLabel>
 #include <QLineEdit>
 #include <QListWidget>
 #include <QPainter>
@@ -14,6 +12,7 @@
 
 #include "ui/widgets/action_set.h"
 #include "ui/widgets/appearance.h"
+#include "ui/widgets/layouts.h"
 
 namespace imomushi {
 namespace {
@@ -68,20 +67,14 @@ CommandSearch::CommandSearch(const QList<QAction*>& actions, QWidget* window) : 
     line_->setAccessibleName(tr("Search commands"));
     line_->addAction(themedIcon(QStringLiteral("search"), Appearance::Role::Muted), QLineEdit::LeadingPosition);
     line_->installEventFilter(this);
-    auto* rule = new QFrame(this);
-    rule->setObjectName(QStringLiteral("rule"));
+    auto* rule = named(new QFrame(this), "rule");
     list_ = new QListWidget(this);
     list_->setItemDelegate(new ActionDelegate(list_));
     list_->setUniformItemSizes(true);
     list_->setFocusPolicy(Qt::NoFocus);
     list_->setMouseTracking(true);
     list_->setAccessibleName(tr("Commands"));
-    auto* inside = new QVBoxLayout(this);
-    inside->setContentsMargins(px(8), px(6), px(8), px(8));
-    inside->setSpacing(px(6));
-    inside->addWidget(line_);
-    inside->addWidget(rule);
-    inside->addWidget(list_);
+    imomushi::fill(new QVBoxLayout(this), QMargins(px(8), px(6), px(8), px(8)), Spacing{px(6)}, line_, rule, list_);
     connect(line_, &QLineEdit::textChanged, this, &CommandSearch::fill);
     connect(list_, &QListWidget::itemClicked, this, &CommandSearch::run);
     resize(px(560), px(420));

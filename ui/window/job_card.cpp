@@ -11,14 +11,14 @@
 #include "ui/jobs/background_job.h"
 #include "ui/jobs/progress_text.h"
 #include "ui/widgets/appearance.h"
+#include "ui/widgets/layouts.h"
 
 namespace imomushi {
 
 JobCard::JobCard(QWidget* parent) : QFrame(parent) {
     setObjectName(QStringLiteral("card"));
     title_ = new QLabel(this);
-    detail_ = new QLabel(this);
-    detail_->setProperty("role", "muted");
+    detail_ = styled(new QLabel(this), "muted");
     bar_ = new QProgressBar(this);
     bar_->setTextVisible(false);
     bar_->setRange(0, 1000);
@@ -27,15 +27,8 @@ JobCard::JobCard(QWidget* parent) : QFrame(parent) {
     cancel_->setIcon(themedIcon(QStringLiteral("close"), Appearance::Role::Text));
     cancel_->setToolTip(tr("Cancel"));
     cancel_->setAccessibleName(tr("Cancel"));
-    auto* top = new QHBoxLayout;
-    top->addWidget(title_, 1);
-    top->addWidget(detail_);
-    top->addWidget(cancel_);
-    auto* layout = new QVBoxLayout(this);
-    layout->setContentsMargins(px(14), px(8), px(10), px(12));
-    layout->setSpacing(px(7));
-    layout->addLayout(top);
-    layout->addWidget(bar_);
+    auto* top = fill(new QHBoxLayout, Share{title_, 1}, detail_, cancel_);
+    fill(new QVBoxLayout(this), QMargins(px(14), px(8), px(10), px(12)), Spacing{px(7)}, top, bar_);
     setMinimumWidth(px(380));
     hide();
 }

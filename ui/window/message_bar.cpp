@@ -8,6 +8,7 @@
 #include <QToolButton>
 
 #include "ui/widgets/appearance.h"
+#include "ui/widgets/layouts.h"
 
 namespace imomushi {
 
@@ -18,21 +19,14 @@ MessageBar::MessageBar(QWidget* parent) : QFrame(parent) {
     text_->setWordWrap(true);
     text_->setTextInteractionFlags(Qt::TextSelectableByMouse);
     text_->setMinimumWidth(px(300));
-    action_ = new QPushButton(this);
-    action_->setObjectName(QStringLiteral("offer"));
+    action_ = named(new QPushButton(this), "offer");
     action_->hide();
     close_ = new QToolButton(this);
     close_->setProperty("small", true);
     close_->setIcon(themedIcon(QStringLiteral("close"), Appearance::Role::Muted));
     close_->setToolTip(tr("Close"));
     close_->setAccessibleName(tr("Close"));
-    auto* layout = new QHBoxLayout(this);
-    layout->setContentsMargins(px(14), px(9), px(8), px(9));
-    layout->setSpacing(px(10));
-    layout->addWidget(icon_);
-    layout->addWidget(text_, 1);
-    layout->addWidget(action_);
-    layout->addWidget(close_);
+    fill(new QHBoxLayout(this), QMargins(px(14), px(9), px(8), px(9)), Spacing{px(10)}, icon_, Share{text_, 1}, action_, close_);
     connect(action_, &QPushButton::clicked, this, [this] {
         hide();
         if (act_) act_();

@@ -19,6 +19,7 @@
 
 #include "ui/models/recent_files.h"
 #include "ui/widgets/appearance.h"
+#include "ui/widgets/layouts.h"
 
 namespace imomushi {
 namespace {
@@ -144,16 +145,11 @@ private:
 class DropPlace : public QWidget {
 public:
     explicit DropPlace(QWidget* parent) : QWidget(parent) {
-        auto* row = new QHBoxLayout(this);
-        row->setContentsMargins(px(16), px(9), px(16), px(9));
-        row->setSpacing(px(10));
         auto* sign = new QLabel(this);
         sign->setPixmap(themedIcon(QStringLiteral("import"), Appearance::Role::Muted).pixmap(QSize(px(20), px(20)), devicePixelRatioF()));
-        auto* text = new QLabel(StartPage::tr("Or drop meshes (OBJ, PLY, STL, glTF, FBX, DAE) and projects anywhere on this window."), this);
-        text->setProperty("role", "muted");
+        auto* text = styled(new QLabel(StartPage::tr("Or drop meshes (OBJ, PLY, STL, glTF, FBX, DAE) and projects anywhere on this window."), this), "muted");
         text->setWordWrap(true);
-        row->addWidget(sign);
-        row->addWidget(text, 1);
+        fill(new QHBoxLayout(this), QMargins(px(16), px(9), px(16), px(9)), Spacing{px(10)}, sign, Share{text, 1});
     }
     void setLit(bool lit) {
         lit_ = lit;
@@ -200,13 +196,11 @@ QString sampleTitle(const QString& name) {
 StartPage::StartPage(RecentFiles& recent, QWidget* parent) : QWidget(parent), recent_(recent) {
     setObjectName(QStringLiteral("startPage"));
     setAttribute(Qt::WA_StyledBackground);
-    auto* layout = new QVBoxLayout(this);
-    layout->setContentsMargins(0, 0, 0, 0);
     auto* scroll = new QScrollArea(this);
     scroll->setWidgetResizable(true);
     scroll->setFrameShape(QFrame::NoFrame);
     scroll->setObjectName(QStringLiteral("startScroll"));
-    layout->addWidget(scroll);
+    fill(new QVBoxLayout(this), QMargins(0, 0, 0, 0), scroll);
     connect(&recent, &RecentFiles::changed, this, [this] {
         if (isVisible()) rebuild();
     });
@@ -240,36 +234,21 @@ int StartPage::columnsThatFit() const {
 void StartPage::rebuild() {
     columns_ = columnsThatFit();
     auto* scroll = findChild<QScrollArea*>(QStringLiteral("startScroll"));
-    content_ = new QWidget;
-    content_->setObjectName(QStringLiteral("startPage"));
+    content_ = named(new QWidget, "startPage");
     content_->setAttribute(Qt::WA_StyledBackground);
-    auto* outer = new QHBoxLayout(content_);
-    outer->setContentsMargins(px(48), px(44), px(48), px(36));
     auto* column = new QWidget(content_);
     column->setFixedWidth(columns_ * px(kTileWidth) + (columns_ - 1) * px(kGap));
-    outer->addStretch(1);
-    outer->addWidget(column);
-    outer->addStretch(1);
-    auto* layout = new QVBoxLayout(column);
-    layout->setContentsMargins(0, 0, 0, 0);
-    layout->setSpacing(px(14));
+    fill(new QHBoxLayout(content_), QMargins(px(48), px(44), px(48), px(36)), Stretch{}, column, Stretch{});
+    auto* layout = fill(new QVBoxLayout(column), QMargins(0, 0, 0, 0), Spacing{px(14)});
 
-    auto* head = new QHBoxLayout;
-    head->setSpacing(px(16));
     auto* logo = new QLabel(column);
     logo->setPixmap(QIcon(QStringLiteral(":/icons/imomushi.svg")).pixmap(QSize(px(60), px(60)), devicePixelRatioF()));
-    auto* titles = new QVBoxLayout;
-    titles->setSpacing(px(1));
-    auto* title = new QLabel(QStringLiteral("Imomushi"), column);
-    title->setProperty("role", "huge");
-    auto* line = new QLabel(tr("Soft characters that bend, stretch and squash as you drag them"), column);
-    line->setProperty("role", "muted");
-    titles->addWidget(title);
-    titles->addWidget(line);
-    head->addWidget(logo);
-    head->addLayout(titles, 1);
-    layout->addLayout(head);
-    layout->addSpacing(px(10));
+    auto* titles = fill(new QVBoxLayout, Spacing{px(1)});
+    auto* title = styled(new QLabel(QStringLiteral("Imomushi"), column), "huge");
+    auto* line = styled(new QLabel(tr("Soft characters that bend, stretch and squash as you drag them"), column), "muted");
+    fill(titles, title, line);
+    auto* head = fill(new QHBoxLayout, Spacing{px(16)}, logo, Share{titles, 1});
+    fill(layout, head, Space{px(10)});
 
     const QList<Sample> all = samples();
     auto* ways = new QBoxLayout(columns_ < kFewestColumns ? QBoxLayout::TopToBottom : QBoxLayout::LeftToRight);
@@ -291,8 +270,7 @@ void StartPage::rebuild() {
 
     auto* drop = new DropPlace(column);
     drop_ = drop;
-    auto* buttons = new QHBoxLayout;
-    buttons->setSpacing(px(10));
+    auto* buttons = fill(new QHBoxLayout, Spacing{px(10)});
     const auto button = [&](const QString& icon, const QString& text, auto signal) {
         auto* b = new QPushButton(themedIcon(icon), text, column);
         b->setIconSize(QSize(px(18), px(18)));
@@ -305,10 +283,8 @@ void StartPage::rebuild() {
     layout->addLayout(buttons);
 
     const auto group = [&](const QString& name) {
-        auto* label = new QLabel(name, column);
-        label->setProperty("role", "title");
-        layout->addSpacing(px(16));
-        layout->addWidget(label);
+        auto* label = styled(new QLabel(name, column), "title");
+        fill(layout, Space{px(16)}, label);
         auto* grid = new QGridLayout;
         grid->setSpacing(px(kGap));
         grid->setAlignment(Qt::AlignLeft | Qt::AlignTop);

@@ -11,6 +11,7 @@
 #include "ui/models/texts.h"
 #include "ui/widgets/appearance.h"
 #include "ui/widgets/elided_label.h"
+#include "ui/widgets/layouts.h"
 
 namespace imomushi {
 namespace {
@@ -25,8 +26,7 @@ StatusStrip::StatusStrip(StudioDocument& document, std::function<std::optional<P
     hint_ = new ElidedLabel(this);
     state_ = new QToolButton(this);
     state_->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
-    warning_ = new QToolButton(this);
-    warning_->setObjectName(QStringLiteral("frameWarning"));
+    warning_ = named(new QToolButton(this), "frameWarning");
     warning_->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
     warning_->setFocusPolicy(Qt::NoFocus);
     warning_->hide();
@@ -34,13 +34,7 @@ StatusStrip::StatusStrip(StudioDocument& document, std::function<std::optional<P
     ms_ = new QLabel(this);
     fps_ = new QLabel(this);
     for (QLabel* label : {vertices_, ms_, fps_}) label->setAlignment(Qt::AlignRight | Qt::AlignVCenter);
-    auto* layout = new QHBoxLayout(this);
-    layout->setContentsMargins(12, 3, 14, 4);
-    layout->setSpacing(8);
-    layout->addWidget(mouse_);
-    layout->addWidget(hint_, 1);
-    layout->addWidget(warning_);
-    layout->addWidget(state_);
+    auto* layout = fill(new QHBoxLayout(this), QMargins(12, 3, 14, 4), Spacing{8}, mouse_, Share{hint_, 1}, warning_, state_);
     for (QLabel* label : {vertices_, ms_, fps_}) layout->addWidget(label);
     connect(state_, &QToolButton::clicked, this, &StatusStrip::precomputeWanted);
     const auto soon = [this] {

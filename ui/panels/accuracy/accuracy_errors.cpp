@@ -14,6 +14,7 @@
 #include "ui/panels/accuracy/accuracy_body.h"
 #include "ui/panels/accuracy/accuracy_texts.h"
 #include "ui/widgets/appearance.h"
+#include "ui/widgets/layouts.h"
 
 namespace imomushi {
 namespace {
@@ -40,26 +41,16 @@ AccuracyBody::Part partOf(const TriangleMesh& mesh, const Points& shown, const P
 
 AccuracyErrors::AccuracyErrors(StudioDocument& document, QWidget* parent)
     : QWidget(parent), document_(document), job_(new PoseErrorJob(this)), cost_(new ReferenceCostJob(this)) {
-    auto* column = new QVBoxLayout(this);
-    column->setContentsMargins(0, px(4), 0, 0);
-    column->setSpacing(px(4));
     auto* line = new QHBoxLayout;
     label_ = new QLabel(this);
-    poses_ = new QComboBox(this);
-    poses_->setObjectName(QStringLiteral("accuracyPose"));
-    measure_ = new QPushButton(this);
-    measure_->setObjectName(QStringLiteral("accuracyPoseMeasure"));
-    line->addWidget(label_);
-    line->addWidget(poses_);
-    line->addWidget(measure_);
-    line->addStretch(1);
+    poses_ = named(new QComboBox(this), "accuracyPose");
+    measure_ = named(new QPushButton(this), "accuracyPoseMeasure");
+    fill(line, label_, poses_, measure_, Stretch{});
     text_ = new QLabel(this);
     text_->setWordWrap(true);
     text_->setProperty("role", "muted");
     body_ = new AccuracyBody(this);
-    column->addLayout(line);
-    column->addWidget(text_);
-    column->addWidget(body_, 1);
+    fill(new QVBoxLayout(this), QMargins(0, px(4), 0, 0), Spacing{px(4)}, line, text_, Share{body_, 1});
     for (auto [timer, ms] : {std::pair{&follow_, kFollowMs}, {&changed_, kChangedMs}}) {
         timer->setSingleShot(true);
         timer->setInterval(ms);

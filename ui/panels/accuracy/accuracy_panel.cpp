@@ -22,6 +22,7 @@
 #include "ui/panels/accuracy/accuracy_tables.h"
 #include "ui/panels/accuracy/accuracy_texts.h"
 #include "ui/widgets/appearance.h"
+#include "ui/widgets/layouts.h"
 
 namespace imomushi {
 namespace {
@@ -34,18 +35,11 @@ constexpr int kCostTab = 3;
 
 AccuracyPanel::AccuracyPanel(StudioDocument& document, FrameCostMeter& meter, QWidget* parent) : QWidget(parent), document_(document), job_(new AccuracyJob(this)) {
     usePanelBackground(this);
-    auto* all = new QHBoxLayout(this);
-    all->setContentsMargins(px(14), px(10), px(12), px(10));
-    all->setSpacing(px(14));
-
-    all->addWidget(makeControls());
-    frame_ = new AccuracyPlot(this);
-    frame_->setObjectName(QStringLiteral("accuracyPerFrame"));
-    precompute_ = new AccuracyPlot(this);
-    precompute_->setObjectName(QStringLiteral("accuracyPrecompute"));
-    all->addWidget(frame_, 5);
-    all->addWidget(precompute_, 5);
-    all->addWidget(makeTabs(meter), 7);
+    auto* controls = makeControls();
+    frame_ = named(new AccuracyPlot(this), "accuracyPerFrame");
+    precompute_ = named(new AccuracyPlot(this), "accuracyPrecompute");
+    fill(new QHBoxLayout(this), QMargins(px(14), px(10), px(12), px(10)), Spacing{px(14)}, controls, Share{frame_, 5},
+         Share{precompute_, 5}, Share{makeTabs(meter), 7});
     connectParts();
     retranslate();
 }
@@ -53,9 +47,7 @@ AccuracyPanel::AccuracyPanel(StudioDocument& document, FrameCostMeter& meter, QW
 QWidget* AccuracyPanel::makeControls() {
     auto* left = new QWidget(this);
     usePanelBackground(left);
-    auto* column = new QVBoxLayout(left);
-    column->setContentsMargins(0, 0, px(10), 0);
-    column->setSpacing(px(6));
+    auto* column = fill(new QVBoxLayout(left), QMargins(0, 0, px(10), 0), Spacing{px(6)});
     const auto label = [&](QVBoxLayout* into, const char* role) {
         auto* l = new QLabel(left);
         l->setWordWrap(true);
@@ -65,45 +57,30 @@ QWidget* AccuracyPanel::makeControls() {
     };
     title_ = label(column, "section");
     state_ = label(column, "muted");
-    auto* line = new QHBoxLayout;
-    measure_ = new QPushButton(left);
-    measure_->setObjectName(QStringLiteral("accuracyMeasure"));
+    measure_ = named(new QPushButton(left), "accuracyMeasure");
     progress_ = new QProgressBar(left);
     progress_->setRange(0, 1000);
     progress_->setTextVisible(false);
-    line->addWidget(measure_);
-    line->addWidget(progress_, 1);
-    column->addLayout(line);
-    auto* ends = new QHBoxLayout;
+    column->addLayout(fill(new QHBoxLayout, measure_, Share{progress_, 1}));
     faster_ = new QLabel(left);
     truer_ = new QLabel(left);
-    slider_ = new QSlider(Qt::Horizontal, left);
-    slider_->setObjectName(QStringLiteral("accuracySlider"));
+    slider_ = named(new QSlider(Qt::Horizontal, left), "accuracySlider");
     slider_->setPageStep(1);
     slider_->setTickPosition(QSlider::TicksBelow);
     slider_->setTickInterval(1);
-    ends->addWidget(faster_);
-    ends->addWidget(slider_, 1);
-    ends->addWidget(truer_);
-    column->addLayout(ends);
+    column->addLayout(fill(new QHBoxLayout, faster_, Share{slider_, 1}, truer_));
     chosenText_ = label(column, nullptr);
     chosenText_->setTextFormat(Qt::RichText);
-    apply_ = new QPushButton(left);
-    apply_->setObjectName(QStringLiteral("accuracyApply"));
+    apply_ = named(new QPushButton(left), "accuracyApply");
     column->addWidget(apply_);
-    auto* budget = new QHBoxLayout;
     budgetLabel_ = new QLabel(left);
-    budget_ = new QDoubleSpinBox(left);
-    budget_->setObjectName(QStringLiteral("accuracyBudget"));
+    budget_ = named(new QDoubleSpinBox(left), "accuracyBudget");
     budget_->setRange(0.001, 1000.0);
     budget_->setDecimals(3);
     budget_->setValue(1000.0 / 60.0);
     budget_->setSuffix(QStringLiteral(" ms"));
     budgetUse_ = new QPushButton(left);
-    budget->addWidget(budgetLabel_);
-    budget->addWidget(budget_, 1);
-    budget->addWidget(budgetUse_);
-    column->addLayout(budget);
+    column->addLayout(fill(new QHBoxLayout, budgetLabel_, Share{budget_, 1}, budgetUse_));
     budgetText_ = label(column, "muted");
     reference_ = label(column, "muted");
     column->addStretch(1);

@@ -7,7 +7,6 @@
 #include <QPainterPath>
 #include <QToolTip>
 #include <algorithm>
-#include <cmath>
 
 #include "ui/widgets/appearance.h"
 

@@ -5,7 +5,6 @@
 #include <QMouseEvent>
 #include <QPainter>
 #include <algorithm>
-#include <cmath>
 
 #include "core/character/smooth_joints_job.h"
 #include "ui/models/effect_texts.h"

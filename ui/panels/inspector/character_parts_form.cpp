@@ -11,7 +11,6 @@
 #include "core/mesh/bounds.h"
 #include "ui/models/paths.h"
 #include "ui/panels/inspector/inspector_forms.h"
-#include "ui/widgets/appearance.h"
 
 namespace imomushi {
 namespace {

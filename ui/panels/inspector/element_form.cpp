@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <QColorDialog>
-#include <QComboBox>
 #include <QCoreApplication>
-#include <QGridLayout>
 #include <QLocale>
 #include <QToolButton>
 #include <algorithm>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <QPushButton>
-#include <QVBoxLayout>
 
 #include "core/document/character_input.h"
 #include "ui/models/paths.h"
 #include "ui/panels/inspector/inspector_forms.h"
 #include "ui/tools/picking.h"
 #include "ui/widgets/appearance.h"
+#include "ui/widgets/layouts.h"
 
 namespace imomushi {
 
@@ -60,12 +60,9 @@ void EndpointForm::addTarget(const SelectionItem& item) {
 }
 
 void EndpointForm::addButtons(const SelectionItem& item) {
-    auto* buttons = new QHBoxLayout;
     auto* pin = new QPushButton(themedIcon(QStringLiteral("pin")), {}, this);
     auto* release = new QPushButton(themedIcon(QStringLiteral("release")), tr("Release"), this);
-    buttons->addWidget(pin);
-    buttons->addWidget(release);
-    sections_->addLayout(buttons);
+    sections_->addLayout(fill(new QHBoxLayout, pin, release));
     auto* turn = new QPushButton(tr("Hold orientation"), this);
     turn->setCheckable(true);
     turn->setToolTip(tr("The pin holds the direction of the bone, too."));

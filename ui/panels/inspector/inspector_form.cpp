@@ -10,6 +10,7 @@
 
 #include "ui/models/paths.h"
 #include "ui/widgets/appearance.h"
+#include "ui/widgets/layouts.h"
 
 namespace imomushi {
 
@@ -39,31 +40,22 @@ const Bone* InspectorForm::bone(const SelectionItem& item) const { return boneOf
 std::string InspectorForm::path(const SelectionItem& item) const { return pathOf(now(), item); }
 
 void InspectorForm::addHeading(const QString& icon, const Say& title, const QString& kind) {
-    auto* row = new QHBoxLayout;
-    row->setSpacing(px(10));
     auto* picture = new QLabel(this);
     picture->setPixmap(themedIcon(icon, Appearance::Role::Accent).pixmap(QSize(px(22), px(22)), devicePixelRatioF()));
-    auto* text = new QLabel(this);
-    text->setProperty("role", "title");
+    auto* text = styled(new QLabel(this), "title");
     text->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
-    auto* what = new QLabel(kind, this);
-    what->setProperty("role", "muted");
-    row->addWidget(picture);
-    row->addWidget(text, 1);
-    row->addWidget(what);
-    sections_->addLayout(row);
+    auto* what = styled(new QLabel(kind, this), "muted");
+    sections_->addLayout(fill(new QHBoxLayout, Spacing{px(10)}, picture, Share{text, 1}, what));
     follow([text, title] { text->setText(title()); });
     grid_ = nullptr;
 }
 
 void InspectorForm::addSection(const QString& title) {
     if (!title.isEmpty()) {
-        auto* rule = new QFrame(this);
-        rule->setObjectName(QStringLiteral("rule"));
+        auto* rule = named(new QFrame(this), "rule");
         sections_->addSpacing(px(4));
         sections_->addWidget(rule);
-        auto* label = new QLabel(title, this);
-        label->setProperty("role", "section");
+        auto* label = styled(new QLabel(title, this), "section");
         sections_->addWidget(label);
     }
     grid_ = new QGridLayout;
@@ -76,8 +68,7 @@ void InspectorForm::addSection(const QString& title) {
 
 void InspectorForm::addRow(const QString& label, QWidget* field) {
     if (!grid_) addSection();
-    auto* text = new QLabel(label, this);
-    text->setProperty("role", "muted");
+    auto* text = styled(new QLabel(label, this), "muted");
     text->setBuddy(field);
     field->setAccessibleName(label);
     field->setMinimumWidth(px(90));
