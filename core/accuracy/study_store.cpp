@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/accuracy/study_store.h"
 
-#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <iterator>

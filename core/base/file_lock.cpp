@@ -6,8 +6,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <utility>
-
 namespace imomushi {
 
 std::unique_ptr<FileLock> FileLock::take(const std::filesystem::path& path) {

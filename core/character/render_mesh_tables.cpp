@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include "core/base/union_find.h"
 #include "core/character/normal_stencils.h"
 #include "core/mesh/bounds.h"
 #include "core/mesh/topology.h"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/character/welded_surface.h"
 
-#include <algorithm>
 #include <limits>
 
 #include "core/base/union_find.h"

@@ -13,12 +13,10 @@
 #include "core/mesh/topology.h"
 #include "core/mesh/triangle_tree.h"
 #include "core/mesh/winding_number.h"
-#include "core/skeleton/bone_tree.h"
 
 namespace imomushi {
 
 namespace {
-
 
 /// Length of a ramp in diameters of the body at the joint: shorter ramps pinch in a bend, longer ones bend much of the limb.
 constexpr double kRampDiameters = 1.12;

@@ -4,7 +4,6 @@
 #include "core/dynamics/bone_springs.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 
 #include "core/dynamics/bone_dynamics.h"

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "core/dynamics/bone_dynamics.h"
-#include "core/skeleton/bone_tree.h"
 
 namespace imomushi {
 

@@ -19,7 +19,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <span>
 
 #include "core/base/parallel.h"
 #include "core/export/body_frames.h"

@@ -2,7 +2,6 @@
 #include "core/export/key_reduction.h"
 
 #include <Eigen/Geometry>
-#include <cmath>
 
 namespace imomushi {
 

@@ -2,8 +2,6 @@
 #include "core/export/rig_nodes.h"
 
 #include <Eigen/LU>
-#include <algorithm>
-#include <cmath>
 
 namespace imomushi {
 

@@ -9,7 +9,6 @@
 #include <assimp/material.h>
 #include <assimp/scene.h>
 #include <cmath>
-#include <cstring>
 #include <functional>
 #include <map>
 #include <optional>

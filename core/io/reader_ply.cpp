@@ -6,7 +6,6 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
-#include <limits>
 
 #include "core/base/colour.h"
 #include "core/io/reader_support.h"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <iterator>
 #include <numeric>
 #include <set>

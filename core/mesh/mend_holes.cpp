@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <array>
 #include <unordered_map>
 #include <utility>
@@ -14,7 +13,6 @@ namespace {
 
 /// Largest cap relative to the surface it closes. A hemisphere needs 0.5; a sheet would be closed by its own mirror image, 1.
 constexpr double kLargestCap = 0.75;
-
 
 /// Render vertices of a cap: as those on the rim, with normals of the cap.
 std::vector<std::int32_t> renderCap(MendSurface& s, const std::vector<std::int32_t>& loop, const std::vector<std::array<std::int32_t, 3>>& cap,

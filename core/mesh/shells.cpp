@@ -2,7 +2,6 @@
 #include "core/mesh/shells.h"
 
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <cmath>
 
 #include "core/mesh/winding_number.h"

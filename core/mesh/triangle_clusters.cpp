@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/mesh/triangle_clusters.h"
 
-#include <cmath>
 #include <limits>
 #include <utility>
 

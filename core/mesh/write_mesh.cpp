@@ -6,7 +6,6 @@
 #include <bit>
 #include <cctype>
 #include <charconv>
-#include <cmath>
 #include <string>
 
 #include "core/base/atomic_file.h"

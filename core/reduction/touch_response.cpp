@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <cmath>
 
 #include "core/base/parallel.h"
 #include "core/mesh/topology.h"

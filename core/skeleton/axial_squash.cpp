@@ -2,7 +2,6 @@
 #include "core/skeleton/axial_squash.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace imomushi {
 
