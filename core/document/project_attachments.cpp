@@ -18,8 +18,8 @@ CREATE TABLE part_turns (character INTEGER, part INTEGER, shell INTEGER, turn BL
 PartRef readPart(RowReader& row, const Document& document) {
     PartRef ref;
     ref.character = readId(row);
-    ref.part.part = static_cast<std::int32_t>(row.integer(0, std::numeric_limits<std::int32_t>::max()));
-    ref.part.shell = static_cast<std::int32_t>(row.integer(-1, std::numeric_limits<std::int32_t>::max()));
+    constexpr std::int32_t kMost = std::numeric_limits<std::int32_t>::max();
+    readColumns(row, Within{ref.part.part, 0, kMost}, Within{ref.part.shell, -1, kMost});
     const auto character = document.characters.find(ref.character);
     require(character != document.characters.end() && character->second->model->namedParts().contains(ref.part), "an attached part is missing");
     return ref;
@@ -62,10 +62,7 @@ void readAttachments(Database& db, Document& document) {
         const PartRef ref = readPart(turns, document);
         require(isRigid(*document.characters.at(ref.character), ref.part), "a part is turned that is not rigid");
         TurnGoal goal;
-        goal.target = readTurn(turns);
-        goal.from = readTurn(turns);
-        goal.seconds = turns.real(0.0, 1e6);
-        goal.elapsed = turns.real(0.0, 1e6);
+        readColumns(turns, goal.target, goal.from, Within{goal.seconds, 0.0, 1e6}, Within{goal.elapsed, 0.0, 1e6});
         document.turns.emplace(ref, goal);
     }
 }

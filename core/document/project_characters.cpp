@@ -42,9 +42,7 @@ CharacterSource readCharacter(RowReader& rows, const ReadMeshes& meshes) {
     require(mesh != meshes.end(), "a mesh is missing");
     RenderModel model{*mesh->second, rows.array<std::int32_t>(), {}};
     Body body;
-    body.mesh.vertices = rows.matrix<Points>();
-    body.mesh.triangles = rows.matrix<Triangles>();
-    body.bodyVertex = rows.array<std::int32_t>();
+    readColumns(rows, body.mesh.vertices, body.mesh.triangles, body.bodyVertex);
     const Eigen::Index vertices = body.mesh.vertices.rows();
     require(vertices >= 4 && body.mesh.triangles.rows() >= 4, "the body of a character is empty");
     require(allCoordinates(body.mesh.vertices) && allWithin(body.mesh.triangles, vertices), "the body of a character is broken");
@@ -52,18 +50,13 @@ CharacterSource readCharacter(RowReader& rows, const ReadMeshes& meshes) {
     require(static_cast<Eigen::Index>(body.bodyVertex.size()) == model.mesh.body.vertices.rows() && allWithinOrNone(body.bodyVertex, vertices),
             "the body vertices of a character are out of range");
     BodyReport& report = body.report;
-    report.how = static_cast<BodyKind>(rows.integer(static_cast<int>(BodyKind::Exact), static_cast<int>(BodyKind::Wrapped)));
-    report.distanceRms = rows.real(0.0, kLargestFigure);
-    report.distanceLargest = rows.real(0.0, kLargestFigure);
-    report.volumeError = rows.real(-1.0, kLargestFigure);
-    report.gaps.area = rows.real(0.0, kLargestFigure);
-    report.gaps.widest = rows.real(0.0, kLargestFigure);
-    report.gaps.narrowest = rows.real(0.0, kLargestFigure);
-    const Points places = rows.matrix<Points>();
+    const auto figure = [](double& to) { return Within{to, 0.0, kLargestFigure}; };
+    Points places;
+    readColumns(rows, Within{report.how, BodyKind::Exact, BodyKind::Wrapped}, figure(report.distanceRms), figure(report.distanceLargest),
+                Within{report.volumeError, -1.0, kLargestFigure}, figure(report.gaps.area), figure(report.gaps.widest), figure(report.gaps.narrowest), places);
     require(allCoordinates(places), "a point is out of range");
     for (Eigen::Index i = 0; i < places.rows(); ++i) report.gaps.places.emplace_back(places.row(i).transpose());
-    report.detail = rows.real(0.0, 1.0);
-    report.components = static_cast<int>(rows.integer(0, std::numeric_limits<int>::max()));
+    readColumns(rows, Within{report.detail, 0.0, 1.0}, Within{report.components, 0, std::numeric_limits<int>::max()});
     c.model = std::make_shared<const RenderModel>(std::move(model));
     c.body = std::make_shared<const Body>(std::move(body));
     return c;
@@ -79,8 +72,7 @@ void readCuts(Database& db, Document& document) {
         readPosition(cuts, document.characters.at(character)->cuts.size());
         cut.name = cuts.text();
         require(checkNewName(document, cut.name).has_value(), "a name is broken or used twice");
-        cut.plane.origin = readPoint(cuts);
-        cut.plane.normal = readPoint(cuts);
+        readColumns(cuts, cut.plane.origin, cut.plane.normal);
         require(cut.plane.normal.cwiseAbs().maxCoeff() > 0.0, "the plane of a cut has no normal");
         exchangePart(document.characters, character, [&](CharacterSource& c) { c.cuts.push_back(std::move(cut)); });
     }
@@ -92,8 +84,7 @@ void readPieces(Database& db, Document& document) {
         const PartId id = readId(pieces), character = readId(pieces);
         require(document.elements.contains(id) && document.characters.contains(character), "a piece belongs to nothing");
         PieceOrigin origin;
-        origin.vertices = pieces.array<std::int32_t>();
-        origin.triangles = pieces.array<std::int32_t>();
+        readColumns(pieces, origin.vertices, origin.triangles);
         const TriangleMesh &whole = document.characters.at(character)->body->mesh, &body = document.elements.at(id)->mesh->body;
         require(static_cast<Eigen::Index>(origin.vertices.size()) == body.vertices.rows() && static_cast<Eigen::Index>(origin.triangles.size()) == body.triangles.rows(),
                 "the origin of a piece has a broken size");
@@ -110,8 +101,7 @@ void readPieces(Database& db, Document& document) {
         readPosition(sides, known.size());
         CutSide side;
         side.cut = readId(sides);
-        side.front = sides.boolean();
-        side.face = sides.text();
+        readColumns(sides, side.front, side.face);
         require(document.characters.at(element.piece->character)->cutIndex(side.cut) >= 0, "a side of a cut belongs to nothing");
         require((known.empty() || known.back().cut < side.cut) && once.emplace(side.cut, side.front).second, "a cut has two elements on one side");
         require(side.face.empty() || (element.faceIndex(side.face) >= 0 && std::none_of(known.begin(), known.end(), [&](const CutSide& s) { return s.face == side.face; })),

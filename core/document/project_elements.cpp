@@ -49,13 +49,8 @@ void checkFace(const JointFace& face, const Element& element) {
 
 MeshIssue readIssue(RowReader& row, const TriangleMesh& mesh) {
     MeshIssue issue;
-    issue.severity = static_cast<Severity>(row.integer(0, 2));
-    issue.code = readUtf8(row);
-    issue.text = readUtf8(row);
-    issue.count = static_cast<int>(row.integer(0, std::numeric_limits<int>::max()));
-    issue.fixed = row.boolean();
-    issue.triangles = row.array<std::int32_t>();
-    issue.vertices = row.array<std::int32_t>();
+    readColumns(row, Within{issue.severity, Severity::Info, Severity::Error}, issue.code, issue.text, Within{issue.count, 0, std::numeric_limits<int>::max()},
+                issue.fixed, issue.triangles, issue.vertices);
     require(allWithin(issue.triangles, mesh.triangles.rows()) && allWithin(issue.vertices, mesh.vertices.rows()), "the place of an issue is out of range");
     return issue;
 }
@@ -94,15 +89,11 @@ void readElements(Database& db, Document& document, const ReadMeshes& meshes) {
         require(mesh != meshes.end(), "a mesh is missing");
         require(mesh->second->body.vertices.rows() >= 4 && mesh->second->body.triangles.rows() >= 4, "a mesh is empty");
         e.mesh = mesh->second;
-        e.nu = elements.real(0.0, 0.5);
-        e.stiffness = elements.real(1e-6, 1e6);
-        e.density = elements.real(1e-3, 1e6);
-        e.damping = elements.real(0.0, Element::kMaxDamping);
+        readColumns(elements, Within{e.nu, 0.0, 0.5}, Within{e.stiffness, 1e-6, 1e6}, Within{e.density, 1e-3, 1e6}, Within{e.damping, 0.0, Element::kMaxDamping});
         const auto color = elements.array<float>(3);
         require(color.size() == 3 && allFinite(color) && std::all_of(color.begin(), color.end(), [](float c) { return c >= 0.0f && c <= 1.0f; }), "a colour is broken");
         e.color = Eigen::Vector3f(color[0], color[1], color[2]);
-        e.visible = elements.boolean();
-        e.locked = elements.boolean();
+        readColumns(elements, e.visible, e.locked);
         const auto solverMesh = parseSolverMesh(elements.text());
         require(solverMesh.has_value(), "a solver mesh is unknown");
         e.solverMesh = *solverMesh;
@@ -127,15 +118,12 @@ void readElements(Database& db, Document& document, const ReadMeshes& meshes) {
         JointFace f;
         f.name = faces.text();
         require(checkNameText(f.name).has_value(), "a name is broken");
-        f.vertices = faces.array<std::int32_t>();
-        f.triangles = faces.array<std::int32_t>();
+        readColumns(faces, f.vertices, f.triangles);
         const auto frame = faces.array<double>(12);
         require(frame.size() == 12, "the frame of a joint face is broken");
         f.frame.origin = Vec3(frame[0], frame[1], frame[2]);
         for (int k = 0; k < 9; ++k) f.frame.axes(k % 3, k / 3) = frame[static_cast<std::size_t>(3 + k)];
-        f.area = faces.real();
-        f.size = faces.real(0.0, kMaxCoordinate);
-        f.planarityError = faces.real(0.0, kMaxCoordinate);
+        readColumns(faces, f.area, Within{f.size, 0.0, kMaxCoordinate}, Within{f.planarityError, 0.0, kMaxCoordinate});
         checkFace(f, e);
         e.faces.push_back(std::move(f));
     }

@@ -16,15 +16,6 @@ CREATE TABLE handle_goals (element INTEGER, face TEXT, held INTEGER, pinned INTE
 
 }  // namespace
 
-Eigen::Quaterniond readTurn(RowReader& row) {
-    constexpr double kUnit = 1e-6;  // by rounding
-    const auto q = row.array<double>(4);
-    require(q.size() == 4 && allCoordinates(q), "a turn is broken");
-    const Eigen::Quaterniond turn(q[3], q[0], q[1], q[2]);
-    require(std::abs(turn.norm() - 1.0) < kUnit, "a turn is no rotation");
-    return turn;
-}
-
 void createHandleTables(Database& db) { db.run(kHandleTables); }
 
 void writeHandles(Database& db, const Document& document) {
@@ -49,9 +40,7 @@ void readHandles(Database& db, Document& document) {
         auto& handles = read[id];
         readPosition(rows, handles.size());
         Handle handle;
-        handle.face = rows.text();
-        handle.point = readPoint(rows);
-        handle.radius = rows.real(0.0, kMaxCoordinate);
+        readColumns(rows, handle.face, handle.point, Within{handle.radius, 0.0, kMaxCoordinate});
         const PartId bone = readIdOrNone(rows);
         const bool atEnd = rows.boolean();
         require(bone == 0 || document.bones.contains(bone), "a handle hangs on a bone that is not there");
@@ -73,16 +62,9 @@ void readHandles(Database& db, Document& document) {
     while (goals.next()) {
         FaceRef handle;
         handle.element = readId(goals);
-        handle.face = goals.text();
         HandleGoal goal;
-        goal.target.held = goals.boolean();
-        goal.pinned = goals.boolean();
-        goal.target.at = readPoint(goals);
-        goal.target.turn = readTurn(goals);
-        goal.from.at = readPoint(goals);
-        goal.from.turn = readTurn(goals);
-        goal.seconds = goals.real(0.0, 1e6);
-        goal.elapsed = goals.real(0.0, 1e6);
+        readColumns(goals, handle.face, goal.target.held, goal.pinned, goal.target.at, goal.target.turn, goal.from.at, goal.from.turn,
+                    Within{goal.seconds, 0.0, 1e6}, Within{goal.elapsed, 0.0, 1e6});
         const auto element = document.elements.find(handle.element);
         require(element != document.elements.end() && element->second->handleOf(handle.face), "a handle that was moved is missing");
         require(goal.target.held || !goal.pinned, "a pinned handle is not held");

@@ -41,15 +41,9 @@ ReadMeshes readMeshes(Database& db) {
     while (rows.next()) {
         const std::int64_t meshId = rows.integer();
         auto mesh = std::make_shared<ElementMesh>();
-        mesh->body.vertices = rows.matrix<Points>();
-        mesh->body.triangles = rows.matrix<Triangles>();
         RenderMesh& render = mesh->renderMesh;
-        render.bodyVertex = rows.array<std::int32_t>();
-        render.triangles = rows.matrix<Triangles>();
-        render.normals = rows.matrix<decltype(render.normals)>();
-        render.texCoords = rows.matrix<decltype(render.texCoords)>();
-        render.colors = rows.matrix<decltype(render.colors)>();
-        render.material = rows.array<std::int32_t>();
+        readColumns(rows, mesh->body.vertices, mesh->body.triangles, render.bodyVertex, render.triangles, render.normals, render.texCoords, render.colors,
+                    render.material);
         const Eigen::Index bodyCount = mesh->body.vertices.rows(), renderCount = static_cast<Eigen::Index>(render.bodyVertex.size());
         require(bodyCount >= 1 && mesh->body.triangles.rows() >= 1, "a mesh is empty");
         require(allCoordinates(mesh->body.vertices), "a vertex is out of range");
@@ -76,9 +70,7 @@ ReadMeshes readMeshes(Database& db) {
         const auto color = materials.array<float>(4);
         require(color.size() == 4 && allFinite(color), "a colour is broken");
         m.baseColor = Eigen::Vector4f(color[0], color[1], color[2], color[3]);
-        m.metallic = static_cast<float>(materials.real(-1e6, 1e6));
-        m.roughness = static_cast<float>(materials.real(-1e6, 1e6));
-        m.baseColorTexture = static_cast<int>(materials.integer(-1, 1 << 20));
+        readColumns(materials, Within{m.metallic, -1e6f, 1e6f}, Within{m.roughness, -1e6f, 1e6f}, Within{m.baseColorTexture, -1, 1 << 20});
         render.materials.push_back(std::move(m));
     }
     RowReader textures(db, "SELECT * FROM textures ORDER BY mesh, position");
@@ -86,9 +78,7 @@ ReadMeshes readMeshes(Database& db) {
         RenderMesh& render = meshAt(textures.integer());
         readPosition(textures, render.textures.size());
         Texture t;
-        t.name = readUtf8(textures);
-        t.mimeType = readUtf8(textures);
-        t.bytes = textures.array<std::uint8_t>();
+        readColumns(textures, t.name, t.mimeType, t.bytes);
         render.textures.push_back(std::move(t));
     }
     for (const auto& [meshId, mesh] : meshes) {

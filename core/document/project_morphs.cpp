@@ -14,8 +14,6 @@ CREATE TABLE morph_targets (character INTEGER, position INTEGER, name TEXT, at_r
 CREATE TABLE morph_weights (character INTEGER, target INTEGER, weight REAL, PRIMARY KEY (character, target));
 )";
 
-using Deltas = decltype(MorphTarget::deltas);
-
 }  // namespace
 
 void createMorphTables(Database& db) { db.run(kMorphTables); }
@@ -39,10 +37,7 @@ void readMorphs(Database& db, Document& document) {
         require(document.characters.contains(id), "a morph target belongs to no character");
         readPosition(targets, read[id].size());
         MorphTarget& t = read[id].emplace_back();
-        t.name = readUtf8(targets);
-        t.atRest = targets.real();
-        t.vertices = targets.array<std::int32_t>();
-        t.deltas = targets.matrix<Deltas>();
+        readColumns(targets, t.name, t.atRest, t.vertices, t.deltas);
     }
     for (auto& [id, morphs] : read) {
         RenderModel model = *document.characters.at(id)->model;

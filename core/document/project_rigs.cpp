@@ -20,9 +20,7 @@ CREATE TABLE rig_tracks (character INTEGER, clip INTEGER, position INTEGER, node
 CREATE TABLE rig_morph_tracks (character INTEGER, clip INTEGER, position INTEGER, target TEXT, interpolation INTEGER, times BLOB, weights BLOB, PRIMARY KEY (character, clip, position));
 )";
 
-constexpr std::int64_t kLargestIndex = std::numeric_limits<std::int32_t>::max();
-
-std::int32_t readIndex(RowReader& row, std::int64_t low) { return static_cast<std::int32_t>(row.integer(low, kLargestIndex)); }
+constexpr std::int32_t kLargestIndex = std::numeric_limits<std::int32_t>::max();
 
 /// As the file has it: coordinates may be larger than those of a document.
 Vec3 readFilePoint(RowReader& row) {
@@ -72,9 +70,7 @@ void readRigs(Database& db, Document& document) {
         const auto place = rigs.array<double>(16);
         require(place.size() == 16, "a skeleton is broken");
         rig.toScene = Eigen::Map<const Eigen::Matrix4d>(place.data());
-        rig.weights.first = rigs.array<std::int32_t>();
-        rig.weights.bone = rigs.array<std::int32_t>();
-        rig.weights.weight = rigs.array<float>();
+        readColumns(rigs, rig.weights.first, rig.weights.bone, rig.weights.weight);
     }
     const auto rigAt = [&](PartId id) -> Rig& {
         const auto found = read.find(id);
@@ -86,22 +82,16 @@ void readRigs(Database& db, Document& document) {
         Rig& rig = rigAt(readId(bones));
         readPosition(bones, rig.bones.size());
         RigBone& b = rig.bones.emplace_back();
-        b.name = readUtf8(bones);
-        b.parent = readIndex(bones, -1);
-        b.node = readIndex(bones, 0);
-        b.head = readPoint(bones);
-        b.tail = readPoint(bones);
-        b.rotation = readTurn(bones);
+        readColumns(bones, b.name, Within{b.parent, -1, kLargestIndex}, Within{b.node, 0, kLargestIndex}, b.head, b.tail, b.rotation);
     }
     RowReader nodes(db, "SELECT * FROM rig_nodes ORDER BY character, position");
     while (nodes.next()) {
         Rig& rig = rigAt(readId(nodes));
         readPosition(nodes, rig.nodes.size());
         RigNode& n = rig.nodes.emplace_back();
-        n.name = readUtf8(nodes);
-        n.parent = readIndex(nodes, -1);
+        readColumns(nodes, n.name, Within{n.parent, -1, kLargestIndex});
         n.translation = readFilePoint(nodes);
-        n.rotation = readTurn(nodes);
+        readColumns(nodes, n.rotation);
         n.scale = readFilePoint(nodes);
     }
     RowReader clips(db, "SELECT * FROM rig_clips ORDER BY character, position");
@@ -109,8 +99,7 @@ void readRigs(Database& db, Document& document) {
         Rig& rig = rigAt(readId(clips));
         readPosition(clips, rig.clips.size());
         RigClip& c = rig.clips.emplace_back();
-        c.name = readUtf8(clips);
-        c.seconds = clips.real();
+        readColumns(clips, c.name, c.seconds);
     }
     RowReader tracks(db, "SELECT * FROM rig_tracks ORDER BY character, clip, position");
     while (tracks.next()) {
@@ -119,11 +108,8 @@ void readRigs(Database& db, Document& document) {
         require(clip < rig.clips.size(), "a track belongs to no clip");
         readPosition(tracks, rig.clips[clip].tracks.size());
         RigTrack& t = rig.clips[clip].tracks.emplace_back();
-        t.node = readIndex(tracks, 0);
-        t.path = static_cast<RigTrack::Path>(tracks.integer(0, static_cast<int>(RigTrack::Path::Scale)));
-        t.interpolation = static_cast<RigTrack::Interpolation>(tracks.integer(0, static_cast<int>(RigTrack::Interpolation::Cubic)));
-        t.times = tracks.array<double>();
-        t.values = tracks.array<double>();
+        readColumns(tracks, Within{t.node, 0, kLargestIndex}, Within{t.path, RigTrack::Path::Translation, RigTrack::Path::Scale},
+                    Within{t.interpolation, RigTrack::Interpolation::Step, RigTrack::Interpolation::Cubic}, t.times, t.values);
     }
     RowReader morphs(db, "SELECT * FROM rig_morph_tracks ORDER BY character, clip, position");
     while (morphs.next()) {
@@ -132,10 +118,7 @@ void readRigs(Database& db, Document& document) {
         require(clip < rig.clips.size(), "a track belongs to no clip");
         readPosition(morphs, rig.clips[clip].morphs.size());
         MorphTrack& t = rig.clips[clip].morphs.emplace_back();
-        t.target = readUtf8(morphs);
-        t.interpolation = static_cast<RigTrack::Interpolation>(morphs.integer(0, static_cast<int>(RigTrack::Interpolation::Cubic)));
-        t.times = morphs.array<double>();
-        t.weights = morphs.array<double>();
+        readColumns(morphs, t.target, Within{t.interpolation, RigTrack::Interpolation::Step, RigTrack::Interpolation::Cubic}, t.times, t.weights);
     }
     for (auto& [id, rig] : read) {
         require(checkRig(rig, static_cast<std::size_t>(document.characters.at(id)->model->mesh.body.vertices.rows())).empty(), "a skeleton is broken");

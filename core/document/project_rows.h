@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "core/base/finite.h"
@@ -55,10 +56,56 @@ inline std::string readUtf8(RowReader& row) {
     return text;
 }
 
+/// A number or an enumerator in [low, high], where it goes.
+template <class T>
+struct Within {
+    T& value;
+    T low, high;
+};
+
+template <class T>
+void readColumn(RowReader& row, T& v) {
+    if constexpr (std::is_same_v<T, bool>)
+        v = row.boolean();
+    else if constexpr (std::is_same_v<T, double>)
+        v = row.real();
+    else if constexpr (std::is_same_v<T, std::string>)
+        v = readUtf8(row);
+    else if constexpr (requires { v.derived(); })
+        v = row.template matrix<T>();
+    else
+        v = row.template array<typename T::value_type>();
+}
+inline void readColumn(RowReader& row, Vec3& v) {
+    const auto read = row.array<double>(3);
+    require(read.size() == 3 && allCoordinates(read), "a point is out of range");
+    v = {read[0], read[1], read[2]};
+}
+/// A unit quaternion, up to rounding.
+inline void readColumn(RowReader& row, Eigen::Quaterniond& v) {
+    constexpr double kUnit = 1e-6;
+    const auto q = row.array<double>(4);
+    require(q.size() == 4 && allCoordinates(q), "a turn is broken");
+    v = Eigen::Quaterniond(q[3], q[0], q[1], q[2]);
+    require(std::abs(v.norm() - 1.0) < kUnit, "a turn is no rotation");
+}
+template <class T>
+void readColumn(RowReader& row, Within<T>& v) {
+    if constexpr (std::is_floating_point_v<T>)
+        v.value = static_cast<T>(row.real(v.low, v.high));
+    else
+        v.value = static_cast<T>(row.integer(static_cast<std::int64_t>(v.low), static_cast<std::int64_t>(v.high)));
+}
+/// Reads the next columns of a row, each as what it goes to is: texts of UTF-8, points of a document, turns, numbers, arrays.
+template <class... Columns>
+void readColumns(RowReader& row, Columns&&... columns) {
+    (readColumn(row, columns), ...);
+}
+
 inline Vec3 readPoint(RowReader& row) {
-    const auto v = row.array<double>(3);
-    require(v.size() == 3 && allCoordinates(v), "a point is out of range");
-    return {v[0], v[1], v[2]};
+    Vec3 point;
+    readColumn(row, point);
+    return point;
 }
 
 }  // namespace imomushi

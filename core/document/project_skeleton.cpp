@@ -105,13 +105,9 @@ void readSkeleton(Database& db, Document& document) {
         bone.name = bones.text();
         bone.element = readIdOrNone(bones);
         bone.parent = readIdOrNone(bones);
-        bone.roll = bones.real(-1e6, 1e6);
-        bone.minStretch = bones.real(0.01, 1.0);
-        bone.maxStretch = bones.real(1.0, 100.0);
-        bone.maxBend = bones.real(0.0, Skeleton::Bone::kFreeBend);
-        bone.maxTwist = bones.real(0.0, Skeleton::Bone::kFreeTwist);
-        bone.stiffness = bones.real(1.0 / Bone::kMaxRatio, Bone::kMaxRatio);
-        bone.weight = bones.real(1.0 / Bone::kMaxRatio, Bone::kMaxRatio);
+        readColumns(bones, Within{bone.roll, -1e6, 1e6}, Within{bone.minStretch, 0.01, 1.0}, Within{bone.maxStretch, 1.0, 100.0},
+                    Within{bone.maxBend, 0.0, Skeleton::Bone::kFreeBend}, Within{bone.maxTwist, 0.0, Skeleton::Bone::kFreeTwist},
+                    Within{bone.stiffness, 1.0 / Bone::kMaxRatio, Bone::kMaxRatio}, Within{bone.weight, 1.0 / Bone::kMaxRatio, Bone::kMaxRatio});
         bone.start = readPlace(bones);
         bone.end = readPlace(bones);
         require(checkNewName(document, bone.name).has_value(), "a name is broken or used twice");
@@ -128,8 +124,7 @@ void readSkeleton(Database& db, Document& document) {
         end.bone = readId(held);
         end.atEnd = held.boolean();
         EndpointGoal h;
-        h.pinned = held.boolean();
-        h.target = readPoint(held);
+        readColumns(held, h.pinned, h.target);
         h.roll = held.optionalReal();
         require(!h.roll || std::abs(*h.roll) <= 1e6, "a roll is out of range");
         const auto turn = held.array<double>(4);
@@ -138,10 +133,7 @@ void readSkeleton(Database& db, Document& document) {
             std::copy(turn.begin(), turn.end(), h.turn.emplace().begin());
             require(std::abs(Eigen::Quaterniond(turn.data()).norm() - 1.0) < 1e-6, "a held bone has no rotation");
         }
-        h.fromRoll = held.real(-1e9, 1e9);
-        h.from = readPoint(held);
-        h.seconds = held.real(0.0, 1e6);
-        h.elapsed = held.real(0.0, 1e6);
+        readColumns(held, Within{h.fromRoll, -1e9, 1e9}, h.from, Within{h.seconds, 0.0, 1e6}, Within{h.elapsed, 0.0, 1e6});
         require(document.bones.contains(end.bone), "a held endpoint is missing");
         document.goals.emplace(end, h);
     }

@@ -19,9 +19,6 @@ using ReadMeshes = std::map<std::int64_t, std::shared_ptr<ElementMesh>>;
 MeshIds writeMeshes(Database& db, const Document& document);
 ReadMeshes readMeshes(Database& db);
 
-/// A unit quaternion, up to rounding.
-Eigen::Quaterniond readTurn(RowReader& row);
-
 /// The columns of an issue from "severity" on. `mesh`: where it was found.
 MeshIssue readIssue(RowReader& row, const TriangleMesh& mesh);
 

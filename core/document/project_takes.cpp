@@ -38,10 +38,7 @@ public:
         require(done < frames_ && !first_.empty(), "a take has more frames than times");
         const std::size_t count = std::min(FrameNumbers::kRows, frames_ - done);
         auto block = std::make_shared<FrameNumbers::Block>();
-        block->moved = rows.array<std::int32_t>();
-        block->to = rows.array<double>();
-        block->varying = rows.array<std::int32_t>();
-        block->values = rows.array<double>();
+        readColumns(rows, block->moved, block->to, block->varying, block->values);
         const auto width = static_cast<Eigen::Index>(first_.size());
         require(ascendingWithin(block->moved, width) && ascendingWithin(block->varying, width) && block->to.size() == block->moved.size() &&
                     block->values.size() == count * block->varying.size(),
@@ -169,10 +166,7 @@ void readTakes(Database& db, Document& document, bool keep) {
         Take::Target t;
         t.time = targets.real(0.0, kMaxCoordinate);
         t.bone = readId(targets);
-        t.atEnd = targets.boolean();
-        t.held = targets.boolean();
-        t.pinned = targets.boolean();
-        t.to = readPoint(targets);
+        readColumns(targets, t.atEnd, t.held, t.pinned, t.to);
         t.roll = targets.optionalReal();
         require(!t.roll || std::abs(*t.roll) <= 1e6, "a roll is out of range");
         list.push_back(t);
