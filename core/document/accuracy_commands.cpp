@@ -150,9 +150,7 @@ Result<Json> accuracy(SessionAccess& access, const Json& arguments, const Progre
     if (find(arguments, "pose")) return accuracyOfPose(session, arguments, *path, progress);
     auto input = studyInput(session);
     if (!input) return tl::unexpected(input.error());
-    const auto seconds = secondsOf(arguments);
-    if (!seconds) return tl::unexpected(seconds.error());
-    input->seconds = *seconds;
+    if (auto ok = assign(input->seconds, secondsOf(arguments)); !ok) return tl::unexpected(ok.error());
     if (const Json* fresh = find(arguments, "fresh"); fresh && fresh->get<bool>()) {
         std::error_code error;
         for (const char* suffix : {".json", ".positions"}) std::filesystem::remove(input->store / (studyKey(*input).hex() + suffix), error);

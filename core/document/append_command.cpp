@@ -62,9 +62,9 @@ Vec3 beside(const Document& here, const Document& there, const std::set<PartId>&
 }
 
 Result<Json> append(DocumentEdit& edit, const Json& arguments, const Progress&) {
-    const std::string& path = text(arguments, "path");
-    if (path.empty() || path.find('\0') != std::string::npos) return fail("bad-value", "\"path\" is empty or holds a zero byte.");
-    const auto project = openProject(path);
+    const auto path = pathFrom(arguments);
+    if (!path) return tl::unexpected(path.error());
+    const auto project = openProject(*path);
     if (!project) return tl::unexpected(project.error());
     const Document& there = project->document;
     std::set<PartId> wanted;

@@ -49,11 +49,8 @@ Result<Json> attach(DocumentEdit& edit, const Json& arguments, const Progress&) 
         made.pivot = vector3(*pivot);
         if (!made.pivot) return fail("bad-type", "\"pivot\" must be three numbers [x,y,z], or null for the middle of the part.");
     }
-    if (element) {
-        const auto followed = followedElement(document, character, element->get_ref<const std::string&>());
-        if (!followed) return tl::unexpected(followed.error());
-        made.element = *followed;
-    }
+    if (element)
+        if (auto ok = assign(made.element, followedElement(document, character, element->get_ref<const std::string&>())); !ok) return tl::unexpected(ok.error());
     exchangePart(document.characters, character.id, [&](CharacterSource& changed) {
         if (mode == "auto")
             changed.attachments.erase(named->part);
@@ -77,11 +74,7 @@ Result<Json> turnPart(DocumentEdit& edit, const Json& arguments, const Progress&
     if (!rotation) return tl::unexpected(rotation.error());
     TurnGoal made;
     made.target = *rotation;
-    if (const Json* given = find(arguments, "seconds")) {
-        const auto seconds = numberWithin(*given, "seconds", 0.0, kLongestTurn);
-        if (!seconds) return tl::unexpected(seconds.error());
-        made.seconds = *seconds;
-    }
+    if (auto ok = readNumber(arguments, "seconds", 0.0, kLongestTurn, made.seconds); !ok) return tl::unexpected(ok.error());
     const PartRef ref{named->character->id, named->part};
     if (const auto known = document.turns.find(ref); known != document.turns.end()) made.from = known->second.now();
     const bool rest = made.target.coeffs() == Eigen::Quaterniond::Identity().coeffs() && made.seconds == 0.0;

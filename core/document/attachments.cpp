@@ -32,12 +32,6 @@ Json partJson(const Document& document, const CharacterSource& character, const 
 
 std::string_view nameOf(const Attachment* attachment) { return !attachment ? "auto" : attachment->mode == Attachment::Mode::Rigid ? "rigid" : "flesh"; }
 
-const Attachment* attachmentOf(const CharacterSource& character, const ModelPart& part) {
-    auto found = character.attachments.find(part);
-    if (found == character.attachments.end()) found = character.attachments.find({part.part, -1});
-    return found == character.attachments.end() ? nullptr : &found->second;
-}
-
 std::vector<std::int32_t> attachedVertices(const CharacterSource& character, const ModelPart& part) {
     const ModelParts& parts = character.model->namedParts();
     std::vector<std::int32_t> vertices = parts.verticesOf(part);

@@ -14,9 +14,6 @@ namespace imomushi {
 /// "flesh", "rigid"; null: "auto".
 std::string_view nameOf(const Attachment* attachment);
 
-/// What holds for a part: its own attachment, else that of the part that it is a shell of, else null.
-const Attachment* attachmentOf(const CharacterSource& character, const ModelPart& part);
-
 /// The vertices that the attachment of a part is for: without shells that have their own.
 std::vector<std::int32_t> attachedVertices(const CharacterSource& character, const ModelPart& part);
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/document/body_error.h"
 
-#include <algorithm>
 #include <cmath>
 #include <vector>
 

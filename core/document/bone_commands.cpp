@@ -37,14 +37,10 @@ Result<Bone::Place> placeFrom(const Document& document, const Json& value, const
 /// Keys that add-bone and edit-bone share, into `bone`.
 Result<void> readBone(const Document& document, const Json& arguments, Bone& bone) {
     if (const Json* value = find(arguments, "from")) {
-        auto place = placeFrom(document, *value, "from", bone.id);
-        if (!place) return tl::unexpected(place.error());
-        bone.start = *place;
+        if (auto ok = assign(bone.start, placeFrom(document, *value, "from", bone.id)); !ok) return tl::unexpected(ok.error());
     }
     if (const Json* value = find(arguments, "to")) {
-        auto place = placeFrom(document, *value, "to", bone.id);
-        if (!place) return tl::unexpected(place.error());
-        bone.end = *place;
+        if (auto ok = assign(bone.end, placeFrom(document, *value, "to", bone.id)); !ok) return tl::unexpected(ok.error());
     }
     if (const Json* value = find(arguments, "parent")) {
         if (value->get_ref<const std::string&>().empty()) {
@@ -56,11 +52,7 @@ Result<void> readBone(const Document& document, const Json& arguments, Bone& bon
             bone.parent = (*parent)->id;
         }
     }
-    if (const Json* value = find(arguments, "roll")) {
-        const auto roll = numberWithin(*value, "roll", -kLargestBoneRoll, kLargestBoneRoll);
-        if (!roll) return tl::unexpected(roll.error());
-        bone.roll = *roll;
-    }
+    if (auto ok = readNumber(arguments, "roll", -kLargestBoneRoll, kLargestBoneRoll, bone.roll); !ok) return tl::unexpected(ok.error());
     return {};
 }
 

@@ -409,9 +409,7 @@ Result<std::vector<PartId>> moveCut(Document& document, PartId characterId, Part
         if (element.piece->sideIndex(cut) < 0 || same(element, *piece)) continue;
         Element now = element;
         takePiece(now, *piece, character.cuts);
-        auto faces = facesOn(document, *piece, character.cuts, facesOf(element));
-        if (!faces) return tl::unexpected(faces.error());
-        now.faces = std::move(*faces);
+        if (auto ok = assign(now.faces, facesOn(document, *piece, character.cuts, facesOf(element))); !ok) return tl::unexpected(ok.error());
         if (auto ok = checkApart(now); !ok) return tl::unexpected(ok.error());
         changed.push_back(std::move(now));
     }

@@ -217,9 +217,7 @@ Result<MendReport> mendCharacter(DocumentEdit& edit, PartId id, const MendReques
             said.push_back(std::move(wrapped));
         }
         std::copy_if(said.begin(), said.end(), std::back_inserter(report.done), [](const MeshIssue& i) { return i.fixed; });
-        auto changed = changeBody(edit.document, id, std::make_shared<const Body>(std::move(*mending->body)), progress);
-        if (!changed) return tl::unexpected(changed.error());
-        report.changed = std::move(*changed);
+        if (auto ok = assign(report.changed, changeBody(edit.document, id, std::make_shared<const Body>(std::move(*mending->body)), progress)); !ok) return tl::unexpected(ok.error());
         issues = issuesWith(character.issues, *character.model, std::move(said));
     }
     report.after = unmended(issues);

@@ -50,6 +50,21 @@ inline int integer(const Json& value) { return static_cast<int>(value.get<double
 /// A number within [low, high]. Errors: "bad-value".
 Result<double> numberWithin(const Json& value, std::string_view name, double low, double high);
 
+/// Gives `to` what was found, or the error: if (auto ok = assign(to, elementOf(document, name)); !ok) return tl::unexpected(ok.error());
+template <class To, class Found>
+Result<void> assign(To& to, Result<Found> found) {
+    if (!found) return tl::unexpected(std::move(found.error()));
+    to = std::move(*found);
+    return {};
+}
+
+/// numberWithin() of a key that may be left out: `to` stays then.
+template <class To>
+Result<void> readNumber(const Json& arguments, const char* key, double low, double high, To& to) {
+    const Json* given = find(arguments, key);
+    return given ? assign(to, numberWithin(*given, key, low, high)) : Result<void>();
+}
+
 /// The text of the key "path". Errors: "bad-value".
 Result<std::filesystem::path> pathFrom(const Json& arguments);
 

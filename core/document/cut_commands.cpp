@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <numbers>
 
 #include "core/document/character_cuts.h"
 #include "core/document/command_support.h"

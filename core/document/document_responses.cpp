@@ -2,7 +2,6 @@
 #include "core/document/document_responses.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "core/base/parallel.h"

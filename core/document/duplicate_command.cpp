@@ -5,7 +5,6 @@
 #include "core/document/command_support.h"
 #include "core/document/copied_parts.h"
 #include "core/document/document_edit.h"
-#include "core/document/names.h"
 #include "core/document/part_copies.h"
 #include "core/document/take_copies.h"
 

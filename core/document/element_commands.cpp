@@ -50,11 +50,7 @@ Result<Json> addJointFace(DocumentEdit& edit, const Json& arguments, const Progr
         const auto given = planeFrom(*plane);
         if (!given) return tl::unexpected(given.error());
         double tolerance = kPlaneTolerance * size;
-        if (const Json* value = find(arguments, "tolerance")) {
-            const auto number = numberWithin(*value, "tolerance", 0.0, size);
-            if (!number) return tl::unexpected(number.error());
-            tolerance = *number;
-        }
+        if (auto ok = readNumber(arguments, "tolerance", 0.0, size, tolerance); !ok) return tl::unexpected(ok.error());
         face = jointFaceByPlane(body, given->origin(), given->normal(), tolerance);
     } else {
         if (arguments.contains("tolerance")) return fail("unknown-key", "\"tolerance\" goes with \"plane\" only.");

@@ -2,7 +2,6 @@
 #include "core/document/embed_model.h"
 
 #include <algorithm>
-#include <numeric>
 #include <optional>
 #include <utility>
 

@@ -120,11 +120,7 @@ Result<ExportPlan> planExport(Session& session, const Json& arguments) {
     const auto layout = std::find_if(kLayouts.begin(), kLayouts.end(), [&](const auto& l) { return text(arguments, "layout") == l.first; });
     if (layout == kLayouts.end()) return fail("bad-value", "\"layout\" must be one of " + listed(kLayouts) + ".");
     plan.options.layout = layout->second;
-    if (const Json* fps = find(arguments, "fps")) {
-        const auto given = numberWithin(*fps, "fps", 0.0, kFastest);
-        if (!given) return tl::unexpected(given.error());
-        plan.options.fps = *given;
-    }
+    if (auto ok = readNumber(arguments, "fps", 0.0, kFastest, plan.options.fps); !ok) return tl::unexpected(ok.error());
     if (const Json* targets = find(arguments, "targets")) {
         if (*targets == "all") {
             plan.options.targets = 0;
@@ -134,14 +130,8 @@ Result<ExportPlan> planExport(Session& session, const Json& arguments) {
             plan.options.targets = static_cast<int>(*given);
         }
     }
-    if (const Json* tolerance = find(arguments, "tolerance")) {
-        const auto given = numberWithin(*tolerance, "tolerance", 0.0, 1.0);
-        if (!given) return tl::unexpected(given.error());
-        plan.options.tolerance = *given;
-    }
-    const std::string& path = text(arguments, "path");
-    if (path.empty() || path.find('\0') != std::string::npos) return fail("bad-value", "\"path\" is empty or holds a zero byte.");
-    plan.path = path;
+    if (auto ok = readNumber(arguments, "tolerance", 0.0, 1.0, plan.options.tolerance); !ok) return tl::unexpected(ok.error());
+    if (auto ok = assign(plan.path, pathFrom(arguments)); !ok) return tl::unexpected(ok.error());
     // Blender makes FBX, and clamps.
     plan.options.split = arguments.value("split", plan.options.split || plan.path.extension() == ".fbx");
     plan.options.quantised = arguments.value("quantise", plan.options.quantised);

@@ -93,11 +93,8 @@ void addFoundParents(Session& session, Json& answer) {
 
 Result<Json> newDocument(SessionAccess& access, const Json& arguments, const Progress&) {
     std::filesystem::path path;
-    if (arguments.contains("path")) {
-        const auto given = pathFrom(arguments);
-        if (!given) return tl::unexpected(given.error());
-        path = *given;
-    }
+    if (arguments.contains("path"))
+        if (auto ok = assign(path, pathFrom(arguments)); !ok) return tl::unexpected(ok.error());
     access.replace({}, path, true, arguments);
     return Json::object();
 }
@@ -128,11 +125,8 @@ Result<Json> list(SessionAccess& access, const Json&, const Progress&) {
 
 Result<Json> save(SessionAccess& access, const Json& arguments, const Progress&) {
     std::filesystem::path path = access.session.path();
-    if (arguments.contains("path")) {
-        const auto given = pathFrom(arguments);
-        if (!given) return tl::unexpected(given.error());
-        path = *given;
-    }
+    if (arguments.contains("path"))
+        if (auto ok = assign(path, pathFrom(arguments)); !ok) return tl::unexpected(ok.error());
     if (path.empty()) return fail("missing-key", "The project was never saved: give \"save\" a \"path\" that ends in .imomushi.");
     if (path.extension() != kProjectSuffix) return fail("bad-value", "\"path\" must end in .imomushi.");
     const auto saved = access.write(path);
@@ -146,11 +140,8 @@ Result<Json> save(SessionAccess& access, const Json& arguments, const Progress&)
 
 Result<Json> listVersions(SessionAccess& access, const Json& arguments, const Progress&) {
     std::filesystem::path path = access.session.path();
-    if (arguments.contains("path")) {
-        const auto given = pathFrom(arguments);
-        if (!given) return tl::unexpected(given.error());
-        path = *given;
-    }
+    if (arguments.contains("path"))
+        if (auto ok = assign(path, pathFrom(arguments)); !ok) return tl::unexpected(ok.error());
     if (path.empty()) return fail("missing-key", "The project was never saved: give \"versions\" the \"path\" of one that was.");
     const auto versions = projectVersions(path);
     if (!versions) return tl::unexpected(versions.error());

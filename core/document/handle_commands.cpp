@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/document/handle_commands.h"
 
-#include <cmath>
 #include <cstdio>
 
-#include "core/base/finite.h"
 #include "core/document/command_support.h"
 #include "core/document/document_edit.h"
 #include "core/document/names.h"
@@ -62,14 +60,10 @@ Result<Json> makeHandle(DocumentEdit& edit, const Json& arguments, const Progres
     handle.face = name;
     handle.radius = kDefaultHandleRadius * diagonalOf((*element)->mesh->body.vertices);
     if (const Json* given = find(arguments, "radius")) {
-        const auto radius = radiusFrom(**element, *given);
-        if (!radius) return tl::unexpected(radius.error());
-        handle.radius = *radius;
+        if (auto ok = assign(handle.radius, radiusFrom(**element, *given)); !ok) return tl::unexpected(ok.error());
     }
     if (const Json* given = find(arguments, "bone")) {
-        const auto bone = boneFrom(document, given->get_ref<const std::string&>());
-        if (!bone) return tl::unexpected(bone.error());
-        handle.bone = *bone;
+        if (auto ok = assign(handle.bone, boneFrom(document, given->get_ref<const std::string&>())); !ok) return tl::unexpected(ok.error());
     }
     handle.point = *vector3(arguments.at("point"));
     auto face = handleFace(**element, handle.point, handle.radius);
@@ -183,9 +177,7 @@ Result<void> setHandleProperty(Document& document, const FaceRef& handle, const 
         face = std::move(*made);
     } else if (property == "bone") {
         if (!value.is_string()) return fail("bad-type", "\"bone\" must be a text: \"bone/start\" or \"bone/end\", or \"\" for none.");
-        const auto bone = boneFrom(document, value.get_ref<const std::string&>());
-        if (!bone) return tl::unexpected(bone.error());
-        changed.bone = *bone;
+        if (auto ok = assign(changed.bone, boneFrom(document, value.get_ref<const std::string&>())); !ok) return tl::unexpected(ok.error());
     } else {
         return fail("no-such-property", "A handle has no property \"" + property + "\"; it has radius and bone.");
     }
@@ -206,15 +198,9 @@ Result<Json> dragHandle(DocumentEdit& edit, const FaceRef& handle, const Json& a
     made.target.held = true;
     made.target.at = *vector3(arguments.at("to"));
     if (const Json* given = find(arguments, "rotation")) {
-        const auto turn = rotationFrom(*given, "rotation");
-        if (!turn) return tl::unexpected(turn.error());
-        made.target.turn = *turn;
+        if (auto ok = assign(made.target.turn, rotationFrom(*given, "rotation")); !ok) return tl::unexpected(ok.error());
     }
-    if (const Json* given = find(arguments, "seconds")) {
-        const auto seconds = numberWithin(*given, "seconds", 0.0, kLongestHandleGlide);
-        if (!seconds) return tl::unexpected(seconds.error());
-        made.seconds = *seconds;
-    }
+    if (auto ok = readNumber(arguments, "seconds", 0.0, kLongestHandleGlide, made.seconds); !ok) return tl::unexpected(ok.error());
     made.from = *shown;
     HandleGoal& goal = goalOf(edit.document, handle);
     made.pinned = goal.pinned;

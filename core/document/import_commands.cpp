@@ -81,11 +81,7 @@ Result<Json> importCharacterCommand(DocumentEdit& edit, const Json& arguments, c
     const auto how = choiceFrom<Kind>(arguments, "body", {{"auto", BodyKind::Auto}, {"exact", BodyKind::Exact}, {"mended", BodyKind::Mended}, {"wrapped", BodyKind::Wrapped}, {"unmended", Kind()}}, Kind(BodyKind::Auto));
     if (!how) return tl::unexpected(how.error());
     setting.how = how->value_or(BodyKind::Wrapped);
-    if (const Json* value = find(arguments, "detail")) {
-        const auto detail = numberWithin(*value, "detail", kFinestDetail, kCoarsestDetail);
-        if (!detail) return tl::unexpected(detail.error());
-        setting.detail = *detail;
-    }
+    if (auto ok = readNumber(arguments, "detail", kFinestDetail, kCoarsestDetail, setting.detail); !ok) return tl::unexpected(ok.error());
     auto imported = edit.importCharacter(*request, progress.part(0.0, 0.3));
     if (!imported) return tl::unexpected(imported.error());
     if (imported->renderModel.mesh.body.triangles.rows() == 0) return fail("empty-mesh", "\"" + request->path.string() + "\" holds no surface.");

@@ -206,9 +206,7 @@ Result<PartId> characterFor(SessionAccess& access, const Json& arguments, Json& 
     Json line{{"do", "import-character"}};
     for (const char* key : {"path", "name", "unit", "up", "body", "detail"})
         if (const Json* value = find(arguments, key)) line[key] = *value;
-    auto imported = access.execute(line, progress);
-    if (!imported) return tl::unexpected(imported.error());
-    answer = std::move(*imported);
+    if (auto ok = assign(answer, access.execute(line, progress)); !ok) return tl::unexpected(ok.error());
     return access.document().characterNamed(answer["characters"][0]["name"].get<std::string>())->id;
 }
 
@@ -289,16 +287,12 @@ Result<Json> makeSoft(SessionAccess& access, const Json& arguments, const Progre
     Json precomputed = Json::array();
     int drafts = 0;
     if (arguments.value("draft", false)) {
-        const auto made = draftAll(access, *character, maker.refused, progress.part(0.3, 0.4));
-        if (!made) return tl::unexpected(made.error());
-        drafts = *made;
+        if (auto ok = assign(drafts, draftAll(access, *character, maker.refused, progress.part(0.3, 0.4))); !ok) return tl::unexpected(ok.error());
         seconds["draft"] = watch.lap();
         access.changedResponses();
     }
     if (arguments.value("precompute", true)) {
-        auto done = precomputeAll(access, *character, maker.refused, progress.part(0.4, 1.0));
-        if (!done) return tl::unexpected(done.error());
-        precomputed = std::move(*done);
+        if (auto ok = assign(precomputed, precomputeAll(access, *character, maker.refused, progress.part(0.4, 1.0))); !ok) return tl::unexpected(ok.error());
         seconds["precompute"] = watch.lap();
         access.changedResponses();
     }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
 #include <functional>
 
 #include "core/document/command_support.h"
@@ -59,9 +58,7 @@ Result<Json> measure(SessionAccess& access, const Json& arguments, const Progres
     const std::string& what = text(arguments, "what");
     std::shared_ptr<const Element> element;
     if (const Json* name = find(arguments, "element")) {
-        const auto found = elementOf(session.document(), name->get_ref<const std::string&>());
-        if (!found) return tl::unexpected(found.error());
-        element = *found;
+        if (auto ok = assign(element, elementOf(session.document(), name->get_ref<const std::string&>())); !ok) return tl::unexpected(ok.error());
     }
     const auto needs = [&](const char* key) { return fail("missing-key", "To measure \"" + what + "\", \"measure\" needs the key \"" + key + "\"."); };
     if (what != "stiffness")
@@ -148,9 +145,7 @@ Result<Json> writeMeshCommand(SessionAccess& access, const Json& arguments, cons
     Session& session = access.session;
     std::shared_ptr<const Element> element;
     if (const Json* name = find(arguments, "element")) {
-        const auto found = elementOf(session.document(), name->get_ref<const std::string&>());
-        if (!found) return tl::unexpected(found.error());
-        element = *found;
+        if (auto ok = assign(element, elementOf(session.document(), name->get_ref<const std::string&>())); !ok) return tl::unexpected(ok.error());
     }
     const std::string state = arguments.contains("state") ? text(arguments, "state") : "current";
     if (state != "rest" && state != "current") return fail("bad-value", "\"state\" must be \"rest\" or \"current\".");

@@ -402,11 +402,7 @@ Result<Json> mirror(DocumentEdit& edit, const Json& arguments, const Progress& p
         axis = name[0] - 'x';
     }
     double at = middleOf(from, asked, axis);
-    if (const Json* given = find(arguments, "at")) {
-        const auto number = numberWithin(*given, "at", -kMaxCoordinate, kMaxCoordinate);
-        if (!number) return tl::unexpected(number.error());
-        at = *number;
-    }
+    if (auto ok = readNumber(arguments, "at", -kMaxCoordinate, kMaxCoordinate, at); !ok) return tl::unexpected(ok.error());
     PartCopier::Options options;
     options.placing = Placing::mirror(axis, at);
     options.name = [](const std::string& name) { return otherSide(name); };

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 
 #include "core/accuracy/paper_growth.h"
 #include "core/accuracy/plot.h"
@@ -110,9 +109,7 @@ Result<Limits> limitsOf(const ComparedModels& models, double seconds, const Prog
     if (all > 1)
         if (auto ok = add("proposed", all, growProposed(all, seconds, progress.part(0.25, 0.5))); !ok) return tl::unexpected(ok.error());
     if (auto ok = add("previous", 1, growPrevious(seconds, progress.part(0.5, 0.75))); !ok) return tl::unexpected(ok.error());
-    auto divergence = previousDivergence(models, progress.part(0.75, 1.0));
-    if (!divergence) return tl::unexpected(divergence.error());
-    out.divergence = std::move(*divergence);
+    if (auto ok = assign(out.divergence, previousDivergence(models, progress.part(0.75, 1.0))); !ok) return tl::unexpected(ok.error());
     return out;
 }
 
@@ -291,11 +288,7 @@ Result<Json> paper(SessionAccess& access, const Json& arguments, const Progress&
     if (!svg) return tl::unexpected(svg.error());
     const bool empty = session.document().elements.empty();
     double seconds = kGrowthSeconds;
-    if (const Json* given = find(arguments, "seconds")) {
-        const auto value = numberWithin(*given, "seconds", 0.0, 1e6);
-        if (!value) return tl::unexpected(value.error());
-        seconds = *value;
-    }
+    if (auto ok = readNumber(arguments, "seconds", 0.0, 1e6, seconds); !ok) return tl::unexpected(ok.error());
     auto models = empty ? solvedPaperCaterpillar(progress.part(0.0, 0.1)) : modelsOf(session, progress.part(0.0, 0.8));
     if (!models) return tl::unexpected(models.error());
     const auto table = compareModels(*models, empty ? progress.part(0.1, 0.3) : progress.part(0.8, 1.0));
@@ -303,9 +296,7 @@ Result<Json> paper(SessionAccess& access, const Json& arguments, const Progress&
     Json answer = tableJson(*table, empty ? "built-in caterpillar" : "document");
     Limits limits;
     if (empty && seconds > 0.0) {
-        auto found = limitsOf(*models, seconds, progress.part(0.3, 1.0));
-        if (!found) return tl::unexpected(found.error());
-        limits = std::move(*found);
+        if (auto ok = assign(limits, limitsOf(*models, seconds, progress.part(0.3, 1.0))); !ok) return tl::unexpected(ok.error());
         addLimits(answer, limits);
         if (!svg->empty()) {
             if (auto written = writeFileAtomically(*svg, divergencePlot(limits).svg()); !written) return tl::unexpected(written.error());

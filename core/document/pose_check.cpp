@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "core/document/command_support.h"
-#include "core/document/names.h"
 #include "core/document/session_access.h"
 
 namespace imomushi {

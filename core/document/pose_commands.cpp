@@ -8,7 +8,6 @@
 #include "core/base/finite.h"
 #include "core/document/document_edit.h"
 #include "core/document/handle_commands.h"
-#include "core/document/names.h"
 #include "core/document/session_access.h"
 #include "core/touch/touch_contact.h"
 
@@ -94,16 +93,8 @@ Result<Json> drag(DocumentEdit& edit, const Json& arguments, const Progress&) {
     if (!position) return tl::unexpected(position.error());
     EndpointGoal made;
     made.target = *vector3(arguments.at("to"));
-    if (const Json* roll = find(arguments, "roll")) {
-        const auto given = numberWithin(*roll, "roll", -kLargestRoll, kLargestRoll);
-        if (!given) return tl::unexpected(given.error());
-        made.roll = *given;
-    }
-    if (const Json* seconds = find(arguments, "seconds")) {
-        const auto given = numberWithin(*seconds, "seconds", 0.0, kLongestGlide);
-        if (!given) return tl::unexpected(given.error());
-        made.seconds = *given;
-    }
+    if (auto ok = readNumber(arguments, "roll", -kLargestRoll, kLargestRoll, made.roll); !ok) return tl::unexpected(ok.error());
+    if (auto ok = readNumber(arguments, "seconds", 0.0, kLongestGlide, made.seconds); !ok) return tl::unexpected(ok.error());
     made.from = *position;
     Document& document = edit.document;
     if (!document.pose.roll.empty()) made.fromRoll = document.pose.roll[static_cast<std::size_t>(shown->plan.pointIndex(shown->end))];
@@ -177,9 +168,7 @@ Result<Json> release(DocumentEdit& edit, const Json& arguments, const Progress&)
         if (auto done = let(held); !done) return tl::unexpected(done.error());
     } else {
         for (auto held = all.begin(); held != all.end();) {
-            auto next = let(held);
-            if (!next) return tl::unexpected(next.error());
-            held = *next;
+            if (auto ok = assign(held, let(held)); !ok) return tl::unexpected(ok.error());
         }
         for (const auto& [handle, goal] : std::map(edit.document.handleGoals)) {
             const auto wasHeld = releaseHandle(edit, handle);
@@ -231,11 +220,7 @@ Result<Json> putFinger(DocumentEdit& edit, const Json& arguments, const Progress
     const auto target = to.is_null() ? std::optional(Vec3(Vec3::Zero())) : vector3(to);
     if (!target) return fail("bad-type", "\"to\" must be three numbers [x,y,z], or null to lift the finger.");
     double radius = 0.0;
-    if (const Json* given = find(arguments, "radius")) {
-        const auto value = numberWithin(*given, "radius", 0.0, kMaxCoordinate);
-        if (!value) return tl::unexpected(value.error());
-        radius = *value;
-    }
+    if (auto ok = readNumber(arguments, "radius", 0.0, kMaxCoordinate, radius); !ok) return tl::unexpected(ok.error());
     auto& touches = edit.document.touches;
     const auto known = std::find_if(touches.begin(), touches.end(), [&](const Touch& t) { return t.element == id && t.point == point; });
     if (to.is_null()) {

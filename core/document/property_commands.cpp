@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <cmath>
-#include <functional>
 
 #include "core/base/colour.h"
 #include "core/document/command_support.h"
@@ -43,18 +42,7 @@ Result<void> noSuchProperty(const std::string& what, const std::string& property
 }
 
 Result<void> setElement(Element& element, const std::string& property, const Json& value) {
-    const auto number = [&](double& to, double low, double high) -> Result<void> {
-        const auto given = numberWithin(value, property, low, high);
-        if (!given) return tl::unexpected(given.error());
-        to = *given;
-        return {};
-    };
-    const auto flag = [&](bool& to) -> Result<void> {
-        const auto given = boolean(value, property);
-        if (!given) return tl::unexpected(given.error());
-        to = *given;
-        return {};
-    };
+    const auto number = [&](double& to, double low, double high) { return assign(to, numberWithin(value, property, low, high)); };
     if (property == "nu") return number(element.nu, 0.0, 0.5);
     if (property == "stiffness") return number(element.stiffness, kSmallestRatio, kLargestRatio);
     if (property == "density") return number(element.density, kSmallestDensity, kLargestDensity);
@@ -67,14 +55,9 @@ Result<void> setElement(Element& element, const std::string& property, const Jso
         preset->apply(element);
         return {};
     }
-    if (property == "visible") return flag(element.visible);
-    if (property == "locked") return flag(element.locked);
-    if (property == "color") {
-        const auto rgb = colour(value);
-        if (!rgb) return tl::unexpected(rgb.error());
-        element.color = *rgb;
-        return {};
-    }
+    if (property == "visible") return assign(element.visible, boolean(value, property));
+    if (property == "locked") return assign(element.locked, boolean(value, property));
+    if (property == "color") return assign(element.color, colour(value));
     if (property == "joint-planes") {
         const auto given = word(value, property);
         if (!given) return tl::unexpected(given.error());
@@ -88,24 +71,12 @@ Result<void> setElement(Element& element, const std::string& property, const Jso
             return fail("bad-value", "\"joint-planes\" must be \"auto\", \"bisector\" or \"element\".");
         return {};
     }
-    if (property == "solver-mesh") {
-        const auto given = word(value, property);
-        if (!given) return tl::unexpected(given.error());
-        const auto setting = parseSolverMesh(*given);
-        if (!setting) return tl::unexpected(setting.error());
-        element.solverMesh = *setting;
-        return {};
-    }
+    if (property == "solver-mesh") return assign(element.solverMesh, word(value, property).and_then(parseSolverMesh));
     return noSuchProperty("An element", property, "preset, nu, stiffness, density, damping, solver-mesh, joint-planes, color, visible and locked");
 }
 
 Result<void> setBone(Bone& bone, const std::string& property, const Json& value) {
-    const auto number = [&](double& to, double low, double high) -> Result<void> {
-        const auto given = numberWithin(value, property, low, high);
-        if (!given) return tl::unexpected(given.error());
-        to = *given;
-        return {};
-    };
+    const auto number = [&](double& to, double low, double high) { return assign(to, numberWithin(value, property, low, high)); };
     if (property == "min-stretch") return number(bone.minStretch, 0.01, 1.0);
     if (property == "max-stretch") return number(bone.maxStretch, 1.0, 100.0);
     if (property == "max-bend") return number(bone.maxBend, 0.0, Skeleton::Bone::kFreeBend);
@@ -117,22 +88,8 @@ Result<void> setBone(Bone& bone, const std::string& property, const Json& value)
 }
 
 Result<void> setCharacter(CharacterSettings& settings, const std::string& property, const Json& value) {
-    if (property == "basis") {
-        const auto given = word(value, property);
-        if (!given) return tl::unexpected(given.error());
-        const auto basis = parseBasis(*given);
-        if (!basis) return tl::unexpected(basis.error());
-        settings.basis = *basis;
-        return {};
-    }
-    if (property == "format") {
-        const auto given = word(value, property);
-        if (!given) return tl::unexpected(given.error());
-        const auto format = responseFormat(*given);
-        if (!format) return tl::unexpected(format.error());
-        settings.format = *format;
-        return {};
-    }
+    if (property == "basis") return assign(settings.basis, word(value, property).and_then(parseBasis));
+    if (property == "format") return assign(settings.format, word(value, property).and_then(responseFormat));
     if (property == "threads") {
         const auto given = numberWithin(value, property, 0, kMaxThreads);
         if (!given) return tl::unexpected(given.error());

@@ -10,6 +10,7 @@
 #include "core/proposal/shape_proposal.h"
 #include "core/document/attachments.h"
 #include "core/document/command_support.h"
+#include "core/document/import_request.h"
 #include "core/document/session_access.h"
 #include "core/mesh/bounds.h"
 
@@ -164,21 +165,10 @@ Result<Proposal> proposalFrom(const CharacterSource& character, const Json& json
 
 Result<ProposalRequest> proposalRequestFrom(const Json& arguments) {
     ProposalRequest request;
-    if (const Json* from = find(arguments, "from")) {
-        if (*from == "auto")
-            request.from = ProposalRequest::From::Auto;
-        else if (*from == "skeleton")
-            request.from = ProposalRequest::From::Skeleton;
-        else if (*from == "shape")
-            request.from = ProposalRequest::From::Shape;
-        else
-            return fail("bad-value", "\"from\" must be one of \"auto\", \"skeleton\", \"shape\".");
-    }
-    if (const Json* value = find(arguments, "least")) {
-        const auto least = numberWithin(*value, "least", 0.0, 1.0);
-        if (!least) return tl::unexpected(least.error());
-        request.least = *least;
-    }
+    using From = ProposalRequest::From;
+    const auto from = choiceFrom<From>(arguments, "from", {{"auto", From::Auto}, {"skeleton", From::Skeleton}, {"shape", From::Shape}}, From::Auto);
+    if (auto ok = assign(request.from, from); !ok) return tl::unexpected(ok.error());
+    if (auto ok = readNumber(arguments, "least", 0.0, 1.0, request.least); !ok) return tl::unexpected(ok.error());
     if (const Json* bones = find(arguments, "bones")) {
         if (request.from == ProposalRequest::From::Shape || request.least >= 0.0) return fail("bad-value", "\"bones\" says which bones of the skeleton stay: leave out \"from\": \"shape\" and \"least\".");
         request.bones.emplace();

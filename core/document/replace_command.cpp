@@ -240,9 +240,7 @@ Result<void> Replacement::character(PartId id, std::shared_ptr<const RenderModel
             changed.handles.clear();
         });
     }
-    const auto changed = changeBody(document_, id, std::move(body), progress);
-    if (!changed) return tl::unexpected(changed.error());
-    elements_ = *changed;
+    if (auto ok = assign(elements_, changeBody(document_, id, std::move(body), progress)); !ok) return tl::unexpected(ok.error());
     exchangePart(document_.characters, id, [&](CharacterSource& source) {
         // Weights are for the vertices of the mesh that they came with.
         if (source.rig && !source.rig->weights.empty() && !model->sameVertices(*source.model)) {
@@ -309,9 +307,7 @@ Result<Json> replaceMesh(DocumentEdit& edit, const Json& arguments, const Progre
     if (!request) return tl::unexpected(request.error());
     if (elementName && arguments.contains("body")) return fail("unknown-key", "\"body\" goes with \"character\" only.");
     BodySetting setting;
-    const auto how = choiceFrom<BodyKind>(arguments, "body", {{"auto", BodyKind::Auto}, {"exact", BodyKind::Exact}, {"mended", BodyKind::Mended}, {"wrapped", BodyKind::Wrapped}}, BodyKind::Auto);
-    if (!how) return tl::unexpected(how.error());
-    setting.how = *how;
+    if (auto ok = assign(setting.how, choiceFrom<BodyKind>(arguments, "body", {{"auto", BodyKind::Auto}, {"exact", BodyKind::Exact}, {"mended", BodyKind::Mended}, {"wrapped", BodyKind::Wrapped}}, BodyKind::Auto)); !ok) return tl::unexpected(ok.error());
     Replacement replacement(edit.document);
     if (characterName) {
         const auto character = characterOf(edit.document, characterName->get_ref<const std::string&>());

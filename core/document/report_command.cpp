@@ -8,7 +8,6 @@
 #include <iterator>
 
 #include "core/accuracy/frame_prediction.h"
-#include "core/accuracy/study_json.h"
 #include "core/base/atomic_file.h"
 #include "core/base/parallel.h"
 #include "core/character/smooth_joints_job.h"
@@ -287,11 +286,7 @@ Result<Json> report(SessionAccess& access, const Json& arguments, const Progress
     if (!path) return tl::unexpected(path.error());
     auto input = studyInput(session);
     if (!input) return tl::unexpected(input.error());
-    if (const Json* seconds = find(arguments, "seconds")) {
-        const auto given = numberWithin(*seconds, "seconds", 0.1, 1e6);
-        if (!given) return tl::unexpected(given.error());
-        input->seconds = *given;
-    }
+    if (auto ok = readNumber(arguments, "seconds", 0.1, 1e6, input->seconds); !ok) return tl::unexpected(ok.error());
     const auto study = runStudy(*input, {}, progress.part(0.0, 0.7));
     if (!study) return tl::unexpected(study.error());
     auto alive = session.builtCharacter();

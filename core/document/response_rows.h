@@ -5,7 +5,6 @@
 #include <map>
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "core/base/hash.h"
 #include "core/document/sqlite.h"

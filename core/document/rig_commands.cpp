@@ -60,11 +60,7 @@ Result<Json> takeClip(SessionAccess& access, const Json& arguments, const Progre
     if (auto ok = checkNameText(name); !ok) return tl::unexpected(ok.error());
     if (document.takeNamed(name)) return fail("name-taken", "There is a take \"" + name + "\" already: choose another name, or remove that one first.");
     double fps = 60.0;
-    if (const Json* value = find(arguments, "fps")) {
-        const auto asked = numberWithin(*value, "fps", 1.0, kMostFramesPerSecond);
-        if (!asked) return tl::unexpected(asked.error());
-        fps = *asked;
-    }
+    if (auto ok = readNumber(arguments, "fps", 1.0, kMostFramesPerSecond, fps); !ok) return tl::unexpected(ok.error());
     const double frames = std::floor(clip.seconds * fps + 1e-6);
     if (frames > kMostFrames) return fail("bad-value", "The clip would be a take of more than 100,000 frames: choose fewer per second.");
     std::vector<double> times;

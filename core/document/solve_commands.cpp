@@ -225,9 +225,7 @@ Result<Json> deform(SessionAccess& access, const Json& arguments, const Progress
         }
         if (!item.value().is_object()) return fail("bad-type", "A face needs an object: {a, b, theta1, theta2, dz} or {vertices}.");
         const JointFace& face = element.faces[static_cast<std::size_t>(index)];
-        auto request = item.value().contains("vertices") ? displacements(face, item.value()) : parameters(item.value());
-        if (!request) return tl::unexpected(request.error());
-        requests[static_cast<std::size_t>(index)] = std::move(*request);
+        if (auto ok = assign(requests[static_cast<std::size_t>(index)], item.value().contains("vertices") ? displacements(face, item.value()) : parameters(item.value())); !ok) return tl::unexpected(ok.error());
     }
 
     Json answer;

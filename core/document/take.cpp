@@ -3,7 +3,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <iterator>
 #include <map>
 #include <span>
 #include <utility>
