@@ -92,13 +92,10 @@ Result<Json> finishBone(DocumentEdit& edit, Bone bone) {
                                           "\": start it at \"" + document.bones.at(bone.parent)->name + "/end\".");
     }
     const int parent = skeleton.bones[static_cast<std::size_t>(index)].parent;
-    Json answer;
-    answer["name"] = bone.name;
-    answer["element"] = bone.element ? Json(document.elements.at(bone.element)->name) : Json();
-    answer["parent"] = parent < 0 ? Json() : Json(document.bones.at(plan->bones[static_cast<std::size_t>(parent)])->name);
-    answer["length"] = skeleton.bones[static_cast<std::size_t>(index)].length;
-    answer["start"] = placeJson(document, bone.start);
-    answer["end"] = placeJson(document, bone.end);
+    Json answer{{"name", bone.name}, {"element", bone.element ? Json(document.elements.at(bone.element)->name) : Json()},
+                {"parent", parent < 0 ? Json() : Json(document.bones.at(plan->bones[static_cast<std::size_t>(parent)])->name)},
+                {"length", skeleton.bones[static_cast<std::size_t>(index)].length}, {"start", placeJson(document, bone.start)},
+                {"end", placeJson(document, bone.end)}};
     return answer;
 }
 

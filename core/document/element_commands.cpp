@@ -70,15 +70,9 @@ Result<Json> addJointFace(DocumentEdit& edit, const Json& arguments, const Progr
     if (face->vertices.size() == static_cast<std::size_t>(body.vertices.rows()))
         return fail("no-free-vertex", "The face would hold every vertex of the element: leave some of its surface free.");
     face->name = name;
-    Json answer;
-    answer["vertices"] = face->vertices.size();
-    answer["triangles"] = face->triangles.size();
-    answer["indices"] = face->vertices;
-    answer["frame"] = json(face->frame);
-    answer["planarity_error"] = face->planarityError;
-    answer["flat"] = face->flat();
-    answer["area"] = face->area;
-    answer["size"] = face->size;
+    Json answer{{"vertices", face->vertices.size()}, {"triangles", face->triangles.size()}, {"indices", face->vertices},
+                {"frame", json(face->frame)}, {"planarity_error", face->planarityError}, {"flat", face->flat()}, {"area", face->area},
+                {"size", face->size}};
     exchangePart(document.elements, (*element)->id, [&](Element& changed) { changed.faces.push_back(std::move(*face)); });
     return answer;
 }
@@ -95,11 +89,8 @@ Result<Json> join(DocumentEdit& edit, const Json& arguments, const Progress&) {
     Json warnings = Json::array();
     if (first.frame.axes.col(2).dot(second.frame.axes.col(2)) > 0.0)
         warnings.push_back("The faces look the same way, so that their elements overlap: join faces that look at each other.");
-    Json answer;
-    answer["welded"] = joined->welded;
-    answer["unmatched"] = first.vertices.size() + second.vertices.size() - 2 * joined->welded;
-    answer["largest_gap"] = joined->gap;
-    answer["warnings"] = std::move(warnings);
+    Json answer{{"welded", joined->welded}, {"unmatched", first.vertices.size() + second.vertices.size() - 2 * joined->welded},
+                {"largest_gap", joined->gap}, {"warnings", std::move(warnings)}};
     return answer;
 }
 

@@ -194,15 +194,9 @@ Result<ExportPlan> planExport(Session& session, const Json& arguments) {
 Result<Json> runExport(const ExportPlan& plan, const Progress& progress) {
     const auto report = exportScene(plan.scene, plan.options, plan.path, progress);
     if (!report) return tl::unexpected(report.error());
-    Json answer;
-    answer["bytes"] = report->bytes;
-    answer["files"] = report->files.size();
-    answer["path"] = report->files.front().string();
-    answer["vertices"] = report->vertices;
-    answer["triangles"] = report->triangles;
-    answer["targets"] = report->targets;
-    answer["keys"] = report->keys;
-    answer["clips"] = Json::array();
+    Json answer{{"bytes", report->bytes}, {"files", report->files.size()}, {"path", report->files.front().string()},
+                {"vertices", report->vertices}, {"triangles", report->triangles}, {"targets", report->targets}, {"keys", report->keys},
+                {"clips", Json::array()}};
     for (const auto& clip : report->clips) answer["clips"].push_back({{"name", clip.name}, {"frames", clip.frames}, {"seconds", clip.seconds}});
     // The file's own mesh of a character, or the bodies of elements.
     answer["written"] = Json::array();

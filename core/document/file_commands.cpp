@@ -55,13 +55,8 @@ Json contents(const Session& session) {
         for (const Handle& handle : element->handles) handles.push_back(handleJson(document, *element, handle));
     for (const auto& [handle, goal] : document.handleGoals)
         if (goal.target.held) held.push_back(heldHandleJson(handle, goal));
-    Json answer;
-    answer["elements"] = std::move(elements);
-    answer["bones"] = std::move(bones);
-    answer["handles"] = std::move(handles);
-    answer["joints"] = std::move(joints);
-    answer["effects"] = effectsJson(document, false);
-    answer["takes"] = Json::array();
+    Json answer{{"elements", std::move(elements)}, {"bones", std::move(bones)}, {"handles", std::move(handles)},
+                {"joints", std::move(joints)}, {"effects", effectsJson(document, false)}, {"takes", Json::array()}};
     for (const auto& [id, take] : document.takes) answer["takes"].push_back(take->name);
     answer["held"] = std::move(held);
     answer["basis"] = basisName(document.settings.basis);

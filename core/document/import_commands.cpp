@@ -45,16 +45,9 @@ Result<Json> importElement(DocumentEdit& edit, const Json& arguments, const Prog
         element.issues = body.issues;
         element.mesh = std::make_shared<const ElementMesh>(std::move(body.mesh));
         const MeshFacts& facts = element.mesh->connectivity().facts();
-        Json line;
-        line["name"] = element.name;
-        line["vertices"] = element.mesh->body.vertices.rows();
-        line["triangles"] = element.mesh->body.triangles.rows();
-        line["closed"] = body.closed;
-        line["components"] = body.components;
-        line["volume"] = facts.volume;
-        line["size"] = json(facts.high - facts.low);
-        line["low"] = json(facts.low);
-        line["high"] = json(facts.high);
+        Json line{{"name", element.name}, {"vertices", element.mesh->body.vertices.rows()},
+                  {"triangles", element.mesh->body.triangles.rows()}, {"closed", body.closed}, {"components", body.components},
+                  {"volume", facts.volume}, {"size", json(facts.high - facts.low)}, {"low", json(facts.low)}, {"high", json(facts.high)}};
         elements.push_back(std::move(line));
         for (const MeshIssue& issue : body.issues) {
             Json told = issueJson(issue);
@@ -63,12 +56,8 @@ Result<Json> importElement(DocumentEdit& edit, const Json& arguments, const Prog
         }
         document.elements.emplace(element.id, std::make_shared<const Element>(std::move(element)));
     }
-    Json answer;
-    answer["elements"] = std::move(elements);
-    answer["issues"] = std::move(issues);
-    answer["format"] = imported->format;
-    answer["metres_per_unit"] = imported->metresPerUnit;
-    answer["turned_z_up"] = imported->zUpConverted;
+    Json answer{{"elements", std::move(elements)}, {"issues", std::move(issues)}, {"format", imported->format},
+                {"metres_per_unit", imported->metresPerUnit}, {"turned_z_up", imported->zUpConverted}};
     return answer;
 }
 

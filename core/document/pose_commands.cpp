@@ -128,13 +128,9 @@ Result<Json> showDrag(LiveCharacter& live, const Json& arguments, Json) {
     if (!settled) return tl::unexpected(settled.error());
     const auto now = live.positionOf(end);
     if (!now) return tl::unexpected(now.error());
-    Json answer;
-    answer["distance"] = (*now - held.target).norm();
-    answer["position"] = json(*now);
-    answer["settled"] = settled->settled;
-    answer["iterations"] = settled->iterations;
-    answer["ms"] = settled->milliseconds;
-    answer["warnings"] = texts(live.warningTexts(settled->warnings));
+    Json answer{{"distance", (*now - held.target).norm()}, {"position", json(*now)}, {"settled", settled->settled},
+                {"iterations", settled->iterations}, {"ms", settled->milliseconds},
+                {"warnings", texts(live.warningTexts(settled->warnings))}};
     return answer;
 }
 
