@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <QPushButton>
+#include <QVBoxLayout>
 
 #include "core/mesh/bounds.h"
 #include "ui/models/paths.h"

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <QColorDialog>
+#include <QComboBox>
 #include <QCoreApplication>
+#include <QGridLayout>
 #include <QLocale>
 #include <QToolButton>
 #include <algorithm>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <QLocale>
 #include <QPushButton>
+#include <QVBoxLayout>
 
 #include "core/document/handle_commands.h"
 #include "core/mesh/bounds.h"
