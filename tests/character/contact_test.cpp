@@ -18,26 +18,29 @@ using namespace imomushi;
 
 namespace {
 
-/// A caterpillar that is long enough to roll up once and a half. Radius 0.5, length 1 of each element.
+/// A caterpillar whose elements are precomputed for touch. Radius 0.5, length 1 of each element.
+CharacterInput touchedCaterpillar(int elements, int around, int along) {
+    caterpillar::Shape shape;
+    shape.elements = elements;
+    shape.around = {around};
+    shape.along = {along};
+    shape.precomputed = false;
+    CharacterInput input = caterpillar::make(shape);
+    for (auto& element : input.elements) {
+        ResponseInput in;
+        in.mesh = element.mesh;
+        in.faces = element.faces;
+        in.basis = input.basis;
+        in.touch = 48;
+        in.solverMesh = {SolverMeshSetting::Kind::AsIs, 0};
+        element.response = std::make_shared<const ElementResponse>(buildResponse(in, {}).value());
+    }
+    return input;
+}
+
+/// One that is long enough to roll up once and a half.
 const CharacterInput& longCaterpillar() {
-    static const CharacterInput out = [] {
-        caterpillar::Shape shape;
-        shape.elements = 12;
-        shape.around = {16};
-        shape.along = {6};
-        shape.precomputed = false;
-        CharacterInput input = caterpillar::make(shape);
-        for (auto& element : input.elements) {
-            ResponseInput in;
-            in.mesh = element.mesh;
-            in.faces = element.faces;
-            in.basis = input.basis;
-            in.touch = 48;
-            in.solverMesh = {SolverMeshSetting::Kind::AsIs, 0};
-            element.response = std::make_shared<const ElementResponse>(buildResponse(in, {}).value());
-        }
-        return input;
-    }();
+    static const CharacterInput out = touchedCaterpillar(12, 16, 6);
     return out;
 }
 
@@ -255,21 +258,7 @@ TEST_CASE("contact: what lies on the ground and has settled is shown as it is, t
 }
 
 TEST_CASE("contact: where more flesh meets than is looked at, a frame says so") {
-    caterpillar::Shape shape;
-    shape.elements = 2;
-    shape.around = {32};
-    shape.along = {16};
-    shape.precomputed = false;
-    CharacterInput input = caterpillar::make(shape);
-    for (auto& element : input.elements) {
-        ResponseInput in;
-        in.mesh = element.mesh;
-        in.faces = element.faces;
-        in.basis = input.basis;
-        in.touch = 48;
-        in.solverMesh = {SolverMeshSetting::Kind::AsIs, 0};
-        element.response = std::make_shared<const ElementResponse>(buildResponse(in, {}).value());
-    }
+    CharacterInput input = touchedCaterpillar(2, 32, 16);
     ContactEffect effect;
     effect.ground = Plane::level(0.0);
     input.effects.set(effect);

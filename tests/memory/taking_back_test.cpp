@@ -12,6 +12,19 @@
 
 using namespace imomushi;
 
+namespace {
+
+/// What a command answers while the n-th request for memory fails, and whether one did.
+std::pair<Result<Json>, bool> executeFailing(Session& session, const Json& command, long n, Fails fails) {
+    const FailingMalloc failing(n, fails);
+    auto answer = session.execute(command);
+    return {std::move(answer), FailingMalloc::failed()};
+}
+
+std::string outcome(const Result<Json>& answer) { return answer ? "done" : answer.error().code + ": " + answer.error().message; }
+
+}  // namespace
+
 TEST_CASE(
     "no memory: whichever request fails while a gesture is taken back, the document is as it was before it, and the character can be built "
     "again") {
@@ -64,20 +77,15 @@ TEST_CASE("no memory: whichever request fails while a prepared step is taken ove
             auto made = prepareStep(coreRegistry(), w.session.project(), command, {}, {});
             REQUIRE(made);
             w.session.setPrepared(std::make_shared<const PreparedStep>(std::move(*made)));
-            bool failed = false;
-            Result<Json> answer;
-            {
-                const FailingMalloc failing(n, fails);
-                answer = w.session.execute(command);
-                failed = FailingMalloc::failed();
-            }
-            INFO(named(fails) << n << ": " << (answer ? "done" : answer.error().code + ": " + answer.error().message));
+            const auto tried = executeFailing(w.session, command, n, fails);
+            const Result<Json>& answer = tried.first;
+            INFO(named(fails) << n << ": " << outcome(answer));
             CHECK(w.session.position() == position + (answer ? 1 : 0));
             CHECK((w.session.document().boneNamed("b") == nullptr) == answer.has_value());
             CHECK(w.session.builtCharacter().has_value());
             if (answer) w.good({{"do", "undo"}});
             CHECK(difference(before, w.session.document()).empty());
-            if (!failed) break;
+            if (!tried.second) break;
             told += !answer;
         }
     CHECK(told > 5);
@@ -91,20 +99,15 @@ TEST_CASE("no memory: whichever request fails while a character is made soft, al
     for (const Fails fails : kWays)
         for (long n = 1;; n = 2 * n) {
             const std::string before = w.content();
-            bool failed = false;
-            Result<Json> answer;
-            {
-                const FailingMalloc failing(n, fails);
-                answer = w.session.execute(command);
-                failed = FailingMalloc::failed();
-            }
-            INFO(named(fails) << n << ": " << (answer ? "done" : answer.error().code + ": " + answer.error().message));
+            const auto tried = executeFailing(w.session, command, n, fails);
+            const Result<Json>& answer = tried.first;
+            INFO(named(fails) << n << ": " << outcome(answer));
             const bool done = answer || answer.error().code == "no-memory-after";
             CHECK(w.session.position() == (done ? 1 : 0));
             if (done) w.good({{"do", "undo"}});
             CHECK(w.content() == before);
             CHECK(w.code({{"do", "undo"}}) == "nothing-to-undo");
-            if (!failed) break;
+            if (!tried.second) break;
             ++(done ? after : told);
         }
     CHECK(told > 10);
