@@ -37,9 +37,11 @@ struct Conforming {
     std::array<std::vector<char>, 2> walls;  ///< per side of a triangle, 3 f + k: the surfaces meet in it
 };
 
-/// Splits triangles of both where they meet. Throws where one crosses itself.
-Conforming conforming(const TriangleMesh& a, const TriangleMesh& b) {
+/// Splits triangles of both where they meet. None where one is no manifold; throws where one crosses itself.
+std::optional<Conforming> conforming(const TriangleMesh& a, const TriangleMesh& b) {
     std::array<cgal::SurfaceMesh, 2> mesh{cgal::toSurfaceMesh(a), cgal::toSurfaceMesh(b)};
+    if (mesh[0].number_of_faces() != static_cast<std::size_t>(a.triangles.rows()) || mesh[1].number_of_faces() != static_cast<std::size_t>(b.triangles.rows()))
+        return std::nullopt;
     std::array<cgal::SurfaceMesh::Property_map<cgal::SurfaceMesh::Edge_index, bool>, 2> meets;
     for (std::size_t m = 0; m < 2; ++m) meets[m] = mesh[m].add_property_map<cgal::SurfaceMesh::Edge_index, bool>("e:meets", false).first;
     pmp::corefine(mesh[0], mesh[1], CGAL::parameters::throw_on_self_intersection(true).edge_is_constrained_map(meets[0]),
@@ -156,20 +158,16 @@ bool surfacesMeet(const TriangleMesh& a, const TriangleMesh& b) {
 
 std::optional<TriangleMesh> unite(const TriangleMesh& a, const TriangleMesh& b) {
     const FloatingPointGuard guard;
-    cgal::SurfaceMesh first = cgal::toSurfaceMesh(a), second = cgal::toSurfaceMesh(b), both;
-    if (first.number_of_faces() != static_cast<std::size_t>(a.triangles.rows()) || second.number_of_faces() != static_cast<std::size_t>(b.triangles.rows()))
-        return std::nullopt;
     try {
-        // CGAL's union does not end where triangles lie on each other and what is left of them hangs together in a vertex alone.
-        const Conforming meeting = conforming(a, b);
-        const std::array<std::vector<Lying>, 2> lying{lyingOn(meeting, 0), lyingOn(meeting, 1)};
-        if (std::any_of(lying[0].begin(), lying[0].end(), [](Lying l) { return l != Lying::Free; }))
-            return unitedByPatches(meeting, lying, {&a, &b});
-        if (!pmp::corefine_and_compute_union(first, second, both, CGAL::parameters::throw_on_self_intersection(true))) return std::nullopt;
+        // CGAL's own union does not end for some surfaces that touch: it walks around vertices in which its result hangs together.
+        const std::optional<Conforming> both = conforming(a, b);
+        if (!both) return std::nullopt;
+        TriangleMesh whole = unitedByPatches(*both, {lyingOn(*both, 0), lyingOn(*both, 1)}, {&a, &b});
+        if (whole.triangles.rows() == 0) return std::nullopt;
+        return whole;
     } catch (const std::exception&) {  // crossings with themselves, and CGAL's preconditions
         return std::nullopt;
     }
-    return cgal::toTriangleMesh(both);
 }
 
 }  // namespace imomushi
