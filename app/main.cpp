@@ -7,6 +7,7 @@
 #include "app/headless/runner.h"
 #include "core/document/version.h"
 #include "core/io/import.h"
+#include "core/worker/worker.h"
 #ifdef IMOMUSHI_STUDIO
 #include "ui/studio.h"
 #endif
@@ -25,6 +26,8 @@ constexpr const char* kUsage =
 
 int main(int argc, char** argv) {
     const std::string_view first = argc > 1 ? argv[1] : "";
+    if (first == "worker") return imomushi::workerMain();
+    imomushi::setWorkerProgram("/proc/self/exe");
     if (first == "run") return imomushi::runMain(std::vector<std::string>(argv + 2, argv + argc), std::cin, std::cout, std::cerr);
     if (first == "import-worker") return imomushi::importWorkerMain();
     if (first == "--version") {

@@ -1294,6 +1294,10 @@
             <translation>ボディがすき間を閉じています。両側は一体で動きます。</translation>
         </message>
         <message>
+            <source>Some steps broke down or came to no end on this surface and were left out. Repair the mesh for a body that has all of it.</source>
+            <translation>この面では一部の処理が失敗するか終わらないため、省きました。すべてを含むボディにするには、メッシュを直してください。</translation>
+        </message>
+        <message>
             <source>The body is extremely thin. Give it more thickness.</source>
             <translation>ボディが極端に薄いです。厚みを付けてください。</translation>
         </message>

@@ -11,12 +11,14 @@
 
 #include "core/base/finite.h"
 #include "core/base/index.h"
+#include "core/body/body_codec.h"
 #include "core/body/mended_body.h"
 #include "core/body/prepared_surface.h"
 #include "core/body/repair.h"
 #include "core/body/wrapped_body.h"
 #include "core/mesh/bounds.h"
 #include "core/mesh/triangle_tree.h"
+#include "core/worker/worker.h"
 
 namespace imomushi {
 namespace {
@@ -115,6 +117,20 @@ Result<Body> wrap(const PreparedSurface& prepared, double detail, double volume,
     return body;
 }
 
+/// Says what a worker left out, because it crashed or did not end there.
+void sayLeftOut(std::vector<MeshIssue>& issues) {
+    const std::vector<std::string> steps = leftOutSteps();
+    if (steps.empty()) return;
+    MeshIssue issue;
+    issue.severity = Severity::Warning;
+    issue.code = "left-out";
+    issue.text = counted(steps.size(), "step", "steps") +
+                 " broke down or came to no end on this surface and was left out, the first of them " + steps.front() +
+                 ": repair the mesh in a modelling program for a body that has all of it.";
+    issue.count = static_cast<int>(steps.size());
+    issues.push_back(std::move(issue));
+}
+
 }  // namespace
 
 MeshIssue wrappedIssue(const char* text) {
@@ -137,7 +153,10 @@ std::string_view nameOf(BodyKind how) {
     return "";
 }
 
-Result<Body> makeBody(const TriangleMesh& render, std::span<const std::int32_t> part, const BodySetting& setting, const Progress& progress) {
+namespace {
+
+Result<Body> makeBodyHere(const TriangleMesh& render, const std::vector<std::int32_t>& part, const BodySetting& setting,
+                          const Progress& progress) {
     const auto start = std::chrono::steady_clock::now();
     if (auto ok = checkSetting(setting); !ok) return tl::unexpected(ok.error());
     if (auto ok = checkTriangles(render, part); !ok) return tl::unexpected(ok.error());
@@ -171,9 +190,19 @@ Result<Body> makeBody(const TriangleMesh& render, std::span<const std::int32_t> 
             }
     if (!report.issues.empty())
         if (const auto seen = examineSurface(render, part)) placeIssues(report.issues, seen->found);
+    sayLeftOut(report.issues);
     measureDistance(render, *body);
     report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return body;
+}
+
+const Operation<Result<Body>(TriangleMesh, std::vector<std::int32_t>, BodySetting)> kMakeBody("make-body", makeBodyHere);
+
+}  // namespace
+
+Result<Body> makeBody(const TriangleMesh& render, std::span<const std::int32_t> part, const BodySetting& setting,
+                      const Progress& progress) {
+    return kMakeBody(render, {part.begin(), part.end()}, setting, progress);
 }
 
 }  // namespace imomushi

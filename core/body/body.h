@@ -56,7 +56,7 @@ struct Body {
 /// Makes a body of a file's own triangles. `render`: any triangles, of any number of parts; `part`: #F, the part of each triangle, or empty: one part.
 /// Vertices that no triangle uses may hold anything. The same input gives the same bytes.
 /// Errors: "empty-mesh", "bad-index", "non-finite", "no-volume" (nothing with a volume can be made of it), "not-exact", "not-mendable" (only where `how` asks for
-/// one), "bad-detail", "too-large", "cancelled".
+/// one), "bad-detail", "too-large", "cancelled", and those of askWorker(). Where there are workers one does it; steps that break down are left out, and the issue "left-out" says so.
 Result<Body> makeBody(const TriangleMesh& render, std::span<const std::int32_t> part, const BodySetting& setting, const Progress& progress);
 
 }  // namespace imomushi

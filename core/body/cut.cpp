@@ -8,8 +8,10 @@
 #include <utility>
 
 #include "core/base/finite.h"
+#include "core/body/body_codec.h"
 #include "core/body/cut_pieces.h"
 #include "core/mesh/health.h"
+#include "core/worker/worker.h"
 
 namespace imomushi {
 namespace {
@@ -36,7 +38,8 @@ Prepared prepare(const CutSurface& surface, const CutPlane& plane, int cut) {
         auto& flat = loops.emplace_back();
         for (const SectionPoint& point : loop) flat.push_back(section->flat(point.place));
     }
-    auto region = meshRegion(loops, section->spacing);
+    const Attempt meshing("the triangles of a section");
+    auto region = meshing ? meshRegion(loops, section->spacing) : std::nullopt;
     if (!region || region->triangles.rows() == 0)
         return tl::unexpected(
             refusalOf({"section-touches-itself", "The section touches or crosses itself; repair the body there, or move or turn the plane a little."}, cut));
@@ -112,9 +115,8 @@ void addNearest(CutRefusal& refusal, const CutSurface& surface, const std::vecto
     refusal.message += text;
 }
 
-}  // namespace
-
-tl::expected<std::vector<BodyPiece>, CutRefusal> cutBody(const TriangleMesh& body, std::span<const CutPlane> cuts, const Progress& progress) {
+tl::expected<std::vector<BodyPiece>, CutRefusal> cutHere(const TriangleMesh& body, const std::vector<CutPlane>& cuts,
+                                                         const Progress& progress) {
     const auto refuse = [](CutRefusal refusal) { return tl::unexpected(std::move(refusal)); };
     const auto cancelled = [&] { return refuse(refusalOf({kCancelled, "Cutting was cancelled."}, -1)); };
     const MeshFacts facts = meshFacts(body);
@@ -138,6 +140,15 @@ tl::expected<std::vector<BodyPiece>, CutRefusal> cutBody(const TriangleMesh& bod
     auto pieces = assemblePieces(surface, sound);
     if (!pieces) addNearest(pieces.error(), surface, prepared, cuts, progress);
     return pieces;
+}
+
+const Operation<tl::expected<std::vector<BodyPiece>, CutRefusal>(TriangleMesh, std::vector<CutPlane>)> kCutBody("cut-body", cutHere);
+
+}  // namespace
+
+tl::expected<std::vector<BodyPiece>, CutRefusal> cutBody(const TriangleMesh& body, std::span<const CutPlane> cuts,
+                                                         const Progress& progress) {
+    return kCutBody(body, {cuts.begin(), cuts.end()}, progress);
 }
 
 }  // namespace imomushi

@@ -44,7 +44,7 @@ struct BodyPiece {
 /// "cuts-touch": two sections meet, or share too narrow a strip
 /// "does-not-separate": the body still hangs together around the cut
 /// "empty-piece": there is no volume on one side
-/// "cancelled"
+/// "cancelled", and those of askWorker()
 struct CutRefusal : Error {
     int cut = -1;                     ///< index of the cut at fault, -1: none
     int other = -1;                   ///< the other one of "cuts-touch"

@@ -17,6 +17,7 @@
 #include "core/mesh/shells.h"
 #include "core/mesh/triangle_tree.h"
 #include "core/mesh/weld.h"
+#include "core/worker/worker.h"
 
 namespace imomushi {
 namespace {
@@ -225,6 +226,8 @@ std::optional<TriangleMesh> united(std::vector<TriangleMesh> bodies, std::size_t
         if (progress.cancelled()) return std::nullopt;
         const auto next = std::find_if(bodies.begin(), bodies.end(), [&](const TriangleMesh& b) { return surfacesMeet(whole, b); });
         if (next == bodies.end()) break;  // the others lie inside by now
+        const Attempt uniting("a union of two parts");
+        if (!uniting) return std::nullopt;
         std::optional<TriangleMesh> both = unite(whole, *next);
         if (!both) return std::nullopt;
         whole = separated(std::move(*both));

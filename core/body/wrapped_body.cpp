@@ -15,6 +15,7 @@
 #include "core/mesh/cgal/intersections.h"
 #include "core/mesh/topology.h"
 #include "core/mesh/winding_number.h"
+#include "core/worker/worker.h"
 
 namespace imomushi {
 namespace {
@@ -230,6 +231,8 @@ Result<WrappedSurface> wrappedBody(const TriangleMesh& mesh, double detail, doub
         wanted.offset = kOffset * field.finest();
         // One that falls through a hole has two sides and is given up early.
         wanted.mostVertices = detail > 0.0 ? kMostAsked : 5000 + static_cast<std::size_t>(1.6 * expectedVertices(field, samples, area));
+        const Attempt wrapping("a wrap");
+        if (!wrapping) return fail("no-volume", "A wrap of this mesh breaks down or comes to no end: repair it in a modelling program.");
         auto wrap = wrapTriangles(unit, wanted, progress);
         if (wrap) *wrap = withoutIslands(*wrap);
         return wrap;

@@ -1,24 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/elasticity/tetrahedral_mesh.h"
 
-#include <fcntl.h>
-#include <poll.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cfenv>
 #include <cmath>
-#include <csignal>
+#include <mutex>
 #include <numeric>
 #include <string>
 #include <utility>
 
-#include "core/base/clock.h"
+#include "core/mesh/mesh_codec.h"
+#include "core/worker/worker.h"
 
 #define TETLIBRARY
 #include <tetgen.h>
@@ -33,11 +27,15 @@ constexpr const char* kNoFilling = "no-filling";
 constexpr double kRadiusEdgeRatio = 2.0;
 /// A tetrahedron is too large where its longest edge is longer than this times the wanted length: the edges around it are then about as long as wanted.
 constexpr double kTooLong = 1.4;
-/// Seconds of processor time after which TetGen is believed to run for ever: some twenty times what a body of as many vertices takes. The same in time of the
-/// clock, for what waits for ever, is many times as long: on a busy machine.
-constexpr double kPatience = 5.0, kPatiencePerVertex = 1e-3, kPatienceOfClock = 60.0;
+/// What a worker may use; a body of 100,000 vertices takes some five seconds.
+constexpr WorkLimits kLimits{std::size_t{16} << 30, 600, 3600.0};
 
-/// What TetGen's call-back asks for; it has no argument for it. The filling process has one thread.
+/// What TetGen throws where it gets no memory.
+constexpr int kNoMemory = 1;
+
+/// TetGen has global state.
+std::mutex oneAtATime;
+/// What TetGen's call-back asks for; it has no argument for it.
 const TetrahedronSizes* wantedSize = nullptr;
 
 bool tooLarge(REAL* a, REAL* b, REAL* c, REAL* d, REAL*, REAL) {
@@ -49,31 +47,20 @@ bool tooLarge(REAL* a, REAL* b, REAL* c, REAL* d, REAL*, REAL) {
     return longest > size * size;
 }
 
-/// What the filling process sends: a status (0: done, otherwise what TetGen threw), two counts, then vertices and tetrahedra.
-struct Header {
-    std::int64_t status = 0, vertices = 0, tetrahedra = 0;
+/// What TetGen makes: a status (0: done, otherwise what it threw), vertices and tetrahedra.
+struct Filling {
+    int status = 0;
+    TetrahedralMesh mesh;
 };
 
-bool sendAll(int to, const void* data, std::size_t bytes) {
-    const char* at = static_cast<const char*>(data);
-    while (bytes > 0) {
-        const ssize_t sent = ::write(to, at, bytes);
-        if (sent < 0 && errno == EINTR) continue;
-        if (sent <= 0) return false;
-        at += sent;
-        bytes -= static_cast<std::size_t>(sent);
-    }
-    return true;
-}
-
-/// Of the filling process.
-void fillAndSend(const TriangleMesh& surface, const TetrahedronSizes& size, int to) {
+Filling fillWithTetGen(const TriangleMesh& surface, const TetrahedronSizes& size) {
+    const std::lock_guard lock(oneAtATime);
     std::fenv_t before;
     std::feholdexcept(&before);
     wantedSize = &size;
-    Header header;
-    tetgenio in, out;
+    Filling made;
     try {
+        tetgenio in, out;
         in.numberofpoints = static_cast<int>(surface.vertices.rows());
         in.pointlist = new REAL[static_cast<std::size_t>(3 * in.numberofpoints)];
         for (Eigen::Index v = 0; v < surface.vertices.rows(); ++v)
@@ -94,22 +81,25 @@ void fillAndSend(const TriangleMesh& surface, const TetrahedronSizes& size, int 
         // p: a polyhedron; Y: its triangles stay; M: coplanar ones too; q: no bad shapes; Q: no messages.
         std::string switches = "pYMQq" + std::to_string(kRadiusEdgeRatio);
         tetrahedralize(switches.data(), &in, &out);
-        header.vertices = out.numberofpoints;
-        header.tetrahedra = out.numberoftetrahedra;
+        made.mesh.vertices.resize(out.numberofpoints, 3);
+        made.mesh.tetrahedra.resize(out.numberoftetrahedra, 4);
+        for (Eigen::Index v = 0; v < made.mesh.vertices.rows(); ++v)
+            for (int k = 0; k < 3; ++k) made.mesh.vertices(v, k) = out.pointlist[3 * v + k];
+        for (Eigen::Index t = 0; t < made.mesh.tetrahedra.rows(); ++t)
+            for (int c = 0; c < 4; ++c) made.mesh.tetrahedra(t, c) = out.tetrahedronlist[4 * t + c];
     } catch (int reason) {
-        header.status = reason == 0 ? -1 : reason;
+        made.status = reason == 0 ? -1 : reason;
+    } catch (const std::bad_alloc&) {
+        made.status = kNoMemory;
     } catch (...) {
-        header.status = -1;
+        made.status = -1;
     }
-    if (!sendAll(to, &header, sizeof header) || header.status != 0) return;
-    if (sendAll(to, out.pointlist, 3 * sizeof(REAL) * static_cast<std::size_t>(header.vertices)))
-        sendAll(to, out.tetrahedronlist, 4 * sizeof(int) * static_cast<std::size_t>(header.tetrahedra));
+    std::fesetenv(&before);
+    return made;
 }
 
-std::string reasonOf(std::int64_t status) {
+std::string reasonOf(int status) {
     switch (status) {
-        case 1:
-            return "there is not enough memory";
         case 3:
             return "its triangles meet each other";
         case 4:
@@ -217,22 +207,20 @@ Result<TetrahedralMesh> within(const TriangleMesh& surface, TetrahedralMesh mesh
     return out;
 }
 
-/// Reads what the filling process sends; false: it ended early, or `stop` says so. Looks at `stop` every 50 ms.
-template <class Stop>
-bool receiveAll(int from, void* data, std::size_t bytes, const Stop& stop) {
-    char* at = static_cast<char*>(data);
-    while (bytes > 0) {
-        pollfd waiting{from, POLLIN, 0};
-        const int ready = ::poll(&waiting, 1, 50);
-        if (stop()) return false;
-        if (ready <= 0) continue;
-        const ssize_t got = ::read(from, at, bytes);
-        if (got < 0 && errno == EINTR) continue;
-        if (got <= 0) return false;
-        at += got;
-        bytes -= static_cast<std::size_t>(got);
+Result<TetrahedralMesh> fillHere(const TriangleMesh& surface, const TetrahedronSizes& size, const Progress& progress) {
+    Filling made;
+    {
+        const Attempt filling("filling with tetrahedra");
+        if (!filling) return noFilling("TetGen breaks down or does not come to an end");
+        made = fillWithTetGen(surface, size);
     }
-    return true;
+    if (progress.cancelled()) return fail(kCancelled, "The precompute was cancelled.");
+    // Not a reason to choose another way: with more memory there is an answer.
+    if (made.status == kNoMemory)
+        return fail("too-large",
+                    "Filling the body with tetrahedra needs more memory than there is: close other programs, or reduce the mesh.");
+    if (made.status != 0) return noFilling(reasonOf(made.status));
+    return within(surface, std::move(made.mesh));
 }
 
 }  // namespace
@@ -246,59 +234,30 @@ double TetrahedronSizes::at(const Vec3& p) const {
     return least;
 }
 
+template <class Archive>
+void members(Archive& archive, TetrahedronSizes::Point& p) {
+    archive(p.place, p.size);
+}
+template <class Archive>
+void members(Archive& archive, TetrahedronSizes& s) {
+    archive(s.points, s.growth, s.most);
+}
+template <class Archive>
+void members(Archive& archive, TetrahedralMesh& m) {
+    archive(m.vertices, m.tetrahedra);
+}
+bool sound(const TetrahedralMesh& m) {
+    return m.tetrahedra.size() == 0 || (m.tetrahedra.minCoeff() >= 0 && m.tetrahedra.maxCoeff() < m.vertices.rows());
+}
+
+namespace {
+
+const Operation<Result<TetrahedralMesh>(TriangleMesh, TetrahedronSizes)> kFill("fill-with-tetrahedra", fillHere);
+
+}  // namespace
+
 Result<TetrahedralMesh> fillWithTetrahedra(const TriangleMesh& surface, const TetrahedronSizes& size, const Progress& progress) {
-    const double patience = kPatience + kPatiencePerVertex * static_cast<double>(surface.vertices.rows());
-    std::array<int, 2> pipe{};
-    if (::pipe2(pipe.data(), O_CLOEXEC) != 0) return noFilling("there are no more file handles");
-    const pid_t child = ::fork();
-    if (child < 0) {
-        ::close(pipe[0]);
-        ::close(pipe[1]);
-        return noFilling("there is not enough memory");
-    }
-    if (child == 0) {
-        ::close(pipe[0]);
-        const auto seconds = static_cast<rlim_t>(patience);
-        const rlimit time{seconds, seconds + 1};
-        ::setrlimit(RLIMIT_CPU, &time);
-        // No core file and no handlers of the program's: the parent says what failed.
-        const rlimit none{0, 0};
-        ::setrlimit(RLIMIT_CORE, &none);
-        for (const int number : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGTERM, SIGPIPE, SIGXCPU}) std::signal(number, SIG_DFL);
-        // Neither the program's answers nor its messages are mixed with what TetGen says.
-        for (const int stream : {STDOUT_FILENO, STDERR_FILENO})
-            if (stream != pipe[1]) ::close(stream);
-        fillAndSend(surface, size, pipe[1]);
-        ::_exit(0);
-    }
-    ::close(pipe[1]);
-    const auto start = Clock::now();
-    bool late = false;
-    const auto stop = [&] {
-        late = secondsSince(start) > kPatienceOfClock * patience;
-        return late || progress.cancelled();
-    };
-    Header header;
-    TetrahedralMesh mesh;
-    bool whole = receiveAll(pipe[0], &header, sizeof header, stop);
-    if (whole && header.status == 0) {
-        mesh.vertices.resize(header.vertices, 3);
-        mesh.tetrahedra.resize(header.tetrahedra, 4);
-        std::vector<double> points(static_cast<std::size_t>(3 * header.vertices));
-        whole = receiveAll(pipe[0], points.data(), sizeof(double) * points.size(), stop) &&
-                receiveAll(pipe[0], mesh.tetrahedra.data(), sizeof(Index) * static_cast<std::size_t>(mesh.tetrahedra.size()), stop);
-        for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
-            for (int k = 0; k < 3; ++k) mesh.vertices(v, k) = points[static_cast<std::size_t>(3 * v + k)];
-    }
-    ::close(pipe[0]);
-    ::kill(child, SIGKILL);
-    while (::waitpid(child, nullptr, 0) < 0 && errno == EINTR) {
-    }
-    if (progress.cancelled()) return fail(kCancelled, "The precompute was cancelled.");
-    if (late) return noFilling("TetGen does not come to an end");
-    if (!whole) return noFilling("TetGen broke down");
-    if (header.status != 0) return noFilling(reasonOf(header.status));
-    return within(surface, std::move(mesh));
+    return kFill(surface, size, progress, kLimits);
 }
 
 }  // namespace imomushi

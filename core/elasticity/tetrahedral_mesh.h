@@ -30,8 +30,9 @@ struct TetrahedronSizes {
 
 /// Fills what lies inside `surface` (closed, outward; cavities stay empty) with tetrahedra of about the size `size` where the surface's own triangles are no
 /// larger. No vertex is put on the surface and none of its edges is moved. Deterministic.
-/// TetGen does it (Si 2015, ACM TOMS 41:11), in a process of its own: it has global state, cannot be cancelled, and ends its process on some input.
-/// Errors: "cancelled"; "no-filling" with the reason: the surface meets itself, or TetGen gave up.
+/// TetGen does it (Si 2015, ACM TOMS 41:11), in a worker (core/worker/worker.h) where there are any: it cannot be cancelled, and ends its process on some input.
+/// Errors: "no-filling" with the reason: the surface meets itself, or TetGen gave up or broke down. All others say nothing about the surface, so that no other way may be taken
+/// because of them: "cancelled", "too-large", and those of askWorker().
 Result<TetrahedralMesh> fillWithTetrahedra(const TriangleMesh& surface, const TetrahedronSizes& size, const Progress& progress);
 
 }  // namespace imomushi

@@ -11,8 +11,10 @@
 
 #include "core/proposal/fit_cuts.h"
 #include "core/proposal/mirror_plane.h"
+#include "core/proposal/proposal_codec.h"
 #include "core/proposal/rig_cuts.h"
 #include "core/proposal/rig_flesh.h"
+#include "core/worker/worker.h"
 
 namespace imomushi {
 
@@ -280,11 +282,22 @@ private:
     double diagonal_ = 0.0;
 };
 
+Result<Proposal> proposeFromRigHere(const Rig& rig, const TriangleMesh& render, const TriangleMesh& body,
+                                    const std::optional<double>& least, const std::optional<std::vector<int>>& chosen,
+                                    const Progress& progress) {
+    auto proposal = RigProposer(rig, render, body).propose(least, chosen, progress);
+    if (proposal) noteLeftOut(*proposal);
+    return proposal;
+}
+
+const Operation<Result<Proposal>(Rig, TriangleMesh, TriangleMesh, std::optional<double>, std::optional<std::vector<int>>)> kProposeFromRig(
+    "propose-from-rig", proposeFromRigHere);
+
 }  // namespace
 
 Result<Proposal> proposeFromRig(const Rig& rig, const TriangleMesh& render, const TriangleMesh& body, std::optional<double> least, const Progress& progress,
                                 const std::optional<std::vector<int>>& chosen) {
-    return RigProposer(rig, render, body).propose(least, chosen, progress);
+    return kProposeFromRig(rig, render, body, least, chosen, progress);
 }
 
 }  // namespace imomushi

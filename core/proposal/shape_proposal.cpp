@@ -9,12 +9,14 @@
 
 #include "core/body/cgal/even_mesh.h"
 #include "core/body/cgal/rays.h"
-#include "core/proposal/fit_cuts.h"
-#include "core/proposal/limb_cuts.h"
-#include "core/proposal/mirror_plane.h"
 #include "core/mesh/bounds.h"
 #include "core/mesh/health.h"
 #include "core/mesh/topology.h"
+#include "core/proposal/fit_cuts.h"
+#include "core/proposal/limb_cuts.h"
+#include "core/proposal/mirror_plane.h"
+#include "core/proposal/proposal_codec.h"
+#include "core/worker/worker.h"
 
 namespace imomushi {
 namespace {
@@ -454,11 +456,19 @@ private:
     Proposal proposal_;
 };
 
+Result<Proposal> proposeHere(const TriangleMesh& body, const double& least, const Progress& progress) {
+    if (!meshFacts(body).outward) return fail("not-closed", "The body is not a closed surface that faces outward; repair or wrap it first.");
+    auto proposal = Proposer(body, least, progress).propose();
+    if (proposal) noteLeftOut(*proposal);
+    return proposal;
+}
+
+const Operation<Result<Proposal>(TriangleMesh, double)> kPropose("propose-from-shape", proposeHere);
+
 }  // namespace
 
 Result<Proposal> proposeFromShape(const TriangleMesh& body, double least, const Progress& progress) {
-    if (!meshFacts(body).outward) return fail("not-closed", "The body is not a closed surface that faces outward; repair or wrap it first.");
-    return Proposer(body, least, progress).propose();
+    return kPropose(body, least, progress);
 }
 
 }  // namespace imomushi

@@ -258,7 +258,8 @@ Result<SolvedBody> solvedBody(const TriangleMesh& body, std::span<const JointFac
     if (const VolumeDetail detail = volumeDetail(faces, setting, tetrahedra == Tetrahedra::All); detail.vertices > 0) {
         if (tetrahedra != Tetrahedra::None) {
             auto filled = volumeBody(BodySurface(body, faces), detail, progress);
-            if (filled || progress.cancelled()) return filled;
+            // Only what is wrong with the surface itself is a reason to go another way: a worker that was killed or reached a limit is none.
+            if (filled || filled.error().code != "no-filling") return filled;
             noFilling = filled.error().message;
         } else if (setting.kind == SolverMeshSetting::Kind::Volume) {
             noFilling = kTooIncompressible;

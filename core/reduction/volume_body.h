@@ -13,7 +13,7 @@
 namespace imomushi {
 
 /// The body, or one of `detail.vertices` vertices in its place, with smaller triangles at the rims of faces, filled with tetrahedra that grow from there.
-/// Errors: "cancelled", "no-filling".
+/// Errors: "cancelled", "no-filling", and the others of fillWithTetrahedra(), which say nothing about the body.
 Result<SolvedBody> volumeBody(const BodySurface& surface, const VolumeDetail& detail, const Progress& progress);
 
 /// How finely a setting fills a body with tetrahedra; no vertices: it is solved by boundary elements. `all`: see Tetrahedra::All.

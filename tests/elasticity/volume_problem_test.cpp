@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 
+#include "core/worker/worker.h"
 #include "tests/support/shapes.h"
 
 using namespace imomushi;
@@ -116,6 +117,24 @@ TEST_CASE("tetrahedra: a surface that meets itself is refused with the reason, a
     const auto cancelled = fillWithTetrahedra(one.mesh, sizes, Progress({}, stop.get_token()));
     REQUIRE(!cancelled);
     CHECK(cancelled.error().code == kCancelled);
+}
+
+TEST_CASE("tetrahedra: the same, byte for byte, made here and by a worker") {
+    const shapes::Body body = shapes::sphere(1.0, 3);
+    TetrahedronSizes sizes;
+    sizes.most = 0.2;
+    sizes.points.push_back({Vec3(0.0, 0.0, 1.0), 0.05});
+    const auto here = fillWithTetrahedra(body.mesh, sizes, {});
+    setWorkerProgram("/proc/self/exe");
+    const auto there = fillWithTetrahedra(body.mesh, sizes, {});
+    const auto again = fillWithTetrahedra(body.mesh, sizes, {});
+    setWorkerProgram({});
+    REQUIRE(here);
+    REQUIRE(there);
+    REQUIRE(again);
+    CHECK(there->vertices == here->vertices);
+    CHECK(there->tetrahedra == here->tetrahedra);
+    CHECK(again->tetrahedra == here->tetrahedra);
 }
 
 TEST_CASE("volume problem: drawn out evenly and moved rigidly a bar is exact at any Poisson ratio, and rigid motions take no force") {

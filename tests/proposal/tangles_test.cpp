@@ -13,8 +13,10 @@
 #include "core/body/cut.h"
 #include "core/io/build_result.h"
 #include "core/mesh/bounds.h"
+#include "core/proposal/proposal_codec.h"
 #include "core/proposal/rig_proposal.h"
 #include "core/proposal/shape_proposal.h"
+#include "core/worker/worker.h"
 #include "tests/support/capsules.h"
 #include "tests/support/shapes.h"
 #include "tests/support/thorough.h"
@@ -179,6 +181,55 @@ TEST_CASE("boxes that lie on each other triangle on triangle are one: their volu
     // Against each other on one square of four; the same square again, seen from inside.
     CHECK(united(shapes::box({0, 1, 0}, {1, 2, 1}, 1, 1, 1).mesh).volume == doctest::Approx(5.0).epsilon(1e-12));
     CHECK(united(shapes::box({0, 0.5, 0}, {1, 1, 1}, 1, 1, 1).mesh).volume == doctest::Approx(4.0).epsilon(1e-12));
+}
+
+TEST_CASE("bodies, cuts and proposals are the same, byte for byte, made here and by a worker") {
+    struct Made {
+        Body body;
+        Proposal fromRig, fromShape;
+        std::vector<BodyPiece> pieces;
+        CutRefusal refusal;
+    };
+    const CharacterFile file = read("legs_on_patches.glb");
+    const auto make = [&] {
+        Made made;
+        auto body = makeBody(file.renderModel.mesh.body, file.renderModel.part, {}, {});
+        REQUIRE(body);
+        made.body = std::move(*body);
+        auto rig = proposeFromRig(*file.rig, file.renderModel.mesh.body, made.body.mesh, std::nullopt, {});
+        auto shape = proposeFromShape(made.body.mesh, kLeastShare, {});
+        REQUIRE(rig);
+        REQUIRE(shape);
+        made.fromRig = std::move(*rig);
+        made.fromShape = std::move(*shape);
+        std::vector<CutPlane> planes;
+        for (const ProposedCut& cut : made.fromRig.cuts) planes.push_back(cut.plane);
+        auto pieces = cutBody(made.body.mesh, planes);
+        REQUIRE(pieces);
+        made.pieces = std::move(*pieces);
+        planes.push_back(planes[0]);
+        auto refused = cutBody(made.body.mesh, planes);
+        REQUIRE(!refused);
+        made.refusal = std::move(refused.error());
+        made.body.report.seconds = 0.0;
+        return made;
+    };
+    // What a message carries is all there is.
+    const auto bytes = [](const auto& value) {
+        MessageOut out;
+        out(value);
+        return out.take();
+    };
+    const Made here = make();
+    setWorkerProgram("/proc/self/exe");
+    const Made there = make();
+    setWorkerProgram({});
+    CHECK(bytes(there.body) == bytes(here.body));
+    CHECK(bytes(there.fromRig) == bytes(here.fromRig));
+    CHECK(bytes(there.fromShape) == bytes(here.fromShape));
+    CHECK(bytes(there.pieces) == bytes(here.pieces));
+    CHECK(bytes(there.refusal) == bytes(here.refusal));
+    CHECK(there.refusal.code == "cuts-touch");
 }
 
 TEST_CASE("tangles of all kinds become a body that can be cut, or a reason") {

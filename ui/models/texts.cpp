@@ -238,6 +238,10 @@ const std::map<std::string, const char*> kIssues = {
     {"inner-wall", QT_TRANSLATE_NOOP("Issues", "Walls inside of the flesh were left out of the body.")},
     {"wrapped", QT_TRANSLATE_NOOP("Issues", "A new surface around everything was made.")},
     {"closed-gap", QT_TRANSLATE_NOOP("Issues", "The body closes gaps: what lies on their two sides moves as one.")},
+    {"left-out",
+     QT_TRANSLATE_NOOP(
+         "Issues",
+         "Some steps broke down or came to no end on this surface and were left out. Repair the mesh for a body that has all of it.")},
     {"flat", QT_TRANSLATE_NOOP("Issues", "The body is extremely thin. Give it more thickness.")},
     {"non-orientable", QT_TRANSLATE_NOOP("Issues", "The surface has only one side.")},
 };

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+// Of this room and its tests: what a program and its worker say to each other over one socket. A frame is 4 bytes "imo1", uint32 kind, uint64 length of the content, content.
+namespace imomushi::worker {
+
+enum class FrameKind : std::uint32_t {
+    Keep = 1,  ///< to the worker: a key, and the bytes to keep under it
+    Forget,    ///< to the worker: a key
+    Request,   ///< to the worker: the name of an operation, steps to leave out, arguments
+    Progress,  ///< from the worker: a stage and a fraction
+    Step,      ///< from the worker: what is tried next; empty: nothing that may break
+    Answer,    ///< from the worker, to each request: the bytes
+    NoMemory,  ///< from the worker, instead of an answer
+};
+inline constexpr std::size_t kFrameHeader = 16;
+
+std::string frameHeader(FrameKind kind, std::uint64_t length);
+/// False: no frame begins so.
+bool parseFrameHeader(std::string_view header, FrameKind& kind, std::uint64_t& length);
+
+/// Where an argument of a request is: a kept one, or the bytes themselves.
+struct RequestArgument {
+    std::uint64_t high = 0, low = 0;  ///< of the key, 0: inline
+    std::string bytes;
+};
+struct Request {
+    std::string operation;
+    std::vector<std::string> leftOut;
+    std::vector<RequestArgument> arguments;
+};
+template <class Archive>
+void members(Archive& archive, RequestArgument& a) {
+    archive(a.high, a.low, a.bytes);
+}
+template <class Archive>
+void members(Archive& archive, Request& r) {
+    archive(r.operation, r.leftOut, r.arguments);
+}
+
+/// Set in a worker's environment: a worker never starts another one.
+inline constexpr const char* kWorkerMark = "IMOMUSHI_WORKER";
+
+}  // namespace imomushi::worker

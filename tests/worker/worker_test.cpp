@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/worker/worker.h"
+
+#include <doctest/doctest.h>
+#include <fcntl.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <thread>
+
+#include "tests/support/thorough.h"
+#include "tests/worker/operations.h"
+
+using namespace imomushi;
+
+namespace {
+
+/// Operations are done by workers while this lives.
+struct WithWorkers {
+    WithWorkers() { setWorkerProgram(IMOMUSHI_TEST_WORKER); }
+    ~WithWorkers() { setWorkerProgram({}); }
+};
+
+int openDescriptors() {
+    int n = 0;
+    for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) n += !entry.path().empty();
+    return n;
+}
+
+bool anyChild() {
+    siginfo_t child{};
+    return ::waitid(P_ALL, 0, &child, WEXITED | WNOHANG | WNOWAIT) == 0;
+}
+
+pid_t workerPid() { return static_cast<pid_t>(std::stol(breaking("pid").value_or("-1"))); }
+
+}  // namespace
+
+TEST_CASE("worker: an operation answers the same with and without a worker") {
+    const auto here = repeated("imomushi", 1000);
+    REQUIRE(here);
+    const WithWorkers on;
+    CHECK(repeated("imomushi", 1000).value_or("") == *here);
+    const auto steps = stepped(10, {}, "");
+    REQUIRE(steps);
+    CHECK(steps->sum == 55);
+    CHECK(steps->leftOut.empty());
+}
+
+TEST_CASE("worker: one is kept from operation to operation, and none is left when nobody wants any") {
+    const int before = openDescriptors();
+    {
+        const WithWorkers on;
+        const pid_t first = workerPid();
+        CHECK(first > 0);
+        CHECK(first != ::getpid());
+        CHECK(workerPid() == first);
+        CHECK(anyChild());
+    }
+    CHECK_FALSE(anyChild());
+    CHECK(openDescriptors() == before);
+}
+
+TEST_CASE("worker: requests and answers of any size come over, and large ones that it keeps are not mixed up") {
+    const WithWorkers on;
+    // More than a socket takes at once, in both directions, and more of them than a worker keeps.
+    std::vector<std::string> texts;
+    for (int i = 0; i < 24; ++i) texts.emplace_back(std::size_t{1} << (14 + i % 9), static_cast<char>('a' + i));
+    for (int round = 0; round < 2; ++round)
+        for (const std::string& text : texts) CHECK(repeated(text, 2).value_or("") == text + text);
+    const std::string large(std::size_t{96} << 20, 'x');
+    const auto answer = repeated(large, 1);
+    REQUIRE(answer);
+    CHECK(*answer == large);
+}
+
+TEST_CASE("worker: what breaks down in a step is done again without that step, and the answer says so") {
+    const WithWorkers on;
+    WorkLimits limits;
+    limits.cpuSeconds = 1;
+    limits.memoryBytes = std::size_t{512} << 20;
+    for (const std::string how : {"crash", "abort", "exit", "memory", "burn"}) {
+        CAPTURE(how);
+        const auto answer = stepped(10, how == "burn" ? std::vector{3} : std::vector{3, 7}, how, {}, limits);
+        REQUIRE(answer);
+        CHECK(answer->sum == (how == "burn" ? 52 : 45));
+        CHECK(answer->leftOut ==
+              (how == "burn" ? std::vector<std::string>{"a step (3)"} : std::vector<std::string>{"a step (3)", "a step (7)"}));
+    }
+    // At most eight times.
+    const auto eight = stepped(10, {1, 2, 3, 4, 5, 6, 7, 8}, "crash");
+    REQUIRE(eight);
+    CHECK(eight->sum == 19);
+    const auto nine = stepped(10, {1, 2, 3, 4, 5, 6, 7, 8, 9}, "crash");
+    REQUIRE(!nine);
+    CHECK(nine.error().code == "worker-failed");
+}
+
+TEST_CASE("worker: what breaks down outside of any step is a failure that is said") {
+    const WithWorkers on;
+    const auto code = [](const std::string& how, const WorkLimits& limits = {}) {
+        const auto answer = breaking(how, {}, limits);
+        return answer ? *answer : answer.error().code;
+    };
+    for (const char* how : {"crash", "abort", "exit", "garbage"}) CHECK_MESSAGE(code(how) == "worker-failed", how);
+    CHECK(code("kill") == "worker-killed");
+    WorkLimits limits;
+    limits.cpuSeconds = 1;
+    CHECK(code("burn", limits) == "timeout");
+    limits = {};
+    limits.wallSeconds = 0.3;
+    CHECK(code("sleep", limits) == "timeout");
+    limits = {};
+    limits.memoryBytes = std::size_t{512} << 20;
+    CHECK(code("memory", limits) == "too-large");
+    CHECK(code("none") == "nothing broke");
+    setWorkerProgram("/nonexistent/worker");
+    CHECK(code("none") == "worker-failed");
+}
+
+TEST_CASE("worker: processor time is that of one operation, however long the worker is kept") {
+    const WithWorkers on;
+    WorkLimits limits;
+    limits.cpuSeconds = 1;
+    const pid_t first = workerPid();
+    const std::string text(std::size_t{4} << 20, 'x');
+    for (int i = 0; i < 40; ++i) REQUIRE(repeated(text, 8, {}, limits));
+    CHECK(workerPid() == first);
+}
+
+TEST_CASE("worker: it inherits no open files") {
+    const WithWorkers on;
+    const std::ofstream open(std::filesystem::temp_directory_path() / ("imomushi-open-" + std::to_string(::getpid())));
+    const auto answer = breaking("descriptors");
+    REQUIRE(answer);
+    // Its connection and where libraries print to.
+    CHECK(std::count(answer->begin(), answer->end(), ' ') == 2);
+    std::filesystem::remove(std::filesystem::temp_directory_path() / ("imomushi-open-" + std::to_string(::getpid())));
+}
+
+TEST_CASE("worker: cancelling answers at once and ends it") {
+    const WithWorkers on;
+    std::stop_source stop;
+    std::jthread later([&] {
+        while (!anyChild()) std::this_thread::yield();
+        stop.request_stop();
+    });
+    const auto answer = breaking("sleep", Progress({}, stop.get_token()));  // would take 1000 s
+    REQUIRE(!answer);
+    CHECK(answer.error().code == kCancelled);
+    CHECK_FALSE(anyChild());
+}
+
+TEST_CASE("worker: its progress is told, from 0 to 1 and never backwards") {
+    const WithWorkers on;
+    double last = 0.0;
+    REQUIRE(repeated("x", 100,
+                     Progress(
+                         [&](std::string_view stage, double fraction) {
+                             CHECK(stage == "repeat");
+                             CHECK(fraction >= last);
+                             last = fraction;
+                         },
+                         {})));
+    CHECK(last == 1.0);
+}
+
+TEST_CASE("worker: killed at any moment, operations answer with the same bytes or say that it was killed") {
+    const WithWorkers on;
+    const std::string text(std::size_t{1} << 16, 'x');
+    const auto right = repeated(text, 4);
+    REQUIRE(right);
+    std::atomic<bool> done = false;
+    std::atomic<pid_t> victim = 0;
+    std::atomic<int> kills = 0;
+    int killed = 0, answered = 0;
+    std::jthread killer([&] {
+        for (unsigned wait = 1; !done; wait = wait * 29 % 4001) {
+            ::usleep(wait);
+            // Children are found by the system's list of them: only workers.
+            std::ifstream children("/proc/self/task/" + std::to_string(::getpid()) + "/children");
+            for (pid_t child = 0; children >> child;) kills += ::kill(child, SIGKILL) == 0;
+        }
+    });
+    const int wanted = repeats(100, 1000);
+    while (kills < wanted) {
+        const auto answer = repeated(text, 4);
+        if (answer) {
+            REQUIRE(*answer == *right);
+            ++answered;
+        } else {
+            REQUIRE(answer.error().code == "worker-killed");
+            ++killed;
+        }
+    }
+    done = true;
+    killer.join();
+    MESSAGE(kills.load() << " kills: " << answered << " answers, " << killed << " said that it was killed");
+    CHECK(answered > 0);
+    CHECK(repeated(text, 4).value_or("") == *right);
+}
+
+TEST_CASE("worker: it ends with its program, however that ends and however busy it is") {
+    ::prctl(PR_SET_CHILD_SUBREAPER, 1);
+    for (int i = 0; i < repeats(20, 100); ++i) {
+        int out[2];
+        REQUIRE(::pipe2(out, O_CLOEXEC) == 0);
+        const pid_t program = ::fork();
+        if (program == 0) {
+            ::dup2(out[1], STDOUT_FILENO);
+            ::execl(IMOMUSHI_TEST_WORKER, IMOMUSHI_TEST_WORKER, static_cast<char*>(nullptr));
+            ::_exit(1);
+        }
+        ::close(out[1]);
+        char text[32] = {};
+        REQUIRE(::read(out[0], text, sizeof text - 1) > 0);
+        const auto worker = static_cast<pid_t>(std::stol(text));
+        ::usleep(static_cast<useconds_t>(i * 997 % 5000));
+        ::kill(program, SIGKILL);
+        CHECK(::waitpid(program, nullptr, 0) == program);
+        // The orphan is this process's child now; this waits for its end. One that went on would burn for ever.
+        CHECK(::waitpid(worker, nullptr, 0) == worker);
+        ::close(out[0]);
+    }
+    ::prctl(PR_SET_CHILD_SUBREAPER, 0);
+    CHECK_FALSE(anyChild());
+}
