@@ -217,21 +217,36 @@ TriangleMesh separated(TriangleMesh mesh) {
     return taken({s.points, s.triangles()}, all, false);  // without vertices that are no longer used
 }
 
-/// Bodies that touch each other as one. Each joins when it touches what the others have become, so that every step is a union of two that meet. Empty where
-/// CGAL cannot, or when cancelled.
-std::optional<TriangleMesh> united(std::vector<TriangleMesh> bodies, std::size_t& unions, const Progress& progress) {
-    TriangleMesh whole = std::move(bodies.front());
-    bodies.erase(bodies.begin());
-    while (!bodies.empty()) {
+/// Bodies that touch each other as one. Each joins after one that it touches: whether it meets what the others have become need not be asked, which takes long for many parts.
+/// Empty where CGAL cannot, or when cancelled.
+std::optional<TriangleMesh> united(const std::vector<TriangleMesh>& bodies, std::size_t& unions, const Progress& progress) {
+    enum class Meeting : char { Unknown, Yes, No };
+    const std::size_t count = bodies.size();
+    std::vector<Bounds> box;
+    for (const TriangleMesh& b : bodies) box.push_back(boundsOf(b.vertices));
+    std::vector<Meeting> known(count * count, Meeting::Unknown);
+    const auto meet = [&](std::size_t a, std::size_t b) {
+        Meeting& meeting = known[a * count + b];
+        if (meeting == Meeting::Unknown) {
+            const bool apart = (box[a].low.array() > box[b].high.array()).any() || (box[b].low.array() > box[a].high.array()).any();
+            meeting = known[b * count + a] = !apart && surfacesMeet(bodies[a], bodies[b]) ? Meeting::Yes : Meeting::No;
+        }
+        return meeting == Meeting::Yes;
+    };
+    TriangleMesh whole = bodies.front();
+    std::vector<std::size_t> joined{0}, left;
+    for (std::size_t b = 1; b < count; ++b) left.push_back(b);
+    while (!left.empty()) {
         if (progress.cancelled()) return std::nullopt;
-        const auto next = std::find_if(bodies.begin(), bodies.end(), [&](const TriangleMesh& b) { return surfacesMeet(whole, b); });
-        if (next == bodies.end()) break;  // the others lie inside by now
+        const auto next = std::find_if(left.begin(), left.end(), [&](std::size_t b) { return std::any_of(joined.begin(), joined.end(), [&](std::size_t a) { return meet(a, b); }); });
+        if (next == left.end()) break;
         const Attempt uniting("a union of two parts");
         if (!uniting) return std::nullopt;
-        std::optional<TriangleMesh> both = unite(whole, *next);
+        std::optional<TriangleMesh> both = unite(whole, bodies[*next]);
         if (!both) return std::nullopt;
         whole = separated(std::move(*both));
-        bodies.erase(next);
+        joined.push_back(*next);
+        left.erase(next);
         ++unions;
     }
     return whole;
@@ -305,7 +320,7 @@ Result<MendedSurface> mendedBody(const PreparedSurface& surface, const Progress&
         }
         std::vector<TriangleMesh> members;
         for (const std::size_t b : group) members.push_back(std::move(bodies[b]));
-        std::optional<TriangleMesh> one = united(std::move(members), unions, progress);
+        std::optional<TriangleMesh> one = united(members, unions, progress);
         if (progress.cancelled()) return fail(kCancelled, "Cancelled.");
         if (!one) return notMendable("parts of it cross each other in a way that leaves no clear surface");
         pieces.push_back(std::move(*one));

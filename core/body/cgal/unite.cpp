@@ -102,6 +102,7 @@ TriangleMesh unitedByPatches(const Conforming& both, const std::array<std::vecto
     for (std::size_t m = 0; m < 2; ++m) {
         const Triangles& triangles = both.triangles[m];
         const EdgeTable edges(triangles);
+        const TriangleMesh here{both.places, triangles};
         std::vector<char> seen(lying[m].size(), 0);
         const auto keep = [&](std::int32_t f) { kept.push_back({triangles(f, 0), triangles(f, 1), triangles(f, 2)}); };
         for (std::size_t first = 0; first < seen.size(); ++first) {
@@ -121,7 +122,6 @@ TriangleMesh unitedByPatches(const Conforming& both, const std::array<std::vecto
                             s = 1, patch.push_back(use.triangle);
                 }
             // Its largest triangle is asked: the middle of a thin one may be no farther from the other surface than rounding.
-            const TriangleMesh here{both.places, triangles};
             std::int32_t largest = patch[0];
             for (const std::int32_t f : patch)
                 if (areaVector(here, f).squaredNorm() > areaVector(here, largest).squaredNorm()) largest = f;
