@@ -60,7 +60,10 @@ Filling fillWithTetGen(const TriangleMesh& surface, const TetrahedronSizes& size
     wantedSize = &size;
     Filling made;
     try {
-        tetgenio in, out;
+        // Not freed where TetGen throws: it leaves them half done. Often it crashes by itself then, which a worker survives.
+        auto* const given = new tetgenio;
+        auto* const filled = new tetgenio;
+        tetgenio &in = *given, &out = *filled;
         in.numberofpoints = static_cast<int>(surface.vertices.rows());
         in.pointlist = new REAL[static_cast<std::size_t>(3 * in.numberofpoints)];
         for (Eigen::Index v = 0; v < surface.vertices.rows(); ++v)
@@ -87,6 +90,8 @@ Filling fillWithTetGen(const TriangleMesh& surface, const TetrahedronSizes& size
             for (int k = 0; k < 3; ++k) made.mesh.vertices(v, k) = out.pointlist[3 * v + k];
         for (Eigen::Index t = 0; t < made.mesh.tetrahedra.rows(); ++t)
             for (int c = 0; c < 4; ++c) made.mesh.tetrahedra(t, c) = out.tetrahedronlist[4 * t + c];
+        delete given;
+        delete filled;
     } catch (int reason) {
         made.status = reason == 0 ? -1 : reason;
     } catch (const std::bad_alloc&) {

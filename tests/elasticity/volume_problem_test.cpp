@@ -124,11 +124,11 @@ TEST_CASE("tetrahedra: the same, byte for byte, made here and by a worker") {
     TetrahedronSizes sizes;
     sizes.most = 0.2;
     sizes.points.push_back({Vec3(0.0, 0.0, 1.0), 0.05});
+    setWorkerProgram({});
     const auto here = fillWithTetrahedra(body.mesh, sizes, {});
     setWorkerProgram("/proc/self/exe");
     const auto there = fillWithTetrahedra(body.mesh, sizes, {});
     const auto again = fillWithTetrahedra(body.mesh, sizes, {});
-    setWorkerProgram({});
     REQUIRE(here);
     REQUIRE(there);
     REQUIRE(again);

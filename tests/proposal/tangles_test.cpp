@@ -220,10 +220,10 @@ TEST_CASE("bodies, cuts and proposals are the same, byte for byte, made here and
         out(value);
         return out.take();
     };
+    setWorkerProgram({});
     const Made here = make();
     setWorkerProgram("/proc/self/exe");
     const Made there = make();
-    setWorkerProgram({});
     CHECK(bytes(there.body) == bytes(here.body));
     CHECK(bytes(there.fromRig) == bytes(here.fromRig));
     CHECK(bytes(there.fromShape) == bytes(here.fromShape));

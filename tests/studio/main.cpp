@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "core/io/import.h"
+#include "core/worker/worker.h"
 #include "tests/studio/victim.h"
 #include "tests/studio/window.h"
 #include "tests/support/left_out.h"
@@ -18,6 +19,8 @@
 int main(int argc, char** argv) {
     // importFile() starts this very program as its worker.
     if (argc > 1 && std::strcmp(argv[1], "import-worker") == 0) return imomushi::importWorkerMain();
+    if (argc > 1 && std::strcmp(argv[1], "worker") == 0) return imomushi::workerMain();
+    imomushi::setWorkerProgram("/proc/self/exe");
     if (argc > 2 && std::strcmp(argv[1], "victim") == 0) return imomushi::studioVictim(argc, argv, argv[2], argc > 3);  // in the home of the test that kills it
     imomushi::ownHome();
     imomushi::GuardedApplication application(argc, argv);

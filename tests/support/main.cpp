@@ -10,8 +10,9 @@
 #include "tests/support/own_home.h"
 
 int main(int argc, char** argv) {
-    // Cases that are about workers start this very program as theirs.
+    // This very program is its worker.
     if (argc > 1 && std::strcmp(argv[1], "worker") == 0) return imomushi::workerMain();
+    imomushi::setWorkerProgram("/proc/self/exe");
     feenableexcept(FE_DIVBYZERO | FE_INVALID | FE_OVERFLOW);
     imomushi::ownHome();
     return imomushi::statusOf(doctest::Context(argc, argv).run());

@@ -45,6 +45,7 @@ pid_t workerPid() { return static_cast<pid_t>(std::stol(breaking("pid").value_or
 }  // namespace
 
 TEST_CASE("worker: an operation answers the same with and without a worker") {
+    setWorkerProgram({});
     const auto here = repeated("imomushi", 1000);
     REQUIRE(here);
     const WithWorkers on;
@@ -56,6 +57,7 @@ TEST_CASE("worker: an operation answers the same with and without a worker") {
 }
 
 TEST_CASE("worker: one is kept from operation to operation, and none is left when nobody wants any") {
+    setWorkerProgram({});
     const int before = openDescriptors();
     {
         const WithWorkers on;

@@ -2,6 +2,7 @@
 #include "core/body/cgal/unite.h"
 
 #include <CGAL/Polygon_mesh_processing/corefinement.h>
+#include <CGAL/Random.h>
 #include <CGAL/Polygon_mesh_processing/intersection.h>
 #include <CGAL/Polygon_mesh_processing/shape_predicates.h>
 #include <CGAL/boost/graph/Euler_operations.h>
@@ -39,6 +40,8 @@ struct Conforming {
 
 /// Splits triangles of both where they meet. None where one is no manifold; throws where one crosses itself.
 std::optional<Conforming> conforming(const TriangleMesh& a, const TriangleMesh& b) {
+    // In which order CGAL finds what meets follows from its random numbers; they begin anew, so that what was done before does not matter.
+    CGAL::get_default_random() = CGAL::Random(0);
     std::array<cgal::SurfaceMesh, 2> mesh{cgal::toSurfaceMesh(a), cgal::toSurfaceMesh(b)};
     if (mesh[0].number_of_faces() != static_cast<std::size_t>(a.triangles.rows()) || mesh[1].number_of_faces() != static_cast<std::size_t>(b.triangles.rows()))
         return std::nullopt;
