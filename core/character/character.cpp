@@ -113,6 +113,12 @@ void Character::update(const Pose& pose, double seconds) { state_->update(pose, 
 
 void Character::correct(const Pose& pose) { state_->update(pose, 0.0, true); }
 
+void Character::shift(const Pose& pose) {
+    state_->frame.shifted = true;
+    state_->update(pose, 0.0, true);
+    state_->frame.shifted = false;
+}
+
 void Character::stop() { state_->frame.stopped = true; }
 
 void Character::tune(const CharacterEffects& effects) { state_->jobs.tune(effects); }

@@ -105,6 +105,8 @@ public:
     void update(const Pose& pose, double seconds = 0.0);
     /// The last update() once more in another pose, of which the next frame goes on: what has a past takes a step, and does not settle. Times add up.
     void correct(const Pose& pose);
+    /// The same where `pose` is the last one shifted as a whole: contact keeps its dents, so that flesh moves as far as joint points do.
+    void shift(const Pose& pose);
     /// Where a handle is to be in the next update(); at rest until then. False: not finite, or no rotation, and nothing changes.
     bool setHandle(int handle, const HandlePose& pose);
     [[nodiscard]] const HandlePose& handlePose(int handle) const;        ///< as it was set

@@ -98,6 +98,11 @@ void ContactJob::run(Stage stage, Frame& frame) {
         known_ = false;  // elements go where contact does not follow them
         return;
     }
+    if (frame.shifted) {
+        known_ = false;  // all have moved, for who meets the ground
+        for (std::size_t b = 0; stage == Stage::Weights && b < bodies_.size(); ++b) frame.elements[bodies_[b].element].patchForces += contact_.patchForces(b);
+        return;
+    }
     if (stage == Stage::Weights) return begin(frame);
     presses_ = !near_.none() || !contact_.idle();
     if (!presses_) return;

@@ -192,6 +192,7 @@ struct Frame {
     double seconds = 0.0;      // that pass in this frame
     bool stopped = true;       // it starts from rest
     bool again = false;        // see Character::correct()
+    bool shifted = false;      // see Character::shift()
     bool exact = false;        // see Character::keepExact()
     bool replaying = false;    // it shows numbers of Character::shape(), jobs before Stage::Weights do not run
     unsigned warnings = 0;     // of FrameWarning

@@ -47,7 +47,7 @@ Result<void> GroundEffect::addJob(Frame& frame, FrameJobs& jobs) const {
     return {};
 }
 
-GroundJob::GroundJob(const Frame& frame, const GroundEffect& settings) : EffectJob(settings, {Stage::Dents}) {
+GroundJob::GroundJob(const Frame& frame, const GroundEffect& settings) : EffectJob(settings, {Stage::Placed}) {
     std::vector<std::pair<std::size_t, std::size_t>> placeOf;  // element and its chosen, in the order of flesh_ before it is sorted
     std::vector<FleshPoint> flesh;
     for (std::size_t e = 0; e < frame.elements.size(); ++e) {
@@ -128,7 +128,10 @@ void GroundJob::measure(Element& element, Frame& frame) {
     of.aloft = 1.0;
     const Plane plane = settings().plane();
     if (plane.height(of.frame(runtime.middle)) > (0.5 + kNear) * runtime.size + beyond) {
-        for (const Chosen& c : element.chosen) at_[c.flesh] = of.frame(c.rest);
+        for (const Chosen& c : element.chosen) {
+            at_[c.flesh] = of.frame(c.rest);
+            flesh_[c.flesh].dent.setZero();
+        }
         return;
     }
     if (!warped) {
@@ -143,6 +146,8 @@ void GroundJob::measure(Element& element, Frame& frame) {
             at = of.frame(of.localAt(c.vertex, of.local.data()));
         else
             at = of.frame(c.rest + element.moved.segment<3>(3 * c.row).cast<double>());
+        flesh_[c.flesh].dent.setZero();
+        if (of.dented && c.held < 0) flesh_[c.flesh].dent = of.frame.linear * (of.localAt(c.vertex, of.dented) - of.localAt(c.vertex, of.local.data()));
         of.aloft = std::min(of.aloft, std::max(0.0, plane.height(at) / (kNear * runtime.size)));
     }
 }

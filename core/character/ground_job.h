@@ -37,9 +37,9 @@ struct GroundEffect : EffectOf<GroundEffect> {
 };
 
 /// Where the flesh is that a plane may meet: some body vertices of each element, chosen once, of which one is near the lowest whatever lies below, however the
-/// element is bent. They are where pose, loads and bend warp have them; dents are not in it, which are what the ground makes of them. Evaluated here whoever
+/// element is bent. They are where pose, loads and bend warp have them; dents, which are what the ground makes of them, stand beside it. Evaluated here whoever
 /// deforms the element.
-///   reads   ElementFrame::frame, v, local; JointFrame::map
+///   reads   ElementFrame::frame, v, local, dented; JointFrame::map
 ///   writes  ElementFrame::aloft, Frame::up, for the next frame
 class GroundJob final : public EffectJob<GroundEffect> {
 public:

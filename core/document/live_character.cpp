@@ -388,8 +388,8 @@ void LiveCharacter::stepFrame(double seconds) {
             character_->correct(performance_->pose());
             seeFlesh();
         }
-        if (round == kLiftsOfFrame && performance_->liftWhole()) {
-            character_->correct(performance_->pose());
+        if (performance_->liftWhole()) {
+            character_->shift(performance_->pose());
             seeFlesh();
         }
     } else if (handled || turned || morphed || !document().pose.points.empty() || stirred_ || wasTake || !character_->resting()) {

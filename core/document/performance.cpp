@@ -55,6 +55,8 @@ constexpr int kFollowed = 30;
 constexpr double kLifted = 1e-3;
 /// Flesh that is deeper in the ground than this (sizes of the skeleton) at the end of a frame is not shown so.
 constexpr double kDeep = 0.005;
+/// The same with contact, of flesh as it is dented.
+constexpr double kDeepest = 0.01;
 
 bool same(const Pose& a, const Pose& b) {
     return a.points == b.points && a.roll == b.roll &&
@@ -185,6 +187,7 @@ void Performance::follow(const Pose& kinematic, std::span<const IkGoal> goals) {
 
 void Performance::seeFlesh(std::span<const FleshPoint> flesh, const std::vector<Vec3>& points) {
     if (!ground_) return;
+    shownFlesh_.assign(flesh.begin(), flesh.end());
     flesh_.assign(flesh.begin(), flesh.end());
     for (FleshPoint& f : flesh_)
         if (const double far = f.offset.norm(); far > 0.0) f.offset *= 1.0 - std::min(pressed_, kMostPressed * size_ / far);
@@ -212,11 +215,20 @@ bool Performance::lift() {
 }
 
 bool Performance::liftWhole() {
-    if (!ground_ || clearing_->depth(ground_->plane) <= kDeep * size_) return false;
-    clearing_->depths(ground_->plane, wholeOf_, depthOf_);
+    if (!ground_) return false;
+    const double allowed = (pressed_ > 0.0 ? kDeepest : kDeep) * size_;
     next_ = pose();
+    std::fill(depthOf_.begin(), depthOf_.end(), 0.0);
+    double deepest = 0.0;
+    for (const FleshPoint& f : shownFlesh_) {
+        const auto point = static_cast<std::size_t>(f.point);
+        double& depth = depthOf_[static_cast<std::size_t>(wholeOf_[point])];
+        depth = std::max(depth, -ground_->plane.height(next_.points[point] + f.offset + f.dent));
+        deepest = std::max(deepest, depth);
+    }
+    if (deepest <= allowed) return false;
     for (std::size_t i = 0; i < next_.points.size(); ++i)
-        next_.points[i] += std::max(0.0, depthOf_[static_cast<std::size_t>(wholeOf_[i])] - kDeep * size_) * ground_->plane.normal();
+        next_.points[i] += std::max(0.0, depthOf_[static_cast<std::size_t>(wholeOf_[i])] - allowed) * ground_->plane.normal();
     std::swap(next_, raised_);
     lifted_ = true;
     return true;

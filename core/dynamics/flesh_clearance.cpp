@@ -81,13 +81,4 @@ double FleshClearance::depth(const Plane& plane) const {
     return -lowest;
 }
 
-void FleshClearance::depths(const Plane& plane, const std::vector<std::int32_t>& groupOf, std::vector<double>& depthOf) const {
-    std::fill(depthOf.begin(), depthOf.end(), 0.0);
-    for (const FleshPoint& f : flesh_) {
-        const auto point = static_cast<std::size_t>(f.point);
-        double& deepest = depthOf[static_cast<std::size_t>(groupOf[point])];
-        deepest = std::max(deepest, -plane.height(shownAt_[point] + f.offset));
-    }
-}
-
 }  // namespace imomushi

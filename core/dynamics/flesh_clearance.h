@@ -16,7 +16,8 @@ struct FleshPoint {
     int point = -1;               ///< the joint point that moves it most
     int bone = -1;                ///< that it turns with, one that ends at `point`; -1: it does not turn
     double lever = 0.0;           ///< how far it lies beyond that end of the bone at rest, over the length of the bone, >= 0
-    Vec3 offset = Vec3::Zero();   ///< m, world, from the joint point, as it was shown last
+    Vec3 offset = Vec3::Zero();   ///< m, world, from the joint point, as it was shown last, without dents
+    Vec3 dent = Vec3::Zero();     ///< m, world: what contact and fingers add
 };
 
 /// How far joint points must stay above a plane so that the flesh around them does, from where that was shown last: until it is shown again, it turns with its
@@ -35,8 +36,6 @@ public:
     void raise(std::vector<Vec3>& points, const Plane& plane, std::vector<double>& clearance);
     /// m: how far the deepest flesh was below the plane when it was shown, >= 0.
     [[nodiscard]] double depth(const Plane& plane) const;
-    /// The same of each group of joint points, m. groupOf: per joint point, its group.
-    void depths(const Plane& plane, const std::vector<std::int32_t>& groupOf, std::vector<double>& depthOf) const;
 
 private:
     struct Bone {
