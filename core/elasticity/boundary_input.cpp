@@ -12,14 +12,10 @@ namespace imomushi {
 
 namespace {
 
-/// The largest number of vertices whose matrix LAPACK's 32-bit indices can address.
-constexpr Eigen::Index kMaxVertices = 200'000;
-
 Result<void> checkMesh(const TriangleMesh& mesh) {
     const Eigen::Index count = mesh.vertices.rows();
     if (count < 4 || mesh.triangles.rows() < 4)
         return fail("not-closed", "The mesh has too few triangles to enclose a body; import a closed surface.");
-    if (count > kMaxVertices) return fail("no-memory", "The mesh has too many vertices to be solved directly; reduce it first.");
     if (!allFinite(mesh.vertices))
         return fail("bad-value", "The mesh has a vertex that is not a finite point; repair the mesh.");
     if (mesh.triangles.minCoeff() < 0 || mesh.triangles.maxCoeff() >= count)

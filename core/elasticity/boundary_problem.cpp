@@ -42,6 +42,8 @@ constexpr const char* kInaccurate = "inaccurate";
 
 /// Up to this many nodes a dense matrix is faster than a hierarchical one.
 constexpr std::int32_t kDenseNodes = 5000;
+/// Up to this many (30 GB) the whole matrix is factorised where the preconditioner of a hierarchical one does not do.
+constexpr std::int32_t kDenseInsteadNodes = 20'000;
 /// About so many nodes are checked for the solid angle of the whole surface.
 constexpr std::int32_t kCheckedNodes = 1000;
 /// A hierarchical solution of kMeasuredNodes nodes and twelve columns, one thread (bench_hierarchical_solver): the time in pairs of a point and a triangle, the
@@ -174,8 +176,8 @@ Result<BoundaryProblem> BoundaryProblem::build(const Input& input, const Progres
     state->tolerance = std::clamp(input.tolerance, 1e-6, 1e-2);
     state->equation = std::make_shared<const BoundaryEquation>(mesh, input.held, input.bubbles, input.nu);
     state->unheld = hasUnheldPart(mesh, *patchOf);
-    const bool dense = !hierarchical(state->equation->nodes()) && state->denseBytes() <= availableMemory();
-    if (auto ok = dense ? state->buildDense(progress) : state->buildHierarchical(progress); !ok) return tl::make_unexpected(ok.error());
+    // By the input alone, whatever memory there is: the same input has the same bytes, or fails.
+    if (auto ok = !hierarchical(state->equation->nodes()) ? state->buildDense(progress) : state->buildHierarchical(progress); !ok) return tl::make_unexpected(ok.error());
     return BoundaryProblem(std::move(state));
 }
 
@@ -251,7 +253,7 @@ Result<BoundaryProblem::Solution> BoundaryProblem::solve(const Eigen::MatrixXd& 
         return fail("bad-value", "The tractions do not match the vertices, or are not finite.");
     const auto start = Clock::now();
     auto x = s.hierarchical ? s.solveHierarchical(held, loads, progress) : s.solveDense(held, loads, progress);
-    if (!x && x.error().code == kInaccurate && s.hierarchical && s.denseBytes() <= availableMemory()) {
+    if (!x && x.error().code == kInaccurate && s.hierarchical && s.equation->nodes() <= kDenseInsteadNodes) {
         // What a coarse preconditioner cannot solve, factors of the whole matrix may.
         s.hierarchical.reset();
         s.quality.hierarchical = false;

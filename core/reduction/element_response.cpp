@@ -193,8 +193,9 @@ Result<ElementResponse> buildResponse(const ResponseInput& input, const Progress
     if (auto ok = checkInput(input); !ok) return tl::make_unexpected(ok.error());
     Tetrahedra tetrahedra = tetrahedraOf(input);
     auto response = buildWith(input, tetrahedra, progress);
-    if (response || tetrahedra == Tetrahedra::None || progress.cancelled()) return response;
-    // There is not enough memory, or a tetrahedron is too flat.
+    if (response || tetrahedra == Tetrahedra::None) return response;
+    // Only what the input alone decides is a reason to go another way: a tetrahedron is too flat. Too little memory is none.
+    if (response.error().code != "singular" && response.error().code != "inaccurate") return response;
     const std::string why = response.error().message;
     tetrahedra = Tetrahedra::None;
     response = buildWith(input, tetrahedra, progress);

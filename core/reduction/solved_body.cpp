@@ -54,9 +54,8 @@ constexpr double kErrorLeft = 0.1, kErrorLeftByStrips = 0.5;
 /// The same of tetrahedra, measured on six bodies: 0.25 to 0.63 where the body keeps its shape or at least 2,500 vertices take its place. Of fewer vertices the
 /// coarser level differs less from the finer one than that from the truth: 0.3 to 1.1 with 600.
 constexpr double kVolumeErrorLeft = 0.65, kShapeLost = 1.0 / 3.0, kKeepShape = 2500.0;
-/// The same where only rims have small edges, for a rim of kRimOfDraft, times the fourth root of a finer one over it: chosen on 70 pieces
-/// with rims of 0.065 by default; stated are 0.7 to 2.8 times the errors of 15 pieces with those of now, 0.57 times that of one torso.
-constexpr double kRimErrorLeft = 1.1, kRimOfDraft = 0.2;
+/// The same where only rims and creases have small edges: then drafts state 0.7 to 2.8 times the largest error of the sixteen bodies of tests/data/reference, default 0.7 to 1.6 times.
+constexpr double kRimErrorLeft = 1.1;
 constexpr const char* kTooIncompressible = "Tetrahedra take a Poisson ratio up to 0.49; boundary elements took their place.";
 /// A plain mesh is compared with one of at most this share of its vertices.
 constexpr double kCoarserShare = 1.0 / 3.0;
@@ -300,7 +299,7 @@ Result<CoarserLevel> coarserLevel(const TriangleMesh& body, std::span<const Join
         auto coarse = volumeBody(BodySurface(body, faces), coarserVolume(fine.detail), progress);
         if (!coarse) return tl::make_unexpected(coarse.error());
         out.body = std::move(*coarse);
-        out.share = fine.detail.rim > 0.0 ? kRimErrorLeft * std::pow(fine.detail.rim / kRimOfDraft, 0.25) : kVolumeErrorLeft;
+        out.share = fine.detail.rim > 0.0 ? kRimErrorLeft : kVolumeErrorLeft;
         if (fine.decimated) out.share *= std::pow(std::max(1.0, kKeepShape / fine.detail.vertices), kShapeLost);
         return out;
     }

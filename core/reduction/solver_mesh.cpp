@@ -153,10 +153,10 @@ constexpr double kSharp = std::numbers::pi / 6.0;
 /// Away from a singular edge the wanted size may be this times the distance from it.
 constexpr double kSizeGrading = 0.6;
 
-/// The edges at which displacement is singular: rims of faces, and free edges that are sharp and re-entrant. As triangles without area.
-TriangleMesh singularEdges(const TriangleMesh& body, const std::vector<std::int32_t>& labels) {
+/// Edges at which displacement is singular: rims of faces, and free edges that are sharp and re-entrant.
+template <class Visit>
+void eachSingularEdge(const TriangleMesh& body, const std::vector<std::int32_t>& labels, const Visit& visit) {
     const EdgeTable edges(body.triangles);
-    std::vector<std::array<std::int32_t, 2>> found;
     for (int e = 0; e < edges.size(); ++e) {
         const auto uses = edges.uses(e);
         if (uses.size() != 2) continue;
@@ -168,8 +168,14 @@ TriangleMesh singularEdges(const TriangleMesh& body, const std::vector<std::int3
             const Vec3 apex = body.vertices.row(body.triangles(t, (uses[1].corner + 2) % 3)) - body.vertices.row(uses[1].low);
             singular = m.dot(apex) > 0.0 && m.dot(n) < (std::cos(kSharp) - kTie) * m.norm() * n.norm();
         }
-        if (singular) found.push_back({uses[0].low, uses[0].high});
+        if (singular) visit(uses[0].low, uses[0].high, sFace != tFace);
     }
+}
+
+/// The same, as triangles without area.
+TriangleMesh singularEdges(const TriangleMesh& body, const std::vector<std::int32_t>& labels) {
+    std::vector<std::array<std::int32_t, 2>> found;
+    eachSingularEdge(body, labels, [&](std::int32_t a, std::int32_t b, bool) { found.push_back({a, b}); });
     TriangleMesh segments;
     segments.vertices = body.vertices;
     segments.triangles.resize(static_cast<Eigen::Index>(found.size()), 3);
@@ -178,6 +184,14 @@ TriangleMesh singularEdges(const TriangleMesh& body, const std::vector<std::int3
 }
 
 }  // namespace
+
+std::vector<std::array<std::int32_t, 2>> reentrantEdges(const SolverMesh& mesh) {
+    std::vector<std::array<std::int32_t, 2>> out;
+    eachSingularEdge(mesh.mesh, MeshPieces(mesh).face, [&](std::int32_t a, std::int32_t b, bool rim) {
+        if (!rim) out.push_back({a, b});
+    });
+    return out;
+}
 
 std::vector<SolverMesh::Patch> patchesOf(const Triangles& triangles, std::span<const std::int32_t> face, std::size_t count) {
     std::vector<SolverMesh::Patch> out(count);

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The error that a precompute states beside the error that is there, for bodies of tests/data/reference:
-//   bench_stated_error [--modes] [--bisected N] [--folder FOLDER] [--nu NU] [--setting SETTING ...] [NAME ...]
+//   bench_stated_error [--modes] [--bisected N] [--folder FOLDER] [--nu NU] [--setting SETTING ...] [--tetrahedra] [NAME ...]
 // Errors are over the free vertices, relative to the motion of free and held vertices together (root mean squares), as ResponseQuality::error is: the largest and the root
 // mean square over the motions. These are the cases that the folder has answers to, or, with --modes, every joint mode alone and random ones together, against our own second-order
 // finite elements (`change`: the largest difference from ones with rims 2.5 times as large; errors below three times that are not known). Settings: default and best.
+// --tetrahedra: solved in tetrahedra, as pieces of cut characters are. Where they cannot be filled, the reason stands above.
 // Nodes: d: of a decimated body, l: with linear displacement.
 // --bisected N: on the same polyhedron with its triangles bisected to about N vertices of equal spacing, measured at the vertices that it had.
 // Ratio: stated over largest. Seconds: also over those of a bare dgetrf of order three times the body's vertices, all on one thread.
@@ -153,12 +154,13 @@ double secondsOfDgetrf(lapack_int n) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-void measure(const ReferenceBody& body, const std::vector<ReferenceCase>& answers, bool modes, double nu, const std::vector<std::string>& settings, double bare) {
+void measure(const ReferenceBody& body, const std::vector<ReferenceCase>& answers, bool modes, bool tetrahedra, double nu, const std::vector<std::string>& settings, double bare) {
     ResponseInput input;
     input.mesh = body.mesh;
     input.faces = body.faces;
     input.nu = nu;
     input.basis = BasisKind::Affine;
+    input.tetrahedra = tetrahedra;
     std::vector<FaceBasis> bases;
     for (const JointFace& face : body.faces) bases.push_back(FaceBasis::on(body.mesh->body, face, input.basis));
     std::vector<Points> truth;
@@ -186,6 +188,7 @@ void measure(const ReferenceBody& body, const std::vector<ReferenceCase>& answer
             return u.block<3, 1>(3 * static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(m)) - truth[m].row(body.freeVertices[i]).transpose();
         });
         const ResponseQuality& quality = response->quality;
+        if (!quality.noFilling.empty()) std::printf("  %s\n", quality.noFilling.c_str());
         const double stated = quality.error + quality.mappingError;
         std::printf("%-22s %5ld %.2f %-9s %5d %c %6.2f %6.2f %6.2f %6.2f %6.2f %6.2f %7.2f %7.1f", body.name.c_str(), static_cast<long>(body.mesh->body.vertices.rows()), nu, setting.c_str(),
                     quality.solverNodes, quality.decimated ? 'd' : quality.solverNodes == quality.solverVertices ? 'l' : ' ', 100.0 * quality.error, 100.0 * quality.mappingError, 100.0 * quality.shapeError, 100.0 * errors.largest,
@@ -202,12 +205,14 @@ int main(int argc, char** argv) {
     std::string folder = std::string(IMOMUSHI_TEST_DATA) + "/reference";
     std::vector<std::string> names, settings;
     std::vector<double> ratios;
-    bool modes = false;
+    bool modes = false, tetrahedra = false;
     int bisected = 0;
     for (int i = 1; i < argc; ++i) {
         const std::string word = argv[i];
         if (word == "--modes")
             modes = true;
+        else if (word == "--tetrahedra")
+            tetrahedra = true;
         else if (word == "--folder" && i + 1 < argc)
             folder = argv[++i];
         else if (word == "--bisected" && i + 1 < argc)
@@ -232,7 +237,7 @@ int main(int argc, char** argv) {
             if (bisected > 0) bisect(body, bisected);
             const std::vector<ReferenceCase> answers = modes ? std::vector<ReferenceCase>() : readReferenceCases(folder, name);
             const double bare = secondsOfDgetrf(static_cast<lapack_int>(3 * body.mesh->body.vertices.rows()));
-            for (const double nu : ratios) measure(body, answers, modes, nu, settings, bare);
+            for (const double nu : ratios) measure(body, answers, modes, tetrahedra, nu, settings, bare);
         }
     } catch (const std::exception& reason) {
         std::printf("%s\n", reason.what());
