@@ -767,16 +767,20 @@
             <translation>メッシュが原点から 1e9 m より遠くまで達しています。小さい単位を選ぶか、作成したプログラムで縮小してください。</translation>
         </message>
         <message>
-            <source>The file is too large.</source>
-            <translation>ファイルが大きすぎます。</translation>
+            <source>This is too large.</source>
+            <translation>大きすぎます。</translation>
         </message>
         <message>
-            <source>Reading the file took too long.</source>
-            <translation>ファイルの読み込みに時間がかかりすぎました。</translation>
+            <source>This took too long.</source>
+            <translation>時間がかかりすぎました。</translation>
         </message>
         <message>
-            <source>The importer could not read the file.</source>
-            <translation>ファイルを読み込めませんでした。</translation>
+            <source>A process that helps the studio broke down. Repair the surface, or export the file again.</source>
+            <translation>スタジオを補助するプロセスが停止しました。表面を修復するか、ファイルを書き出し直してください。</translation>
+        </message>
+        <message>
+            <source>A process that helps the studio was ended by the system or by another program. Try again.</source>
+            <translation>スタジオを補助するプロセスが、システムまたは別のプログラムに終了させられました。もう一度試してください。</translation>
         </message>
         <message>
             <source>Cancelled.</source>

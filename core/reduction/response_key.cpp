@@ -13,9 +13,9 @@ constexpr int kModesVersion = 2;
 /// The same for touch alone.
 constexpr int kTouchVersion = 1;
 /// The same for discs alone.
-constexpr int kDiscVersion = 4;
+constexpr int kDiscVersion = 3;
 /// The same for tetrahedra that a setting names.
-constexpr int kVolumeVersion = 3;
+constexpr int kVolumeVersion = 2;
 /// The same for tetrahedra that the input names.
 constexpr int kPieceVersion = 4;
 

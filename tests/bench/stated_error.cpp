@@ -24,6 +24,7 @@
 #include "core/elasticity/dense_lu.h"
 #include "core/reduction/element_response.h"
 #include "core/reduction/solver_mesh.h"
+#include "core/worker/worker.h"
 #include "tests/support/finite_elements.h"
 #include "tests/support/reference_case.h"
 
@@ -202,6 +203,9 @@ void measure(const ReferenceBody& body, const std::vector<ReferenceCase>& answer
 }  // namespace
 
 int main(int argc, char** argv) {
+    // This very program is its worker.
+    if (argc > 1 && std::string(argv[1]) == "worker") return workerMain();
+    setWorkerProgram("/proc/self/exe");
     std::string folder = std::string(IMOMUSHI_TEST_DATA) + "/reference";
     std::vector<std::string> names, settings;
     std::vector<double> ratios;

@@ -167,7 +167,7 @@ Row judge(const HardCase& hard, const std::string& solverMesh) {
         REQUIRE(response);
         const SolvedElement solved{input, *response};
         const SolveQuality& quality = response->quality.solve;
-        row.condition = std::max(row.condition, 1.0 / quality.rcond);
+        if (quality.rcond > 0.0) row.condition = std::max(row.condition, 1.0 / quality.rcond);  // finite elements have none
         row.residual = std::max(row.residual, quality.residual);
         row.nodes += response->quality.solverNodes;
         const auto finite = [](const Eigen::MatrixXd& m) { return std::all_of(m.data(), m.data() + m.size(), [](double x) { return std::isfinite(x); }); };
