@@ -62,7 +62,7 @@ private:
     double pressed_ = 0.0;
     std::optional<BoneDynamics> dynamics_;
     std::vector<FleshPoint> flesh_;  // as it presses
-    std::vector<FleshPoint> shownFlesh_;
+    std::vector<FleshPoint> shownFlesh_;  // as it was seen last
     bool held_ = true, lifted_ = false;
     std::optional<FleshClearance> clearing_;
     std::vector<double> clearance_;  // m, per joint point
