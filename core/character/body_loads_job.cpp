@@ -79,6 +79,7 @@ BodyLoadsJob::BodyLoadsJob(const Frame& frame) : FrameJob({}, {Stage::Loads}) {
 }
 
 void BodyLoadsJob::run(Stage, Frame& frame) {
+    if (frame.shifted) return;  // what the ground carried before is what is shifted
     if (inflate_ && inflate_->breath > 0.0)
         phase_.step(frame, inflate_->breathHertz);
     else

@@ -9,7 +9,7 @@ namespace imomushi {
 
 void Character::State::update(const Pose& wanted, double seconds, bool again) {
     const auto start = std::chrono::steady_clock::now();
-    frame.warnings = 0;
+    if (!again) frame.warnings = 0;
     frame.seconds = seconds;
     frame.again = again;
     frame.replaying = false;

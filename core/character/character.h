@@ -103,9 +103,9 @@ public:
     /// Deforms all elements to `pose`. Elements whose v did not change are moved as they are (evaluated once more when that begins); those that
     /// did not move either are left alone. `seconds` passed since the last update(), for effects that have a past; 0: none, what oscillates stays at its phase.
     void update(const Pose& pose, double seconds = 0.0);
-    /// The last update() once more in another pose, in the same frame: no time passes, and contact takes one step instead of settling. Times add up.
+    /// The last update() once more in another pose, in the same frame: no time passes, and contact takes one step instead of settling. Times and warnings add up.
     void correct(const Pose& pose);
-    /// The same where `pose` is the last one shifted as a whole: contact keeps its dents, so that flesh moves as far as joint points do.
+    /// The same where `pose` is the last one shifted as a whole: loads and dents stay, so that flesh moves as far as joint points do.
     void shift(const Pose& pose);
     /// Where a handle is to be in the next update(); at rest until then. False: not finite, or no rotation, and nothing changes.
     bool setHandle(int handle, const HandlePose& pose);

@@ -39,7 +39,7 @@ void TouchJob::run(Stage stage, Frame& frame) {
         if (stage == Stage::Weights) {
             out.wantsLocal = true;
         } else {
-            aimFingers(touched, frame);
+            if (!frame.shifted) aimFingers(touched, frame);  // else the dents are those that are shifted
             out.patchForces += touched.contact.patchForces();
         }
     }
@@ -67,7 +67,7 @@ void TouchJob::aimFingers(Element& touched, const Frame& frame) {
         for (int c = 0; c < 3; ++c) corners[static_cast<std::size_t>(c)] = poseAt(triangles(touched.contact.triangle(i), c));
         touched.contact.aim(i, corners, toElement * (touched.fingers[static_cast<std::size_t>(i)].target - of.frame.shift));
     }
-    if (frame.seconds > 0.0)
+    if (frame.seconds > 0.0 || frame.again)
         touched.contact.step(frame.seconds);
     else
         touched.contact.settle();

@@ -9,6 +9,7 @@
 
 #include "core/character/bend_warp_job.h"
 #include "core/character/contact_job.h"
+#include "core/character/touch_job.h"
 #include "core/mesh/triangle_tree.h"
 #include "core/mesh/winding_number.h"
 #include "tests/character/caterpillar.h"
@@ -276,4 +277,24 @@ TEST_CASE("contact: where more flesh meets than is looked at, a frame says so") 
     CHECK_FALSE(bounded(0.45));
     CHECK(bounded(-0.6));
     CHECK_FALSE(bounded(2.0));
+}
+
+TEST_CASE("touch: in a frame that is corrected no time passes for fingers") {
+    CharacterInput input = touchedCaterpillar(2, 16, 6);
+    input.effects.set(TouchEffect{});
+    auto c = Character::build(input).value();
+    const Pose pose = restPose(input.skeleton);
+    const Points rest = c.positions(0);
+    const auto corrects = [&] {
+        const Points before = c.positions(0);
+        CHECK((before - rest).cwiseAbs().maxCoeff() > 1e-3);
+        c.correct(pose);
+        CHECK((c.positions(0) - before).cwiseAbs().maxCoeff() <= 1e-6);  // single precision of a body of 2 m
+    };
+    REQUIRE(c.setFinger(0, 0, Vec3(0.5, 0.0, 0.5), Vec3(0.4, 0.0, 0.5), 0.1));
+    c.update(pose, 1.0 / 60.0);  // it is on its way in
+    corrects();
+    c.liftFinger(0, 0);
+    c.update(pose, 1.0 / 60.0);  // its dent goes back
+    corrects();
 }

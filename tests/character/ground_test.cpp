@@ -103,3 +103,31 @@ TEST_CASE("ground: far above it flesh is not evaluated, and is seen above it") {
     c.update(restPose(input.skeleton));
     CHECK(lowestFlesh(c, -Vec3::UnitY()) == doctest::Approx(lowest(c, -Vec3::UnitY())).epsilon(1e-3));
 }
+
+TEST_CASE("ground: where a whole character is shifted out of it, flesh of any kind moves as far as its bones do") {
+    std::mt19937 random(5);
+    for (int kind = 0; kind < 32; ++kind) {
+        CAPTURE(kind);
+        CharacterInput input = randomCharacter(random);
+        const double size = (input.skeleton.points.back() - input.skeleton.points.front()).norm() / static_cast<double>(input.elements.size());
+        GroundEffect ground;
+        ground.height = -0.5 * size;  // some of it lies on it
+        input.effects.set(ground);
+        auto c = Character::build(input).value();
+        const Vec3 at = input.elements[0].mesh->body.vertices.row(0).transpose(), shift(0.0, 0.3 * size, 0.0);
+        (void)c.setFinger(0, 0, at, 0.8 * at, 0.0);
+        Pose pose = restPose(input.skeleton);
+        for (int frame = 0; frame < 6; ++frame) {
+            if (frame == 4) c.liftFinger(0, 0);
+            wander(c, random, pose);
+            c.update(pose, 1.0 / 60.0);
+            std::vector<Points> before;
+            for (std::size_t e = 0; e < input.elements.size(); ++e) before.push_back(c.positions(static_cast<int>(e)));
+            Pose shifted = pose;
+            for (Vec3& p : shifted.points) p += shift;
+            c.shift(shifted);
+            for (std::size_t e = 0; e < input.elements.size(); ++e)
+                CHECK((c.positions(static_cast<int>(e)).rowwise() - shift.transpose() - before[e]).cwiseAbs().maxCoeff() <= 1e-5 * size);
+        }
+    }
+}
