@@ -6,7 +6,6 @@
 
 #include "app/headless/runner.h"
 #include "core/document/version.h"
-#include "core/io/import.h"
 #include "core/worker/worker.h"
 #ifdef IMOMUSHI_STUDIO
 #include "ui/studio.h"
@@ -29,7 +28,6 @@ int main(int argc, char** argv) {
     if (first == "worker") return imomushi::workerMain();
     imomushi::setWorkerProgram("/proc/self/exe");
     if (first == "run") return imomushi::runMain(std::vector<std::string>(argv + 2, argv + argc), std::cin, std::cout, std::cerr);
-    if (first == "import-worker") return imomushi::importWorkerMain();
     if (first == "--version") {
         std::cout << "imomushi " << imomushi::kVersion << "\n";
         return 0;

@@ -117,20 +117,6 @@ Result<Body> wrap(const PreparedSurface& prepared, double detail, double volume,
     return body;
 }
 
-/// Says what a worker left out, because it crashed or did not end there.
-void sayLeftOut(std::vector<MeshIssue>& issues) {
-    const std::vector<std::string> steps = leftOutSteps();
-    if (steps.empty()) return;
-    MeshIssue issue;
-    issue.severity = Severity::Warning;
-    issue.code = "left-out";
-    issue.text = counted(steps.size(), "step", "steps") +
-                 " broke down or came to no end on this surface and was left out, the first of them " + steps.front() +
-                 ": repair the mesh in a modelling program for a body that has all of it.";
-    issue.count = static_cast<int>(steps.size());
-    issues.push_back(std::move(issue));
-}
-
 }  // namespace
 
 MeshIssue wrappedIssue(const char* text) {

@@ -8,6 +8,8 @@
 // The members of bodies and cuts as messages to and from workers carry them (core/worker/codec.h).
 namespace imomushi {
 
+constexpr BodyKind lastOf(BodyKind) { return BodyKind::Wrapped; }
+
 template <class Archive>
 void members(Archive& archive, BodySetting& s) {
     archive(s.how, s.detail);

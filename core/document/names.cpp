@@ -5,23 +5,6 @@
 
 namespace imomushi {
 
-bool isUtf8(std::string_view text) {
-    const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-    for (std::size_t i = 0; i < text.size();) {
-        const unsigned char first = byte(i);
-        const std::size_t length = first < 0x80 ? 1 : first < 0xc2 ? 0 : first < 0xe0 ? 2 : first < 0xf0 ? 3 : first < 0xf5 ? 4 : 0;
-        if (length == 0 || i + length > text.size()) return false;
-        for (std::size_t k = 1; k < length; ++k)
-            if ((byte(i + k) & 0xc0) != 0x80) return false;
-        // overlong forms, surrogates, beyond U+10FFFF
-        if ((first == 0xe0 && byte(i + 1) < 0xa0) || (first == 0xed && byte(i + 1) > 0x9f) ||
-            (first == 0xf0 && byte(i + 1) < 0x90) || (first == 0xf4 && byte(i + 1) > 0x8f))
-            return false;
-        i += length;
-    }
-    return true;
-}
-
 Result<void> checkNameText(std::string_view name) {
     if (name.empty()) return fail("bad-name", "A name must not be empty: give it at least one character.");
     if (!isUtf8(name)) return fail("bad-name", "The name is not UTF-8: write it in Unicode.");

@@ -5,11 +5,10 @@
 #include <string_view>
 
 #include "core/base/result.h"
+#include "core/base/utf8.h"
 #include "core/document/document.h"
 
 namespace imomushi {
-
-[[nodiscard]] bool isUtf8(std::string_view text);
 
 /// Whether `name` can be the name of an element, bone or face at all. Errors: "bad-name".
 Result<void> checkNameText(std::string_view name);

@@ -8,7 +8,7 @@
 
 namespace imomushi {
 
-/// Reads the bytes of a file in this process (the worker's part of importFile() and importCharacter()) by the reader of its suffix.
+/// Reads the bytes of a file in this process (as importFile() and importCharacter() do in a worker) by the reader of its suffix.
 /// Errors: as importFile().
 Result<RawScene> readScene(const SourceFile& file, SceneUse use = SceneUse::Elements);
 

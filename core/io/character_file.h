@@ -21,7 +21,7 @@ struct CharacterFile {
     std::vector<MeshIssue> issues;  ///< of the file; places are triangles and vertices of the render model's `mesh.body`
 };
 
-/// Reads a mesh file as a whole character, by the same worker as importFile() and within the same limits. Nothing is mended: all triangles come, degenerate and duplicate
+/// Reads a mesh file as a whole character, as importFile() in a worker and within the same limits. Nothing is mended: all triangles come, degenerate and duplicate
 /// ones too, and the vertices with the file's own coordinates after unit and axes, in this order:
 /// - OBJ, PLY: as in the file, with those that no triangle uses. Polygons are cut into triangles at their place.
 /// - STL: a vertex per place and solid, in the order in which they first appear.

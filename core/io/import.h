@@ -2,8 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,16 +40,10 @@ struct ImportResult {
     std::vector<MeshIssue> issues;   ///< of the file as a whole (dropped data, unsupported parts)
 };
 
-/// Reads a mesh file in a separate worker process with limits of memory, CPU and wall time; survives anything that the worker does.
+/// Reads a mesh file in a worker (core/worker/worker.h) with limits of memory, processor and wall time; survives anything that the reader does.
 /// Welds, orients, mends and checks (core/mesh/health.h).
 /// Errors: "file-not-found", "not-readable", "unknown-format", "bad-file" (with what is wrong and where), "non-finite", "too-far" (beyond 1e9 m,
-/// which no project could hold), "empty-mesh", "too-large", "timeout", "worker-failed", "cancelled". A body that is readable but not usable as an element is no error here: `closed` is false.
+/// which no project could hold), "empty-mesh", "too-large", and those of askWorker(). A body that is readable but not usable as an element is no error here: `closed` is false.
 Result<ImportResult> importFile(const ImportRequest& request, const Progress& progress);
-
-/// The program that importFile() starts as its worker: this executable's path unless set; called as `PROGRAM import-worker`.
-void setImportWorker(std::filesystem::path program);
-
-/// main() of the worker: reads a request from standard input, writes the answer to standard output (message.h).
-int importWorkerMain();
 
 }  // namespace imomushi

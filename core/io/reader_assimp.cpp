@@ -22,6 +22,7 @@
 #include "core/io/morph_builder.h"
 #include "core/io/rig_builder.h"
 #include "core/io/text_scanner.h"
+#include "core/worker/worker.h"
 
 namespace imomushi {
 namespace {
@@ -73,7 +74,6 @@ public:
     Result<RawScene> read(std::string_view format) {
         scene_.format = format;
         Assimp::Importer importer;
-        importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, use_ == SceneUse::Character);
         importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_CAMERAS, false);
         importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_LIGHTS, false);
         importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
@@ -82,7 +82,11 @@ public:
         const bool rightKind = format == "dae" ? file_.bytes.substr(0, 4096).find("COLLADA") != std::string_view::npos
                                                : file_.bytes.substr(0, 18) == "Kaydara FBX Binary" || file_.bytes.substr(0, 65536).find("FBX") != std::string_view::npos;
         if (!rightKind) return badFile(file_, 0, format == "dae" ? "is no COLLADA file: export it again." : "is no FBX file: export it again.");
+        std::optional<Attempt> animations;
+        if (format == "fbx" && use_ == SceneUse::Character) animations.emplace("the animations of the file");
+        importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, animations && *animations);
         const aiScene* scene = importer.ReadFileFromMemory(file_.bytes.data(), file_.bytes.size(), 0, std::string(format).c_str());
+        animations.reset();
         if (!scene) return badFile(file_, 0, "cannot be read (" + cleanName(importer.GetErrorString(), "damaged") + "): export it again, best as GLB or OBJ.");
         ai_ = scene;
         unitsAndAxes(format);

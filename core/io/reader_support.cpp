@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "core/base/finite.h"
+#include "core/base/utf8.h"
 #include "core/mesh/cgal/fill_hole.h"
 
 namespace imomushi {
@@ -18,24 +19,6 @@ constexpr std::int32_t kLargestByEars = 256;
 constexpr std::size_t kLongestStem = 180;  // bytes of a name that gets a number, so that it stays a name (cleanName())
 constexpr std::size_t kLargestTexture = std::size_t{64} << 20;
 constexpr std::size_t kLargestTextures = std::size_t{512} << 20;  // all of a file
-
-/// Length of the UTF-8 character that begins at `at`, 0: none does.
-std::size_t utf8Length(std::string_view s, std::size_t at) {
-    const auto byte = [&](std::size_t i) { return at + i < s.size() ? static_cast<unsigned char>(s[at + i]) : 0U; };
-    const auto follows = [&](std::size_t i) { return (byte(i) & 0xC0U) == 0x80U; };
-    const unsigned first = byte(0);
-    if (first < 0x80U) return 1;
-    if (first >= 0xC2U && first <= 0xDFU && follows(1)) return 2;
-    if (first >= 0xE0U && first <= 0xEFU && follows(1) && follows(2)) {
-        const unsigned code = (first & 0x0FU) << 12 | (byte(1) & 0x3FU) << 6 | (byte(2) & 0x3FU);
-        return code >= 0x800U && (code < 0xD800U || code > 0xDFFFU) ? 3 : 0;
-    }
-    if (first >= 0xF0U && first <= 0xF4U && follows(1) && follows(2) && follows(3)) {
-        const unsigned code = (first & 0x07U) << 18 | (byte(1) & 0x3FU) << 12;
-        return code >= 0x10000U && code <= 0x10FFFFU ? 4 : 0;
-    }
-    return 0;
-}
 
 std::string mimeOf(std::string_view bytes) {
     const auto begins = [&](std::string_view magic) { return bytes.substr(0, magic.size()) == magic; };

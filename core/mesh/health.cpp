@@ -9,6 +9,7 @@
 #include "core/mesh/cgal/intersections.h"
 #include "core/mesh/shells.h"
 #include "core/mesh/topology.h"
+#include "core/worker/worker.h"
 
 namespace imomushi {
 namespace {
@@ -96,6 +97,19 @@ MeshFacts meshFacts(const TriangleMesh& mesh) {
                    nonManifoldVertices(mesh.triangles, edges).empty();
     facts.outward = facts.closed && facts.volume > 0.0;
     return facts;
+}
+
+void sayLeftOut(std::vector<MeshIssue>& issues) {
+    const std::vector<std::string> steps = leftOutSteps();
+    if (steps.empty()) return;
+    MeshIssue issue;
+    issue.severity = Severity::Warning;
+    issue.code = "left-out";
+    issue.text = counted(steps.size(), "step", "steps") +
+                 " broke down or came to no end on this surface and was left out, the first of them " + steps.front() +
+                 ": repair the mesh in a modelling program for a body that has all of it.";
+    issue.count = static_cast<int>(steps.size());
+    issues.push_back(std::move(issue));
 }
 
 std::vector<MeshIssue> checkMesh(const TriangleMesh& mesh) {
@@ -216,7 +230,8 @@ std::vector<MeshIssue> checkMesh(const TriangleMesh& mesh) {
         add(issue(Severity::Warning, "far-from-origin",
                   "The mesh lies more than ten thousand times its size from the origin, so that it will look rough: move it to the origin.", 1));
 
-    const auto pairs = selfIntersections(mesh, kIntersections);
+    const Attempt looking("looking for triangles that cross each other");
+    const auto pairs = looking ? selfIntersections(mesh, kIntersections) : std::vector<std::pair<std::int32_t, std::int32_t>>();
     if (!pairs.empty()) {
         places.clear();
         for (const auto& [f, g] : pairs) places.push_back(f), places.push_back(g);

@@ -26,6 +26,9 @@ struct MeshIssue {
 /// "1 vertex", "2 vertices": a count in the text of an issue.
 std::string counted(std::size_t n, const char* one, const char* many);
 
+/// Adds "left-out" where a worker left out steps of the operation that is done (core/worker/worker.h), because it crashed or did not end there.
+void sayLeftOut(std::vector<MeshIssue>& issues);
+
 /// Combinatorial and geometric facts of a surface.
 struct MeshFacts {
     bool closed = false;    ///< every edge has exactly two triangles, consistently oriented, manifold at vertices

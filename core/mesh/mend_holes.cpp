@@ -7,6 +7,7 @@
 #include "core/mesh/cgal/fill_hole.h"
 #include "core/mesh/edge_key.h"
 #include "core/mesh/mend_surface.h"
+#include "core/worker/worker.h"
 
 namespace imomushi {
 namespace {
@@ -46,6 +47,8 @@ void capHoles(MendSurface& s) {
     EdgeTable edges(triangles);
     const auto loops = boundaryLoops(edges);
     if (loops.empty()) return;
+    const Attempt closing("caps over holes");
+    if (!closing) return;
     int count = 0;
     const std::vector<std::int32_t> component = edgeComponents(triangles, edges, count);
     std::vector<double> area(at(count), 0.0), capArea(at(count), 0.0);

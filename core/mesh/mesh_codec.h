@@ -8,6 +8,10 @@
 // The members of meshes and rigs as messages to and from workers carry them (core/worker/codec.h).
 namespace imomushi {
 
+constexpr Severity lastOf(Severity) { return Severity::Error; }
+constexpr RigTrack::Path lastOf(RigTrack::Path) { return RigTrack::Path::Scale; }
+constexpr RigTrack::Interpolation lastOf(RigTrack::Interpolation) { return RigTrack::Interpolation::Cubic; }
+
 template <class Archive>
 void members(Archive& archive, TriangleMesh& m) {
     archive(m.vertices, m.triangles);

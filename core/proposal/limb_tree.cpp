@@ -12,6 +12,7 @@
 #include "core/body/cgal/rays.h"
 #include "core/mesh/topology.h"
 #include "core/mesh/triangle_tree.h"
+#include "core/worker/worker.h"
 
 namespace imomushi {
 namespace {
@@ -392,11 +393,16 @@ Vec3 pointAlong(const std::vector<Vec3>& line, double way) {
 }
 
 Result<LimbTree> findLimbs(const TriangleMesh& mesh, double least, const Progress& progress) {
-    const auto coarse = flowSkeleton(mesh, kCoarse, progress);
+    const auto skeleton = [&](double shortest) -> Result<FlowSkeleton> {
+        const Attempt shrinking("shrinking the shape to lines");
+        if (!shrinking) return fail("no-skeleton", "Shrinking the body to lines breaks down or comes to no end: cut it by hand, or use handles.");
+        return flowSkeleton(mesh, shortest, progress);
+    };
+    const auto coarse = skeleton(kCoarse);
     if (!coarse) return tl::unexpected(coarse.error());
     LimbTree tree = Builder(mesh, least).build(*coarse);
     if (farthestFlesh(mesh, *coarse) <= kUnexplained) return tree;
-    const auto fine = flowSkeleton(mesh, kFine, progress);
+    const auto fine = skeleton(kFine);
     if (!fine) return fine.error().code == kCancelled ? Result<LimbTree>(tl::unexpected(fine.error())) : tree;
     LimbTree finer = Builder(mesh, least).build(*fine);
     return limbCount(finer.root) > limbCount(tree.root) ? std::move(finer) : std::move(tree);

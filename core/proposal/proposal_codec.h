@@ -8,6 +8,8 @@
 // The members of proposals as messages to and from workers carry them (core/worker/codec.h).
 namespace imomushi {
 
+constexpr Proposal::Source lastOf(Proposal::Source) { return Proposal::Source::Skeleton; }
+
 template <class Archive>
 void members(Archive& archive, ModelPart& p) {
     archive(p.part, p.shell);

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,11 +14,12 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/base/utf8.h"
 #include "core/worker/bytes.h"
 
 // Values in messages. A struct of ours becomes one by a function that lists its members, found where the struct is:
 //     template <class Archive> void members(Archive& archive, BodySetting& s) { archive(s.how, s.detail); }
-// and where there is a function sound() of it, too, what is read must pass it.
+// and where there is a function sound() of it, too, what is read must pass it. Of an enumeration lastOf(value) says which values there are. Texts are UTF-8.
 namespace imomushi {
 
 template <class M>
@@ -59,6 +61,8 @@ private:
             writer_.value(static_cast<std::int32_t>(v));
         } else if constexpr (std::is_same_v<T, std::string>) {
             writer_.text(v);
+        } else if constexpr (std::is_same_v<T, std::filesystem::path>) {
+            writer_.text(v.native());
         } else if constexpr (DenseMatrix<T>) {
             writer_.value(static_cast<std::int64_t>(v.rows()));
             writer_.value(static_cast<std::int64_t>(v.cols()));
@@ -99,11 +103,20 @@ private:
     template <class T>
     void read(T& v) {
         if (!reader_.good()) return;
-        if constexpr (std::is_arithmetic_v<T>) {
+        if constexpr (std::is_same_v<T, bool>) {
+            const auto n = reader_.value<std::uint8_t>();
+            if (n > 1) reader_.refuse();
+            v = n == 1;
+        } else if constexpr (std::is_arithmetic_v<T>) {
             v = reader_.value<T>();
         } else if constexpr (std::is_enum_v<T>) {
-            v = static_cast<T>(reader_.value<std::int32_t>());
+            const auto n = reader_.value<std::int32_t>();
+            if (n < 0 || n > static_cast<std::int32_t>(lastOf(T{}))) return reader_.refuse();
+            v = static_cast<T>(n);
         } else if constexpr (std::is_same_v<T, std::string>) {
+            v = reader_.text();
+            if (!isUtf8(v)) reader_.refuse();
+        } else if constexpr (std::is_same_v<T, std::filesystem::path>) {
             v = reader_.text();
         } else if constexpr (DenseMatrix<T>) {
             const auto rows = reader_.value<std::int64_t>(), cols = reader_.value<std::int64_t>();

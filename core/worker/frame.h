@@ -27,7 +27,7 @@ bool parseFrameHeader(std::string_view header, FrameKind& kind, std::uint64_t& l
 /// Where an argument of a request is: a kept one, or the bytes themselves.
 struct RequestArgument {
     std::uint64_t high = 0, low = 0;  ///< of the key, 0: inline
-    std::string bytes;
+    std::vector<char> bytes;
 };
 struct Request {
     std::string operation;

@@ -154,7 +154,7 @@ std::vector<std::string> WorkerProcess::messagesFor(std::string_view operation, 
     std::size_t used = 0;
     for (const std::string& argument : arguments) {
         if (argument.size() < kWorthKeeping) {
-            request.arguments.push_back({0, 0, argument});
+            request.arguments.push_back({0, 0, {argument.begin(), argument.end()}});
             continue;
         }
         ContentHasher hasher;

@@ -85,7 +85,7 @@ struct Serving {
         std::vector<std::string_view> arguments;
         for (const RequestArgument& argument : request.arguments) {
             if (argument.high == 0 && argument.low == 0) {
-                arguments.emplace_back(argument.bytes);
+                arguments.emplace_back(argument.bytes.data(), argument.bytes.size());
                 continue;
             }
             const auto at = kept.find({argument.high, argument.low});

@@ -6,18 +6,19 @@
 #include <string_view>
 
 #include "core/io/build_result.h"
-#include "core/io/message.h"
+#include "tests/io/raw_scene.h"
 
 using namespace imomushi;
+using namespace io_test;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     if (size == 0) return 0;
     const std::string_view bytes(reinterpret_cast<const char*>(data) + 1, size - 1);
     if (data[0] % 5 == 4) {
-        const auto answer = decodeAnswer(bytes);
-        if (answer && decodeAnswer(encodeAnswer(answer)).has_value() != answer.has_value()) std::abort();
-        const auto character = decodeCharacter(bytes);
-        if (character && !decodeCharacter(encodeCharacter(character))) std::abort();
+        const auto answer = inMessage<ImportResult>(bytes);
+        if (answer && inMessage<ImportResult>(messageOf(answer)).has_value() != answer.has_value()) std::abort();
+        const auto character = inMessage<CharacterFile>(bytes);
+        if (character && !inMessage<CharacterFile>(messageOf(character))) std::abort();
         return 0;
     }
     static const char* const kNames[] = {"fuzz.obj", "fuzz.ply", "fuzz.stl", "fuzz.glb"};
@@ -27,13 +28,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     try {
         if (auto whole = readScene({request.path, bytes}, SceneUse::Character)) {
             const auto character = buildCharacter(std::move(*whole), request, {});
-            if (character && !decodeCharacter(encodeCharacter(character))) std::abort();
+            if (character && !inMessage<CharacterFile>(messageOf(character))) std::abort();
         }
         auto scene = readScene({request.path, bytes});
         if (!scene) return 0;
         const auto result = buildResult(std::move(*scene), request, {});
         if (!result) return 0;
-        const auto again = decodeAnswer(encodeAnswer(result));  // what the worker sends, the parent accepts
+        const auto again = inMessage<ImportResult>(messageOf(result));  // what the worker sends, the parent accepts
         if (!again) std::abort();
         for (std::size_t b = 0; b < result->bodies.size(); ++b)
             if (again->bodies[b].closed != result->bodies[b].closed) std::abort();

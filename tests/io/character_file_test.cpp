@@ -7,8 +7,7 @@
 
 #include "core/base/finite.h"
 #include "core/base/floating_point_guard.h"
-#include "core/io/message.h"
-#include "core/io/worker_process.h"
+#include "core/io/limited_import.h"
 #include "core/mesh/write_mesh.h"
 #include "tests/io/glb.h"
 #include "tests/io/raw_scene.h"
@@ -21,7 +20,6 @@ namespace fs = std::filesystem;
 namespace {
 
 Result<CharacterFile> character(ImportRequest request) {
-    setImportWorker(IMOMUSHI_TEST_IMPORT_WORKER);
     return importCharacter(request, {});
 }
 
@@ -191,7 +189,6 @@ TEST_CASE("character, write-mesh, character: vertices and triangles come back bi
 TEST_CASE("a mesh that no project could hold, as it reaches beyond 1e9 m, is refused in any unit; in a smaller unit it comes in") {
     const TestFolder folder;
     const fs::path path = folder.write("far.obj", "v 0 0 0\nv 2e9 0 0\nv 0 2e9 0\nv 0 0 2e9\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n");
-    setImportWorker(IMOMUSHI_TEST_IMPORT_WORKER);
     const auto code = [&](Unit unit) {
         const auto body = importFile({path, unit}, {});
         const auto whole = importCharacter({path, unit}, {});
@@ -407,44 +404,42 @@ TEST_CASE("character: what is no surface at all is refused, what no triangle use
 
 TEST_CASE("character: a worker that crashes, lies, hangs or answers another question harms nobody") {
     const TestFolder folder;
-    setImportWorker(IMOMUSHI_TEST_BAD_IMPORT_WORKER);
-    const auto answer = [&](const std::string& how, const ImportLimits& limits) {
+    const WithWorker bad(IMOMUSHI_TEST_BAD_IMPORT_WORKER);
+    const auto answer = [&](const std::string& how, const WorkLimits& limits = {}) {
         ImportRequest request;
         request.path = folder.write(how + ".obj", "v 0 0 0\n");
         return importCharacter(request, {}, limits);
     };
-    for (const char* how : {"crash", "quit", "garbage", "lie", "other"}) {
+    CHECK(answer("good"));
+    for (const char* how : {"crash", "quit", "lie", "other"}) {
         CAPTURE(how);
-        const auto r = answer(how, {});
+        const auto r = answer(how);
         REQUIRE(!r);
         CHECK(r.error().code == "worker-failed");
     }
-    ImportLimits limits;
+    WorkLimits limits;
     limits.wallSeconds = 0.3;
     CHECK(answer("hang", limits).error().code == "timeout");
-    limits = {};
-    limits.fileBytes = 4;
-    CHECK(answer("small", limits).error().code == "too-large");
 }
 
 TEST_CASE("character messages: an answer comes over as it was, and cut or changed anywhere it is refused or sound") {
     const auto file = characterOf("a.obj", "usemtl m\no 一\nv 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0\nv nan 0 0\nvt 0 0\nvn 0 0 1\nf 1/1/1 2/1/1 3/1/1\no 二\nf 1/1/1 3/1/1 2/1/1\n");
     CAPTURE(said(file));
     REQUIRE(file);
-    const std::string bytes = encodeCharacter(file);
-    const auto again = decodeCharacter(bytes);
+    const std::string bytes = messageOf(file);
+    const auto again = inMessage<CharacterFile>(bytes);
     REQUIRE(again);
     checkSound(*again);
-    CHECK(encodeCharacter(again) == bytes);
+    CHECK(messageOf(again) == bytes);
     CHECK(again->renderModel.parts == std::vector<std::string>{"一", "二"});
-    for (std::size_t n = 0; n < bytes.size(); ++n) REQUIRE(!decodeCharacter(std::string_view(bytes).substr(0, n)));
-    REQUIRE(!decodeCharacter(bytes + "x"));
+    for (std::size_t n = 0; n < bytes.size(); ++n) REQUIRE(!inMessage<CharacterFile>(std::string_view(bytes).substr(0, n)));
+    REQUIRE(!inMessage<CharacterFile>(bytes + "x"));
     int sound = 0;
     for (std::size_t n = 0; n < bytes.size(); ++n)
         for (const char c : {'\x00', '\x7f', '\xff'}) {
             std::string changed = bytes;
             changed[n] = c;
-            const auto r = decodeCharacter(changed);
+            const auto r = inMessage<CharacterFile>(changed);
             if (!r) continue;
             ++sound;
             const RenderModel& model = r->renderModel;
@@ -507,7 +502,7 @@ TEST_CASE("character: 6000 damaged files are refused or give sound models") {
             }
             ++read;
             checkSound(*r);
-            REQUIRE(decodeCharacter(encodeCharacter(r)));
+            REQUIRE(inMessage<CharacterFile>(messageOf(r)));
         }
     }
     CHECK(read > 100);

@@ -11,12 +11,18 @@
 #include <string>
 
 #include "core/io/import.h"
+#include "core/worker/worker.h"
 #include "tests/support/folder.h"
 
 namespace imomushi::io_test {
 
+/// Another program's workers while this lives.
+struct WithWorker {
+    explicit WithWorker(const char* program) { setWorkerProgram(program); }
+    ~WithWorker() { setWorkerProgram("/proc/self/exe"); }
+};
+
 inline Result<ImportResult> import(ImportRequest request) {
-    setImportWorker(IMOMUSHI_TEST_IMPORT_WORKER);
     return importFile(request, {});
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/io/build_result.h"
+#include "core/io/file_codec.h"
 #include "tests/io/bytes.h"
 #include "tests/io/files.h"
 
@@ -14,6 +15,23 @@ namespace imomushi::io_test {
 inline Result<RawScene> scene(const std::string& name, const std::string& bytes) {
     const TestFolder folder;
     return readScene({folder.path() / name, bytes});
+}
+
+/// What a worker sends of it.
+template <class Answer>
+std::string messageOf(const Result<Answer>& answer) {
+    MessageOut out;
+    out(answer);
+    return out.take();
+}
+/// What comes over of a message. "refused": it is none, or contradicts itself.
+template <class Answer>
+Result<Answer> inMessage(std::string_view message) {
+    Result<Answer> answer;
+    MessageIn in(message);
+    in(answer);
+    if (!in.finished()) return fail("refused", "");
+    return answer;
 }
 
 inline std::string code(const Result<RawScene>& r) { return r ? "read" : r.error().code; }

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstring>
 
-#include "core/io/message.h"
 #include "core/io/reader_support.h"
 #include "core/mesh/write_mesh.h"
 #include "tests/io/raw_scene.h"
@@ -315,16 +314,16 @@ TEST_CASE("messages: an answer comes over as it was, and cut or changed anywhere
     obj += "v 5 5 5\n";
     const auto answer = io_test::import(folder.write("a.obj", obj));
     REQUIRE(answer);
-    const std::string bytes = encodeAnswer(answer);
-    const auto again = decodeAnswer(bytes);
+    const std::string bytes = messageOf(answer);
+    const auto again = inMessage<ImportResult>(bytes);
     REQUIRE(again);
-    CHECK(encodeAnswer(again) == bytes);
-    for (std::size_t n = 0; n < bytes.size(); ++n) REQUIRE(!decodeAnswer(std::string_view(bytes).substr(0, n)));
+    CHECK(messageOf(again) == bytes);
+    for (std::size_t n = 0; n < bytes.size(); ++n) REQUIRE(!inMessage<ImportResult>(std::string_view(bytes).substr(0, n)));
     for (std::size_t n = 0; n < bytes.size(); ++n)
         for (const char c : {'\x00', '\x7f', '\xff'}) {
             std::string changed = bytes;
             changed[n] = c;
-            const auto r = decodeAnswer(changed);
+            const auto r = inMessage<ImportResult>(changed);
             if (!r) continue;
             for (const ImportedBody& body : r->bodies) {
                 REQUIRE(body.mesh.body.vertices.allFinite());

@@ -10,7 +10,6 @@
 #include "core/base/finite.h"
 #include "core/base/floating_point_guard.h"
 #include "core/io/build_result.h"
-#include "core/io/message.h"
 #include "tests/io/glb.h"
 #include "tests/io/raw_scene.h"
 #include "tests/support/shapes.h"
@@ -192,7 +191,7 @@ TEST_CASE("rig: a file of bones without a mesh brings its bones to whom they suf
     CHECK(file->renderModel.mesh.body.triangles.rows() == 0);
     CHECK(file->rig->bones.size() == 2);
     CHECK(file->rig->weights.empty());
-    const auto again = decodeCharacter(encodeCharacter(file));
+    const auto again = inMessage<CharacterFile>(messageOf(file));
     REQUIRE(again);
     CHECK(again->rig->bones.size() == 2);
 }
@@ -271,11 +270,11 @@ TEST_CASE("rig: more bones than can be kept are left out in a moment, and so are
 TEST_CASE("rig: the message of the worker brings it unchanged, and nothing that is damaged passes") {
     const auto file = rigged(arm().file());
     REQUIRE(file);
-    const std::string bytes = encodeCharacter(file);
-    const auto again = decodeCharacter(bytes);
+    const std::string bytes = messageOf(file);
+    const auto again = inMessage<CharacterFile>(bytes);
     REQUIRE(again);
     REQUIRE(again->rig);
-    CHECK(encodeCharacter(again) == bytes);
+    CHECK(messageOf(again) == bytes);
     const auto vertices = static_cast<std::size_t>(file->renderModel.mesh.body.vertices.rows());
     std::mt19937 random(3);
     int sound = 0;
@@ -283,7 +282,7 @@ TEST_CASE("rig: the message of the worker brings it unchanged, and nothing that 
         std::string damaged = bytes;
         for (int k = 0; k < 1 + i % 3; ++k) damaged[random() % damaged.size()] = static_cast<char>(random());
         const FloatingPointGuard guard;
-        const auto r = decodeCharacter(damaged);
+        const auto r = inMessage<CharacterFile>(damaged);
         if (!r || !r->rig) continue;
         ++sound;
         REQUIRE(checkRig(*r->rig, vertices) == "");
@@ -318,7 +317,7 @@ TEST_CASE("rig: morph targets come with their names, turned with the skin and in
     // Of a node at rest as they are, in metres.
     CHECK((morphs[2].deltas.row(0) - Eigen::RowVector3f(0.0025f, 0.0025f, 0.0025f)).norm() < 1e-8f);
     // The worker's message brings them unchanged.
-    const auto decoded = decodeCharacter(encodeCharacter(read));
+    const auto decoded = inMessage<CharacterFile>(messageOf(read));
     REQUIRE_MESSAGE(decoded, why(decoded));
     REQUIRE(decoded->renderModel.morphs.size() == 3);
     for (std::size_t t = 0; t < 3; ++t) CHECK(decoded->renderModel.morphs[t].deltas == morphs[t].deltas);
@@ -354,7 +353,7 @@ TEST_CASE("rig: clips weigh morph targets by their names, with or without bones,
     const auto read = rigged(glb.file());
     REQUIRE_MESSAGE(read, why(read));
     CHECK(told(*read, "clip"));
-    const auto decoded = decodeCharacter(encodeCharacter(read));
+    const auto decoded = inMessage<CharacterFile>(messageOf(read));
     REQUIRE_MESSAGE(decoded, why(decoded));
     REQUIRE(decoded->rig->clips.size() == 4);  // "bend", and three that weigh
     CHECK(decoded->rig->clips[0].morphs.empty());
@@ -382,7 +381,7 @@ TEST_CASE("rig: clips weigh morph targets by their names, with or without bones,
     CHECK(face->rig->bones.empty());
     CHECK(face->rig->weights.empty());
     CHECK(face->rig->clips.size() == 3);
-    REQUIRE(decodeCharacter(encodeCharacter(face)));
+    REQUIRE(inMessage<CharacterFile>(messageOf(face)));
     // Weights that no artist means make the clip unusable, not the file.
     const int huge = glb.floats({0, 0, 0, 1e9f, 0, 0}, "SCALAR", 1);
     root["animations"] = {weigh(two, huge, "LINEAR")};

@@ -59,7 +59,6 @@ PlainGlb plainGlb(const fs::path& path) {
 
 TEST_CASE("third-party skeletons: bones, skins and clips come as another program counts them") {
     if (!fs::exists(IMOMUSHI_SHARED_MESHES)) return leaveOut("no folder " IMOMUSHI_SHARED_MESHES);
-    setImportWorker(IMOMUSHI_TEST_IMPORT_WORKER);
     struct Counts {
         std::size_t bones, clips;
         bool skin;
@@ -97,7 +96,6 @@ TEST_CASE("third-party skeletons: bones, skins and clips come as another program
 TEST_CASE("third-party skeletons: the frog of an FBX file") {
     const fs::path path = fs::path(IMOMUSHI_SHARED_MESHES) / "Easy_Animated_Enemy_Pack_-_Jan_2019__Frog.fbx";
     if (!fs::exists(path)) return leaveOut("no file " + path.string());
-    setImportWorker(IMOMUSHI_TEST_IMPORT_WORKER);
     ImportRequest request;
     request.path = path;
     const auto file = importCharacter(request, {});
@@ -122,7 +120,6 @@ TEST_CASE("third-party skeletons: the frog of an FBX file") {
 
 TEST_CASE("third-party meshes as characters: each readable file gives its own vertices in order, whatever the surface; the others the right reason") {
     if (!fs::exists(IMOMUSHI_SHARED_MESHES)) return leaveOut("no folder " IMOMUSHI_SHARED_MESHES);
-    setImportWorker(IMOMUSHI_TEST_IMPORT_WORKER);
     const std::map<std::string, std::string> refused = {{"empty.obj", "empty-mesh"}, {"rig-snake.glb", "empty-mesh"}, {"rig-spider.glb", "empty-mesh"}, {"malformed.obj", "bad-file"}, {"truncated_chunk_data.glb", "bad-file"}, {"OutOfMemory.off", "unknown-format"}};
     std::set<std::string> read, bitwise;
     for (const auto& entry : fs::directory_iterator(IMOMUSHI_SHARED_MESHES)) {

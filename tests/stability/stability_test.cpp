@@ -36,7 +36,6 @@ private:
 
 const CommandRegistry& registry() {
     static const CommandRegistry made = [] {
-        setImportWorker(IMOMUSHI_TEST_IMPORT_WORKER);
         CommandRegistry r;
         addCoreCommands(r);
         return r;

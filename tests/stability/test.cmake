@@ -6,9 +6,7 @@ foreach(file bodies checks cases)
 endforeach()
 imomushi_test(stability COST 100 imomushi_document)
 target_sources(test_stability PRIVATE ${hard_cases})
-add_dependencies(test_stability test_import_worker)
 target_compile_definitions(test_stability PRIVATE
-    IMOMUSHI_TEST_IMPORT_WORKER="$<TARGET_FILE:test_import_worker>"
     IMOMUSHI_STABILITY_TABLE="${PROJECT_BINARY_DIR}/stability.md")
 
 # Leaves every hard case as a scene that the studio opens: imomushi_hard_cases [FOLDER]

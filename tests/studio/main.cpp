@@ -6,7 +6,6 @@
 #include <QSettings>
 #include <cstring>
 
-#include "core/io/import.h"
 #include "core/worker/worker.h"
 #include "tests/studio/victim.h"
 #include "tests/studio/window.h"
@@ -17,8 +16,7 @@
 #include "ui/window/guarded_application.h"
 
 int main(int argc, char** argv) {
-    // importFile() starts this very program as its worker.
-    if (argc > 1 && std::strcmp(argv[1], "import-worker") == 0) return imomushi::importWorkerMain();
+    // This very program is its worker.
     if (argc > 1 && std::strcmp(argv[1], "worker") == 0) return imomushi::workerMain();
     imomushi::setWorkerProgram("/proc/self/exe");
     if (argc > 2 && std::strcmp(argv[1], "victim") == 0) return imomushi::studioVictim(argc, argv, argv[2], argc > 3);  // in the home of the test that kills it

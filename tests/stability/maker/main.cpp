@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Writes every hard case into a folder ("hard cases" unless given): meshes, a script for `imomushi run`, and the project that the script
-// makes, for the studio. A case whose refusal is expected is saved as far as it came. `PROGRAM import-worker` is its own import worker.
+// makes, for the studio. A case whose refusal is expected is saved as far as it came. `PROGRAM worker` is its own worker.
 #include <cstdio>
 #include <cstring>
 
+#include "core/worker/worker.h"
 #include "tests/stability/scene.h"
 
 using namespace imomushi;
 
 int main(int argc, char** argv) {
-    if (argc > 1 && std::strcmp(argv[1], "import-worker") == 0) return importWorkerMain();
+    if (argc > 1 && std::strcmp(argv[1], "worker") == 0) return workerMain();
+    setWorkerProgram("/proc/self/exe");
     const std::filesystem::path folder = argc > 1 ? argv[1] : "hard cases";
     std::error_code error;
     std::filesystem::create_directories(folder, error);
