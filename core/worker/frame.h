@@ -7,6 +7,7 @@
 #include <vector>
 
 // Of this room and its tests: what a program and its worker say to each other over one socket. A frame is 4 bytes "imo1", uint32 kind, uint64 length of the content, content.
+// Besides they share kBoard bytes of memory, which outlive the worker: there stands what it tries, up to a 0; nothing: nothing that may break.
 namespace imomushi::worker {
 
 enum class FrameKind : std::uint32_t {
@@ -14,11 +15,11 @@ enum class FrameKind : std::uint32_t {
     Forget,    ///< to the worker: a key
     Request,   ///< to the worker: the name of an operation, steps to leave out, arguments
     Progress,  ///< from the worker: a stage and a fraction
-    Step,      ///< from the worker: what is tried next; empty: nothing that may break
     Answer,    ///< from the worker, to each request: the bytes
     NoMemory,  ///< from the worker, instead of an answer
 };
 inline constexpr std::size_t kFrameHeader = 16;
+inline constexpr std::size_t kBoard = 4096;
 
 std::string frameHeader(FrameKind kind, std::uint64_t length);
 /// False: no frame begins so.

@@ -5,6 +5,7 @@
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
@@ -22,8 +23,8 @@
 namespace imomushi::worker {
 namespace {
 
-constexpr int kPollMilliseconds = 20;  // cancelling answers within this time
-constexpr std::size_t kChunk = std::size_t{1} << 20;
+constexpr int kPollMilliseconds = 20;                 // cancelling answers within this time
+constexpr std::size_t kChunk = std::size_t{1} << 16;  // bytes received at once
 /// Arguments from this size on are kept.
 constexpr std::size_t kWorthKeeping = 16384;
 /// A worker keeps this many at least, and more as long as they are small.
@@ -48,7 +49,7 @@ void limit(pid_t pid, __rlimit_resource resource, rlim_t value, rlim_t more = 0)
     ::prlimit(pid, resource, &wanted, nullptr);
 }
 
-Result<pid_t> spawn(const std::string& program, int socket) {
+Result<pid_t> spawn(const std::string& program, int socket, int board) {
     std::vector<std::string> environment;
     for (char** e = environ; *e; ++e) environment.emplace_back(*e);
     environment.emplace_back(kWorkerMark).append("=1");
@@ -61,7 +62,7 @@ Result<pid_t> spawn(const std::string& program, int socket) {
     posix_spawn_file_actions_t files;
     posix_spawn_file_actions_init(&files);
     posix_spawn_file_actions_adddup2(&files, socket, STDIN_FILENO);
-    posix_spawn_file_actions_adddup2(&files, socket, STDOUT_FILENO);
+    posix_spawn_file_actions_adddup2(&files, board, STDOUT_FILENO);
     posix_spawn_file_actions_addopen(&files, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
     posix_spawn_file_actions_addclosefrom_np(&files, 3);
     posix_spawnattr_t attributes;
@@ -85,21 +86,24 @@ Result<pid_t> spawn(const std::string& program, int socket) {
 }  // namespace
 
 Result<std::unique_ptr<WorkerProcess>> WorkerProcess::start(const std::string& program) {
-    int pair[2];
-    if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair) != 0)
-        return fail("worker-failed", std::string("No connection to a worker (") + std::strerror(errno) + "): close other programs.");
-    const auto pid = spawn(program, pair[1]);
-    ::close(pair[1]);
-    if (!pid) {
-        ::close(pair[0]);
-        return tl::unexpected(pid.error());
-    }
-    return std::unique_ptr<WorkerProcess>(new WorkerProcess(program, *pid, pair[0]));
+    int pair[2] = {-1, -1};
+    const int memory = ::memfd_create("worker", MFD_CLOEXEC);
+    void* board = memory >= 0 && ::ftruncate(memory, kBoard) == 0 ? ::mmap(nullptr, kBoard, PROT_READ, MAP_SHARED, memory, 0) : MAP_FAILED;
+    Result<pid_t> pid =
+        fail("worker-failed", std::string("No connection to a worker (") + std::strerror(errno) + "): close other programs.");
+    if (board != MAP_FAILED && ::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair) == 0) pid = spawn(program, pair[1], memory);
+    for (const int mine : {memory, pair[1]})
+        if (mine >= 0) ::close(mine);
+    if (pid) return std::unique_ptr<WorkerProcess>(new WorkerProcess(program, *pid, pair[0], static_cast<const char*>(board)));
+    if (pair[0] >= 0) ::close(pair[0]);
+    if (board != MAP_FAILED) ::munmap(board, kBoard);
+    return tl::unexpected(pid.error());
 }
 
 WorkerProcess::~WorkerProcess() {
     kill();
     ::close(socket_);
+    ::munmap(const_cast<char*>(board_), kBoard);
 }
 
 void WorkerProcess::kill() {
@@ -195,17 +199,19 @@ WorkerReply WorkerProcess::perform(std::string_view operation, const std::vector
     WorkerReply reply;
     const auto ended = [&](WorkerReply::End end) {
         reply.end = end;
+        reply.step.assign(board_, ::strnlen(board_, kBoard));
         return std::move(reply);
     };
     const auto died = [&] {
         reply.status = wait();
         return ended(WorkerReply::End::Died);
     };
-    /// Waits until the socket is ready for `what`. False: it is to be given up, as `reply.end` says.
+    /// Waits until the socket is ready for `what`. False: it is to be given up, as `end` says.
+    auto end = WorkerReply::End::Died;
     const auto ready = [&](short what) {
         for (;;) {
-            if (progress.cancelled()) return reply.end = WorkerReply::End::Cancelled, false;
-            if (secondsSince(began) > limits.wallSeconds) return reply.end = WorkerReply::End::TimedOut, false;
+            if (progress.cancelled()) return end = WorkerReply::End::Cancelled, false;
+            if (secondsSince(began) > limits.wallSeconds) return end = WorkerReply::End::TimedOut, false;
             pollfd state{socket_, what, 0};
             if (::poll(&state, 1, kPollMilliseconds) > 0) return true;
         }
@@ -213,13 +219,14 @@ WorkerReply WorkerProcess::perform(std::string_view operation, const std::vector
     setLimits(limits);
     for (const std::string& message : messagesFor(operation, arguments, leftOut))
         for (std::size_t sent = 0; sent < message.size();) {
-            if (!ready(POLLOUT)) return reply;
+            if (!ready(POLLOUT)) return ended(end);
             const ssize_t n = ::send(socket_, message.data() + sent, message.size() - sent, MSG_NOSIGNAL | MSG_DONTWAIT);
             if (n < 0 && errno != EAGAIN && errno != EINTR) return died();
             sent += static_cast<std::size_t>(std::max<ssize_t>(n, 0));
         }
 
     std::string received;  // not yet understood
+    std::string chunk(kChunk, '\0');
     std::size_t understood = 0;
     for (;;) {
         while (received.size() - understood >= kFrameHeader) {
@@ -238,9 +245,6 @@ WorkerReply WorkerProcess::perform(std::string_view operation, const std::vector
                     return ended(WorkerReply::End::Answered);
                 case FrameKind::NoMemory:
                     return ended(WorkerReply::End::NoMemory);
-                case FrameKind::Step:
-                    reply.step = content;
-                    break;
                 default: {
                     std::string stage;
                     double fraction = 0.0;
@@ -252,11 +256,9 @@ WorkerReply WorkerProcess::perform(std::string_view operation, const std::vector
             }
         }
         received.erase(0, std::exchange(understood, 0));
-        if (!ready(POLLIN)) return reply;
-        const std::size_t before = received.size();
-        received.resize(before + kChunk);  // grows with what came, whatever length was announced
-        const ssize_t n = ::recv(socket_, received.data() + before, kChunk, MSG_DONTWAIT);
-        received.resize(before + static_cast<std::size_t>(std::max<ssize_t>(n, 0)));
+        if (!ready(POLLIN)) return ended(end);
+        const ssize_t n = ::recv(socket_, chunk.data(), kChunk, MSG_DONTWAIT);
+        if (n > 0) received.append(chunk, 0, static_cast<std::size_t>(n));
         if (n == 0 || (n < 0 && errno != EAGAIN && errno != EINTR)) return died();
     }
 }

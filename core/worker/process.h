@@ -47,7 +47,8 @@ private:
         std::uint64_t high, low;
         std::size_t bytes;
     };
-    WorkerProcess(std::string program, pid_t pid, int socket) : program_(std::move(program)), pid_(pid), socket_(socket) {}
+    WorkerProcess(std::string program, pid_t pid, int socket, const char* board)
+        : program_(std::move(program)), pid_(pid), socket_(socket), board_(board) {}
     void setLimits(const WorkLimits& limits) const;
     std::vector<std::string> messagesFor(std::string_view operation, const std::vector<std::string>& arguments,
                                          const std::vector<std::string>& leftOut);
@@ -57,6 +58,7 @@ private:
     std::string program_;
     pid_t pid_;
     int socket_;
+    const char* board_;
     std::list<Kept> kept_;  // what it keeps, the one used last first
 };
 

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <malloc.h>
 #include <poll.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -17,6 +18,7 @@
 #include <thread>
 #include <utility>
 
+#include "core/base/clock.h"
 #include "core/worker/frame.h"
 #include "core/worker/worker.h"
 
@@ -56,7 +58,9 @@ bool writeAll(int file, std::string_view bytes) {
     return true;
 }
 
-constexpr std::size_t kSmall = 4096;  // bytes that go along with the header
+constexpr std::size_t kSmall = 4096;      // bytes that go along with the header
+constexpr double kBetweenReports = 0.02;  // s, of one stage
+constexpr int kIdleMilliseconds = 1000;   // after which what is free is given back to the system
 
 bool say(int file, FrameKind kind, std::string_view content) {
     const std::string header = frameHeader(kind, content.size());
@@ -65,15 +69,22 @@ bool say(int file, FrameKind kind, std::string_view content) {
 
 /// The operation that is done.
 struct Current {
-    int socket;
+    char* board;
     const std::vector<std::string>& toLeaveOut;
     std::map<std::string, int, std::less<>> count;
     std::vector<std::string> leftOut;
+    std::vector<std::string> steps;  ///< that are tried, one within the other
+
+    void show() const {
+        const std::string_view step = steps.empty() ? std::string_view() : std::string_view(steps.back()).substr(0, kBoard - 1);
+        board[step.copy(board, kBoard - 1)] = '\0';
+    }
 };
 thread_local Current* current = nullptr;
 
 struct Serving {
     int socket;
+    char* board;
     std::map<std::pair<std::uint64_t, std::uint64_t>, std::string> kept;
 
     bool answer(std::string_view content) {
@@ -92,14 +103,21 @@ struct Serving {
             if (at == kept.end()) return false;
             arguments.emplace_back(at->second);
         }
+        std::string told;
+        auto last = Clock::now();
         const Progress progress(
             [&](std::string_view stage, double fraction) {
+                // Nobody sees more, and each wakes the program.
+                if (stage == told && fraction < 1.0 && secondsSince(last) < kBetweenReports) return;
+                told = stage;
+                last = Clock::now();
                 MessageOut out;
-                out(std::string(stage), fraction);
+                out(told, fraction);
                 say(socket, FrameKind::Progress, out.take());
             },
             {});
-        Current now{socket, request.leftOut, {}, {}};
+        Current now{board, request.leftOut, {}, {}, {}};
+        now.show();
         current = &now;
         bool sent = false;
         try {
@@ -109,7 +127,6 @@ struct Serving {
             sent = say(socket, FrameKind::NoMemory, {});
         }
         current = nullptr;
-        ::malloc_trim(0);
         return sent;
     }
 };
@@ -123,15 +140,15 @@ Attempt::Attempt(std::string_view step) : unwinding_(std::uncaught_exceptions())
     int& count = current->count.try_emplace(std::string(step), 0).first->second;
     const std::string name = std::string(step) + " (" + std::to_string(++count) + ")";
     allowed_ = std::find(current->toLeaveOut.begin(), current->toLeaveOut.end(), name) == current->toLeaveOut.end();
-    if (allowed_)
-        say(current->socket, FrameKind::Step, name);
-    else
-        current->leftOut.push_back(name);
+    (allowed_ ? current->steps : current->leftOut).push_back(name);
+    current->show();
 }
 
 Attempt::~Attempt() {
     // What ran out of memory is still what was tried.
-    if (current && allowed_ && std::uncaught_exceptions() == unwinding_) say(current->socket, FrameKind::Step, {});
+    if (!current || !allowed_ || std::uncaught_exceptions() != unwinding_) return;
+    current->steps.pop_back();
+    current->show();
 }
 
 std::vector<std::string> leftOutSteps() { return current ? current->leftOut : std::vector<std::string>(); }
@@ -146,7 +163,9 @@ int workerMain() {
     // What libraries print must not get between the frames.
     const int socket = ::fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 3);
     const int nowhere = ::open("/dev/null", O_RDWR | O_CLOEXEC);
-    if (socket < 0 || nowhere < 0 || ::dup2(nowhere, STDIN_FILENO) < 0 || ::dup2(nowhere, STDOUT_FILENO) < 0) return 1;
+    void* board = ::mmap(nullptr, kBoard, PROT_READ | PROT_WRITE, MAP_SHARED, STDOUT_FILENO, 0);
+    if (board == MAP_FAILED || socket < 0 || nowhere < 0 || ::dup2(nowhere, STDIN_FILENO) < 0 || ::dup2(nowhere, STDOUT_FILENO) < 0)
+        return 1;
     // It ends with its program, however busy it is. The signal of PR_SET_PDEATHSIG comes when the thread ends that started it, and that is not the program.
     try {
         std::thread([socket] {
@@ -158,8 +177,9 @@ int workerMain() {
     } catch (const std::system_error&) {
         return 1;
     }
-    Serving serving{socket, {}};
+    Serving serving{socket, static_cast<char*>(board), {}};
     for (;;) {
+        if (pollfd more{socket, POLLIN, 0}; ::poll(&more, 1, kIdleMilliseconds) == 0) ::malloc_trim(0);  // nobody waits now
         char header[kFrameHeader];
         FrameKind kind{};
         std::uint64_t length = 0;

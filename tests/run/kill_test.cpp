@@ -24,7 +24,7 @@ std::string lines(const std::vector<Json>& commands) {
     return text;
 }
 
-/// What step `number` does to a project, saved last: it renames the body, solves it anew, and keeps one take.
+/// What step `number` does to a project, saved last: it renames the body, solves it anew, lets a worker read a guest, and keeps one take.
 std::vector<Json> stepOfWork(int number) {
     const std::string before = std::to_string(number - 1), now = std::to_string(number);
     return {{{"do", "rename"}, {"target", "body " + before}, {"name", "body " + now}},
@@ -35,6 +35,8 @@ std::vector<Json> stepOfWork(int number) {
             {{"do", "step"}, {"frames", 5}},
             {{"do", "record"}, {"take", "take " + now}, {"action", "stop"}},
             {{"do", "remove-take"}, {"take", "take " + before}},
+            {{"do", "import-element"}, {"path", (folder() / "bar.obj").string()}, {"name", "guest"}},
+            {{"do", "remove-element"}, {"name", "guest"}},
             {{"do", "save"}}};
 }
 
@@ -71,7 +73,7 @@ TEST_CASE("killed: whatever moment it is, nothing that was acknowledged is lost,
 
     std::mt19937 random(21);
     const int kills = repeats(20, 400);
-    constexpr int kSteps = 40, kPerStep = 9;
+    constexpr int kSteps = 40, kPerStep = 11;
     int saved = 0, inTheMiddle = 0;
     for (int kill = 0; kill < kills; ++kill) {
         // One start opens what the last one left, works, and is killed.
@@ -84,6 +86,7 @@ TEST_CASE("killed: whatever moment it is, nothing that was acknowledged is lost,
         for (std::size_t at = 0; (at = killed.out.find("\"ok\":true", at)) != std::string::npos; ++at) ++acknowledged;
         CHECK(killed.out.find("\"ok\":false") == std::string::npos);
         CHECK((!killed.ended || killed.status == 0));
+        CHECK(killed.left == 0);
         if (acknowledged >= 0 && acknowledged % kPerStep != 0) ++inTheMiddle;
 
         const Run next = script(lines({{{"do", "open"}, {"path", project}}, {{"do", "precompute"}}, {{"do", "save"}}}), "--cache '" + cache + "'");

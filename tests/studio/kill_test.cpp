@@ -52,6 +52,7 @@ TEST_CASE("killed: a studio that is killed while it keeps, saves or recovers los
             }
         CHECK(killed.ended == (kill == kills));
         if (killed.ended) CHECK(killed.status == 0);
+        CHECK(killed.left == 0);
     }
     const auto end = openProject(project);
     REQUIRE(end);
