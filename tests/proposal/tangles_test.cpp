@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Surfaces that cross, touch and lie on themselves: whatever comes of them, something does.
 #include <doctest/doctest.h>
+#include <malloc.h>
 
 #include <cmath>
 #include <fstream>
@@ -230,6 +231,32 @@ TEST_CASE("bodies, cuts and proposals are the same, byte for byte, made here and
     CHECK(bytes(there.pieces) == bytes(here.pieces));
     CHECK(bytes(there.refusal) == bytes(here.refusal));
     CHECK(there.refusal.code == "cuts-touch");
+}
+
+TEST_CASE("bodies, cuts and proposals are the same, byte for byte, wherever in memory they are made") {
+    setWorkerProgram({});
+    const auto bytes = [](std::uint32_t seed) {
+        Random random(seed);
+        const TriangleMesh mesh = seed % 3 == 0 ? pushedThrough(random) : seed % 3 == 1 ? laidOn(random) : halves(random);
+        MessageOut out;
+        auto body = makeBody(mesh, {}, {}, {});
+        if (body) {
+            body->report.seconds = 0.0;
+            const MeshFacts facts = meshFacts(body->mesh);
+            out(cutBody(body->mesh, std::vector<CutPlane>{{0.5 * (facts.low + facts.high) + 0.01 * random.vector(), random.vector()}}));
+            out(proposeFromShape(body->mesh, kLeastShare, {}));
+        }
+        out(body);
+        return out.take();
+    };
+    const int count = repeats(6, 100);
+    // Blocks from some size on get addresses that descend, and never those of others; then all come from one heap.
+    std::vector<std::string> one;
+    ::mallopt(M_MMAP_THRESHOLD, 256);
+    for (int seed = 0; seed < count; ++seed) one.push_back(bytes(static_cast<std::uint32_t>(seed)));
+    ::mallopt(M_MMAP_THRESHOLD, 32 << 20);
+    for (int seed = 0; seed < count; ++seed) CHECK_MESSAGE(bytes(static_cast<std::uint32_t>(seed)) == one[static_cast<std::size_t>(seed)], seed);
+    setWorkerProgram("/proc/self/exe");
 }
 
 TEST_CASE("tangles of all kinds become a body that can be cut, or a reason") {

@@ -1,12 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <CGAL/Box_intersection_d/Box_d.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Surface_mesh.h>
 
 #include <vector>
 
 #include "core/mesh/mesh.h"
+
+// Boxes that begin at the same place come in the order in which they were made. CGAL has them by their addresses, those of edges before or after those of faces as the heap
+// has it: what meets was found, numbered and triangulated in another order.
+namespace CGAL::Box_intersection_d {
+template <>
+class Box_d<double, 3, ID_FROM_BOX_ADDRESS> : public Box_d<double, 3, ID_EXPLICIT> {
+public:
+    using Box_d<double, 3, ID_EXPLICIT>::Box_d;
+};
+}  // namespace CGAL::Box_intersection_d
 
 // Of the .cpp files of this folder alone.
 namespace imomushi::cgal {
