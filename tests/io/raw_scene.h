@@ -7,6 +7,7 @@
 #include "core/io/file_codec.h"
 #include "tests/io/bytes.h"
 #include "tests/io/files.h"
+#include "tests/support/without_steps.h"
 
 /// What the readers make of bytes, before anything is built of it.
 namespace imomushi::io_test {
@@ -17,13 +18,6 @@ inline Result<RawScene> scene(const std::string& name, const std::string& bytes)
     return readScene({folder.path() / name, bytes});
 }
 
-/// What a worker sends of it.
-template <class Answer>
-std::string messageOf(const Result<Answer>& answer) {
-    MessageOut out;
-    out(answer);
-    return out.take();
-}
 /// What comes over of a message. "refused": it is none, or contradicts itself.
 template <class Answer>
 Result<Answer> inMessage(std::string_view message) {

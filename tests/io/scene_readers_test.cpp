@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -202,6 +203,15 @@ Connections:  {
     CHECK((inches.high - inches.low).isApprox(Vec3(5.08, 1.27, 2.54), 1e-6));
     CHECK(inches.high.y() == doctest::Approx(1.27));
     CHECK(inches.low.z() == doctest::Approx(-2.54));
+
+    // Where reading its animations broke down before, they are left out.
+    for (const bool animated : {true, false}) {
+        const std::vector<std::string> leftOut(animated ? 0 : 1, "the animations of the file (1)");
+        const auto whole = withoutSteps<Result<CharacterFile>>(leftOut, "import-character", ImportRequest{folder.path() / "a.fbx"});
+        REQUIRE(whole);
+        const auto& issues = whole->issues;
+        CHECK(std::any_of(issues.begin(), issues.end(), [](const MeshIssue& i) { return i.code == "left-out"; }) == !animated);
+    }
 
     CHECK(io_test::import(folder.write("b.fbx", "no fbx")).error().code == "bad-file");
     CHECK(!io_test::import(folder.write("c.dae", dae.substr(0, 900))));

@@ -6,7 +6,6 @@
 #include <thread>
 
 #include "core/io/limited_import.h"
-#include "core/worker/process.h"
 #include "tests/io/raw_scene.h"
 #include "tests/support/shapes.h"
 
@@ -120,15 +119,8 @@ TEST_CASE("import without a step that broke down: the file comes in, and the iss
     const TestFolder folder;
     TriangleMesh box = shapes::box({0, 0, 0}, {1, 1, 1}, 2, 2, 2).mesh;
     box.triangles.conservativeResize(box.triangles.rows() - 1, 3);
-    MessageOut request;
-    request(ImportRequest{folder.write("open.obj", io_test::objOf(box))});
-    const std::string message = request.take();
     const auto without = [&](const std::vector<std::string>& steps) {
-        auto process = worker::WorkerProcess::start("/proc/self/exe");
-        REQUIRE(process);
-        const auto reply = (*process)->perform("import-file", {message}, steps, {}, {});
-        REQUIRE(reply.end == worker::WorkerReply::End::Answered);
-        return io_test::inMessage<ImportResult>(reply.answer);
+        return withoutSteps<Result<ImportResult>>(steps, "import-file", ImportRequest{folder.write("open.obj", io_test::objOf(box))});
     };
     const auto whole = without({});
     REQUIRE(whole);

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 #include <malloc.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -21,6 +22,7 @@
 #include "tests/support/capsules.h"
 #include "tests/support/shapes.h"
 #include "tests/support/thorough.h"
+#include "tests/support/without_steps.h"
 
 using namespace imomushi;
 
@@ -215,12 +217,7 @@ TEST_CASE("bodies, cuts and proposals are the same, byte for byte, made here and
         made.body.report.seconds = 0.0;
         return made;
     };
-    // What a message carries is all there is.
-    const auto bytes = [](const auto& value) {
-        MessageOut out;
-        out(value);
-        return out.take();
-    };
+    const auto bytes = [](const auto& value) { return messageOf(value); };  // what a message carries is all there is
     setWorkerProgram({});
     const Made here = make();
     setWorkerProgram("/proc/self/exe");
@@ -257,6 +254,24 @@ TEST_CASE("bodies, cuts and proposals are the same, byte for byte, wherever in m
     ::mallopt(M_MMAP_THRESHOLD, 32 << 20);
     for (int seed = 0; seed < count; ++seed) CHECK_MESSAGE(bytes(static_cast<std::uint32_t>(seed)) == one[static_cast<std::size_t>(seed)], seed);
     setWorkerProgram("/proc/self/exe");
+}
+
+TEST_CASE("proposals without lines that shapes shrink to: where that breaks down the finer ones are left out, or the shape gets handles, and a note says so") {
+    const TriangleMesh body = capsules::animal();
+    const auto without = [&](const std::vector<std::string>& steps) {
+        return withoutSteps<Result<Proposal>>(steps, "propose-from-shape", body, kLeastShare);
+    };
+    const auto notes = [](const Proposal& proposal, const char* code) {
+        return std::count_if(proposal.notes.begin(), proposal.notes.end(), [&](const auto& note) { return note.code == code; });
+    };
+    const auto whole = without({}), none = without({"shrinking the shape to lines (1)"});
+    REQUIRE(whole);
+    REQUIRE(none);
+    CHECK(whole->cuts.size() > 0);
+    CHECK(none->cuts.empty());
+    CHECK(none->handles.size() > 0);
+    CHECK(notes(*none, "no-skeleton") == 1);
+    CHECK(notes(*none, "left-out") == 1);
 }
 
 TEST_CASE("tangles of all kinds become a body that can be cut, or a reason") {
