@@ -6,10 +6,10 @@
 #include <string_view>
 
 #include "core/io/build_result.h"
-#include "tests/io/raw_scene.h"
+#include "core/io/file_codec.h"
+#include "tests/support/messages.h"
 
 using namespace imomushi;
-using namespace io_test;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     if (size == 0) return 0;

@@ -7,7 +7,7 @@
 #include "core/io/file_codec.h"
 #include "tests/io/bytes.h"
 #include "tests/io/files.h"
-#include "tests/support/without_steps.h"
+#include "tests/support/messages.h"
 
 /// What the readers make of bytes, before anything is built of it.
 namespace imomushi::io_test {
@@ -16,16 +16,6 @@ namespace imomushi::io_test {
 inline Result<RawScene> scene(const std::string& name, const std::string& bytes) {
     const TestFolder folder;
     return readScene({folder.path() / name, bytes});
-}
-
-/// What comes over of a message. "refused": it is none, or contradicts itself.
-template <class Answer>
-Result<Answer> inMessage(std::string_view message) {
-    Result<Answer> answer;
-    MessageIn in(message);
-    in(answer);
-    if (!in.finished()) return fail("refused", "");
-    return answer;
 }
 
 inline std::string code(const Result<RawScene>& r) { return r ? "read" : r.error().code; }

@@ -8,6 +8,7 @@
 #include "core/io/limited_import.h"
 #include "tests/io/raw_scene.h"
 #include "tests/support/shapes.h"
+#include "tests/support/without_steps.h"
 
 using namespace imomushi;
 
@@ -120,7 +121,7 @@ TEST_CASE("import without a step that broke down: the file comes in, and the iss
     TriangleMesh box = shapes::box({0, 0, 0}, {1, 1, 1}, 2, 2, 2).mesh;
     box.triangles.conservativeResize(box.triangles.rows() - 1, 3);
     const auto without = [&](const std::vector<std::string>& steps) {
-        return withoutSteps<Result<ImportResult>>(steps, "import-file", ImportRequest{folder.write("open.obj", io_test::objOf(box))});
+        return withoutSteps<ImportResult>(steps, "import-file", ImportRequest{folder.write("open.obj", io_test::objOf(box))});
     };
     const auto whole = without({});
     REQUIRE(whole);

@@ -259,7 +259,7 @@ TEST_CASE("bodies, cuts and proposals are the same, byte for byte, wherever in m
 TEST_CASE("proposals without lines that shapes shrink to: where that breaks down the finer ones are left out, or the shape gets handles, and a note says so") {
     const TriangleMesh body = capsules::animal();
     const auto without = [&](const std::vector<std::string>& steps) {
-        return withoutSteps<Result<Proposal>>(steps, "propose-from-shape", body, kLeastShare);
+        return withoutSteps<Proposal>(steps, "propose-from-shape", body, kLeastShare);
     };
     const auto notes = [](const Proposal& proposal, const char* code) {
         return std::count_if(proposal.notes.begin(), proposal.notes.end(), [&](const auto& note) { return note.code == code; });

@@ -7,28 +7,18 @@
 #include <vector>
 
 #include "core/worker/process.h"
+#include "tests/support/messages.h"
 
 namespace imomushi {
 
-template <class T>
-std::string messageOf(const T& value) {
-    MessageOut out;
-    out(value);
-    return out.take();
-}
-
 /// What a worker of this program answers if these steps, "a step (1)", broke down before.
 template <class Answer, class... Asked>
-Answer withoutSteps(const std::vector<std::string>& steps, std::string_view operation, const Asked&... asked) {
+Result<Answer> withoutSteps(const std::vector<std::string>& steps, std::string_view operation, const Asked&... asked) {
     auto process = worker::WorkerProcess::start("/proc/self/exe");
     REQUIRE(process);
     const auto reply = (*process)->perform(operation, {messageOf(asked)...}, steps, {}, {});
     REQUIRE(reply.end == worker::WorkerReply::End::Answered);
-    Answer answer;
-    MessageIn in(reply.answer);
-    in(answer);
-    REQUIRE(in.finished());
-    return answer;
+    return inMessage<Answer>(reply.answer);
 }
 
 }  // namespace imomushi
