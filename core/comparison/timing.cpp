@@ -1,21 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/comparison/timing.h"
-#include "core/base/clock.h"
 
 #include <algorithm>
 #include <cstddef>
 #include <utility>
 
+#include "core/base/clock.h"
+
 namespace imomushi {
 
 namespace {
-
 
 constexpr int kMinRounds = 5, kWarmRounds = 2;
 /// Rounds of a stretch: short against a disturbance of the machine, and enough for a median.
 constexpr std::size_t kStretch = 15;
 constexpr std::size_t kQuietShare = 4;  // one stretch in so many counts
-
 
 /// Times of all rounds, ms. At least a few, then for as long as `more` wants; none where nobody wants the result.
 std::vector<std::vector<double>> timesInTurn(const std::vector<std::function<void()>>& loops, const Progress& progress, const std::function<bool(int rounds)>& more) {
@@ -38,16 +37,12 @@ Spread spreadOf(std::vector<double> times) {
 
 }  // namespace
 
-std::vector<Spread> spreadsInTurn(int rounds, double seconds, const std::vector<std::function<void()>>& loops, const Progress& progress) {
-    const auto begin = Clock::now();
-    std::vector<Spread> out;
-    for (auto& times : timesInTurn(loops, progress, [&](int done) { return done < rounds && secondsSince(begin) < seconds; })) out.push_back(spreadOf(std::move(times)));
-    return out;
-}
-
 std::vector<Spread> quietSpreads(double seconds, const std::vector<std::function<void()>>& loops, const Progress& progress) {
     const auto begin = Clock::now();
-    const auto times = timesInTurn(loops, progress, [&](int) { return secondsSince(begin) < seconds; });
+    return quietOf(timesInTurn(loops, progress, [&](int) { return secondsSince(begin) < seconds; }));
+}
+
+std::vector<Spread> quietOf(const std::vector<std::vector<double>>& times) {
     const std::size_t stretches = std::max<std::size_t>(1, times[0].size() / kStretch);
     const auto stretch = [&](std::size_t loop, std::size_t s) {
         const auto first = times[loop].begin() + static_cast<std::ptrdiff_t>(std::min(s * kStretch, times[loop].size()));
@@ -58,7 +53,7 @@ std::vector<Spread> quietSpreads(double seconds, const std::vector<std::function
     std::sort(quickest.begin(), quickest.end());
     quickest.resize((stretches + kQuietShare - 1) / kQuietShare);
     std::vector<Spread> out;
-    for (std::size_t loop = 0; loop < loops.size(); ++loop) {
+    for (std::size_t loop = 0; loop < times.size(); ++loop) {
         std::vector<double> kept;
         for (const auto& [median, s] : quickest) {
             const auto some = stretch(loop, s);
@@ -70,8 +65,9 @@ std::vector<Spread> quietSpreads(double seconds, const std::vector<std::function
 }
 
 std::vector<double> mediansInTurn(int rounds, double seconds, const std::vector<std::function<void()>>& loops, const Progress& progress) {
+    const auto begin = Clock::now();
     std::vector<double> out;
-    for (const Spread& s : spreadsInTurn(rounds, seconds, loops, progress)) out.push_back(s.median);
+    for (auto& times : timesInTurn(loops, progress, [&](int done) { return done < rounds && secondsSince(begin) < seconds; })) out.push_back(spreadOf(std::move(times)).median);
     return out;
 }
 

@@ -13,14 +13,13 @@ namespace imomushi {
 /// `rounds` are done, `seconds` are over, or `progress` is cancelled.
 std::vector<double> mediansInTurn(int rounds, double seconds, const std::vector<std::function<void()>>& loops, const Progress& progress = {});
 
-/// The same with the 99th percentile of each loop beside its median.
 struct Spread {
     double median = 0.0, p99 = 0.0;  ///< ms
 };
-std::vector<Spread> spreadsInTurn(int rounds, double seconds, const std::vector<std::function<void()>>& loops, const Progress& progress = {});
-
-/// The same of only those stretches of time in which nothing else disturbed the machine: the quarter in which the first loop, which calibrates, was quickest. Runs for
+/// The same, and the 99th percentile of each loop beside its median, of only those stretches of time in which nothing else disturbed the machine: quietOf(). Runs for
 /// `seconds`.
 std::vector<Spread> quietSpreads(double seconds, const std::vector<std::function<void()>>& loops, const Progress& progress = {});
+/// Of the times of loops that ran in turn (ms, as many of each): those of the quarter of stretches in which the first loop, which calibrates, was quickest.
+std::vector<Spread> quietOf(const std::vector<std::vector<double>>& times);
 
 }  // namespace imomushi
