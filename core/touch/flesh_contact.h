@@ -156,6 +156,9 @@ private:
         Eigen::Matrix3d compliance = Eigen::Matrix3d::Zero();
     };
 
+    // flesh_meetings.cpp
+    /// Around the vertices of a patch whose middle is there.
+    [[nodiscard]] Bounds boxOf(std::size_t body, std::size_t patch, const Vec3& middle) const;
     void findTouchingAtRest();
     const Vec3& vertexAt(std::size_t body, std::int32_t vertex, const Posed& posed);
     const Vec3& normalAt(std::size_t body, std::int32_t vertex, const Posed& posed);
@@ -167,6 +170,7 @@ private:
     void findGround(std::size_t body, const Posed& posed);
     void findMeetings(const Posed& posed);
     void keepDeepest();
+    // flesh_forces.cpp
     [[nodiscard]] double softness(const Contact& contact) const;
     [[nodiscard]] Eigen::Matrix3d axesUnder(const Contact& contact) const;
     bool spread(Spread& out, const std::array<std::int32_t, 3>& corners, const Vec3& parts);
@@ -175,6 +179,7 @@ private:
     void push(const Spread& spread, const Vec3& force);
     void solve(const Posed& posed, int sweeps);
     bool sumForces();
+    // flesh_contact.cpp
     bool once(const Posed& posed, std::size_t island, int sweeps);
     void release(std::size_t body);
 
