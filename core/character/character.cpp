@@ -135,6 +135,8 @@ const Pose& Character::pose() const { return state_->frame.pose; }
 
 std::span<const FleshPoint> Character::groundFlesh() const { return state_->ground ? state_->ground->flesh() : std::span<const FleshPoint>(); }
 
+std::span<const FleshDepth> Character::groundDepths() const { return state_->ground ? state_->ground->depths() : std::span<const FleshDepth>(); }
+
 bool Character::resting() const { return state_->jobs.resting(state_->frame); }
 
 Character::Surface Character::surface(int element) const {

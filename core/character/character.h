@@ -131,6 +131,7 @@ public:
     [[nodiscard]] const Pose& pose() const;  ///< of the last update()
     /// With the effect "ground": flesh that it may meet, as of the last update() (GroundJob). Else empty.
     [[nodiscard]] std::span<const FleshPoint> groundFlesh() const;
+    [[nodiscard]] std::span<const FleshDepth> groundDepths() const;
 
     /// No effect goes on by itself: the next update() of the same pose changes nothing.
     [[nodiscard]] bool resting() const;

@@ -99,6 +99,7 @@ GroundJob::GroundJob(const Frame& frame, const GroundEffect& settings) : EffectJ
         elements_[placeOf[i].first].chosen[placeOf[i].second].flesh = flesh_.size();
         flesh_.push_back(flesh[i]);
     }
+    for (const Element& e : elements_) depths_.push_back({flesh_[e.chosen.front().flesh].point, 0.0});
     at_.assign(flesh_.size(), Vec3::Zero());
 }
 
@@ -113,13 +114,13 @@ void GroundJob::run(Stage, Frame& frame) {
         return;
     }
     frame.up = settings().plane().normal();
-    for (Element& e : elements_)
-        if (!measured_ || frame.elements[e.index].moved) measure(e, frame);
+    for (std::size_t i = 0; i < elements_.size(); ++i)
+        if (!measured_ || frame.elements[elements_[i].index].moved) measure(elements_[i], depths_[i].depth, frame);
     measured_ = true;
     for (std::size_t i = 0; i < flesh_.size(); ++i) flesh_[i].offset = at_[i] - frame.pose.points[static_cast<std::size_t>(flesh_[i].point)];
 }
 
-void GroundJob::measure(Element& element, Frame& frame) {
+void GroundJob::measure(Element& element, double& depth, Frame& frame) {
     ElementFrame& of = frame.elements[element.index];
     const ElementRuntime& runtime = *of.runtime;
     const bool warped = runtime.warp && of.warpPart > 0.0;
@@ -128,16 +129,15 @@ void GroundJob::measure(Element& element, Frame& frame) {
     of.aloft = 1.0;
     const Plane plane = settings().plane();
     if (plane.height(of.frame(runtime.middle)) > (0.5 + kNear) * runtime.size + beyond) {
-        for (const Chosen& c : element.chosen) {
-            at_[c.flesh] = of.frame(c.rest);
-            flesh_[c.flesh].dent.setZero();
-        }
+        for (const Chosen& c : element.chosen) at_[c.flesh] = of.frame(c.rest);
+        depth = 0.0;
         return;
     }
     if (!warped) {
         element.weights = of.weights().cast<float>();
         element.moved.noalias() = element.rows * element.weights;
     }
+    double lowest = std::numeric_limits<double>::infinity();
     for (const Chosen& c : element.chosen) {
         Vec3& at = at_[c.flesh];
         if (c.held >= 0)
@@ -146,10 +146,15 @@ void GroundJob::measure(Element& element, Frame& frame) {
             at = of.frame(of.localAt(c.vertex, of.local.data()));
         else
             at = of.frame(c.rest + element.moved.segment<3>(3 * c.row).cast<double>());
-        flesh_[c.flesh].dent.setZero();
-        if (of.dented && c.held < 0) flesh_[c.flesh].dent = of.frame.linear * (of.localAt(c.vertex, of.dented) - of.localAt(c.vertex, of.local.data()));
-        of.aloft = std::min(of.aloft, std::max(0.0, plane.height(at) / (kNear * runtime.size)));
+        lowest = std::min(lowest, plane.height(at));
     }
+    of.aloft = std::clamp(lowest / (kNear * runtime.size), 0.0, 1.0);
+    if (warped || of.dented) {
+        lowest = std::numeric_limits<double>::infinity();
+        for (std::size_t v = 0; v < runtime.vertices; ++v)
+            lowest = std::min(lowest, plane.height(Eigen::Map<const Eigen::Vector3f>(of.positions.data() + 3 * v).cast<double>()));
+    }
+    depth = -lowest;
 }
 
 std::size_t GroundJob::bytes() const {

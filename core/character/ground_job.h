@@ -37,9 +37,9 @@ struct GroundEffect : EffectOf<GroundEffect> {
 };
 
 /// Where the flesh is that a plane may meet: some body vertices of each element, chosen once, of which one is near the lowest whatever lies below, however the
-/// element is bent. They are where pose, loads and bend warp have them; dents, which are what the ground makes of them, stand beside it. Evaluated here whoever
-/// deforms the element.
-///   reads   ElementFrame::frame, v, local, dented; JointFrame::map
+/// element is bent. They are where pose, loads and bend warp have them, without dents, which are what the ground makes of them. Evaluated here whoever deforms the
+/// element. Where it is warped or dented, which is done here alone and as no sample foresees, its depth is that of all its vertices as they are shown.
+///   reads   ElementFrame::frame, v, local, dented, positions; JointFrame::map
 ///   writes  ElementFrame::aloft, Frame::up, for the next frame
 class GroundJob final : public EffectJob<GroundEffect> {
 public:
@@ -49,6 +49,8 @@ public:
     [[nodiscard]] std::size_t bytes() const override;
     /// As of the last frame, by joint point.
     [[nodiscard]] std::span<const FleshPoint> flesh() const { return flesh_; }
+    /// The same, by element.
+    [[nodiscard]] std::span<const FleshDepth> depths() const { return depths_; }
 
     static constexpr std::size_t kPerPoint = 128;  ///< vertices of an element around one joint point, at most
 
@@ -67,10 +69,11 @@ private:
         Eigen::VectorXf weights, moved;
     };
     bool take(const GroundEffect&) override;
-    void measure(Element& element, Frame& frame);
+    void measure(Element& element, double& depth, Frame& frame);
 
     std::vector<Element> elements_;
     std::vector<FleshPoint> flesh_;
+    std::vector<FleshDepth> depths_;  // of elements_
     std::vector<Vec3> at_;   // of flesh_, m, world
     bool measured_ = false;  // all of it, as it was shown last
 };

@@ -388,7 +388,7 @@ void LiveCharacter::stepFrame(double seconds) {
             character_->correct(performance_->pose());
             seeFlesh();
         }
-        if (performance_->liftWhole()) {
+        if (performance_->liftWhole(character_->groundDepths())) {
             character_->shift(performance_->pose());
             seeFlesh();
         }

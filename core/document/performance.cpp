@@ -73,8 +73,16 @@ Result<Performance> Performance::build(const Document& document, const Character
     made.depthOf_.resize(made.skeleton_.points.size());
     UnionFind wholes(made.skeleton_.points.size());
     for (const auto& bone : made.skeleton_.bones) wholes.unite(bone.start, bone.end);
-    for (const auto& element : plan.input.elements)
-        for (const int bone : element.bones) wholes.unite(made.skeleton_.bones[static_cast<std::size_t>(element.bones.front())].start, made.skeleton_.bones[static_cast<std::size_t>(bone)].start);
+    std::vector<int> pointOf(plan.input.elements.size(), -1);
+    const auto unite = [&](std::size_t element, int point) {
+        if (pointOf[element] < 0) pointOf[element] = point;
+        wholes.unite(pointOf[element], point);
+    };
+    for (std::size_t e = 0; e < pointOf.size(); ++e)
+        for (const int bone : plan.input.elements[e].bones) unite(e, made.skeleton_.bones[static_cast<std::size_t>(bone)].start);
+    for (const auto& joint : plan.input.joints)
+        for (const auto& face : joint.faces)
+            if (joint.point >= 0) unite(static_cast<std::size_t>(face.element), joint.point);
     for (std::size_t i = 0; i < made.skeleton_.points.size(); ++i) made.wholeOf_.push_back(wholes.find(static_cast<std::int32_t>(i)));
     made.take(document.effects);
     if (document.effects.has(EffectKind::BoneDynamics) && !plan.input.skeleton.bones.empty()) {
@@ -187,7 +195,6 @@ void Performance::follow(const Pose& kinematic, std::span<const IkGoal> goals) {
 
 void Performance::seeFlesh(std::span<const FleshPoint> flesh, const std::vector<Vec3>& points) {
     if (!ground_) return;
-    shownFlesh_.assign(flesh.begin(), flesh.end());
     flesh_.assign(flesh.begin(), flesh.end());
     for (FleshPoint& f : flesh_)
         if (const double far = f.offset.norm(); far > 0.0) f.offset *= 1.0 - std::min(pressed_, kMostPressed * size_ / far);
@@ -214,16 +221,15 @@ bool Performance::lift() {
     return true;
 }
 
-bool Performance::liftWhole() {
+bool Performance::liftWhole(std::span<const FleshDepth> depths) {
     if (!ground_) return false;
     const double allowed = (pressed_ > 0.0 ? kDeepest : kDeep) * size_;
     next_ = pose();
     std::fill(depthOf_.begin(), depthOf_.end(), 0.0);
     double deepest = 0.0;
-    for (const FleshPoint& f : shownFlesh_) {
-        const auto point = static_cast<std::size_t>(f.point);
-        double& depth = depthOf_[static_cast<std::size_t>(wholeOf_[point])];
-        depth = std::max(depth, -ground_->plane.height(next_.points[point] + f.offset + f.dent));
+    for (const FleshDepth& f : depths) {
+        double& depth = depthOf_[static_cast<std::size_t>(wholeOf_[static_cast<std::size_t>(f.point)])];
+        depth = std::max(depth, f.depth);
         deepest = std::max(deepest, depth);
     }
     if (deepest <= allowed) return false;

@@ -38,7 +38,7 @@ public:
     /// Where flesh came deep into the ground within one frame, faster than bones follow, pose() is lifted out of it until the next step(). False: there is none.
     bool lift();
     /// Where flesh is still there, as it does not follow the joint points next to it, or deeper than contact may press it: lifts whole characters. False: there is none.
-    bool liftWhole();
+    bool liftWhole(std::span<const FleshDepth> depths);
 
     [[nodiscard]] const Pose& pose() const { return dynamics_ && !lifted_ ? dynamics_->pose() : raised_; }
     [[nodiscard]] bool isDynamic() const { return dynamics_.has_value(); }
@@ -62,7 +62,6 @@ private:
     double pressed_ = 0.0;
     std::optional<BoneDynamics> dynamics_;
     std::vector<FleshPoint> flesh_;  // as it presses
-    std::vector<FleshPoint> shownFlesh_;  // as it was seen last
     bool held_ = true, lifted_ = false;
     std::optional<FleshClearance> clearing_;
     std::vector<double> clearance_;  // m, per joint point

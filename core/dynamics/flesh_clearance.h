@@ -17,7 +17,12 @@ struct FleshPoint {
     int bone = -1;                ///< that it turns with, one that ends at `point`; -1: it does not turn
     double lever = 0.0;           ///< how far it lies beyond that end of the bone at rest, over the length of the bone, >= 0
     Vec3 offset = Vec3::Zero();   ///< m, world, from the joint point, as it was shown last, without dents
-    Vec3 dent = Vec3::Zero();     ///< m, world: what contact and fingers add
+};
+
+/// How deep the flesh of an element is in the ground as it is shown, dents and all.
+struct FleshDepth {
+    int point = -1;      ///< a joint point that moves it
+    double depth = 0.0;  ///< m; 0 or less: above it
 };
 
 /// How far joint points must stay above a plane so that the flesh around them does, from where that was shown last: until it is shown again, it turns with its
