@@ -246,7 +246,7 @@ TEST_CASE("bodies, cuts and proposals are the same, byte for byte, wherever in m
         out(body);
         return out.take();
     };
-    const int count = repeats(6, 100);
+    const int count = repeats(3, 60);
     // Blocks from some size on get addresses that descend, and never those of others; then all come from one heap.
     std::vector<std::string> one;
     ::mallopt(M_MMAP_THRESHOLD, 256);
