@@ -172,7 +172,7 @@ Result<SolvedElements> solveElements(const std::vector<ResponseInput>& elements,
 bool anyHierarchical(const std::vector<ResponseInput>& elements) {
     return std::any_of(elements.begin(), elements.end(), [](const ResponseInput& in) {
         if (in.faces.empty()) return false;
-        const SolvedSize size = solvedSize(in.mesh->body, in.faces, in.solverMesh, in.tetrahedra ? Tetrahedra::All : Tetrahedra::WithHandles);
+        const SolvedSize size = solvedSize(in.mesh->body, in.faces, in.solverMesh);
         return !size.volume && BoundaryProblem::hierarchical(size.nodes);
     });
 }

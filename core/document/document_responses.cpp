@@ -76,7 +76,6 @@ ResponseInput DocumentResponses::inputOf(PartId element) const {
     input.loads = wish.loads ? BodyLoads::Always : BodyLoads::WhereCheap;
     input.touch = wish.touch;
     input.solverMesh = e.solverMesh;
-    input.tetrahedra = e.piece.has_value();
     input.threads = threads();
     return input;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/elasticity/machine_rates.h"
 
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include "core/base/clock.h"
+#include "core/base/parallel.h"
 #include "core/elasticity/dense_lu.h"
 #include "core/elasticity/kernels.h"
 
@@ -20,11 +22,9 @@ namespace imomushi {
 
 namespace {
 
-
 /// What disturbs a machine lasts about a second; after so many looks one of them was quiet.
 constexpr double kPause = 1.0;  // s
 constexpr int kLooks = 5;
-
 
 template <class Work>
 double fastest(int rounds, Work work) {
@@ -87,17 +87,30 @@ MachineRates machineRates() {
     return best;
 }
 
+namespace {
+
+/// What the address space of this process may still grow by; without a limit more than there is.
+std::size_t addressesLeft() {
+    rlimit limit{};
+    if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return ~std::size_t{0};
+    std::size_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    // OpenBLAS asks for a buffer of 128 MiB for each thread that uses it, and tries for ever where it gets none.
+    const std::size_t used = pages * static_cast<std::size_t>(sysconf(_SC_PAGE_SIZE)) + (static_cast<std::size_t>(hardwareThreads()) + 1) * (std::size_t{128} << 20);
+    return limit.rlim_cur > used ? limit.rlim_cur - used : 0;
+}
+
+}  // namespace
+
 std::size_t availableMemory() {
+    std::size_t free = 0;
     std::ifstream file("/proc/meminfo");
-    for (std::string key; file >> key;) {
-        if (key == "MemAvailable:") {
-            std::size_t kilobytes = 0;
-            file >> kilobytes;
-            return kilobytes * 1024;
-        }
-    }
-    const long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGE_SIZE);
-    return pages > 0 && size > 0 ? static_cast<std::size_t>(pages) * static_cast<std::size_t>(size) : ~std::size_t{0};
+    for (std::string key; free == 0 && file >> key;)
+        if (key == "MemAvailable:") file >> free;
+    free *= 1024;
+    if (const long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGE_SIZE); free == 0)
+        free = pages > 0 && size > 0 ? static_cast<std::size_t>(pages) * static_cast<std::size_t>(size) : ~std::size_t{0};
+    return std::min(free, addressesLeft());
 }
 
 }  // namespace imomushi

@@ -15,7 +15,7 @@ struct MachineRates {
 /// Measured in about 20 ms by the first caller, and by a few later ones again, since a machine may be disturbed just then: the best so far counts.
 MachineRates machineRates();
 
-/// Bytes that can still be had without swapping; the largest number where the system does not say.
+/// Bytes that can still be had without swapping, and within the limit of the address space; the largest number where the system does not say.
 std::size_t availableMemory();
 
 }  // namespace imomushi

@@ -28,7 +28,7 @@ constexpr double kRadiusEdgeRatio = 2.0;
 /// A tetrahedron is too large where its longest edge is longer than this times the wanted length: the edges around it are then about as long as wanted.
 constexpr double kTooLong = 1.4;
 /// What a worker may use; a body of 100,000 vertices takes some five seconds.
-constexpr WorkLimits kLimits{std::size_t{16} << 30, 600, 3600.0};
+constexpr WorkLimits kLimits{std::size_t{16} << 30, 600, 3600.0, false};
 
 /// What TetGen throws where it gets no memory.
 constexpr int kNoMemory = 1;
@@ -216,7 +216,7 @@ Result<TetrahedralMesh> fillHere(const TriangleMesh& surface, const TetrahedronS
     Filling made;
     {
         const Attempt filling("filling with tetrahedra");
-        if (!filling) return noFilling("TetGen breaks down or does not come to an end");
+        if (!filling) return noFilling("TetGen breaks down");
         made = fillWithTetGen(surface, size);
     }
     if (progress.cancelled()) return fail(kCancelled, "The precompute was cancelled.");

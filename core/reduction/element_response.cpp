@@ -102,14 +102,14 @@ Result<double> discretisationError(const TrimmedElement& element, const SolvedBo
     return coarser->share * std::sqrt(sum / static_cast<double>(held.cols()));
 }
 
-/// `tetrahedra`: where they may be used; afterwards None where they were not.
-Result<ElementResponse> buildWith(const ResponseInput& input, Tetrahedra& tetrahedra, const Progress& progress) {
+/// `fill`: with tetrahedra, where the setting asks for them; afterwards whether they were there.
+Result<ElementResponse> buildWith(const ResponseInput& input, bool& fill, const Progress& progress) {
     const auto start = std::chrono::steady_clock::now();
     ElementResponse response;
     response.bases = basesOf(input, response.firstColumn);
     const int g = response.columns();
     if (input.faces.empty()) {
-        tetrahedra = Tetrahedra::None;
+        fill = false;
         response.freeVertices = freeVerticesOf(input);
         response.response.resize(3 * static_cast<Eigen::Index>(response.freeVertices.size()), 0);
         response.stiffness.resize(0, 0);
@@ -117,8 +117,8 @@ Result<ElementResponse> buildWith(const ResponseInput& input, Tetrahedra& tetrah
     }
     auto element = trimmedElement(input, progress.part(0.0, 0.02));
     if (!element) return tl::make_unexpected(element.error());
-    auto solved = solvedBody(element->input.mesh->body, element->input.faces, input.solverMesh, progress.part(0.02, 0.1), tetrahedra);
-    if (!solved || !solved->filling) tetrahedra = Tetrahedra::None;
+    auto solved = solvedBody(element->input.mesh->body, element->input.faces, input.solverMesh, progress.part(0.02, 0.1), fill);
+    fill = solved && solved->filling;
     if (!solved) return tl::make_unexpected(solved.error());
     const SolverMesh& mesh = solved->mesh;
     const HeldModes modes = heldModes(element->input.mesh->body, element->input.faces, *solved, response.bases, response.firstColumn);
@@ -191,21 +191,21 @@ std::size_t ElementResponse::bytes() const {
 
 Result<ElementResponse> buildResponse(const ResponseInput& input, const Progress& progress) {
     if (auto ok = checkInput(input); !ok) return tl::make_unexpected(ok.error());
-    Tetrahedra tetrahedra = tetrahedraOf(input);
-    auto response = buildWith(input, tetrahedra, progress);
-    if (response || tetrahedra == Tetrahedra::None) return response;
+    bool fill = filled(input);
+    auto response = buildWith(input, fill, progress);
+    if (response || !fill) return response;
     // Only what the input alone decides is a reason to go another way: a tetrahedron is too flat. Too little memory is none.
     if (response.error().code != "singular" && response.error().code != "inaccurate") return response;
     const std::string why = response.error().message;
-    tetrahedra = Tetrahedra::None;
-    response = buildWith(input, tetrahedra, progress);
+    fill = false;
+    response = buildWith(input, fill, progress);
     if (response) response->quality.noFilling = why;
     return response;
 }
 
 bool solvedBesideOthers(const ResponseInput& input) {
     using Kind = SolverMeshSetting::Kind;
-    return input.tetrahedra && tetrahedraOf(input) == Tetrahedra::All && (input.solverMesh.kind == Kind::Draft || input.solverMesh.kind == Kind::Default);
+    return filled(input) && (input.solverMesh.kind == Kind::Draft || input.solverMesh.kind == Kind::Default);
 }
 
 void buildResponses(std::span<const ResponseInput> inputs, int threads, const std::function<void(std::size_t, Result<ElementResponse>)>& done, const Progress& progress) {

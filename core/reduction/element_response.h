@@ -77,9 +77,6 @@ struct ResponseInput {
     double nu = 0.45;
     BasisChoice basis;
     SolverMeshSetting solverMesh;
-    /// Draft, default and best are solved in tetrahedra, as they are with handles: bodies that cuts leave hang from faces close together, which boundary elements get wrong
-    /// by multiples (a penguin's trunk from neck and shoulders: 68 % by default, in tetrahedra 0.7 %).
-    bool tetrahedra = false;
     BodyLoads loads = BodyLoads::None;
     /// Number of touch patches, about; 0: none. They are about sqrt(free surface / touch) wide: 24 are for large soft dents, 96 for small ones. A
     /// patch costs three columns. On small meshes there are fewer, see touchPatches().
@@ -88,7 +85,7 @@ struct ResponseInput {
     int threads = 1;  ///< not part of the key: it changes no byte of the response
 };
 
-/// The content key of the response: mesh, faces, nu, basis, solver mesh, whether in tetrahedra, loads, touch, and the version of the solver.
+/// The content key of the response: mesh, faces, nu, basis, solver mesh, loads, touch, and the version of the solver.
 ContentKey responseKey(const ResponseInput& input);
 
 /// Solved on the body without its appendages, which follow (see TrimmedBody); only body loads and touch patches are solved on the whole body, as appendages

@@ -125,10 +125,7 @@ Eigen::MatrixXd onWhole(const TrimmedElement& element, Eigen::MatrixXd displacem
 
 }  // namespace
 
-Tetrahedra tetrahedraOf(const ResponseInput& input) {
-    if (input.nu > VolumeProblem::kLargestNu) return Tetrahedra::None;
-    return input.tetrahedra ? Tetrahedra::All : Tetrahedra::WithHandles;
-}
+bool filled(const ResponseInput& input) { return input.nu <= VolumeProblem::kLargestNu; }
 
 Result<void> checkInput(const ResponseInput& input) {
     if (!input.mesh) return fail("bad-value", "The element has no mesh.");
@@ -211,7 +208,7 @@ Result<Points> solveFull(const ResponseInput& input, const std::vector<Points>& 
     auto element = trimmedElement(input, progress.part(0.0, 0.02));
     if (!element) return tl::make_unexpected(element.error());
     for (JointFace& face : element->input.faces) face.disc.reset();  // displacements are given at the vertices of faces
-    auto solved = solvedBody(element->input.mesh->body, element->input.faces, input.solverMesh, progress.part(0.02, 0.1), tetrahedraOf(input));
+    auto solved = solvedBody(element->input.mesh->body, element->input.faces, input.solverMesh, progress.part(0.02, 0.1), filled(input));
     if (!solved) return tl::make_unexpected(solved.error());
     Points out = Points::Zero(input.mesh->body.vertices.rows(), 3), prescribed = Points::Zero(element->input.mesh->body.vertices.rows(), 3);
     for (std::size_t f = 0; f < input.faces.size(); ++f)

@@ -41,8 +41,8 @@ Result<StaticSolution> solveStatics(const TrimmedElement& element, const SolvedB
 /// Ascending body vertices that no joint face holds.
 std::vector<std::int32_t> freeVerticesOf(const ResponseInput& input);
 
-/// Where finite elements may solve it, if its body can be filled.
-Tetrahedra tetrahedraOf(const ResponseInput& input);
+/// Whether finite elements may solve it, if its body can be filled: not beyond VolumeProblem::kLargestNu.
+bool filled(const ResponseInput& input);
 
 /// What buildResponse() refuses before it computes anything.
 Result<void> checkInput(const ResponseInput& input);

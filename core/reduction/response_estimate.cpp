@@ -32,13 +32,13 @@ ResponseEstimate estimateResponse(const ResponseInput& input) {
     if (!checkInput(input)) return out;
     const auto body = withoutAppendages(input.mesh->body, input.faces, {});
     if (!body) return out;
-    const SolvedSize size = solvedSize(body->mesh, body->faces, input.solverMesh, tetrahedraOf(input));
+    const SolvedSize size = solvedSize(body->mesh, body->faces, input.solverMesh, filled(input));
     out.hierarchical = !size.volume && BoundaryProblem::hierarchical(size.nodes);
     const int tractions = 3 * std::min<int>(input.touch, static_cast<int>(input.mesh->body.vertices.rows()) / 4);
     const bool loadsApart = (input.loads == BodyLoads::Always || tractions > 0) && !body->appendages.empty();
     BoundaryProblem::Estimate solve = estimateOf(size, out.columns, loadsApart ? 0 : tractions, input.threads);
     if (loadsApart) {
-        const SolvedSize whole = solvedSize(input.mesh->body, input.faces, input.solverMesh, tetrahedraOf(input));
+        const SolvedSize whole = solvedSize(input.mesh->body, input.faces, input.solverMesh, filled(input));
         const BoundaryProblem::Estimate again = estimateOf(whole, out.columns, tractions, input.threads);
         solve.seconds += again.seconds;
         solve.bytes = std::max(solve.bytes, again.bytes);

@@ -7,17 +7,13 @@ namespace imomushi {
 namespace {
 
 /// Raise when the same input gives other bytes: cached responses of an older solver are then computed again.
-constexpr int kSolverVersion = 3;
+constexpr int kSolverVersion = 4;
 /// The same for BasisKind::Modes alone.
 constexpr int kModesVersion = 2;
 /// The same for touch alone.
 constexpr int kTouchVersion = 1;
 /// The same for discs alone.
 constexpr int kDiscVersion = 3;
-/// The same for tetrahedra that a setting names.
-constexpr int kVolumeVersion = 2;
-/// The same for tetrahedra that the input names.
-constexpr int kPieceVersion = 4;
 
 }  // namespace
 
@@ -32,7 +28,6 @@ ContentKey responseKey(const ResponseInput& input) {
     }
     hasher.number(static_cast<int>(input.solverMesh.kind));
     hasher.number(input.solverMesh.count);
-    if (input.solverMesh.kind == SolverMeshSetting::Kind::Volume) hasher.number(kVolumeVersion);
     if (input.solverMesh.tolerance != SolverMeshSetting::kUsualTolerance) hasher.number(input.solverMesh.tolerance);
     const TriangleMesh& body = input.mesh->body;
     hasher.array(std::span<const double>(body.vertices.data(), static_cast<std::size_t>(body.vertices.size())));
@@ -49,10 +44,6 @@ ContentKey responseKey(const ResponseInput& input) {
             hasher.array(std::span<const double>(face.disc->point.data(), 3));
             hasher.number(face.disc->radius);
         }
-    }
-    if (input.tetrahedra) {
-        hasher.text("tetrahedra");
-        hasher.number(kPieceVersion);
     }
     if (input.loads == BodyLoads::Always) hasher.text("loads");
     if (input.loads == BodyLoads::WhereCheap) hasher.text("cheap loads");

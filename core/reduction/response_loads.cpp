@@ -60,7 +60,7 @@ Eigen::MatrixXd WantedLoads::resultants(const SolverMesh& mesh, const HeldModes&
 Result<SolvedLoads> solveLoadsOnWhole(const ResponseInput& input, WantedLoads& wanted, const HeldModes& modes, const ElementResponse& response,
                                       const Progress& progress) {
     const TrimmedElement whole{&input, input, {}, response.freeVertices, response.freeVertices};
-    const auto solved = solvedBody(input.mesh->body, input.faces, input.solverMesh, progress.part(0.0, 0.1), tetrahedraOf(input));
+    const auto solved = solvedBody(input.mesh->body, input.faces, input.solverMesh, progress.part(0.0, 0.1), filled(input));
     if (!solved) return tl::make_unexpected(solved.error());
     wanted.place(*solved);
     const HeldModes solvedModes = heldModes(input.mesh->body, input.faces, *solved, response.bases, response.firstColumn);

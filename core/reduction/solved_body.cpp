@@ -51,11 +51,6 @@ constexpr double kExtremeWall = 150.0, kExtremeShare = 0.05;
 constexpr std::int32_t kWallSamples = 250;  // triangles
 /// Part of the error that strips and bubbles leave, see coarserLevel(); and what strips leave alone: 0.45 of the largest error of a cylinder, 0.51 of a body of three faces.
 constexpr double kErrorLeft = 0.1, kErrorLeftByStrips = 0.5;
-/// The same of tetrahedra, measured on six bodies: 0.25 to 0.63 where the body keeps its shape or at least 2,500 vertices take its place. Of fewer vertices the
-/// coarser level differs less from the finer one than that from the truth: 0.3 to 1.1 with 600.
-constexpr double kVolumeErrorLeft = 0.65, kShapeLost = 1.0 / 3.0, kKeepShape = 2500.0;
-/// The same where only rims and creases have small edges: then drafts state 0.7 to 2.8 times the largest error of the sixteen bodies of tests/data/reference, default 0.7 to 1.6 times.
-constexpr double kRimErrorLeft = 1.1;
 constexpr const char* kTooIncompressible = "Tetrahedra take a Poisson ratio up to 0.49; boundary elements took their place.";
 /// A plain mesh is compared with one of at most this share of its vertices.
 constexpr double kCoarserShare = 1.0 / 3.0;
@@ -251,11 +246,11 @@ Result<SolvedBody> byBoundary(const TriangleMesh& body, std::span<const JointFac
 
 }  // namespace
 
-Result<SolvedBody> solvedBody(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting, const Progress& progress, Tetrahedra tetrahedra) {
+Result<SolvedBody> solvedBody(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting, const Progress& progress, bool fill) {
     if (faces.empty()) return asItIs(body, faces, plainSolverMesh(body, faces));
     std::string noFilling;
-    if (const VolumeDetail detail = volumeDetail(faces, setting, tetrahedra == Tetrahedra::All); detail.vertices > 0) {
-        if (tetrahedra != Tetrahedra::None) {
+    if (const VolumeDetail detail = volumeDetail(body, faces, setting); detail.vertices > 0) {
+        if (fill) {
             auto filled = volumeBody(BodySurface(body, faces), detail, progress);
             // Only what is wrong with the surface itself is a reason to go another way: a worker that was killed or reached a limit is none.
             if (filled || filled.error().code != "no-filling") return filled;
@@ -269,9 +264,9 @@ Result<SolvedBody> solvedBody(const TriangleMesh& body, std::span<const JointFac
     return out;
 }
 
-SolvedSize solvedSize(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting, Tetrahedra tetrahedra) {
+SolvedSize solvedSize(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting, bool fill) {
     const auto vertices = static_cast<int>(body.vertices.rows());
-    if (VolumeDetail detail = volumeDetail(faces, setting, tetrahedra == Tetrahedra::All); detail.vertices > 0 && tetrahedra != Tetrahedra::None) {
+    if (VolumeDetail detail = volumeDetail(body, faces, setting); detail.vertices > 0 && fill) {
         if (detail.rim <= 0.0) detail.vertices = std::min(vertices + vertices / 2, detail.vertices);  // coarse bodies are refined
         return {volumeNodes(body, faces, detail), 2 * detail.vertices, volumeNodes(body, faces, coarserVolume(detail)), true};
     }
@@ -284,7 +279,7 @@ SolvedSize solvedSize(const TriangleMesh& body, std::span<const JointFace> faces
     // Cutting a body of so many vertices takes a fraction of a second.
     constexpr int kQuick = 20'000;
     if (vertices <= kQuick || (setting.kind == SolverMeshSetting::Kind::Default && vertices <= kMaxNodes))
-        if (const auto made = solvedBody(body, faces, setting, {}, Tetrahedra::None))
+        if (const auto made = solvedBody(body, faces, setting, {}, false))
             return {made->nodes(), static_cast<int>(made->mesh.mesh.triangles.rows()), static_cast<int>(made->plain.mesh.vertices.rows())};
     // Strips and bubbles make about five nodes of a vertex: measured on bodies of 500 to 100 000 vertices.
     const int plain = setting.kind == SolverMeshSetting::Kind::Default ? std::min(vertices, kDecimatedVertices)
@@ -299,8 +294,7 @@ Result<CoarserLevel> coarserLevel(const TriangleMesh& body, std::span<const Join
         auto coarse = volumeBody(BodySurface(body, faces), coarserVolume(fine.detail), progress);
         if (!coarse) return tl::make_unexpected(coarse.error());
         out.body = std::move(*coarse);
-        out.share = fine.detail.rim > 0.0 ? kRimErrorLeft : kVolumeErrorLeft;
-        if (fine.decimated) out.share *= std::pow(std::max(1.0, kKeepShape / fine.detail.vertices), kShapeLost);
+        out.share = volumeErrorLeft(fine);
         return out;
     }
     if (fine.plain.mesh.vertices.rows() > 0) {

@@ -45,31 +45,33 @@ struct SolvedBody {
     [[nodiscard]] int nodes() const { return static_cast<int>(mesh.mesh.vertices.rows() + static_cast<Eigen::Index>(mesh.bubbles.size())); }
 };
 
-/// Where finite elements take part: nowhere, not even where the setting asks for them; where it asks and where there are handles; in draft, default and best of any
-/// body too.
-enum class Tetrahedra { None, WithHandles, All };
-
-/// Makes the solver mesh that `setting` asks for.
+/// Makes the solver mesh that `setting` asks for. By finite elements:
+///
+///   volume:N    the body, or one of N vertices in its place, finer at rims, filled with tetrahedra (VolumeProblem); volume: N = kVolumeVertices
+///   draft, default, best
+///               with handles volume:600, volume:2500 and volume:5000, with more vertices for more than four handles; without, of as many vertices at most, and small
+///               tetrahedra at rims alone (VolumeDetail::rim), as many as the rims need
+///
+/// By boundary elements:
 ///
 ///   as-is       the body, linear displacement
 ///   refined:N   the body bisected to N vertices, linear displacement
 ///   decimated:N a body of N vertices in its place, then like default
-///   volume:N    the body, or one of N vertices in its place, finer at rims, filled with tetrahedra for finite elements (VolumeProblem); volume: N = kVolumeVertices
-///   default     strips at singular edges (withLayers) and quadratic displacement: on the body where that is cheap, otherwise on a decimated one
+///
+/// and, where a body cannot be filled, or without `fill` (as it must be beyond VolumeProblem::kLargestNu; SolvedBody::noFilling says why):
+///
+///   volume:N, default
+///               strips at singular edges (withLayers) and quadratic displacement: on the body where that is cheap, otherwise on a decimated one
 ///               (as it is where walls are less than 1/150 of the triangles on them: see SolvedBody::extremeWalls)
 ///   draft       a body of kDraftVertices in its place (the body itself up to twice as many, or where it cannot be decimated), strips, linear displacement; one with
-///               handles that is not filled has a thousand vertices instead of strips
+///               handles has a thousand vertices instead of strips
 ///   best        more strips and quadratic displacement everywhere, on the body refined where it is coarse
 ///
-/// With handles, draft, default and best are volume:600, volume:2500 and volume:5000, with more vertices for more than four handles. With Tetrahedra::All those without handles are
-/// filled too, with small tetrahedra at rims alone (VolumeDetail::rim): as many as the rims need. Where a body cannot be filled, or with Tetrahedra::None (as it must be beyond VolumeProblem::kLargestNu), boundary elements solve it: the settings above,
-/// default for volume. SolvedBody::noFilling says why.
-///
-/// Measured against second-order finite elements (tests/data/reference): as-is is wrong by up to 23 %, default by less than 2 %, best by less than 1 %.
+/// Measured against second-order finite elements (tests/data/reference): as-is is wrong by up to 23 %, default by less than 1 %, draft by less than 5 %.
 /// Handles are held by their discs (DiscMesh), but for as-is and refined:N by their triangles: the mesh is as it is.
 /// Errors: those of refinedSolverMesh() and decimate(); "cancelled".
 Result<SolvedBody> solvedBody(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting, const Progress& progress,
-                              Tetrahedra tetrahedra = Tetrahedra::WithHandles);
+                              bool fill = true);
 
 /// About the size of the mesh that solvedBody() makes, without making it where that takes long (a large body, or a filled one).
 struct SolvedSize {
@@ -77,7 +79,7 @@ struct SolvedSize {
     int coarser = 0;  ///< nodes of the coarser level
     bool volume = false;  ///< of tetrahedra
 };
-SolvedSize solvedSize(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting, Tetrahedra tetrahedra = Tetrahedra::WithHandles);
+SolvedSize solvedSize(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting, bool fill = true);
 
 /// A coarser discretisation of the same body, to estimate the error of the finer one by the difference of their solutions.
 struct CoarserLevel {

@@ -16,11 +16,13 @@ namespace imomushi {
 /// Errors: "cancelled", "no-filling", and the others of fillWithTetrahedra(), which say nothing about the body.
 Result<SolvedBody> volumeBody(const BodySurface& surface, const VolumeDetail& detail, const Progress& progress);
 
-/// How finely a setting fills a body with tetrahedra; no vertices: it is solved by boundary elements. `all`: see Tetrahedra::All.
-VolumeDetail volumeDetail(std::span<const JointFace> faces, const SolverMeshSetting& setting, bool all);
+/// How finely a setting fills a body with tetrahedra; no vertices: it is solved by boundary elements.
+VolumeDetail volumeDetail(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting);
 /// About the nodes of a body that is filled so.
 int volumeNodes(const TriangleMesh& body, std::span<const JointFace> faces, const VolumeDetail& detail);
 /// The coarser level that the error is estimated from.
 VolumeDetail coarserVolume(const VolumeDetail& detail);
+/// CoarserLevel::share of it.
+double volumeErrorLeft(const SolvedBody& fine);
 
 }  // namespace imomushi

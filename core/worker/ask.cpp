@@ -95,7 +95,8 @@ Result<std::string> askWorker(std::string_view operation, const std::vector<std:
             return fail("worker-killed",
                         "The worker was ended from outside, probably for lack of memory: close other programs and try again.");
         }
-        if (!reply.step.empty() && leftOut.size() < static_cast<std::size_t>(kMostLeftOut)) {
+        const bool limited = late || reply.end == WorkerReply::End::NoMemory;
+        if (!reply.step.empty() && (limits.leaveOut || !limited) && leftOut.size() < static_cast<std::size_t>(kMostLeftOut)) {
             leftOut.push_back(std::move(reply.step));
             continue;
         }

@@ -28,6 +28,9 @@ struct WorkLimits {
     std::size_t memoryBytes = std::size_t{8} << 30;  ///< address space of the worker
     int cpuSeconds = 600;
     double wallSeconds = 3600.0;
+    /// A step that reaches one of them is left out, as one that crashes is, and the answer says so. False: the operation fails, as where what is left would be stored for what was
+    /// asked, and a faster machine would give another answer.
+    bool leaveOut = true;
 };
 
 /// The program whose workers do operations from now on, called as `PROGRAM worker`; "/proc/self/exe" is this one, if its main() calls workerMain(). Empty, as it is unless
@@ -60,7 +63,7 @@ std::vector<std::string> leftOutSteps();
 /// How often an operation is begun again, each time without one step more.
 inline constexpr int kMostLeftOut = 8;
 
-/// Asks a worker for an operation. Errors: "cancelled"; "timeout", "too-large": a limit was reached outside of any step; "worker-failed": it crashed outside of any step, or in more
+/// Asks a worker for an operation. Errors: "cancelled"; "timeout", "too-large": a limit was reached outside of any step, or no step may be left out for it; "worker-failed": it crashed outside of any step, or in more
 /// than kMostLeftOut of them; "worker-killed": somebody else ended it, twice. None of them is an answer: what was asked for is still unknown, and may be asked again.
 Result<std::string> askWorker(std::string_view operation, const std::vector<std::string>& arguments, const WorkLimits& limits,
                               const Progress& progress);
@@ -87,11 +90,13 @@ public:
         (arguments.push_back(bytesOf(asked)), ...);
         const auto bytes = askWorker(name_, arguments, limits, progress);
         if (!bytes) return failed(bytes.error());
-        Answer answer = failed({"worker-failed", "The worker answered with something that is no answer: reinstall Imomushi."});
+        const Answer contradiction =
+            failed({"worker-failed", "The worker answered with something that contradicts itself: repair what it was given, or try again."});
+        Answer answer = contradiction;
         MessageIn in(*bytes);
-        Answer received = answer;
-        in(received);
-        return in.finished() ? received : answer;
+        in(answer);
+        if (!in.finished()) answer = contradiction;
+        return answer;
     }
 
 private:

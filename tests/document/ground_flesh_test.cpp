@@ -245,7 +245,10 @@ void checkThrown(const std::string& sample) {
         const Json answer = scene.w.good({{"do", "step"}, {"frames", 1}});
         REQUIRE(answer["finite"] == true);
         ms.push_back(answer["ms_per_frame"]["median"].get<double>());
-        lowest = std::min(lowest, scene.lowest());
+        if (const double now = scene.lowest(); now < lowest) {
+            lowest = now;
+            if (now <= -kMoving) MESSAGE("frame " << frame << ": " << 100.0 * now << " % of the height, warnings " << answer["warnings"].dump());
+        }
     }
     std::sort(ms.begin(), ms.end());
     MESSAGE(sample << ": " << frames << " frames, " << pressed << " presses, p99 " << ms[ms.size() * 99 / 100] << " ms, lowest " << 100.0 * lowest << " % of the height");

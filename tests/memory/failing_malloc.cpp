@@ -16,8 +16,11 @@ std::atomic<long> left{0};        // requests until one fails; 0 and less: it ha
 std::atomic<bool> goesOn{false};  // all after it fail too
 
 /// What libraries cannot survive: destructors of nlohmann's JSON ask for memory (for a stack instead of recursion), and what makes an object or an array of null there
-/// does it in two steps; libstdc++ reads folders in functions that are noexcept.
-bool isDeadly(const char* caller) {
+/// does it in two steps; libstdc++ reads folders in functions that are noexcept; libgomp, which CHOLMOD uses, ends the program.
+bool isDeadly(const Dl_info& where) {
+    if (where.dli_fname && std::strstr(where.dli_fname, "libgomp")) return true;
+    const char* const caller = where.dli_sname;
+    if (!caller) return false;
     if (std::strstr(caller, "18directory_iterator")) return true;
     if (!std::strstr(caller, "basic_json") || std::strncmp(caller, "_ZN8nlohmann", 12) != 0) return false;
     return std::strstr(caller, "json_value7destroy") || std::strstr(caller, "EEix") || std::strstr(caller, "EE9push_back");
@@ -28,7 +31,7 @@ bool deadlyNow() {
     const int count = ::backtrace(callers.data(), static_cast<int>(callers.size()));
     for (int i = 0; i < count; ++i) {
         Dl_info caller;
-        if (::dladdr(callers[static_cast<std::size_t>(i)], &caller) && caller.dli_sname && isDeadly(caller.dli_sname)) return true;
+        if (::dladdr(callers[static_cast<std::size_t>(i)], &caller) && isDeadly(caller)) return true;
     }
     return false;
 }

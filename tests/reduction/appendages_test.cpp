@@ -275,7 +275,6 @@ TEST_CASE("body loads where they are cheap: as if they were always asked for, bu
         input.faces = body.faces;
         for (const bool tetrahedra : {false, true}) {
             CAPTURE(tetrahedra);
-            input.tetrahedra = tetrahedra;
             input.solverMesh = parseSolverMesh(tetrahedra ? "draft" : "as-is").value();
             const auto with = [&](BodyLoads loads) {
                 input.loads = loads;

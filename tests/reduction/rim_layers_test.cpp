@@ -87,7 +87,7 @@ TEST_CASE("strips: bodies without singular edges and slivers at rims stay as the
 TEST_CASE("halving at bubbles: the same polyhedron with a vertex in the middle of each") {
     const auto body = shapes::cylinder(0.5, 2.0, 9, 5);
     const auto faces = facesOf(body);
-    const auto solved = solvedBody(body.mesh, faces, {}, {});
+    const auto solved = solvedBody(body.mesh, faces, {}, {}, false);
     REQUIRE(solved);
     REQUIRE(!solved->mesh.bubbles.empty());
     const SolverMesh halved = halvedAtBubbles(solved->mesh);
@@ -95,21 +95,21 @@ TEST_CASE("halving at bubbles: the same polyhedron with a vertex in the middle o
     checkSameBody(halved, body, faces);
 }
 
-TEST_CASE("solver mesh of a setting: a body of few vertices is refined, one of many is decimated, and the size is known beforehand") {
+TEST_CASE("solver mesh of a setting for boundary elements: a body of few vertices is refined, one of many is decimated, and the size is known beforehand") {
     const auto few = shapes::bar(2);
     const auto fewFaces = facesOf(few);
-    const auto solved = solvedBody(few.mesh, fewFaces, {}, {});
+    const auto solved = solvedBody(few.mesh, fewFaces, {}, {}, false);
     REQUIRE(solved);
     CHECK(solved->plain.mesh.vertices.rows() >= 350);
     CHECK(!solved->decimated);
-    CHECK(solvedSize(few.mesh, fewFaces, {}).nodes == solved->nodes());
+    CHECK(solvedSize(few.mesh, fewFaces, {}, false).nodes == solved->nodes());
 
     const auto many = shapes::cylinder(0.5, 3.0, 40, 60);
     const auto manyFaces = facesOf(many);
-    const auto small = solvedBody(many.mesh, manyFaces, {}, {});
+    const auto small = solvedBody(many.mesh, manyFaces, {}, {}, false);
     REQUIRE(small);
     CHECK(small->decimated);
-    CHECK(std::abs(std::log(static_cast<double>(solvedSize(many.mesh, manyFaces, {}).nodes) / small->nodes())) <= std::log(1.5));
+    CHECK(std::abs(std::log(static_cast<double>(solvedSize(many.mesh, manyFaces, {}, false).nodes) / small->nodes())) <= std::log(1.5));
 
     const auto plain = solvedBody(many.mesh, manyFaces, {SolverMeshSetting::Kind::AsIs, 0}, {});
     REQUIRE(plain);

@@ -35,10 +35,10 @@ struct Run {
     std::vector<Json> answers;
 };
 
-/// Runs the program in a folder of its own, without display. `arguments` for the shell.
-inline Run program(const std::string& arguments) {
+/// Runs the program in a folder of its own, without display. `arguments` for the shell, which does `before` first.
+inline Run program(const std::string& arguments, const std::string& before = "true") {
     const auto out = folder() / "stdout", err = folder() / "stderr";
-    const std::string command = "cd '" + folder().string() + "' && env -u DISPLAY -u WAYLAND_DISPLAY '" IMOMUSHI_PROGRAM "' " + arguments + " >'" + out.string() +
+    const std::string command = "cd '" + folder().string() + "' && " + before + " && env -u DISPLAY -u WAYLAND_DISPLAY '" IMOMUSHI_PROGRAM "' " + arguments + " >'" + out.string() +
                                 "' 2>'" + err.string() + "'";
     const int status = std::system(command.c_str());
     Run run;
@@ -48,9 +48,9 @@ inline Run program(const std::string& arguments) {
     return run;
 }
 
-inline Run script(const std::string& lines, const std::string& options = "") {
+inline Run script(const std::string& lines, const std::string& options = "", const std::string& before = "true") {
     const auto path = writeFile("script.jsonl", lines);
-    Run run = program("run " + options + " '" + path.string() + "'");
+    Run run = program("run " + options + " '" + path.string() + "'", before);
     std::istringstream text(run.out);
     for (std::string line; std::getline(text, line);) run.answers.push_back(Json::parse(line));
     return run;
