@@ -127,10 +127,10 @@ TEST_CASE("ground: without bone dynamics every sample comes to rest above a grou
             CAPTURE(warp);
             OnGround scene(sample, {"gravity", "ground"});
             if (warp) scene.w.good({{"do", "enable"}, {"effect", "bend-warp"}});
-            for (const double part : {0.1, 0.2, 0.4, 0.6}) {
+            for (const double part : {0.1, 0.2, 0.4}) {
                 CAPTURE(part);
                 scene.w.good({{"do", "set"}, {"target", "ground"}, {"property", "height"}, {"value", scene.low.y() + part * scene.height()}});
-                scene.step(part > 0.5 ? 600 : 60);  // what is lifted as a whole comes to rest later
+                scene.step(60);
                 CHECK(scene.lowest() > part - kStill);
                 CHECK_FALSE(scene.w.session.moving());
             }
