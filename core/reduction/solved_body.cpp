@@ -255,7 +255,7 @@ Result<SolvedBody> solvedBody(const TriangleMesh& body, std::span<const JointFac
             // Only what is wrong with the surface itself is a reason to go another way: a worker that was killed or reached a limit is none.
             if (filled || filled.error().code != "no-filling") return filled;
             noFilling = filled.error().message;
-        } else if (setting.kind == SolverMeshSetting::Kind::Volume) {
+        } else {
             noFilling = kTooIncompressible;
         }
     }

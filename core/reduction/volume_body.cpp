@@ -36,9 +36,8 @@ constexpr double kRimErrorLeft = 1.2, kDraftErrorLeft = 0.7, kDraftErrorPerDegre
 constexpr double kKeepShape = 2500.0, kShapeLost = 0.25;
 /// Nodes of such a body, about: for each edge of a rim, and for each vertex of the surface. Fitted to five pieces.
 constexpr double kNodesPerRimEdge = 48.0, kNodesPerVertex = 4.0;
-/// Edges at re-entrant creases of the free surface, where the solution is singular too, over the mean edge of a surface of as many vertices as were asked for, where only rims have small
-/// edges. Without them two bodies
-/// of spheres that meet were wrong by 2 % whatever the rims had, and did not know.
+/// Where only rims have small edges: those at re-entrant creases of the free surface, where the solution is singular too, over the mean edge of a surface of as many vertices as were asked
+/// for. Without them two bodies of spheres that meet were wrong by 2 % whatever the rims had, and did not know.
 constexpr double kCreaseEdge = 0.5;
 /// By how much edges grow per distance from a rim.
 constexpr double kVolumeGrowth = 0.7;
