@@ -5,12 +5,12 @@
 #include <cmath>
 #include <functional>
 
+#include "core/accuracy/study_frames.h"
 #include "core/accuracy/synthetic_response.h"
 #include "core/base/clock.h"
 #include "core/character/previous_model_job.h"
 #include "core/comparison/paper_caterpillar.h"
 #include "core/comparison/previous_model.h"
-#include "core/comparison/test_motion.h"
 #include "core/comparison/timing.h"
 #include "core/mesh/bounds.h"
 
@@ -29,6 +29,11 @@ int verticesOf(const CharacterInput& input) {
     int count = 0;
     for (const auto& e : input.elements) count += static_cast<int>(e.mesh->body.vertices.rows());
     return count;
+}
+
+double frameMs(Character& character, const Progress& progress) {
+    StudyFrames frames(character);
+    return mediansInTurn(kGrowthRounds, kSecondsOfSize, {[&] { frames(); }}, progress)[0];
 }
 
 /// Raises the number of cells around until a frame takes too long, then halves the interval until it is within 4 %.
@@ -66,19 +71,9 @@ Result<Growth> growProposed(int threads, double seconds, const Progress& progres
         CharacterInput input = paperCaterpillar(around);
         const int vertices = verticesOf(input);
         input.threads = threads;
-        const Skeleton skeleton = input.skeleton;
         auto character = Character::build(withSyntheticResponses(std::move(input)));
         if (!character) return tl::unexpected(character.error());
-        TestMotion motion(skeleton);
-        Pose pose = restPose(skeleton);
-        double at = 0.0;
-        const auto ms = mediansInTurn(kGrowthRounds, kSecondsOfSize, {[&] {
-                                          motion.move(at += 0.013);
-                                          character->solvePose(motion.goals, pose);
-                                          character->update(pose);
-                                      }},
-                                      progress);
-        return Growth::Point{vertices, ms[0]};
+        return Growth::Point{vertices, frameMs(*character, progress)};
     });
 }
 
@@ -86,25 +81,12 @@ Result<Growth> growPrevious(double seconds, const Progress& progress) {
     return grow(2, 4.0, seconds, progress, [&](int around) -> Result<Growth::Point> {
         CharacterInput input = paperCaterpillar(around);
         const int vertices = verticesOf(input);
-        input.basis = BasisKind::Full;
         // Elements 0, 1, 3 and 4 are the same body.
         for (const std::size_t e : {0, 2}) input.elements[e].response = syntheticResponse(*input.elements[e].mesh, input.elements[e].faces, BasisKind::Full, false);
         for (const std::size_t e : {1, 3, 4}) input.elements[e].response = input.elements[0].response;
-        const Skeleton skeleton = input.skeleton;
         auto model = PreviousModel::build(std::move(input), progress);
         if (!model) return tl::unexpected(model.error());
-        TestMotion motion(skeleton);
-        Pose pose = restPose(skeleton);
-        double at = 0.0, overhead = 0.0;
-        int count = 0;
-        const auto ms = mediansInTurn(kGrowthRounds, kSecondsOfSize, {[&] {
-                                          motion.move(at += 0.013);
-                                          (void)model->frame(motion.goals, pose);
-                                          overhead += model->overheadMs();
-                                          ++count;
-                                      }},
-                                      progress);
-        return Growth::Point{vertices, ms[0] - overhead / std::max(1, count)};
+        return Growth::Point{vertices, frameMs(model->character(), progress)};
     });
 }
 

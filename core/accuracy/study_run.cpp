@@ -216,9 +216,19 @@ private:
             return fail(kNoMemory, "Its precompute would need more memory than a study may take.");
         auto solved = solutions(inputs, p, progress);
         if (!solved) return tl::unexpected(solved.error());
-        if (p.setting.previous) return measurePrevious(p, std::move(*solved), progress);
         CharacterInput given = characterAs(input_, p.setting);
         for (std::size_t e = 0; e < solved->size(); ++e) given.elements[e].response = (*solved)[e];
+        const auto& poses = input_.reference.poses;
+        if (p.setting.previous) {
+            auto model = PreviousModel::build(std::move(given), progress);
+            if (!model) return tl::unexpected(model.error());
+            p.frameBytes = static_cast<double>(model->matrixBytes());
+            return measureFrames(p, model->character(), [&](std::size_t i) -> Result<ErrorSum> {
+                const auto statics = model->statics(poses[i].pose, progress);
+                if (!statics) return tl::unexpected(statics.error());
+                return errorOf(model->character(), *statics, *study_.reference, i);
+            });
+        }
         auto character = Character::build(std::move(given));
         if (!character) return tl::unexpected(character.error());
         p.frameBytes = 0.0;
@@ -226,64 +236,32 @@ private:
             const auto memory = character->memory(static_cast<int>(e));
             p.frameBytes += static_cast<double>(memory.response + memory.surface);
         }
-        if (study_.reference) {
-            ErrorSum sum;
-            p.errors.clear();
-            for (std::size_t i = 0; i < input_.reference.poses.size(); ++i) {
-                if (progress.cancelled()) return cancelled();
-                character->update(input_.reference.poses[i].pose);
-                const ErrorSum one = errorOf(*character, *study_.reference, i);
-                p.errors.push_back(one.error());
-                sum.add(one);
-            }
-            p.relative = sum.error().relative;
-            p.percent = sum.error().percent;
-        }
-        StudyFrames frames(*character);
-        const Spread ms = inTurn({[&] { frames(); }})[0];
-        if (progress.cancelled()) return cancelled();
-        p.frameMs = ms.median;
-        p.frameP99Ms = ms.p99;
-        return {};
+        return measureFrames(p, *character, [&](std::size_t i) -> Result<ErrorSum> {
+            character->update(poses[i].pose);
+            return errorOf(*character, *study_.reference, i);
+        });
     }
 
-    Result<void> measurePrevious(AccuracyPoint& p, std::vector<std::shared_ptr<const ElementResponse>> full, const Progress& progress) {
-        CharacterInput given = characterAs(input_, p.setting);
-        given.threads = 1;
-        for (std::size_t e = 0; e < full.size(); ++e) given.elements[e].response = full[e];
-        const CharacterInput plain = withoutEffects(characterAs(input_, p.setting));
-        auto model = PreviousModel::build(std::move(given), progress);
-        if (!model) return tl::unexpected(model.error());
-        p.frameBytes = static_cast<double>(model->matrixBytes());
+    /// `errorIn`: of a pose of the reference, by its number.
+    Result<void> measureFrames(AccuracyPoint& p, Character& character, const std::function<Result<ErrorSum>(std::size_t)>& errorIn) {
         if (study_.reference) {
-            auto frames = Character::build(plain);
-            if (!frames) return tl::unexpected(frames.error());
             ErrorSum sum;
             p.errors.clear();
             for (std::size_t i = 0; i < input_.reference.poses.size(); ++i) {
-                const auto statics = model->statics(input_.reference.poses[i].pose, progress);
-                if (!statics) return tl::unexpected(statics.error());
-                frames->update(input_.reference.poses[i].pose);
-                const ErrorSum one = errorOf(*frames, *statics, *study_.reference, i);
-                p.errors.push_back(one.error());
-                sum.add(one);
+                if (progress_.cancelled()) return cancelled();
+                const auto one = errorIn(i);
+                if (!one) return tl::unexpected(one.error());
+                p.errors.push_back(one->error());
+                sum.add(*one);
             }
             p.relative = sum.error().relative;
             p.percent = sum.error().percent;
         }
-        TestMotion motion(input_.reference.character.skeleton);
-        Pose pose = restPose(input_.reference.character.skeleton);
-        double at = 0.0, overhead = 0.0;
-        int count = 0;
-        const Spread ms = inTurn({[&] {
-            motion.move(at += 0.013);
-            (void)model->frame(motion.goals, pose);
-            overhead += model->overheadMs();
-            ++count;
-        }})[0];
-        if (progress.cancelled()) return cancelled();
-        p.frameMs = std::max(0.0, ms.median - overhead / std::max(1, count));
-        p.frameP99Ms = std::max(0.0, ms.p99 - overhead / std::max(1, count));
+        StudyFrames frames(character);
+        const Spread ms = inTurn({[&] { frames(); }})[0];
+        if (progress_.cancelled()) return cancelled();
+        p.frameMs = ms.median;
+        p.frameP99Ms = ms.p99;
         return {};
     }
 

@@ -17,8 +17,8 @@ using Eigen::Matrix3d;
 
 namespace {
 
+constexpr double kLeastArea = 1e-3;  // of a vertex, of the mean
 constexpr double kStill = 1e-7;  // sizes per second: slower vertices rest
-constexpr double kMinArea = 1e-3;  // of the mean: a vertex without a triangle of its own still has a mass
 
 class PreviousModelJob final : public EffectJob<PreviousModelEffect> {
 public:
@@ -40,10 +40,11 @@ private:
     struct Element {
         std::vector<Vertex> held;        // in the order of columns
         std::vector<std::size_t> first;  // of each face in `held`
-        Eigen::MatrixXd tractions;       // see ElementResponse; shear modulus 1
+        Eigen::MatrixXf tractions;       // see ElementResponse; shear modulus 1
         double stiffness = 1.0;
         Matrix3d rotation = Matrix3d::Identity();  // of its frame, rest to world
-        Eigen::VectorXd wanted, v, traction;       // wanted: v as its bones have it
+        Eigen::VectorXd wanted, v;                 // wanted: v as its bones have it
+        Eigen::VectorXf moved, traction;           // moved: v
     };
     PreviousModelJob(ExplicitJointDynamics dynamics, const PreviousModelEffect& settings)
         : EffectJob(settings, {Stage::FaceOffsets}), dynamics_(std::move(dynamics)) {}
@@ -67,23 +68,17 @@ Result<PreviousModelJob> PreviousModelJob::build(const CharacterInput& input, co
         if (given.faces.empty()) continue;
         if (!given.response || given.response->tractions.size() == 0)
             return fail("bad-value", "The previous model needs a precompute in the basis \"full\" of every element with joint faces.");
-        elements[e].tractions = given.response->tractions;
+        elements[e].tractions = given.response->tractions.cast<float>();
         elements[e].stiffness = given.stiffness;
-        elements[e].wanted = elements[e].v = elements[e].traction = Eigen::VectorXd::Zero(given.response->columns());
+        elements[e].wanted = elements[e].v = Eigen::VectorXd::Zero(given.response->columns());
+        elements[e].moved = elements[e].traction = Eigen::VectorXf::Zero(given.response->columns());
         const auto& body = given.mesh->body;
         depth[e] = std::abs(enclosedVolume(body.vertices, body.triangles)) / std::max(surfaceArea(body), 1e-300);
         low = low.cwiseMin(body.vertices.colwise().minCoeff().transpose());
         high = high.cwiseMax(body.vertices.colwise().maxCoeff().transpose());
         for (const auto& face : given.faces) {
             elements[e].first.push_back(elements[e].held.size());
-            std::vector<double> area(static_cast<std::size_t>(body.vertices.rows()), 0.0);
-            for (const auto t : face.triangles) {
-                const Vec3 a = body.vertices.row(body.triangles(t, 0)).transpose(), b = body.vertices.row(body.triangles(t, 1)).transpose(),
-                           c = body.vertices.row(body.triangles(t, 2)).transpose();
-                for (int k = 0; k < 3; ++k) area[static_cast<std::size_t>(body.triangles(t, k))] += (b - a).cross(c - a).norm() / 6.0;
-            }
-            const double least = kMinArea * face.area / static_cast<double>(face.vertices.size());
-            for (const auto v : face.vertices) elements[e].held.push_back({0, 0, std::max(area[static_cast<std::size_t>(v)], least), face.frame.axes});
+            for (const double a : vertexAreas(body, face)) elements[e].held.push_back({0, 0, a, face.frame.axes});
         }
     }
 
@@ -190,10 +185,11 @@ void PreviousModelJob::pull(const Eigen::VectorXd& displacement, Eigen::VectorXd
         if (e.held.empty()) continue;
         e.v = e.wanted;
         place(e, rotation_, displacement, e.v);
-        e.traction.noalias() = e.tractions * e.v;
+        e.moved = e.v.cast<float>();
+        e.traction.noalias() = e.tractions * e.moved;
         for (std::size_t i = 0; i < e.held.size(); ++i) {
             const auto& h = e.held[i];
-            const Vec3 pulled = e.traction.segment<3>(3 * static_cast<Eigen::Index>(i));
+            const Vec3 pulled = e.traction.segment<3>(3 * static_cast<Eigen::Index>(i)).cast<double>();
             force.segment<3>(3 * static_cast<Eigen::Index>(h.node)) -=
                 settings().shearModulus * e.stiffness * h.area * (rotation_[static_cast<std::size_t>(h.joint)].transpose() * (e.rotation * pulled));
         }
@@ -213,6 +209,15 @@ void PreviousModelJob::number(Frame& frame) const {
 }
 
 }  // namespace
+
+std::vector<double> vertexAreas(const TriangleMesh& body, const JointFace& face) {
+    std::vector<double> area(face.vertices.size(), 0.0);
+    for (const std::int32_t t : face.triangles)
+        for (int c = 0; c < 3; ++c)
+            area[static_cast<std::size_t>(std::lower_bound(face.vertices.begin(), face.vertices.end(), body.triangles(t, c)) - face.vertices.begin())] += areaVector(body, t).norm() / 6.0;
+    for (double& a : area) a = std::max(a, kLeastArea * face.area / static_cast<double>(area.size()));
+    return area;
+}
 
 Result<void> PreviousModelEffect::addJob(Frame& frame, FrameJobs& jobs) const {
     if (frame.input.basis != BasisKind::Full) return {};

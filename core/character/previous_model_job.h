@@ -2,8 +2,10 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "core/character/effect_settings.h"
+#include "core/joints/joint_face.h"
 
 namespace imomushi {
 
@@ -34,5 +36,9 @@ struct PreviousModelEffect : EffectOf<PreviousModelEffect> {
     }
     [[nodiscard]] Result<void> addJob(Frame& frame, FrameJobs& jobs) const override;
 };
+
+/// The area of each vertex of a joint face, m^2: a third of that of its triangles, and at least a thousandth of the mean, so that one without a triangle of its own
+/// has some.
+std::vector<double> vertexAreas(const TriangleMesh& body, const JointFace& face);
 
 }  // namespace imomushi

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <memory>
 #include <vector>
 
 #include "core/base/progress.h"
@@ -9,39 +8,39 @@
 
 namespace imomushi {
 
-/// The paper's previous model, live, as the proposed one is measured against (model.md section 2): per frame one product with the n x m matrix of every
-/// element, X = (displacement of free vertices, tractions of joint-face vertices); bones carry each joint face as a whole, and within it every vertex
-/// has an equation of motion driven by those tractions, integrated explicitly with one step per frame. In float, as the paper's memory figures are.
+/// The paper's previous model, as the proposed one is measured against (model.md section 2): a Character of basis "full" with the PreviousModelEffect alone,
+/// and the statics that its dynamics come to rest at. In float, as the paper's memory figures are.
 class PreviousModel {
 public:
-    /// input: as for Character, each element with joint faces with a response of basis "full". The masses of joint-face vertices are as small as a
-    /// step of a 60th of a second allows. Errors: "bad-value", those of Character::build, "cancelled".
+    /// input: as for Character, each element with joint faces with a response of basis "full"; its effects are left out. It runs on one thread with one step
+    /// per frame of a 60th of a second, its joint faces so soft that this is stable: a frame takes as long whatever the stiffness.
+    /// Errors: "bad-value", those of Character::build, "cancelled".
     static Result<PreviousModel> build(CharacterInput input, const Progress& progress);
-    PreviousModel(PreviousModel&&) noexcept;
-    PreviousModel& operator=(PreviousModel&&) noexcept;
-    ~PreviousModel();
 
-    /// The product of all elements alone, on whatever the joint faces last did. Does not allocate, like frame().
-    void product();
-    /// One frame of a 60th of a second: inverse kinematics, joints, product, positions, normals, dynamics of the joint faces. False: diverged, and survived.
-    bool frame(const std::vector<IkGoal>& goals, Pose& pose);
-    /// Milliseconds of the last frame() that a joint-face model without A' spends twice here (a rigid body is placed first): not part of its cost.
-    [[nodiscard]] double overheadMs() const;
-    /// #body vertices x 3, world, as frame() left them.
-    [[nodiscard]] const float* positions(int element) const;
-    [[nodiscard]] const float* normals(int element) const;
+    /// What is performed: update() with kFrame is one step of its dynamics.
+    [[nodiscard]] Character& character() { return character_; }
+    static constexpr double kFrame = 1.0 / 60.0;  // s
 
     /// Where the dynamics come to rest: joint-face vertices at least elastic energy, while bones hold each joint face as a whole. Per element
-    /// #body vertices x 3, world. Allocates. Errors: "cancelled", "not-solved".
+    /// #body vertices x 3, world. Welded vertices move as one, others each by itself. Stops what moves. Allocates. Errors: "cancelled", "not-solved".
     Result<std::vector<Points>> statics(const Pose& pose, const Progress& progress);
 
-    [[nodiscard]] std::size_t matrixBytes() const;  ///< of all n x m matrices, as floats
-    [[nodiscard]] int columns() const;              ///< m of all elements
+    /// Of all n x m matrices, X = (displacement of free vertices, tractions of joint-face vertices), as floats; and m of all elements.
+    [[nodiscard]] std::size_t matrixBytes() const;
+    [[nodiscard]] int columns() const;
 
 private:
-    struct State;
-    explicit PreviousModel(std::unique_ptr<State> state);
-    std::unique_ptr<State> state_;
+    struct FaceVertex {
+        std::int32_t vertex = 0;
+        Eigen::Index node = 0;  // welded vertices share one
+        Eigen::Matrix3d axes;   // of its face: those of the columns of the response
+    };
+    explicit PreviousModel(Character character);
+
+    Character character_;
+    std::vector<std::vector<FaceVertex>> held_;  // per element, in the order of columns
+    std::vector<double> area_;                   // of nodes, m^2
+    std::vector<Eigen::Index> first_;            // node of each joint; one more entry: their number
 };
 
 }  // namespace imomushi

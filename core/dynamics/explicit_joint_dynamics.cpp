@@ -30,17 +30,18 @@ Result<ExplicitJointDynamics> ExplicitJointDynamics::build(const Input& input) {
     out.damping_ = input.damping;
     out.seconds_ = input.seconds;
     out.farthest_ = kDivergedSizes * input.size;
-    out.held_.resize(n, 0);
+    Eigen::MatrixXd held(n, 0);
     for (Eigen::Index k = 0; k < input.held.cols(); ++k) {
         Eigen::VectorXd motion = input.held.col(k);
         const double before = std::sqrt(motion.dot(input.mass.cwiseProduct(motion)));
         for (int twice = 0; twice < 2; ++twice)
-            for (Eigen::Index j = 0; j < out.held_.cols(); ++j) motion -= out.held_.col(j) * out.held_.col(j).dot(input.mass.cwiseProduct(motion));
+            for (Eigen::Index j = 0; j < held.cols(); ++j) motion -= held.col(j) * held.col(j).dot(input.mass.cwiseProduct(motion));
         const double left = std::sqrt(motion.dot(input.mass.cwiseProduct(motion)));
         if (!(left > kParallel * before)) continue;
-        out.held_.conservativeResize(Eigen::NoChange, out.held_.cols() + 1);
-        out.held_.rightCols(1) = motion / left;
+        held.conservativeResize(Eigen::NoChange, held.cols() + 1);
+        held.rightCols(1) = motion / left;
     }
+    out.held_ = held.sparseView();
     out.displacement_ = out.velocity_ = out.force_ = out.lastGood_ = Eigen::VectorXd::Zero(n);
     out.along_.resize(out.held_.cols());
     return out;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 #include <functional>
 
 #include "core/base/result.h"
@@ -46,7 +47,7 @@ private:
     [[nodiscard]] bool good() const;
 
     Eigen::VectorXd mass_, displacement_, velocity_, force_, lastGood_, along_;
-    Eigen::MatrixXd held_;       // mass-orthonormal
+    Eigen::SparseMatrix<double> held_;  // mass-orthonormal
     double damping_ = 0.0, seconds_ = 0.0, farthest_ = 0.0, waiting_ = 0.0;
     int divergences_ = 0;
 };
