@@ -102,32 +102,17 @@ Result<Body> wrap(const PreparedSurface& prepared, double detail, double volume,
     body.report.detail = surface->detail;
     body.report.gaps = std::move(surface->gaps);
     if (const ClosedGaps& gaps = body.report.gaps; gaps.area > 0.0) {
-        MeshIssue issue;
-        issue.severity = Severity::Warning;
-        issue.code = "closed-gap";
-        issue.count = static_cast<int>(gaps.places.size());
         std::ostringstream text;
         text.imbue(std::locale::classic());
         text << "Gaps of up to " << std::setprecision(2) << 100.0 * gaps.widest << " % of the size were closed in " << counted(gaps.places.size(), "place", "places")
              << ": what lies on their two sides moves as one; choose a finer detail to keep them open.";
-        issue.text = text.str();
-        body.report.issues.push_back(std::move(issue));
+        body.report.issues.push_back({Severity::Warning, "closed-gap", text.str(), static_cast<int>(gaps.places.size()), false, {}, {}});
     }
     if (volume > 0.0) body.report.volumeError = std::abs(meshFacts(body.mesh).volume / volume - 1.0);
     return body;
 }
 
 }  // namespace
-
-MeshIssue wrappedIssue(const char* text) {
-    MeshIssue issue;
-    issue.severity = Severity::Info;
-    issue.code = "wrapped";
-    issue.text = text;
-    issue.count = 1;
-    issue.fixed = true;
-    return issue;
-}
 
 std::string_view nameOf(BodyKind how) {
     switch (how) {
@@ -163,7 +148,7 @@ Result<Body> makeBodyHere(const TriangleMesh& render, const std::vector<std::int
     } else {
         body = wrap(prepared, setting.detail, mended ? meshFacts(mended->body.mesh).volume : 0.0, progress.part(0.2, 0.95));
         if (!body) return tl::unexpected(body.error());
-        if (setting.how == BodyKind::Auto) body->report.issues.push_back(wrappedIssue("The mesh cannot be closed by mending: a new surface around everything was made."));
+        if (setting.how == BodyKind::Auto) body->report.issues.push_back({Severity::Info, "wrapped", "The mesh cannot be closed by mending: a new surface around everything was made.", 1, true, {}, {}});
     }
     BodyReport& report = body->report;
     report.issues.insert(report.issues.begin(), prepared.issues.begin(), prepared.issues.end());

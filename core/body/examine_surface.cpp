@@ -25,12 +25,7 @@ std::vector<std::int32_t> firstPlaces(std::vector<std::int32_t> places) {
 }
 
 MeshIssue flaw(Severity severity, const char* code, std::string text, std::size_t count) {
-    MeshIssue issue;
-    issue.severity = severity;
-    issue.code = code;
-    issue.text = std::move(text);
-    issue.count = static_cast<int>(count);
-    return issue;
+    return {severity, code, std::move(text), static_cast<int>(count), false, {}, {}};
 }
 
 /// checkMesh() of the surface, with the places of the mesh that it was made of.
@@ -124,11 +119,7 @@ Result<SurfaceReport> examineSurface(const TriangleMesh& mesh, std::span<const s
 
     // Welded it is in any case: other issues could not be told from seams.
     const bool drops = hasStep(steps, RepairAction::Drop), welds = hasStep(steps, RepairAction::Weld);
-    if (drops) {
-        dropDuplicates(s);
-        mendDegenerate(s);
-        if (s.collapsed > 0) s.say("degenerate", counted(s.collapsed, "triangle without area was", "triangles without area were") + " removed.", s.collapsed);
-    }
+    if (drops) dropUseless(s);
     if (hasStep(steps, RepairAction::Separate)) separateNonManifold(s);
     if (hasStep(steps, RepairAction::Orient)) orientSurface(s);
     if (hasStep(steps, RepairAction::Fill)) {

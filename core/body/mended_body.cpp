@@ -86,13 +86,7 @@ private:
 };
 
 MeshIssue note(Severity severity, const char* code, std::string text, std::size_t count) {
-    MeshIssue issue;
-    issue.severity = severity;
-    issue.code = code;
-    issue.text = std::move(text);
-    issue.count = static_cast<int>(count);
-    issue.fixed = severity == Severity::Info;
-    return issue;
+    return {severity, code, std::move(text), static_cast<int>(count), severity == Severity::Info, {}, {}};
 }
 
 enum class Role { Body, Cavity, Inside, Small };

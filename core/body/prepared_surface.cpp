@@ -9,10 +9,6 @@
 #include "core/mesh/bounds.h"
 
 namespace imomushi {
-namespace {
-
-}  // namespace
-
 Result<void> checkTriangles(const TriangleMesh& mesh, std::span<const std::int32_t> part) {
     if (mesh.triangles.rows() == 0) return fail("empty-mesh", "The mesh has no triangles: choose a file with a mesh.");
     if (mesh.triangles.minCoeff() < 0 || mesh.triangles.maxCoeff() >= mesh.vertices.rows() ||
@@ -45,9 +41,7 @@ PreparedSurface prepareSurface(const TriangleMesh& render, std::span<const std::
     dropUnused(s);
     s.dropCollapsed();
     weldVertices(s);
-    dropDuplicates(s);
-    mendDegenerate(s);
-    if (s.collapsed > 0) s.say("degenerate", counted(s.collapsed, "triangle without area was", "triangles without area were") + " removed.", s.collapsed);
+    dropUseless(s);
     PreparedSurface out;
     out.sameShape = !separateNonManifold(s);
     windConsistently(s);

@@ -10,7 +10,7 @@
 #include "core/mesh/mend_surface.h"
 #include "core/mesh/mesh.h"
 
-// Of makeBody() and repairSurface() alone.
+// Of makeBody() and examineSurface() alone.
 namespace imomushi {
 
 /// A render mesh after all mending that needs no choice between its parts: welded, separated where it was not manifold, evenly wound, its holes closed.
@@ -23,9 +23,6 @@ struct PreparedSurface {
 
 /// Whether triangles can be computed with. `part`: #F or empty. Errors: "empty-mesh", "bad-index", "non-finite" (a vertex in use).
 Result<void> checkTriangles(const TriangleMesh& mesh, std::span<const std::int32_t> part);
-
-/// Says that a wrap was made.
-MeshIssue wrappedIssue(const char* text);
 
 /// The same triangles as a surface to mend; vertices that none uses become zero.
 RawSurface rawSurface(const TriangleMesh& mesh, std::span<const std::int32_t> part);

@@ -207,15 +207,7 @@ Result<MendReport> mendCharacter(DocumentEdit& edit, PartId id, const MendReques
     } else {
         BodyReport& made = mending->body->report;
         std::vector<MeshIssue> said = std::exchange(made.issues, {});
-        if (made.how == BodyKind::Wrapped && !hasCode(said, "wrapped")) {
-            MeshIssue wrapped;
-            wrapped.severity = Severity::Info;
-            wrapped.code = "wrapped";
-            wrapped.text = "A new surface around everything was made.";
-            wrapped.count = 1;
-            wrapped.fixed = true;
-            said.push_back(std::move(wrapped));
-        }
+        if (made.how == BodyKind::Wrapped && !hasCode(said, "wrapped")) said.push_back({Severity::Info, "wrapped", "A new surface around everything was made.", 1, true, {}, {}});
         std::copy_if(said.begin(), said.end(), std::back_inserter(report.done), [](const MeshIssue& i) { return i.fixed; });
         if (auto ok = assign(report.changed, changeBody(edit.document, id, std::make_shared<const Body>(std::move(*mending->body)), progress)); !ok) return tl::unexpected(ok.error());
         issues = issuesWith(character.issues, *character.model, std::move(said));

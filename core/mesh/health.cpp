@@ -26,12 +26,7 @@ bool indicesInRange(const TriangleMesh& mesh) {
 }
 
 MeshIssue issue(Severity severity, const char* code, std::string text, std::size_t count) {
-    MeshIssue i;
-    i.severity = severity;
-    i.code = code;
-    i.text = std::move(text);
-    i.count = static_cast<int>(count);
-    return i;
+    return {severity, code, std::move(text), static_cast<int>(count), false, {}, {}};
 }
 
 void showTriangles(MeshIssue& i, std::vector<std::int32_t> places) {

@@ -8,11 +8,6 @@
 #include "core/mesh/mend_surface.h"
 
 namespace imomushi {
-namespace {
-
-
-}  // namespace
-
 void dropUnused(MendSurface& s) {
     std::vector<char> used(static_cast<std::size_t>(s.points.rows()), 0);
     for (const MendFace& f : s.faces)
@@ -38,6 +33,12 @@ void dropDuplicates(MendSurface& s) {
     if (dropped > 0)
         s.say("duplicate-triangle", counted(dropped, "triangle that lay on another was", "triangles that lay on others were") + " removed.",
             dropped);
+}
+
+void dropUseless(MendSurface& s) {
+    dropDuplicates(s);
+    mendDegenerate(s);
+    if (s.collapsed > 0) s.say("degenerate", counted(s.collapsed, "triangle without area was", "triangles without area were") + " removed.", s.collapsed);
 }
 
 void windConsistently(MendSurface& s) {
@@ -93,9 +94,7 @@ MendResult mend(RawSurface surface, bool split) {
     dropUnused(s);
     s.dropCollapsed();
     weldVertices(s);
-    dropDuplicates(s);
-    mendDegenerate(s);
-    if (s.collapsed > 0) s.say("degenerate", counted(s.collapsed, "triangle without area was", "triangles without area were") + " removed.", s.collapsed);
+    dropUseless(s);
     windConsistently(s);
     capHoles(s);
     return makeBodies(s, split);

@@ -37,13 +37,7 @@ Triangles MendSurface::triangles() const {
 }
 
 void MendSurface::say(const char* code, std::string text, std::size_t count) {
-    MeshIssue issue;
-    issue.severity = Severity::Info;
-    issue.code = code;
-    issue.text = std::move(text);
-    issue.count = static_cast<int>(count);
-    issue.fixed = true;
-    issues.push_back(std::move(issue));
+    issues.push_back({Severity::Info, code, std::move(text), static_cast<int>(count), true, {}, {}});
 }
 
 void MendSurface::dropCollapsed() {

@@ -53,6 +53,8 @@ void weldVertices(MendSurface& s);
 /// coincide, else flipped with the neighbour at the longest side.
 /// `flatness`: height over longest side below which a triangle counts as one without area.
 void mendDegenerate(MendSurface& s, double flatness = kFlat);
+/// Both, and says how many had no area.
+void dropUseless(MendSurface& s);
 /// Turns triangles so that neighbours are wound alike, the fewer of each piece.
 void windConsistently(MendSurface& s);
 /// Closes holes with caps where these are small and leave the surface sound.

@@ -20,10 +20,10 @@ bool has(const std::vector<MeshIssue>& issues, std::string_view code) {
     return std::any_of(issues.begin(), issues.end(), [&](const MeshIssue& i) { return i.code == code; });
 }
 
-Repaired repaired(const TriangleMesh& mesh, RepairAction action) {
-    auto result = repairSurface(mesh, {}, action, {});
-    REQUIRE_MESSAGE(result.has_value(), result.error().message);
-    return std::move(*result);
+SurfaceReport examined(const TriangleMesh& mesh, std::vector<RepairAction> steps = {}) {
+    auto report = examineSurface(mesh, {}, steps);
+    REQUIRE_MESSAGE(report.has_value(), report.error().message);
+    return std::move(*report);
 }
 
 }  // namespace
@@ -35,23 +35,20 @@ TEST_CASE("repair: each action mends its issue and nothing else") {
         const char* issue;
         RepairAction action;
     };
-    const std::vector<Case> cases{{exploded(ball, 1.0), "open", RepairAction::Weld},
+    const std::vector<Case> cases{{exploded(ball, 1.0), "unwelded", RepairAction::Weld},
                                   {without(ball, {0, 7, 100}), "open", RepairAction::Fill},
                                   {broken(ball, 3, 0.0, 0.2, 0.0, 0.0), "mixed-winding", RepairAction::Orient},
                                   {inverted(ball), "inverted", RepairAction::Orient},
                                   {broken(ball, 3, 0.0, 0.0, 0.2, 0.0), "duplicate-triangle", RepairAction::Drop}};
     for (const Case& c : cases) {
         CAPTURE(c.issue);
-        const Repaired r = repaired(c.mesh, c.action);
-        CHECK(has(r.before, c.issue));
-        CHECK(r.after.empty());
-        CHECK(!r.done.empty());
-        CHECK(r.part.size() == static_cast<std::size_t>(r.mesh.triangles.rows()));
-        CHECK(meshFacts(r.mesh).volume == doctest::Approx(meshFacts(ball).volume).epsilon(0.02));
+        const SurfaceReport r = examined(c.mesh, {c.action});
+        CHECK(has(r.found, c.issue));
+        CHECK(has(r.done, c.issue));
+        CHECK(r.left.empty());
     }
-    CHECK(repaired(ball, RepairAction::Fill).done.empty());
-    CHECK(repaired(ball, RepairAction::Fill).mesh.triangles == ball.triangles);
-    CHECK(has(repaired(without(exploded(ball, 1.0), {3}), RepairAction::Weld).after, "open"));
+    CHECK(examined(ball, {RepairAction::Fill}).done.empty());
+    CHECK(has(examined(without(exploded(ball, 1.0), {3}), {RepairAction::Weld}).left, "open"));
 }
 
 TEST_CASE("repair: surfaces that touch in a vertex are separated") {
@@ -64,18 +61,9 @@ TEST_CASE("repair: surfaces that touch in a vertex are separated") {
         for (std::int32_t w = 0; w < last; ++w)
             if (v >= last && touching.vertices.row(w) == touching.vertices.row(v)) v = w;
     }
-    const Repaired r = repaired(touching, RepairAction::Separate);
-    CHECK(has(r.before, "non-manifold-vertex"));
-    CHECK(!has(r.after, "non-manifold-vertex"));
-    CHECK(meshFacts(r.mesh).closed);
-}
-
-TEST_CASE("repair: a wrap closes what nothing else closes") {
-    const TriangleMesh loose = exploded(shapes::sphere(1.0, 2).mesh, 0.9);
-    const Repaired r = repaired(loose, RepairAction::Wrap);
-    CHECK(has(r.before, "open"));
-    CHECK(meshFacts(r.mesh).outward);
-    CHECK(r.part.empty());
+    const SurfaceReport r = examined(touching, {RepairAction::Separate});
+    CHECK(has(r.found, "non-manifold-vertex"));
+    CHECK(!has(r.left, "non-manifold-vertex"));
 }
 
 TEST_CASE("repair: names, issues and refusals") {
@@ -86,8 +74,8 @@ TEST_CASE("repair: names, issues and refusals") {
     CHECK(!repairFor("huge"));
     TriangleMesh bad = shapes::sphere(1.0, 1).mesh;
     bad.vertices(0, 0) = std::numeric_limits<double>::infinity();
-    CHECK(repairSurface(bad, {}, RepairAction::Weld, {}).error().code == "non-finite");
-    CHECK(repairSurface({}, {}, RepairAction::Weld, {}).error().code == "empty-mesh");
+    CHECK(examineSurface(bad, {}).error().code == "non-finite");
+    CHECK(examineSurface({}, {}).error().code == "empty-mesh");
 }
 
 namespace {
@@ -95,12 +83,6 @@ namespace {
 const MeshIssue* withCode(const std::vector<MeshIssue>& issues, std::string_view code) {
     const auto it = std::find_if(issues.begin(), issues.end(), [&](const MeshIssue& i) { return i.code == code; });
     return it == issues.end() ? nullptr : &*it;
-}
-
-SurfaceReport examined(const TriangleMesh& mesh, std::vector<RepairAction> steps = {}) {
-    auto report = examineSurface(mesh, {}, steps);
-    REQUIRE_MESSAGE(report.has_value(), report.error().message);
-    return std::move(*report);
 }
 
 }  // namespace
