@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/accuracy/plot.h"
+#include "core/base/formatted.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace imomushi {
 
@@ -37,11 +37,7 @@ std::string escaped(const std::string& text) {
     return out;
 }
 
-std::string n(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.2f", value);
-    return text;
-}
+std::string n(double value) { return formatted("%.2f", value); }
 
 std::string textAt(double x, double y, const std::string& text, const char* color, double size, const char* anchor, const std::string& more = {}) {
     return "<text x=\"" + n(x) + "\" y=\"" + n(y) + "\" fill=\"" + color + "\" font-size=\"" + n(size) + "\" text-anchor=\"" + anchor + "\"" + more + ">" + escaped(text) + "</text>\n";
@@ -110,10 +106,20 @@ std::vector<LogAxis::Tick> LogAxis::ticks() const {
     return out;
 }
 
-std::string tickText(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.6g", value);
-    return text;
+std::string tickText(double value) { return formatted("%.6g", value); }
+
+std::string markdownTable(const std::vector<std::vector<std::string>>& rows) {
+    std::string out;
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+        out += "|";
+        for (const auto& cell : rows[r]) out += " " + cell + " |";
+        out += "\n";
+        if (r > 0) continue;
+        out += "|---|";
+        for (std::size_t c = 1; c < rows[0].size(); ++c) out += "---:|";
+        out += "\n";
+    }
+    return out;
 }
 
 std::string ScatterPlot::svg() const {

@@ -25,6 +25,9 @@ struct LogAxis {
 /// "0.02", "5", "200", "2e-05": short and exact for ticks.
 std::string tickText(double value);
 
+/// A table in Markdown; the first row holds titles.
+std::string markdownTable(const std::vector<std::vector<std::string>>& rows);
+
 struct PlotPoint {
     double x = 0.0, y = 0.0;
     std::string name;      ///< shown by viewers that show titles; with `label` also beside the point

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/accuracy/setting.h"
+#include "core/base/formatted.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace imomushi {
 
@@ -11,23 +11,17 @@ namespace {
 
 using Kind = SolverMeshSetting::Kind;
 
-std::string numberText(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%g", value);
-    return text;
-}
-
 std::string meshName(const MeshChoice& mesh) {
     if (mesh.own) return "own meshes";
-    const std::string tail = mesh.tolerance == SolverMeshSetting::kUsualTolerance ? "" : " @ " + numberText(mesh.tolerance);
+    const std::string tail = mesh.tolerance == SolverMeshSetting::kUsualTolerance ? "" : " @ " + formatted("%g", mesh.tolerance);
     switch (mesh.kind) {
         case Kind::AsIs: return "as-is" + tail;
-        case Kind::Refined: return "refined x " + numberText(mesh.factor) + tail;
-        case Kind::Decimated: return "decimated x " + numberText(mesh.factor) + tail;
+        case Kind::Refined: return "refined x " + formatted("%g", mesh.factor) + tail;
+        case Kind::Decimated: return "decimated x " + formatted("%g", mesh.factor) + tail;
         case Kind::Default: return "default" + tail;
         case Kind::Best: return "best" + tail;
         case Kind::Draft: return "draft" + tail;
-        case Kind::Volume: return (mesh.factor > 0.0 ? "volume x " + numberText(mesh.factor) : "volume") + tail;
+        case Kind::Volume: return (mesh.factor > 0.0 ? "volume x " + formatted("%g", mesh.factor) : "volume") + tail;
     }
     return {};
 }

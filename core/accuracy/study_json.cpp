@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/accuracy/study_json.h"
+#include "core/base/formatted.h"
 
 #include <cmath>
-#include <cstdio>
 
 namespace imomushi {
 
@@ -168,11 +168,7 @@ AccuracyStudy studyFromJson(const Json& json) {
 std::string studyCsv(const AccuracyStudy& study) {
     std::string out = "setting,precompute seconds,predicted seconds,precompute bytes,frame bytes,ms per frame (median),ms per frame (p99),ms per frame (predicted),"
                       "relative L2 error,largest error (% of the diagonal),dominated (ms per frame),dominated (precompute),present,problem\n";
-    const auto cell = [](double value) {
-        char text[32];
-        std::snprintf(text, sizeof text, "%.6g", value);
-        return value >= 0.0 ? std::string(text) : std::string();
-    };
+    const auto cell = [](double value) { return value >= 0.0 ? formatted("%.6g", value) : std::string(); };
     const auto quoted = [](std::string text) {
         for (std::size_t at = 0; (at = text.find('"', at)) != std::string::npos; at += 2) text.insert(at, 1, '"');
         return "\"" + text + "\"";

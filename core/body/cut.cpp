@@ -4,10 +4,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 #include "core/base/finite.h"
+#include "core/base/formatted.h"
 #include "core/body/body_codec.h"
 #include "core/body/cut_pieces.h"
 #include "core/mesh/health.h"
@@ -110,9 +110,7 @@ void addNearest(CutRefusal& refusal, const CutSurface& surface, const std::vecto
     const auto offset = NearestPlace(surface, prepared, plane, refusal.cut, progress).offset();
     if (!offset) return;
     refusal.nearest = CutPlane{plane.origin + *offset * plane.normal.stableNormalized(), plane.normal};
-    char text[120];
-    std::snprintf(text, sizeof text, " It works %.3g m %s its normal.", std::abs(*offset), *offset > 0.0 ? "along" : "against");
-    refusal.message += text;
+    refusal.message += formatted(" It works %.3g m %s its normal.", std::abs(*offset), *offset > 0.0 ? "along" : "against");
 }
 
 tl::expected<std::vector<BodyPiece>, CutRefusal> cutHere(const TriangleMesh& body, const std::vector<CutPlane>& cuts,

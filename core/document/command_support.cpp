@@ -2,19 +2,13 @@
 #include "core/document/command_support.h"
 
 #include <algorithm>
-#include <cstdio>
 
+#include "core/base/formatted.h"
 #include "core/document/names.h"
 
 namespace imomushi {
 
 namespace {
-
-std::string shortNumber(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%g", value);
-    return text;
-}
 
 template <class Parts>
 Result<typename Parts::mapped_type> partNamed(const Parts& parts, std::string_view name, const char* code, const char* kind) {
@@ -32,8 +26,7 @@ Result<double> numberWithin(const Json& value, std::string_view name, double low
     if (!value.is_number()) return fail("bad-type", "\"" + std::string(name) + "\" must be a number.");
     const double number = value.get<double>();
     if (!(number >= low && number <= high))
-        return fail("bad-value", "\"" + std::string(name) + "\" must lie within " + shortNumber(low) + " and " + shortNumber(high) +
-                                     ", not " + shortNumber(number) + ".");
+        return fail("bad-value", "\"" + std::string(name) + "\" must lie within " + formatted("%g and %g, not %g.", low, high, number));
     return number;
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include "core/base/formatted.h"
 #include "core/document/command_support.h"
 #include "core/document/document_edit.h"
 #include "core/document/face_references.h"
@@ -156,11 +156,8 @@ Result<JoinedFaces> joinFaces(Document& document, const FaceRef& a, const FaceRe
             return fail("is-handle", "\"" + face.face + "\" is a handle, which moves by itself: join joint faces.");
     if (a.element == b.element) return fail("same-element", "Both faces belong to one element: join faces of two elements.");
     const FaceGap between = faceGap(document, a, b);
-    if (!(between.share <= kLargestGap)) {
-        char figures[96];
-        std::snprintf(figures, sizeof figures, "%.3g m apart at most, which is %.3g %% of their size", between.gap, 100.0 * between.share);
-        return fail("gap-too-large", std::string("The faces are ") + figures + ": bring them together to 1 % before joining.");
-    }
+    if (!(between.share <= kLargestGap))
+        return fail("gap-too-large", formatted("The faces are %.3g m apart at most, which is %.3g %% of their size: bring them together to 1 %% before joining.", between.gap, 100.0 * between.share));
     const auto welded = weldedVertices({&document.elements.at(a.element)->mesh->body, &faceOf(document, a)}, {&document.elements.at(b.element)->mesh->body, &faceOf(document, b)});
 
     const Joint* jointA = document.jointOf(a);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/document/handle_commands.h"
 
-#include <cstdio>
 
+#include "core/base/formatted.h"
 #include "core/document/command_support.h"
 #include "core/document/document_edit.h"
 #include "core/document/names.h"
@@ -112,11 +112,8 @@ Result<void> leave(DocumentEdit& edit, const FaceRef& handle) {
 Result<JointFace> handleFace(const Element& element, const Vec3& point, double radius, std::string_view instead) {
     const TriangleMesh& body = element.mesh->body;
     const SurfacePoint place = nearestOnSurface(body, point);
-    if (place.distance > std::max(radius, kOnSurface * diagonalOf(body.vertices))) {
-        char figure[32];
-        std::snprintf(figure, sizeof figure, "%.3g", place.distance);
-        return fail("bad-point", "The point is " + std::string(figure) + " m away from the surface of \"" + element.name + "\" at rest: give one on it.");
-    }
+    if (place.distance > std::max(radius, kOnSurface * diagonalOf(body.vertices)))
+        return fail("bad-point", formatted("The point is %.3g m away", place.distance) + " from the surface of \"" + element.name + "\" at rest: give one on it.");
     auto face = jointFaceByDisc(body, place.triangle, place.point, radius);
     if (!face) return face;
     std::vector<JointFace> others;

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <functional>
+#include <set>
 
 #include "core/accuracy/paper_growth.h"
 #include "core/accuracy/plot.h"
 #include "core/base/atomic_file.h"
+#include "core/base/formatted.h"
 #include "core/base/parallel.h"
 #include "core/comparison/model_table.h"
 #include "core/comparison/paper_caterpillar.h"
@@ -28,12 +30,6 @@ struct Published {
     static constexpr int elements = 5, vertices = 1978, proposedAt60 = 28257, previousAt60 = 2000;
     static constexpr double frameMs = 1.17, proposedBytes = 0.5e6, previousBytes = 9.1e6;
 };
-
-std::string formatted(const char* format, double value) {
-    char out[64];
-    std::snprintf(out, sizeof out, format, value);
-    return out;
-}
 
 Result<std::shared_ptr<const ElementResponse>> solved(ResponseStore& store, ResponseInput in, BasisKind basis, const std::string& name, const Progress& progress) {
     in.basis = basis;
@@ -231,37 +227,23 @@ std::vector<std::vector<std::string>> cells(const ModelTable& table, const Limit
 }
 
 std::string markdown(const ModelTable& table, const Limits& limits, const Json& answer) {
-    std::string out = "# The paper's table: " + answer["character"].get<std::string>() + "\n\n";
-    bool title = true;
-    for (const auto& line : cells(table, limits)) {
-        out += "|";
-        for (const auto& cell : line) out += " " + cell + " |";
-        out += "\n";
-        if (title) out += "|---|---:|---:|---:|---:|---:|---:|\n";
-        title = false;
-    }
+    std::string out = "# The paper's table: " + answer["character"].get<std::string>() + "\n\n" + markdownTable(cells(table, limits));
     out += "\nBoth models in float on one thread, measured in turn.\n";
     if (!limits.divergence.empty()) {
-        out += "\n## Divergence of the previous model\n\nLargest displacement, in diagonals of an element, in 200 steps and at least a quarter of a second; \"diverged\": after so many seconds.\n\n| step (ms) |";
-        std::vector<double> moduli;
-        for (const auto& d : limits.divergence)
-            if (moduli.empty() || moduli.back() != d.shearModulus) moduli.push_back(d.shearModulus), out += " " + formatted("%g", d.shearModulus) + " Pa |";
-        out += "\n|---:|";
-        for (std::size_t i = 0; i < moduli.size(); ++i) out += "---:|";
-        out += "\n";
-        std::vector<double> steps;
-        for (const auto& d : limits.divergence)
-            if (std::find(steps.begin(), steps.end(), d.step) == steps.end()) steps.push_back(d.step);
-        std::sort(steps.rbegin(), steps.rend());
+        out += "\n## Divergence of the previous model\n\nLargest displacement, in diagonals of an element, in 200 steps and at least a quarter of a second; \"diverged\": after so many seconds.\n\n";
+        std::set<double> moduli;
+        std::set<double, std::greater<>> steps;
+        for (const auto& d : limits.divergence) moduli.insert(d.shearModulus), steps.insert(d.step);
+        std::vector<std::vector<std::string>> rows = {{"step (ms)"}};
+        for (const double modulus : moduli) rows[0].push_back(formatted("%g Pa", modulus));
         for (const double step : steps) {
-            out += "| " + formatted("%.3g", 1e3 * step) + " |";
+            auto& row = rows.emplace_back(1, formatted("%.3g", 1e3 * step));
             for (const double modulus : moduli) {
                 const auto d = std::find_if(limits.divergence.begin(), limits.divergence.end(), [&](const Divergence& x) { return x.shearModulus == modulus && x.step == step; });
-                out += d == limits.divergence.end() ? " |" : d->diverged ? " diverged (" + formatted("%.2g", d->seconds) + " s) |" : " " + formatted("%.3g", d->largest) + " |";
+                row.push_back(d == limits.divergence.end() ? "" : d->diverged ? formatted("diverged (%.2g s)", d->seconds) : formatted("%.3g", d->largest));
             }
-            out += "\n";
         }
-        out += "\n";
+        out += markdownTable(rows) + "\n";
     }
     for (const auto& note : answer["notes"]) out += "* " + note.get<std::string>() + "\n";
     return out;

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 
+#include "core/base/formatted.h"
 #include "core/proposal/proposal_edit.h"
 #include "core/proposal/rig_proposal.h"
 #include "core/proposal/shape_proposal.h"
@@ -250,14 +250,12 @@ Json sizeJson(const CharacterSource& character) {
     Json answer{{"height", box.size().y()}, {"diagonal", box.diagonal()}};
     const auto doubt = doubtedSize(vertices);
     if (!doubt) return answer;
-    char text[200];
     if (doubt->unit.empty()) {
-        std::snprintf(text, sizeof text, "It is %.3g m large. That is hardly meant: scale it in a modelling program.", doubt->size);
+        answer["note"] = formatted("It is %.3g m large. That is hardly meant: scale it in a modelling program.", doubt->size);
     } else {
         answer["suggested_unit"] = doubt->unit;
-        std::snprintf(text, sizeof text, "It is %.3g m large. That is hardly meant: with \"unit\": \"%s\" it is %.3g m.", doubt->size, doubt->unit.c_str(), doubt->meant);
+        answer["note"] = formatted("It is %.3g m large. That is hardly meant: with \"unit\": \"%s\" it is %.3g m.", doubt->size, doubt->unit.c_str(), doubt->meant);
     }
-    answer["note"] = text;
     return answer;
 }
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
-#include <cstdio>
 #include <map>
 #include <optional>
 
+#include "core/base/formatted.h"
 #include "core/body/cut.h"
 #include "core/document/attachments.h"
 #include "core/document/character_cuts.h"
@@ -54,9 +54,7 @@ private:
 Result<void> checkScale(const Points& was, const Points& is) {
     const double scale = diagonalOf(is) / diagonalOf(was);
     if (scale <= kLargestScale && scale * kLargestScale >= 1.0) return {};
-    char figure[32];
-    std::snprintf(figure, sizeof figure, "%.3g", scale);
-    return fail("other-size", std::string("The new mesh is ") + figure + " times as large as the old one: give its \"unit\", or bring it to the size of the old one first.");
+    return fail("other-size", formatted("The new mesh is %.3g times as large as the old one: give its \"unit\", or bring it to the size of the old one first.", scale));
 }
 
 void Replacement::loseFace(const FaceRef& ref, const Element& was, const JointFace& face, const Error& why) {

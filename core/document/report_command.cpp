@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <iterator>
 
 #include "core/accuracy/frame_prediction.h"
+#include "core/accuracy/plot.h"
 #include "core/base/atomic_file.h"
+#include "core/base/formatted.h"
 #include "core/base/parallel.h"
 #include "core/character/smooth_joints_job.h"
 #include "core/character/standard_poses.h"
@@ -25,33 +26,14 @@ namespace imomushi {
 
 namespace {
 
-std::string reported(const char* format, double value) {
-    char out[48];
-    std::snprintf(out, sizeof out, format, value);
-    return out;
-}
+std::string known(const char* format, double value) { return value >= 0.0 ? formatted(format, value) : "unknown"; }
 
-std::string known(const char* format, double value) { return value >= 0.0 ? reported(format, value) : "unknown"; }
-
-/// A table in Markdown; the first row holds titles.
-std::string table(const std::vector<std::vector<std::string>>& rows) {
-    std::string out;
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-        out += "|";
-        for (const auto& cell : rows[r]) out += " " + cell + " |";
-        out += "\n";
-        if (r > 0) continue;
-        out += "|---|";
-        for (std::size_t c = 1; c < rows[0].size(); ++c) out += "---:|";
-        out += "\n";
-    }
-    return out + "\n";
-}
+std::string table(const std::vector<std::vector<std::string>>& rows) { return markdownTable(rows) + "\n"; }
 
 std::string accuracyPart(const AccuracyStudy& study) {
     std::string out = "## What accuracy costs\n\n";
     if (const auto& r = study.reference)
-        out += "Errors are against the full solution, solved on \"" + r->mesh + "\" in " + reported("%.1f", r->seconds) + " s. Its own error: " +
+        out += "Errors are against the full solution, solved on \"" + r->mesh + "\" in " + formatted("%.1f", r->seconds) + " s. Its own error: " +
                known("%.2f", 100.0 * r->relative) + " % (largest " + known("%.2f", r->percent) + " % of the diagonal) by its mesh, " + known("%.2f", 100.0 * r->faceRelative) + " % (" +
                known("%.2f", r->facePercent) + " %) by its joint faces. " + r->how + "\n\n";
     else
@@ -74,7 +56,7 @@ std::string accuracyPart(const AccuracyStudy& study) {
         rows = {{"effect", "predicted (ms per frame)", "measured (ms per frame)", "off by a factor of"}};
         std::string problems;
         for (const auto& e : study.effects) {
-            rows.push_back({e.effect, known("%.4f", e.predictedMs), known("%.4f", e.measuredMs), e.off() < 0.0 ? "" : reported("%.2f", e.off())});
+            rows.push_back({e.effect, known("%.4f", e.predictedMs), known("%.4f", e.measuredMs), e.off() < 0.0 ? "" : formatted("%.2f", e.off())});
             if (!e.problem.empty()) problems += e.effect + ": " + e.problem + "\n\n";
         }
         out += "What effects add to a frame of the present setting; their error is unknown, as the full solution has none of them.\n\n" + table(rows) + problems;
@@ -90,7 +72,7 @@ Result<std::string> scalingPart(const CharacterInput& character, const Progress&
         for (const auto& e : input.elements) vertices += static_cast<int>(e.mesh->body.vertices.rows());
         const auto ms = predictFrame(input, progress);
         if (!ms) return tl::unexpected(ms.error());
-        rows.push_back({name, std::to_string(vertices), reported("%.4f", *ms), reported("%.3g", 1e6 * *ms / std::max(1, vertices))});
+        rows.push_back({name, std::to_string(vertices), formatted("%.4f", *ms), formatted("%.3g", 1e6 * *ms / std::max(1, vertices))});
         return {};
     };
     const std::vector<std::string> titles = {"", "vertices", "ms per frame", "ns per vertex"};
@@ -186,19 +168,19 @@ Result<std::string> skinPart(const CharacterInput& character, const Progress& pr
         for (const auto& pose : poses) {
             take(pose.pose);
             const Quality q = qualityOf(body, at);
-            row.push_back(reported("%+.1f", 100.0 * q.volume));
-            row.push_back(reported("%.2f", q.worst));
+            row.push_back(formatted("%+.1f", 100.0 * q.volume));
+            row.push_back(formatted("%.2f", q.worst));
         }
     };
     for (std::size_t i = 0; i < skins.size(); ++i) {
         Skin& skin = skins[i].second;
-        rows.push_back({skins[i].first, reported("%.4f", ms[i]), reported("%.3f", 1e-6 * static_cast<double>(skin.bytes()))});
+        rows.push_back({skins[i].first, formatted("%.4f", ms[i]), formatted("%.3f", 1e-6 * static_cast<double>(skin.bytes()))});
         qualities(rows.back(), [&](const Pose& p) { skin.update(p); },
                   [&](std::int32_t v) -> Vec3 { return Eigen::Map<const Eigen::Vector3f>(skin.positions() + 3 * static_cast<std::ptrdiff_t>(v)).cast<double>(); });
     }
     double bytes = 0.0;
     for (std::size_t e = 0; e < character.elements.size(); ++e) bytes += static_cast<double>(own->memory(static_cast<int>(e)).response + own->memory(static_cast<int>(e)).surface);
-    rows.push_back({"this character, as it is set", reported("%.4f", ms.back()), reported("%.3f", 1e-6 * bytes)});
+    rows.push_back({"this character, as it is set", formatted("%.4f", ms.back()), formatted("%.3f", 1e-6 * bytes)});
     qualities(rows.back(), [&](const Pose& p) { own->update(p); },
               [&](std::int32_t v) -> Vec3 {
                   const auto e = static_cast<int>(std::upper_bound(body.first.begin(), body.first.end(), v) - body.first.begin()) - 1;
@@ -217,13 +199,13 @@ Result<std::string> previousPart(const Session& session, const Progress& progres
     std::vector<std::vector<std::string>> rows = {{"the paper's caterpillar", "proposed", "previous", "ratio"}};
     const Json &a = (*answer)["rows"][0], &b = (*answer)["rows"][1], &ratios = (*answer)["ratios"];
     const auto row = [&](const char* name, const char* key, const char* format, double unit) {
-        rows.push_back({name, reported(format, unit * a[key].get<double>()), reported(format, unit * b[key].get<double>()), reported("%.3g", ratios[key].get<double>())});
+        rows.push_back({name, formatted(format, unit * a[key].get<double>()), formatted(format, unit * b[key].get<double>()), formatted("%.3g", ratios[key].get<double>())});
     };
     row("matrices (MB)", "bytes", "%.3f", 1e-6);
     row("product (ms)", "product_ms", "%.4f", 1.0);
     row("frame (ms)", "frame_ms", "%.4f", 1.0);
     std::string out = "## Against the previous model\n\nFive elements, 1978 vertices, float, one thread, measured in turn. The error of the proposed model in its poses: relative " +
-                      reported("%.3g", (*answer)["error"]["relative"].get<double>()) + ", largest " + reported("%.3g", (*answer)["error"]["max_percent"].get<double>()) +
+                      formatted("%.3g", (*answer)["error"]["relative"].get<double>()) + ", largest " + formatted("%.3g", (*answer)["error"]["max_percent"].get<double>()) +
                       " % of the diagonal (poses that twist are beyond the basis \"paper\").\n\n" + table(rows);
     if (!empty) out += "The same for this character: the command \"paper\".\n\n";
     return out;
@@ -272,8 +254,8 @@ Result<std::string> finiteElementPart(const Session& session, const std::filesys
                 if (!held[static_cast<std::size_t>(v)]) wrong += miss;
             }
             const double diagonal = diagonalOf(rest);
-            rows.push_back({name, result["case"].get<std::string>(), reported("%.2f", result["nu"].get<double>()), reported("%.2f", 100.0 * std::sqrt(wrong / std::max(all, 1e-300))),
-                            reported("%.3f", 100.0 * std::sqrt(largest) / diagonal)});
+            rows.push_back({name, result["case"].get<std::string>(), formatted("%.2f", result["nu"].get<double>()), formatted("%.2f", 100.0 * std::sqrt(wrong / std::max(all, 1e-300))),
+                            formatted("%.3f", 100.0 * std::sqrt(largest) / diagonal)});
         }
     }
     return "## Against second-order finite elements\n\nSingle elements, statics, default solver mesh, basis \"affine\"; answers of other software from files (in the case asym relative to all "

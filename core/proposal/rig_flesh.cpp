@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <optional>
 #include <utility>
 
+#include "core/base/formatted.h"
 #include "core/mesh/triangle_tree.h"
 
 namespace imomushi {
@@ -132,11 +132,7 @@ void findCarriers(const Rig& rig, const TriangleMesh& body, RigFlesh& flesh) {
     }
 }
 
-std::string percent(double share) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.2g %%", 100.0 * share);
-    return text;
-}
+std::string percent(double share) { return formatted("%.2g %%", 100.0 * share); }
 
 }  // namespace
 
