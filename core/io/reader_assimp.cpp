@@ -67,7 +67,7 @@ Asset colladaAsset(std::string_view xml) {
     return asset;
 }
 
-class AssimpReader {
+class AssimpReader : SceneVertices {
 public:
     AssimpReader(const SourceFile& file, SceneUse use) : file_(file), use_(use), textures_(file, scene_) {}
 
@@ -367,22 +367,8 @@ private:
         }
         if (triangles_.empty()) return fail("empty-mesh", file_.quoted() + " has no triangles: choose a file with a mesh.");
         if (polygons_ > 0) tell(scene_, Severity::Info, "not-triangles", std::to_string(polygons_) + (polygons_ == 1 ? " polygon was" : " polygons were") + " cut into triangles.", polygons_);
-        if (linesAndPoints_ > 0) tell(scene_, Severity::Info, "not-a-surface", std::to_string(linesAndPoints_) + " lines and points left out.", linesAndPoints_);
-        if (morphsLeftOut_ > 0) tell(scene_, Severity::Info, "morph-targets", std::to_string(morphsLeftOut_) + " morph targets left out.", morphsLeftOut_);
-        if (badAttributes_ > 0) tell(scene_, Severity::Warning, "non-finite", std::to_string(badAttributes_) + " normals or texture coordinates not finite; they were replaced.", badAttributes_);
-        ElementMesh& mesh = scene_.surface.mesh;
-        const auto vertices = static_cast<Eigen::Index>(points_.size() / 3);
-        mesh.body.vertices = Eigen::Map<const Points>(points_.data(), vertices, 3);
-        mesh.body.triangles = Eigen::Map<const Triangles>(triangles_.data(), static_cast<Eigen::Index>(triangles_.size() / 3), 3);
-        RenderMesh& render = mesh.renderMesh;
-        if (!render.materials.empty()) render.material = std::move(material_);
-        if (anyNormals_ || anyUv_ || anyColors_) {
-            render.triangles = mesh.body.triangles;
-            for (Eigen::Index v = 0; v < vertices; ++v) render.bodyVertex.push_back(static_cast<std::int32_t>(v));
-            if (anyNormals_) render.normals = Eigen::Map<const decltype(render.normals)>(normals_.data(), vertices, 3);
-            if (anyUv_) render.texCoords = Eigen::Map<const decltype(render.texCoords)>(texCoords_.data(), vertices, 2);
-            if (anyColors_) render.colors = Eigen::Map<const decltype(render.colors)>(colors_.data(), vertices, 4);
-        }
+        if (!scene_.surface.mesh.renderMesh.materials.empty()) scene_.surface.mesh.renderMesh.material = std::move(material_);
+        putInto(scene_);
         return std::move(scene_);
     }
 
@@ -408,11 +394,7 @@ private:
     const aiNode* lastNode_ = nullptr;
     double removed_ = 1.0;
     std::vector<std::pair<std::string, int>> embedded_;
-    std::vector<double> points_;
-    std::vector<float> normals_, texCoords_, colors_;
-    std::vector<std::int32_t> triangles_, material_;
-    bool anyNormals_ = false, anyUv_ = false, anyColors_ = false;
-    std::size_t polygons_ = 0, linesAndPoints_ = 0, morphsLeftOut_ = 0, badAttributes_ = 0;
+    std::size_t polygons_ = 0;
 };
 
 }  // namespace

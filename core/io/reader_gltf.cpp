@@ -22,7 +22,7 @@ constexpr int kDeepest = 1000;        // nodes within nodes
 constexpr double kRounding = 1e-6;    // of a mesh's coordinates: joints that move a vertex by less leave it in its place, in single precision
 constexpr double kSameMatrix = 1e-6;  // joints that agree to this move a skin as one: its coordinates stay what the file says
 
-class GltfReader : GltfFileReader {
+class GltfReader : GltfFileReader, SceneVertices {
 public:
     GltfReader(const SourceFile& file, SceneUse use) : GltfFileReader(file), use_(use), textures_(file, scene_) {}
 
@@ -375,16 +375,9 @@ private:
             const bool rig = !list("skins").empty() || !list("nodes").empty();
             throw Refused{{"empty-mesh", file().quoted() + (rig && list("meshes").empty() ? " holds bones but no mesh" : " has no triangles") + ": choose a file with a mesh."}};
         }
-        if (linesAndPoints_ > 0) tell(scene_, Severity::Info, "not-a-surface", "Lines and points left out.", linesAndPoints_);
-        if (morphsLeftOut_ > 0) tell(scene_, Severity::Info, "morph-targets", "Morph targets left out.", morphsLeftOut_);
         if (use_ == SceneUse::Elements && (!list("skins").empty() || !list("animations").empty()))
             tell(scene_, Severity::Info, "bones", "Bones and animations of the file left out.", list("skins").size() + list("animations").size());
-        tellReplacedAttributes(scene_, badAttributes_);
-        ElementMesh& mesh = scene_.surface.mesh;
-        const auto vertices = static_cast<Eigen::Index>(points_.size() / 3);
-        mesh.body.vertices = Eigen::Map<const Points>(points_.data(), vertices, 3);
-        mesh.body.triangles = Eigen::Map<const Triangles>(triangles_.data(), static_cast<Eigen::Index>(triangles_.size() / 3), 3);
-        RenderMesh& render = mesh.renderMesh;
+        RenderMesh& render = scene_.surface.mesh.renderMesh;
         if (std::any_of(material_.begin(), material_.end(), [](std::int32_t m) { return m >= 0; })) {
             if (std::find(material_.begin(), material_.end(), -1) != material_.end()) {
                 std::replace(material_.begin(), material_.end(), -1, static_cast<std::int32_t>(render.materials.size()));
@@ -395,13 +388,7 @@ private:
             render.materials.clear();
             render.textures.clear();
         }
-        if (anyNormals_ || anyUv_ || anyColors_) {
-            render.triangles = mesh.body.triangles;
-            for (Eigen::Index v = 0; v < vertices; ++v) render.bodyVertex.push_back(static_cast<std::int32_t>(v));
-            if (anyNormals_) render.normals = Eigen::Map<const decltype(render.normals)>(normals_.data(), vertices, 3);
-            if (anyUv_) render.texCoords = Eigen::Map<const decltype(render.texCoords)>(texCoords_.data(), vertices, 2);
-            if (anyColors_) render.colors = Eigen::Map<const decltype(render.colors)>(colors_.data(), vertices, 4);
-        }
+        putInto(scene_);
         return std::move(scene_);
     }
 
@@ -424,11 +411,7 @@ private:
     std::map<std::pair<std::size_t, std::size_t>, int> unnamed_;  // by node and number
     std::map<std::size_t, std::vector<int>> targetsOf_;           // by node, of its mesh: of morphs_, -1: left out
     std::vector<int> rigNode_;          // of each node, its index in rig_; -1: not in the scene, or no bones are wanted
-    std::vector<double> points_;
-    std::vector<float> normals_, texCoords_, colors_;
-    std::vector<std::int32_t> triangles_, material_;
-    bool anyNormals_ = false, anyUv_ = false, anyColors_ = false;
-    std::size_t linesAndPoints_ = 0, morphsLeftOut_ = 0, badAttributes_ = 0, badJoints_ = 0;
+    std::size_t badJoints_ = 0;
 };
 
 }  // namespace

@@ -129,7 +129,7 @@ private:
             const double* c = *n == 6 ? x + 3 : x + 4;
             colors_.resize(points_.size(), 1.0f);
             for (int k = 0; k < 3; ++k) {
-                badColors_ += !std::isfinite(c[k]);
+                badAttributes_ += !std::isfinite(c[k]);
                 colors_[static_cast<std::size_t>(index) * 3 + static_cast<std::size_t>(k)] = linearFromSrgb(c[k]);
             }
         }
@@ -141,8 +141,8 @@ private:
         const auto n = numbers(line, x);
         if (!n) return tl::unexpected(n.error());
         if (*n < 1) return badFile(file_, number_, "a texture coordinate has no numbers.");
-        texCoords_.push_back(attributeOrZero(x[0], badTexCoords_));
-        texCoords_.push_back(1.0f - attributeOrZero(x[1], badTexCoords_));
+        texCoords_.push_back(attributeOrZero(x[0], badAttributes_));
+        texCoords_.push_back(1.0f - attributeOrZero(x[1], badAttributes_));
         return {};
     }
 
@@ -153,7 +153,7 @@ private:
         if (*n < 3) return badFile(file_, number_, "a normal needs three numbers and has " + std::to_string(*n) + ".");
         const double length = std::sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
         for (int k = 0; k < 3; ++k) normals_.push_back(std::isfinite(length) && length > 0.0 ? static_cast<float>(x[k] / length) : 0.0f);
-        badNormals_ += !std::isfinite(length);
+        badAttributes_ += !std::isfinite(length);
         return {};
     }
 
@@ -284,21 +284,19 @@ private:
     }
 
     Result<RawScene> finish() {
-        const auto count = [](std::size_t n, const char* one, const char* many) { return std::to_string(n) + " " + (n == 1 ? one : many); };
         if (faces_.empty()) {
             return fail("empty-mesh", file_.quoted() + " has no faces" +
                                           (curves_ > 0 ? ": it holds curved surfaces, which must be exported as polygons." : ": choose a file with a mesh."));
         }
-        if (polygons_ > 0) tell(scene_, Severity::Info, "not-triangles", count(polygons_, "polygon was", "polygons were") + " cut into triangles.", polygons_);
-        if (fewCorners_ > 0) tell(scene_, Severity::Info, "degenerate", count(fewCorners_, "face", "faces") + " with fewer than three corners left out.", fewCorners_);
-        if (linesAndPoints_ > 0) tell(scene_, Severity::Info, "not-a-surface", count(linesAndPoints_, "line or point", "lines and points") + " left out.", linesAndPoints_);
+        if (polygons_ > 0) tell(scene_, Severity::Info, "not-triangles", counted(polygons_, "polygon was", "polygons were") + " cut into triangles.", polygons_);
+        if (fewCorners_ > 0) tell(scene_, Severity::Info, "degenerate", counted(fewCorners_, "face", "faces") + " with fewer than three corners left out.", fewCorners_);
+        if (linesAndPoints_ > 0) tell(scene_, Severity::Info, "not-a-surface", counted(linesAndPoints_, "line or point", "lines and points") + " left out.", linesAndPoints_);
         if (curves_ > 0) tell(scene_, Severity::Warning, "not-a-surface", "Curved surfaces were left out: export them as polygons.", curves_);
         if (unknown_ > 0)
-            tell(scene_, Severity::Warning, "not-understood", count(unknown_, "line", "lines") + " not understood, the first is line " + std::to_string(firstUnknown_) + ".", unknown_);
+            tell(scene_, Severity::Warning, "not-understood", counted(unknown_, "line", "lines") + " not understood, the first is line " + std::to_string(firstUnknown_) + ".", unknown_);
         if (missingAttributes_ > 0)
-            tell(scene_, Severity::Warning, "bad-index", count(missingAttributes_, "corner refers", "corners refer") + " to texture coordinates or normals that do not exist; they were left out.", missingAttributes_);
-        if (badColors_ + badTexCoords_ + badNormals_ > 0)
-            tell(scene_, Severity::Warning, "non-finite", count(badColors_ + badTexCoords_ + badNormals_, "number", "numbers") + " in colours, texture coordinates or normals not finite; they were replaced.", badColors_ + badTexCoords_ + badNormals_);
+            tell(scene_, Severity::Warning, "bad-index", counted(missingAttributes_, "corner refers", "corners refer") + " to texture coordinates or normals that do not exist; they were left out.", missingAttributes_);
+        tellReplacedAttributes(scene_, badAttributes_);
 
         ElementMesh& mesh = scene_.surface.mesh;
         const auto vertices = static_cast<Eigen::Index>(points_.size() / 3);
@@ -373,7 +371,7 @@ private:
     std::vector<std::int32_t> positions_;
     std::vector<std::array<std::int32_t, 3>> cut_;
     std::size_t polygons_ = 0, fewCorners_ = 0, linesAndPoints_ = 0, curves_ = 0, unknown_ = 0, firstUnknown_ = 0;
-    std::size_t missingAttributes_ = 0, badColors_ = 0, badTexCoords_ = 0, badNormals_ = 0;
+    std::size_t missingAttributes_ = 0, badAttributes_ = 0;
 };
 
 }  // namespace

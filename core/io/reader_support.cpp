@@ -56,14 +56,25 @@ void tellReplacedAttributes(RawScene& scene, std::size_t count) {
         tell(scene, Severity::Warning, "non-finite", std::to_string(count) + " numbers in colours, texture coordinates or normals not finite; they were replaced.", count);
 }
 
+void SceneVertices::putInto(RawScene& scene) const {
+    if (linesAndPoints_ > 0) tell(scene, Severity::Info, "not-a-surface", std::to_string(linesAndPoints_) + " lines and points left out.", linesAndPoints_);
+    if (morphsLeftOut_ > 0) tell(scene, Severity::Info, "morph-targets", std::to_string(morphsLeftOut_) + " morph targets left out.", morphsLeftOut_);
+    tellReplacedAttributes(scene, badAttributes_);
+    ElementMesh& mesh = scene.surface.mesh;
+    const auto vertices = static_cast<Eigen::Index>(points_.size() / 3);
+    mesh.body.vertices = Eigen::Map<const Points>(points_.data(), vertices, 3);
+    mesh.body.triangles = Eigen::Map<const Triangles>(triangles_.data(), static_cast<Eigen::Index>(triangles_.size() / 3), 3);
+    if (!anyNormals_ && !anyUv_ && !anyColors_) return;
+    RenderMesh& render = mesh.renderMesh;
+    render.triangles = mesh.body.triangles;
+    for (Eigen::Index v = 0; v < vertices; ++v) render.bodyVertex.push_back(static_cast<std::int32_t>(v));
+    if (anyNormals_) render.normals = Eigen::Map<const decltype(render.normals)>(normals_.data(), vertices, 3);
+    if (anyUv_) render.texCoords = Eigen::Map<const decltype(render.texCoords)>(texCoords_.data(), vertices, 2);
+    if (anyColors_) render.colors = Eigen::Map<const decltype(render.colors)>(colors_.data(), vertices, 4);
+}
+
 void tell(RawScene& scene, Severity severity, const char* code, std::string text, std::size_t count, bool fixed) {
-    MeshIssue issue;
-    issue.severity = severity;
-    issue.code = code;
-    issue.text = std::move(text);
-    issue.count = static_cast<int>(std::min<std::size_t>(count, 1U << 30));
-    issue.fixed = fixed;
-    scene.issues.push_back(std::move(issue));
+    scene.issues.push_back({severity, code, std::move(text), static_cast<int>(std::min<std::size_t>(count, 1U << 30)), fixed, {}, {}});
 }
 
 bool parseNumber(std::string_view token, double& value) {

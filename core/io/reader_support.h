@@ -49,6 +49,19 @@ bool parseNumber(std::string_view token, double& value);
 void triangulatePolygon(const std::vector<double>& points, const std::vector<std::int32_t>& corners,
                         std::vector<std::array<std::int32_t, 3>>& triangles);
 
+/// What the readers of scenes (glTF, FBX, COLLADA) collect of all meshes, one vertex after the other; one without an attribute has a filler.
+class SceneVertices {
+protected:
+    /// Tells what was left out or replaced. `material_` is left to the reader.
+    void putInto(RawScene& scene) const;
+
+    std::vector<double> points_;
+    std::vector<float> normals_, texCoords_, colors_;
+    std::vector<std::int32_t> triangles_, material_;
+    bool anyNormals_ = false, anyUv_ = false, anyColors_ = false;
+    std::size_t linesAndPoints_ = 0, morphsLeftOut_ = 0, badAttributes_ = 0;
+};
+
 /// Pictures that a file names are read from beside it.
 class TextureLoader {
 public:
