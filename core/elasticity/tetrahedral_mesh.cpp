@@ -239,18 +239,9 @@ double TetrahedronSizes::at(const Vec3& p) const {
     return least;
 }
 
-template <class Archive>
-void members(Archive& archive, TetrahedronSizes::Point& p) {
-    archive(p.place, p.size);
-}
-template <class Archive>
-void members(Archive& archive, TetrahedronSizes& s) {
-    archive(s.points, s.growth, s.most);
-}
-template <class Archive>
-void members(Archive& archive, TetrahedralMesh& m) {
-    archive(m.vertices, m.tetrahedra);
-}
+void members(auto& archive, TetrahedronSizes::Point& p) { archive(p.place, p.size); }
+void members(auto& archive, TetrahedronSizes& s) { archive(s.points, s.growth, s.most); }
+void members(auto& archive, TetrahedralMesh& m) { archive(m.vertices, m.tetrahedra); }
 bool sound(const TetrahedralMesh& m) {
     return m.tetrahedra.size() == 0 || (m.tetrahedra.minCoeff() >= 0 && m.tetrahedra.maxCoeff() < m.vertices.rows());
 }

@@ -10,36 +10,16 @@ namespace imomushi {
 
 constexpr Proposal::Source lastOf(Proposal::Source) { return Proposal::Source::Skeleton; }
 
-template <class Archive>
-void members(Archive& archive, ModelPart& p) {
-    archive(p.part, p.shell);
-}
-template <class Archive>
-void members(Archive& archive, ProposedCut& c) {
-    archive(c.name, c.piece, c.plane);
-}
-template <class Archive>
-void members(Archive& archive, ProposedBone& b) {
+void members(auto& archive, ModelPart& p) { archive(p.part, p.shell); }
+void members(auto& archive, ProposedCut& c) { archive(c.name, c.piece, c.plane); }
+void members(auto& archive, ProposedBone& b) {
     archive(b.name, b.parent, b.start, b.end, b.fromParentStart, b.piece, b.startCut, b.endCut, b.joint);
 }
-template <class Archive>
-void members(Archive& archive, ProposedPin& p) {
-    archive(p.bone, p.atEnd);
-}
-template <class Archive>
-void members(Archive& archive, ProposedHandle& h) {
-    archive(h.name, h.point, h.radius, h.pinned);
-}
-template <class Archive>
-void members(Archive& archive, ProposedPart& p) {
-    archive(p.part, p.pivot);
-}
-template <class Archive>
-void members(Archive& archive, ProposedMerge& m) {
-    archive(m.what, m.into, m.share, m.why);
-}
-template <class Archive>
-void members(Archive& archive, Proposal& p) {
+void members(auto& archive, ProposedPin& p) { archive(p.bone, p.atEnd); }
+void members(auto& archive, ProposedHandle& h) { archive(h.name, h.point, h.radius, h.pinned); }
+void members(auto& archive, ProposedPart& p) { archive(p.part, p.pivot); }
+void members(auto& archive, ProposedMerge& m) { archive(m.what, m.into, m.share, m.why); }
+void members(auto& archive, Proposal& p) {
     archive(p.from, p.root, p.cuts, p.bones, p.pins, p.handles, p.parts, p.merged, p.share, p.notes, p.symmetry);
 }
 

@@ -18,7 +18,7 @@
 #include "core/worker/bytes.h"
 
 // Values in messages. A struct of ours becomes one by a function that lists its members, found where the struct is:
-//     template <class Archive> void members(Archive& archive, BodySetting& s) { archive(s.how, s.detail); }
+//     void members(auto& archive, BodySetting& s) { archive(s.how, s.detail); }
 // and where there is a function sound() of it, too, what is read must pass it. Of an enumeration lastOf(value) says which values there are. Texts are UTF-8.
 namespace imomushi {
 
@@ -38,10 +38,7 @@ inline constexpr bool kIsExpected = false;
 template <class T, class E>
 inline constexpr bool kIsExpected<tl::expected<T, E>> = true;
 
-template <class Archive>
-void members(Archive& archive, Error& e) {
-    archive(e.code, e.message);
-}
+void members(auto& archive, Error& e) { archive(e.code, e.message); }
 
 /// Writes values one after the other.
 class MessageOut {

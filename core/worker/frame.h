@@ -35,14 +35,8 @@ struct Request {
     std::vector<std::string> leftOut;
     std::vector<RequestArgument> arguments;
 };
-template <class Archive>
-void members(Archive& archive, RequestArgument& a) {
-    archive(a.high, a.low, a.bytes);
-}
-template <class Archive>
-void members(Archive& archive, Request& r) {
-    archive(r.operation, r.leftOut, r.arguments);
-}
+void members(auto& archive, RequestArgument& a) { archive(a.high, a.low, a.bytes); }
+void members(auto& archive, Request& r) { archive(r.operation, r.leftOut, r.arguments); }
 
 /// Set in a worker's environment: a worker never starts another one.
 inline constexpr const char* kWorkerMark = "IMOMUSHI_WORKER";

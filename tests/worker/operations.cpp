@@ -11,10 +11,7 @@
 
 namespace imomushi {
 
-template <class Archive>
-void members(Archive& archive, Stepped& s) {
-    archive(s.sum, s.leftOut);
-}
+void members(auto& archive, Stepped& s) { archive(s.sum, s.leftOut); }
 
 namespace {
 
